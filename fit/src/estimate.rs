@@ -4,7 +4,7 @@ use std::fmt;
 
 use baudbot_fields::printable::Printable;
 
-use crate::search::{Best, Interval, Scale, Search};
+use crate::search::{Best, Interval, Scale, Search, Unknown};
 
 /// What is known of one number after a fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,20 @@ pub enum Outcome {
     Estimate(Estimate),
     /// It does not.
     CannotTell(Reason),
+}
+
+impl Outcome {
+    /// With an interval that reaches so much farther, but not below 0.
+    pub(crate) fn wider(self, by: f64) -> Self {
+        match self {
+            Self::Estimate(one) => Self::Estimate(Estimate {
+                low: (one.low - by).max(one.low.min(0.0)),
+                high: one.high + by,
+                ..one
+            }),
+            Self::CannotTell(reason) => Self::CannotTell(reason),
+        }
+    }
 }
 
 /// A number with its interval, in the unit of its field.
@@ -53,8 +67,16 @@ pub enum Reason {
     Excitation { what: String },
     /// All values from one to the other explain the log about as well.
     Flat { low: f64, high: f64 },
+    /// The values reach the end of what is tried.
+    AtEnd { low: f64, high: f64 },
     /// Another number can make up for it.
     Confounded { with: String },
+    /// No frames of a bus show in the echoes.
+    NoFrames { what: String },
+    /// Stamps are too coarse.
+    Coarse { step_us: f64, frame_us: f64 },
+    /// The model does not describe what happened.
+    Misfit { what: String },
 }
 
 impl fmt::Display for Reason {
@@ -71,9 +93,85 @@ impl fmt::Display for Reason {
                 significant(*low),
                 significant(*high)
             ),
+            Self::AtEnd { low, high } => format!(
+                "its interval, {} to {}, reaches the end of what is tried",
+                significant(*low),
+                significant(*high)
+            ),
             Self::Confounded { with } => {
                 format!("confounded with {with}, which can make up for it in this log")
             }
+            Self::NoFrames { what } => format!("no frames of the bus are found in this log: {what}"),
+            Self::Coarse { step_us, frame_us } => format!(
+                "all times are multiples of {} us, and a frame has {} us; log finer times",
+                significant(*step_us),
+                significant(*frame_us)
+            ),
+            Self::Misfit { what } => format!("the log does not fit the model: {what}"),
+        };
+        write!(f, "{}", Printable(text))
+    }
+}
+
+/// What is said besides of a fit.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs, reason = "the messages say it")]
+pub enum Remark {
+    /// The baud rate is that of the scenario.
+    Baud { baud: f64 },
+    /// All times are multiples of this.
+    Stamps { step_us: f64 },
+    /// The phase of the frames leaps.
+    Leap { line: u64, leap_us: f64 },
+    /// There are more leaps than are listed.
+    MoreLeaps { more: usize },
+    /// The phase of the frames wanders about its line.
+    Wanders { by_us: f64 },
+    /// Echoes that nothing explains.
+    Strays { echoes: usize, of: usize },
+    /// What is behind the boundaries is not uniform.
+    Shape,
+    /// Of two numbers that make up for each other one is that of the scenario.
+    Kept { field: &'static str, value: f64, tells: &'static str },
+    /// What is left between log and model.
+    Rest { of: &'static str, rms: f64, unit: &'static str, explained: f64 },
+    /// The two motions ask for different lags.
+    Lags { ahead_ms: f64, turning_ms: f64 },
+    /// Part of a long log was looked at.
+    Sampled { used: usize, of: usize },
+}
+
+impl fmt::Display for Remark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = match self {
+            Self::Baud { baud } => format!("no line `# baud: ...`; taken to be {baud}, as in the scenario"),
+            Self::Stamps { step_us } => format!("all times are multiples of {} us", significant(*step_us)),
+            Self::Leap { line, leap_us } => format!(
+                "line {line}: the phase of the frames leaps by {} us, as if a clock was set; each side has a phase of its own",
+                significant(*leap_us)
+            ),
+            Self::MoreLeaps { more } => format!("{more} more leaps of the frames' phase"),
+            Self::Wanders { by_us } => {
+                format!("the phase of the frames wanders by {} us, and is followed", significant(*by_us))
+            }
+            Self::Strays { echoes, of } => format!("{echoes} of {of} echoes come at no boundary, and are left out"),
+            Self::Shape => "the jitter is not uniform: `jitter_us` has the same scatter, and its interval is from twice the \
+                            distance of the quartiles to the range of 99 %"
+                .to_owned(),
+            Self::Kept { field, value, tells } => {
+                format!("`{field}` and `{tells}` make up for each other; `{tells}` is told for `{field}` = {value}, as in the scenario")
+            }
+            Self::Rest { of, rms, unit, explained } => format!(
+                "{of}: what is left is {} {unit} (RMS); the model explains {} % of the variance",
+                digits(*rms, 3),
+                digits(100.0 * explained, 4)
+            ),
+            Self::Lags { ahead_ms, turning_ms } => format!(
+                "the motion ahead asks for a lag of {} ms, and turning for {} ms, by the scenario's mass and inertia; one number is between them",
+                digits(*ahead_ms, 3),
+                digits(*turning_ms, 3)
+            ),
+            Self::Sampled { used, of } => format!("{used} of {of} rows are looked at, in stretches over the whole log"),
         };
         write!(f, "{}", Printable(text))
     }
@@ -115,6 +213,15 @@ pub struct Fitted {
     pub findings: Vec<Finding>,
     /// The differences that are left.
     pub residuals: Vec<Residuals>,
+    /// What is said besides.
+    pub remarks: Vec<Remark>,
+}
+
+impl Fitted {
+    /// Findings, and nothing else.
+    pub(crate) fn only(findings: Vec<Finding>) -> Self {
+        Self { findings, ..Self::default() }
+    }
 }
 
 /// The finding of one number of a search; `names` are those of all its numbers, and `unit` is how much of the number's
@@ -128,7 +235,7 @@ pub(crate) fn found(
     let interval = search.interval(best, i);
     let unknown = &search.unknowns[i];
     let lost = match unknown.scale {
-        Scale::Linear => (interval.open_low && interval.open_high) || interval.share(unknown) > MOST_SHARE,
+        Scale::Linear => reaches_end(&interval, unknown) || interval.share(unknown) > MOST_SHARE,
         Scale::Log => interval.open_high,
         Scale::Positive => {
             interval.open_low || interval.open_high || interval.high > MOST_RATIO * interval.low
@@ -151,8 +258,16 @@ fn lost_by(search: &Search<'_>, interval: &Interval, (i, names): (usize, &[Strin
         Some((partner, moved)) if moved > 0.3 * interval.share(unknown).max(0.1) && partner < names.len() => {
             Reason::Confounded { with: names[partner].clone() }
         }
+        Some(_) | None if unknown.scale == Scale::Linear && interval.share(unknown) <= MOST_SHARE => {
+            Reason::AtEnd { low, high }
+        }
         Some(_) | None => Reason::Flat { low, high },
     }
+}
+
+/// Whether an interval reaches an end that is none of the number itself: nothing is less than 0.
+fn reaches_end(interval: &Interval, unknown: &Unknown) -> bool {
+    interval.open_high || (interval.open_low && unknown.from != 0.0)
 }
 
 /// An interval that is wider than this share of what is tried tells nothing.

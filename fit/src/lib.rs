@@ -34,6 +34,7 @@ pub fn fit(robot: Robot<'_>, log: &Log, wanted: &[Field]) -> Fitted {
     let mut take = |fitted: Fitted| {
         all.findings.extend(fitted.findings);
         all.residuals.extend(fitted.residuals);
+        all.remarks.extend(fitted.remarks);
     };
     for (part, fields) in parts(&robot, log, wanted) {
         let case = Case { robot, log, wanted: &fields };
@@ -141,7 +142,7 @@ fn link(case: &Case<'_>) -> Fitted {
         Link::Uart(uart) => uart,
         Link::Ideal | Link::Onboard | Link::Usb(_) => {
             let reason = Reason::Columns { needs: "adapter: the scenario's link is no UART".into() };
-            return Fitted { findings: case.none(&reason), residuals: Vec::new() };
+            return Fitted::only(case.none(&reason));
         }
     };
     match &uart.adapter {

@@ -35,7 +35,7 @@ impl Noise {
     }
 
     /// How probable a smaller difference is.
-    fn distribution(&self, x: f64) -> f64 {
+    pub(crate) fn distribution(&self, x: f64) -> f64 {
         let (w, s) = (self.half_width, self.sigma.max(1e-12));
         if w < NEGLIGIBLE * s {
             return cumulative(x / s);
@@ -137,9 +137,52 @@ pub(crate) fn unwrapped(angles: &[f64]) -> Vec<f64> {
     angles.iter().map(step).collect()
 }
 
+/// The greatest common step of some stamps, in their unit: the largest round number, of 1 / 10 / 100 and the parts of it that
+/// clocks have, of which all are multiples. Stamps that are multiples of nothing have that of their floating point.
+pub(crate) fn common_step(stamps: &[f64]) -> f64 {
+    let stride = stamps.len().div_ceil(MOST_STAMPS).max(1);
+    let first = stamps.first().copied().unwrap_or_default();
+    let ways: Vec<f64> = stamps.iter().step_by(stride).map(|stamp| stamp - first).collect();
+    let rounding = 4.0 * f64::EPSILON * stamps.iter().fold(0.0, |most: f64, stamp| most.max(stamp.abs()));
+    let divides = |step: f64| {
+        let off = |way: &f64| (way - (way / step).round() * step).abs();
+        ways.iter().all(|way| off(way) < (1e-3 * step).max(rounding))
+    };
+    for power in 0..9 {
+        for part in PARTS {
+            let step = part * 0.1 / 10.0_f64.powi(power);
+            if step < 20.0 * rounding {
+                return rounding;
+            }
+            if divides(step) {
+                return step;
+            }
+        }
+    }
+    rounding
+}
+
+const MOST_STAMPS: usize = 4000;
+
+/// Of microcontrollers and operating systems: 4 and 8 us of timers, 15.625 ms of a tick in 64 of a second.
+const PARTS: [f64; 8] = [1.0, 0.8, 0.5, 0.4, 0.25, 0.2, 0.15625, 0.125];
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn steps_of_stamps_are_found() {
+        for (step, epoch) in
+            [(1e-3, 0.0), (1e-6, 0.0), (4e-6, 0.0), (15.625e-3, 0.0), (1e-3, 1.7e9), (1e-4, 1.7e9)]
+        {
+            let stamps: Vec<f64> = (0..500).map(|i| epoch + f64::from(i * i % 7919) * step).collect();
+            let found = common_step(&stamps);
+            assert!((found / step - 1.0).abs() < 1e-9, "{step} {epoch}: {found}");
+        }
+        let any: Vec<f64> = (0..500).map(|i| f64::from(i).sqrt()).collect();
+        assert!(common_step(&any) < 1e-9);
+    }
 
     #[test]
     fn densities_integrate_to_1() {

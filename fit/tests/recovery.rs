@@ -6,6 +6,7 @@ mod recovery {
     mod compasses;
     mod curves;
     mod echoes;
+    mod misfits;
     mod motors;
     mod odometers;
 }

@@ -1,6 +1,6 @@
 //! What was found, as TOML for a scenario and as JSON.
 
-use baudbot_fit::estimate::{Estimate, Finding, Fitted, Outcome, digits};
+use baudbot_fit::estimate::{Estimate, Finding, Fitted, Outcome, Remark, digits};
 use baudbot_fit::fields::catalogue;
 use baudbot_fit::log::{Log, Quantity};
 use serde_json::{Value, json};
@@ -19,6 +19,7 @@ pub(super) struct Report<'a> {
     subject: &'a Subject,
     log: &'a Log,
     lines: Vec<Line<'a>>,
+    remarks: &'a [Remark],
 }
 
 impl<'a> Report<'a> {
@@ -33,12 +34,15 @@ impl<'a> Report<'a> {
             };
             Line { finding, setting }
         };
-        Self { subject, log, lines: fitted.findings.iter().map(line).collect() }
+        Self { subject, log, lines: fitted.findings.iter().map(line).collect(), remarks: &fitted.remarks }
     }
 
     pub(super) fn toml(&self) -> String {
         let rows = self.log.len();
         let mut text = format!("# {}, {rows} rows, {}; 95 % intervals\n", self.log.file, self.subject.label);
+        for remark in self.remarks {
+            text += &format!("# note: {remark}\n");
+        }
         for line in &self.lines {
             text += &line.toml();
             text.push('\n');
@@ -53,6 +57,7 @@ impl<'a> Report<'a> {
             "rows": self.log.len(),
             "of": self.subject.label,
             "numbers": lines.collect::<Value>(),
+            "notes": self.remarks.iter().map(ToString::to_string).collect::<Value>(),
             "warnings": self.log.warnings.iter().map(ToString::to_string).collect::<Value>(),
         })
     }

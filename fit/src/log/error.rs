@@ -116,6 +116,8 @@ pub enum Warning {
     Ignored { columns: Vec<String> },
     /// Cells are empty.
     Missing { column: String, cells: usize, line: u64 },
+    /// Headings that are more than a turn, as degrees are.
+    Degrees { line: u64, heading: f64 },
 }
 
 impl fmt::Display for Warning {
@@ -134,6 +136,9 @@ impl fmt::Display for Warning {
             Self::Missing { column, cells, line } => {
                 format!("line {line}: {cells} cells of `{column}` are empty and are left out")
             }
+            Self::Degrees { line, heading } => format!(
+                "line {line}: a heading of {heading:.4} rad is more than a turn; if these are degrees, name the column `heading_deg`"
+            ),
         };
         write!(f, "{}", Printable(text))
     }

@@ -267,6 +267,13 @@ fn warnings(header: &Header) -> Vec<Warning> {
     if !header.ignored.is_empty() {
         warnings.push(Warning::Ignored { columns: header.ignored.clone() });
     }
+    let is_heading =
+        |column: &&Column| matches!(column.name, Name::Of(Quantity::Heading, unit) if unit.si == 1.0);
+    if let Some(column) = header.columns.iter().find(is_heading) {
+        let row = column.values.iter().position(|heading| heading.abs() > std::f64::consts::TAU);
+        warnings
+            .extend(row.map(|row| Warning::Degrees { line: header.lines[row], heading: column.values[row] }));
+    }
     for column in &header.columns {
         let missing = |values: &[f64]| values.iter().filter(|value| value.is_nan()).count();
         let first = column.values.iter().position(|value| value.is_nan());

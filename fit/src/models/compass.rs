@@ -36,7 +36,7 @@ type Numbers = [f64; 8];
 pub(crate) fn fit(case: &Case<'_>, sensor: usize) -> Fitted {
     match Rows::new(case, sensor) {
         Ok(rows) => rows.fit(case),
-        Err(reason) => Fitted { findings: case.none(&reason), residuals: Vec::new() },
+        Err(reason) => Fitted::only(case.none(&reason)),
     }
 }
 
@@ -122,7 +122,7 @@ impl<'a> Rows<'a> {
             is_field: false,
             outcome,
         });
-        Fitted { findings, residuals: vec![self.residuals(all(&best.values))] }
+        Fitted { findings, residuals: vec![self.residuals(all(&best.values))], ..Fitted::default() }
     }
 
     fn preset(&self) -> Numbers {

@@ -1,15 +1,19 @@
 //! The models: each says how likely a log is for some numbers.
 
+mod bus;
 mod commands;
 pub(crate) mod compass;
 pub(crate) mod curve;
 pub(crate) mod echo;
+mod jitter;
+mod judged;
 pub(crate) mod motion;
 pub(crate) mod radio;
 pub(crate) mod response;
 pub(crate) mod specimens;
 pub(crate) mod travel;
 mod uneven;
+mod whole;
 
 use baudbot_sim::model::RobotModel;
 

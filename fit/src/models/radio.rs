@@ -18,7 +18,7 @@ pub(crate) fn fit(case: &Case<'_>, uart: &Uart, radio: &Bluetooth) -> Fitted {
         Ok(echoes) => {
             Radio { passes: if echoes.bytes > 1.0 { 3 } else { 2 }, echoes, radio: *radio }.fit(case)
         }
-        Err(reason) => Fitted { findings: case.none(&reason), residuals: Vec::new() },
+        Err(reason) => Fitted::only(case.none(&reason)),
     }
 }
 
@@ -80,7 +80,7 @@ impl Radio {
             unit: "ms".into(),
             points: points.collect(),
         };
-        Fitted { findings, residuals: vec![residuals] }
+        Fitted { findings, residuals: vec![residuals], remarks: self.echoes.remarks.clone() }
     }
 
     fn outcome(&self, search: &Search<'_>, best: &mut Best, place: usize, names: &[String]) -> Outcome {

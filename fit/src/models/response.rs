@@ -40,10 +40,10 @@ pub(crate) fn fit(case: &Case<'_>) -> Fitted {
     match Motion::of(case) {
         Ok(motion) if !motion.is_driven() => {
             let reason = Reason::Excitation { what: "all commands are 0".into() };
-            Fitted { findings: case.none(&reason), residuals: Vec::new() }
+            Fitted::only(case.none(&reason))
         }
         Ok(motion) => Response::new(case, motion).fit(case),
-        Err(reason) => Fitted { findings: case.none(&reason), residuals: Vec::new() },
+        Err(reason) => Fitted::only(case.none(&reason)),
     }
 }
 
@@ -154,7 +154,7 @@ impl<'a> Response<'a> {
         (0..2).map(|channel| self.channel_cost(&modelled, channel, values)).sum()
     }
 
-    fn channel_cost(&self, modelled: &[Vec<[f64; 2]>], channel: usize, values: &[f64]) -> f64 {
+    pub(super) fn channel_cost(&self, modelled: &[Vec<[f64; 2]>], channel: usize, values: &[f64]) -> f64 {
         let of = |(segment, modelled): (&Segment, &Vec<[f64; 2]>)| {
             let (mut times, mut turns) = (Vec::with_capacity(modelled.len()), Vec::new());
             let mut heading = f64::NAN;
@@ -190,9 +190,20 @@ impl<'a> Response<'a> {
         let search = Search { unknowns, cost: &cost };
         let mut best = search.best(&self.starts(&search));
         let names: Vec<_> = self.numbers.iter().map(|number| self.name(*number)).collect();
-        let mut fitted = Fitted::default();
+        let judged = self.judge(&best.values);
+        if let Some(reason) = judged.reason {
+            let residuals = self.residuals(&best.values);
+            return Fitted { findings: case.none(&reason), residuals, remarks: judged.remarks };
+        }
+        let mut fitted = Fitted { remarks: judged.remarks, ..Fitted::default() };
+        let place = self.numbers.iter().position(|number| *number == Number::Lag);
+        let apart = place.and_then(|place| self.apart(&search, &best, place));
+        fitted.remarks.extend(apart.as_ref().map(|apart| apart.remark.clone()));
         for field in case.wanted {
-            let outcome = self.outcome(case, *field, &search, &mut best, &names);
+            let mut outcome = self.outcome(case, *field, &search, &mut best, &names);
+            if let Some(apart) = &apart {
+                outcome = apart.widened(*field, outcome);
+            }
             if let (Field::Motors(MotorField::Gain), Outcome::Estimate(gain)) = (field, &outcome) {
                 fitted.findings.push(self.lag(gain));
             }
@@ -235,7 +246,10 @@ impl<'a> Response<'a> {
         if self.motion.changes() == 0 && matches!(number, Number::DeadTime | Number::Lag) {
             return Outcome::CannotTell(Reason::Excitation { what: "the command never changes".into() });
         }
-        found(search, best, (place, names), unit)
+        let outcome = found(search, best, (place, names), unit);
+        // The robot obeys at ticks: so much finer a dead time cannot be told.
+        let half = if number == Number::DeadTime { 0.5 * self.robot.tick_s / unit } else { 0.0 };
+        outcome.wider(half)
     }
 
     fn unknown(&self, number: Number) -> Unknown {
@@ -321,16 +335,21 @@ impl<'a> Response<'a> {
         if ratio.is_finite() { ratio.clamp(0.11, 9.0) } else { 1.0 }
     }
 
+    /// The lag in ms of a gain, or of a servo's lag.
+    pub(super) fn lag_ms(&self, number: f64) -> f64 {
+        let drive = &self.robot.model.drive;
+        match &drive.motor {
+            Motors::Servo(_) => 1e3 * number,
+            Motors::Velocity(_) | Motors::Dc(_) | Motors::Stepper(_) => {
+                1e3 * drive.mass_kg / (2.0 * drive.forward_gain * number)
+            }
+        }
+    }
+
     /// M / (2 A K), which shrinks as the gain grows.
     fn lag(&self, gain: &Estimate) -> Finding {
-        let drive = &self.robot.model.drive;
-        let lag_ms = |gain: f64| 1e3 * drive.mass_kg / (2.0 * drive.forward_gain * gain);
-        let lag = Estimate {
-            value: lag_ms(gain.value),
-            low: lag_ms(gain.high),
-            high: lag_ms(gain.low),
-            whole: false,
-        };
+        let [value, low, high] = [gain.value, gain.high, gain.low].map(|gain| self.lag_ms(gain));
+        let lag = Estimate { value, low, high, whole: false };
         Finding { path: "lag of the motors, in ms".into(), is_field: false, outcome: Outcome::Estimate(lag) }
     }
 

@@ -25,7 +25,7 @@ use crate::statistics::Walk;
 pub(crate) fn odometer(case: &Case<'_>, sensor: usize) -> Fitted {
     match Odometry::of(case, sensor) {
         Ok(odometry) => odometry.fit(case),
-        Err(reason) => Fitted { findings: case.none(&reason), residuals: Vec::new() },
+        Err(reason) => Fitted::only(case.none(&reason)),
     }
 }
 
@@ -91,7 +91,7 @@ impl Odometry {
             ["`sigma_m`", "noise of the true position", "noise of the true heading"].map(str::to_owned);
         let outcome = found(&search, &mut best, (0, &names), 1.0);
         let findings = case.wanted.iter().map(|field| case.finding(*field, outcome.clone()));
-        Fitted { findings: findings.collect(), residuals: self.residuals() }
+        Fitted { findings: findings.collect(), residuals: self.residuals(), ..Fitted::default() }
     }
 
     /// −log L of σ, and the noise of true positions and headings.
@@ -124,12 +124,12 @@ impl Odometry {
 pub(crate) fn wheels(case: &Case<'_>) -> Fitted {
     let Some((pose, wheels)) = Pose::of(case).zip(Wheels::of(case)) else {
         let needs = format!("{POSES} beside counts of the wheels");
-        return Fitted { findings: case.none(&Reason::Columns { needs }), residuals: Vec::new() };
+        return Fitted::only(case.none(&Reason::Columns { needs }));
     };
     let rolled = Rolled::new(case, &pose.along(), &wheels);
     match rolled.enough() {
         Ok(()) => rolled.fit(case),
-        Err(reason) => Fitted { findings: case.none(&reason), residuals: Vec::new() },
+        Err(reason) => Fitted::only(case.none(&reason)),
     }
 }
 
@@ -253,7 +253,7 @@ impl Rolled {
             findings.push(case.finding(Field::Body(field), outcome));
         }
         let factors = [best.values[0], best.values[0] / best.values[1]];
-        Fitted { findings, residuals: self.residuals(factors) }
+        Fitted { findings, residuals: self.residuals(factors), ..Fitted::default() }
     }
 
     /// The slope of the truth over the turns, by ordinary least squares of their steps over many rows.
@@ -298,7 +298,7 @@ fn turns(headings: &[f64]) -> Vec<f64> {
 
 /// Fits the share of marks that encoders lose.
 pub(crate) fn losses(case: &Case<'_>, sensor: usize) -> Fitted {
-    Fitted { findings: case.none_or(loss(case, sensor)), residuals: Vec::new() }
+    Fitted::only(case.none_or(loss(case, sensor)))
 }
 
 fn loss(case: &Case<'_>, sensor: usize) -> Result<Outcome, Reason> {

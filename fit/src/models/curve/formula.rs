@@ -93,7 +93,7 @@ impl Rows<'_> {
         });
         let [c1_m2, c2, ..] = all(&best.values);
         let residuals = self.residuals(&self.expected(c1_m2, c2));
-        Ok(Fitted { findings, residuals: vec![residuals] })
+        Ok(Fitted { findings, residuals: vec![residuals], ..Fitted::default() })
     }
 
     /// The numbers of the scenario.

@@ -18,7 +18,7 @@ pub(crate) fn fit(case: &Case<'_>) -> Fitted {
         InfraredModel::Lookup(lookup) => rows.fit_table(case, lookup),
         InfraredModel::Ambient { .. } => Err(Reason::Columns { needs: "lit IR sensor".into() }),
     });
-    fitted.unwrap_or_else(|reason| Fitted { findings: case.none(&reason), residuals: Vec::new() })
+    fitted.unwrap_or_else(|reason| Fitted::only(case.none(&reason)))
 }
 
 /// Whether two sensors are specimens of one kind, wherever they sit.

@@ -118,7 +118,7 @@ impl Rows<'_> {
             None => Outcome::CannotTell(Reason::Specimens { there_are: self.specimens.len() }),
         });
         let means: Vec<f64> = table.iter().map(|(mean, _)| *mean).collect();
-        Ok(Fitted { findings, residuals: vec![self.residuals(&means)] })
+        Ok(Fitted { findings, residuals: vec![self.residuals(&means)], ..Fitted::default() })
     }
 
     /// Mean and variance of the table's samples at each distance.
