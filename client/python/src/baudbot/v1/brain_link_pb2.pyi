@@ -987,9 +987,32 @@ class Firmware(_message.Message):
         def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
         def WhichOneof(self, oneof_group: _Never) -> None: ...
 
+    @_typing.final
+    class Create(_message.Message):
+        """The Open Interface of an iRobot Create. Every sensor that it tells is in every message of the stream that the server asks
+        for; it tells those whose names docs/robots/create.md lists.
+        """
+
+        DESCRIPTOR: _descriptor.Descriptor
+
+        VERSION_FIELD_NUMBER: _builtins.int
+        version: _builtins.int
+        """1 for the Create of 2007, 2 for the Create 2."""
+        def __init__(
+            self,
+            *,
+            version: _builtins.int = ...,
+        ) -> None: ...
+        _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+        def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+        _ClearFieldArgType: _TypeAlias = _typing.Literal["version", b"version"]  # noqa: Y015
+        def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+        def WhichOneof(self, oneof_group: _Never) -> None: ...
+
     FRAMED_FIELD_NUMBER: _builtins.int
     BARE_FIELD_NUMBER: _builtins.int
     KHEPERA_FIELD_NUMBER: _builtins.int
+    CREATE_FIELD_NUMBER: _builtins.int
     PERIOD_NS_FIELD_NUMBER: _builtins.int
     period_ns: _builtins.int
     """Time between two messages of readings; absent if it answers only when asked."""
@@ -1005,21 +1028,26 @@ class Firmware(_message.Message):
     def khepera(self) -> Global___Firmware.Khepera:
         """Lines of text, as a Khepera's: one answer for each question."""
 
+    @_builtins.property
+    def create(self) -> Global___Firmware.Create:
+        """The Open Interface of an iRobot Create: a stream of packets, once one is asked for."""
+
     def __init__(
         self,
         *,
         framed: Global___Firmware.Framed | None = ...,
         bare: Global___Firmware.Bare | None = ...,
         khepera: Global___Firmware.Khepera | None = ...,
+        create: Global___Firmware.Create | None = ...,
         period_ns: _builtins.int | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "bare", b"bare", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "bare", b"bare", "create", b"create", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "bare", b"bare", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "bare", b"bare", "create", b"create", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__period_ns: _TypeAlias = _typing.Literal["period_ns"]  # noqa: Y015
     _WhichOneofArgType__period_ns: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns"]  # noqa: Y015
-    _WhichOneofReturnType_protocol: _TypeAlias = _typing.Literal["framed", "bare", "khepera"]  # noqa: Y015
+    _WhichOneofReturnType_protocol: _TypeAlias = _typing.Literal["framed", "bare", "khepera", "create"]  # noqa: Y015
     _WhichOneofArgType_protocol: _TypeAlias = _typing.Literal["protocol", b"protocol"]  # noqa: Y015
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__period_ns) -> _WhichOneofReturnType__period_ns | None: ...
