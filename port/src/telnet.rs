@@ -172,19 +172,8 @@ impl Telnet {
         let [COM_PORT, command, value @ ..] = &*std::mem::take(&mut self.command) else { return };
         let answer: Vec<u8> = match (*command, value) {
             (0, _) => b"baudbot".to_vec(),
-            (1, &[a, b, c, d]) => {
-                let baud = u32::from_be_bytes([a, b, c, d]);
-                if baud > 0 {
-                    self.settings.baud = baud;
-                }
-                self.settings.baud.to_be_bytes().to_vec()
-            }
-            (2, &[bits]) => {
-                if (5..=8).contains(&bits) {
-                    self.settings.data_bits = bits;
-                }
-                vec![self.settings.data_bits]
-            }
+            (1, &[a, b, c, d]) => self.set_baud(u32::from_be_bytes([a, b, c, d])).to_be_bytes().to_vec(),
+            (2, &[bits]) => vec![self.set_data_bits(bits)],
             (3, &[parity]) => vec![self.set_parity(parity)],
             (4, &[stop]) => vec![self.set_stop_bits(stop)],
             (5, &[control]) => vec![self.control(control, heard)],
@@ -208,6 +197,21 @@ impl Telnet {
             _ => return,
         };
         reply(heard, command + ANSWER, &answer);
+    }
+
+    /// 0 asks for the rate.
+    fn set_baud(&mut self, baud: u32) -> u32 {
+        if baud > 0 {
+            self.settings.baud = baud;
+        }
+        self.settings.baud
+    }
+
+    fn set_data_bits(&mut self, bits: u8) -> u8 {
+        if (5..=8).contains(&bits) {
+            self.settings.data_bits = bits;
+        }
+        self.settings.data_bits
     }
 
     fn set_parity(&mut self, parity: u8) -> u8 {

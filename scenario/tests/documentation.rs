@@ -118,8 +118,15 @@ fn every_field_of_every_sensor_is_described_in_its_section_and_nothing_else_is()
 fn every_word_that_a_field_can_have_is_described() {
     let mut words = SensorKind::ALL.len();
     for Item { file, name, lines } in items("enum ") {
-        for variant in lines.iter().filter(|line| !line.starts_with(['#', '/'])) {
-            let word = kebab_case(variant.trim_end_matches(','));
+        let mut renamed = None;
+        for line in lines {
+            if line.starts_with(['#', '/']) {
+                renamed =
+                    line.split_once("(rename = \"").and_then(|(_, rest)| rest.split_once('"')).or(renamed);
+                continue;
+            }
+            let named = renamed.take().map(|(word, _)| word.to_owned());
+            let word = named.unwrap_or_else(|| kebab_case(line.trim_end_matches(',')));
             let is_described = |doc: &&str| {
                 doc.contains(&format!("`\"{word}\"`")) || doc.contains(&format!("`kind = \"{word}\"`"))
             };

@@ -11,13 +11,32 @@ use baudbot_sim::{Scenario, SimTime, Written};
 use baudbot_wire::{frame, khepera, message, write_command, write_values};
 use tonic::Status;
 
-use crate::message::Mode;
-
 /// Most bytes that one Step may write to one port.
 const MAX_WRITE: usize = 64 << 10;
 
 /// Longest thinking time that a brain may declare: an hour.
 const MAX_THINKING_NS: u64 = 3_600_000_000_000;
+
+/// What a brain takes and gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mode {
+    /// Readings and commands.
+    Messages,
+    /// Bytes of the wire.
+    Raw,
+    /// The same, as a serial port that passes them on, each at its instant.
+    SerialPort,
+}
+
+impl Mode {
+    /// Whether these are bytes of the wire.
+    pub(crate) const fn is_raw(self) -> bool {
+        match self {
+            Self::Messages => false,
+            Self::Raw | Self::SerialPort => true,
+        }
+    }
+}
 
 /// The content that a brain writes to one robot's port.
 pub(crate) struct Write {

@@ -16,8 +16,8 @@ use super::{NewWorld, Pending, Phase, WorldActor};
 use crate::annotate;
 use crate::convert;
 use crate::endpoint::Endpoint;
+use crate::endpoint::Mode;
 use crate::log::event;
-use crate::message::Mode;
 use crate::report::Report;
 
 /// A world in lockstep that has no thread of its own: its owner makes its ticks, one half after the other, and has the brains

@@ -10,8 +10,9 @@ use tonic::{Status, Streaming};
 
 use super::TURNS_AHEAD;
 use crate::convert;
+use crate::endpoint::Mode;
 use crate::endpoint::{Endpoint, Write};
-use crate::message::{Attached, Lease, Message, Mode, Step};
+use crate::message::{Attached, Lease, Message, Step};
 use crate::sessions::STEPS_A_TICK;
 
 /// Steps of one stream that wait until the world handles them: as many as a tick takes, and the answers to all Turns that may wait,

@@ -10,7 +10,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use baudbot_sim::{Reading, RobotView, SimTime, World};
 use bytes::Bytes;
 
-use crate::message::Mode;
+use crate::endpoint::Mode;
 use crate::pace::Terms;
 
 /// The step of a brain of one robot.

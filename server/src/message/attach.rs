@@ -10,6 +10,7 @@ use tonic::Status;
 
 use super::{Message, WorldHandle};
 use crate::beliefs::Beliefs;
+use crate::endpoint::Mode;
 use crate::truth::Truth;
 
 /// A brain program asks for robots.
@@ -29,27 +30,6 @@ pub(crate) struct Attach {
     pub(crate) recipient: Recipient,
     /// The way back to the world, for the lease.
     pub(crate) world: WorldHandle,
-}
-
-/// What a brain takes and gives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Mode {
-    /// Readings and commands.
-    Messages,
-    /// Bytes of the wire.
-    Raw,
-    /// The same, as a serial port that passes them on, each at its instant.
-    SerialPort,
-}
-
-impl Mode {
-    /// Whether these are bytes of the wire.
-    pub(crate) const fn is_raw(self) -> bool {
-        match self {
-            Self::Messages => false,
-            Self::Raw | Self::SerialPort => true,
-        }
-    }
 }
 
 /// The answer to a brain that has its robots.

@@ -15,7 +15,7 @@ use crate::endpoint::Write;
 use crate::frame::Frame;
 use crate::measures::Measures;
 use crate::report::{CoverageReport, Report};
-pub(crate) use attach::{Attach, Attached, Delivery, Lease, Mode, Recipient, Told};
+pub(crate) use attach::{Attach, Attached, Delivery, Lease, Recipient, Told};
 pub(crate) use handle::WorldHandle;
 pub(crate) use request::{RecordConfig, Request};
 

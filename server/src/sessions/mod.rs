@@ -18,9 +18,10 @@ use baudbot_sim::{Scenario, SimTime, Turn, World};
 use tokio::sync::mpsc;
 use tonic::Status;
 
+use crate::endpoint::Mode;
 use crate::endpoint::Until;
 use crate::measures::Answering;
-use crate::message::{Attach, Mode, Recipient};
+use crate::message::{Attach, Recipient};
 use crate::pace::{Terms, WatchdogPolicy};
 use crate::thinking::ProcessorTime;
 pub(crate) use debt::Overtaken;

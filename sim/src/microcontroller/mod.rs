@@ -17,6 +17,7 @@ mod devices;
 mod khepera;
 mod onboard;
 mod request;
+mod start;
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
@@ -27,6 +28,7 @@ pub(crate) use channel::Channel;
 pub(crate) use condition::Condition;
 use request::Request;
 use serde::{Deserialize, Serialize};
+use start::missed_start;
 
 use crate::drive::Wheels;
 use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol, Refusal, Registers};
@@ -110,19 +112,6 @@ impl Microcontroller {
             orders: VecDeque::new(),
             commands: 0,
         }
-    }
-
-    /// Begins anew at `now`, apart from what the sensors hold: nothing is to be said or obeyed any more, and the actuators get
-    /// no signal. The bootloader waits as `spec` says.
-    pub(crate) fn reset(&mut self, spec: &RobotSpec, now: SimTime) {
-        self.free_at = now.max(SimTime::from_ns(spec.processor.bootloader_ns));
-        if spec.firmware.mode == Mode::Poll {
-            self.frame.next = SimTime::NEVER;
-        }
-        self.decoder = spec.firmware.command_decoder();
-        self.orders.clear();
-        let others = spec.actuators.iter().map(|_| 0.0).collect();
-        self.orders.push_back(Order { at: now, signals: Wheels::default(), others });
     }
 
     /// Whether this processor may have become what `other` is at `now`, on a robot that is this.
@@ -390,14 +379,6 @@ impl Microcontroller {
     pub(crate) fn frames_missed(&self) -> u64 {
         self.frame.missed
     }
-}
-
-/// What came while the bootloader waited is lost; says whether the receiver is empty then.
-#[cold]
-#[inline(never)]
-fn missed_start(spec: &RobotSpec, now: SimTime, downlink: &mut Line) -> bool {
-    downlink.lose_before(&spec.link, SimTime::from_ns(spec.processor.bootloader_ns));
-    downlink.arrival(&spec.link) > now
 }
 
 /// Why framing cannot fail.
