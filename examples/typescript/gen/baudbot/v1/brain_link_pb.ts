@@ -10,7 +10,7 @@ import type { Message } from "@bufbuild/protobuf";
  * Describes the file baudbot/v1/brain_link.proto.
  */
 export const file_baudbot_v1_brain_link: GenFile = /*@__PURE__*/
-  fileDesc("ChtiYXVkYm90L3YxL2JyYWluX2xpbmsucHJvdG8SCmJhdWRib3QudjEiigEKDUF0dGFjaFJlcXVlc3QSIgoFaGVsbG8YASABKAsyES5iYXVkYm90LnYxLkhlbGxvSAASIAoEc3RlcBgCIAEoCzIQLmJhdWRib3QudjEuU3RlcEgAEigKCGFubm90YXRlGAMgASgLMhQuYmF1ZGJvdC52MS5Bbm5vdGF0ZUgAQgkKB3JlcXVlc3QiigEKDkF0dGFjaFJlc3BvbnNlEiYKB3dlbGNvbWUYASABKAsyEy5iYXVkYm90LnYxLldlbGNvbWVIABIgCgR0dXJuGAIgASgLMhAuYmF1ZGJvdC52MS5UdXJuSAASIgoFZW5kZWQYAyABKAsyES5iYXVkYm90LnYxLkVuZGVkSABCCgoIcmVzcG9uc2UiuQEKBUhlbGxvEg0KBXdvcmxkGAEgASgJEg4KBnJvYm90cxgCIAMoCRIiCgRtb2RlGAMgASgOMhQuYmF1ZGJvdC52MS5Qb3J0TW9kZRINCgVicmFpbhgEIAEoCRIZCgxtZW1vcnlfYnl0ZXMYBSABKARIAIgBARIaChJ0aGlua3NfYXNfc2NlbmFyaW8YBiABKAgSFgoOc3RvcF93aGVuX2dvbmUYByABKAhCDwoNX21lbW9yeV9ieXRlcyJaCgdXZWxjb21lEg8KB3N0ZXBfbnMYASABKAQSEAoIbG9ja3N0ZXAYAiABKAgSLAoGcm9ib3RzGAMgAygLMhwuYmF1ZGJvdC52MS5Sb2JvdERlc2NyaXB0aW9uIrEEChBSb2JvdERlc2NyaXB0aW9uEg0KBXJvYm90GAEgASgJEhAKCHJhZGl1c19tGAIgASgBEhQKDGhhbGZfdHJhY2tfbRgDIAEoARIWCg53aGVlbF9yYWRpdXNfbRgEIAEoARIZCgxzaWduYWxfbGltaXQYBSABKAFIAIgBARIsCg5tb3Rvcl9lbmNvZGluZxgGIAEoCzIULmJhdWRib3QudjEuRW5jb2RpbmcSLgoHc2Vuc29ycxgHIAMoCzIdLmJhdWRib3QudjEuU2Vuc29yRGVzY3JpcHRpb24SJgoIZmlybXdhcmUYCCABKAsyFC5iYXVkYm90LnYxLkZpcm13YXJlEhEKBGJhdWQYCSABKA1IAYgBARIfChJiaXRzX3Blcl9jaGFyYWN0ZXIYCiABKA1IAogBARIyCglhY3R1YXRvcnMYCyADKAsyHy5iYXVkYm90LnYxLkFjdHVhdG9yRGVzY3JpcHRpb24SKQoKbW90b3Jfa2luZBgMIAEoDjIVLmJhdWRib3QudjEuTW90b3JLaW5kEg8KB29uYm9hcmQYDSABKAgSHQoQb3BlcmF0aW9uc19wZXJfcxgOIAEoAUgDiAEBEhYKCXJhbV9ieXRlcxgPIAEoBEgEiAEBQg8KDV9zaWduYWxfbGltaXRCBwoFX2JhdWRCFQoTX2JpdHNfcGVyX2NoYXJhY3RlckITChFfb3BlcmF0aW9uc19wZXJfc0IMCgpfcmFtX2J5dGVzIpMBChNBY3R1YXRvckRlc2NyaXB0aW9uEhAKCGFjdHVhdG9yGAEgASgJEiYKBGtpbmQYAiABKA4yGC5iYXVkYm90LnYxLkFjdHVhdG9yS2luZBIUCgdtaW5fcmFkGAMgASgBSACIAQESFAoHbWF4X3JhZBgEIAEoAUgBiAEBQgoKCF9taW5fcmFkQgoKCF9tYXhfcmFkIt4DChFTZW5zb3JEZXNjcmlwdGlvbhIOCgZzZW5zb3IYASABKAkSJAoEa2luZBgCIAEoDjIWLmJhdWRib3QudjEuU2Vuc29yS2luZBI0Cgpjb21wb25lbnRzGAMgAygLMiAuYmF1ZGJvdC52MS5Db21wb25lbnREZXNjcmlwdGlvbhIRCglwZXJpb2RfbnMYBCABKAQSEAoIcGhhc2VfbnMYBSABKAQSJQoFbW91bnQYBiABKAsyES5iYXVkYm90LnYxLk1vdW50SACIAQESFAoHcmFuZ2VfbRgHIAEoAUgBiAEBEhwKD2NvdW50c19wZXJfdHVybhgIIAEoDUgCiAEBEiMKBHBvcnQYCSABKAsyEC5iYXVkYm90LnYxLlBvcnRIA4gBARIYCgtvcGVuaW5nX3JhZBgKIAEoAUgEiAEBEiUKBXN3ZWVwGAsgASgLMhEuYmF1ZGJvdC52MS5Td2VlcEgFiAEBEhkKDGNvdW50c19wZXJfbRgMIAEoAUgGiAEBQggKBl9tb3VudEIKCghfcmFuZ2VfbUISChBfY291bnRzX3Blcl90dXJuQgcKBV9wb3J0Qg4KDF9vcGVuaW5nX3JhZEIICgZfc3dlZXBCDwoNX2NvdW50c19wZXJfbSIvCgVTd2VlcBITCgtkdXJhdGlvbl9ucxgBIAEoBBIRCgljbG9ja3dpc2UYAiABKAgimQEKBFBvcnQSJgoGZm9ybWF0GAEgASgOMhYuYmF1ZGJvdC52MS5Qb3J0Rm9ybWF0EhUKDW1lc3NhZ2VfYnl0ZXMYAiABKAQSEQoEYmF1ZBgDIAEoDUgAiAEBEh8KEmJpdHNfcGVyX2NoYXJhY3RlchgEIAEoDUgBiAEBQgcKBV9iYXVkQhUKE19iaXRzX3Blcl9jaGFyYWN0ZXIiVgoFTW91bnQSCwoDeF9tGAEgASgBEgsKA3lfbRgCIAEoARITCgtoZWFkaW5nX3JhZBgDIAEoARITCgZ0dXJyZXQYBCABKA1IAIgBAUIJCgdfdHVycmV0ImkKFENvbXBvbmVudERlc2NyaXB0aW9uEgwKBG5hbWUYASABKAkSDAoEdW5pdBgCIAEoCRImCghlbmNvZGluZxgDIAEoCzIULmJhdWRib3QudjEuRW5jb2RpbmcSDQoFY291bnQYBCABKA0izAIKCEVuY29kaW5nEi8KB2Zsb2F0NjQYASABKAsyHC5iYXVkYm90LnYxLkVuY29kaW5nLkZsb2F0NjRIABIrCgVsZXZlbBgCIAEoCzIaLmJhdWRib3QudjEuRW5jb2RpbmcuTGV2ZWxIABIvCgdjb3VudGVyGAMgASgLMhwuYmF1ZGJvdC52MS5FbmNvZGluZy5Db3VudGVySAASLQoGc2lnbmVkGAQgASgLMhsuYmF1ZGJvdC52MS5FbmNvZGluZy5TaWduZWRIABoJCgdGbG9hdDY0Gi8KBUxldmVsEgwKBGJpdHMYASABKA0SCwoDbWluGAIgASgBEgsKA21heBgDIAEoARoXCgdDb3VudGVyEgwKBGJpdHMYASABKA0aJQoGU2lnbmVkEgwKBGJpdHMYASABKA0SDQoFbGltaXQYAiABKAFCBgoEa2luZCKCAgoIRmlybXdhcmUSLQoGZnJhbWVkGAEgASgLMhsuYmF1ZGJvdC52MS5GaXJtd2FyZS5GcmFtZWRIABIpCgRiYXJlGAIgASgLMhkuYmF1ZGJvdC52MS5GaXJtd2FyZS5CYXJlSAASLwoHa2hlcGVyYRgEIAEoCzIcLmJhdWRib3QudjEuRmlybXdhcmUuS2hlcGVyYUgAEhYKCXBlcmlvZF9ucxgDIAEoBEgBiAEBGhYKBkZyYW1lZBIMCgRhZ2VzGAEgASgIGhYKBEJhcmUSDgoGZ2FwX25zGAEgASgEGgkKB0toZXBlcmFCCgoIcHJvdG9jb2xCDAoKX3BlcmlvZF9ucyJJCgRUdXJuEgwKBHRpY2sYASABKAQSJQoGcm9ib3RzGAIgAygLMhUuYmF1ZGJvdC52MS5Sb2JvdFR1cm4SDAoEdHVybhgDIAEoBCKDAQoJUm9ib3RUdXJuEg0KBXJvYm90GAEgASgNEg0KBWF0X25zGAIgASgEEgsKA3JhdxgDIAEoDBIlCghyZWFkaW5ncxgEIAMoCzITLmJhdWRib3QudjEuUmVhZGluZxIkCgVwb3J0cxgFIAMoCzIVLmJhdWRib3QudjEuUG9ydEJ5dGVzIikKCVBvcnRCeXRlcxIOCgZzZW5zb3IYASABKA0SDAoEZGF0YRgCIAEoDCJ7CgdSZWFkaW5nEg4KBnNlbnNvchgBIAEoDRIOCgZ2YWx1ZXMYAiADKAESGgoNc2FtcGxlZF9hdF9ucxgDIAEoBEgAiAEBEhAKCHNlcXVlbmNlGAQgASgNEhAKCHJlYWRhYmxlGAUgASgIQhAKDl9zYW1wbGVkX2F0X25zIjsKBFN0ZXASDAoEdHVybhgBIAEoBBIlCgZyb2JvdHMYAiADKAsyFS5iYXVkYm90LnYxLlJvYm90U3RlcCKAAgoJUm9ib3RTdGVwEg0KBXJvYm90GAEgASgNEhgKC3RoaW5raW5nX25zGAIgASgESAGIAQESDQoDcmF3GAMgASgMSAASJgoHY29tbWFuZBgEIAEoCzITLmJhdWRib3QudjEuQ29tbWFuZEgAEiAKBHBvbGwYBSABKAsyEC5iYXVkYm90LnYxLlBvbGxIABIXCgpvcGVyYXRpb25zGAYgASgESAKIAQESLwoNdW50aWxfbWVzc2FnZRgHIAEoCzIYLmJhdWRib3QudjEuVW50aWxNZXNzYWdlQggKBm91dHB1dEIOCgxfdGhpbmtpbmdfbnNCDQoLX29wZXJhdGlvbnMiOgoMVW50aWxNZXNzYWdlEhkKDGF0X2xhdGVzdF9ucxgBIAEoBEgAiAEBQg8KDV9hdF9sYXRlc3RfbnMiSwoHQ29tbWFuZBITCgtsZWZ0X3NpZ25hbBgBIAEoARIUCgxyaWdodF9zaWduYWwYAiABKAESFQoNb3RoZXJfc2lnbmFscxgDIAMoASIGCgRQb2xsIhUKBUVuZGVkEgwKBHRpY2sYASABKAQiPQoIQW5ub3RhdGUSDQoFcm9ib3QYASABKA0SIgoGYmVsaWVmGAIgASgLMhIuYmF1ZGJvdC52MS5CZWxpZWYi0wEKBkJlbGllZhINCgVzdGF0ZRgBIAEoCRImCgl1dGlsaXRpZXMYAiADKAsyEy5iYXVkYm90LnYxLlV0aWxpdHkSJgoEcG9zZRgDIAEoCzIYLmJhdWRib3QudjEuQmVsaWV2ZWRQb3NlEicKCXBhcnRpY2xlcxgEIAMoCzIULmJhdWRib3QudjEuUGFydGljbGUSHwoEcGF0aBgFIAMoCzIRLmJhdWRib3QudjEuUG9pbnQSIAoDbWFwGAYgASgLMhMuYmF1ZGJvdC52MS5HcmlkTWFwIjYKB1V0aWxpdHkSDAoEbmFtZRgBIAEoCRINCgV2YWx1ZRgCIAEoARIOCgZhY3RpdmUYAyABKAgiVAoMQmVsaWV2ZWRQb3NlEgsKA3hfbRgBIAEoARILCgN5X20YAiABKAESEwoLaGVhZGluZ19yYWQYAyABKAESFQoNY292YXJpYW5jZV9tMhgEIAMoASJJCghQYXJ0aWNsZRILCgN4X20YASABKAISCwoDeV9tGAIgASgCEhMKC2hlYWRpbmdfcmFkGAMgASgCEg4KBndlaWdodBgEIAEoAiJTCgdHcmlkTWFwEgsKA3hfbRgBIAEoARILCgN5X20YAiABKAESDgoGY2VsbF9tGAMgASgBEg8KB2NvbHVtbnMYBCABKA0SDQoFY2VsbHMYBSABKAwiIQoFUG9pbnQSCwoDeF9tGAEgASgBEgsKA3lfbRgCIAEoASpQCghQb3J0TW9kZRIZChVQT1JUX01PREVfVU5TUEVDSUZJRUQQABIWChJQT1JUX01PREVfTUVTU0FHRVMQARIRCg1QT1JUX01PREVfUkFXEAIqgQEKCU1vdG9yS2luZBIaChZNT1RPUl9LSU5EX1VOU1BFQ0lGSUVEEAASEQoNTU9UT1JfS0lORF9EQxABEhcKE01PVE9SX0tJTkRfVkVMT0NJVFkQAhIUChBNT1RPUl9LSU5EX1NFUlZPEAMSFgoSTU9UT1JfS0lORF9TVEVQUEVSEAQqegoMQWN0dWF0b3JLaW5kEh0KGUFDVFVBVE9SX0tJTkRfVU5TUEVDSUZJRUQQABIYChRBQ1RVQVRPUl9LSU5EX1RVUlJFVBABEhYKEkFDVFVBVE9SX0tJTkRfTEFNUBACEhkKFUFDVFVBVE9SX0tJTkRfU1BFQUtFUhADKr8ECgpTZW5zb3JLaW5kEhsKF1NFTlNPUl9LSU5EX1VOU1BFQ0lGSUVEEAASEgoOU0VOU09SX0tJTkRfSVIQARIaChZTRU5TT1JfS0lORF9JUl9WT0xUQUdFEAISFQoRU0VOU09SX0tJTkRfU09OQVIQAxIVChFTRU5TT1JfS0lORF9MQVNFUhAEEhsKF1NFTlNPUl9LSU5EX0xJTkVfQ0FNRVJBEAUSGAoUU0VOU09SX0tJTkRfRU5DT0RFUlMQBhIVChFTRU5TT1JfS0lORF9TVEVQUxAHEhgKFFNFTlNPUl9LSU5EX09ET01FVEVSEAgSFwoTU0VOU09SX0tJTkRfQ09NUEFTUxAJEh0KGVNFTlNPUl9LSU5EX0FDQ0VMRVJPTUVURVIQChIZChVTRU5TT1JfS0lORF9HWVJPU0NPUEUQCxITCg9TRU5TT1JfS0lORF9HUFMQDBIXChNTRU5TT1JfS0lORF9XSElTS0VSEA0SFgoSU0VOU09SX0tJTkRfQlVNUEVSEA4SHQoZU0VOU09SX0tJTkRfUEhPVE9SRVNJU1RPUhAPEhUKEVNFTlNPUl9LSU5EX0xJR0hUEBASFQoRU0VOU09SX0tJTkRfRklFTEQQERIaChZTRU5TT1JfS0lORF9NSUNST1BIT05FEBISFQoRU0VOU09SX0tJTkRfRkxPT1IQExIXChNTRU5TT1JfS0lORF9CQVRURVJZEBQSHAoYU0VOU09SX0tJTkRfT1BUSUNBTF9GTE9XEBUqcgoKUG9ydEZvcm1hdBIbChdQT1JUX0ZPUk1BVF9VTlNQRUNJRklFRBAAEhUKEVBPUlRfRk9STUFUX1NDSVAyEAESGgoWUE9SVF9GT1JNQVRfTElORV9JTUFHRRACEhQKEFBPUlRfRk9STUFUX05NRUEQAzJXChBCcmFpbkxpbmtTZXJ2aWNlEkMKBkF0dGFjaBIZLmJhdWRib3QudjEuQXR0YWNoUmVxdWVzdBoaLmJhdWRib3QudjEuQXR0YWNoUmVzcG9uc2UoATABYgZwcm90bzM");
+  fileDesc("ChtiYXVkYm90L3YxL2JyYWluX2xpbmsucHJvdG8SCmJhdWRib3QudjEiigEKDUF0dGFjaFJlcXVlc3QSIgoFaGVsbG8YASABKAsyES5iYXVkYm90LnYxLkhlbGxvSAASIAoEc3RlcBgCIAEoCzIQLmJhdWRib3QudjEuU3RlcEgAEigKCGFubm90YXRlGAMgASgLMhQuYmF1ZGJvdC52MS5Bbm5vdGF0ZUgAQgkKB3JlcXVlc3QiigEKDkF0dGFjaFJlc3BvbnNlEiYKB3dlbGNvbWUYASABKAsyEy5iYXVkYm90LnYxLldlbGNvbWVIABIgCgR0dXJuGAIgASgLMhAuYmF1ZGJvdC52MS5UdXJuSAASIgoFZW5kZWQYAyABKAsyES5iYXVkYm90LnYxLkVuZGVkSABCCgoIcmVzcG9uc2UizgEKBUhlbGxvEg0KBXdvcmxkGAEgASgJEg4KBnJvYm90cxgCIAMoCRIiCgRtb2RlGAMgASgOMhQuYmF1ZGJvdC52MS5Qb3J0TW9kZRINCgVicmFpbhgEIAEoCRIZCgxtZW1vcnlfYnl0ZXMYBSABKARIAIgBARIaChJ0aGlua3NfYXNfc2NlbmFyaW8YBiABKAgSFgoOc3RvcF93aGVuX2dvbmUYByABKAgSEwoLc2VyaWFsX3BvcnQYCCABKAhCDwoNX21lbW9yeV9ieXRlcyJaCgdXZWxjb21lEg8KB3N0ZXBfbnMYASABKAQSEAoIbG9ja3N0ZXAYAiABKAgSLAoGcm9ib3RzGAMgAygLMhwuYmF1ZGJvdC52MS5Sb2JvdERlc2NyaXB0aW9uIrEEChBSb2JvdERlc2NyaXB0aW9uEg0KBXJvYm90GAEgASgJEhAKCHJhZGl1c19tGAIgASgBEhQKDGhhbGZfdHJhY2tfbRgDIAEoARIWCg53aGVlbF9yYWRpdXNfbRgEIAEoARIZCgxzaWduYWxfbGltaXQYBSABKAFIAIgBARIsCg5tb3Rvcl9lbmNvZGluZxgGIAEoCzIULmJhdWRib3QudjEuRW5jb2RpbmcSLgoHc2Vuc29ycxgHIAMoCzIdLmJhdWRib3QudjEuU2Vuc29yRGVzY3JpcHRpb24SJgoIZmlybXdhcmUYCCABKAsyFC5iYXVkYm90LnYxLkZpcm13YXJlEhEKBGJhdWQYCSABKA1IAYgBARIfChJiaXRzX3Blcl9jaGFyYWN0ZXIYCiABKA1IAogBARIyCglhY3R1YXRvcnMYCyADKAsyHy5iYXVkYm90LnYxLkFjdHVhdG9yRGVzY3JpcHRpb24SKQoKbW90b3Jfa2luZBgMIAEoDjIVLmJhdWRib3QudjEuTW90b3JLaW5kEg8KB29uYm9hcmQYDSABKAgSHQoQb3BlcmF0aW9uc19wZXJfcxgOIAEoAUgDiAEBEhYKCXJhbV9ieXRlcxgPIAEoBEgEiAEBQg8KDV9zaWduYWxfbGltaXRCBwoFX2JhdWRCFQoTX2JpdHNfcGVyX2NoYXJhY3RlckITChFfb3BlcmF0aW9uc19wZXJfc0IMCgpfcmFtX2J5dGVzIpMBChNBY3R1YXRvckRlc2NyaXB0aW9uEhAKCGFjdHVhdG9yGAEgASgJEiYKBGtpbmQYAiABKA4yGC5iYXVkYm90LnYxLkFjdHVhdG9yS2luZBIUCgdtaW5fcmFkGAMgASgBSACIAQESFAoHbWF4X3JhZBgEIAEoAUgBiAEBQgoKCF9taW5fcmFkQgoKCF9tYXhfcmFkIt4DChFTZW5zb3JEZXNjcmlwdGlvbhIOCgZzZW5zb3IYASABKAkSJAoEa2luZBgCIAEoDjIWLmJhdWRib3QudjEuU2Vuc29yS2luZBI0Cgpjb21wb25lbnRzGAMgAygLMiAuYmF1ZGJvdC52MS5Db21wb25lbnREZXNjcmlwdGlvbhIRCglwZXJpb2RfbnMYBCABKAQSEAoIcGhhc2VfbnMYBSABKAQSJQoFbW91bnQYBiABKAsyES5iYXVkYm90LnYxLk1vdW50SACIAQESFAoHcmFuZ2VfbRgHIAEoAUgBiAEBEhwKD2NvdW50c19wZXJfdHVybhgIIAEoDUgCiAEBEiMKBHBvcnQYCSABKAsyEC5iYXVkYm90LnYxLlBvcnRIA4gBARIYCgtvcGVuaW5nX3JhZBgKIAEoAUgEiAEBEiUKBXN3ZWVwGAsgASgLMhEuYmF1ZGJvdC52MS5Td2VlcEgFiAEBEhkKDGNvdW50c19wZXJfbRgMIAEoAUgGiAEBQggKBl9tb3VudEIKCghfcmFuZ2VfbUISChBfY291bnRzX3Blcl90dXJuQgcKBV9wb3J0Qg4KDF9vcGVuaW5nX3JhZEIICgZfc3dlZXBCDwoNX2NvdW50c19wZXJfbSIvCgVTd2VlcBITCgtkdXJhdGlvbl9ucxgBIAEoBBIRCgljbG9ja3dpc2UYAiABKAgimQEKBFBvcnQSJgoGZm9ybWF0GAEgASgOMhYuYmF1ZGJvdC52MS5Qb3J0Rm9ybWF0EhUKDW1lc3NhZ2VfYnl0ZXMYAiABKAQSEQoEYmF1ZBgDIAEoDUgAiAEBEh8KEmJpdHNfcGVyX2NoYXJhY3RlchgEIAEoDUgBiAEBQgcKBV9iYXVkQhUKE19iaXRzX3Blcl9jaGFyYWN0ZXIiVgoFTW91bnQSCwoDeF9tGAEgASgBEgsKA3lfbRgCIAEoARITCgtoZWFkaW5nX3JhZBgDIAEoARITCgZ0dXJyZXQYBCABKA1IAIgBAUIJCgdfdHVycmV0ImkKFENvbXBvbmVudERlc2NyaXB0aW9uEgwKBG5hbWUYASABKAkSDAoEdW5pdBgCIAEoCRImCghlbmNvZGluZxgDIAEoCzIULmJhdWRib3QudjEuRW5jb2RpbmcSDQoFY291bnQYBCABKA0izAIKCEVuY29kaW5nEi8KB2Zsb2F0NjQYASABKAsyHC5iYXVkYm90LnYxLkVuY29kaW5nLkZsb2F0NjRIABIrCgVsZXZlbBgCIAEoCzIaLmJhdWRib3QudjEuRW5jb2RpbmcuTGV2ZWxIABIvCgdjb3VudGVyGAMgASgLMhwuYmF1ZGJvdC52MS5FbmNvZGluZy5Db3VudGVySAASLQoGc2lnbmVkGAQgASgLMhsuYmF1ZGJvdC52MS5FbmNvZGluZy5TaWduZWRIABoJCgdGbG9hdDY0Gi8KBUxldmVsEgwKBGJpdHMYASABKA0SCwoDbWluGAIgASgBEgsKA21heBgDIAEoARoXCgdDb3VudGVyEgwKBGJpdHMYASABKA0aJQoGU2lnbmVkEgwKBGJpdHMYASABKA0SDQoFbGltaXQYAiABKAFCBgoEa2luZCLMAgoIRmlybXdhcmUSLQoGZnJhbWVkGAEgASgLMhsuYmF1ZGJvdC52MS5GaXJtd2FyZS5GcmFtZWRIABIpCgRiYXJlGAIgASgLMhkuYmF1ZGJvdC52MS5GaXJtd2FyZS5CYXJlSAASLwoHa2hlcGVyYRgEIAEoCzIcLmJhdWRib3QudjEuRmlybXdhcmUuS2hlcGVyYUgAEi0KBmNyZWF0ZRgFIAEoCzIbLmJhdWRib3QudjEuRmlybXdhcmUuQ3JlYXRlSAASFgoJcGVyaW9kX25zGAMgASgESAGIAQEaFgoGRnJhbWVkEgwKBGFnZXMYASABKAgaFgoEQmFyZRIOCgZnYXBfbnMYASABKAQaCQoHS2hlcGVyYRoZCgZDcmVhdGUSDwoHdmVyc2lvbhgBIAEoDUIKCghwcm90b2NvbEIMCgpfcGVyaW9kX25zInQKBFR1cm4SDAoEdGljaxgBIAEoBBIlCgZyb2JvdHMYAiADKAsyFS5iYXVkYm90LnYxLlJvYm90VHVybhIMCgR0dXJuGAMgASgEEikKCndhbGxfY2xvY2sYBCABKAsyFS5iYXVkYm90LnYxLldhbGxDbG9jayI4CglXYWxsQ2xvY2sSGwoTdGlja19iZWdpbnNfdW5peF9ucxgBIAEoAxIOCgZmYWN0b3IYAiABKAEitQEKCVJvYm90VHVybhINCgVyb2JvdBgBIAEoDRINCgVhdF9ucxgCIAEoBBILCgNyYXcYAyABKAwSJQoIcmVhZGluZ3MYBCADKAsyEy5iYXVkYm90LnYxLlJlYWRpbmcSJAoFcG9ydHMYBSADKAsyFS5iYXVkYm90LnYxLlBvcnRCeXRlcxIUCgxyYXdfYWZ0ZXJfbnMYBiADKAQSEQoEYmF1ZBgHIAEoDUgAiAEBQgcKBV9iYXVkIlcKCVBvcnRCeXRlcxIOCgZzZW5zb3IYASABKA0SDAoEZGF0YRgCIAEoDBIQCghhZnRlcl9ucxgDIAMoBBIRCgRiYXVkGAQgASgNSACIAQFCBwoFX2JhdWQiewoHUmVhZGluZxIOCgZzZW5zb3IYASABKA0SDgoGdmFsdWVzGAIgAygBEhoKDXNhbXBsZWRfYXRfbnMYAyABKARIAIgBARIQCghzZXF1ZW5jZRgEIAEoDRIQCghyZWFkYWJsZRgFIAEoCEIQCg5fc2FtcGxlZF9hdF9ucyI7CgRTdGVwEgwKBHR1cm4YASABKAQSJQoGcm9ib3RzGAIgAygLMhUuYmF1ZGJvdC52MS5Sb2JvdFN0ZXAitgIKCVJvYm90U3RlcBINCgVyb2JvdBgBIAEoDRIYCgt0aGlua2luZ19ucxgCIAEoBEgBiAEBEg0KA3JhdxgDIAEoDEgAEiYKB2NvbW1hbmQYBCABKAsyEy5iYXVkYm90LnYxLkNvbW1hbmRIABIgCgRwb2xsGAUgASgLMhAuYmF1ZGJvdC52MS5Qb2xsSAASFwoKb3BlcmF0aW9ucxgGIAEoBEgCiAEBEi8KDXVudGlsX21lc3NhZ2UYByABKAsyGC5iYXVkYm90LnYxLlVudGlsTWVzc2FnZRIOCgZvcGVuZWQYCCABKAgSJAoFcG9ydHMYCSADKAsyFS5iYXVkYm90LnYxLlBvcnRCeXRlc0IICgZvdXRwdXRCDgoMX3RoaW5raW5nX25zQg0KC19vcGVyYXRpb25zIjoKDFVudGlsTWVzc2FnZRIZCgxhdF9sYXRlc3RfbnMYASABKARIAIgBAUIPCg1fYXRfbGF0ZXN0X25zIksKB0NvbW1hbmQSEwoLbGVmdF9zaWduYWwYASABKAESFAoMcmlnaHRfc2lnbmFsGAIgASgBEhUKDW90aGVyX3NpZ25hbHMYAyADKAEiBgoEUG9sbCIVCgVFbmRlZBIMCgR0aWNrGAEgASgEIj0KCEFubm90YXRlEg0KBXJvYm90GAEgASgNEiIKBmJlbGllZhgCIAEoCzISLmJhdWRib3QudjEuQmVsaWVmItMBCgZCZWxpZWYSDQoFc3RhdGUYASABKAkSJgoJdXRpbGl0aWVzGAIgAygLMhMuYmF1ZGJvdC52MS5VdGlsaXR5EiYKBHBvc2UYAyABKAsyGC5iYXVkYm90LnYxLkJlbGlldmVkUG9zZRInCglwYXJ0aWNsZXMYBCADKAsyFC5iYXVkYm90LnYxLlBhcnRpY2xlEh8KBHBhdGgYBSADKAsyES5iYXVkYm90LnYxLlBvaW50EiAKA21hcBgGIAEoCzITLmJhdWRib3QudjEuR3JpZE1hcCI2CgdVdGlsaXR5EgwKBG5hbWUYASABKAkSDQoFdmFsdWUYAiABKAESDgoGYWN0aXZlGAMgASgIIlQKDEJlbGlldmVkUG9zZRILCgN4X20YASABKAESCwoDeV9tGAIgASgBEhMKC2hlYWRpbmdfcmFkGAMgASgBEhUKDWNvdmFyaWFuY2VfbTIYBCADKAEiSQoIUGFydGljbGUSCwoDeF9tGAEgASgCEgsKA3lfbRgCIAEoAhITCgtoZWFkaW5nX3JhZBgDIAEoAhIOCgZ3ZWlnaHQYBCABKAIiUwoHR3JpZE1hcBILCgN4X20YASABKAESCwoDeV9tGAIgASgBEg4KBmNlbGxfbRgDIAEoARIPCgdjb2x1bW5zGAQgASgNEg0KBWNlbGxzGAUgASgMIiEKBVBvaW50EgsKA3hfbRgBIAEoARILCgN5X20YAiABKAEqUAoIUG9ydE1vZGUSGQoVUE9SVF9NT0RFX1VOU1BFQ0lGSUVEEAASFgoSUE9SVF9NT0RFX01FU1NBR0VTEAESEQoNUE9SVF9NT0RFX1JBVxACKoEBCglNb3RvcktpbmQSGgoWTU9UT1JfS0lORF9VTlNQRUNJRklFRBAAEhEKDU1PVE9SX0tJTkRfREMQARIXChNNT1RPUl9LSU5EX1ZFTE9DSVRZEAISFAoQTU9UT1JfS0lORF9TRVJWTxADEhYKEk1PVE9SX0tJTkRfU1RFUFBFUhAEKnoKDEFjdHVhdG9yS2luZBIdChlBQ1RVQVRPUl9LSU5EX1VOU1BFQ0lGSUVEEAASGAoUQUNUVUFUT1JfS0lORF9UVVJSRVQQARIWChJBQ1RVQVRPUl9LSU5EX0xBTVAQAhIZChVBQ1RVQVRPUl9LSU5EX1NQRUFLRVIQAyq/BAoKU2Vuc29yS2luZBIbChdTRU5TT1JfS0lORF9VTlNQRUNJRklFRBAAEhIKDlNFTlNPUl9LSU5EX0lSEAESGgoWU0VOU09SX0tJTkRfSVJfVk9MVEFHRRACEhUKEVNFTlNPUl9LSU5EX1NPTkFSEAMSFQoRU0VOU09SX0tJTkRfTEFTRVIQBBIbChdTRU5TT1JfS0lORF9MSU5FX0NBTUVSQRAFEhgKFFNFTlNPUl9LSU5EX0VOQ09ERVJTEAYSFQoRU0VOU09SX0tJTkRfU1RFUFMQBxIYChRTRU5TT1JfS0lORF9PRE9NRVRFUhAIEhcKE1NFTlNPUl9LSU5EX0NPTVBBU1MQCRIdChlTRU5TT1JfS0lORF9BQ0NFTEVST01FVEVSEAoSGQoVU0VOU09SX0tJTkRfR1lST1NDT1BFEAsSEwoPU0VOU09SX0tJTkRfR1BTEAwSFwoTU0VOU09SX0tJTkRfV0hJU0tFUhANEhYKElNFTlNPUl9LSU5EX0JVTVBFUhAOEh0KGVNFTlNPUl9LSU5EX1BIT1RPUkVTSVNUT1IQDxIVChFTRU5TT1JfS0lORF9MSUdIVBAQEhUKEVNFTlNPUl9LSU5EX0ZJRUxEEBESGgoWU0VOU09SX0tJTkRfTUlDUk9QSE9ORRASEhUKEVNFTlNPUl9LSU5EX0ZMT09SEBMSFwoTU0VOU09SX0tJTkRfQkFUVEVSWRAUEhwKGFNFTlNPUl9LSU5EX09QVElDQUxfRkxPVxAVKnIKClBvcnRGb3JtYXQSGwoXUE9SVF9GT1JNQVRfVU5TUEVDSUZJRUQQABIVChFQT1JUX0ZPUk1BVF9TQ0lQMhABEhoKFlBPUlRfRk9STUFUX0xJTkVfSU1BR0UQAhIUChBQT1JUX0ZPUk1BVF9OTUVBEAMyVwoQQnJhaW5MaW5rU2VydmljZRJDCgZBdHRhY2gSGS5iYXVkYm90LnYxLkF0dGFjaFJlcXVlc3QaGi5iYXVkYm90LnYxLkF0dGFjaFJlc3BvbnNlKAEwAWIGcHJvdG8z");
 
 /**
  * From the brain.
@@ -163,6 +163,15 @@ export type Hello = Message<"baudbot.v1.Hello"> & {
    * @generated from field: bool stop_when_gone = 7;
    */
   stopWhenGone: boolean;
+
+  /**
+   * The program passes bytes on to somebody else's, who opens a serial port. Only in RAW mode (INVALID_ARGUMENT). Turns say
+   * when each byte arrived and which instant of the wall clock that is; what comes during a tick is in its Turn, so the
+   * instant of the step is the end of the tick, and what is written enters the cable then.
+   *
+   * @generated from field: bool serial_port = 8;
+   */
+  serialPort: boolean;
 };
 
 /**
@@ -808,6 +817,14 @@ export type Firmware = Message<"baudbot.v1.Firmware"> & {
      */
     value: Firmware_Khepera;
     case: "khepera";
+  } | {
+    /**
+     * The Open Interface of an iRobot Create: a stream of packets, once one is asked for.
+     *
+     * @generated from field: baudbot.v1.Firmware.Create create = 5;
+     */
+    value: Firmware_Create;
+    case: "create";
   } | { case: undefined; value?: undefined };
 
   /**
@@ -884,6 +901,28 @@ export const Firmware_KheperaSchema: GenMessage<Firmware_Khepera> = /*@__PURE__*
   messageDesc(file_baudbot_v1_brain_link, 12, 2);
 
 /**
+ * The Open Interface of an iRobot Create. Every sensor that it tells is in every message of the stream that the server asks
+ * for; it tells those whose names docs/robots/create.md lists.
+ *
+ * @generated from message baudbot.v1.Firmware.Create
+ */
+export type Firmware_Create = Message<"baudbot.v1.Firmware.Create"> & {
+  /**
+   * 1 for the Create of 2007, 2 for the Create 2.
+   *
+   * @generated from field: uint32 version = 1;
+   */
+  version: number;
+};
+
+/**
+ * Describes the message baudbot.v1.Firmware.Create.
+ * Use `create(Firmware_CreateSchema)` to create a new message.
+ */
+export const Firmware_CreateSchema: GenMessage<Firmware_Create> = /*@__PURE__*/
+  messageDesc(file_baudbot_v1_brain_link, 12, 3);
+
+/**
  * A brain's step: what has arrived for it, and when it is.
  *
  * @generated from message baudbot.v1.Turn
@@ -909,6 +948,13 @@ export type Turn = Message<"baudbot.v1.Turn"> & {
    * @generated from field: uint64 turn = 3;
    */
   turn: bigint;
+
+  /**
+   * For a serial port, where simulated time follows the wall clock.
+   *
+   * @generated from field: baudbot.v1.WallClock wall_clock = 4;
+   */
+  wallClock?: WallClock | undefined;
 };
 
 /**
@@ -917,6 +963,35 @@ export type Turn = Message<"baudbot.v1.Turn"> & {
  */
 export const TurnSchema: GenMessage<Turn> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 13);
+
+/**
+ * How simulated time follows the wall clock.
+ *
+ * @generated from message baudbot.v1.WallClock
+ */
+export type WallClock = Message<"baudbot.v1.WallClock"> & {
+  /**
+   * When the tick begins, in nanoseconds since 1970 by the clock of the server's machine. A world that cannot keep up sets
+   * its clock back; then it is later than the ticks before say.
+   *
+   * @generated from field: int64 tick_begins_unix_ns = 1;
+   */
+  tickBeginsUnixNs: bigint;
+
+  /**
+   * Simulated seconds a second of the wall clock.
+   *
+   * @generated from field: double factor = 2;
+   */
+  factor: number;
+};
+
+/**
+ * Describes the message baudbot.v1.WallClock.
+ * Use `create(WallClockSchema)` to create a new message.
+ */
+export const WallClockSchema: GenMessage<WallClock> = /*@__PURE__*/
+  messageDesc(file_baudbot_v1_brain_link, 14);
 
 /**
  * One robot's part of a Turn.
@@ -959,6 +1034,20 @@ export type RobotTurn = Message<"baudbot.v1.RobotTurn"> & {
    * @generated from field: repeated baudbot.v1.PortBytes ports = 5;
    */
   ports: PortBytes[];
+
+  /**
+   * For a serial port: how long after the tick began each byte of `raw` arrived.
+   *
+   * @generated from field: repeated uint64 raw_after_ns = 6;
+   */
+  rawAfterNs: bigint[];
+
+  /**
+   * For a serial port: the baud rate of the robot's cable, if it has one; programs and robots may change it.
+   *
+   * @generated from field: optional uint32 baud = 7;
+   */
+  baud?: number | undefined;
 };
 
 /**
@@ -966,7 +1055,7 @@ export type RobotTurn = Message<"baudbot.v1.RobotTurn"> & {
  * Use `create(RobotTurnSchema)` to create a new message.
  */
 export const RobotTurnSchema: GenMessage<RobotTurn> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 14);
+  messageDesc(file_baudbot_v1_brain_link, 15);
 
 /**
  * What arrived on the cable of a sensor's own.
@@ -987,6 +1076,20 @@ export type PortBytes = Message<"baudbot.v1.PortBytes"> & {
    * @generated from field: bytes data = 2;
    */
   data: Uint8Array;
+
+  /**
+   * For a serial port: how long after the tick began each byte arrived.
+   *
+   * @generated from field: repeated uint64 after_ns = 3;
+   */
+  afterNs: bigint[];
+
+  /**
+   * For a serial port, which is told of each port in each Turn: its baud rate, if it has one.
+   *
+   * @generated from field: optional uint32 baud = 4;
+   */
+  baud?: number | undefined;
 };
 
 /**
@@ -994,7 +1097,7 @@ export type PortBytes = Message<"baudbot.v1.PortBytes"> & {
  * Use `create(PortBytesSchema)` to create a new message.
  */
 export const PortBytesSchema: GenMessage<PortBytes> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 15);
+  messageDesc(file_baudbot_v1_brain_link, 16);
 
 /**
  * A reading as it came over the wire.
@@ -1044,7 +1147,7 @@ export type Reading = Message<"baudbot.v1.Reading"> & {
  * Use `create(ReadingSchema)` to create a new message.
  */
 export const ReadingSchema: GenMessage<Reading> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 16);
+  messageDesc(file_baudbot_v1_brain_link, 17);
 
 /**
  * What the brain does.
@@ -1073,7 +1176,7 @@ export type Step = Message<"baudbot.v1.Step"> & {
  * Use `create(StepSchema)` to create a new message.
  */
 export const StepSchema: GenMessage<Step> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 17);
+  messageDesc(file_baudbot_v1_brain_link, 18);
 
 /**
  * One robot's part of a Step.
@@ -1144,6 +1247,21 @@ export type RobotStep = Message<"baudbot.v1.RobotStep"> & {
    * @generated from field: baudbot.v1.UntilMessage until_message = 7;
    */
   untilMessage?: UntilMessage | undefined;
+
+  /**
+   * For a serial port: a program has opened it, which pulls DTR. That resets a microcontroller that has a bootloader, as soon
+   * as the tick is over.
+   *
+   * @generated from field: bool opened = 8;
+   */
+  opened: boolean;
+
+  /**
+   * RAW: bytes for sensors on their own cables; `after_ns` is not used. A device that speaks by itself passes them over.
+   *
+   * @generated from field: repeated baudbot.v1.PortBytes ports = 9;
+   */
+  ports: PortBytes[];
 };
 
 /**
@@ -1151,7 +1269,7 @@ export type RobotStep = Message<"baudbot.v1.RobotStep"> & {
  * Use `create(RobotStepSchema)` to create a new message.
  */
 export const RobotStepSchema: GenMessage<RobotStep> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 18);
+  messageDesc(file_baudbot_v1_brain_link, 19);
 
 /**
  * Like a program that waits in poll(2) for its serial port: the robot has no part in a Turn before something has come.
@@ -1175,7 +1293,7 @@ export type UntilMessage = Message<"baudbot.v1.UntilMessage"> & {
  * Use `create(UntilMessageSchema)` to create a new message.
  */
 export const UntilMessageSchema: GenMessage<UntilMessage> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 19);
+  messageDesc(file_baudbot_v1_brain_link, 20);
 
 /**
  * Signals for the motors; 1 is full voltage, or full speed, forwards.
@@ -1211,7 +1329,7 @@ export type Command = Message<"baudbot.v1.Command"> & {
  * Use `create(CommandSchema)` to create a new message.
  */
 export const CommandSchema: GenMessage<Command> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 20);
+  messageDesc(file_baudbot_v1_brain_link, 21);
 
 /**
  * Asks for readings.
@@ -1226,7 +1344,7 @@ export type Poll = Message<"baudbot.v1.Poll"> & {
  * Use `create(PollSchema)` to create a new message.
  */
 export const PollSchema: GenMessage<Poll> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 21);
+  messageDesc(file_baudbot_v1_brain_link, 22);
 
 /**
  * The run is over. A brain is not told why.
@@ -1247,7 +1365,7 @@ export type Ended = Message<"baudbot.v1.Ended"> & {
  * Use `create(EndedSchema)` to create a new message.
  */
 export const EndedSchema: GenMessage<Ended> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 22);
+  messageDesc(file_baudbot_v1_brain_link, 23);
 
 /**
  * What a brain publishes for observers. It takes no time on any cable, changes nothing in the world, and reaches no
@@ -1277,7 +1395,7 @@ export type Annotate = Message<"baudbot.v1.Annotate"> & {
  * Use `create(AnnotateSchema)` to create a new message.
  */
 export const AnnotateSchema: GenMessage<Annotate> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 23);
+  messageDesc(file_baudbot_v1_brain_link, 24);
 
 /**
  * What a brain believes and does, in coordinates of the world as it believes them to be.
@@ -1333,7 +1451,7 @@ export type Belief = Message<"baudbot.v1.Belief"> & {
  * Use `create(BeliefSchema)` to create a new message.
  */
 export const BeliefSchema: GenMessage<Belief> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 24);
+  messageDesc(file_baudbot_v1_brain_link, 25);
 
 /**
  * The utility of a behaviour.
@@ -1368,7 +1486,7 @@ export type Utility = Message<"baudbot.v1.Utility"> & {
  * Use `create(UtilitySchema)` to create a new message.
  */
 export const UtilitySchema: GenMessage<Utility> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 25);
+  messageDesc(file_baudbot_v1_brain_link, 26);
 
 /**
  * A pose that a brain believes in.
@@ -1410,7 +1528,7 @@ export type BelievedPose = Message<"baudbot.v1.BelievedPose"> & {
  * Use `create(BelievedPoseSchema)` to create a new message.
  */
 export const BelievedPoseSchema: GenMessage<BelievedPose> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 26);
+  messageDesc(file_baudbot_v1_brain_link, 27);
 
 /**
  * A pose that a brain thinks possible.
@@ -1452,7 +1570,7 @@ export type Particle = Message<"baudbot.v1.Particle"> & {
  * Use `create(ParticleSchema)` to create a new message.
  */
 export const ParticleSchema: GenMessage<Particle> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 27);
+  messageDesc(file_baudbot_v1_brain_link, 28);
 
 /**
  * Square cells of a map.
@@ -1502,7 +1620,7 @@ export type GridMap = Message<"baudbot.v1.GridMap"> & {
  * Use `create(GridMapSchema)` to create a new message.
  */
 export const GridMapSchema: GenMessage<GridMap> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 28);
+  messageDesc(file_baudbot_v1_brain_link, 29);
 
 /**
  * A place.
@@ -1530,7 +1648,7 @@ export type Point = Message<"baudbot.v1.Point"> & {
  * Use `create(PointSchema)` to create a new message.
  */
 export const PointSchema: GenMessage<Point> = /*@__PURE__*/
-  messageDesc(file_baudbot_v1_brain_link, 29);
+  messageDesc(file_baudbot_v1_brain_link, 30);
 
 /**
  * How a brain speaks over its ports.
