@@ -137,8 +137,6 @@ pub enum Remark {
     Rest { of: &'static str, rms: f64, unit: &'static str, explained: f64 },
     /// The two motions ask for different lags.
     Lags { ahead_ms: f64, turning_ms: f64 },
-    /// Part of a long log was looked at.
-    Sampled { used: usize, of: usize },
 }
 
 impl fmt::Display for Remark {
@@ -171,7 +169,6 @@ impl fmt::Display for Remark {
                 digits(*ahead_ms, 3),
                 digits(*turning_ms, 3)
             ),
-            Self::Sampled { used, of } => format!("{used} of {of} rows are looked at, in stretches over the whole log"),
         };
         write!(f, "{}", Printable(text))
     }

@@ -24,11 +24,17 @@ pub(super) struct Report<'a> {
 
 impl<'a> Report<'a> {
     pub(super) fn new(subject: &'a Subject, log: &'a Log, fitted: &'a Fitted) -> Self {
+        let found = fitted.findings.iter().filter(|finding| finding.is_field);
+        let found = found.filter_map(|finding| match &finding.outcome {
+            Outcome::Estimate(estimate) => Some((finding.path.as_str(), value(estimate))),
+            Outcome::CannotTell(_) => None,
+        });
+        let found: Vec<_> = found.collect();
         let line = |finding: &'a Finding| {
             let setting = match &finding.outcome {
                 Outcome::Estimate(estimate) if finding.is_field => {
                     let value = value(estimate);
-                    Some(subject.setting(&finding.path, &value).map(|path| (path, value)))
+                    Some(subject.setting(&finding.path, &value, &found).map(|path| (path, value)))
                 }
                 Outcome::Estimate(_) | Outcome::CannotTell(_) => None,
             };

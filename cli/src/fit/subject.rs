@@ -93,13 +93,21 @@ impl Subject {
     }
 
     /// The path of a field and an override that the scenario takes, or why it takes none. Where the scenario has the short
-    /// form of a kind of noise, so has the path.
-    pub(super) fn setting(&self, path: &str, value: &str) -> Result<String, String> {
+    /// form of a kind of noise, so has the path. What it does not take alone it may take with the `others`, paths and values, that
+    /// are found along with it.
+    pub(super) fn setting(
+        &self,
+        path: &str,
+        value: &str,
+        others: &[(&str, String)],
+    ) -> Result<String, String> {
         let short = |long: &str, short: &str| path.strip_suffix(long).map(|table| format!("{table}{short}"));
         let shorts = [short("noise.multiplicative", "sigma"), short("noise.additive", "sigma_rad")];
         let mut problem = None;
         for path in std::iter::once(path.to_owned()).chain(shorts.into_iter().flatten()) {
-            match self.try_setting(&path, value) {
+            let with_others = others.iter().map(|(other, value)| (*other, value.as_str()));
+            let alone = self.try_setting([(path.as_str(), value)]);
+            match alone.or_else(|error| self.try_setting(with_others).map_err(|_| error)) {
                 Ok(()) => return Ok(path),
                 Err(error) => problem = problem.or(Some(error)),
             }
@@ -107,10 +115,12 @@ impl Subject {
         Err(problem.unwrap_or_default())
     }
 
-    fn try_setting(&self, path: &str, value: &str) -> Result<(), String> {
-        let text = format!("{}={value}", self.whole(path));
-        let change = Override::parse(&text).map_err(|error| error.to_string())?;
-        let sets: Vec<Override> = self.sets.iter().cloned().chain([change]).collect();
+    fn try_setting<'a>(&self, values: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<(), String> {
+        let mut sets = self.sets.clone();
+        for (path, value) in values {
+            let text = format!("{}={value}", self.whole(path));
+            sets.push(Override::parse(&text).map_err(|error| error.to_string())?);
+        }
         baudbot_scenario::parse_with(&self.text, &sets).map(|_| ()).map_err(|error| error.to_string())
     }
 

@@ -48,6 +48,10 @@ pub enum Problem {
     #[error("has column names, but no rows")]
     NoRows,
     #[error(
+        "has numbers where column names are to be; begin the log with a line such as `sent_us,received_us`"
+    )]
+    NoNames,
+    #[error(
         "is not text: byte 0x{byte:02x}; a log is a table of comma-separated values, or a recording in MCAP"
     )]
     Binary { byte: u8 },

@@ -108,6 +108,9 @@ impl Reader<'_> {
     fn header(&self, text: &str, cells: &mut Vec<String>, options: &Options) -> Result<Header, LogError> {
         let separator = separator(text);
         split(text, separator, cells).map_err(|problem| self.here(problem))?;
+        if cells.iter().all(|cell| cell.parse::<f64>().is_ok()) {
+            return Err(self.here(Problem::NoNames));
+        }
         let mut header = Header {
             separator,
             names: cells.clone(),
@@ -137,7 +140,10 @@ impl Reader<'_> {
         let name = renamed.map_or(cell, |(ours, _)| ours);
         match name {
             "robot" => header.robot = Some(i),
-            "sensor" | "specimen" => header.label = Some(i),
+            // Unless the robot's own sensor is called so, as that of a preset.
+            "sensor" | "specimen" if !options.readings.iter().any(|reading| reading == name) => {
+                header.label = Some(i);
+            }
             _ => match meaning(name, &options.readings)? {
                 Some(name) => {
                     if let Some(first) = header.columns.iter().find(|column| same(&column.name, &name)) {

@@ -115,3 +115,29 @@ fn columns_may_have_other_names_and_those_not_understood_are_told() {
         )
     );
 }
+
+#[test]
+fn rows_of_one_instant_that_complement_each_other_are_one() {
+    let log = log("time_s,command_left,x_m\n0,1,\n0,,5\n1,,6\n2,2,\n2,,7\n2,,7\n").unwrap();
+    let column = |quantity| log.column(quantity).unwrap().values.clone();
+    assert_eq!(column(Quantity::Time), [0.0, 1.0, 2.0]);
+    assert_eq!(column(Quantity::X), [5.0, 6.0, 7.0]);
+    let commands = column(Quantity::CommandLeft);
+    assert_eq!((commands[0], commands[1].is_nan(), commands[2]), (1.0, true, 2.0));
+    assert_eq!(log.lines, [3, 4, 7]);
+    assert!(refused("time_s,command_left,x_m\n0,1,4\n0,,5\n").contains("has the time of line 2"));
+}
+
+#[test]
+fn a_log_without_a_line_of_names_is_recognised() {
+    assert!(
+        refused("5300,7211\n5400,7300\n").contains("log.csv:1: has numbers where column names are to be")
+    );
+}
+
+#[test]
+fn a_sensor_that_is_called_sensor_has_its_readings() {
+    let options = Options { readings: vec!["sensor".into()], ..Options::default() };
+    let log = read("log.csv", "heading_rad,sensor\n1,2\n2,3\n".as_bytes(), &options, &mut |_| ()).unwrap();
+    assert_eq!(log.reading("sensor").unwrap().values, [2.0, 3.0]);
+}

@@ -7,7 +7,8 @@ use super::{GAP, Log};
 /// Most gaps that are listed one by one.
 const LISTED_GAPS: usize = 5;
 
-/// Leaves out copies of rows, and finds gaps.
+/// Leaves out copies of rows, puts rows of one instant together whose cells complement each other, as those of merged tables, and
+/// finds gaps.
 ///
 /// # Errors
 /// If the clock goes back, or a time is there twice with different numbers.
@@ -18,22 +19,24 @@ pub(super) fn settle(mut log: Log) -> Result<Log, LogError> {
         log.segments = std::iter::once(0..log.len()).collect();
         return Ok(log);
     };
-    let copies = copies(&log, quantity)?;
-    if let Some(&first) = copies.first() {
-        log.warnings.push(Warning::Copies { rows: copies.len(), line: log.lines[first] });
-        leave_out(&mut log, &copies);
+    let copies = copies(&mut log, quantity)?;
+    if let Some(&(first, _)) = copies.iter().find(|(_, is_copy)| *is_copy) {
+        let rows = copies.iter().filter(|(_, is_copy)| *is_copy).count();
+        log.warnings.push(Warning::Copies { rows, line: log.lines[first] });
     }
+    leave_out(&mut log, &copies.into_iter().map(|(row, _)| row).collect::<Vec<_>>());
     let times = log.column(quantity).map(|column| column.values.clone()).unwrap_or_default();
     split_at_gaps(&mut log, &times);
     Ok(log)
 }
 
-/// The rows that are copies of the ones before them.
-fn copies(log: &Log, quantity: Quantity) -> Result<Vec<usize>, LogError> {
-    let Some(column) = log.column(quantity) else { return Ok(Vec::new()) };
+/// The rows that are not needed: copies of the ones before them, and those whose cells the row behind them has got.
+fn copies(log: &mut Log, quantity: Quantity) -> Result<Vec<(usize, bool)>, LogError> {
+    let Some(column) = log.column(quantity).cloned() else { return Ok(Vec::new()) };
+    let (file, lines) = (log.file.clone(), log.lines.clone());
     let error = |row: usize, problem: Problem| LogError {
-        file: log.file.clone(),
-        line: Some(log.lines[row]),
+        file: file.clone(),
+        line: Some(lines[row]),
         column: Some((column.place, column.header.clone())),
         problem: problem.into(),
     };
@@ -43,7 +46,7 @@ fn copies(log: &Log, quantity: Quantity) -> Result<Vec<usize>, LogError> {
             return Err(error(row, Problem::NoTime));
         }
         let Some(before) = row.checked_sub(1) else { continue };
-        let (last, line) = (column.values[before], log.lines[before]);
+        let (last, line) = (column.values[before], lines[before]);
         if *time < last {
             return Err(error(row, Problem::ClockBack { before: line, back_s: last - time }));
         }
@@ -52,11 +55,22 @@ fn copies(log: &Log, quantity: Quantity) -> Result<Vec<usize>, LogError> {
         {
             continue;
         }
-        if !log.columns.iter().all(|column| same(column.values[row], column.values[before])) {
+        let pairs = || log.columns.iter().map(|column| (column.values[row], column.values[before]));
+        if pairs().all(|(a, b)| same(a, b)) {
+            copies.push((row, true));
+        } else if pairs().all(|(a, b)| same(a, b) || a.is_nan() || b.is_nan()) {
+            copies.push((before, false));
+            for column in &mut log.columns {
+                if column.values[row].is_nan() {
+                    column.values[row] = column.values[before];
+                }
+            }
+        } else {
             return Err(error(row, Problem::RepeatedTime { before: line }));
         }
-        copies.push(row);
     }
+    copies.sort_unstable();
+    copies.dedup_by_key(|(row, _)| *row);
     Ok(copies)
 }
 

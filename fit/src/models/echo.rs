@@ -44,7 +44,12 @@ pub(crate) struct Echoes {
 
 impl Echoes {
     pub(crate) fn of(case: &Case<'_>, uart: &Uart) -> Result<Self, Reason> {
-        let (sent, received) = (case.column(Quantity::Sent)?, case.column(Quantity::Received)?);
+        let column = |quantity| {
+            let instants = "and `received_s`: instants of one clock, as `baudbot measure echo` writes; durations alone do not tell frames";
+            case.column(quantity)
+                .map_err(|_| Reason::Columns { needs: format!("columns `sent_s` {instants}") })
+        };
+        let (sent, received) = (column(Quantity::Sent)?, column(Quantity::Received)?);
         let pairs = sent.values.iter().zip(&received.values).zip(&case.log.lines);
         let pairs: Vec<_> = pairs.filter(|((sent, received), _)| received > sent).collect();
         if pairs.len() < LEAST_ECHOES {
