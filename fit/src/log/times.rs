@@ -60,11 +60,7 @@ fn copies(log: &mut Log, quantity: Quantity) -> Result<Vec<(usize, bool)>, LogEr
             copies.push((row, true));
         } else if pairs().all(|(a, b)| same(a, b) || a.is_nan() || b.is_nan()) {
             copies.push((before, false));
-            for column in &mut log.columns {
-                if column.values[row].is_nan() {
-                    column.values[row] = column.values[before];
-                }
-            }
+            complete(log, row, before);
         } else {
             return Err(error(row, Problem::RepeatedTime { before: line }));
         }
@@ -72,6 +68,15 @@ fn copies(log: &mut Log, quantity: Quantity) -> Result<Vec<(usize, bool)>, LogEr
     copies.sort_unstable();
     copies.dedup_by_key(|(row, _)| *row);
     Ok(copies)
+}
+
+/// Fills the empty cells of a row from another one.
+fn complete(log: &mut Log, row: usize, other: usize) {
+    for column in &mut log.columns {
+        if column.values[row].is_nan() {
+            column.values[row] = column.values[other];
+        }
+    }
 }
 
 fn same(a: f64, b: f64) -> bool {
