@@ -155,10 +155,9 @@ fn tell_news(robot: &str, news: &News) {
 fn refused(error: PortError) -> anyhow::Error {
     match error {
         PortError::Server(status) => from_server(&status),
-        PortError::InTheWay { .. }
-        | PortError::NotLocal { .. }
-        | PortError::NoDevice { .. }
-        | PortError::Lockstep { .. } => Refused::error(error.to_string()),
-        PortError::Open { .. } | PortError::Contract(_) => error.into(),
+        PortError::InTheWay { .. } | PortError::NotLocal { .. } | PortError::NoDevice { .. } => {
+            Refused::error(error.to_string())
+        }
+        PortError::Open { .. } | PortError::Contract(_) | PortError::NoClock => error.into(),
     }
 }

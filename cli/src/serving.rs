@@ -111,9 +111,14 @@ impl<'a> Serving<'a> {
             OpenPorts::open(server.channel().await?, live.first().map_or("", |(world, _)| world), &ports)
                 .await?;
         text::print(&open.greeting())?;
-        tokio::select! {
-            gone = open.gone() => gone?,
-            () = stop.wait() => {}
+        loop {
+            tokio::select! {
+                // An operator may have deleted the world; the server has others, or will.
+                gone = open.gone() => if let Err(error) = gone {
+                    tell!("note: {}", crate::error::text(&error));
+                },
+                () = stop.wait() => break,
+            }
         }
         tell!("stopping");
         text::print(&open.close().await)?;

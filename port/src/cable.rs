@@ -25,6 +25,11 @@ impl Cable {
         Self { robot, up: None, down: None, busy_until_ns: 0 }
     }
 
+    /// Nothing is on the lines.
+    pub(crate) fn forget(&mut self) {
+        (self.up, self.down, self.busy_until_ns) = (None, None, 0);
+    }
+
     /// The robot's UART has this rate now.
     pub(crate) fn set_baud(&mut self, baud: Option<u32>) {
         if let (Some(robot), Some(baud)) = (&mut self.robot, baud) {

@@ -89,8 +89,17 @@ impl Driver {
         self.medium.settings()
     }
 
+    /// Simulated time. A world that stands still, so that no Turn comes, is not ahead of its last one by more than its window.
     fn now_ns(&self) -> u64 {
-        self.clock.map_or(0, |clock| clock.sim_ns(now_unix_ns()))
+        let latest = |clock: Clock| clock.sim_ns + self.window_ns();
+        self.clock.map_or(0, |clock| clock.sim_ns(now_unix_ns()).min(latest(clock)))
+    }
+
+    /// The world's time has gone back, by a reset or a restored state: what was on its way belongs to another run.
+    fn forget(&mut self) {
+        self.waiting.clear();
+        self.break_since_ns = None;
+        self.cable.forget();
     }
 
     /// `false` if the port is to be closed.
@@ -99,6 +108,9 @@ impl Driver {
         loop {
             match self.orders.try_recv() {
                 Ok(Order::Bytes { clock, baud, bytes }) => {
+                    if self.clock.zip(clock).is_some_and(|(last, now)| now.sim_ns < last.sim_ns) {
+                        self.forget();
+                    }
                     self.clock = clock;
                     self.cable.set_baud(baud);
                     let program = self.settings();
@@ -230,7 +242,9 @@ impl Driver {
             until = until.min(self.clock.map_or(now, |clock| clock.unix_ns(read.at_ns)));
         }
         let has_room = self.room() > 0;
-        if let Some(clock) = self.clock.filter(|_| !has_room) {
+        // The thread is woken when the server has taken what is held.
+        let is_held = self.held.load(Ordering::Relaxed) >= MOST_HELD;
+        if let Some(clock) = self.clock.filter(|_| !has_room && !is_held) {
             until = until.min(clock.unix_ns(self.cable.has_room_ns(self.settings(), self.window_ns())));
         }
         let is_quiet = !self.medium.is_open() && self.medium.fds().is_empty();

@@ -44,14 +44,11 @@ pub enum PortError {
         /// Those that there are.
         there_are: String,
     },
-    /// Simulated time does not follow the wall clock.
+    /// Simulated time does not follow the wall clock any more.
     #[error(
-        "world `{world}` waits for its brains; programs at a serial port need real time: use --pace real-time, or a factor"
+        "the world does not follow the wall clock any more; serial ports need the pace real-time or scaled"
     )]
-    Lockstep {
-        /// Name of the world.
-        world: String,
-    },
+    NoClock,
     /// The server refuses, or is gone.
     #[error("{}", .0.message())]
     Server(#[from] Box<tonic::Status>),

@@ -3,6 +3,8 @@
 use std::io::{self, ErrorKind};
 use std::os::fd::BorrowedFd;
 
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
 use crate::address::Place;
 use crate::error::PortError;
 use crate::pty::Pty;
@@ -30,6 +32,8 @@ pub(crate) enum Medium {
 pub(crate) struct Program {
     connection: Connection,
     telnet: Option<Telnet>,
+    /// The rest of an escape that its machine has not taken.
+    owed: Vec<u8>,
 }
 
 /// What has happened at the program's end.
@@ -76,16 +80,23 @@ impl Medium {
         match self {
             Self::Pty { pty, open } => {
                 let is_open = pty.is_open();
+                if *open && !is_open {
+                    pty.forget_unread();
+                }
                 if is_open != *open {
                     happened.push(if is_open { Happened::Opened } else { Happened::Closed });
                 }
                 *open = is_open;
             }
             Self::Socket { listener, program, telnet } => {
-                while let Some(connection) = listener.accept() {
+                // The next one waits until all is read that a program has left which is gone.
+                while !is_gone(program.as_ref())
+                    && let Some(connection) = listener.accept()
+                {
                     // The cable has one end: a second program is sent away, the connection closed.
                     if program.is_none() {
-                        *program = Some(Program { connection, telnet: telnet.map(Telnet::new) });
+                        *program =
+                            Some(Program { connection, telnet: telnet.map(Telnet::new), owed: Vec::new() });
                         happened.push(Happened::Opened);
                     }
                 }
@@ -115,8 +126,9 @@ impl Medium {
             Self::Pty { pty, open: true } => vec![(pty.fd(), Role::Bytes)],
             Self::Pty { .. } => vec![],
             Self::Socket { listener, program, .. } => {
+                let listener = (!is_gone(program.as_ref())).then(|| (listener.fd(), Role::Programs));
                 let program = program.iter().map(|program| (program.connection.fd(), Role::Bytes));
-                std::iter::once((listener.fd(), Role::Programs)).chain(program).collect()
+                listener.into_iter().chain(program).collect()
             }
         }
     }
@@ -156,13 +168,8 @@ impl Medium {
             }
             Self::Socket { program, .. } => {
                 let Some(program) = program else { return 0 };
-                let bytes: Vec<u8> = reads.iter().map(|read| read.byte).collect();
-                let bytes = if program.telnet.is_some() { escaped(&bytes) } else { bytes };
-                match program.connection.write(&bytes) {
-                    Ok(n) if n == bytes.len() => reads.len(),
-                    // What a program's machine does not take is lost, as at a UART that overruns.
-                    Ok(_) | Err(_) => 0,
-                }
+                // What a program's machine does not take is lost, as at a UART that overruns.
+                program.write(reads)
             }
         }
     }
@@ -177,7 +184,42 @@ pub(crate) enum Role {
     Programs,
 }
 
+/// Whether a program has closed its end, so that only what it has left is to be read.
+fn is_gone(program: Option<&Program>) -> bool {
+    program.is_some_and(|program| {
+        let mut fds = [PollFd::from_borrowed_fd(program.connection.fd(), PollFlags::RDHUP)];
+        let at_once = Timespec { tv_sec: 0, tv_nsec: 0 };
+        poll(&mut fds, Some(&at_once)).is_ok() && !fds[0].revents().is_empty()
+    })
+}
+
 impl Program {
+    /// Gives the program bytes, and says how many of them have gone. An escape that was cut is completed first.
+    fn write(&mut self, reads: &[Read]) -> usize {
+        let mut bytes = std::mem::take(&mut self.owed);
+        let owed = bytes.len();
+        let mut ends = Vec::with_capacity(reads.len());
+        for read in reads {
+            if self.telnet.is_some() {
+                bytes.extend(escaped(&[read.byte]));
+            } else {
+                bytes.push(read.byte);
+            }
+            ends.push(bytes.len());
+        }
+        let gone = self.connection.write(&bytes).unwrap_or(0);
+        if gone < owed {
+            self.owed = bytes[gone..owed].to_vec();
+            return 0;
+        }
+        let whole = ends.iter().take_while(|end| **end <= gone).count();
+        if let Some(&end) = ends.get(whole).filter(|end| **end == gone + 1 && self.telnet.is_some()) {
+            let begins = whole.checked_sub(1).map_or(owed, |last| ends[last]);
+            self.owed = if begins < gone { bytes[gone..end].to_vec() } else { Vec::new() };
+        }
+        whole
+    }
+
     fn hear(&mut self, bytes: &[u8], happened: &mut Vec<Happened>) -> Vec<u8> {
         let Some(telnet) = &mut self.telnet else { return bytes.to_vec() };
         let heard = telnet.hear(bytes);

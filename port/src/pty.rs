@@ -7,17 +7,22 @@
 use std::fs;
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
-use std::os::unix::fs::{PermissionsExt, symlink};
+use std::os::unix::fs::{OpenOptionsExt, PermissionsExt, symlink};
 use std::path::{Path, PathBuf};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{OFlags, fcntl_setfl};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use rustix::termios::{ControlModes, InputModes, OptionalActions, Termios, tcgetattr, tcsetattr};
+use rustix::termios::{
+    ControlModes, InputModes, OptionalActions, QueueSelector, Termios, tcflush, tcgetattr, tcsetattr,
+};
 
 use crate::address::Place;
 use crate::error::PortError;
 use crate::uart::{LineError, Parity, Read, Settings};
+
+/// The slave does not become the terminal that controls this program.
+const NOCTTY: i32 = OFlags::NOCTTY.bits() as i32;
 
 /// A pseudo-terminal under a stable name.
 #[derive(Debug)]
@@ -71,6 +76,13 @@ impl Pty {
         poll(&mut fds, Some(&at_once)).is_ok() && !fds[0].revents().contains(PollFlags::HUP)
     }
 
+    /// A program has closed it: what it has not read is not for the next one. Linux would keep that.
+    pub(crate) fn forget_unread(&self) {
+        if let Ok(slave) = fs::OpenOptions::new().read(true).custom_flags(NOCTTY).open(&self.slave) {
+            let _ = tcflush(&slave, QueueSelector::IFlush);
+        }
+    }
+
     /// How the program has set its end.
     pub(crate) fn settings(&self) -> Option<Settings> {
         let termios = tcgetattr(&self.master).ok()?;
@@ -101,25 +113,16 @@ impl Drop for Pty {
     }
 }
 
-/// Errors as a terminal tells them (termios(3), IGNPAR, INPCK, PARMRK, IGNBRK, BRKINT without a foreground process).
+/// Errors as a terminal tells them (termios(3): IGNPAR, INPCK, IGNBRK). Marks of PARMRK cannot be made from this side, as the
+/// terminal would mark them again: bytes are given as without it.
 fn given(modes: InputModes, read: &Read) -> Vec<u8> {
     let is_break = read.error == Some(LineError::Framing) && read.byte == 0;
-    let marks = modes.contains(InputModes::PARMRK);
     match read.error {
-        None if marks && !modes.contains(InputModes::ISTRIP) && read.byte == 0xff => vec![0xff, 0xff],
         None => vec![read.byte],
         Some(_) if is_break && modes.contains(InputModes::IGNBRK) => vec![],
-        Some(_) if is_break => {
-            if marks {
-                vec![0xff, 0, 0]
-            } else {
-                vec![0]
-            }
-        }
-        Some(LineError::Parity) if !modes.contains(InputModes::INPCK) => vec![read.byte],
+        Some(_) if is_break => vec![0],
+        Some(_) if !modes.contains(InputModes::INPCK) => vec![read.byte],
         Some(_) if modes.contains(InputModes::IGNPAR) => vec![],
-        Some(_) if marks => vec![0xff, 0, read.byte],
-        Some(LineError::Framing) if !modes.contains(InputModes::INPCK) => vec![read.byte],
         Some(_) => vec![0],
     }
 }
@@ -230,13 +233,11 @@ mod tests {
 
     #[test]
     fn errors_are_given_as_termios_says() {
-        let (none, check, mark) =
-            (InputModes::empty(), InputModes::INPCK, InputModes::INPCK | InputModes::PARMRK);
+        let (none, check) = (InputModes::empty(), InputModes::INPCK);
         assert_eq!(given(none, &read(7, Some(LineError::Parity))), [7]);
         assert_eq!(given(check, &read(7, Some(LineError::Parity))), [0]);
         assert_eq!(given(check | InputModes::IGNPAR, &read(7, Some(LineError::Framing))), []);
-        assert_eq!(given(mark, &read(7, Some(LineError::Framing))), [0xff, 0, 7]);
-        assert_eq!(given(mark, &read(0xff, None)), [0xff, 0xff]);
+        assert_eq!(given(InputModes::PARMRK, &read(0xff, None)), [0xff], "the terminal doubles it itself");
         assert_eq!(given(none, &read(0, Some(LineError::Framing))), [0], "a break");
         assert_eq!(given(InputModes::IGNBRK, &read(0, Some(LineError::Framing))), []);
     }

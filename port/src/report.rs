@@ -43,7 +43,7 @@ impl Report {
             left = left.saturating_sub(count);
             left == 0
         })?;
-        Some(Duration::from_micros(1 << i))
+        Some(Duration::from_micros(1 << i).min(self.latest))
     }
 }
 
@@ -87,7 +87,7 @@ mod tests {
         let text = report.to_string();
         assert_eq!(
             text,
-            "opened 1 times, 100 bytes to programs, 3 from them; late by less than 0.128 ms (half), 4.096 ms (99 %), 3.000 ms at most"
+            "opened 1 times, 100 bytes to programs, 3 from them; late by less than 0.128 ms (half), 3.000 ms (99 %), 3.000 ms at most"
         );
     }
 }

@@ -10,7 +10,7 @@ use tonic::Streaming;
 use tonic::transport::Channel;
 
 use crate::address::Place;
-use crate::clock::Clock;
+use crate::clock::{Ahead, Clock, now_unix_ns};
 use crate::driver::{Order, Told};
 use crate::error::PortError;
 use crate::line::Line;
@@ -26,6 +26,8 @@ pub struct RobotPorts {
     robot: String,
     step_ns: u64,
     lines: Vec<Line>,
+    /// How far this machine's clock is ahead of the server's.
+    ahead: Ahead,
     told: UnboundedReceiver<(usize, Told)>,
     requests: Sender<v1::AttachRequest>,
     responses: Streaming<v1::AttachResponse>,
@@ -72,9 +74,6 @@ impl RobotPorts {
             Some(Response::Ended(_)) => return Err(PortError::Contract("the end of the run")),
             None => return Err(PortError::Contract("nothing")),
         };
-        if welcome.lockstep {
-            return Err(PortError::Lockstep { world: world.to_owned() });
-        }
         let Some(description) = welcome.robots.into_iter().next() else {
             return Err(PortError::Contract("a Welcome without robots"));
         };
@@ -84,7 +83,15 @@ impl RobotPorts {
             Line::open((sensor, place), settings, welcome.step_ns, (number, tell.clone()))
         };
         let lines = ports.iter().enumerate().map(open).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { robot: robot.to_owned(), step_ns: welcome.step_ns, lines, told, requests, responses })
+        Ok(Self {
+            robot: robot.to_owned(),
+            step_ns: welcome.step_ns,
+            lines,
+            ahead: Ahead::default(),
+            told,
+            requests,
+            responses,
+        })
     }
 
     /// Name of the robot.
@@ -122,31 +129,52 @@ impl RobotPorts {
                         }
                         if let Some(Response::Turn(turn)) = response.response {
                             steps = 0;
-                            self.pass_on(turn).await;
+                            if !self.pass_on(turn) {
+                                break Some(PortError::NoClock);
+                            }
                         }
                     }
                     Ok(None) => break None,
-                    Err(status) => break Some(status),
+                    Err(status) => break Some(status.into()),
                 },
-                Some((number, told)) = self.told.recv(), if steps < MOST_STEPS => {
-                    steps += 1;
-                    self.send(number, told, &mut news).await;
+                Some(first) = self.told.recv(), if steps < MOST_STEPS => {
+                    for (number, told) in self.together(first) {
+                        steps += 1;
+                        self.send(number, told, &mut news).await;
+                    }
                 }
                 () = &mut stop => break None,
             }
         };
         let reports = self.lines.into_iter().map(|line| (line.place.clone(), line.close())).collect();
-        error.map_or(Ok(reports), |status| Err(status.into()))
+        error.map_or(Ok(reports), Err)
     }
 
-    /// Passes on what has arrived in a tick.
-    async fn pass_on(&self, turn: v1::Turn) {
+    /// What has been told up to now; bytes of a port that follow each other are put together.
+    fn together(&mut self, first: (usize, Told)) -> Vec<(usize, Told)> {
+        let mut all = vec![first];
+        while let Ok((number, told)) = self.told.try_recv() {
+            match (all.last_mut(), told) {
+                (Some((last, Told::Bytes(bytes))), Told::Bytes(more)) if *last == number => {
+                    bytes.extend(more);
+                }
+                (_, told) => all.push((number, told)),
+            }
+        }
+        all
+    }
+
+    /// Passes on what has arrived in a tick; `false` if the world does not follow the wall clock any more.
+    fn pass_on(&mut self, turn: v1::Turn) -> bool {
         let begins_ns = turn.tick * self.step_ns;
-        let clock = turn.wall_clock.map(|clock| Clock {
+        let Some(wall) = turn.wall_clock else { return false };
+        let told_ns = wall.tick_begins_unix_ns.max(0) as u64;
+        let ahead_ns = self.ahead.note(now_unix_ns() as i64 - told_ns as i64);
+        let clock = Clock {
             sim_ns: begins_ns,
-            unix_ns: clock.tick_begins_unix_ns.max(0) as u64,
-            factor: clock.factor,
-        });
+            unix_ns: told_ns.saturating_add_signed(ahead_ns),
+            factor: wall.factor,
+        };
         for part in turn.robots {
             let at = |baud| At { clock, begins_ns, baud };
             self.order(None, at(part.baud), (&part.raw, &part.raw_after_ns));
@@ -154,21 +182,14 @@ impl RobotPorts {
                 self.order(Some(port.sensor), at(port.baud), (&port.data, &port.after_ns));
             }
         }
-        if clock.is_none() {
-            // The world waits for its brains now.
-            drop(
-                self.requests
-                    .send(request(Request::Step(v1::Step { turn: turn.turn, robots: vec![] })))
-                    .await,
-            );
-        }
+        true
     }
 
     fn order(&self, sensor: Option<u32>, at: At, (data, after_ns): (&[u8], &[u64])) {
         let arrival = |(i, byte): (usize, &u8)| (at.begins_ns + after_ns.get(i).copied().unwrap_or(0), *byte);
         let bytes: Vec<_> = data.iter().enumerate().map(arrival).collect();
         for line in self.lines.iter().filter(|line| line.sensor == sensor) {
-            line.order(Order::Bytes { clock: at.clock, baud: at.baud, bytes: bytes.clone() });
+            line.order(Order::Bytes { clock: Some(at.clock), baud: at.baud, bytes: bytes.clone() });
         }
     }
 
@@ -203,7 +224,7 @@ impl RobotPorts {
 /// When a tick begins, and how fast the cable is in it.
 #[derive(Clone, Copy)]
 struct At {
-    clock: Option<Clock>,
+    clock: Clock,
     begins_ns: u64,
     baud: Option<u32>,
 }

@@ -149,7 +149,7 @@ impl Receiver {
 
     /// The line has a character of a sender that is set so, which begins at `from_ns`, or when the line is free.
     pub fn hear(&mut self, sender: &Settings, from_ns: u64, byte: u8) {
-        let mut from = (from_ns * PS_PER_NS).max(self.known_ps);
+        let mut from = from_ns.saturating_mul(PS_PER_NS).max(self.known_ps);
         for level in sender.levels(byte) {
             self.change(from, level);
             from += sender.bit_ps();
@@ -159,15 +159,15 @@ impl Receiver {
 
     /// The line is low for so long from `from_ns` on: a break.
     pub fn hear_break(&mut self, from_ns: u64, length_ns: u64) {
-        let from = (from_ns * PS_PER_NS).max(self.known_ps);
+        let from = from_ns.saturating_mul(PS_PER_NS).max(self.known_ps);
         self.change(from, false);
-        self.known_ps = from + length_ns * PS_PER_NS;
+        self.known_ps = from + length_ns.saturating_mul(PS_PER_NS);
         self.change(self.known_ps, true);
     }
 
     /// The line is idle until `until_ns`.
     pub fn idle(&mut self, until_ns: u64) {
-        self.known_ps = self.known_ps.max(until_ns * PS_PER_NS);
+        self.known_ps = self.known_ps.max(until_ns.saturating_mul(PS_PER_NS));
     }
 
     /// When the line is free for another character, in nanoseconds.

@@ -9,15 +9,19 @@ use tonic::Status;
 use super::final_command::FinalCommand;
 use super::ports::{ToDevice, sender};
 use super::{Pending, Phase, WorldActor};
-use crate::endpoint::{Thinking, Write};
+use crate::endpoint::{Mode, Thinking, Write};
 use crate::message::{Attach, Attached, Lease, Reply, Step};
-use crate::pace::WatchdogPolicy;
+use crate::pace::{Pace, WatchdogPolicy};
 use crate::sessions::{Answer, NewSession};
 
 impl WorldActor {
     pub(super) fn attach(&mut self, request: Attach, reply: Reply<Attached>) {
         if let Err(status) = self.check_live("a brain") {
             return drop(reply.send(Err(status)));
+        }
+        if request.mode == Mode::SerialPort && !matches!(self.pacer.pace, Pace::Timed(_)) {
+            let text = "hello.serial_port: the world does not follow the wall clock; serial ports need the pace real-time or scaled";
+            return drop(reply.send(Err(Status::failed_precondition(text))));
         }
         let scenario = Arc::clone(self.world.scenario());
         let (world, brain, stops) = (request.world.clone(), request.brain.clone(), request.stop_when_gone);
