@@ -245,7 +245,9 @@ impl Driver {
         // The thread is woken when the server has taken what is held.
         let is_held = self.held.load(Ordering::Relaxed) >= MOST_HELD;
         if let Some(clock) = self.clock.filter(|_| !has_room && !is_held) {
-            until = until.min(clock.unix_ns(self.cable.has_room_ns(self.settings(), self.window_ns())));
+            // In a world that stands there is room only when it goes on.
+            let at = clock.unix_ns(self.cable.has_room_ns(self.settings(), self.window_ns()));
+            until = until.min(if at > now { at } else { now + LOOKS_NS });
         }
         let is_quiet = !self.medium.is_open() && self.medium.fds().is_empty();
         if is_quiet || self.cable.is_listening() {
