@@ -59,8 +59,12 @@ impl Robot {
     }
 
     /// The cable of port `k` as it is now.
+    #[inline]
     fn cable<'a>(&self, spec: &'a RobotSpec, k: usize) -> &'a Link {
         let Some(port) = port(spec, k) else { return &Link::Ideal };
+        if self.rare.third.is_none() {
+            return &port.link;
+        }
         self.dialogue(k).map_or(&port.link, |dialogue| dialogue.cable(port))
     }
 

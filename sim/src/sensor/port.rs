@@ -139,6 +139,7 @@ const UNREAD_MAX: usize = 4 << 20;
 
 impl Port {
     /// More bytes than these without an end are no message: the rest of a broken one, and a whole one.
+    #[inline]
     fn longest(&self, device: &Device) -> usize {
         match &self.dialogue {
             Some(dialogue) => 2 * dialogue::longest(&dialogue.description),
@@ -148,9 +149,18 @@ impl Port {
 
     /// Takes a message out of what has come so far, if one ends there. What a device answers is no bad message, also if
     /// it is a scan that is none of the sensor's readings: another program has asked for it.
+    #[inline]
     fn hear(&self, device: &Device, received: &mut Vec<u8>, at: SimTime) -> Received {
-        let is_whole = self.dialogue.is_some() && received.ends_with(b"\n\n");
-        let is_answer = is_whole
+        match self.dialogue {
+            None => self.format.hear(device, received, at),
+            Some(_) => self.hear_answer(device, received, at),
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn hear_answer(&self, device: &Device, received: &mut Vec<u8>, at: SimTime) -> Received {
+        let is_answer = received.ends_with(b"\n\n")
             && match scip::status(received) {
                 Some(status) if status == *b"99" => dialogue::is_foreign(&self.format, received),
                 status => status.is_some(),
