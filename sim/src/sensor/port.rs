@@ -177,6 +177,7 @@ impl Port {
 
 impl Format {
     /// Bytes of one message.
+    #[inline]
     pub fn message_len(&self, device: &Device) -> usize {
         match (self, device) {
             (Self::Scip(format), _) => format.message_len(),
@@ -227,7 +228,8 @@ impl Format {
         }
     }
 
-    /// Takes a message out of what has come so far, if one ends there.
+    /// Takes a message out of what has come so far, if one ends there. It is asked for each byte.
+    #[inline(always)]
     fn hear(&self, device: &Device, received: &mut Vec<u8>, at: SimTime) -> Received {
         let format = match self {
             Self::Scip(_) => port::Format::Scip,
