@@ -28,7 +28,12 @@ impl WireLayout {
         // A brain on board gets its readings without a message, unless they are lines or packets.
         let has_messages = !body.onboard || body.firmware.protocol.is_dialogue();
         let sensors = || body.sensors.iter().enumerate();
-        let on_wire = || sensors().filter(|(_, sensor)| has_messages && sensor.is_on_wire());
+        // A Khepera's analog inputs are asked for one by one.
+        let is_input = |sensor: &Sensor| {
+            body.firmware.protocol == Protocol::Khepera && khepera::input_number(&sensor.name).is_some()
+        };
+        let on_wire =
+            || sensors().filter(|(_, sensor)| has_messages && sensor.is_on_wire() && !is_input(sensor));
         let counts = on_wire().map(|(_, sensor)| u8::try_from(sensor.values()).unwrap_or(u8::MAX));
         let (signals, packets) = match body.firmware.protocol {
             Protocol::Create(version) => told(version, on_wire().map(|(_, sensor)| sensor)),
@@ -68,7 +73,9 @@ impl WireLayout {
         match protocol {
             Protocol::Framed { .. } => frame::encoded_len_max(self.borrow().command_len()),
             Protocol::Bare { .. } => self.borrow().bare_command_len(),
-            Protocol::Khepera => khepera::command_len_max(&self.borrow()) + khepera::POLL.len(),
+            Protocol::Khepera => {
+                khepera::command_len_max(&self.borrow()) + khepera::poll(&self.borrow()).len()
+            }
             Protocol::Create(_) => create::drive_direct([0.0; 2]).len(),
         }
     }

@@ -122,9 +122,16 @@ fn commands_arrive_as_they_were_meant() {
     assert_eq!(commands.command(Signals { left: 1.0, right: 0.0 }), [127, 0]);
     assert_eq!(commands.poll(), None);
 
-    let mut commands = RawCommands::new(&body(Protocol::Khepera)).unwrap();
-    assert_eq!(commands.command(Signals { left: 1.0, right: -0.5 }), b"D,127,-64\rN\r");
-    assert_eq!(commands.poll().unwrap(), b"N\r");
+    let mut commands = RawCommands::new(&khepera()).unwrap();
+    assert_eq!(commands.command(Signals { left: 1.0, right: -0.5 }), b"D,127,-64\rH\rN\r");
+    assert_eq!(commands.poll().unwrap(), b"H\rN\r");
+}
+
+/// A Khepera with an infra-red sensor and encoders.
+fn khepera() -> Arc<Body> {
+    let mut body = Arc::unwrap_or_clone(body(Protocol::Khepera));
+    body.sensors[0].components[0].encoding = Encoding::Level { bits: 10, min: 0.0, max: 1023.0 };
+    Arc::new(body)
 }
 
 /// A Create with encoders, a bumper and a sensor that it does not tell.
@@ -174,16 +181,20 @@ fn a_stream_is_readable_as_far_as_it_is_told() {
 
 #[test]
 fn an_answer_in_text_is_readable_and_the_acknowledgement_is_no_news() {
-    let mut readings = RawReadings::new(body(Protocol::Khepera)).unwrap();
-    assert!(!readings.turn(&raw(10_000_000, b"d\r\nn,7,-8,32")).has_news());
-    assert!(!readings.turn(&raw(20_000_000, b"767\r")).has_news());
-    let turn = readings.turn(&raw(30_000_000, b"\nd\r\n"));
-    assert_eq!(turn.reading("one").unwrap().values, [7.0]);
+    let mut readings = RawReadings::new(khepera()).unwrap();
+    assert!(!readings.turn(&raw(10_000_000, b"d\r\nh,-8,32")).has_news());
+    assert!(!readings.turn(&raw(20_000_000, b"767\r\nn,70")).has_news());
+    let turn = readings.turn(&raw(30_000_000, b"0\r\nd\r\n"));
+    assert_eq!(turn.reading("one").unwrap().values, [700.0]);
     let reading = turn.reading("two").unwrap();
     assert_eq!(reading.values, [-8.0, 32767.0]);
     assert_eq!((reading.sampled_at_ns, reading.sequence, reading.readable), (None, 1, true));
-    let turn = readings.turn(&raw(40_000_000, b"n,1,2\r\nn,1,2,32768\r\nx\r\n"));
-    assert_eq!((turn.value("one"), turn.has_news()), (Some(7.0), false));
+    let turn = readings.turn(&raw(40_000_000, b"n,1,2\r\nn,1024\r\nx\r\n"));
+    assert_eq!((turn.value("one"), turn.has_news()), (Some(700.0), false));
+    // Without positions before it, an answer has none.
+    let turn = readings.turn(&raw(50_000_000, b"n,5\r\n"));
+    let readable = |name| turn.reading(name).is_some_and(|reading| reading.readable);
+    assert_eq!((turn.value("one"), readable("one"), readable("two")), (Some(5.0), true, false));
 }
 
 #[test]
@@ -198,10 +209,10 @@ fn a_body_that_lines_of_text_cannot_speak_of_is_refused() {
 
 #[test]
 fn a_command_in_text_takes_as_long_as_the_longest_with_its_poll() {
-    let mut body = Arc::unwrap_or_clone(body(Protocol::Khepera));
+    let mut body = Arc::unwrap_or_clone(khepera());
     (body.baud, body.bits_per_character) = (Some(9600), Some(11));
-    // `D,-127,-127` and `N` with their ends: 14 characters of 11 bits.
-    assert_eq!(body.command_ns(), 16_041_667);
+    // `D,-127,-127`, `H` and `N` with their ends: 16 characters of 11 bits.
+    assert_eq!(body.command_ns(), 18_333_334);
 }
 
 /// A laser's scan of three rays, taken at 250 ms; the middle one met nothing.
@@ -309,7 +320,8 @@ proptest! {
     fn any_bytes_do_no_harm(turns in vec((vec(any::<u8>(), 0..40), any::<u64>()), 0..20), gap_ns: u64) {
         let create = Protocol::Create(CreateVersion::Two);
         for protocol in [Protocol::Framed { ages: true }, Protocol::Bare { gap_ns }, Protocol::Khepera, create] {
-            let mut readings = RawReadings::new(body(protocol)).unwrap();
+            let body = if protocol == Protocol::Khepera { khepera() } else { body(protocol) };
+            let mut readings = RawReadings::new(body).unwrap();
             for (bytes, at_ns) in &turns {
                 let turn = readings.turn(&raw(*at_ns, bytes));
                 prop_assert_eq!(turn.readings.len(), 2);

@@ -154,18 +154,21 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Bytes that go up before the readings do: a Khepera says that it obeyed.
+    /// The least bytes that go up before the readings do: a Khepera says that it obeyed, and where its wheels are.
     pub(super) fn acknowledgement_bytes(&self) -> u64 {
         match self.spec.firmware.protocol {
             Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Create(_) => 0,
-            Protocol::Khepera => khepera::ACKNOWLEDGEMENT.len() as u64,
+            Protocol::Khepera => {
+                let [positions, _] = khepera::positions_len(&self.spec.firmware.layout());
+                (khepera::ACKNOWLEDGEMENT.len() + positions) as u64
+            }
         }
     }
 
     /// Bytes of a Khepera's line with readings, by how many digits they have.
     pub(super) fn answer_bytes(&self) -> Range {
         let layout = self.spec.firmware.layout();
-        let least = 1 + 2 * layout.components.len() + 2;
+        let least = khepera::readings_len_min(&layout);
         Range { least: least as u64, most: khepera::readings_len_max(&layout) as u64 }
     }
 

@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 
 use baudbot_wire::create::{self, Version};
 use baudbot_wire::khepera;
+use baudbot_wire::scip::{self, device::ANSWER_NS};
 
 use super::bounds::Bounds;
 use super::plan::{Plan, adapter, turnaround_ns};
@@ -14,6 +15,7 @@ use super::timeline::Outcome;
 use super::wire;
 use baudbot_sim::firmware::{Mode, Protocol};
 use baudbot_sim::link::{Adapter, Link};
+use baudbot_sim::sensor::port::Format;
 
 /// The exchanges first: one message up and the command that answers it.
 pub(super) fn rates(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Vec<Rate> {
@@ -34,24 +36,63 @@ pub(super) fn rates(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Vec<
     }));
     rates.extend(polls(plan));
     rates.extend(queries(plan));
+    rates.extend(scans(plan));
     rates.extend(sensors(plan));
     rates
 }
 
-/// How often a Khepera can be asked for readings by a program that sends no commands. It depends on how many digits
-/// they have.
+/// How often a Khepera can be asked by a program that says nothing else. It depends on how many digits the numbers have.
 fn polls(plan: &Plan<'_>) -> Vec<Rate> {
     if plan.spec.firmware.protocol != Protocol::Khepera {
         return Vec::new();
     }
-    let poll = |which: &str, bytes: u64| Rate {
-        what: format!("polls alone, {which} answer"),
-        most_per_s: most_messages(&plan.spec.link, khepera::POLL.len() as u64 + bytes),
+    let alone = |what: &str, bytes: u64| Rate {
+        what: what.to_string(),
+        most_per_s: most_messages(&plan.spec.link, bytes),
         typical_per_s: None,
         limits: false,
     };
-    let answer = plan.answer_bytes();
-    alloc::vec![poll("shortest", answer.least), poll("longest", answer.most)]
+    let (readings, command) = (plan.answer_bytes(), plan.command_bytes());
+    let poll = khepera::POLL.len() as u64;
+    let acknowledged = khepera::ACKNOWLEDGEMENT.len() as u64;
+    let mut rates = alloc::vec![
+        alone("polls alone, shortest answer", poll + readings.least),
+        alone("polls alone, longest answer", poll + readings.most),
+        alone("commands alone, shortest", command.least + acknowledged),
+        alone("commands alone, longest", command.most + acknowledged),
+    ];
+    let [least, most] = khepera::positions_len(&plan.spec.firmware.layout());
+    if least > 0 {
+        rates.push(alone("positions alone, shortest answer", poll + least as u64));
+        rates.push(alone("positions alone, longest answer", poll + most as u64));
+    }
+    rates
+}
+
+/// How often a laser can be asked for its newest scan by a program that asks again when it has the answer, and that thinks
+/// as long as the scenario says.
+fn scans<'a>(plan: &'a Plan<'_>) -> impl Iterator<Item = Rate> + 'a {
+    plan.spec.sensors.iter().filter_map(move |sensor| {
+        let port = sensor.port.as_ref()?;
+        let (Format::Scip(format), Some(_)) = (&port.format, &port.dialogue) else { return None };
+        let (asked, answered) = (scip::Format::QUESTION_LEN as u64, format.answer_len() as u64);
+        Some(Rate {
+            what: format!("port {}, asked for scans of {answered} bytes", sensor.name),
+            most_per_s: per_s(
+                1,
+                plan.thinking().least_ns + ANSWER_NS + asking_ns(&port.link, asked, answered),
+            ),
+            typical_per_s: None,
+            limits: false,
+        })
+    })
+}
+
+/// The least time that a question and its answer of so many bytes are on their way.
+fn asking_ns(link: &Link, asked: u64, answered: u64) -> u64 {
+    let holds = wire::hold_down_ns(link).least + wire::hold_up_ns(link).least;
+    let turns = 2 * turnaround_ns(link).unwrap_or(0);
+    holds + turns + wire::least_ns(link, asked) + wire::least_ns(link, answered)
 }
 
 /// How often a Create can be asked for the largest group of packets by a program that asks again when it has the answer, and
@@ -67,12 +108,9 @@ fn queries(plan: &Plan<'_>) -> Option<Rate> {
     let robot = QUERY_BYTES * plan.receiving_ns()
         + plan.spec.processor.obeying_ns
         + if plan.spec.is_onboard() { 0 } else { bytes * plan.spec.processor.framing_ns_per_byte };
-    let holds = wire::hold_down_ns(link).least + wire::hold_up_ns(link).least;
-    let wires = wire::least_ns(link, QUERY_BYTES) + wire::least_ns(link, bytes);
-    let turns = 2 * turnaround_ns(link).unwrap_or(0);
     Some(Rate {
         what: format!("queries of group {group}, {bytes} bytes"),
-        most_per_s: per_s(1, robot + holds + wires + turns + plan.thinking().least_ns),
+        most_per_s: per_s(1, robot + asking_ns(link, QUERY_BYTES, bytes) + plan.thinking().least_ns),
         typical_per_s: None,
         limits: false,
     })

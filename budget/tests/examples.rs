@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use baudbot_budget::{Budget, RobotBudget, Verdict};
+use baudbot_sim::sensor::port::Format;
 use baudbot_sim::timeline::What;
 use baudbot_sim::{Input, World};
 
@@ -67,6 +68,49 @@ fn lines_of_text(code: f64) -> String {
     toml
 }
 
+/// A laser on a cable of its own that answers when it is asked.
+fn asked_laser(baud: u32) -> String {
+    format!(
+        "step_ms = 0.05\nnoise = false\n[[robots]]\nname = \"r\"\n{BODY}\n[robots.sensors.urg]\nkind = \"laser\"\n\
+         mount = {{ x_m = 0.0 }}\nrays = 682\nopening_rad = 4.18\nrange_m = 4.0\nclock = {{ period_ms = 100.0 }}\n\
+         port = {{ dialogue = \"asked\", model = \"urg-04lx\", link = {{ kind = \"uart\", baud = {baud} }} }}\n"
+    )
+}
+
+/// How often such a laser answers a program that lights it, and then asks for all of the newest scan as soon as it has the
+/// one before.
+fn scans_per_s(toml: &str) -> f64 {
+    let scenario = baudbot_scenario::parse(toml).unwrap();
+    let Some(Format::Scip(format)) =
+        scenario.robots[0].sensors[0].port.as_ref().map(|port| port.format.clone())
+    else {
+        panic!("no laser that speaks SCIP")
+    };
+    let question = format!("GD{:04}{:04}{:02}\n", format.first_step, format.last_step, format.cluster);
+    let mut world = World::new(scenario.into());
+    let (mut heard, mut answers) = (Vec::new(), Vec::new());
+    for tick in 0..40_000 {
+        let turn = world.begin()[0];
+        heard.extend_from_slice(world.robot(0).unread_of_ports().next().unwrap().1);
+        let said: &[u8] = match tick {
+            0 => b"BM\n",
+            // The mirror has turned by then.
+            6000 => question.as_bytes(),
+            _ if heard.len() == format.answer_len() && heard.starts_with(b"GD") => {
+                answers.push(turn.at.as_seconds());
+                question.as_bytes()
+            }
+            _ => b"",
+        };
+        if !said.is_empty() {
+            heard.clear();
+            assert!(world.write_port(0, 0, turn.at, said));
+        }
+        world.finish(&[]);
+    }
+    per_s(&answers)
+}
+
 /// Of a brain that asks again as soon as readings have come.
 fn polls_per_s(toml: &str) -> f64 {
     let mut world = World::new(baudbot_scenario::parse(toml).unwrap().into());
@@ -78,6 +122,22 @@ fn polls_per_s(toml: &str) -> f64 {
             asks = true;
         }
         let bytes: &[u8] = if core::mem::take(&mut asks) { b"N\r" } else { &[] };
+        world.finish(&[Input { robot: 0, at: turn.at, bytes }]);
+    }
+    per_s(&arrivals)
+}
+
+/// How often a Khepera answers a program that says this line as soon as it has the answer to the one before.
+fn lines_per_s(toml: &str, line: &[u8]) -> f64 {
+    let mut world = World::new(baudbot_scenario::parse(toml).unwrap().into());
+    let (mut asks, mut arrivals) = (true, Vec::new());
+    for _ in 0..40_000 {
+        let turn = world.begin()[0];
+        if world.robot(0).unread().ends_with(b"\n") {
+            arrivals.push(turn.at.as_seconds());
+            asks = true;
+        }
+        let bytes = if core::mem::take(&mut asks) { line } else { b"" };
         world.finish(&[Input { robot: 0, at: turn.at, bytes }]);
     }
     per_s(&arrivals)
@@ -184,6 +244,21 @@ fn known_numbers_are_foretold_and_measured() {
     ] {
         let toml = lines_of_text(code);
         apart.push(row(&mut table, what, most_per_s(&budget(&toml), rate), polls_per_s(&toml)));
+    }
+    let toml = "step_ms = 0.05\nnoise = false\n[[robots]]\nname = \"k\"\npreset = \"khepera-1\"\n\
+                microcontroller = { framing_us_per_byte = 0.0, receiving_us_per_byte = 0.0, obeying_us = 0.0 }\n";
+    for (what, rate, line) in [
+        ("khepera-1: `D,0,0` and nothing else, a second", "commands alone, shortest", &b"D,0,0\r"[..]),
+        ("khepera-1: `H` at 0 pulses, a second", "positions alone, shortest answer", b"H\r"),
+    ] {
+        apart.push(row(&mut table, what, most_per_s(&budget(toml), rate), lines_per_s(toml, line)));
+    }
+    for baud in [19_200, 115_200] {
+        let toml = asked_laser(baud);
+        let robot = budget(&toml);
+        let rate = robot.rates.iter().find(|rate| rate.what.starts_with("port urg, asked")).unwrap();
+        let what = format!("URG-04LX asked at {baud} baud: scans/s");
+        apart.push(row(&mut table, &what, rate.most_per_s.unwrap(), scans_per_s(&toml)));
     }
     for (preset, group, len) in [("create-1", 6, 52), ("create-2", 100, 80)] {
         let toml = format!("step_ms = 0.05\n[[robots]]\nname = \"c\"\npreset = \"{preset}\"\n");

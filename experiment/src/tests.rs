@@ -19,7 +19,7 @@ points_m = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
 [[robots]]
 name = "alice"
 preset = "khepera-1"
-firmware = { mode = "stream", period_ms = 20.0, phase_ms = 17.6 }
+firmware = { protocol = "framed", mode = "stream", period_ms = 20.0, phase_ms = 17.6 }
 link = { kind = "uart", baud = 38400 }
 "#;
 

@@ -2,6 +2,7 @@
 
 use alloc::format;
 use alloc::vec::Vec;
+use core::f64::consts::TAU;
 
 use baudbot_wire::create::{STREAM_PERIOD_NS, Version};
 use baudbot_wire::{Encoding, Layout, frame, khepera};
@@ -9,10 +10,12 @@ use baudbot_wire::{Encoding, Layout, frame, khepera};
 use super::build::MIN_PERIOD_MS;
 use super::{create, raw};
 use baudbot_fields::{FieldError, Path};
+use baudbot_sim::drive::Drive;
 use baudbot_sim::firmware::{Firmware, Mode, Protocol};
 use baudbot_sim::link::Link;
+use baudbot_sim::motor::Motors;
 use baudbot_sim::schedule::Schedule;
-use baudbot_sim::sensor::Sensor;
+use baudbot_sim::sensor::{Device, Sensor};
 
 type Result<T> = core::result::Result<T, FieldError>;
 
@@ -54,7 +57,7 @@ fn mode(path: &Path, raw: &raw::Firmware, step_ms: f64) -> Result<Mode> {
     let usual = if is_khepera { raw::Mode::Poll } else { raw::Mode::Stream };
     match raw.mode.unwrap_or(usual) {
         raw::Mode::Stream => {
-            path.refuse("mode", is_khepera, "must be \"poll\": the khepera protocol answers when asked")?;
+            path.refuse("mode", is_khepera, "must be \"poll\": the khepera protocol answers when asked; to stream, take `protocol` = \"framed\"")?;
             let period_ns = path.ms("period_ms", raw.period_ms.unwrap_or(usual_ms), MIN_PERIOD_MS, 1e7)?;
             Ok(Mode::Stream(Schedule::new(
                 period_ns,
@@ -91,7 +94,49 @@ fn can_be_said_in_lines(path: &Path, sensors: &[&Sensor], motors: &[Encoding]) -
     if exact(motors) {
         return Err(path.error("\"khepera\" says whole numbers; give the motors a number of `signal_bits`"));
     }
-    Ok(())
+    counts_two_wheels(&path, sensors)
+}
+
+/// The protocol of the Khepera tells the position counters of its two wheels.
+fn counts_two_wheels(path: &Path, sensors: &[&Sensor]) -> Result<()> {
+    let counts = |sensor: &&&Sensor| {
+        sensor.encodings.iter().any(|encoding| matches!(encoding, Encoding::Counter { .. }))
+    };
+    let counters: Vec<_> = sensors.iter().filter(counts).collect();
+    let problem = match counters[..] {
+        [] => return Ok(()),
+        [one] if khepera::counted(&one.encodings, [0; 2]).is_some() => return Ok(()),
+        [one] => {
+            format!("\"khepera\" tells the counters of two wheels, and sensor `{}` has others", one.name)
+        }
+        [one, other, ..] => format!(
+            "\"khepera\" tells the counters of one sensor, and there are those of `{}` and `{}`; leave one out",
+            one.name, other.name
+        ),
+    };
+    Err(path.error(problem))
+}
+
+/// How a Khepera's `D` tells the signals of its motors: in pulses of its encoders per 10 ms, if it has encoders and its
+/// motors hold the speed that they are told. Otherwise, and in other protocols, as the motors say, in parts of full signal.
+pub(super) fn speeds(
+    protocol: raw::Protocol,
+    motor: Encoding,
+    drive: &Drive,
+    sensors: &[Sensor],
+) -> Encoding {
+    let counts_per_turn = sensors.iter().find_map(|sensor| match &sensor.device {
+        Device::Encoders(encoders) if sensor.is_on_wire() => Some(f64::from(encoders.counts_per_turn)),
+        _ => None,
+    });
+    let (raw::Protocol::Khepera, Encoding::Signed { bits, .. }, Motors::Velocity(velocity), Some(per_turn)) =
+        (protocol, motor, &drive.motor, counts_per_turn)
+    else {
+        return motor;
+    };
+    let full_per_10ms = velocity.full_speed_m_s / (TAU * drive.wheel_radius_m) * per_turn / 100.0;
+    let greatest = ((1_u64 << (bits - 1)) - 1) as f64;
+    Encoding::Signed { bits, limit: greatest / full_per_10ms }
 }
 
 /// Silence that ends a bare message. The bytes of a message follow each other at the pace of the line, so
@@ -152,12 +197,13 @@ pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Resu
 /// Bytes of the most that is written at once in the protocol of the Khepera: an answer to a command and a poll, or the
 /// two.
 fn longest_lines(path: &Path, layout: &Layout<'_>) -> Result<usize> {
-    let readings = khepera::readings_len_max(layout);
+    let [_, positions] = khepera::positions_len(layout);
+    let readings = khepera::readings_len_max(layout) + positions;
     if readings > frame::MAX_PAYLOAD {
         let limit = frame::MAX_PAYLOAD;
-        let problem = format!("a line of all readings has up to {readings} bytes, the limit is {limit}");
+        let problem = format!("lines of all readings have up to {readings} bytes, the limit is {limit}");
         return Err(path.field("sensors").error(problem));
     }
     let answers = khepera::ACKNOWLEDGEMENT.len() + readings;
-    Ok(answers.max(khepera::command_len_max(layout) + khepera::POLL.len()))
+    Ok(answers.max(khepera::command_len_max(layout) + khepera::poll(layout).len()))
 }

@@ -121,6 +121,7 @@ fn model(
     let Equipment { actuators, battery, charge, mut sensors } = equipment(path, &mut raw, radius_m, context)?;
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
     motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
+    let motor = cable::speeds(raw.firmware.protocol, motor, &drive, &sensors);
     let mut mind = mind(path, &raw, &sensors, alloc::vec![motor; 2 + actuators.len()], context.step)?;
     start_later(path, &mut mind, &mut sensors)?;
     let Mind { processor, link, thinking_ns, firmware } = mind;

@@ -490,7 +490,8 @@ fn what_the_file_says_wins_field_by_field() {
 
 #[test]
 fn a_table_of_another_kind_or_with_a_preset_of_its_own_takes_nothing_from_the_robots() {
-    let other = spec("khepera-1", "link = { kind = \"ideal\" }\nmotors = { kind = \"stepper\" }");
+    let other =
+        spec("khepera-1", "link = { kind = \"ideal\" }\nmotors = { kind = \"stepper\", signal_bits = 8 }");
     assert_eq!(other.link, Link::Ideal);
     assert!(matches!(other.drive.motor, Motors::Stepper(_)));
     let own = spec("khepera-1", "link = { preset = \"uart-38400\" }\nmicrocontroller = { preset = \"bs2\" }");
@@ -575,7 +576,7 @@ fn radios_hold_what_was_measured() {
 #[test]
 fn sensors_can_be_left_out_and_added_behind_the_presets() {
     let fields = "without = [\"ir_6\", \"ir_7\", \"ir_0\", \"ir_6\"]\n\
-                  [robots.sensors.zebra]\nkind = \"compass\"\n\
+                  [robots.sensors.zebra]\nkind = \"compass\"\nbits = 8\n\
                   [robots.sensors.ir_2]\nrange_m = 0.06\n\
                   [robots.sensors.abacus]\npreset = \"hmc6352\"\n";
     let spec = spec("khepera-1", fields);

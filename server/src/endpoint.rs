@@ -274,7 +274,7 @@ impl Sender {
         match spec.firmware.protocol {
             Protocol::Create(_) => self.open(spec),
             Protocol::Framed { .. } => in_frame(&message::poll(self.next())),
-            Protocol::Khepera => khepera::POLL.to_vec(),
+            Protocol::Khepera => khepera::poll(&spec.firmware.layout()).to_vec(),
             // `check_poll` has refused it.
             Protocol::Bare { .. } => Vec::new(),
         }

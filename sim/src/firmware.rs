@@ -87,16 +87,19 @@ pub(crate) struct Fields {
 
 impl Firmware {
     /// A firmware that sends the components of `sensors`, each with its name, and takes signals for two motors and the other actuators. Those of a
-    /// sensor with more components than a message can count, 255, are in none: a brain on board gets them without.
+    /// sensor with more components than a message can count, 255, are in none: a brain on board gets them without. Nor are
+    /// those of a Khepera's analog inputs, which are asked for one by one.
     pub fn new(
         protocol: Protocol,
         mode: Mode,
         sensors: &[(&str, &[Encoding])],
         motors: Vec<Encoding>,
     ) -> Self {
-        let counted =
-            |sensor: &[Encoding]| if sensor.len() > usize::from(u8::MAX) { 0 } else { sensor.len() };
-        let encodings: Vec<_> = sensors.iter().map(|(_, sensor)| &sensor[..counted(sensor)]).collect();
+        let is_input = |name: &str| protocol == Protocol::Khepera && khepera::input_number(name).is_some();
+        let counted = |&(name, sensor): &(&str, &'_ [Encoding])| {
+            if sensor.len() > usize::from(u8::MAX) || is_input(name) { 0 } else { sensor.len() }
+        };
+        let encodings: Vec<_> = sensors.iter().map(|sensor| &sensor.1[..counted(sensor)]).collect();
         let (signals, packets) = match protocol {
             Protocol::Create(version) => told(version, sensors),
             Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Khepera => (Vec::new(), Vec::new()),
@@ -213,21 +216,24 @@ impl Firmware {
         if let Protocol::Create(version) = self.protocol {
             return Decoder::Stream(Stream::new(version, self.packets()));
         }
-        self.decoder(self.layout().bare_readings_len(), Lines::of_answers())
+        if self.protocol == Protocol::Khepera {
+            return Decoder::KheperaAnswers { lines: Lines::of_answers(), positions: None };
+        }
+        self.decoder(self.layout().bare_readings_len())
     }
 
     pub(crate) fn command_decoder(&self) -> Decoder {
-        self.decoder(self.layout().bare_command_len(), Lines::of_questions())
+        self.decoder(self.layout().bare_command_len())
     }
 
-    fn decoder(&self, bare_len: usize, lines: Lines) -> Decoder {
+    fn decoder(&self, bare_len: usize) -> Decoder {
         match self.protocol {
             Protocol::Framed { .. } => Decoder::Framed(baudbot_wire::Decoder::new()),
             Protocol::Bare { gap_ns } => {
                 let decoder = BareDecoder::new(bare_len, gap_ns);
                 Decoder::Bare(decoder.expect("scenario files refuse messages that are too long"))
             }
-            Protocol::Khepera => Decoder::Khepera { lines, owed: Owed::default() },
+            Protocol::Khepera => Decoder::Khepera { lines: Lines::of_questions(), owed: Owed::default() },
             Protocol::Create(version) => Decoder::OpenInterface(Box::new(OpenInterface::new(version))),
         }
     }
@@ -251,15 +257,20 @@ fn told(version: Version, sensors: &[(&str, &[Encoding])]) -> (Vec<Option<Signal
 pub(crate) enum Decoder {
     Framed(baudbot_wire::Decoder),
     Bare(BareDecoder),
-    /// At the robot's end with what it owes in answer to the lines that came.
+    /// At the robot's end, with what it owes in answer to the lines that came.
     Khepera {
         lines: Lines,
         owed: Owed,
     },
-    /// What `Khepera` becomes at the robot's end with the first line that is neither `N` nor `D`.
+    /// What `Khepera` becomes with the first line that is neither `D` nor `H` nor `N`.
     Registers {
         lines: Lines,
         registers: Box<Registers>,
+    },
+    /// Of a Khepera, at the laptop's end, with the positions that were told since the last readings.
+    KheperaAnswers {
+        lines: Lines,
+        positions: Option<[i32; 2]>,
     },
     /// Of a Create, at the robot's end.
     OpenInterface(Box<OpenInterface>),
@@ -283,7 +294,9 @@ impl Decoder {
                 Some(Ok(payload)) => Found::Payload(payload),
                 Some(Err(_)) => Found::BadFrame,
             },
-            Self::Khepera { lines, .. } | Self::Registers { lines, .. } => match lines.push(byte) {
+            Self::Khepera { lines, .. }
+            | Self::Registers { lines, .. }
+            | Self::KheperaAnswers { lines, .. } => match lines.push(byte) {
                 None => Found::Nothing,
                 Some(Ok(line)) => Found::Payload(line),
                 Some(Err(_)) => Found::BadFrame,
@@ -301,7 +314,9 @@ impl Decoder {
     pub(crate) fn is_between_frames(&self) -> bool {
         match self {
             Self::Framed(framed) => framed.is_between_frames(),
-            Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. } => false,
+            Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. } | Self::KheperaAnswers { .. } => {
+                false
+            }
             Self::OpenInterface(_) | Self::Stream(_) => false,
         }
     }
@@ -315,25 +330,23 @@ impl Decoder {
             (Self::Khepera { lines: own, .. }, Self::Registers { lines: other, registers }) => {
                 own.may_become(other) && registers.is_sound()
             }
+            (Self::KheperaAnswers { lines: own, .. }, Self::KheperaAnswers { lines: other, .. }) => {
+                own.may_become(other)
+            }
             (Self::OpenInterface(own), Self::OpenInterface(other)) => own.may_become(other),
             (Self::Stream(own), Self::Stream(other)) => own.may_become(other),
             (Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. }, _) => false,
-            (Self::OpenInterface(_) | Self::Stream(_), _) => false,
+            (Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_), _) => false,
         }
     }
 
-    /// A message that was understood asks for readings, or else to have its obeying acknowledged. Where every answer
-    /// is readings there is nothing to remember.
-    pub(crate) fn owe(&mut self, readings: bool) {
+    /// A message that was understood asks for these answers. Where every answer is readings there is nothing to remember.
+    pub(crate) fn owe(&mut self, answers: Owed) {
         match self {
             Self::Framed(_) | Self::Bare(_) | Self::OpenInterface(_) | Self::Stream(_) => {}
-            Self::Khepera { owed, .. } => {
-                owed.readings |= readings;
-                owed.acknowledgement |= !readings;
-            }
-            Self::Registers { registers, .. } => {
-                registers.owe_exchange(Owed { readings, acknowledgement: !readings });
-            }
+            Self::KheperaAnswers { .. } => {}
+            Self::Khepera { owed, .. } => owed.add(answers),
+            Self::Registers { registers, .. } => registers.owe_exchange(answers),
         }
     }
 
@@ -341,6 +354,7 @@ impl Decoder {
     pub(crate) fn settle(&mut self) -> Option<Say> {
         match self {
             Self::Framed(_) | Self::Bare(_) | Self::OpenInterface(_) | Self::Stream(_) => None,
+            Self::KheperaAnswers { .. } => None,
             Self::Khepera { owed, .. } => Some(Say::Exchange(core::mem::take(owed))),
             Self::Registers { registers, .. } => registers.settle(),
         }
@@ -350,7 +364,7 @@ impl Decoder {
     pub(crate) fn registers(&self) -> Option<&Registers> {
         match self {
             Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } => None,
-            Self::OpenInterface(_) | Self::Stream(_) => None,
+            Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_) => None,
             Self::Registers { registers, .. } => Some(&**registers),
         }
     }
@@ -359,7 +373,7 @@ impl Decoder {
     pub(crate) fn registers_mut(&mut self) -> Option<&mut Registers> {
         match self {
             Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } => None,
-            Self::OpenInterface(_) | Self::Stream(_) => None,
+            Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_) => None,
             Self::Registers { registers, .. } => Some(registers),
         }
     }
@@ -371,6 +385,18 @@ impl Decoder {
             *self = Self::Registers { lines: lines.clone(), registers };
         }
         self.registers_mut()
+    }
+
+    /// A Khepera's positions, which are kept until its readings come.
+    pub(crate) fn keep_positions(&mut self, told: [i32; 2]) {
+        if let Self::KheperaAnswers { positions, .. } = self {
+            *positions = Some(told);
+        }
+    }
+
+    /// The positions that a Khepera told since its last readings.
+    pub(crate) fn take_positions(&mut self) -> Option<[i32; 2]> {
+        if let Self::KheperaAnswers { positions, .. } = self { positions.take() } else { None }
     }
 
     /// The interface of a Create.
@@ -389,7 +415,7 @@ impl Decoder {
     pub(crate) fn cut_short(&self) -> u64 {
         match self {
             Self::Framed(_) | Self::Khepera { .. } | Self::Registers { .. } => 0,
-            Self::OpenInterface(_) | Self::Stream(_) => 0,
+            Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_) => 0,
             Self::Bare(bare) => bare.discarded(),
         }
     }

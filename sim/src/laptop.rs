@@ -4,7 +4,7 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use baudbot_wire::create::Payload;
-use baudbot_wire::khepera::Answer;
+use baudbot_wire::khepera::{self, Answer};
 use baudbot_wire::{Layout, Message, Values, clock};
 use serde::{Deserialize, Serialize};
 
@@ -144,7 +144,18 @@ impl Laptop {
                 uplink.counters.messages += 1;
                 self.has_message = true;
             }
+            Some(Noted::Positions(positions)) => {
+                uplink.counters.messages += 1;
+                self.has_message = true;
+                self.decoder.keep_positions(positions);
+                if let Some(message) = uplink.message() {
+                    self.note_ages(&message);
+                }
+            }
             Some(Noted::Readings) => {
+                if let Some(positions) = self.decoder.take_positions() {
+                    note_positions(&mut self.readings, &spec.firmware.layout(), positions);
+                }
                 uplink.counters.messages += 1;
                 self.has_message = true;
                 let message = uplink.message();
@@ -274,6 +285,8 @@ enum Noted {
     Acknowledgement,
     /// No readings, but what a brain that asks waits for.
     Answer,
+    /// The position counters of a Khepera, which become readings with the next that it tells.
+    Positions([i32; 2]),
     Readings,
 }
 
@@ -285,7 +298,8 @@ fn note(readings: &mut [Reading], firmware: &Firmware, payload: &[u8], at: SimTi
         // The bare decoder gives a payload only when it is whole, so there is a value for every component.
         Protocol::Bare { .. } => note_all(readings, &layout, Values::new(layout.components, payload)),
         Protocol::Khepera => match Answer::parse(payload, &layout) {
-            Ok(Answer::Readings(values)) => note_all(readings, &layout, values),
+            Ok(Answer::Readings(values)) => note_levels(readings, &layout, values),
+            Ok(Answer::Positions(positions)) => Noted::Positions(positions),
             Ok(Answer::Acknowledgement) => Noted::Acknowledgement,
             Ok(Answer::Registers(_) | Answer::Refusal) => Noted::Answer,
             Err(_) => Noted::Nonsense,
@@ -306,10 +320,7 @@ fn note_packets(readings: &mut [Reading], firmware: &Firmware, payload: Payload<
         if components.is_empty() || !told().all(|value| value.is_some()) {
             continue;
         }
-        reading.values.clear();
-        reading.values.extend(told().flatten());
-        reading.sequence = reading.sequence.wrapping_add(1);
-        reading.readable = true;
+        note_one(reading, told().flatten());
     }
     Noted::Readings
 }
@@ -334,12 +345,40 @@ fn note_frame(readings: &mut [Reading], layout: &Layout<'_>, payload: &[u8], at:
 /// Notes a message that knows no readability: a value for every component.
 fn note_all(readings: &mut [Reading], layout: &Layout<'_>, mut values: impl Iterator<Item = f64>) -> Noted {
     for (reading, components) in readings.iter_mut().zip(layout.sensors()) {
-        reading.values.clear();
-        reading.values.extend(values.by_ref().take(components.len()));
-        reading.sequence = reading.sequence.wrapping_add(1);
-        reading.readable = true;
+        note_one(reading, values.by_ref().take(components.len()));
     }
     Noted::Readings
+}
+
+/// Notes an answer to `N`: a value for every component that is no counter.
+fn note_levels(
+    readings: &mut [Reading],
+    layout: &Layout<'_>,
+    mut values: impl Iterator<Item = f64>,
+) -> Noted {
+    for (reading, components) in readings.iter_mut().zip(layout.sensors()) {
+        if !components.is_empty() && khepera::counted(components, [0; 2]).is_none() {
+            note_one(reading, values.by_ref().take(components.len()));
+        }
+    }
+    Noted::Readings
+}
+
+/// Notes the position counters that came before an answer to `N`.
+fn note_positions(readings: &mut [Reading], layout: &Layout<'_>, positions: [i32; 2]) {
+    for (reading, components) in readings.iter_mut().zip(layout.sensors()) {
+        if let Some(values) = khepera::counted(components, positions) {
+            note_one(reading, values.into_iter());
+        }
+    }
+}
+
+/// Notes values that have no number of their own on the wire.
+fn note_one(reading: &mut Reading, values: impl Iterator<Item = f64>) {
+    reading.values.clear();
+    reading.values.extend(values);
+    reading.sequence = reading.sequence.wrapping_add(1);
+    reading.readable = true;
 }
 
 /// Most steps of the brain that it may answer later than in their ticks, and be known to.

@@ -6,7 +6,7 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use baudbot_wire::create::{
-    Command, Commands, FULL_MM_S, MOST_STREAMED, Mode, Version, group, listed_len, stream_len,
+    BAUDS, Command, Commands, FULL_MM_S, MOST_STREAMED, Mode, Version, group, listed_len, stream_len,
 };
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +39,10 @@ pub(crate) struct OpenInterface {
     shown: Shown,
     /// Way and turn that have been told, in mm and degrees.
     pub(crate) told: [i64; 2],
+    /// The baud rate that the cable is to have from the end of the tick on.
+    baud: Option<u32>,
+    /// Somebody has taken it up, so that its wheels have dropped, since the interface last looked.
+    pub(crate) was_lifted: bool,
 }
 
 /// What is switched and shown, and moves nothing here.
@@ -98,7 +102,14 @@ impl OpenInterface {
             plays_until: SimTime::ZERO,
             shown: Shown::default(),
             told: [0; 2],
+            baud: None,
+            was_lifted: false,
         }
+    }
+
+    /// The baud rate that a command has asked for since this was last called.
+    pub(crate) fn take_baud(&mut self) -> Option<u32> {
+        self.baud.take()
     }
 
     /// Takes the next byte from the wire. Gives the bytes of the command that the byte ends.
@@ -117,6 +128,7 @@ impl OpenInterface {
             && other.songs.iter().flatten().all(|beats| *beats <= 16 * 255)
             && usize::from(other.song) < MOST_SONGS
             && sound::numbers(other.told.map(|told| told as f64))
+            && other.baud.is_none_or(|baud| BAUDS.contains(&baud))
     }
 
     /// Obeys a command that was taken at `now`, as far as that is inside the interface.
@@ -152,8 +164,11 @@ impl OpenInterface {
             Command::Leds(leds) => show(&mut self.shown.leds, leds),
             Command::ClockLeds(leds) => show(&mut self.shown.clock_leds, leds),
             Command::Digits(digits) | Command::Characters(digits) => show(&mut self.shown.digits, digits),
-            // Its rate is that of the cable, see `docs/robots/create.md`.
-            Command::Baud(_) | Command::Without(_) => Deed::Nothing,
+            Command::Baud(code) => {
+                self.baud = BAUDS.get(usize::from(code)).copied();
+                Deed::Nothing
+            }
+            Command::Without(_) => Deed::Nothing,
         }
     }
 

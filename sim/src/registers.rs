@@ -52,18 +52,32 @@ impl Default for Registers {
 /// What is said next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Say {
-    /// That a command was obeyed, readings, or both.
+    /// That a command was obeyed, positions, readings, or several of these.
     Exchange(Owed),
     /// The answer to another command.
     Answer(Command),
     Refusal(Refusal),
 }
 
-/// Answers to `D` and `N` that a robot owes. What is asked for again while the answer waits is answered once.
+/// Answers to `D`, `H` and `N` that a robot owes. What is asked for again while the answer waits is answered once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Owed {
     pub(crate) acknowledgement: bool,
+    pub(crate) positions: bool,
     pub(crate) readings: bool,
+}
+
+impl Owed {
+    pub(crate) const ACKNOWLEDGEMENT: Self =
+        Self { acknowledgement: true, positions: false, readings: false };
+    pub(crate) const POSITIONS: Self = Self { acknowledgement: false, positions: true, readings: false };
+    pub(crate) const READINGS: Self = Self { acknowledgement: false, positions: false, readings: true };
+
+    pub(crate) fn add(&mut self, other: Self) {
+        self.acknowledgement |= other.acknowledgement;
+        self.positions |= other.positions;
+        self.readings |= other.readings;
+    }
 }
 
 /// Why a line is not obeyed.
@@ -84,7 +98,9 @@ impl Registers {
     }
 
     pub(crate) fn owe_exchange(&mut self, owed: Owed) {
-        self.owed |= (u32::from(owed.acknowledgement) * bit(b'D')) | (u32::from(owed.readings) * bit(b'N'));
+        self.owed |= (u32::from(owed.acknowledgement) * bit(b'D'))
+            | (u32::from(owed.positions) * bit(b'H'))
+            | (u32::from(owed.readings) * bit(b'N'));
     }
 
     pub(crate) fn owe(&mut self, command: Command) {
@@ -102,18 +118,19 @@ impl Registers {
         self.owed != 0
     }
 
-    /// The first of what is owed, in the order of the alphabet, which is said now. `N` goes along with `D`.
+    /// The first of what is owed, in the order of the alphabet, which is said now. `D`, `H` and `N` go together.
     pub(crate) fn settle(&mut self) -> Option<Say> {
         let first = self.owed & self.owed.wrapping_neg();
         if first == 0 {
             return None;
         }
-        let exchange = bit(b'D') | bit(b'N');
+        let exchange = bit(b'D') | bit(b'H') | bit(b'N');
         let said = if first & exchange == 0 { first } else { self.owed & exchange };
         self.owed &= !said;
         if said & exchange != 0 {
-            let [acknowledgement, readings] = [b'D', b'N'].map(|letter| said & bit(letter) != 0);
-            return Some(Say::Exchange(Owed { acknowledgement, readings }));
+            let [acknowledgement, positions, readings] =
+                [b'D', b'H', b'N'].map(|letter| said & bit(letter) != 0);
+            return Some(Say::Exchange(Owed { acknowledgement, positions, readings }));
         }
         let command = Command::ALL.into_iter().find(|command| bit(command.letter()) == said);
         let refusal = if said == NOT_FOUND { Refusal::NotFound } else { Refusal::Protocol };
@@ -231,14 +248,16 @@ mod tests {
 
     #[test]
     fn what_is_owed_is_said_in_the_order_of_the_alphabet_and_readings_go_with_an_acknowledgement() {
-        let mut registers = Registers::owing(Owed { acknowledgement: true, readings: true });
+        let mut exchange = Owed::ACKNOWLEDGEMENT;
+        exchange.add(Owed::POSITIONS);
+        exchange.add(Owed::READINGS);
+        let mut registers = Registers::owing(exchange);
         registers.refuse(Refusal::Protocol);
         registers.refuse(Refusal::NotFound);
         registers.owe(Command::WriteBus);
         registers.owe(Command::Version);
         registers.owe(Command::Version);
         let said: Vec<_> = core::iter::from_fn(|| registers.settle()).collect();
-        let exchange = Owed { acknowledgement: true, readings: true };
         assert_eq!(
             said,
             [

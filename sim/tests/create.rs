@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use crate::common::{refusal, tick, world, world_with};
-use baudbot_sim::{Input, World};
+
+use baudbot_sim::{Input, Intervention, Pose, World};
 use baudbot_wire::create::{Packet, Payload, Stream, Version, group};
 
 /// A Create in the open with ticks of 1 ms, without noise and with these fields.
@@ -211,6 +212,19 @@ fn safe_stops_at_a_cliff_and_full_does_not() {
 }
 
 #[test]
+fn safe_ends_when_the_robot_is_taken_up_and_full_does_not() {
+    for (mode, after) in [(131, 1), (132, 3)] {
+        let mut world = create_2();
+        say(&mut world, 1000, &[&[128, mode][..], &drive_direct(200, 200)].concat());
+        let pose = Pose::new(-1.0, 0.0, 0.0);
+        world.intervene(&Intervention::PlaceRobot { robot: "c".to_owned(), pose }).unwrap();
+        say(&mut world, 1000, &[]);
+        assert_eq!(ask(&mut world, Packet::OiMode), after);
+        assert_eq!(place(&world)[0] > -0.95, after == 3, "{:?}", place(&world));
+    }
+}
+
+#[test]
 fn safe_ends_when_it_is_charged() {
     let charger =
         "[arena]\n[[arena.zones]]\nname = \"dock\"\ncharger_w = 40.0\nx_m = 0.6\ny_m = 0.0\nradius_m = 0.2\n";
@@ -267,9 +281,23 @@ fn a_song_is_played_for_its_time() {
 }
 
 #[test]
-fn another_baud_rate_is_taken_and_the_cable_keeps_its_own() {
+fn another_baud_rate_is_that_of_the_cable_from_the_end_of_the_tick_on() {
     let mut world = create_2();
-    assert_eq!(say(&mut world, 30, &[128, 129, 5, 142, 35]), [1]);
+    let baud = |world: &World| world.robot(0).spec().link.baud();
+    assert_eq!((say(&mut world, 30, &[128, 142, 35]), baud(&world)), (vec![1], Some(115_200)));
+    say(&mut world, 1, &[129, 0]);
+    assert_eq!(baud(&world), Some(300));
+    // Two bytes of a question and the answer take 10 bits each at 300 baud: 100 ms.
+    assert_eq!(say(&mut world, 99, &[142, 35]), [] as [u8; 0]);
+    assert_eq!(say(&mut world, 3, &[]), [1]);
+    // What it cannot have changes nothing, and a reset leaves it alone.
+    say(&mut world, 200, &[129, 12]);
+    say(&mut world, 1500, &[7]);
+    assert_eq!(baud(&world), Some(300));
+    let saved = World::load(world.origin().clone(), &world.save(), world.hash()).unwrap();
+    assert_eq!(baud(&saved), Some(300));
+    say(&mut world, 100, &[128, 129, 5]);
+    assert_eq!(baud(&world), Some(9600));
 }
 
 /// A random byte, of a generator that anybody can rebuild.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use baudbot_sim::{Input, World};
 
-use crate::common::world;
+use crate::common::{BODY, command, world};
 
 /// A Khepera in the open, whose encoders count 600 times a turn of 50.27 mm: 11.94 pulses a millimetre.
 fn khepera(link: &str, more: &str) -> World {
@@ -66,10 +66,12 @@ fn a_robot_says_its_versions_takes_gains_and_has_nothing_plugged_in() {
 fn a_speed_is_read_in_pulses_per_10_ms() {
     let mut world = ideal();
     assert_eq!(ask(&mut world, "E"), [0, 0]);
-    // Signals of 40/127 and -20/127 of 0.5 m/s, at 11.94 pulses a millimetre: 18.80 and -9.40 pulses in 10 ms.
     say(&mut world, "D,40,-20\r", 100);
-    assert_eq!(ask(&mut world, "E"), [19, -9]);
+    assert_eq!(ask(&mut world, "E"), [40, -20]);
     assert_eq!(ask(&mut world, "K"), [1, 1, 0, 1, 1, 0]);
+    // 0.5 m/s at 11.94 pulses a millimetre: 59.7 pulses in 10 ms, and no motor does more.
+    say(&mut world, "D,127,-127\r", 100);
+    assert_eq!(ask(&mut world, "E"), [60, -60]);
 }
 
 #[test]
@@ -77,7 +79,7 @@ fn positions_are_counted_from_what_they_are_set_to() {
     let mut world = ideal();
     assert_eq!(say(&mut world, "G,-1000,70000\r", 1), "g;");
     assert_eq!(ask(&mut world, "H"), [-1000, 70_000]);
-    say(&mut world, "D,40,40\r", 200);
+    say(&mut world, "D,20,20\r", 200);
     say(&mut world, "D,0,0\r", 100);
     let driven_m = world.robot(0).motion().travel_m.left;
     let pulses = (driven_m / (std::f64::consts::TAU * 0.008) * 600.0).floor() as i32;
@@ -124,7 +126,7 @@ fn a_wheel_that_has_farther_to_go_is_waited_for() {
 
 #[test]
 fn a_speed_or_a_pulse_width_ends_the_way_to_a_target() {
-    for (said, speeds) in [("D,20,20\r", [9, 9]), ("P,-51,51\r", [-12, 12])] {
+    for (said, speeds) in [("D,20,20\r", [20, 20]), ("P,-51,51\r", [-12, 12])] {
         let mut world = ideal();
         say(&mut world, "C,9000,9000\r", 50);
         say(&mut world, said, 100);
@@ -162,8 +164,9 @@ fn inputs_have_names_and_light_is_told_by_sensors_for_it_or_dark() {
 
 #[test]
 fn a_robot_without_encoders_or_with_plain_motors_goes_to_no_target() {
-    let toml = include_str!("../../scenarios/devices/khepera-ascii.toml");
-    let mut plain = crate::common::world_with(toml, &["robots.khepera.link={ kind = \"ideal\" }"]);
+    let mut plain = world(&format!(
+        "[[robots]]\nname = \"k\"\n{BODY}\nmotors = {{ signal_bits = 8 }}\nfirmware = {{ protocol = \"khepera\" }}\n"
+    ));
     for said in ["C,10,10\r", "G,0,0\r", "H\r", "E\r", "K\r"] {
         assert_eq!(say(&mut plain, said, 10), "z,Protocol error;", "{said}");
     }
@@ -197,9 +200,9 @@ fn questions_that_come_while_the_robot_is_busy_are_answered_in_the_order_of_the_
     let mut world = khepera("kind = \"ideal\"", "microcontroller = { obeying_us = 300.0 }");
     let said = "D,0,0\rL,0,1\rX\rB\rH\rH\rN\rG,7,7\r";
     let heard = say(&mut world, said, 3);
-    // Residual values of the six IR sensors that were read by then, with nothing near; two others, and two counts.
-    let readings = format!("n{}{};", ",64".repeat(6), ",0".repeat(4));
-    assert_eq!(heard, format!("b,5.02,5.01;d;{readings}g;h,7,7;l;Command not found;"));
+    // Residual values of the six IR sensors that were read by then, with nothing near, and two others.
+    let readings = format!("n{}{};", ",64".repeat(6), ",0".repeat(2));
+    assert_eq!(heard, format!("b,5.02,5.01;d;h,7,7;{readings}g;l;Command not found;"));
 }
 
 #[test]
@@ -213,4 +216,33 @@ fn a_world_whose_registers_were_used_can_be_saved_and_goes_on_alike() {
         assert_eq!(ask(world, "H"), [400, 900]);
     }
     assert_eq!(world.hash(), again.hash());
+}
+
+#[test]
+fn a_brain_of_messages_has_the_infra_red_sensors_and_the_wheels_of_one_exchange() {
+    for link in ["kind = \"ideal\"", "kind = \"uart\", baud = 38400, bits_per_character = 11"] {
+        let mut world = khepera(link, "");
+        let mut answers = 0;
+        let mut speaks = true;
+        for _ in 0..200 {
+            let turn = world.begin()[0];
+            let readings = world.robot(0).readings();
+            let is_readable: Vec<_> = readings.iter().map(|reading| reading.readable).collect();
+            // All or none, and the positions have no message of their own.
+            assert!(is_readable.iter().all(|readable| *readable == is_readable[0]), "{is_readable:?}");
+            if is_readable[0] {
+                (answers, speaks) = (answers + 1, true);
+                assert_eq!(readings[8].values.len(), 2);
+                assert_eq!(u64::from(readings[8].sequence), answers);
+            }
+            let said = command(world.robot(0).spec(), 0.5, 0.5);
+            let bytes = if core::mem::take(&mut speaks) { &said[..] } else { &[] };
+            world.finish(&[Input { robot: 0, at: turn.at, bytes }]);
+        }
+        assert!(answers > 20, "{link}: {answers}");
+        // At half of 0.5 m/s for nearly 2 s.
+        let counts = world.robot(0).readings()[8].values[0];
+        assert!((4000.0..6000.0).contains(&counts), "{link}: {counts}");
+        assert_eq!((world.robot(0).downlink().bad_messages, world.robot(0).uplink().bad_messages), (0, 0));
+    }
 }

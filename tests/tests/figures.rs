@@ -50,7 +50,8 @@ fn wall(gap_m: f64) -> String {
 
 #[test]
 fn each_sensor_of_a_khepera_is_readable_50_times_a_second() {
-    let toml = "substeps = 20\n[[robots]]\nname = \"k\"\npreset = \"khepera-1\"\nlink = { baud = 115200 }\n";
+    let toml = "substeps = 20\n[[robots]]\nname = \"k\"\npreset = \"khepera-1\"\n\
+                firmware = { protocol = \"framed\" }\nlink = { baud = 115200 }\n";
     let (_, readable) = ask(toml, 1000, |turn, readable| {
         readable
             .push((0..8).filter(|i| turn.reading(&format!("ir_{i}")).is_some_and(|r| r.readable)).count());

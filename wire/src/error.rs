@@ -67,6 +67,14 @@ pub enum LayoutError {
     /// A protocol of texts has an encoding without codes.
     #[error("a text says whole numbers, but there is a value without a number of bits")]
     NoCode,
+    /// A robot that tells the position counters of its two wheels has others.
+    #[error(
+        "the protocol tells the counters of 2 wheels, which are one sensor's, but there are {found} counters"
+    )]
+    Positions {
+        /// Number of counters in the layout.
+        found: usize,
+    },
     /// A protocol for two motors has more or fewer.
     #[error("the protocol has signals for 2 motors, but there are {found}")]
     Motors {

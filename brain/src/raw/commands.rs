@@ -91,7 +91,7 @@ impl RawCommands {
         match self.protocol {
             Protocol::Bare { .. } => None,
             Protocol::Framed { .. } => Some(framed(&poll(self.next_sequence()))),
-            Protocol::Khepera => Some(khepera::POLL.to_vec()),
+            Protocol::Khepera => Some(khepera::poll(&self.layout.borrow()).to_vec()),
             Protocol::Create(_) => {
                 self.next_behind_opening();
                 Some(self.opening())

@@ -5,7 +5,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use baudbot_wire::create::{Payload, Signal, Stream, Version};
-use baudbot_wire::khepera::{Answer, Lines};
+use baudbot_wire::khepera::{Answer, Lines, counted};
 use baudbot_wire::{BareDecoder, Decoder, Layout, LayoutError, Message, Values, clock};
 
 use super::RawTurn;
@@ -39,8 +39,12 @@ pub struct RawReadings {
 #[derive(Clone, Debug)]
 enum Port {
     Framed(Decoder),
-    Bare { decoder: BareDecoder, silence: Silence },
-    Khepera(Lines),
+    Bare {
+        decoder: BareDecoder,
+        silence: Silence,
+    },
+    /// With the positions that were told since the last readings.
+    Khepera(Lines, Option<[i32; 2]>),
     Create(Version, Stream),
 }
 
@@ -59,7 +63,7 @@ impl RawReadings {
                 let decoder = BareDecoder::new(layout.borrow().bare_readings_len(), gap_ns)?;
                 Port::Bare { decoder, silence: Silence::default() }
             }
-            Protocol::Khepera => Port::Khepera(Lines::of_answers()),
+            Protocol::Khepera => Port::Khepera(Lines::of_answers(), None),
             Protocol::Create(version) => Port::Create(version, Stream::new(version, &layout.packets)),
         };
         let readings = vec![None; body.sensors.len()];
@@ -107,12 +111,17 @@ impl RawReadings {
                     }
                 }
             }
-            Port::Khepera(lines) => {
+            Port::Khepera(lines, positions) => {
                 for &byte in &raw.bytes {
                     let Some(Ok(line)) = lines.push(byte) else { continue };
-                    if let Ok(Answer::Readings(values)) = Answer::parse(line, &layout) {
-                        *messages = messages.wrapping_add(1);
-                        note_all(readings, (&layout, places), values, *messages);
+                    match Answer::parse(line, &layout) {
+                        Ok(Answer::Positions(told)) => *positions = Some(told),
+                        Ok(Answer::Readings(levels)) => {
+                            *messages = messages.wrapping_add(1);
+                            let told = (positions.take(), levels);
+                            note_lines(readings, (&layout, places), told, *messages);
+                        }
+                        Ok(Answer::Acknowledgement | Answer::Registers(_) | Answer::Refusal) | Err(_) => {}
                     }
                 }
             }
@@ -186,6 +195,24 @@ fn note_all(
 ) {
     for (&place, components) in places.iter().zip(layout.sensors()) {
         let values = values.by_ref().take(components.len()).collect();
+        readings[place] =
+            Some(Reading { values, sampled_at_ns: None, sequence: sequence.into(), readable: true });
+    }
+}
+
+/// Notes a Khepera's answer to `N`, and the positions that came before it, if any did.
+fn note_lines(
+    readings: &mut [Option<Reading>],
+    (layout, places): (&Layout<'_>, &[usize]),
+    (positions, mut levels): (Option<[i32; 2]>, impl Iterator<Item = f64>),
+    sequence: u8,
+) {
+    for (&place, components) in places.iter().zip(layout.sensors()) {
+        let values = match (counted(components, positions.unwrap_or_default()), positions) {
+            (Some(_), None) => continue,
+            (Some(values), Some(_)) => values.to_vec(),
+            (None, _) => levels.by_ref().take(components.len()).collect(),
+        };
         readings[place] =
             Some(Reading { values, sampled_at_ns: None, sequence: sequence.into(), readable: true });
     }

@@ -52,7 +52,7 @@ Examples:
   baudbot serve my.toml --record run.mcap        if it is killed: baudbot serve --resume run.mcap
   baudbot serve --recordings runs                record and replay in the viewer, or over gRPC
   baudbot serve --trainer unix:/tmp/t.sock       for a program that learns: it creates its worlds itself
-  baudbot serve khepera --set step_ms=1 --port khepera=pty:khepera.tty
+  baudbot serve scenarios/devices/khepera-ascii.toml --port khepera=pty:khepera.tty
                                                  a serial port for programs that know nothing of baudbot";
 
 pub(super) const REPLAY_EXAMPLES: &str = "\

@@ -232,7 +232,7 @@ mod tests {
         for part in [
             "khepera, lines of text; answers when polled\n",
             "43 bytes with all sensors, 49.271 ms on the link\n",
-            "    ir_7    ir   20 ms  17.5 ms  10 bits      5\n",
+            "    ir_7            ir   20 ms  17.5 ms      10 bits      5\n",
             "12 bytes each, 13.75 ms on the link\n",
         ] {
             assert!(text.contains(part), "{part} is not in\n{text}");

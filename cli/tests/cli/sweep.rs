@@ -17,7 +17,7 @@ points_m = [[-0.4, -0.4], [0.4, -0.4], [0.4, 0.4], [-0.4, 0.4]]
 [[robots]]
 name = "alice"
 preset = "khepera-1"
-firmware = { mode = "stream", period_ms = 20.0, phase_ms = 17.6 }
+firmware = { protocol = "framed", mode = "stream", period_ms = 20.0, phase_ms = 17.6 }
 link = { kind = "uart", baud = 38400 }
 "#;
 

@@ -63,6 +63,11 @@ impl Microcontroller {
         taken
     }
 
+    /// The baud rate that a command has asked for since this was last called.
+    pub(crate) fn take_baud(&mut self) -> Option<u32> {
+        self.decoder.open_interface_mut()?.take_baud()
+    }
+
     /// The left and the right wheel turn with these shares of full signal.
     fn roll(&mut self, spec: &RobotSpec, shares: [f64; 2]) -> Taken {
         let limit = spec.signal_limit.unwrap_or(1.0).min(1.0);
@@ -151,19 +156,27 @@ impl Microcontroller {
         [(left + right) / 2.0 * 1e3, turn * 180.0 / PI].map(|way| way as i64)
     }
 
-    /// In the mode Safe the robot stands, and is Passive, when it drives towards a cliff or is charged.
+    /// Somebody takes the robot up, and puts it down elsewhere.
+    pub(crate) fn lift(&mut self) {
+        if let Some(interface) = self.decoder.open_interface_mut() {
+            interface.was_lifted = true;
+        }
+    }
+
+    /// In the mode Safe the robot stands, and is Passive, when it drives towards a cliff, is charged, or was lifted.
     pub(super) fn guard(
         &mut self,
         spec: &RobotSpec,
         robot: &Condition<'_>,
         now: SimTime,
     ) -> Option<(SimTime, Wheels)> {
-        let interface = self.decoder.open_interface()?;
+        let interface = self.decoder.open_interface_mut()?;
+        let was_lifted = core::mem::take(&mut interface.was_lifted);
         if interface.mode != Mode::Safe {
             return None;
         }
         let cliff = CLIFFS.iter().any(|signal| self.is_cliff(spec, *signal));
-        if !(robot.charges() || (cliff && approaches(spec, robot.signals))) {
+        if !(was_lifted || robot.charges() || (cliff && approaches(spec, robot.signals))) {
             return None;
         }
         self.decoder.open_interface_mut()?.stand_in(Mode::Passive);

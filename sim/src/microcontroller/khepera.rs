@@ -18,7 +18,7 @@ use baudbot_wire::Layout;
 use baudbot_wire::khepera::{self, Access, Command, LineError, Question, Register, Side};
 
 use super::request::Request;
-use super::{Condition, FITS, Microcontroller, Taken};
+use super::{Condition, FITS, Microcontroller, Taken, Tells};
 use crate::drive::{Motion, Wheels};
 use crate::firmware::{Owed, Refusal, Registers, Say};
 use crate::model::RobotSpec;
@@ -27,39 +27,50 @@ use crate::sensor::{Device, InfraredModel, Sensor};
 use crate::time::SimTime;
 
 impl Microcontroller {
-    /// The line that it owes first; that a command was obeyed and readings go together. Says how many bytes they are, and
-    /// whether readings are in them.
+    /// The line that it owes first; that a command was obeyed, positions and readings go together. Says how many bytes they
+    /// are, and which readings are in them.
     pub(super) fn write_lines(
         &mut self,
         spec: &RobotSpec,
         robot: &Condition<'_>,
         out: &mut [u8],
-    ) -> (usize, bool) {
-        let Owed { acknowledgement, readings } = match self.decoder.settle() {
-            Some(Say::Exchange(owed)) => owed,
+    ) -> (usize, Tells) {
+        match self.decoder.settle() {
+            Some(Say::Exchange(owed)) => self.write_exchange(spec, owed, out),
             Some(Say::Answer(command)) => {
                 let read = |register| self.register(spec, robot, register);
-                return (khepera::write_answer(command, read, out).expect(FITS), false);
+                (khepera::write_answer(command, read, out).expect(FITS), Tells::Nothing)
             }
             Some(Say::Refusal(refusal)) => {
                 let said = match refusal {
                     Refusal::NotFound => khepera::NOT_FOUND,
                     Refusal::Protocol => khepera::PROTOCOL_ERROR,
                 };
-                out[..said.len()].copy_from_slice(said);
-                return (said.len(), false);
+                (put(said, out), Tells::Nothing)
             }
-            None => Owed::default(),
-        };
-        let said: &[u8] = if acknowledgement { &khepera::ACKNOWLEDGEMENT } else { &[] };
-        out[..said.len()].copy_from_slice(said);
-        if !readings {
-            return (said.len(), false);
+            None => (0, Tells::Nothing),
         }
-        let layout = spec.firmware.layout();
-        let values = self.last_values(&layout);
-        let told = khepera::write_readings(&layout, values, &mut out[said.len()..]).expect(FITS);
-        (said.len() + told, true)
+    }
+
+    fn write_exchange(&self, spec: &RobotSpec, owed: Owed, out: &mut [u8]) -> (usize, Tells) {
+        let mut len = if owed.acknowledgement { put(&khepera::ACKNOWLEDGEMENT, out) } else { 0 };
+        if owed.positions {
+            let [left, right] = self.positions(spec);
+            let tell = |register| Some(if register == Register::Position(Side::Left) { left } else { right });
+            len += khepera::write_answer(Command::Position, tell, &mut out[len..]).expect(FITS);
+        }
+        if owed.readings {
+            let layout = spec.firmware.layout();
+            let values = self.last_values(&layout);
+            len += khepera::write_readings(&layout, values, &mut out[len..]).expect(FITS);
+        }
+        let tells = match (owed.positions, owed.readings) {
+            (false, false) => Tells::Nothing,
+            (true, false) => Tells::Positions,
+            (false, true) => Tells::Levels,
+            (true, true) => Tells::Readings,
+        };
+        (len, tells)
     }
 
     /// A line was not understood, which firmwares with registers say.
@@ -72,6 +83,10 @@ impl Microcontroller {
 
     /// Sets what a line sets, and owes the answer.
     pub(super) fn access(&mut self, spec: &RobotSpec, access: &Access) -> Taken {
+        if access.command == Command::Position {
+            self.decoder.owe(Owed::POSITIONS);
+            return Taken::Poll;
+        }
         let counts = self.counts(spec);
         let Some(registers) = self.decoder.use_registers() else { return Taken::Nonsense };
         for (register, value) in access.settings() {
@@ -141,6 +156,14 @@ impl Microcontroller {
         [0, 1].map(|side| values.get(side).copied().unwrap_or(0.0) as i64)
     }
 
+    /// The position counters.
+    fn positions(&self, spec: &RobotSpec) -> [i32; 2] {
+        let counts = self.counts(spec);
+        self.decoder
+            .registers()
+            .map_or(counts.map(|count| count as i32), |registers| registers.positions(counts))
+    }
+
     /// What a register holds, if the robot has it.
     fn register(
         &self,
@@ -160,7 +183,7 @@ impl Microcontroller {
         };
         match register {
             Register::Speed(side) => speed(side),
-            Register::Position(side) => Some(registers.positions(self.counts(spec))[side as usize]),
+            Register::Position(side) => Some(self.positions(spec)[side as usize]),
             Register::Reached(side) => error(side).map(|error| i32::from(error == 0)),
             Register::Mode(_) => Some(i32::from(registers.moving_since.is_none())),
             Register::Error(side) => error(side),
@@ -186,11 +209,22 @@ impl Microcontroller {
     }
 }
 
+/// Writes bytes that are always the same, and says how many they are.
+fn put(said: &[u8], out: &mut [u8]) -> usize {
+    out[..said.len()].copy_from_slice(said);
+    said.len()
+}
+
 /// What a line asks for, or why it is not obeyed.
 pub(super) fn request(spec: &RobotSpec, line: &[u8], layout: &Layout<'_>) -> Result<Request, Refusal> {
     match Question::parse(line, layout) {
         Ok(Question::Poll) => Ok(Request::Poll),
-        Ok(Question::Command(mut signals)) => Request::drive(spec, &mut signals).ok_or(Refusal::Protocol),
+        // A speed beyond what the motors do is as fast as they do.
+        Ok(Question::Command(signals)) => {
+            let limit = spec.signal_limit.unwrap_or(f64::MAX);
+            let mut signals = signals.map(|signal| signal.clamp(-limit, limit));
+            Request::drive(spec, &mut signals).ok_or(Refusal::Protocol)
+        }
         Ok(Question::Access(access)) if has_parts_for(spec, &access) => Ok(Request::Access(access)),
         Err(LineError::Letter { .. }) => Err(Refusal::NotFound),
         Ok(Question::Access(_)) | Err(_) => Err(Refusal::Protocol),

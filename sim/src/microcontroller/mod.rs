@@ -23,7 +23,7 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use acquire::first_due;
-use baudbot_wire::{Layout, Sample, clock, frame, message, write_values};
+use baudbot_wire::{self as wire, Encoding, Layout, Sample, clock, frame, message, write_values};
 pub(crate) use channel::Channel;
 pub(crate) use condition::Condition;
 use request::Request;
@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 use start::missed_start;
 
 use crate::drive::Wheels;
-use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol, Refusal, Registers};
+use crate::firmware::{Decoder, Firmware, Found, Mode, Owed, Protocol, Refusal, Registers};
 use crate::link::{Line, LineCounters, Link, Message as Tag};
 use crate::model::RobotSpec;
 use crate::schedule::Due;
@@ -163,7 +163,7 @@ impl Microcontroller {
         self.serve_frame(spec, now);
         let mut bytes = [0; frame::MAX_FRAME];
         let cost = if spec.is_onboard() { 0 } else { spec.processor.framing_ns_per_byte };
-        let mut tells = true;
+        let mut tells = Tells::Readings;
         let (n, closed) = match spec.firmware.protocol {
             Protocol::Bare { .. } => {
                 let n = self.write_bare(&spec.firmware, &mut bytes);
@@ -176,12 +176,14 @@ impl Microcontroller {
             }
             Protocol::Create(_) => {
                 let n;
-                (n, tells) = self.write_packets(spec, now, robot, &mut bytes);
+                let streams;
+                (n, streams) = self.write_packets(spec, now, robot, &mut bytes);
+                tells = if streams { Tells::Readings } else { Tells::Nothing };
                 (n, now + n as u64 * cost)
             }
             Protocol::Framed { .. } => self.write_frame(&spec.firmware, now, cost, &mut bytes),
         };
-        let tag = if tells { self.note_told(&spec.firmware, now, sampled) } else { Tag::default() };
+        let tag = self.note_told(&spec.firmware, now, tells, sampled);
         let cycle = tag.cycle;
         let on_wire = uplink.send_message(&spec.link, closed, &bytes[..n], tag);
         self.free_at = closed.max(uplink.drained(&spec.link));
@@ -202,17 +204,32 @@ impl Microcontroller {
         }
     }
 
-    /// The readings are in a message that was begun at `now`.
-    fn note_told(&mut self, firmware: &Firmware, now: SimTime, mut sampled: Vec<(usize, SimTime)>) -> Tag {
-        let repeats = firmware.protocol.repeats();
+    /// These readings are in a message that was begun at `now`.
+    fn note_told(
+        &mut self,
+        firmware: &Firmware,
+        now: SimTime,
+        tells: Tells,
+        mut sampled: Vec<(usize, SimTime)>,
+    ) -> Tag {
+        if tells == Tells::Nothing {
+            return Tag::default();
+        }
+        let (layout, repeats) = (firmware.layout(), firmware.protocol.repeats());
         let mut reading_ns = 0;
         sampled.clear();
-        for (i, channel) in self.channels.iter_mut().enumerate().take(firmware.layout().counts.len()) {
+        for ((i, channel), components) in self.channels.iter_mut().enumerate().zip(layout.sensors()) {
+            if !tells.has(components) {
+                continue;
+            }
             let fresh = core::mem::take(&mut channel.fresh);
             reading_ns += if fresh { channel.took_ns } else { 0 };
             if fresh || (repeats && channel.samples > 0) {
                 sampled.push((i, channel.measured_at));
             }
+        }
+        if tells == Tells::Positions {
+            return Tag { sampled, ..Tag::default() };
         }
         self.sequence = self.sequence.wrapping_add(1);
         let cycle = SimTime::from_ns(now.as_ns().saturating_sub(reading_ns));
@@ -321,11 +338,11 @@ impl Microcontroller {
     fn obey(&mut self, spec: &RobotSpec, request: Request) -> Taken {
         let taken = match request {
             Request::Poll => {
-                self.decoder.owe(true);
+                self.decoder.owe(Owed::READINGS);
                 Taken::Poll
             }
             Request::Drive(signals, others) => {
-                self.decoder.owe(false);
+                self.decoder.owe(Owed::ACKNOWLEDGEMENT);
                 self.drive(spec, signals, others)
             }
             Request::Access(access) => self.access(spec, &access),
@@ -378,6 +395,31 @@ impl Microcontroller {
     /// Frames that fell due while the processor was busy and were left out.
     pub(crate) fn frames_missed(&self) -> u64 {
         self.frame.missed
+    }
+}
+
+/// Which readings a message tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tells {
+    Nothing,
+    /// The position counters of a Khepera alone. No control cycle begins with them.
+    Positions,
+    /// All readings of a Khepera but its position counters.
+    Levels,
+    /// All readings.
+    Readings,
+}
+
+impl Tells {
+    /// Whether those of a sensor with these components are among them.
+    fn has(self, components: &[Encoding]) -> bool {
+        let counted = || wire::khepera::counted(components, [0; 2]).is_some();
+        match self {
+            Self::Nothing => false,
+            Self::Positions => counted(),
+            Self::Levels => !counted(),
+            Self::Readings => true,
+        }
     }
 }
 

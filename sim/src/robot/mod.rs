@@ -141,19 +141,13 @@ impl Robot {
         spec.drive.halt(&mut self.motion);
         self.contacts.clear();
         self.collided = false;
+        self.microcontroller.lift();
     }
 
     /// The cable to its brain is one that can be out.
     pub(crate) fn watch_outages(&mut self, link: &Link, seed: u64, name: &str) {
         self.uplink.watch_outages(link, seed, &[name, "/link:up"], Direction::Up);
         self.downlink.watch_outages(link, seed, &[name, "/link:down"], Direction::Down);
-    }
-
-    /// What has arrived at the laptop is thrown away.
-    pub(crate) fn forget_unread(&mut self) {
-        self.laptop.unread.clear();
-        self.laptop.instants.clear();
-        self.ports.iter_mut().for_each(PortState::clear);
     }
 
     /// Its microcontroller is reset at `now`: it begins anew when its bootloader has waited, which `spec` says.

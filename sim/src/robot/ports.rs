@@ -4,11 +4,29 @@ use super::Robot;
 use crate::link::{Link, Message};
 use crate::model::RobotSpec;
 use crate::sensor::dialogue::{DialogueState, Fate};
-use crate::sensor::port::Port;
+use crate::sensor::port::{Port, PortState};
 use crate::time::SimTime;
 use crate::timeline::What;
 
 impl Robot {
+    /// The baud rate that its microcontroller was told in the tick that is over.
+    pub(crate) fn take_baud(&mut self) -> Option<u32> {
+        self.microcontroller.take_baud()
+    }
+
+    /// A program opens the ports of this robot at `now`, and reads nothing from before; or it closes them, and leaves nothing.
+    pub(crate) fn open_ports(&mut self, spec: &RobotSpec, open: bool, now: SimTime) {
+        self.laptop.unread.clear();
+        self.laptop.instants.clear();
+        self.ports.iter_mut().for_each(PortState::clear);
+        let Some(dialogues) = &mut self.rare.third else { return };
+        for (k, (dialogue, state)) in dialogues.iter_mut().zip(&mut self.ports).enumerate() {
+            if let (Some(dialogue), Some(port)) = (dialogue, port(spec, k)) {
+                dialogue.open(port, open, now, &mut state.line);
+            }
+        }
+    }
+
     /// When the next byte arrives at the laptop, and on which sensor's cable, if it is not the microcontroller's.
     #[inline]
     pub(super) fn next_byte(&self, spec: &RobotSpec) -> (SimTime, Option<usize>) {

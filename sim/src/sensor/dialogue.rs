@@ -32,7 +32,8 @@ pub struct Dialogue {
 pub enum Begin {
     /// Nobody: the device is silent until something is written to its port.
     Asked,
-    /// A driver of the laptop's, which lights the laser and asks for scans without an end when the run begins.
+    /// A driver of the laptop's, which lights the laser and asks for scans without an end when the run begins, and lets go of
+    /// it while a program has the port open.
     Driver,
 }
 
@@ -88,6 +89,20 @@ impl DialogueState {
                 Begin::Driver => SimTime::from_ns(DRIVER_NS),
             },
         })
+    }
+
+    /// A program opens the laptop's end of the cable at `now`, or closes it. If there is a driver, it lets go of the device, which
+    /// is as after power-on then, or starts it again.
+    pub(crate) fn open(&mut self, port: &Port, open: bool, now: SimTime, up: &mut Line) {
+        if port.dialogue.as_ref().is_none_or(|dialogue| dialogue.begin != Begin::Driver) {
+            return;
+        }
+        (self.device, self.answer_at, self.driver_at) = (Device::new(), None, SimTime::NEVER);
+        self.change_rate(up, None);
+        if !open {
+            self.send_down(port, now, b"BM\n");
+            self.driver_at = now + DRIVER_NS;
+        }
     }
 
     /// Whether it can be so at `now`.

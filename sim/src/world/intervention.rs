@@ -165,7 +165,7 @@ impl World {
             Intervention::PullCable { robot, pulled } => self.pull_cable(robot, *pulled)?,
             Intervention::SetBaud { robot, baud } => self.set_baud(robot, *baud)?,
             Intervention::OpenPort { robot, open } => {
-                self.open_port(robot, *open)?.is_some_and(|own| self.forget_unread(own))
+                self.open_port(robot, *open)?.is_some_and(|own| self.hand_over_ports(own, *open))
             }
             Intervention::ResetBoard { robot } => self.reset_board(robot)?,
         };
@@ -268,6 +268,18 @@ impl World {
         Ok(Some(own))
     }
 
+    /// Cables have the baud rates that robots were asked for in the tick that is over. A rate that the cable cannot have
+    /// changes nothing, nor does one on a cable that has none, or after more changes than a run can have.
+    pub(super) fn change_bauds(&mut self) {
+        for own in 0..self.state().robots.len() {
+            let Some(baud) = self.state_mut().robots[own].take_baud() else { continue };
+            let robot = self.scenario().robots[own].name.clone();
+            if matches!(self.set_baud(&robot, baud), Ok(true)) {
+                self.altered.0.push((self.time(), Intervention::SetBaud { robot, baud }));
+            }
+        }
+    }
+
     /// As [`cut_cable`](Self::cut_cable).
     fn open_port(&mut self, name: &str, open: bool) -> Result<Option<usize>> {
         let own = self.robot_named(name)?;
@@ -283,9 +295,10 @@ impl World {
         Ok(Some(own))
     }
 
-    /// Who opens a port reads nothing from before; who closes it leaves nothing. Always true.
-    fn forget_unread(&mut self, own: usize) -> bool {
-        self.state_mut().robots[own].forget_unread();
+    /// The ports of this robot are a program's from now on, or no longer. Always true.
+    fn hand_over_ports(&mut self, own: usize, open: bool) -> bool {
+        let (spec, now) = (self.scenario().robots[own].clone(), self.time());
+        self.state_mut().robots[own].open_ports(&spec, open, now);
         true
     }
 

@@ -10,6 +10,7 @@
 use alloc::vec::Vec;
 
 use super::{Answer, Turn, World};
+use crate::firmware::Protocol;
 use crate::time::SimTime;
 
 /// Steps that are not over though the world has gone on. They are no part of the state: once they are supplied, it is
@@ -40,6 +41,10 @@ impl World {
     /// stays true while nothing else is written to the robot.
     pub fn reach(&self, robot: usize, done: SimTime) -> Option<SimTime> {
         let state = self.state.robots.get(robot)?;
+        // What it writes may change its cable at the end of the tick.
+        if let Protocol::Create(_) = self.scenario.robots[robot].firmware.protocol {
+            return None;
+        }
         // What a step leaves unanswered is counted behind the cycles before it, and those only once they are counted.
         if state.cycles.is_closing() {
             return None;

@@ -18,7 +18,9 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use crate::collision::Collision;
+use crate::firmware::Protocol;
 use crate::hash;
+use crate::model::RobotSpec;
 use crate::movable::MovableState;
 use crate::mover::MoverState;
 use crate::parallel;
@@ -72,6 +74,8 @@ pub struct World {
     ahead: Ahead,
     spare: Spare,
     is_parallel: bool,
+    /// Whether a robot may ask for another baud rate.
+    may_change_baud: bool,
 }
 
 /// Memory that ticks use again and again, boxed where it is large, as it is taken and put back. A clone begins with none.
@@ -157,7 +161,11 @@ impl World {
         let (ahead, spare) = (Ahead::default(), Spare::default());
         let is_parallel = cfg!(feature = "rayon") && state.robots.len() >= CROWD;
         let (origin, altered) = (Arc::clone(&scenario), Altered::default());
-        let mut world = Self { origin, scenario, altered, state, seen: None, ahead, spare, is_parallel };
+        let changes = |spec: &RobotSpec| matches!(spec.firmware.protocol, Protocol::Create(_));
+        let may_change_baud = scenario.robots.iter().any(changes);
+        let seen = None;
+        let mut world =
+            Self { origin, scenario, altered, state, seen, ahead, spare, is_parallel, may_change_baud };
         world.keep_timeline(world.usual_timeline());
         world
     }
@@ -265,6 +273,9 @@ impl World {
         self.move_all();
         self.state.tick += 1;
         self.state.begun = false;
+        if self.may_change_baud {
+            self.change_bauds();
+        }
         self.look_for_the_end();
     }
 

@@ -14,6 +14,10 @@ pub const MOST_NOTES: usize = 16;
 /// Most bytes of a script (Create 1).
 const MOST_SCRIPT: usize = 100;
 
+/// The baud rates of command 129 (iRobot, Open Interface; the same of both robots).
+pub const BAUDS: [u32; 12] =
+    [300, 600, 1200, 2400, 4800, 9600, 14_400, 19_200, 28_800, 38_400, 57_600, 115_200];
+
 /// What the interface obeys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Mode {
@@ -108,7 +112,7 @@ pub enum Command<'a> {
     Reset,
     /// 173: the interface is off (Create 2).
     Stop,
-    /// 129: another baud rate, by its code from 0 (300) to 11 (115,200).
+    /// 129: another baud rate, by its code, which is a place in [`BAUDS`].
     Baud(u8),
     /// 130 (Control) and 131: the mode Safe.
     Safe,

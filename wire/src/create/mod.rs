@@ -29,7 +29,7 @@ mod packets;
 mod signals;
 mod stream;
 
-pub use commands::{Command, Commands, MAX_COMMAND, MOST_NOTES, Mode};
+pub use commands::{BAUDS, Command, Commands, MAX_COMMAND, MOST_NOTES, Mode};
 pub use drive::{FULL_MM_S, drive_direct, mm_s, wheels_mm_s};
 pub use packets::{Packet, group, listed_len};
 pub use signals::{Signal, check, told};

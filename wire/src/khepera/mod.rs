@@ -5,8 +5,13 @@
 //!
 //! | to the robot | answer | meaning |
 //! |---|---|---|
-//! | `N` CR | `n,v0,v1,…` CR LF | readings: all `components` of the layout, in order |
+//! | `N` CR | `n,v0,v1,…` CR LF | readings: all `components` of the layout that are no counters, in order |
+//! | `H` CR | `h,l,r` CR LF | the position counters of the left and the right wheel, 32 bits |
 //! | `D,l,r` CR | `d` CR LF | signals for the left and the right motor |
+//!
+//! The eight infra-red sensors of a real robot are all that its `N` tells. A layout with counters has two, of the wheels
+//! ([`check`]). What a program of messages says that wants all readings is a [`poll`]: `H`, if there are counters, and `N`,
+//! whose answer is the last.
 //!
 //! A number is the code of a value's [`Encoding`]: of `Level` 0 to 2^bits − 1, of `Signed` and `Counter` with a `-`
 //! before it if it is negative. There is no checksum, no time and no age: an altered digit is an altered value.
@@ -19,8 +24,8 @@
 //!
 //! # Deviations
 //!
-//! The real robot's `N` answers with its eight infra-red sensors and nothing else; here all sensors are in it, in the order
-//! of the layout. `D` has signals, which are pulses per 10 ms only of motors that are as fast at full signal.
+//! A robot with other sensors than the real one's tells them in its `N`, too, in the order of the layout. The codes of
+//! signals are pulses per 10 ms where the layout's owner has made their encoding so.
 
 mod lines;
 mod registers;
@@ -36,8 +41,39 @@ use crate::layout::Layout;
 /// The most characters of a line, the one that ends it not counted.
 pub const MAX_LINE: usize = MAX_PAYLOAD - 1;
 
-/// Asks for readings.
+/// Asks for what is no counter.
 pub const POLL: [u8; 2] = *b"N\r";
+
+/// Asks for all readings of the layout: for its counters first, if it has any, so that the answer to [`POLL`] is the last.
+pub fn poll(layout: &Layout<'_>) -> &'static [u8] {
+    if has_counters(layout) { b"H\rN\r" } else { b"N\r" }
+}
+
+/// The values of a sensor with these components in the position counters, if `H` tells it, and not `N`. Counters of fewer
+/// than 32 bits wrap.
+pub fn counted(components: &[Encoding], positions: [i32; 2]) -> Option<[f64; 2]> {
+    let &[left, right] = components else { return None };
+    let both = is_counter(&left) && is_counter(&right);
+    both.then(|| [left.quantise(positions[0].into()), right.quantise(positions[1].into())])
+}
+
+fn is_counter(encoding: &Encoding) -> bool {
+    matches!(encoding, Encoding::Counter { .. })
+}
+
+fn has_counters(layout: &Layout<'_>) -> bool {
+    layout.components.iter().any(is_counter)
+}
+
+/// Those that `N` tells.
+fn levels<'a>(layout: &Layout<'a>) -> impl Iterator<Item = &'a Encoding> {
+    layout.components.iter().filter(|encoding| !is_counter(encoding))
+}
+
+/// The number of the analog input that a sensor of this name is at, which is asked for by `I` and told by nothing else.
+pub fn input_number(name: &str) -> Option<u8> {
+    name.strip_prefix("ad_")?.parse().ok()
+}
 
 /// Answers a command.
 pub const ACKNOWLEDGEMENT: [u8; 3] = *b"d\r\n";
@@ -54,16 +90,37 @@ pub fn check(layout: &Layout<'_>) -> Result<(), LayoutError> {
     if layout.components.iter().chain(layout.motors).any(|encoding| encoding.numbers().is_none()) {
         return Err(LayoutError::NoCode);
     }
-    let needed = readings_len_max(layout);
+    let counters = layout.components.len() - levels(layout).count();
+    let is_pair = |components: &[Encoding]| counted(components, [0; 2]).is_some();
+    if counters > 0 && !(counters == 2 && layout.sensors().any(is_pair)) {
+        return Err(LayoutError::Positions { found: counters });
+    }
+    let needed = readings_len_max(layout) + positions_len(layout)[1];
     if needed > MAX_PAYLOAD {
         return Err(NoRoom { needed, room: MAX_PAYLOAD }.into());
     }
     Ok(())
 }
 
-/// Bytes of the longest answer with readings, its end included.
+/// Bytes of the longest answer to `N`, its end included.
 pub fn readings_len_max(layout: &Layout<'_>) -> usize {
-    1 + numbers_len_max(layout.components) + ANSWER_END.len()
+    1 + levels(layout).copied().map(longest).sum::<usize>() + ANSWER_END.len()
+}
+
+/// Bytes of the shortest answer to `N`, its end included.
+pub fn readings_len_min(layout: &Layout<'_>) -> usize {
+    1 + levels(layout).count() * 2 + ANSWER_END.len()
+}
+
+/// Bytes of the shortest and of the longest answer to `H` of a layout that has counters, its end included; 0 of others.
+/// Counters of fewer than 32 bits wrap in the answer as they do on the robot.
+pub fn positions_len(layout: &Layout<'_>) -> [usize; 2] {
+    if !has_counters(layout) {
+        return [0; 2];
+    }
+    let counters = layout.components.iter().copied().filter(is_counter);
+    let rest = 1 + ANSWER_END.len();
+    [rest + 2 * 2, rest + counters.map(longest).sum::<usize>()]
 }
 
 /// Bytes of the longest command, its end included.
@@ -73,16 +130,20 @@ pub fn command_len_max(layout: &Layout<'_>) -> usize {
 
 /// The most characters of numbers in these encodings, the commas before them included; 0 of those without codes.
 pub fn numbers_len_max(encodings: &[Encoding]) -> usize {
+    encodings.iter().copied().map(longest).sum()
+}
+
+/// The most characters of a number in this encoding, the comma before it included.
+fn longest(encoding: Encoding) -> usize {
     let len = |number: i64| {
         let digits = number.unsigned_abs().checked_ilog10().unwrap_or(0) as usize + 1;
         usize::from(number < 0) + digits
     };
-    let longest = |encoding: &Encoding| encoding.numbers().map_or(0, |[a, b]| len(a).max(len(b)));
-    encodings.iter().map(|encoding| 1 + longest(encoding)).sum()
+    1 + encoding.numbers().map_or(0, |[a, b]| len(a).max(len(b)))
 }
 
-/// Writes an answer with readings to the front of `out`, one value for each of the layout's components, and returns its
-/// length.
+/// Writes an answer to `N` to the front of `out`, and returns its length. `values` are those of all of the layout's
+/// components, of which counters are passed over.
 ///
 /// # Errors
 /// If there are not as many values as components, one has no code, or `out` is too short; one of
@@ -113,11 +174,10 @@ pub fn write_command(
     line.end(&QUESTION_END)
 }
 
-/// Writes what a program says that drives and wants readings, which takes two lines: a command and a poll. Returns the
-/// length of both.
+/// Writes what a program says that drives and wants readings: a command and a [`poll`]. Returns the length of both.
 ///
 /// # Errors
-/// As [`write_command`]; [`POLL`] needs its room, too.
+/// As [`write_command`]; the poll needs its room, too.
 pub fn write_exchange(
     layout: &Layout<'_>,
     signals: impl IntoIterator<Item = f64>,
@@ -125,7 +185,7 @@ pub fn write_exchange(
 ) -> Result<usize, WriteError> {
     let len = write_command(layout, signals, out)?;
     let mut line = Writer { out, len };
-    line.end(&POLL)
+    line.end(poll(layout))
 }
 
 /// A question, as the robot understands it.
@@ -158,8 +218,10 @@ impl<'a> Question<'a> {
 pub enum Answer<'a> {
     /// A command was obeyed.
     Acknowledgement,
-    /// The values of all components.
+    /// The values of all components that are no counters.
     Readings(Numbers<'a>),
+    /// The position counters of the left and the right wheel.
+    Positions([i32; 2]),
     /// Registers, or that they were set.
     Registers(Command),
     /// The line was not understood, or not possible.
@@ -175,6 +237,7 @@ impl<'a> Answer<'a> {
         match line {
             [b'd', rest @ ..] => Numbers::parse(rest, &[]).map(|_| Self::Acknowledgement),
             [b'n', rest @ ..] => Numbers::parse(rest, layout.components).map(Self::Readings),
+            [b'h', rest @ ..] => positions(rest).map(Self::Positions),
             [] => Err(LineError::Empty),
             _ if [NOT_FOUND, PROTOCOL_ERROR]
                 .iter()
@@ -191,7 +254,8 @@ impl<'a> Answer<'a> {
     }
 }
 
-/// Iterates over the values that the numbers of a line stand for; each is a code of its encoding.
+/// Iterates over the values that the numbers of a line stand for; each is a code of its encoding. Of answers to `N` counters
+/// are passed over.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers<'a> {
     encodings: &'a [Encoding],
@@ -201,9 +265,10 @@ pub struct Numbers<'a> {
 impl<'a> Numbers<'a> {
     /// What stands behind the letter, if it is a number for each encoding.
     fn parse(text: &'a [u8], encodings: &'a [Encoding]) -> Result<Self, LineError> {
-        let expected = encodings.len();
+        let told = || encodings.iter().filter(|encoding| !is_counter(encoding));
+        let expected = told().count();
         let mut rest = text;
-        for (index, encoding) in encodings.iter().enumerate() {
+        for (index, encoding) in told().enumerate() {
             let (digits, behind) = field(rest).ok_or(LineError::Count { expected, found: index })?;
             let number = number(digits).ok_or(LineError::Number { index })?;
             encoding.value_of(number).ok_or(LineError::Range { index })?;
@@ -220,9 +285,10 @@ impl Iterator for Numbers<'_> {
     type Item = f64;
 
     fn next(&mut self) -> Option<f64> {
-        let (encoding, encodings) = self.encodings.split_first()?;
+        let next = self.encodings.iter().position(|encoding| !is_counter(encoding))?;
         let (digits, behind) = field(self.text)?;
-        (self.encodings, self.text) = (encodings, behind);
+        let encoding = self.encodings[next];
+        (self.encodings, self.text) = (&self.encodings[next + 1..], behind);
         encoding.value_of(number(digits)?)
     }
 
@@ -235,6 +301,18 @@ impl Iterator for Numbers<'_> {
 fn field(text: &[u8]) -> Option<(&[u8], &[u8])> {
     let text = text.strip_prefix(b",")?;
     text.split_at_checked(text.iter().position(|&byte| byte == b',').unwrap_or(text.len()))
+}
+
+/// The two position counters behind the letter of an answer.
+fn positions(text: &[u8]) -> Result<[i32; 2], LineError> {
+    let (mut rest, mut positions) = (text, [0; 2]);
+    for (index, position) in positions.iter_mut().enumerate() {
+        let (digits, behind) = field(rest).ok_or(LineError::Count { expected: 2, found: index })?;
+        let number = number(digits).ok_or(LineError::Number { index })?;
+        *position = i32::try_from(number).map_err(|_| LineError::Range { index })?;
+        rest = behind;
+    }
+    if rest.is_empty() { Ok(positions) } else { Err(LineError::Count { expected: 2, found: 3 }) }
 }
 
 /// A whole number of at most [`MAX_DIGITS`] digits.
@@ -275,6 +353,9 @@ impl Writer<'_> {
         let (mut values, expected) = (values.into_iter(), encodings.len());
         for (index, encoding) in encodings.iter().enumerate() {
             let value = values.next().ok_or(WriteError::Count { expected, found: index })?;
+            if is_counter(encoding) {
+                continue;
+            }
             self.put(b',');
             self.number(encoding.number(value).ok_or(WriteError::NoCode { index })?);
         }

@@ -53,13 +53,16 @@ proptest! {
         let (encodings, values): (Vec<_>, Vec<_>) = parts.iter().copied().unzip();
         let counts = vec![1; encodings.len()];
         let layout = Layout { components: &encodings, counts: &counts, ..ROBOT };
-        prop_assert_eq!(check(&layout), Ok(()));
+        let counters = encodings.iter().filter(|encoding| is_counter(encoding)).count();
+        let expected = if counters == 0 { Ok(()) } else { Err(LayoutError::Positions { found: counters }) };
+        prop_assert_eq!(check(&layout), expected);
         let bytes = written(|out| write_readings(&layout, values.iter().copied(), out));
         prop_assert!(bytes.len() <= readings_len_max(&layout));
         let lines = all(Lines::of_answers(), &bytes);
         let [Ok(line)] = &lines[..] else { panic!("{lines:?}") };
         let Ok(Answer::Readings(read)) = Answer::parse(line, &layout) else { panic!("{line:?}") };
-        prop_assert!(read.eq(parts.iter().map(|(encoding, value)| encoding.quantise(*value))));
+        let told = parts.iter().filter(|(encoding, _)| !is_counter(encoding));
+        prop_assert!(read.eq(told.map(|(encoding, value)| encoding.quantise(*value))));
     }
 
     #[test]
@@ -116,7 +119,11 @@ proptest! {
         let bytes = written(|out| write_answer(command, |_| Some(value), out));
         let lines = all(Lines::of_answers(), &bytes);
         let [Ok(line)] = &lines[..] else { panic!("{lines:?}") };
-        prop_assert_eq!(Answer::parse(line, &ROBOT), Ok(Answer::Registers(command)));
+        let expected = match command {
+            Command::Position => Answer::Positions([value; 2]),
+            _ => Answer::Registers(command),
+        };
+        prop_assert_eq!(Answer::parse(line, &ROBOT), Ok(expected));
         prop_assert!(bytes.len() <= 128);
     }
 
@@ -138,12 +145,37 @@ fn lines_look_as_those_of_the_robot_do() {
     assert_eq!(bytes, b"n,0,1,20,300,1023,1023,0,5\r\n");
     assert_eq!(written(|out| write_command(&ROBOT, [127.0, -5.0], out)), b"D,127,-5\r");
     assert_eq!(written(|out| write_exchange(&ROBOT, [0.0, -200.0], out)), b"D,0,-127\rN\r");
-    let wheels = Layout { components: &[WHEEL; 2], counts: &[2], ..ROBOT };
-    assert_eq!(written(|out| write_readings(&wheels, [-32768.0, 32767.0], out)), b"n,-32768,32767\r\n");
-    let wide = Layout { components: &[Encoding::Counter { bits: 32 }], counts: &[1], ..ROBOT };
-    assert_eq!(written(|out| write_readings(&wide, [-2_147_483_648.0], out)), b"n,-2147483648\r\n");
+    let signed = Encoding::Signed { bits: 32, limit: 2_147_483_647.0 };
+    let wide = Layout { components: &[signed], counts: &[1], ..ROBOT };
+    assert_eq!(written(|out| write_readings(&wide, [-2_147_483_647.0], out)), b"n,-2147483647\r\n");
     let none = Layout { components: &[], counts: &[], ..ROBOT };
     assert_eq!(written(|out| write_readings(&none, [], out)), b"n\r\n");
+}
+
+#[test]
+fn counters_are_told_by_a_line_of_their_own_and_wrap_as_those_of_the_robot() {
+    let wheels = Layout { components: &[IR, WHEEL, WHEEL], counts: &[1, 2], ..ROBOT };
+    assert_eq!(check(&wheels), Ok(()));
+    assert_eq!(poll(&wheels), b"H\rN\r");
+    assert_eq!(poll(&ROBOT), b"N\r");
+    assert_eq!(written(|out| write_exchange(&wheels, [0.0; 2], out)), b"D,0,0\rH\rN\r");
+    assert_eq!(written(|out| write_readings(&wheels, [5.0, -32768.0, 32767.0], out)), b"n,5\r\n");
+    assert_eq!((positions_len(&wheels), positions_len(&ROBOT)), ([7, 17], [0, 0]));
+    let told = Answer::parse(b"h,-2147483648,32768", &wheels);
+    assert_eq!(told, Ok(Answer::Positions([i32::MIN, 32_768])));
+    assert_eq!(counted(&[WHEEL; 2], [i32::MIN, 32_768]), Some([0.0, -32_768.0]));
+    assert_eq!(counted(&[IR; 2], [1, 2]), None);
+    let mixed = Layout { counts: &[2, 1], ..wheels };
+    assert_eq!(check(&mixed), Err(LayoutError::Positions { found: 2 }));
+    for (line, error) in [
+        (&b"h,1"[..], LineError::Count { expected: 2, found: 1 }),
+        (b"h,1,2,3", LineError::Count { expected: 2, found: 3 }),
+        (b"h,1,2147483648", LineError::Range { index: 1 }),
+        (b"h,x,1", LineError::Number { index: 0 }),
+    ] {
+        assert_eq!(Answer::parse(line, &wheels), Err(error));
+    }
+    assert_eq!((input_number("ad_3"), input_number("ad_"), input_number("ir_3")), (Some(3), None, None));
 }
 
 #[test]
@@ -244,7 +276,8 @@ fn a_layout_that_lines_cannot_say_is_named() {
     assert_eq!(check(&exact), Err(LayoutError::NoCode));
     let three = Layout { motors: &[MOTOR; 3], ..ROBOT };
     assert_eq!(check(&three), Err(LayoutError::Motors { found: 3 }));
-    let many: Vec<_> = iter::repeat_n(Encoding::Counter { bits: 32 }, 43).collect();
+    let signed = Encoding::Signed { bits: 32, limit: 1.0 };
+    let many: Vec<_> = iter::repeat_n(signed, 43).collect();
     let long = Layout { components: &many, counts: &[43], ..ROBOT };
     assert_eq!(check(&long), Err(NoRoom { needed: 519, room: 512 }.into()));
     assert_eq!(check(&Layout { components: &many[..42], counts: &[42], ..ROBOT }), Ok(()));

@@ -95,6 +95,14 @@ impl Format {
         HEAD_LEN + characters + LINE_END_LEN * characters.div_ceil(BLOCK_LEN) + 1
     }
 
+    /// How many bytes a command has that asks for the newest scan (`GD` or `GS`), its end included.
+    pub const QUESTION_LEN: usize = 13;
+
+    /// How many bytes the answer to such a command has: those of a scan, without the interval and the number of scans.
+    pub const fn answer_len(&self) -> usize {
+        self.message_len() - 3
+    }
+
     /// Whether the echo can say it.
     ///
     /// # Errors
