@@ -8,13 +8,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
 
+use baudbot_fields::endpoint::Endpoint;
 use rustix::event::{EventfdFlags, eventfd};
 use tokio::sync::mpsc::UnboundedSender;
 
-use crate::address::Place;
 use crate::cable::Cable;
 use crate::driver::{Driver, Order, Told};
 use crate::error::PortError;
+use crate::hold::Hold;
 use crate::medium::Medium;
 use crate::report::Report;
 use crate::uart::Settings;
@@ -36,7 +37,8 @@ impl Line {
     /// Opens a port at a place, at a cable whose UART at the robot's end is set so, if it has one. `number` is told with all that
     /// happens.
     pub(crate) fn open(
-        (sensor, place): (Option<u32>, &Place),
+        (sensor, place): (Option<u32>, &Endpoint),
+        hold: Hold,
         settings: Option<Settings>,
         step_ns: u64,
         (number, told): (usize, UnboundedSender<(usize, Told)>),
@@ -50,6 +52,7 @@ impl Line {
         let held = Arc::new(AtomicUsize::new(0));
         let driver = Driver {
             medium,
+            hold,
             cable: Cable::new(settings),
             step_ns,
             orders: received,
@@ -57,6 +60,7 @@ impl Line {
             told: (number, told),
             clock: None,
             waiting: VecDeque::new(),
+            sending: VecDeque::new(),
             report: Report::default(),
             held: Arc::clone(&held),
             break_since_ns: None,

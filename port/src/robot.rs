@@ -1,5 +1,8 @@
 //! The ports of a robot: to its world they are a brain in RAW mode.
 
+use std::collections::BTreeMap;
+
+use baudbot_fields::endpoint::Endpoint;
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request;
 use baudbot_proto::v1::attach_response::Response;
@@ -9,10 +12,10 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::Streaming;
 use tonic::transport::Channel;
 
-use crate::address::Place;
 use crate::clock::{Ahead, Clock, now_unix_ns};
 use crate::driver::{Order, Told};
 use crate::error::PortError;
+use crate::hold::Hold;
 use crate::line::Line;
 use crate::report::Report;
 use crate::uart::Settings;
@@ -40,6 +43,8 @@ pub enum News {
     Opened(String),
     /// No program has it open any more.
     Closed(String),
+    /// A program has opened the port at this place and was sent away, as one has the cable at another port.
+    Refused(String),
     /// The run is over; what is written is not obeyed.
     Ended,
 }
@@ -53,7 +58,7 @@ impl RobotPorts {
         channel_: Channel,
         world: &str,
         robot: &str,
-        ports: &[(Option<String>, Place)],
+        ports: &[(Option<String>, Endpoint)],
     ) -> Result<Self, PortError> {
         let (requests, stream) = channel(MOST_STEPS);
         let hello = v1::Hello {
@@ -78,11 +83,13 @@ impl RobotPorts {
             return Err(PortError::Contract("a Welcome without robots"));
         };
         let (tell, told) = unbounded_channel();
-        let open = |(number, (device, place)): (usize, &(Option<String>, Place))| {
+        let mut holds = BTreeMap::<Option<u32>, Hold>::new();
+        let mut open = |(number, (device, place)): (usize, &(Option<String>, Endpoint))| {
             let (sensor, settings) = cable(&description, device.as_deref())?;
-            Line::open((sensor, place), settings, welcome.step_ns, (number, tell.clone()))
+            let hold = holds.entry(sensor).or_insert_with(|| Hold::new(number)).beside(number);
+            Line::open((sensor, place), hold, settings, welcome.step_ns, (number, tell.clone()))
         };
-        let lines = ports.iter().enumerate().map(open).collect::<Result<Vec<_>, _>>()?;
+        let lines = ports.iter().enumerate().map(&mut open).collect::<Result<Vec<_>, _>>()?;
         Ok(Self {
             robot: robot.to_owned(),
             step_ns: welcome.step_ns,
@@ -189,7 +196,7 @@ impl RobotPorts {
         let arrival = |(i, byte): (usize, &u8)| (at.begins_ns + after_ns.get(i).copied().unwrap_or(0), *byte);
         let bytes: Vec<_> = data.iter().enumerate().map(arrival).collect();
         for line in self.lines.iter().filter(|line| line.sensor == sensor) {
-            line.order(Order::Bytes { clock: Some(at.clock), baud: at.baud, bytes: bytes.clone() });
+            line.order(Order::Bytes { clock: at.clock, baud: at.baud, bytes: bytes.clone() });
         }
     }
 
@@ -202,6 +209,7 @@ impl RobotPorts {
                 step.opened = line.sensor.is_none();
             }
             Told::Closed => return news(News::Closed(line.place.clone())),
+            Told::Refused => return news(News::Refused(line.place.clone())),
             Told::Bytes(bytes) => {
                 line.sent(bytes.len());
                 match line.sensor {

@@ -49,8 +49,10 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
         surroundings: &surroundings,
         arena: &mut arena,
         bodies: &bodies,
+        serial_ports: Vec::new(),
     };
     let robots = robots::robots(&path.field("robots"), raw.robots, &mut world)?;
+    let serial_ports = world.serial_ports;
     Ok(Scenario {
         source,
         name: name(&path, raw.name)?,
@@ -70,6 +72,7 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
         movers,
         movables,
         robots,
+        serial_ports,
     })
 }
 
