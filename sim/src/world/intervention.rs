@@ -145,6 +145,29 @@ impl Altered {
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
+
+    /// Keeps a change. Programs open ports and reset boards as often as they like, and only the last time matters: it takes the place of
+    /// the one before. A port that is closed again is as it was.
+    fn note(&mut self, at: SimTime, change: &Intervention) {
+        self.0.retain(|(_, earlier)| !is_outdone(earlier, change));
+        if !matches!(change, Intervention::OpenPort { open: false, .. }) {
+            self.0.push((at, change.clone()));
+        }
+    }
+
+    /// Whether the board of this robot has been reset.
+    fn has_reset(&self, name: &str) -> bool {
+        self.0.iter().any(|(_, change)| matches!(change, Intervention::ResetBoard { robot } if robot == name))
+    }
+}
+
+/// Whether nothing is left of a change after this one.
+fn is_outdone(earlier: &Intervention, later: &Intervention) -> bool {
+    match (earlier, later) {
+        (Intervention::OpenPort { robot: a, .. }, Intervention::OpenPort { robot: b, .. })
+        | (Intervention::ResetBoard { robot: a }, Intervention::ResetBoard { robot: b }) => a == b,
+        _ => false,
+    }
 }
 
 impl World {
@@ -170,7 +193,7 @@ impl World {
             Intervention::ResetBoard { robot } => self.reset_board(robot)?,
         };
         if changed {
-            self.altered.0.push((self.time(), intervention.clone()));
+            self.altered.note(self.time(), intervention);
         }
         Ok(())
     }
@@ -278,7 +301,9 @@ impl World {
         if spec.port_is_open == open {
             return Ok(None);
         }
-        self.may_alter(name)?;
+        if open {
+            self.may_alter(name)?;
+        }
         self.scenario_mut().robots[own].port_is_open = open;
         Ok(Some(own))
     }
@@ -304,7 +329,9 @@ impl World {
         if let Link::Onboard = self.scenario().robots[own].link {
             return Err(InterventionError::NoCable { robot: name.to_string(), cable: "cable" });
         }
-        self.may_alter(name)?;
+        if !self.altered.has_reset(name) {
+            self.may_alter(name)?;
+        }
         let waits_ns = self.origin().robots[own].processor.bootloader_ns;
         let model = Arc::make_mut(&mut self.scenario_mut().robots[own].model);
         model.processor.bootloader_ns = at.as_ns() + waits_ns;
