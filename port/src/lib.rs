@@ -23,6 +23,7 @@ mod robot;
 mod socket;
 mod telnet;
 pub mod uart;
+mod watch;
 
 pub use address::{BadPort, PortAddress};
 pub use error::PortError;

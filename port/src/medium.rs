@@ -120,8 +120,8 @@ impl Medium {
     /// programs that come.
     pub(crate) fn fds(&self, has_room: bool) -> Vec<BorrowedFd<'_>> {
         match self {
-            Self::Pty { pty, used: Used::Open } if has_room => vec![pty.fd()],
-            Self::Pty { .. } => vec![],
+            Self::Pty { pty, used: Used::Open } => has_room.then(|| pty.fd()).into_iter().collect(),
+            Self::Pty { pty, used: Used::Closed | Used::Left } => pty.watch_fd().into_iter().collect(),
             Self::Socket { listener, program, .. } => {
                 let is_gone = program.as_ref().is_some_and(Program::is_gone);
                 let program = program.as_ref().and_then(|program| program.fd(has_room));
@@ -132,7 +132,10 @@ impl Medium {
 
     /// Whether only looking shows that a program has come.
     pub(crate) fn is_looked_at(&self) -> bool {
-        matches!(self, Self::Pty { used: Used::Closed | Used::Left, .. })
+        match self {
+            Self::Pty { pty, used } => *used != Used::Open && pty.watch_fd().is_none(),
+            Self::Socket { .. } => false,
+        }
     }
 
     /// Whether there is something to read that no descriptor shows.
@@ -163,9 +166,10 @@ impl Medium {
                     *used = Used::Closed;
                     hold.let_go();
                 } else if !bytes.is_empty() && *used == Used::Closed && hold.take() {
-                    // It was open between two looks.
-                    happened.extend([Happened::Opened, Happened::Closed]);
-                    *used = Used::Left;
+                    // It was opened after the last look.
+                    pty.was_opened();
+                    happened.push(Happened::Opened);
+                    *used = Used::Open;
                 }
                 bytes.to_vec()
             }
@@ -198,11 +202,19 @@ impl Medium {
 }
 
 fn look_at_pty(pty: &mut Pty, used: Used, hold: &Hold, happened: &mut Vec<Happened>) -> Used {
+    let was_opened = pty.was_opened();
     match (used, pty.is_open()) {
         (Used::Open, true) => Used::Open,
         (Used::Open, false) => {
-            pty.forget_unread();
             happened.push(Happened::Closed);
+            if pty.forget_unread() {
+                happened.extend([Happened::Opened, Happened::Closed]);
+            }
+            Used::Left
+        }
+        (Used::Closed | Used::Left, false) if was_opened && hold.take() => {
+            happened.extend([Happened::Opened, Happened::Closed]);
+            pty.forget_unread();
             Used::Left
         }
         (Used::Closed | Used::Left, false) => used,

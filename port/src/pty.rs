@@ -21,6 +21,7 @@ use rustix::termios::{
 use crate::claim::Claim;
 use crate::error::PortError;
 use crate::uart::{LineError, Parity, Read, Settings};
+use crate::watch::Watch;
 
 /// The slave does not become the terminal that controls this program.
 const NOCTTY: i32 = OFlags::NOCTTY.bits() as i32;
@@ -30,6 +31,8 @@ const NOCTTY: i32 = OFlags::NOCTTY.bits() as i32;
 pub(crate) struct Pty {
     master: OwnedFd,
     slave: PathBuf,
+    /// Who opens the slave; none if the system has no watch left (fs.inotify.max_user_instances).
+    watch: Option<Watch>,
     /// How the slave is set before a program does.
     settings: Option<Settings>,
     claim: Claim,
@@ -42,15 +45,17 @@ impl Pty {
             |source: io::Error| PortError::Open { place: Endpoint::Pty(link.display().to_string()), source };
         let mut claim = Claim::new(link)?;
         let (master, slave) = new(settings).map_err(failed)?;
+        let watch = Watch::new(&slave).ok();
         claim.point_to(&slave).map_err(failed)?;
-        Ok(Self { master, slave, settings: settings.copied(), claim })
+        Ok(Self { master, slave, watch, settings: settings.copied(), claim })
     }
 
     /// Hangs up whoever has the slave open: the name leads to another one from now on.
     pub(crate) fn hang_up(&mut self) -> io::Result<()> {
         let (master, slave) = new(self.settings.as_ref())?;
+        let watch = Watch::new(&slave).ok();
         self.claim.point_to(&slave)?;
-        (self.master, self.slave) = (master, slave);
+        (self.master, self.slave, self.watch) = (master, slave, watch);
         Ok(())
     }
 
@@ -75,11 +80,28 @@ impl Pty {
         poll(&mut fds, Some(&at_once)).is_ok() && !fds[0].revents().contains(PollFlags::HUP)
     }
 
-    /// A program has closed it: what it has not read is not for the next one. Linux would keep that.
-    pub(crate) fn forget_unread(&self) {
-        if let Ok(slave) = fs::OpenOptions::new().read(true).custom_flags(NOCTTY).open(&self.slave) {
-            let _ = tcflush(&slave, QueueSelector::IFlush);
-        }
+    /// Where to wait until a program opens it, if the system tells that.
+    pub(crate) fn watch_fd(&self) -> Option<BorrowedFd<'_>> {
+        self.watch.as_ref().map(Watch::fd)
+    }
+
+    /// Whether a program has opened it since the last look.
+    pub(crate) fn was_opened(&self) -> bool {
+        self.watch.as_ref().is_some_and(|watch| watch.look().opened > 0)
+    }
+
+    /// A program has closed it: what it has not read is not for the next one. Linux would keep that. Says whether another
+    /// program has opened it meanwhile.
+    pub(crate) fn forget_unread(&self) -> bool {
+        let was_opened = self.was_opened();
+        let Ok(slave) = fs::OpenOptions::new().read(true).custom_flags(NOCTTY).open(&self.slave) else {
+            return was_opened;
+        };
+        let _ = tcflush(&slave, QueueSelector::IFlush);
+        drop(slave);
+        // One of them is this program, which cannot write to it.
+        let seen = self.watch.as_ref().map(Watch::look).unwrap_or_default();
+        was_opened || seen.opened > 1 || seen.writer_gone
     }
 
     /// How the program has set its end.
@@ -222,6 +244,18 @@ mod tests {
         assert!(Pty::open(&link, None).is_err(), "a second server");
         drop(first);
         assert!(Pty::open(&folder.path().join("no/such/robot.tty"), None).is_err());
+    }
+
+    #[test]
+    fn who_opens_it_is_noticed_however_soon_it_is_closed() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("robot.tty");
+        let pty = Pty::open(&link, None).unwrap();
+        assert!(!pty.was_opened(), "this program does not count");
+        drop(fs::OpenOptions::new().read(true).write(true).open(&link).unwrap());
+        assert!(pty.was_opened() && !pty.was_opened());
+        assert!(!pty.forget_unread(), "this program does not count");
+        assert!(!pty.was_opened());
     }
 
     #[test]
