@@ -13,8 +13,9 @@ use tokio::sync::mpsc::UnboundedSender;
 
 use crate::cable::{CHUNK, Cable};
 use crate::clock::{Clock, now_unix_ns};
+use crate::happened::Happened;
 use crate::hold::Hold;
-use crate::medium::{Happened, Medium};
+use crate::medium::Medium;
 use crate::report::Report;
 use crate::uart::{Read, Settings};
 

@@ -13,6 +13,7 @@ mod claim;
 mod clock;
 mod driver;
 mod error;
+mod happened;
 mod hold;
 mod line;
 mod medium;

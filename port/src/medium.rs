@@ -6,6 +6,7 @@ use std::path::Path;
 use baudbot_fields::endpoint::Endpoint;
 
 use crate::error::PortError;
+use crate::happened::Happened;
 use crate::hold::Hold;
 use crate::program::Program;
 use crate::pty::Pty;
@@ -34,20 +35,6 @@ pub(crate) enum Used {
     Open,
     /// It has closed it, and there may be bytes that it has written.
     Left,
-}
-
-/// What has happened at the program's end.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Happened {
-    /// A program has opened the port, or has set DTR on it.
-    Opened,
-    Closed,
-    /// The program sends a break, or ends it.
-    Break(bool),
-    PurgeReceived,
-    PurgeSent,
-    /// A program has been sent away, as that of another port at the cable has it.
-    Refused,
 }
 
 impl Medium {

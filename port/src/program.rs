@@ -6,7 +6,7 @@ use std::os::fd::BorrowedFd;
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-use crate::medium::Happened;
+use crate::happened::Happened;
 use crate::socket::Connection;
 use crate::telnet::{Event, Telnet};
 use crate::uart::{Read, Settings};
@@ -84,7 +84,6 @@ impl Program {
     fn hear(&mut self, bytes: &[u8], happened: &mut Vec<Happened>) {
         let Some(telnet) = &mut self.telnet else { return self.unsent.extend(bytes) };
         let heard = telnet.hear(bytes);
-        self.unsent.extend(heard.data);
         for event in heard.events {
             happened.extend(match event {
                 Event::Dtr(true) => Some(Happened::Opened),
@@ -97,6 +96,7 @@ impl Program {
                 }
             });
         }
+        self.unsent.extend(heard.data);
         if self.owed.len() < MOST_OWED {
             self.owed.extend(heard.replies);
         }
@@ -138,4 +138,100 @@ impl Program {
 
 fn is_busy(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Read as _, Write as _};
+    use std::os::unix::net::UnixStream;
+
+    use super::*;
+
+    /// A program's end, and what the port has of it.
+    fn connected(telnet: bool) -> (UnixStream, Program) {
+        let (theirs, ours) = UnixStream::pair().unwrap();
+        ours.set_nonblocking(true).unwrap();
+        (theirs, Program::new(Connection::Unix(ours), telnet.then(|| Settings::new_8n1(9600))))
+    }
+
+    fn read(program: &mut Program, room: usize) -> (Vec<u8>, Vec<Happened>) {
+        let mut happened = Vec::new();
+        (program.read(&mut [0; 512], room, &mut happened), happened)
+    }
+
+    const DTR_OFF: [u8; 7] = [255, 250, 44, 5, 9, 255, 240];
+    const DTR_ON: [u8; 7] = [255, 250, 44, 5, 8, 255, 240];
+    const PURGE_SENT: [u8; 7] = [255, 250, 44, 12, 2, 255, 240];
+
+    #[test]
+    fn commands_are_obeyed_although_the_cable_has_no_room_for_the_data_before_them() {
+        let (mut theirs, mut program) = connected(true);
+        theirs.write_all(&[7; 10_000]).unwrap();
+        theirs.write_all(&DTR_OFF).unwrap();
+        theirs.write_all(&DTR_ON).unwrap();
+        assert_eq!(read(&mut program, 0), (vec![], vec![Happened::Opened]));
+        let mut answers = [0; 14];
+        theirs.read_exact(&mut answers).unwrap();
+        assert_eq!((answers[3..5].to_vec(), answers[10..12].to_vec()), (vec![105, 9], vec![105, 8]));
+        assert_eq!(read(&mut program, 3), (vec![7; 3], vec![]), "the data wait for room");
+    }
+
+    #[test]
+    fn data_that_wait_are_thrown_away_when_the_program_wants_that() {
+        let (mut theirs, mut program) = connected(true);
+        theirs.write_all(&[7; 1000]).unwrap();
+        theirs.write_all(&PURGE_SENT).unwrap();
+        theirs.write_all(b"N").unwrap();
+        assert_eq!(read(&mut program, 10), (b"N".to_vec(), vec![Happened::PurgeSent]));
+    }
+
+    #[test]
+    fn a_program_that_sends_without_an_end_waits() {
+        for (telnet, most) in [(true, MOST_UNSENT), (false, 0)] {
+            let (mut theirs, mut program) = connected(telnet);
+            theirs.set_nonblocking(true).unwrap();
+            let mut sent = 0;
+            while let Ok(n) = theirs.write(&[7; 4096]) {
+                sent += n;
+                read(&mut program, 0);
+            }
+            assert!(program.unsent.len() <= most && sent < 10 << 20, "{sent}");
+            assert!(program.fd(false).is_none(), "nothing is read before there is room");
+        }
+    }
+
+    #[test]
+    fn what_a_program_has_left_is_taken_before_it_is_over() {
+        let (mut theirs, mut program) = connected(true);
+        theirs.write_all(b"D,0,0\r").unwrap();
+        drop(theirs);
+        assert_eq!(read(&mut program, 2).0, b"D,");
+        assert!(program.is_gone() && program.has_left() && !program.is_over());
+        assert_eq!(read(&mut program, 100).0, b"0,0\r");
+        assert!(program.is_over());
+    }
+
+    #[test]
+    fn an_escape_that_was_cut_is_completed_first() {
+        let (mut theirs, mut program) = connected(true);
+        let byte = |byte| Read { byte, at_ns: 0, error: None };
+        let mut taken = 0;
+        // Until the program's machine takes no more, perhaps half an escape.
+        for _ in 0..10_000 {
+            taken += program.write(&[byte(255); 101]);
+        }
+        let mut received = vec![0; 2 * taken];
+        theirs.set_nonblocking(true).unwrap();
+        let mut found = 0;
+        while found < received.len() {
+            match theirs.read(&mut received[found..]) {
+                Ok(n) => found += n,
+                // What is owed goes first.
+                Err(_) => drop(program.write(&[])),
+            }
+        }
+        assert!(received.iter().all(|byte| *byte == 255) && taken < 1_010_000, "{taken}");
+        assert_eq!(program.write(&[byte(1)]), 1);
+        assert_eq!(theirs.read(&mut received).unwrap(), 1);
+    }
 }

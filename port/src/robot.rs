@@ -7,7 +7,7 @@ use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request;
 use baudbot_proto::v1::attach_response::Response;
 use baudbot_proto::v1::brain_link_service_client::BrainLinkServiceClient;
-use tokio::sync::mpsc::{Sender, UnboundedReceiver, channel, unbounded_channel};
+use tokio::sync::mpsc::{Sender, UnboundedReceiver, UnboundedSender, channel, unbounded_channel};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::Streaming;
 use tonic::transport::Channel;
@@ -83,13 +83,7 @@ impl RobotPorts {
             return Err(PortError::Contract("a Welcome without robots"));
         };
         let (tell, told) = unbounded_channel();
-        let mut holds = BTreeMap::<Option<u32>, Hold>::new();
-        let mut open = |(number, (device, place)): (usize, &(Option<String>, Endpoint))| {
-            let (sensor, settings) = cable(&description, device.as_deref())?;
-            let hold = holds.entry(sensor).or_insert_with(|| Hold::new(number)).beside(number);
-            Line::open((sensor, place), hold, settings, welcome.step_ns, (number, tell.clone()))
-        };
-        let lines = ports.iter().enumerate().map(&mut open).collect::<Result<Vec<_>, _>>()?;
+        let lines = lines(&description, ports, welcome.step_ns, &tell)?;
         Ok(Self {
             robot: robot.to_owned(),
             step_ns: welcome.step_ns,
@@ -227,6 +221,22 @@ impl RobotPorts {
         }
         drop(self.requests.send(request(Request::Step(v1::Step { turn: 0, robots: vec![step] }))).await);
     }
+}
+
+/// Opens ports at cables of a robot; those at the same one share it.
+fn lines(
+    robot: &v1::RobotDescription,
+    ports: &[(Option<String>, Endpoint)],
+    step_ns: u64,
+    tell: &UnboundedSender<(usize, Told)>,
+) -> Result<Vec<Line>, PortError> {
+    let mut holds = BTreeMap::<Option<u32>, Hold>::new();
+    let open = |(number, (device, place)): (usize, &(Option<String>, Endpoint))| {
+        let (sensor, settings) = cable(robot, device.as_deref())?;
+        let hold = holds.entry(sensor).or_insert_with(|| Hold::new(number)).beside(number);
+        Line::open((sensor, place), hold, settings, step_ns, (number, tell.clone()))
+    };
+    ports.iter().enumerate().map(open).collect()
 }
 
 /// When a tick begins, and how fast the cable is in it.

@@ -47,7 +47,7 @@ pub(crate) enum Event {
     Break(bool),
     /// What waits to be given to the program is thrown away.
     PurgeReceived,
-    /// What the program has sent and is not on the cable yet is thrown away.
+    /// What the program has sent before and is not on the cable yet is thrown away.
     PurgeSent,
 }
 
@@ -80,7 +80,7 @@ enum State {
 /// What came out of some bytes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Heard {
-    /// Bytes for the robot.
+    /// Bytes for the robot, those behind the last [`Event::PurgeSent`].
     pub(crate) data: Vec<u8>,
     /// Bytes back to the program.
     pub(crate) replies: Vec<u8>,
@@ -211,7 +211,10 @@ impl Telnet {
             }
             (12, &[what]) => {
                 heard.events.extend([1, 3].contains(&what).then_some(Event::PurgeReceived));
-                heard.events.extend([2, 3].contains(&what).then_some(Event::PurgeSent));
+                if [2, 3].contains(&what) {
+                    heard.data.clear();
+                    heard.events.push(Event::PurgeSent);
+                }
                 vec![what]
             }
             // Suspend and resume have no answer; the rest is not known.

@@ -105,7 +105,7 @@ fn line_of(port: &mut impl Read) -> String {
             Ok(0) => panic!("the port is closed after {:?}", String::from_utf8_lossy(&line)),
             Ok(_) => line.push(byte[0]),
             Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                std::thread::sleep(Duration::from_millis(2))
+                std::thread::sleep(Duration::from_millis(2));
             }
             Err(error) => panic!("{error}"),
         }
@@ -282,7 +282,7 @@ fn end_of(port: &mut impl Read) -> usize {
             Ok(0) => return bytes,
             Ok(n) => bytes += n,
             Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                std::thread::sleep(Duration::from_millis(2))
+                std::thread::sleep(Duration::from_millis(2));
             }
             // A terminal that was hung up, or a connection that was closed before it was used.
             Err(_) => return bytes,
@@ -302,7 +302,7 @@ fn answers(port: &mut (impl Read + Write)) -> bool {
             Ok(0) => return false,
             Ok(n) => found.extend(&bytes[..n]),
             Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                std::thread::sleep(Duration::from_millis(2))
+                std::thread::sleep(Duration::from_millis(2));
             }
             Err(_) => return false,
         }
@@ -407,7 +407,7 @@ fn flood(stream: &TcpStream, bytes: usize, seed: u32) {
             match stream.write(rest) {
                 Ok(n) => rest = &rest[n..],
                 Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                    std::thread::sleep(Duration::from_millis(1))
+                    std::thread::sleep(Duration::from_millis(1));
                 }
                 Err(error) => panic!("{error}"),
             }
@@ -425,12 +425,12 @@ fn floods_of_random_bytes_harm_nobody_else_in_any_protocol() {
     let folder = tempfile::tempdir().unwrap();
     let body = "body = { radius_m = 0.1, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.05 }\n";
     let scenario = format!(
-        "{}[[robots]]\nname = \"c\"\npreset = \"create-2\"\nlink = {{ preset = \"usb\" }}\nstart = {{ x_m = 500.0 }}\n\
+        "{}[[robots]]\nname = \"c\"\npreset = \"create-2\"\nlink = {{ kind = \"ideal\" }}\nstart = {{ x_m = 500.0 }}\n\
          [[robots]]\nname = \"l\"\n{body}start = {{ x_m = 900.0 }}\nlink = {{ kind = \"ideal\" }}\n\
          [robots.sensors.laser]\nkind = \"laser\"\nopening_rad = 4.7\nrays = 300\nrange_m = 4.0\nmount = {{ x_m = 0.0 }}\n\
          port = {{ dialogue = \"asked\", link = {{ kind = \"ideal\" }} }}\nclock = {{ period_ms = 100.0 }}\n\
          [robots.sensors.gps]\npreset = \"gps-garmin-15\"\nport = {{ link = {{ kind = \"ideal\" }} }}\n",
-        KHEPERA.replace("link = { baud = 9600, bits_per_character = 11 }", "link = { preset = \"usb\" }")
+        KHEPERA.replace("link = { baud = 9600, bits_per_character = 11 }", "link = { baud = 10_000_000 }")
     );
     let ports = ["k=tcp:0", "c=tcp:0", "l/laser=tcp:0", "l/gps=tcp:0"];
     let mut args: Vec<_> = ports.iter().flat_map(|port| ["--port", port]).collect();

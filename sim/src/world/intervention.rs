@@ -13,8 +13,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::World;
-use crate::fault::When;
-use crate::link::{Link, Uart, Usb};
+use crate::link::{Link, Uart};
 use crate::movable::{Body, MovableState};
 use crate::time::SimTime;
 
@@ -259,7 +258,7 @@ impl World {
         }
         self.may_alter(name)?;
         let link = &mut Arc::make_mut(&mut self.scenario_mut().robots[own].model).link;
-        cut(link, at, pulled);
+        link.pull(at, pulled);
         Ok(Some(own))
     }
 
@@ -367,19 +366,6 @@ impl World {
     fn robot_named(&self, name: &str) -> Result<usize> {
         let found = self.scenario().robots.iter().position(|spec| spec.name == name);
         found.ok_or_else(|| unknown("robot", "robot", name))
-    }
-}
-
-/// Pulls a cable at this instant, or plugs it in.
-fn cut(link: &mut Link, now: SimTime, pulled: bool) {
-    let (Link::Uart(Uart { cuts, .. }) | Link::Usb(Usb { cuts, .. })) = link else { return };
-    if pulled {
-        cuts.push(When::Once { from: now, until: SimTime::NEVER });
-    }
-    for when in cuts.iter_mut().filter(|_| !pulled) {
-        if let When::Once { until: until @ SimTime::NEVER, .. } = when {
-            *until = now;
-        }
     }
 }
 
