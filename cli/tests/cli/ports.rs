@@ -290,10 +290,10 @@ fn end_of(port: &mut impl Read) -> usize {
     }
 }
 
-/// Whether a Khepera is at the other end.
+/// Whether a Khepera is at the other end. The end of a line ends what others may have begun.
 fn answers(port: &mut (impl Read + Write)) -> bool {
     let (mut found, deadline) = (Vec::new(), Instant::now() + Duration::from_secs(60));
-    if port.write_all(b"D,0,0\r").is_err() {
+    if port.write_all(b"\rD,0,0\r").is_err() {
         return false;
     }
     while !found.ends_with(b"d\r\n") && Instant::now() < deadline {
