@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use anyhow::Context;
-use baudbot_port::{News, Place, PortAddress, PortError, Report, RobotPorts};
+use baudbot_fields::endpoint::Endpoint;
+use baudbot_port::{News, PortAddress, PortError, Report, RobotPorts};
+use baudbot_sim::scenario::SerialPort;
 use tokio::sync::watch;
 use tokio::task::JoinSet;
 use tonic::transport::Channel;
@@ -24,7 +26,7 @@ pub(crate) async fn open(args: &OpenPortArgs) -> anyhow::Result<()> {
     let world = connect::world(channel.clone(), &args.server).await?;
     let names: Vec<_> = world.robots.iter().map(|robot| robot.robot.clone()).collect();
     let ports = by_robot(&args.ports, &names, args.insecure)?;
-    let mut open = OpenPorts::open(channel, &world.world, &ports).await?;
+    let mut open = OpenPorts::open(channel, &[(world.world, ports)]).await?;
     text::print(&open.greeting())?;
     tokio::select! {
         gone = open.gone() => gone?,
@@ -34,7 +36,7 @@ pub(crate) async fn open(args: &OpenPortArgs) -> anyhow::Result<()> {
 }
 
 /// Ports by the names of their robots.
-pub(crate) type PortsByRobot = BTreeMap<String, Vec<(Option<String>, Place)>>;
+pub(crate) type PortsByRobot = BTreeMap<String, Vec<(Option<String>, Endpoint)>>;
 
 /// Which ports are to be opened at which of these robots.
 pub(crate) fn by_robot(
@@ -43,10 +45,8 @@ pub(crate) fn by_robot(
     insecure: bool,
 ) -> anyhow::Result<PortsByRobot> {
     let mut by_robot = PortsByRobot::new();
-    for PortAddress { robot, device, place } in ports {
-        if !place.is_local() && !insecure {
-            return Err(Refused::error(PortError::NotLocal { place: place.clone() }.to_string()));
-        }
+    for PortAddress { robot, device, endpoint: place } in ports {
+        is_allowed(place, insecure)?;
         let robot = match (robot, robots) {
             (Some(robot), _) if robots.contains(robot) => robot,
             (None, [only]) => only,
@@ -68,6 +68,32 @@ pub(crate) fn by_robot(
     Ok(by_robot)
 }
 
+/// These ports, and those that a scenario asks for. Ports that are given for a cable take the place of all that the scenario
+/// asks for there.
+pub(crate) fn with_those_of_scenario(
+    given: &PortsByRobot,
+    scenario: &[SerialPort],
+    insecure: bool,
+) -> anyhow::Result<PortsByRobot> {
+    let mut all = given.clone();
+    for SerialPort { robot, sensor, endpoint } in scenario {
+        let is_its_cable = |(device, _): &(Option<String>, Endpoint)| device == sensor;
+        if given.get(robot).is_some_and(|ports| ports.iter().any(is_its_cable)) {
+            continue;
+        }
+        is_allowed(endpoint, insecure)?;
+        all.entry(robot.clone()).or_default().push((sensor.clone(), endpoint.clone()));
+    }
+    Ok(all)
+}
+
+fn is_allowed(place: &Endpoint, insecure: bool) -> anyhow::Result<()> {
+    if place.is_local() || insecure {
+        return Ok(());
+    }
+    Err(Refused::error(PortError::NotLocal { place: place.clone() }.to_string()))
+}
+
 /// A robot, and what its ports have done.
 type Done = (String, Result<Vec<(String, Report)>, PortError>);
 
@@ -79,11 +105,12 @@ pub(crate) struct OpenPorts {
 }
 
 impl OpenPorts {
-    /// Opens the ports of robots of a world.
-    pub(crate) async fn open(channel: Channel, world: &str, ports: &PortsByRobot) -> anyhow::Result<Self> {
+    /// Opens the ports of robots of these worlds.
+    pub(crate) async fn open(channel: Channel, worlds: &[(String, PortsByRobot)]) -> anyhow::Result<Self> {
         let (stop, _) = watch::channel(false);
         let mut open = Self { tasks: JoinSet::new(), stop, greeting: String::new() };
-        for (robot, ports) in ports {
+        let robots = worlds.iter().flat_map(|(world, ports)| ports.iter().map(move |robot| (world, robot)));
+        for (world, (robot, ports)) in robots {
             let opened = RobotPorts::open(channel.clone(), world, robot, ports).await.map_err(refused)?;
             open.greet(ports, &opened);
             let mut stopped = open.stop.subscribe();
@@ -97,7 +124,7 @@ impl OpenPorts {
         Ok(open)
     }
 
-    fn greet(&mut self, ports: &[(Option<String>, Place)], opened: &RobotPorts) {
+    fn greet(&mut self, ports: &[(Option<String>, Endpoint)], opened: &RobotPorts) {
         for ((device, _), place) in ports.iter().zip(opened.places()) {
             let of = device.as_ref().map_or_else(String::new, |device| format!("/{device}"));
             self.greeting += &format!("serial port of {}{of}: {place}\n", opened.robot());
@@ -148,6 +175,11 @@ fn tell_news(robot: &str, news: &News) {
     match news {
         News::Opened(place) => tell!("a program has opened {place} of {robot}"),
         News::Closed(place) => tell!("no program has {place} of {robot} open any more"),
+        News::Refused(place) => {
+            tell!(
+                "a program that has opened {place} of {robot} was sent away: another port of that cable is in use"
+            );
+        }
         News::Ended => tell!("the run of {robot} is over; what programs write is not obeyed"),
     }
 }

@@ -36,8 +36,8 @@ pub(crate) struct Serving<'a> {
     worlds: Vec<Described>,
     /// The live worlds, of which a summary is told at the end.
     live: Vec<(String, Arc<Scenario>)>,
-    /// The serial ports of the only world.
-    ports: PortsByRobot,
+    /// The serial ports of each of these.
+    ports: Vec<(String, PortsByRobot)>,
 }
 
 /// A world's name, what is in it, and a robot with a brain that can drive it.
@@ -45,13 +45,7 @@ type Described = (String, String, Option<(String, &'static str)>);
 
 impl<'a> Serving<'a> {
     pub(crate) fn new(listen: &'a ListenArgs) -> Self {
-        Self {
-            builder: listen.builder(),
-            listen,
-            worlds: Vec::new(),
-            live: Vec::new(),
-            ports: PortsByRobot::new(),
-        }
+        Self { builder: listen.builder(), listen, worlds: Vec::new(), live: Vec::new(), ports: Vec::new() }
     }
 
     /// Lets operators record into a folder.
@@ -72,18 +66,23 @@ impl<'a> Serving<'a> {
         self.builder = std::mem::take(&mut self.builder).world(world);
     }
 
-    /// Opens serial ports at robots of the only world.
+    /// Opens the serial ports that scenarios ask for, and these at robots of the only world.
     pub(crate) fn open_ports(&mut self, ports: &[PortAddress]) -> anyhow::Result<()> {
-        match self.live.as_slice() {
-            _ if ports.is_empty() => {}
+        let insecure = self.listen.insecure;
+        let given = match self.live.as_slice() {
+            _ if ports.is_empty() => PortsByRobot::new(),
             [(_, scenario)] => {
                 let robots: Vec<_> = scenario.robots.iter().map(|spec| spec.name.clone()).collect();
-                self.ports = ports::by_robot(ports, &robots, self.listen.insecure)?;
+                ports::by_robot(ports, &robots, insecure)?
             }
             _ => {
                 let text = "--port: takes a single world, and these are several; use `baudbot port open --world WORLD`";
                 return Err(Refused::error(text));
             }
+        };
+        for (world, scenario) in &self.live {
+            let ports = ports::with_those_of_scenario(&given, &scenario.serial_ports, insecure)?;
+            self.ports.push((world.clone(), ports));
         }
         Ok(())
     }
@@ -107,9 +106,7 @@ impl<'a> Serving<'a> {
         let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
         let server = builder.serve().await.map_err(from_builder)?;
         text::print(&greeting(&server, &worlds))?;
-        let mut open =
-            OpenPorts::open(server.channel().await?, live.first().map_or("", |(world, _)| world), &ports)
-                .await?;
+        let mut open = OpenPorts::open(server.channel().await?, &ports).await?;
         text::print(&open.greeting())?;
         loop {
             tokio::select! {

@@ -9,6 +9,7 @@
 extern crate alloc;
 
 mod cause;
+pub mod endpoint;
 pub mod printable;
 #[cfg(feature = "toml")]
 mod read;

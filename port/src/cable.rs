@@ -30,6 +30,11 @@ impl Cable {
         (self.up, self.down, self.busy_until_ns) = (None, None, 0);
     }
 
+    /// What the program has sent is gone, also what its UART has not sent yet.
+    pub(crate) fn forget_sent(&mut self) {
+        (self.down, self.busy_until_ns) = (None, 0);
+    }
+
     /// The robot's UART has this rate now.
     pub(crate) fn set_baud(&mut self, baud: Option<u32>) {
         if let (Some(robot), Some(baud)) = (&mut self.robot, baud) {
@@ -67,8 +72,14 @@ impl Cable {
         }
     }
 
-    /// Bytes that the program writes at `now_ns`: what the robot's UART has read up to now.
-    pub(crate) fn down(&mut self, program: Option<Settings>, now_ns: u64, bytes: &[u8], out: &mut Vec<Read>) {
+    /// Bytes that the program writes at `now_ns`, and from when on the world's cable may carry what the robot's UART reads of them.
+    pub(crate) fn down(
+        &mut self,
+        program: Option<Settings>,
+        now_ns: u64,
+        bytes: &[u8],
+        out: &mut VecDeque<Read>,
+    ) {
         let Some((robot, program)) = self.other(program) else {
             self.down = None;
             let character_ns = self.robot.map_or(0, |robot| robot.character_ns());
@@ -81,27 +92,36 @@ impl Cable {
             receiver.hear(&program, now_ns, byte);
         }
         self.busy_until_ns = receiver.free_ns();
-        out.extend(std::iter::from_fn(|| receiver.read()));
+        self.hand_down(out);
+    }
+
+    /// What the robot's UART reads. The world's cable carries each character once more, so it gets it when that begins on the line: the
+    /// robot then has it when it has been sent, and not before.
+    fn hand_down(&mut self, out: &mut VecDeque<Read>) {
+        let character_ns = self.robot.map_or(0, |robot| robot.character_ns());
+        let Some(receiver) = &mut self.down else { return };
+        let reads = std::iter::from_fn(|| receiver.read());
+        out.extend(reads.map(|read| Read { at_ns: read.at_ns.saturating_sub(character_ns), ..read }));
     }
 
     /// A break of this length from the program. A robot without a UART hears none.
-    pub(crate) fn send_break(&mut self, now_ns: u64, length_ns: u64, out: &mut Vec<Read>) {
+    pub(crate) fn send_break(&mut self, now_ns: u64, length_ns: u64, out: &mut VecDeque<Read>) {
         let Some(robot) = self.robot else { return };
         let receiver = receiver(&mut self.down, robot);
         receiver.hear_break(now_ns, length_ns);
         receiver.idle(now_ns + length_ns + robot.character_ns());
-        out.extend(std::iter::from_fn(|| receiver.read()));
+        self.hand_down(out);
     }
 
     /// Both lines are idle at `now_ns` unless something is still on its way: what the UARTs have read by that.
-    pub(crate) fn idle(&mut self, now_ns: u64, up: &mut VecDeque<Read>, down: &mut Vec<Read>) {
+    pub(crate) fn idle(&mut self, now_ns: u64, up: &mut VecDeque<Read>, down: &mut VecDeque<Read>) {
         if let Some(receiver) = &mut self.up {
             receiver.idle(now_ns);
             up.extend(std::iter::from_fn(|| receiver.read()));
         }
         if let Some(receiver) = &mut self.down {
             receiver.idle(now_ns);
-            down.extend(std::iter::from_fn(|| receiver.read()));
+            self.hand_down(down);
         }
     }
 
@@ -154,7 +174,7 @@ mod tests {
     fn up(program: Settings, bytes: &[(u64, u8)]) -> Vec<Read> {
         let (mut cable, mut out) = (Cable::new(Some(SLOW)), VecDeque::new());
         cable.up(Some(program), bytes, &mut out);
-        cable.idle(1_000_000_000, &mut out, &mut Vec::new());
+        cable.idle(1_000_000_000, &mut out, &mut VecDeque::new());
         out.into()
     }
 
@@ -181,7 +201,7 @@ mod tests {
 
     #[test]
     fn a_program_writes_no_faster_than_the_cable_takes() {
-        let (mut cable, mut out) = (Cable::new(Some(SLOW)), Vec::new());
+        let (mut cable, mut out) = (Cable::new(Some(SLOW)), VecDeque::new());
         let mut written = 0;
         for ms in 0..1000 {
             let now = ms * 1_000_000;
@@ -195,8 +215,23 @@ mod tests {
     }
 
     #[test]
+    fn what_a_slower_program_writes_enters_the_cable_no_earlier_than_its_uart_sends_it() {
+        let (mut cable, mut out) = (Cable::new(Some(FAST)), VecDeque::new());
+        let program = Settings { stop_bits: 2, ..FAST };
+        cable.down(Some(program), 1_000_000, b"D,5,5\r", &mut out);
+        cable.idle(1_000_000_000, &mut VecDeque::new(), &mut out);
+        let begins = |i: u64| 1_000_000 + i * program.character_ns();
+        for (i, (read, sent)) in out.iter().zip(b"D,5,5\r").enumerate() {
+            let at = begins(i as u64);
+            assert_eq!((read.byte, read.error), (*sent, None));
+            assert!(read.at_ns.abs_diff(at) < 10, "{i}: {} is not {at}", read.at_ns);
+        }
+        assert_eq!(out.len(), 6);
+    }
+
+    #[test]
     fn a_break_is_a_0_at_the_robot() {
-        let (mut cable, mut out) = (Cable::new(Some(SLOW)), Vec::new());
+        let (mut cable, mut out) = (Cable::new(Some(SLOW)), VecDeque::new());
         cable.send_break(0, 250_000_000, &mut out);
         assert_eq!(
             out.iter().map(|read| (read.byte, read.error)).collect::<Vec<_>>(),

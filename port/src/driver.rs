@@ -13,7 +13,9 @@ use tokio::sync::mpsc::UnboundedSender;
 
 use crate::cable::{CHUNK, Cable};
 use crate::clock::{Clock, now_unix_ns};
-use crate::medium::{Happened, Medium, Role};
+use crate::happened::Happened;
+use crate::hold::Hold;
+use crate::medium::Medium;
 use crate::report::Report;
 use crate::uart::{Read, Settings};
 
@@ -22,8 +24,8 @@ use crate::uart::{Read, Settings};
 pub(crate) enum Order {
     /// What arrives at the laptop in a tick.
     Bytes {
-        /// How simulated time follows the wall clock; if it does not, bytes are given at once.
-        clock: Option<Clock>,
+        /// How simulated time follows the wall clock.
+        clock: Clock,
         /// The baud rate of the robot's UART, if it has one.
         baud: Option<u32>,
         /// Bytes, and their instants of simulated time.
@@ -38,6 +40,8 @@ pub(crate) enum Order {
 pub(crate) enum Told {
     Opened,
     Closed,
+    /// A program was sent away, as that of another port has the cable.
+    Refused,
     /// Bytes for the robot.
     Bytes(Vec<u8>),
 }
@@ -45,6 +49,8 @@ pub(crate) enum Told {
 /// A port, as its thread has it.
 pub(crate) struct Driver {
     pub(crate) medium: Medium,
+    /// The cable, which other ports may have, too.
+    pub(crate) hold: Hold,
     pub(crate) cable: Cable,
     pub(crate) step_ns: u64,
     pub(crate) orders: Receiver<Order>,
@@ -52,9 +58,12 @@ pub(crate) struct Driver {
     pub(crate) wake: OwnedFd,
     /// Which port it is, and what it tells.
     pub(crate) told: (usize, UnboundedSender<(usize, Told)>),
+    /// None before the first Turn.
     pub(crate) clock: Option<Clock>,
     /// What is still to be given to the program.
     pub(crate) waiting: VecDeque<Read>,
+    /// What the program's UART has still to send before the robot's end may get it.
+    pub(crate) sending: VecDeque<Read>,
     pub(crate) report: Report,
     /// How many bytes have been told that the server has not been sent yet.
     pub(crate) held: Arc<AtomicUsize>,
@@ -80,6 +89,7 @@ impl Driver {
             self.give();
             self.take(&mut buffer);
             self.listen_on();
+            self.send();
             self.wait();
         }
         self.report
@@ -98,6 +108,7 @@ impl Driver {
     /// The world's time has gone back, by a reset or a restored state: what was on its way belongs to another run.
     fn forget(&mut self) {
         self.waiting.clear();
+        self.sending.clear();
         self.break_since_ns = None;
         self.cable.forget();
     }
@@ -108,10 +119,10 @@ impl Driver {
         loop {
             match self.orders.try_recv() {
                 Ok(Order::Bytes { clock, baud, bytes }) => {
-                    if self.clock.zip(clock).is_some_and(|(last, now)| now.sim_ns < last.sim_ns) {
+                    if self.clock.is_some_and(|last| clock.sim_ns < last.sim_ns) {
                         self.forget();
                     }
-                    self.clock = clock;
+                    self.clock = Some(clock);
                     self.cable.set_baud(baud);
                     let program = self.settings();
                     self.cable.up(program, &bytes, &mut self.waiting);
@@ -128,7 +139,7 @@ impl Driver {
 
     fn look(&mut self) {
         let mut happened = Vec::new();
-        self.medium.look(&mut happened);
+        self.medium.look(&self.hold, &mut happened);
         self.handle(happened);
     }
 
@@ -143,6 +154,7 @@ impl Driver {
                     self.break_since_ns = None;
                     self.tell(Told::Closed);
                 }
+                Happened::Refused => self.tell(Told::Refused),
                 Happened::Break(true) => self.break_since_ns = Some(self.now_ns()),
                 Happened::Break(false) => self.end_break(),
                 // What has not arrived yet is still on the cable.
@@ -150,15 +162,18 @@ impl Driver {
                     let now = self.now_ns();
                     self.waiting.retain(|read| read.at_ns > now);
                 }
+                Happened::PurgeSent => {
+                    self.sending.clear();
+                    self.cable.forget_sent();
+                }
             }
         }
     }
 
     fn end_break(&mut self) {
         let Some(since) = self.break_since_ns.take() else { return };
-        let mut reads = Vec::new();
-        self.cable.send_break(since, self.now_ns().saturating_sub(since), &mut reads);
-        self.tell_bytes(&reads);
+        let now = self.now_ns();
+        self.cable.send_break(since, now.saturating_sub(since), &mut self.sending);
     }
 
     fn tell(&self, told: Told) {
@@ -166,13 +181,18 @@ impl Driver {
         drop(self.told.1.send((self.told.0, told)));
     }
 
-    fn tell_bytes(&mut self, reads: &[Read]) {
-        if !reads.is_empty() {
-            self.report.taken += reads.len() as u64;
-            self.held.fetch_add(reads.len(), Ordering::Relaxed);
-            self.report.line_errors += reads.iter().filter(|read| read.error.is_some()).count() as u64;
-            self.tell(Told::Bytes(reads.iter().map(|read| read.byte).collect()));
+    /// Sends the robot what the program's UART has sent by now.
+    fn send(&mut self) {
+        let now = self.now_ns();
+        let count = self.sending.partition_point(|read| read.at_ns <= now);
+        if count == 0 {
+            return;
         }
+        let reads: Vec<Read> = self.sending.drain(..count).collect();
+        self.report.taken += count as u64;
+        self.held.fetch_add(count, Ordering::Relaxed);
+        self.report.line_errors += reads.iter().filter(|read| read.error.is_some()).count() as u64;
+        self.tell(Told::Bytes(reads.iter().map(|read| read.byte).collect()));
     }
 
     /// Gives the program what is due.
@@ -199,27 +219,18 @@ impl Driver {
 
     /// Takes what the program has written, as far as the cable has room.
     fn take(&mut self, buffer: &mut [u8]) {
-        let program = self.settings();
-        // A program that has closed the port may have left bytes in it.
-        let room = self.room();
-        if room == 0 {
-            return;
-        }
-        let mut happened = Vec::new();
-        let bytes = self.medium.read(&mut buffer[..room], &mut happened);
-        let mut reads = Vec::new();
-        self.cable.down(program, self.now_ns(), &bytes, &mut reads);
-        self.tell_bytes(&reads);
+        let (room, mut happened) = (self.room(), Vec::new());
+        let bytes = self.medium.read(buffer, room, &self.hold, &mut happened);
         self.handle(happened);
+        let (program, now) = (self.settings(), self.now_ns());
+        self.cable.down(program, now, &bytes, &mut self.sending);
     }
 
     /// What has been read although nobody sends any more.
     fn listen_on(&mut self) {
         if self.cable.is_listening() {
-            let mut reads = Vec::new();
             let now = self.now_ns();
-            self.cable.idle(now, &mut self.waiting, &mut reads);
-            self.tell_bytes(&reads);
+            self.cable.idle(now, &mut self.waiting, &mut self.sending);
         }
     }
 
@@ -237,30 +248,47 @@ impl Driver {
     /// Waits until there is something to do.
     fn wait(&self) {
         let now = now_unix_ns();
-        let mut until = now + 100_000_000;
-        if let Some(read) = self.waiting.front() {
-            until = until.min(self.clock.map_or(now, |clock| clock.unix_ns(read.at_ns)));
-        }
         let has_room = self.room() > 0;
-        // The thread is woken when the server has taken what is held.
-        let is_held = self.held.load(Ordering::Relaxed) >= MOST_HELD;
-        if let Some(clock) = self.clock.filter(|_| !has_room && !is_held) {
-            // In a world that stands there is room only when it goes on.
-            let at = clock.unix_ns(self.cable.has_room_ns(self.settings(), self.window_ns()));
-            until = until.min(if at > now { at } else { now + LOOKS_NS });
-        }
-        let is_quiet = !self.medium.is_open() && self.medium.fds().is_empty();
-        if is_quiet || self.cable.is_listening() {
-            until = until.min(now + LOOKS_NS);
-        }
-        let fds = self.medium.fds();
-        let fds = fds.iter().filter(|(_, role)| has_room || *role == Role::Programs);
-        let mut fds: Vec<_> = fds.map(|(fd, _)| PollFd::from_borrowed_fd(*fd, PollFlags::IN)).collect();
-        fds.push(PollFd::from_borrowed_fd(self.wake.as_fd(), PollFlags::IN));
+        let until = self.next_ns(now, has_room);
+        let mut fds: Vec<_> = self.medium.fds(has_room);
+        fds.push(self.wake.as_fd());
+        let mut fds: Vec<_> = fds.into_iter().map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN)).collect();
         let left_ns = until.saturating_sub(now);
         let left =
             Timespec { tv_sec: (left_ns / 1_000_000_000) as i64, tv_nsec: (left_ns % 1_000_000_000) as i64 };
         // A signal ends the wait early, which does no harm.
         let _ = poll(&mut fds, Some(&left));
     }
+
+    /// When there is something to do next, if nothing happens before, in nanoseconds since 1970.
+    fn next_ns(&self, now: u64, has_room: bool) -> u64 {
+        let mut until = now + LONGEST_WAIT_NS;
+        if let Some(read) = self.waiting.front() {
+            until = until.min(self.clock.map_or(now, |clock| clock.unix_ns(read.at_ns)));
+        }
+        if let Some((clock, read)) = self.clock.zip(self.sending.front()) {
+            until = until.min(in_time(clock.unix_ns(read.at_ns), now));
+        }
+        // The thread is woken when the server has taken what is held.
+        let is_held = self.held.load(Ordering::Relaxed) >= MOST_HELD;
+        if let Some(clock) = self.clock.filter(|_| !has_room && !is_held) {
+            let at = self.cable.has_room_ns(self.settings(), self.window_ns());
+            until = until.min(in_time(clock.unix_ns(at), now));
+        }
+        if has_room && self.medium.has_left() {
+            until = now;
+        }
+        if self.medium.is_looked_at() || self.cable.is_listening() {
+            until = until.min(now + LOOKS_NS);
+        }
+        until
+    }
 }
+
+/// An instant, or a while from now on if it has passed: in a world that stands it comes only when that goes on.
+fn in_time(at: u64, now: u64) -> u64 {
+    if at > now { at } else { now + LOOKS_NS }
+}
+
+/// The longest time without a look at anything, in nanoseconds.
+const LONGEST_WAIT_NS: u64 = 100_000_000;

@@ -3,9 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
+use baudbot_fields::endpoint::Endpoint;
 use thiserror::Error;
-
-use crate::address::Place;
 
 /// Why a port cannot be opened, or is open no longer.
 #[derive(Debug, Error)]
@@ -22,7 +21,7 @@ pub enum PortError {
     #[error("{place}: cannot be opened: {source}")]
     Open {
         /// Which port.
-        place: Place,
+        place: Endpoint,
         /// Why not.
         source: io::Error,
     },
@@ -32,7 +31,7 @@ pub enum PortError {
     )]
     NotLocal {
         /// Which port.
-        place: Place,
+        place: Endpoint,
     },
     /// The robot has no such device, or that has no cable of its own.
     #[error("robot `{robot}` has no sensor `{device}` with a port of its own; those with one: {there_are}")]

@@ -1,15 +1,16 @@
 //! What a program opens: one interface to ptys and sockets.
 
-use std::io::{self, ErrorKind};
 use std::os::fd::BorrowedFd;
+use std::path::Path;
 
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use baudbot_fields::endpoint::Endpoint;
 
-use crate::address::Place;
 use crate::error::PortError;
+use crate::happened::Happened;
+use crate::hold::Hold;
+use crate::program::Program;
 use crate::pty::Pty;
-use crate::socket::{Connection, Listener};
-use crate::telnet::{Event, Telnet, escaped};
+use crate::socket::Listener;
 use crate::uart::{Read, Settings};
 
 /// The program's end of a port.
@@ -17,7 +18,7 @@ use crate::uart::{Read, Settings};
 pub(crate) enum Medium {
     Pty {
         pty: Pty,
-        open: bool,
+        used: Used,
     },
     Socket {
         listener: Listener,
@@ -27,77 +28,59 @@ pub(crate) enum Medium {
     },
 }
 
-/// A program that is connected.
-#[derive(Debug)]
-pub(crate) struct Program {
-    connection: Connection,
-    telnet: Option<Telnet>,
-    /// The rest of an escape that its machine has not taken.
-    owed: Vec<u8>,
-}
-
-/// What has happened at the program's end.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Happened {
-    /// A program has opened the port, or has set DTR on it.
-    Opened,
+/// Whether a program has a pty open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Used {
     Closed,
-    /// The program sends a break, or ends it.
-    Break(bool),
-    PurgeReceived,
+    Open,
+    /// It has closed it, and there may be bytes that it has written.
+    Left,
 }
 
 impl Medium {
     /// A port at a place, for a robot whose UART is set so, if it has one.
-    pub(crate) fn open(place: &Place, settings: Option<&Settings>) -> Result<Self, PortError> {
+    pub(crate) fn open(place: &Endpoint, settings: Option<&Settings>) -> Result<Self, PortError> {
         let usual = settings.copied().unwrap_or(Settings::new_8n1(9600));
         let socket = |listener, telnet| Self::Socket { listener, program: None, telnet };
         Ok(match place {
-            Place::Pty(link) => Self::Pty { pty: Pty::open(link, settings)?, open: false },
-            Place::Tcp(address) => socket(Listener::tcp(*address, place)?, None),
-            Place::Rfc2217(address) => socket(Listener::tcp(*address, place)?, Some(usual)),
-            Place::Unix(path) => socket(Listener::unix(path, place)?, None),
+            Endpoint::Pty(link) => {
+                Self::Pty { pty: Pty::open(Path::new(link), settings)?, used: Used::Closed }
+            }
+            Endpoint::Tcp(address) => socket(Listener::tcp(*address, place)?, None),
+            Endpoint::Rfc2217(address) => socket(Listener::tcp(*address, place)?, Some(usual)),
+            Endpoint::Unix(path) => socket(Listener::unix(Path::new(path), place)?, None),
         })
     }
 
     /// What there is to be said of where it is.
-    pub(crate) fn where_it_is(&self, place: &Place) -> String {
+    pub(crate) fn where_it_is(&self, place: &Endpoint) -> String {
         match (self, place) {
-            (Self::Pty { pty, .. }, Place::Pty(link)) => {
-                format!("{} ({})", link.display(), pty.slave().display())
+            (Self::Pty { pty, .. }, _) => format!("{} ({})", pty.link().display(), pty.slave().display()),
+            (Self::Socket { listener, .. }, Endpoint::Tcp(address)) => {
+                Endpoint::Tcp(listener.local_addr().unwrap_or(*address)).to_string()
             }
-            (Self::Socket { listener, .. }, Place::Tcp(address) | Place::Rfc2217(address)) => {
-                let bound = listener.local_addr().unwrap_or(*address);
-                let kind = if matches!(place, Place::Tcp(_)) { "tcp" } else { "rfc2217" };
-                format!("{kind}:{bound}")
+            (Self::Socket { listener, .. }, Endpoint::Rfc2217(address)) => {
+                Endpoint::Rfc2217(listener.local_addr().unwrap_or(*address)).to_string()
             }
-            _ => place.to_string(),
+            (Self::Socket { .. }, Endpoint::Unix(_) | Endpoint::Pty(_)) => place.to_string(),
         }
     }
 
     /// Looks whether programs have come or gone.
-    pub(crate) fn look(&mut self, happened: &mut Vec<Happened>) {
+    pub(crate) fn look(&mut self, hold: &Hold, happened: &mut Vec<Happened>) {
         match self {
-            Self::Pty { pty, open } => {
-                let is_open = pty.is_open();
-                if *open && !is_open {
-                    pty.forget_unread();
-                }
-                if is_open != *open {
-                    happened.push(if is_open { Happened::Opened } else { Happened::Closed });
-                }
-                *open = is_open;
-            }
+            Self::Pty { pty, used } => *used = look_at_pty(pty, *used, hold, happened),
             Self::Socket { listener, program, telnet } => {
                 // The next one waits until all is read that a program has left which is gone.
-                while !is_gone(program.as_ref())
+                while !program.as_ref().is_some_and(Program::is_gone)
                     && let Some(connection) = listener.accept()
                 {
                     // The cable has one end: a second program is sent away, the connection closed.
-                    if program.is_none() {
-                        *program =
-                            Some(Program { connection, telnet: telnet.map(Telnet::new), owed: Vec::new() });
+                    if program.is_none() && hold.take() {
+                        *program = Some(Program::new(connection, *telnet));
                         happened.push(Happened::Opened);
+                    } else if program.is_none() {
+                        happened.push(Happened::Refused);
                     }
                 }
             }
@@ -107,7 +90,7 @@ impl Medium {
     /// Whether a program has it open.
     pub(crate) fn is_open(&self) -> bool {
         match self {
-            Self::Pty { open, .. } => *open,
+            Self::Pty { used, .. } => *used == Used::Open,
             Self::Socket { program, .. } => program.is_some(),
         }
     }
@@ -116,42 +99,76 @@ impl Medium {
     pub(crate) fn settings(&self) -> Option<Settings> {
         match self {
             Self::Pty { pty, .. } => pty.settings(),
-            Self::Socket { program, .. } => Some(program.as_ref()?.telnet.as_ref()?.settings()),
+            Self::Socket { program, .. } => program.as_ref()?.settings(),
         }
     }
 
-    /// The descriptors at which something may happen, and whether to wait for bytes there.
-    pub(crate) fn fds(&self) -> Vec<(BorrowedFd<'_>, Role)> {
+    /// The descriptors at which something may happen that is to be seen to now: bytes, if there is room for them, and
+    /// programs that come.
+    pub(crate) fn fds(&self, has_room: bool) -> Vec<BorrowedFd<'_>> {
         match self {
-            Self::Pty { pty, open: true } => vec![(pty.fd(), Role::Bytes)],
-            Self::Pty { .. } => vec![],
+            Self::Pty { pty, used: Used::Open } => has_room.then(|| pty.fd()).into_iter().collect(),
+            Self::Pty { pty, used: Used::Closed | Used::Left } => pty.watch_fd().into_iter().collect(),
             Self::Socket { listener, program, .. } => {
-                let listener = (!is_gone(program.as_ref())).then(|| (listener.fd(), Role::Programs));
-                let program = program.iter().map(|program| (program.connection.fd(), Role::Bytes));
-                listener.into_iter().chain(program).collect()
+                let is_gone = program.as_ref().is_some_and(Program::is_gone);
+                let program = program.as_ref().and_then(|program| program.fd(has_room));
+                (!is_gone).then(|| listener.fd()).into_iter().chain(program).collect()
             }
         }
     }
 
-    /// Bytes that the program has written; as many as there is room for.
-    pub(crate) fn read(&mut self, buffer: &mut [u8], happened: &mut Vec<Happened>) -> Vec<u8> {
+    /// Whether only looking shows that a program has come.
+    pub(crate) fn is_looked_at(&self) -> bool {
         match self {
-            Self::Pty { pty, .. } => match pty.read(buffer) {
-                Ok(n) => buffer[..n].to_vec(),
+            Self::Pty { pty, used } => *used != Used::Open && pty.watch_fd().is_none(),
+            Self::Socket { .. } => false,
+        }
+    }
+
+    /// Whether there is something to read that no descriptor shows.
+    pub(crate) fn has_left(&self) -> bool {
+        match self {
+            Self::Pty { used, .. } => *used == Used::Left,
+            Self::Socket { program, .. } => program.as_ref().is_some_and(Program::has_left),
+        }
+    }
+
+    /// Bytes that the program has written; as many as there is room for. What has happened comes before them.
+    pub(crate) fn read(
+        &mut self,
+        buffer: &mut [u8],
+        room: usize,
+        hold: &Hold,
+        happened: &mut Vec<Happened>,
+    ) -> Vec<u8> {
+        match self {
+            Self::Pty { pty, used } => {
+                if room == 0 || *used == Used::Closed && hold.is_elsewhere() {
+                    return Vec::new();
+                }
                 // EIO is a hang-up, which `look` finds.
-                Err(_) => Vec::new(),
-            },
+                let wanted = room.min(buffer.len());
+                let bytes = pty.read(&mut buffer[..wanted]).map_or(&[][..], |n| &buffer[..n]);
+                if bytes.is_empty() && *used == Used::Left {
+                    *used = Used::Closed;
+                    hold.let_go();
+                } else if !bytes.is_empty() && *used == Used::Closed && hold.take() {
+                    // It was opened after the last look.
+                    pty.was_opened();
+                    happened.push(Happened::Opened);
+                    *used = Used::Open;
+                }
+                bytes.to_vec()
+            }
             Self::Socket { program, .. } => {
                 let Some(connected) = program else { return Vec::new() };
-                match connected.connection.read(buffer) {
-                    Ok(n) if n > 0 => connected.hear(&buffer[..n], happened),
-                    Err(error) if is_busy(&error) => Vec::new(),
-                    Ok(_) | Err(_) => {
-                        *program = None;
-                        happened.push(Happened::Closed);
-                        Vec::new()
-                    }
+                let bytes = connected.read(buffer, room, happened);
+                if bytes.is_empty() && connected.is_over() {
+                    *program = None;
+                    hold.let_go();
+                    happened.push(Happened::Closed);
                 }
+                bytes
             }
         }
     }
@@ -166,75 +183,38 @@ impl Medium {
                 });
                 taken.count()
             }
-            Self::Socket { program, .. } => {
-                let Some(program) = program else { return 0 };
-                // What a program's machine does not take is lost, as at a UART that overruns.
-                program.write(reads)
+            Self::Socket { program, .. } => program.as_mut().map_or(0, |program| program.write(reads)),
+        }
+    }
+}
+
+fn look_at_pty(pty: &mut Pty, used: Used, hold: &Hold, happened: &mut Vec<Happened>) -> Used {
+    let was_opened = pty.was_opened();
+    match (used, pty.is_open()) {
+        (Used::Open, true) => Used::Open,
+        (Used::Open, false) => {
+            happened.push(Happened::Closed);
+            if pty.forget_unread() {
+                happened.extend([Happened::Opened, Happened::Closed]);
             }
+            Used::Left
         }
-    }
-}
-
-/// What happens at a descriptor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Role {
-    /// Bytes come.
-    Bytes,
-    /// Programs come.
-    Programs,
-}
-
-/// Whether a program has closed its end, so that only what it has left is to be read.
-fn is_gone(program: Option<&Program>) -> bool {
-    program.is_some_and(|program| {
-        let mut fds = [PollFd::from_borrowed_fd(program.connection.fd(), PollFlags::RDHUP)];
-        let at_once = Timespec { tv_sec: 0, tv_nsec: 0 };
-        poll(&mut fds, Some(&at_once)).is_ok() && !fds[0].revents().is_empty()
-    })
-}
-
-impl Program {
-    /// Gives the program bytes, and says how many of them have gone. An escape that was cut is completed first.
-    fn write(&mut self, reads: &[Read]) -> usize {
-        let mut bytes = std::mem::take(&mut self.owed);
-        let owed = bytes.len();
-        let mut ends = Vec::with_capacity(reads.len());
-        for read in reads {
-            if self.telnet.is_some() {
-                bytes.extend(escaped(&[read.byte]));
-            } else {
-                bytes.push(read.byte);
+        (Used::Closed | Used::Left, false) if was_opened && hold.take() => {
+            happened.extend([Happened::Opened, Happened::Closed]);
+            pty.forget_unread();
+            Used::Left
+        }
+        (Used::Closed | Used::Left, false) => used,
+        (Used::Closed | Used::Left, true) if hold.take() => {
+            happened.push(Happened::Opened);
+            Used::Open
+        }
+        (Used::Closed | Used::Left, true) => {
+            // Without another pty it stays as it is: the program hears nothing, and nobody reads what it writes.
+            if pty.hang_up().is_ok() {
+                happened.push(Happened::Refused);
             }
-            ends.push(bytes.len());
+            Used::Closed
         }
-        let gone = self.connection.write(&bytes).unwrap_or(0);
-        if gone < owed {
-            self.owed = bytes[gone..owed].to_vec();
-            return 0;
-        }
-        let whole = ends.iter().take_while(|end| **end <= gone).count();
-        if let Some(&end) = ends.get(whole).filter(|end| **end == gone + 1 && self.telnet.is_some()) {
-            let begins = whole.checked_sub(1).map_or(owed, |last| ends[last]);
-            self.owed = if begins < gone { bytes[gone..end].to_vec() } else { Vec::new() };
-        }
-        whole
     }
-
-    fn hear(&mut self, bytes: &[u8], happened: &mut Vec<Happened>) -> Vec<u8> {
-        let Some(telnet) = &mut self.telnet else { return bytes.to_vec() };
-        let heard = telnet.hear(bytes);
-        // A few bytes; a program that does not take its answers has no use for them.
-        drop(self.connection.write(&heard.replies));
-        happened.extend(heard.events.into_iter().filter_map(|event| match event {
-            Event::Dtr(true) => Some(Happened::Opened),
-            Event::Dtr(false) => None,
-            Event::Break(on) => Some(Happened::Break(on)),
-            Event::PurgeReceived => Some(Happened::PurgeReceived),
-        }));
-        heard.data
-    }
-}
-
-fn is_busy(error: &io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }

@@ -7,9 +7,10 @@
 use std::fs;
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
-use std::os::unix::fs::{OpenOptionsExt, PermissionsExt, symlink};
+use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
+use baudbot_fields::endpoint::Endpoint;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{OFlags, fcntl_setfl};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
@@ -17,9 +18,10 @@ use rustix::termios::{
     ControlModes, InputModes, OptionalActions, QueueSelector, Termios, tcflush, tcgetattr, tcsetattr,
 };
 
-use crate::address::Place;
+use crate::claim::Claim;
 use crate::error::PortError;
 use crate::uart::{LineError, Parity, Read, Settings};
+use crate::watch::Watch;
 
 /// The slave does not become the terminal that controls this program.
 const NOCTTY: i32 = OFlags::NOCTTY.bits() as i32;
@@ -29,35 +31,37 @@ const NOCTTY: i32 = OFlags::NOCTTY.bits() as i32;
 pub(crate) struct Pty {
     master: OwnedFd,
     slave: PathBuf,
-    link: PathBuf,
+    /// Who opens the slave; none if the system has no watch left (fs.inotify.max_user_instances).
+    watch: Option<Watch>,
+    /// How the slave is set before a program does.
+    settings: Option<Settings>,
+    claim: Claim,
 }
 
 impl Pty {
     /// A pty whose slave is `link`, raw, and set as the robot is.
     pub(crate) fn open(link: &Path, settings: Option<&Settings>) -> Result<Self, PortError> {
-        let failed = |source: io::Error| PortError::Open { place: Place::Pty(link.to_owned()), source };
-        check_free(link)?;
-        let pty = Self::new(link, settings).map_err(failed)?;
-        make_link(&pty.slave, link).map_err(failed)?;
-        Ok(pty)
+        let failed =
+            |source: io::Error| PortError::Open { place: Endpoint::Pty(link.display().to_string()), source };
+        let mut claim = Claim::new(link)?;
+        let (master, slave) = new(settings).map_err(failed)?;
+        let watch = Watch::new(&slave).ok();
+        claim.point_to(&slave).map_err(failed)?;
+        Ok(Self { master, slave, watch, settings: settings.copied(), claim })
     }
 
-    fn new(link: &Path, settings: Option<&Settings>) -> io::Result<Self> {
-        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
-        grantpt(&master)?;
-        unlockpt(&master)?;
-        let slave = PathBuf::from(ptsname(&master, Vec::new())?.into_string().map_err(io::Error::other)?);
-        fs::set_permissions(&slave, fs::Permissions::from_mode(0o600))?;
-        // Whether a program has the slave open is known only once it has been open.
-        let opened = fs::OpenOptions::new().read(true).write(true).open(&slave)?;
-        let mut termios = tcgetattr(&opened)?;
-        termios.make_raw();
-        if let Some(settings) = settings {
-            set(&mut termios, settings)?;
-        }
-        tcsetattr(&opened, OptionalActions::Now, &termios)?;
-        fcntl_setfl(&master, OFlags::RDWR | OFlags::NONBLOCK)?;
-        Ok(Self { master, slave, link: link.to_owned() })
+    /// Hangs up whoever has the slave open: the name leads to another one from now on.
+    pub(crate) fn hang_up(&mut self) -> io::Result<()> {
+        let (master, slave) = new(self.settings.as_ref())?;
+        let watch = Watch::new(&slave).ok();
+        self.claim.point_to(&slave)?;
+        (self.master, self.slave, self.watch) = (master, slave, watch);
+        Ok(())
+    }
+
+    /// Its stable name.
+    pub(crate) fn link(&self) -> &Path {
+        self.claim.link()
     }
 
     pub(crate) fn fd(&self) -> BorrowedFd<'_> {
@@ -76,11 +80,28 @@ impl Pty {
         poll(&mut fds, Some(&at_once)).is_ok() && !fds[0].revents().contains(PollFlags::HUP)
     }
 
-    /// A program has closed it: what it has not read is not for the next one. Linux would keep that.
-    pub(crate) fn forget_unread(&self) {
-        if let Ok(slave) = fs::OpenOptions::new().read(true).custom_flags(NOCTTY).open(&self.slave) {
-            let _ = tcflush(&slave, QueueSelector::IFlush);
-        }
+    /// Where to wait until a program opens it, if the system tells that.
+    pub(crate) fn watch_fd(&self) -> Option<BorrowedFd<'_>> {
+        self.watch.as_ref().map(Watch::fd)
+    }
+
+    /// Whether a program has opened it since the last look.
+    pub(crate) fn was_opened(&self) -> bool {
+        self.watch.as_ref().is_some_and(|watch| watch.look().opened > 0)
+    }
+
+    /// A program has closed it: what it has not read is not for the next one. Linux would keep that. Says whether another
+    /// program has opened it meanwhile.
+    pub(crate) fn forget_unread(&self) -> bool {
+        let was_opened = self.was_opened();
+        let Ok(slave) = fs::OpenOptions::new().read(true).custom_flags(NOCTTY).open(&self.slave) else {
+            return was_opened;
+        };
+        let _ = tcflush(&slave, QueueSelector::IFlush);
+        drop(slave);
+        // One of them is this program, which cannot write to it.
+        let seen = self.watch.as_ref().map(Watch::look).unwrap_or_default();
+        was_opened || seen.opened > 1 || seen.writer_gone
     }
 
     /// How the program has set its end.
@@ -104,13 +125,23 @@ impl Pty {
     }
 }
 
-impl Drop for Pty {
-    fn drop(&mut self) {
-        // Another server may have taken the name since.
-        if fs::read_link(&self.link).is_ok_and(|target| target == self.slave) {
-            drop(fs::remove_file(&self.link));
-        }
+/// A terminal, raw and set so: its master, and the name of its slave, which nobody has open.
+fn new(settings: Option<&Settings>) -> io::Result<(OwnedFd, PathBuf)> {
+    let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
+    grantpt(&master)?;
+    unlockpt(&master)?;
+    let slave = PathBuf::from(ptsname(&master, Vec::new())?.into_string().map_err(io::Error::other)?);
+    fs::set_permissions(&slave, fs::Permissions::from_mode(0o600))?;
+    // Whether a program has the slave open is known only once it has been open.
+    let opened = fs::OpenOptions::new().read(true).write(true).custom_flags(NOCTTY).open(&slave)?;
+    let mut termios = tcgetattr(&opened)?;
+    termios.make_raw();
+    if let Some(settings) = settings {
+        set(&mut termios, settings)?;
     }
+    tcsetattr(&opened, OptionalActions::Now, &termios)?;
+    fcntl_setfl(&master, OFlags::RDWR | OFlags::NONBLOCK)?;
+    Ok((master, slave))
 }
 
 /// Errors as a terminal tells them (termios(3): IGNPAR, INPCK, IGNBRK). Marks of PARMRK cannot be made from this side, as the
@@ -162,27 +193,11 @@ fn set(termios: &mut Termios, settings: &Settings) -> io::Result<()> {
     Ok(())
 }
 
-/// A link that points nowhere is what a program has left that was killed.
-fn check_free(link: &Path) -> Result<(), PortError> {
-    let in_the_way = |what| Err(PortError::InTheWay { path: link.to_owned(), what });
-    match fs::symlink_metadata(link) {
-        Err(_) => Ok(()),
-        Ok(found) if found.is_symlink() && link.exists() => in_the_way("a link to something else"),
-        Ok(found) if found.is_symlink() => Ok(()),
-        Ok(found) if found.is_dir() => in_the_way("a folder"),
-        Ok(_) => in_the_way("a file"),
-    }
-}
-
-fn make_link(slave: &Path, link: &Path) -> io::Result<()> {
-    if fs::symlink_metadata(link).is_ok_and(|found| found.is_symlink()) {
-        fs::remove_file(link)?;
-    }
-    symlink(slave, link)
-}
-
 #[cfg(test)]
 mod tests {
+    use std::io::{Read as _, Write as _};
+    use std::os::unix::fs::symlink;
+
     use super::*;
 
     fn read(byte: u8, error: Option<LineError>) -> Read {
@@ -229,6 +244,33 @@ mod tests {
         assert!(Pty::open(&link, None).is_err(), "a second server");
         drop(first);
         assert!(Pty::open(&folder.path().join("no/such/robot.tty"), None).is_err());
+    }
+
+    #[test]
+    fn who_opens_it_is_noticed_however_soon_it_is_closed() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("robot.tty");
+        let pty = Pty::open(&link, None).unwrap();
+        assert!(!pty.was_opened(), "this program does not count");
+        drop(fs::OpenOptions::new().read(true).write(true).open(&link).unwrap());
+        assert!(pty.was_opened() && !pty.was_opened());
+        assert!(!pty.forget_unread(), "this program does not count");
+        assert!(!pty.was_opened());
+    }
+
+    #[test]
+    fn who_has_it_open_is_hung_up_and_the_name_leads_to_another_terminal() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("robot.tty");
+        let mut pty = Pty::open(&link, None).unwrap();
+        let mut program = fs::OpenOptions::new().read(true).write(true).open(&link).unwrap();
+        let first = pty.slave().to_owned();
+        pty.hang_up().unwrap();
+        assert!(!pty.is_open());
+        assert_ne!(pty.slave(), first);
+        assert_eq!(fs::read_link(&link).unwrap(), pty.slave());
+        assert_eq!(program.read(&mut [0]).unwrap_or(0), 0, "the end of the terminal");
+        assert!(program.write(b"N").is_err());
     }
 
     #[test]

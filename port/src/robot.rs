@@ -1,18 +1,21 @@
 //! The ports of a robot: to its world they are a brain in RAW mode.
 
+use std::collections::BTreeMap;
+
+use baudbot_fields::endpoint::Endpoint;
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request;
 use baudbot_proto::v1::attach_response::Response;
 use baudbot_proto::v1::brain_link_service_client::BrainLinkServiceClient;
-use tokio::sync::mpsc::{Sender, UnboundedReceiver, channel, unbounded_channel};
+use tokio::sync::mpsc::{Sender, UnboundedReceiver, UnboundedSender, channel, unbounded_channel};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::Streaming;
 use tonic::transport::Channel;
 
-use crate::address::Place;
 use crate::clock::{Ahead, Clock, now_unix_ns};
 use crate::driver::{Order, Told};
 use crate::error::PortError;
+use crate::hold::Hold;
 use crate::line::Line;
 use crate::report::Report;
 use crate::uart::Settings;
@@ -40,6 +43,8 @@ pub enum News {
     Opened(String),
     /// No program has it open any more.
     Closed(String),
+    /// A program has opened the port at this place and was sent away, as one has the cable at another port.
+    Refused(String),
     /// The run is over; what is written is not obeyed.
     Ended,
 }
@@ -53,7 +58,7 @@ impl RobotPorts {
         channel_: Channel,
         world: &str,
         robot: &str,
-        ports: &[(Option<String>, Place)],
+        ports: &[(Option<String>, Endpoint)],
     ) -> Result<Self, PortError> {
         let (requests, stream) = channel(MOST_STEPS);
         let hello = v1::Hello {
@@ -78,11 +83,7 @@ impl RobotPorts {
             return Err(PortError::Contract("a Welcome without robots"));
         };
         let (tell, told) = unbounded_channel();
-        let open = |(number, (device, place)): (usize, &(Option<String>, Place))| {
-            let (sensor, settings) = cable(&description, device.as_deref())?;
-            Line::open((sensor, place), settings, welcome.step_ns, (number, tell.clone()))
-        };
-        let lines = ports.iter().enumerate().map(open).collect::<Result<Vec<_>, _>>()?;
+        let lines = lines(&description, ports, welcome.step_ns, &tell)?;
         Ok(Self {
             robot: robot.to_owned(),
             step_ns: welcome.step_ns,
@@ -189,7 +190,7 @@ impl RobotPorts {
         let arrival = |(i, byte): (usize, &u8)| (at.begins_ns + after_ns.get(i).copied().unwrap_or(0), *byte);
         let bytes: Vec<_> = data.iter().enumerate().map(arrival).collect();
         for line in self.lines.iter().filter(|line| line.sensor == sensor) {
-            line.order(Order::Bytes { clock: Some(at.clock), baud: at.baud, bytes: bytes.clone() });
+            line.order(Order::Bytes { clock: at.clock, baud: at.baud, bytes: bytes.clone() });
         }
     }
 
@@ -202,6 +203,7 @@ impl RobotPorts {
                 step.opened = line.sensor.is_none();
             }
             Told::Closed => return news(News::Closed(line.place.clone())),
+            Told::Refused => return news(News::Refused(line.place.clone())),
             Told::Bytes(bytes) => {
                 line.sent(bytes.len());
                 match line.sensor {
@@ -219,6 +221,22 @@ impl RobotPorts {
         }
         drop(self.requests.send(request(Request::Step(v1::Step { turn: 0, robots: vec![step] }))).await);
     }
+}
+
+/// Opens ports at cables of a robot; those at the same one share it.
+fn lines(
+    robot: &v1::RobotDescription,
+    ports: &[(Option<String>, Endpoint)],
+    step_ns: u64,
+    tell: &UnboundedSender<(usize, Told)>,
+) -> Result<Vec<Line>, PortError> {
+    let mut holds = BTreeMap::<Option<u32>, Hold>::new();
+    let open = |(number, (device, place)): (usize, &(Option<String>, Endpoint))| {
+        let (sensor, settings) = cable(robot, device.as_deref())?;
+        let hold = holds.entry(sensor).or_insert_with(|| Hold::new(number)).beside(number);
+        Line::open((sensor, place), hold, settings, step_ns, (number, tell.clone()))
+    };
+    ports.iter().enumerate().map(open).collect()
 }
 
 /// When a tick begins, and how fast the cable is in it.

@@ -1,22 +1,27 @@
 //! Sockets as ports: one program at a time has the cable.
 
 use std::fs;
-use std::io::{self, Read as _, Write as _};
+use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::os::fd::{AsFd, BorrowedFd};
-use std::os::unix::fs::{FileTypeExt, PermissionsExt};
-use std::os::unix::net::{UnixListener, UnixStream};
+use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt};
+use std::os::unix::net::{UnixDatagram, UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 
-use crate::address::Place;
+use baudbot_fields::endpoint::Endpoint;
+
 use crate::error::PortError;
 
 /// A socket that waits for programs.
 #[derive(Debug)]
 pub(crate) enum Listener {
     Tcp(TcpListener),
-    Unix(UnixListener, PathBuf),
+    /// With its file, and which one that is: another server may have taken the name since.
+    Unix(UnixListener, PathBuf, FileId),
 }
+
+/// Device and inode of a file.
+type FileId = (u64, u64);
 
 /// A program's connection.
 #[derive(Debug)]
@@ -26,7 +31,7 @@ pub(crate) enum Connection {
 }
 
 impl Listener {
-    pub(crate) fn tcp(address: SocketAddr, place: &Place) -> Result<Self, PortError> {
+    pub(crate) fn tcp(address: SocketAddr, place: &Endpoint) -> Result<Self, PortError> {
         let bound = TcpListener::bind(address).and_then(|listener| {
             listener.set_nonblocking(true)?;
             Ok(Self::Tcp(listener))
@@ -34,12 +39,13 @@ impl Listener {
         bound.map_err(|source| PortError::Open { place: place.clone(), source })
     }
 
-    pub(crate) fn unix(path: &Path, place: &Place) -> Result<Self, PortError> {
+    pub(crate) fn unix(path: &Path, place: &Endpoint) -> Result<Self, PortError> {
         check_free(path)?;
         let bound = UnixListener::bind(path).and_then(|listener| {
             fs::set_permissions(path, fs::Permissions::from_mode(0o600))?;
             listener.set_nonblocking(true)?;
-            Ok(Self::Unix(listener, path.to_owned()))
+            let file = fs::symlink_metadata(path)?;
+            Ok(Self::Unix(listener, path.to_owned(), (file.dev(), file.ino())))
         });
         bound.map_err(|source| PortError::Open { place: place.clone(), source })
     }
@@ -55,7 +61,7 @@ impl Listener {
     pub(crate) fn fd(&self) -> BorrowedFd<'_> {
         match self {
             Self::Tcp(listener) => listener.as_fd(),
-            Self::Unix(listener, _) => listener.as_fd(),
+            Self::Unix(listener, ..) => listener.as_fd(),
         }
     }
 
@@ -68,7 +74,7 @@ impl Listener {
                 stream.set_nodelay(true).ok()?;
                 Connection::Tcp(stream)
             }
-            Self::Unix(listener, _) => Connection::Unix(listener.accept().ok()?.0),
+            Self::Unix(listener, ..) => Connection::Unix(listener.accept().ok()?.0),
         };
         connection.set_nonblocking().ok()?;
         Some(connection)
@@ -77,22 +83,31 @@ impl Listener {
 
 impl Drop for Listener {
     fn drop(&mut self) {
-        if let Self::Unix(_, path) = self {
+        if let Self::Unix(_, path, own) = self
+            && fs::symlink_metadata(&*path).is_ok_and(|found| (found.dev(), found.ino()) == *own)
+        {
             drop(fs::remove_file(path));
         }
     }
 }
 
-/// A socket to which nobody listens is what a program has left that was killed.
+/// A socket at which nobody listens is what a server has left that was killed.
+///
+/// Whether somebody does is asked with a datagram: a socket that is alive refuses its type (`EPROTOTYPE`, unix(7)), and its
+/// server takes no notice; a dead one refuses the connection. A connection of its own type would be a program to the other server,
+/// and reset its robot's board.
 fn check_free(path: &Path) -> Result<(), PortError> {
     let in_the_way = |what| Err(PortError::InTheWay { path: path.to_owned(), what });
     match fs::symlink_metadata(path) {
         Err(_) => Ok(()),
-        Ok(found) if found.file_type().is_socket() && UnixStream::connect(path).is_err() => {
-            drop(fs::remove_file(path));
-            Ok(())
+        Ok(found) if found.file_type().is_socket() => {
+            let asked = UnixDatagram::unbound().and_then(|probe| probe.connect(path));
+            if asked.is_err_and(|error| error.kind() == ErrorKind::ConnectionRefused) {
+                drop(fs::remove_file(path));
+                return Ok(());
+            }
+            in_the_way("a socket that is in use")
         }
-        Ok(found) if found.file_type().is_socket() => in_the_way("a socket that is in use"),
         Ok(found) if found.is_dir() => in_the_way("a folder"),
         Ok(_) => in_the_way("a file"),
     }
@@ -125,5 +140,33 @@ impl Connection {
             Self::Tcp(stream) => stream.write(bytes),
             Self::Unix(stream) => stream.write(bytes),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unix_socket_that_lives_is_refused_without_its_notice_and_a_dead_one_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("robot.sock");
+        let place = Endpoint::Unix(path.display().to_string());
+        let first = Listener::unix(&path, &place).unwrap();
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        let error = Listener::unix(&path, &place).unwrap_err().to_string();
+        assert!(error.contains("a socket that is in use is there already"), "{error}");
+        assert!(first.accept().is_none(), "the first one saw no program");
+        UnixStream::connect(&path).unwrap();
+        drop(first);
+        assert!(!path.exists());
+        drop(UnixListener::bind(&path).unwrap());
+        assert!(path.exists(), "as a server leaves it that is killed");
+        let second = Listener::unix(&path, &place).unwrap();
+        fs::remove_file(&path).unwrap();
+        fs::write(&path, "precious").unwrap();
+        drop(second);
+        assert!(path.exists(), "what is not the listener's own stays");
+        assert!(Listener::unix(&path, &place).is_err());
     }
 }

@@ -1,10 +1,12 @@
 //! RFC 2217: Telnet with the COM port option, by which a program sets the UART of a terminal server.
 //!
-//! Known are the baud rate, data bits, parity, stop bits, DTR, RTS, break, purging and the masks of notifications, which are
-//! acknowledged. Flow control is acknowledged as none. The state of the modem lines is always that of a cable that is plugged
-//! in: CTS, DSR and CD.
+//! Known are the baud rate, data bits, parity, stop bits, DTR, RTS, break, purging and the masks of notifications. Flow control is
+//! acknowledged as it is asked for, and does nothing. The state of the modem lines is always that of a cable that is plugged in: CTS,
+//! DSR and CD. It is told as soon as the option is agreed to, as clients wait for it, and when it is asked for.
+//!
+//! What a program asks for is done when it comes, also if data before it have not gone yet, as terminal servers do.
 
-use crate::uart::{Parity, Settings};
+use crate::uart::{LineError, Parity, Read, Settings};
 
 const IAC: u8 = 255;
 const DONT: u8 = 254;
@@ -25,6 +27,14 @@ const ANSWER: u8 = 100;
 /// Longest subnegotiation; of longer ones the rest is passed over.
 const MAX_COMMAND: usize = 80;
 
+/// Commands that tell the state of the modem lines, and of the line.
+const NOTIFY_MODEMSTATE: u8 = 7;
+const NOTIFY_LINESTATE: u8 = 6;
+
+/// SET-CONTROL: no flow control.
+const NO_FLOW_OUT: u8 = 1;
+const NO_FLOW_IN: u8 = 14;
+
 /// CTS, DSR and CD are on.
 const MODEM_LINES: u8 = 0x10 | 0x20 | 0x80;
 
@@ -37,6 +47,8 @@ pub(crate) enum Event {
     Break(bool),
     /// What waits to be given to the program is thrown away.
     PurgeReceived,
+    /// What the program has sent before and is not on the cable yet is thrown away.
+    PurgeSent,
 }
 
 /// One connection's side of the protocol.
@@ -48,6 +60,10 @@ pub(crate) struct Telnet {
     dtr: bool,
     rts: bool,
     breaks: bool,
+    /// How flow control is set, outbound and inbound, by its numbers in SET-CONTROL. It does nothing.
+    flow: [u8; 2],
+    /// Which states of the line are told.
+    line_mask: u8,
     /// Options that were agreed to, so that nobody answers an answer: ours, then the program's.
     agreed: [Vec<u8>; 2],
 }
@@ -64,7 +80,7 @@ enum State {
 /// What came out of some bytes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Heard {
-    /// Bytes for the robot.
+    /// Bytes for the robot, those behind the last [`Event::PurgeSent`].
     pub(crate) data: Vec<u8>,
     /// Bytes back to the program.
     pub(crate) replies: Vec<u8>,
@@ -81,6 +97,8 @@ impl Telnet {
             dtr: true,
             rts: true,
             breaks: false,
+            flow: [NO_FLOW_OUT, NO_FLOW_IN],
+            line_mask: 0,
             agreed: [Vec::new(), Vec::new()],
         }
     }
@@ -159,8 +177,12 @@ impl Telnet {
         let is_asked = verb == DO || verb == WILL;
         if is_asked && known {
             if !was_agreed {
+                let is_new = !self.agreed.iter().any(|agreed| agreed.contains(&option));
                 self.agreed[side].push(option);
                 heard.replies.extend([IAC, yes, option]);
+                if option == COM_PORT && is_new {
+                    reply(heard, NOTIFY_MODEMSTATE + ANSWER, &[MODEM_LINES]);
+                }
             }
         } else if is_asked || was_agreed {
             self.agreed[side].retain(|agreed| *agreed != option);
@@ -179,17 +201,19 @@ impl Telnet {
             (5, &[control]) => vec![self.control(control, heard)],
             (6, _) => vec![0],
             (7, _) => vec![MODEM_LINES],
-            (10 | 11, &[mask]) => {
-                let notice = if *command == 11 { Some(MODEM_LINES) } else { None };
+            (10, &[mask]) => {
+                self.line_mask = mask;
+                vec![mask]
+            }
+            (11, &[mask]) => {
                 reply(heard, command + ANSWER, &[mask]);
-                if let Some(lines) = notice {
-                    reply(heard, 7 + ANSWER, &[lines]);
-                }
-                return;
+                return reply(heard, NOTIFY_MODEMSTATE + ANSWER, &[MODEM_LINES]);
             }
             (12, &[what]) => {
-                if what == 1 || what == 3 {
-                    heard.events.push(Event::PurgeReceived);
+                heard.events.extend([1, 3].contains(&what).then_some(Event::PurgeReceived));
+                if [2, 3].contains(&what) {
+                    heard.data.clear();
+                    heard.events.push(Event::PurgeSent);
                 }
                 vec![what]
             }
@@ -247,16 +271,37 @@ impl Telnet {
             4 => return if self.breaks { 5 } else { 6 },
             7 => return if self.dtr { 8 } else { 9 },
             10 => return if self.rts { 11 } else { 12 },
-            13 => return 14,
-            // Flow control: none.
-            _ => return 1,
+            1..=3 | 17 | 19 => self.flow[0] = control,
+            14..=16 | 18 => self.flow[1] = control,
+            13 => return self.flow[1],
+            // 0 asks; the rest is not known.
+            _ => return self.flow[0],
         }
         control
     }
 }
 
-/// Data as it goes to the program.
-pub(crate) fn escaped(bytes: &[u8]) -> Vec<u8> {
+impl Telnet {
+    /// Data as it goes to the program, with what is wrong with it if the program wants to know that.
+    pub(crate) fn told(&self, read: &Read) -> Vec<u8> {
+        let state = match read.error {
+            None => 0,
+            // Break-detect, and framing error.
+            Some(LineError::Framing) if read.byte == 0 => 0x10 | 0x08,
+            Some(LineError::Framing) => 0x08,
+            Some(LineError::Parity) => 0x04,
+        } & self.line_mask;
+        let mut heard = Heard::default();
+        if state != 0 {
+            reply(&mut heard, NOTIFY_LINESTATE + ANSWER, &[state]);
+        }
+        heard.replies.extend(escaped(&[read.byte]));
+        heard.replies
+    }
+}
+
+/// Data, escaped.
+fn escaped(bytes: &[u8]) -> Vec<u8> {
     bytes.iter().flat_map(|&byte| std::iter::repeat_n(byte, if byte == IAC { 2 } else { 1 })).collect()
 }
 
@@ -286,8 +331,9 @@ mod tests {
     fn the_options_of_a_serial_port_are_agreed_to_once_and_others_refused() {
         let mut telnet = telnet();
         let asked = [IAC, DO, COM_PORT, IAC, WILL, COM_PORT, IAC, WILL, BINARY, IAC, DO, 24, IAC, WILL, 31];
-        let answer = [IAC, WILL, COM_PORT, IAC, DO, COM_PORT, IAC, DO, BINARY, IAC, WONT, 24, IAC, DONT, 31];
-        assert_eq!(telnet.hear(&asked).replies, answer);
+        let lines = [IAC, SB, COM_PORT, 107, MODEM_LINES, IAC, SE];
+        let answer = [IAC, DO, COM_PORT, IAC, DO, BINARY, IAC, WONT, 24, IAC, DONT, 31];
+        assert_eq!(telnet.hear(&asked).replies, [&[IAC, WILL, COM_PORT][..], &lines, &answer].concat());
         assert_eq!(telnet.hear(&asked[..9]).replies, [0_u8; 0], "no answer to what is agreed");
         assert_eq!(telnet.hear(&[IAC, DONT, COM_PORT]).replies, [IAC, WONT, COM_PORT]);
     }
@@ -316,6 +362,30 @@ mod tests {
         assert_eq!(set(&mut telnet, 5, &[7]), (vec![9], vec![]), "asked for");
         assert_eq!(set(&mut telnet, 5, &[5]), (vec![5], vec![Event::Break(true)]));
         assert_eq!(set(&mut telnet, 12, &[1]), (vec![1], vec![Event::PurgeReceived]));
+        assert_eq!(set(&mut telnet, 12, &[3]), (vec![3], vec![Event::PurgeReceived, Event::PurgeSent]));
+    }
+
+    #[test]
+    fn flow_control_is_acknowledged_as_it_is_asked_for() {
+        let mut telnet = telnet();
+        for (control, answer) in
+            [(0, 1), (2, 2), (0, 2), (3, 3), (1, 1), (13, 14), (15, 15), (16, 16), (13, 16)]
+        {
+            let asked = [IAC, SB, COM_PORT, 5, control, IAC, SE];
+            assert_eq!(telnet.hear(&asked).replies, [IAC, SB, COM_PORT, 105, answer, IAC, SE], "{control}");
+        }
+    }
+
+    #[test]
+    fn errors_on_the_line_are_told_to_a_program_that_asks_for_them() {
+        let mut telnet = telnet();
+        let broken = Read { byte: 0, at_ns: 0, error: Some(LineError::Framing) };
+        let odd = Read { byte: 7, at_ns: 0, error: Some(LineError::Parity) };
+        assert_eq!(telnet.told(&broken), [0]);
+        telnet.hear(&[IAC, SB, COM_PORT, 10, 0x14, IAC, SE]);
+        assert_eq!(telnet.told(&broken), [IAC, SB, COM_PORT, 106, 0x10, IAC, SE, 0]);
+        assert_eq!(telnet.told(&odd), [IAC, SB, COM_PORT, 106, 0x04, IAC, SE, 7]);
+        assert_eq!(telnet.told(&Read { byte: IAC, at_ns: 0, error: None }), [IAC, IAC]);
     }
 
     #[test]

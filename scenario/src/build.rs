@@ -49,9 +49,11 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
         surroundings: &surroundings,
         arena: &mut arena,
         bodies: &bodies,
+        serial_ports: Vec::new(),
     };
     let robots = robots::robots(&path.field("robots"), raw.robots, &mut world)?;
     Ok(Scenario {
+        serial_ports: world.serial_ports,
         source,
         name: name(&path, raw.name)?,
         description: raw.description,
@@ -59,10 +61,7 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
         step_ns: step.step_ns,
         substeps: step.substeps as u32,
         noise: raw.noise,
-        collision: match raw.collision {
-            raw::Collision::StopRun => CollisionPolicy::StopRun,
-            raw::Collision::StopRobot => CollisionPolicy::StopRobot,
-        },
+        collision: collision(&raw.collision),
         rules: rules(&path, &raw.end, &raw.metrics, (&arena, &surroundings), &robots)?,
         end: end(&path.field("end"), raw.end)?,
         arena: arena.into(),
@@ -71,6 +70,13 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
         movables,
         robots,
     })
+}
+
+fn collision(raw: &raw::Collision) -> CollisionPolicy {
+    match raw {
+        raw::Collision::StopRun => CollisionPolicy::StopRun,
+        raw::Collision::StopRobot => CollisionPolicy::StopRobot,
+    }
 }
 
 fn step(path: &Path, raw: &raw::Scenario) -> Result<Step> {

@@ -1,9 +1,11 @@
 //! The context in which robots are checked: the length of a tick, and the world that they are put into.
 
 use alloc::string::String;
+use alloc::vec::Vec;
 
 use baudbot_sim::arena::Arena;
 use baudbot_sim::movable::Body;
+use baudbot_sim::scenario::SerialPort;
 use baudbot_sim::surroundings::Surroundings;
 
 /// Most Euler steps in a tick.
@@ -25,4 +27,6 @@ pub(super) struct World<'a> {
     pub(super) arena: &'a mut Arena,
     /// What moves or is pushed, where it starts.
     pub(super) bodies: &'a [(String, Body)],
+    /// Gets the serial ports of each robot.
+    pub(super) serial_ports: Vec<SerialPort>,
 }

@@ -37,6 +37,7 @@ pub mod presets;
 mod raw;
 mod robots;
 mod sensors;
+mod serial_ports;
 mod shapes;
 mod starts;
 mod things;

@@ -37,6 +37,7 @@ pub(super) fn link(path: &Path, raw: &raw::Link) -> Result<Link> {
             refuse_all(path, &uart_fields(raw), problem)?;
             refuse_all(path, &both_fields(raw), problem)?;
             refuse_all(path, &usb_fields(raw), problem)?;
+            path.refuse("serial_port", raw.serial_port.is_some(), problem)?;
             Ok(Link::Onboard)
         }
         raw::LinkKind::Uart => {

@@ -218,6 +218,7 @@ pub(super) struct Link {
     pub(super) frame_ms: Option<f64>,
     pub(super) bytes_per_frame: Option<u64>,
     pub(super) outages: Option<Vec<Outage>>,
+    pub(super) serial_port: Option<toml::Value>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]

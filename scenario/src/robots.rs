@@ -12,7 +12,7 @@ use super::context::{MAX_SUBSTEPS, Step, World};
 use super::motors::{self, ParsedMotors};
 use super::names::Names;
 use super::starts::{self, Place};
-use super::{actuators, cable, create, faults, link, raw, sensors, shapes};
+use super::{actuators, cable, create, faults, link, raw, sensors, serial_ports, shapes};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::battery::Battery;
@@ -46,6 +46,8 @@ pub(super) fn robots(path: &Path, raw: Vec<raw::Robot>, context: &mut World<'_>)
     for (i, robot) in raw.into_iter().enumerate() {
         let path = path.index(i);
         let places = starts::places(&path, &robot, &mut names)?;
+        let first = places.first().map_or("", |(_, name, _)| name);
+        context.serial_ports.extend(serial_ports::of(&path, &robot, first)?);
         let group: Option<Arc<str>> = robot.starts.is_some().then(|| robot.name.as_str().into());
         let (model, faults) = model(&path, robot, context)?;
         is_stable(&path, &model, context.step)?;

@@ -408,3 +408,34 @@ fn a_thing_that_is_pushed_is_the_same_whichever_way_round_its_corners_are_given(
     assert_eq!(outline("[0, 0.3], [0.6, 0], [0, 0]"), counter_clockwise);
     assert_eq!(counter_clockwise.start.position, baudbot_geometry::Point::new(2.2, 1.1));
 }
+
+#[test]
+fn serial_ports_are_read_from_the_links_of_a_robot_and_of_its_sensors() {
+    let cable = |port: &str| format!("{{ kind = \"uart\", baud = 9600, serial_port = {port} }}");
+    let laser =
+        "[robots.sensors.l]\nkind = \"laser\"\nbearing_rad = 0.0\nopening_rad = 1.0\nrays = 3\nrange_m = 4.0";
+    let with = |own: &str, of_laser: &str| {
+        robot(&format!("link = {}\n{laser}\nport = {{ link = {} }}", cable(own), cable(of_laser)))
+    };
+    let scenario = baudbot_scenario::parse(&with("\"pty:a.tty\"", "[\"tcp:10940\", \"unix:b\"]")).unwrap();
+    let found: Vec<_> = scenario
+        .serial_ports
+        .iter()
+        .map(|port| (port.sensor.as_deref(), port.endpoint.to_string()))
+        .collect();
+    let expected = [(None, "pty:a.tty"), (Some("l"), "tcp:127.0.0.1:10940"), (Some("l"), "unix:b")];
+    assert_eq!(found, expected.map(|(sensor, text)| (sensor, text.to_owned())));
+    assert!(scenario.serial_ports.iter().all(|port| port.robot == scenario.robots[0].name));
+    assert_eq!(baudbot_scenario::parse(&with("[]", "[]")).unwrap().serial_ports, []);
+
+    refused(&with("\"com:3\"", "[]"), "robots[0].link.serial_port", "`com` is no kind of port");
+    refused(&with("7", "[]"), "robots[0].link.serial_port", "must be a text such as");
+    let at = "robots[0].sensors.l.port.link.serial_port[1]";
+    refused(&with("[]", "[\"pty:a\", \"tcp:x\"]"), at, "`x` is no address");
+    let many = format!("[{}]", "\"tcp:0\",".repeat(9));
+    refused(&with(&many, "[]"), "robots[0].link.serial_port", "there are 9, the limit is 8");
+    let onboard = "link = { kind = \"onboard\", serial_port = \"pty:a\" }";
+    refused(&robot(onboard), "robots[0].link.serial_port", "there is no link");
+    let two = format!("starts = [{{}}, {{ x_m = 5 }}]\nlink = {}", cable("\"pty:a\""));
+    refused(&robot(&two), "robots[0].link.serial_port", "this table stands for 2");
+}

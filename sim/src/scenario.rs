@@ -4,6 +4,7 @@ use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use baudbot_fields::endpoint::Endpoint;
 use baudbot_geometry::Circle;
 
 use crate::arena::Arena;
@@ -51,6 +52,19 @@ pub struct Scenario {
     pub movables: Vec<Movable>,
     /// The robots in the order of their names, whatever their order in the file.
     pub robots: Vec<RobotSpec>,
+    /// Serial ports that a server is to open at their cables for programs.
+    pub serial_ports: Vec<SerialPort>,
+}
+
+/// A serial port at a robot's cable, and where programs find it. Nothing in the world depends on it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SerialPort {
+    /// Name of the robot.
+    pub robot: String,
+    /// The sensor whose own cable it is; none for the microcontroller's.
+    pub sensor: Option<String>,
+    /// Where it is.
+    pub endpoint: Endpoint,
 }
 
 /// The source of a scenario: parsing it again gives the same scenario.

@@ -130,6 +130,31 @@ fn a_board_is_reset_and_boots_again_and_what_came_meanwhile_is_lost() {
 }
 
 #[test]
+fn programs_open_ports_and_reset_boards_as_often_as_they_like() {
+    let mut world = khepera(1.0);
+    open(&mut world, true);
+    let once = world.save().len();
+    let reset = Intervention::ResetBoard { robot: "k".into() };
+    for _ in 0..10_001 {
+        open(&mut world, false);
+        open(&mut world, true);
+        world.intervene(&reset).unwrap();
+    }
+    assert!(world.save().len() < once + 100, "only the last time is kept");
+    answer(&mut world, b"N\r", 20);
+    let loaded = World::load(world.origin().clone(), &world.save(), world.hash()).unwrap();
+    assert_eq!(loaded.hash(), world.hash());
+    open(&mut world, false);
+    // Cables that are pulled have a limit, but nobody is kept from closing a port then.
+    open(&mut world, true);
+    let pull = |pulled| Intervention::PullCable { robot: "k".into(), pulled };
+    let refused = (0..10_000).find_map(|i| world.intervene(&pull(i % 2 == 0)).err());
+    assert_eq!(refused, Some(InterventionError::TooOften { robot: "k".into() }));
+    world.intervene(&reset).unwrap();
+    open(&mut world, false);
+}
+
+#[test]
 fn a_robot_without_a_cable_has_no_port() {
     let mut world = world(&format!("[[robots]]\nname = \"k\"\n{BODY}\nlink = {{ kind = \"onboard\" }}\n"));
     for intervention in [

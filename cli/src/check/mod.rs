@@ -8,6 +8,7 @@ use baudbot_plot::quantity::{count, duration, handy};
 use baudbot_sim::Scenario;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::collision::CollisionPolicy;
+use baudbot_sim::scenario::SerialPort;
 
 use crate::args::CheckArgs;
 use crate::robot_groups;
@@ -65,10 +66,20 @@ fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
         ("collision", collision.to_owned()),
         ("end", end(scenario)),
         ("robots", scenario.robots.len().to_string()),
+        ("serial ports", serial_ports(&scenario.serial_ports)),
     ]
     .into_iter()
     .filter(|(_, value)| !value.is_empty())
     .collect()
+}
+
+/// As `--port` takes them.
+fn serial_ports(ports: &[SerialPort]) -> String {
+    let port = |SerialPort { robot, sensor, endpoint }: &SerialPort| {
+        let sensor = sensor.as_ref().map_or_else(String::new, |sensor| format!("/{sensor}"));
+        format!("{robot}{sensor}={endpoint}")
+    };
+    ports.iter().map(port).collect::<Vec<_>>().join(", ")
 }
 
 fn arena(arena: &Arena) -> String {

@@ -18,6 +18,7 @@ mod new;
 mod otel;
 mod paths;
 mod plans;
+mod ports;
 mod presets;
 mod processes;
 mod programs;

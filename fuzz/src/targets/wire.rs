@@ -1,5 +1,7 @@
 //! Bytes on a wire: each protocol's decoder and parser, as they come and with a sound frame around them.
 
+use std::num::NonZeroU32;
+
 use baudbot_wire::{
     BareDecoder, Decoder, Encoding, Layout, Message, Values, create, frame, khepera, line_image, nmea, scip,
 };
@@ -53,6 +55,7 @@ pub(super) fn targets() -> Vec<Target> {
             lines,
         ),
         create_target(),
+        scip_device_target(),
         target("scip", "a laser's scans", vec![scan()], &[b"\n\n", b"MD", b"99b"], scans),
         target(
             "nmea",
@@ -264,3 +267,57 @@ fn image() -> Vec<u8> {
     bytes.truncate(n);
     bytes
 }
+
+/// The device's side of SCIP: what a program of others sends to a laser, which begins a scan every 100 ms meanwhile.
+fn scip_device_target() -> Target {
+    let seeds = vec![
+        b"VV\nPP\nII\nBM\nMD0044072500000\nQT\n".to_vec(),
+        b"BM;abc\r\nGD0000076801\rGS0044072501;x\nGE0000108000\nRB\nRB\n%ST\n".to_vec(),
+        b"TM0\nTM1\nTM2\nSS115200\nSS019200\nRS\nRT\n%SL\nMS0000076801102\nME0000108000003\n".to_vec(),
+    ];
+    target("scip-device", "commands to a laser", seeds, DEVICE_WORDS, scip_device)
+}
+
+const DEVICE_WORDS: &[&[u8]] = &[
+    b"\n", b"\r", b";", b"BM\n", b"QT\n", b"RS\n", b"MD", b"GD", b"ME", b"SS", b"TM", b"00", b"0044", b"0725",
+];
+
+/// Of both models. Whatever comes, the device stays one that there can be, and each byte has at most so many in answer.
+fn scip_device(bytes: &[u8]) -> u64 {
+    let models = [scip::device::Model::Urg04lx, scip::device::Model::Ust10lx];
+    models.into_iter().fold(0, |found, model| found.rotate_left(7) ^ scip_device_of(model, bytes))
+}
+
+fn scip_device_of(model: scip::device::Model, bytes: &[u8]) -> u64 {
+    let facts = scip::device::Description {
+        model,
+        least_mm: 20,
+        most_mm: 5600,
+        steps_per_turn: 1024,
+        first_step: 44,
+        last_step: 725,
+        front_step: 384,
+        turns_per_minute: 600,
+    };
+    let ranges_m = [1.5; 682];
+    let mut device = scip::device::Device::new();
+    let (mut found, mut out) = (0_u64, Vec::new());
+    for (i, &byte) in bytes.iter().enumerate() {
+        let (now_ns, is_scan) = (10_000_000 * i as u64, i % 10 == 9);
+        let newest = scip::device::Newest { begun_ns: now_ns, ranges_m: &ranges_m };
+        out.clear();
+        if device.push(byte) {
+            let answer = device.answer(&facts, NonZeroU32::new(115_200), now_ns, Some(newest), &mut out);
+            found = found.rotate_left(5) ^ outcome(&format!("{answer:?}"));
+        }
+        if is_scan && device.wants_scan(now_ns) {
+            device.send_scan(&facts, newest, &mut out);
+        }
+        assert!(device.is_sound(now_ns), "after {} bytes", i + 1);
+        assert!(out.len() < MOST_ANSWER, "{} bytes in answer to one", out.len());
+    }
+    found
+}
+
+/// Two scans of all steps in lines of 64 characters with a checksum each, and what stands before them.
+const MOST_ANSWER: usize = 20_000;

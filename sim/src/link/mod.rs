@@ -226,6 +226,19 @@ impl Link {
         self.cuts().iter().any(|when| matches!(when, When::Once { until: SimTime::NEVER, .. }))
     }
 
+    /// Pulls the cable by hand at this instant, or plugs it in.
+    pub(crate) fn pull(&mut self, now: SimTime, pulled: bool) {
+        let (Self::Uart(Uart { cuts, .. }) | Self::Usb(Usb { cuts, .. })) = self else { return };
+        if pulled {
+            cuts.push(When::Once { from: now, until: SimTime::NEVER });
+        }
+        for when in cuts.iter_mut().filter(|_| !pulled) {
+            if let When::Once { until: until @ SimTime::NEVER, .. } = when {
+                *until = now;
+            }
+        }
+    }
+
     /// Its baud rate, if it has one.
     pub fn baud(&self) -> Option<u32> {
         match self {

@@ -13,8 +13,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::World;
-use crate::fault::When;
-use crate::link::{Link, Uart, Usb};
+use crate::link::{Link, Uart};
 use crate::movable::{Body, MovableState};
 use crate::time::SimTime;
 
@@ -145,6 +144,29 @@ impl Altered {
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
+
+    /// Keeps a change. Programs open ports and reset boards as often as they like, and only the last time matters: it takes the place of
+    /// the one before. A port that is closed again is as it was.
+    fn note(&mut self, at: SimTime, change: &Intervention) {
+        self.0.retain(|(_, earlier)| !is_outdone(earlier, change));
+        if !matches!(change, Intervention::OpenPort { open: false, .. }) {
+            self.0.push((at, change.clone()));
+        }
+    }
+
+    /// Whether the board of this robot has been reset.
+    fn has_reset(&self, name: &str) -> bool {
+        self.0.iter().any(|(_, change)| matches!(change, Intervention::ResetBoard { robot } if robot == name))
+    }
+}
+
+/// Whether nothing is left of a change after this one.
+fn is_outdone(earlier: &Intervention, later: &Intervention) -> bool {
+    match (earlier, later) {
+        (Intervention::OpenPort { robot: a, .. }, Intervention::OpenPort { robot: b, .. })
+        | (Intervention::ResetBoard { robot: a }, Intervention::ResetBoard { robot: b }) => a == b,
+        _ => false,
+    }
 }
 
 impl World {
@@ -170,7 +192,7 @@ impl World {
             Intervention::ResetBoard { robot } => self.reset_board(robot)?,
         };
         if changed {
-            self.altered.0.push((self.time(), intervention.clone()));
+            self.altered.note(self.time(), intervention);
         }
         Ok(())
     }
@@ -236,7 +258,7 @@ impl World {
         }
         self.may_alter(name)?;
         let link = &mut Arc::make_mut(&mut self.scenario_mut().robots[own].model).link;
-        cut(link, at, pulled);
+        link.pull(at, pulled);
         Ok(Some(own))
     }
 
@@ -275,7 +297,7 @@ impl World {
             let Some(baud) = self.state_mut().robots[own].take_baud() else { continue };
             let robot = self.scenario().robots[own].name.clone();
             if matches!(self.set_baud(&robot, baud), Ok(true)) {
-                self.altered.0.push((self.time(), Intervention::SetBaud { robot, baud }));
+                self.altered.note(self.time(), &Intervention::SetBaud { robot, baud });
             }
         }
     }
@@ -290,7 +312,9 @@ impl World {
         if spec.port_is_open == open {
             return Ok(None);
         }
-        self.may_alter(name)?;
+        if open {
+            self.may_alter(name)?;
+        }
         self.scenario_mut().robots[own].port_is_open = open;
         Ok(Some(own))
     }
@@ -317,7 +341,9 @@ impl World {
         if let Link::Onboard = self.scenario().robots[own].link {
             return Err(InterventionError::NoCable { robot: name.to_string(), cable: "cable" });
         }
-        self.may_alter(name)?;
+        if !self.altered.has_reset(name) {
+            self.may_alter(name)?;
+        }
         let waits_ns = self.origin().robots[own].processor.bootloader_ns;
         let model = Arc::make_mut(&mut self.scenario_mut().robots[own].model);
         model.processor.bootloader_ns = at.as_ns() + waits_ns;
@@ -353,19 +379,6 @@ impl World {
     fn robot_named(&self, name: &str) -> Result<usize> {
         let found = self.scenario().robots.iter().position(|spec| spec.name == name);
         found.ok_or_else(|| unknown("robot", "robot", name))
-    }
-}
-
-/// Pulls a cable at this instant, or plugs it in.
-fn cut(link: &mut Link, now: SimTime, pulled: bool) {
-    let (Link::Uart(Uart { cuts, .. }) | Link::Usb(Usb { cuts, .. })) = link else { return };
-    if pulled {
-        cuts.push(When::Once { from: now, until: SimTime::NEVER });
-    }
-    for when in cuts.iter_mut().filter(|_| !pulled) {
-        if let When::Once { until: until @ SimTime::NEVER, .. } = when {
-            *until = now;
-        }
     }
 }
 

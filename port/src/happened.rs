@@ -1,0 +1,15 @@
+//! What happens at the program's end of a port, besides data.
+
+/// What has happened at the program's end.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Happened {
+    /// A program has opened the port, or has set DTR on it.
+    Opened,
+    Closed,
+    /// The program sends a break, or ends it.
+    Break(bool),
+    PurgeReceived,
+    PurgeSent,
+    /// A program has been sent away, as that of another port at the cable has it.
+    Refused,
+}
