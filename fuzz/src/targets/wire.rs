@@ -1,6 +1,5 @@
 //! Bytes on a wire: each protocol's decoder and parser, as they come and with a sound frame around them.
 
-use baudbot_wire::create::Version;
 use baudbot_wire::meaning::{Analyser, Cable, Direction, Heard, Item, Protocol};
 use baudbot_wire::{
     BareDecoder, Decoder, Encoding, Layout, Message, Values, create, frame, khepera, line_image, nmea, scip,
@@ -101,8 +100,8 @@ fn meaning(bytes: &[u8]) -> u64 {
         1 => Protocol::Framed { layout: None },
         2 => Protocol::Bare { layout: LAYOUT, gap_ns: 1_000_000 },
         3 => Protocol::Khepera,
-        4 => Protocol::Create(Version::One),
-        5 => Protocol::Create(Version::Two),
+        4 => Protocol::Create(create::Version::One),
+        5 => Protocol::Create(create::Version::Two),
         6 => Protocol::Scip,
         7 => Protocol::Nmea,
         _ => Protocol::LineImage,
