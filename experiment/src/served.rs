@@ -23,13 +23,13 @@ pub struct Served<T> {
 }
 
 impl<T: Send + 'static> Served<T> {
-    /// Starts a run of a scenario, with brains of the catalogue and programs. What `look` makes of the world at the beginning
+    /// Starts a run of a world at its start, with brains of the catalogue and programs. What `look` makes of the world at the beginning
     /// of each tick, and at the run's end, is what [`next`](Self::next) gives; the world is at most a few ticks ahead of it.
     ///
     /// # Errors
     /// If no server can be started.
     pub fn start(
-        scenario: Scenario,
+        world: World,
         assigned: Assigned,
         mut look: impl FnMut(&World) -> T + Send + 'static,
     ) -> Result<Self, Error> {
@@ -39,7 +39,8 @@ impl<T: Send + 'static> Served<T> {
             // Nobody watches a run that is given up.
             let _ = send.send(look(world));
         });
-        let world = WorldConfig::new(WORLD, scenario.clone()).pace(Pace::Lockstep(Lockstep::default()));
+        let scenario = Scenario::clone(world.scenario());
+        let world = WorldConfig::from_state(WORLD, world).pace(Pace::Lockstep(Lockstep::default()));
         let server = PrivateServer::start([world.paused(true).on_tick(on_tick)])?;
         let run = std::thread::Builder::new().name("run".to_owned()).spawn(move || {
             let remote = Remote::connect(&server.address, WORLD)?;

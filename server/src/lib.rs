@@ -42,6 +42,7 @@ mod annotate;
 mod beliefs;
 mod blocking;
 mod brain_link;
+mod cables;
 mod columns;
 mod control;
 mod convert;

@@ -5,12 +5,14 @@ use std::pin::Pin;
 use baudbot_proto::v1;
 use baudbot_proto::v1::observe_service_server::ObserveService;
 use baudbot_sim::Scenario;
+use baudbot_sim::cable::Cable;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status};
 
 use crate::blocking::blocking;
+use crate::cables::WatchCable;
 use crate::convert;
 use crate::message::{Message, Watch};
 use crate::observers::MAX_DETAILS;
@@ -19,6 +21,9 @@ use crate::registry::Registry;
 
 /// Frames that wait for an observer that does not read. Further ones are missed.
 const FRAMES_AHEAD: usize = 8;
+
+/// News that wait for a watcher of a cable that does not read. What comes then waits, and some of it is missed.
+const NEWS_AHEAD: usize = 8;
 
 /// Frames a simulated second for an observer that asks for no rate.
 const DEFAULT_RATE_HZ: u64 = 20;
@@ -69,6 +74,50 @@ impl ObserveService for Observe {
         let stream = ReceiverStream::new(stream).map(|frame| Ok(convert::frame(frame)));
         Ok(Response::new(Box::pin(stream)))
     }
+
+    type WatchCableStream = Pin<Box<dyn Stream<Item = Result<v1::WatchCableResponse, Status>> + Send>>;
+
+    async fn watch_cable(
+        &self,
+        request: Request<v1::WatchCableRequest>,
+    ) -> Result<Response<Self::WatchCableStream>, Status> {
+        let v1::WatchCableRequest { world, robot, sensor } = request.into_inner();
+        let world = self.registry.find("world", &world)?;
+        let scenario = world.ask(Message::Describe).await?;
+        let (robot, cable) = cable(&scenario, &robot, &sensor)?;
+        let (news, stream) = mpsc::channel(NEWS_AHEAD);
+        world.send(Message::WatchCable(WatchCable { robot, cable, news }))?;
+        let stream = ReceiverStream::new(stream).map(|news| Ok(convert::cable_news(news)));
+        Ok(Response::new(Box::pin(stream)))
+    }
+}
+
+/// The cable of this robot and sensor.
+fn cable(scenario: &Scenario, robot: &str, sensor: &str) -> Result<(usize, Cable), Status> {
+    let robots = &scenario.robots;
+    let place = match (robot, robots.len()) {
+        ("", 1) => Some(0),
+        _ => robots.iter().position(|spec| spec.name == robot),
+    };
+    let place =
+        place.ok_or_else(|| Status::not_found(format!("robot: there is no robot `{}`", brief(robot))))?;
+    let spec = &robots[place];
+    let found = match sensor {
+        "" => Cable::Robot,
+        name => {
+            let found = spec.sensors.iter().position(|sensor| sensor.name == name);
+            let text = || format!("sensor: `{}` has no sensor `{}`", spec.name, brief(name));
+            Cable::Sensor(found.ok_or_else(|| Status::not_found(text()))?)
+        }
+    };
+    if Cable::all(spec).any(|cable| cable == found) {
+        return Ok((place, found));
+    }
+    let text = match found {
+        Cable::Robot => format!("robot: the brain of `{}` is on board, and there is no cable", spec.name),
+        Cable::Sensor(_) => format!("sensor: `{}` has no cable of its own", brief(sensor)),
+    };
+    Err(Status::failed_precondition(text))
 }
 
 /// The robots of these names.

@@ -32,6 +32,7 @@ pub mod arena;
 pub mod battery;
 #[cfg(feature = "brain")]
 mod brain_turn;
+pub mod cable;
 pub mod collision;
 pub mod coverage;
 mod curve;

@@ -53,6 +53,13 @@ pub enum What {
         /// Its bytes.
         bytes: u32,
     },
+    /// What was written to a device was on its way, on the cable of the sensor's own.
+    PortDown {
+        /// Which.
+        sensor: u16,
+        /// Its bytes.
+        bytes: u32,
+    },
     /// The brain stepped and thought.
     Think {
         /// Whether a message had come since its last step.

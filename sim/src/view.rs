@@ -1,13 +1,15 @@
 //! Views of a robot: the truth for observers, and the readings that its brain may have.
 
 use baudbot_geometry::{Circle, Point, Pose};
+use baudbot_wire::meaning::Direction;
 
 use crate::actuator::ActuatorState;
 use crate::arena::Look;
 use crate::battery::{Battery, BatteryState};
+use crate::cable::Cable;
 use crate::drive::{Motion, Wheels};
 use crate::laptop::{Freshness, Reading};
-use crate::link::LineCounters;
+use crate::link::{LineCounters, Tape};
 use crate::model::RobotSpec;
 use crate::movable::{Body, Form, Movable, MovableState};
 use crate::mover::{Mover, MoverState};
@@ -145,6 +147,24 @@ impl<'a> RobotView<'a> {
     /// Its latest events.
     pub fn timeline(&self) -> &'a Timeline {
         &self.state.recorder.timeline
+    }
+
+    /// The last bytes that came over one of its cables this way, if the world [keeps](crate::World::keep_tape) them and there is
+    /// such a cable. Nothing goes down to a device that speaks by itself.
+    pub fn tape(&self, cable: Cable, direction: Direction) -> Option<&'a Tape> {
+        let Robot { uplink, downlink, ports, .. } = self.state;
+        let line = match (cable, direction) {
+            (Cable::Robot, Direction::Up) => uplink,
+            (Cable::Robot, Direction::Down) => downlink,
+            (Cable::Sensor(i), direction) => {
+                let k = self.spec.sensors.ports().iter().position(|&other| other == i)?;
+                match direction {
+                    Direction::Up => &ports.get(k)?.line,
+                    Direction::Down => &self.state.dialogue(k)?.down,
+                }
+            }
+        };
+        line.tape()
     }
 
     /// The line from the microcontroller to the laptop.

@@ -81,9 +81,13 @@ fn a_command_makes_the_world_that_its_bytes_make() {
         for (firmware, more) in FIRMWARES {
             let mut by_bytes = world(link, firmware, more);
             let mut by_commands = by_bytes.clone();
+            // Somebody looks at the bytes on its cable.
+            let mut listened = by_bytes.clone();
+            listened.keep_tape(0, 1 << 12);
             for tick in 0..200 {
                 let turns = by_bytes.begin().to_vec();
                 assert_eq!(by_commands.begin(), turns);
+                assert_eq!(listened.begin(), turns);
                 // Some answers come within the tick, some later, some two at a time, some as bytes that are no message.
                 let thinking_ns = [0, 4_000_000, 17_000_000][tick as usize % 3];
                 let count = 1 + usize::from(tick % 4 == 1);
@@ -102,12 +106,15 @@ fn a_command_makes_the_world_that_its_bytes_make() {
                     answers.extend((0..count).map(|_| Answer { robot: 0, at, written: command }));
                     by_bytes.finish(&inputs);
                     by_commands.finish_answers(&answers);
+                    listened.finish_answers(&answers);
                 }
                 if turns.is_empty() {
                     by_bytes.finish(&[]);
                     by_commands.finish_answers(&[]);
+                    listened.finish_answers(&[]);
                 }
                 assert_eq!(by_commands.hash(), by_bytes.hash(), "tick {tick} of {link}, {firmware}, {more}");
+                assert_eq!(listened.hash(), by_bytes.hash(), "tick {tick} of {link}, {firmware}, {more}");
             }
             let commands = by_bytes.robot(0).commands();
             assert!(commands > 10 || firmware.contains("bare"), "{commands} of {link}, {firmware}, {more}");

@@ -4,6 +4,7 @@ mod adapters;
 mod airtight;
 mod answers;
 mod bootloader;
+mod cable;
 mod common;
 mod coverage;
 mod create;

@@ -8,6 +8,7 @@ mod avoid;
 mod bad_input;
 mod budget;
 mod by_hand;
+mod cables;
 mod cloning;
 mod connections;
 mod coverage;

@@ -2,6 +2,7 @@
 
 use baudbot_sim::link::{Adapter, Link};
 use baudbot_sim::model::RobotSpec;
+use baudbot_sim::sensor::Sensor;
 use baudbot_sim::timeline::What;
 
 use crate::words;
@@ -24,6 +25,8 @@ pub enum Lane {
     Brain,
     /// The way from the laptop to the microcontroller.
     CableDown,
+    /// What is written to the device, on the cable of a sensor's own.
+    PortDown(u16),
     /// When motors and other actuators take commands up.
     Motors,
     /// Events that were late, missed or lost.
@@ -45,6 +48,7 @@ impl Lane {
             What::Port { sensor, .. } => (Self::Port(sensor), None),
             What::Think { .. } => (Self::Brain, robot.is_onboard().then_some(Self::Microcontroller)),
             What::Down { .. } => (Self::CableDown, None),
+            What::PortDown { sensor, .. } => (Self::PortDown(sensor), None),
             What::Act => (Self::Motors, None),
             What::Late | What::Missed { .. } | What::Lost { .. } => (Self::Trouble, None),
             What::Fault { fault } => (Self::Fault(fault), None),
@@ -56,7 +60,9 @@ impl Lane {
     pub fn all(robot: &RobotSpec) -> Vec<Self> {
         let places = (0..=u16::MAX).zip(robot.sensors.iter());
         let sensors = places.clone().map(|(i, _)| Self::Sensor(i));
-        let ports = places.filter(|(_, sensor)| sensor.port.is_some()).map(|(i, _)| Self::Port(i));
+        let ports = places.clone().filter(|(_, sensor)| sensor.port.is_some()).map(|(i, _)| Self::Port(i));
+        let answers = |sensor: &Sensor| sensor.port.as_ref().is_some_and(|port| port.dialogue.is_some());
+        let asked = places.filter(|(_, sensor)| answers(sensor)).map(|(i, _)| Self::PortDown(i));
         let is_adapted = match &robot.link {
             Link::Uart(uart) => uart.adapter != Adapter::None,
             Link::Ideal | Link::Usb(_) | Link::Onboard => false,
@@ -71,7 +77,7 @@ impl Lane {
             (true, Self::Motors),
         ];
         let rest = rest.into_iter().filter(|(is_there, _)| *is_there).map(|(_, lane)| lane);
-        let mut lanes: Vec<_> = sensors.chain(ports).chain(rest).collect();
+        let mut lanes: Vec<_> = sensors.chain(ports).chain(asked).chain(rest).collect();
         lanes.sort_unstable();
         lanes
     }
@@ -86,6 +92,7 @@ impl Lane {
             Self::Port(i) => format!("port of {}", words::sensor(robot, i)),
             Self::Brain => "brain".to_owned(),
             Self::CableDown => "cable down".to_owned(),
+            Self::PortDown(i) => format!("to port of {}", words::sensor(robot, i)),
             Self::Motors => "motors".to_owned(),
             Self::Trouble => "late, missed, lost".to_owned(),
             Self::Fault(i) => words::fault(robot, i),
@@ -102,9 +109,10 @@ impl Lane {
             Self::Port(i) => (5, i),
             Self::Brain => (6, 0),
             Self::CableDown => (7, 0),
-            Self::Motors => (8, 0),
-            Self::Trouble => (9, 0),
-            Self::Fault(i) => (10, i),
+            Self::PortDown(i) => (8, i),
+            Self::Motors => (9, 0),
+            Self::Trouble => (10, 0),
+            Self::Fault(i) => (11, i),
         };
         kind << 16 | u64::from(place)
     }
@@ -169,6 +177,8 @@ mod tests {
             Lane::Port(u16::MAX),
             Lane::Brain,
             Lane::CableDown,
+            Lane::PortDown(0),
+            Lane::PortDown(u16::MAX),
             Lane::Motors,
             Lane::Trouble,
             Lane::Fault(0),
@@ -177,6 +187,6 @@ mod tests {
         .to_vec();
         assert!(codes.is_sorted() && codes.iter().all(|code| (1..1 << 20).contains(code)), "{codes:?}");
         codes.dedup();
-        assert_eq!(codes.len(), 11);
+        assert_eq!(codes.len(), 13);
     }
 }

@@ -13,6 +13,7 @@ pub fn what(what: What, robot: &RobotSpec) -> String {
         What::Up { .. } => "readings".to_owned(),
         What::Adapter => "readings in the adapter".to_owned(),
         What::Port { sensor: i, .. } => format!("message of {}", sensor(robot, i)),
+        What::PortDown { sensor: i, .. } => format!("message to {}", sensor(robot, i)),
         What::Think { informed: true } => "think".to_owned(),
         What::Think { informed: false } => "think, without news".to_owned(),
         What::Down { .. } => "command".to_owned(),
@@ -32,6 +33,7 @@ pub fn bytes(what: What) -> Option<u32> {
         What::Frame { bytes }
         | What::Up { bytes }
         | What::Port { bytes, .. }
+        | What::PortDown { bytes, .. }
         | What::Down { bytes }
         | What::Lost { bytes } => Some(bytes),
         What::Acquire { .. }
@@ -50,9 +52,10 @@ pub fn bytes(what: What) -> Option<u32> {
 /// The name of the sensor that it is about, if it is about one.
 pub fn sensor_of(what: What, robot: &RobotSpec) -> Option<String> {
     match what {
-        What::Acquire { sensor: i } | What::Measure { sensor: i } | What::Port { sensor: i, .. } => {
-            Some(sensor(robot, i))
-        }
+        What::Acquire { sensor: i }
+        | What::Measure { sensor: i }
+        | What::Port { sensor: i, .. }
+        | What::PortDown { sensor: i, .. } => Some(sensor(robot, i)),
         What::Missed { sensor: i } => (i != NO_SENSOR).then(|| sensor(robot, i)),
         What::Frame { .. }
         | What::Block

@@ -216,7 +216,9 @@ fn category(what: What) -> &'static str {
     match what {
         What::Acquire { .. } | What::Measure { .. } => "sensor",
         What::Frame { .. } | What::Block | What::Obey => "microcontroller",
-        What::Up { .. } | What::Adapter | What::Port { .. } | What::Down { .. } => "cable",
+        What::Up { .. } | What::Adapter | What::Port { .. } | What::PortDown { .. } | What::Down { .. } => {
+            "cable"
+        }
         What::Think { .. } => "brain",
         What::Act => "motors",
         What::Late | What::Missed { .. } | What::Lost { .. } | What::Fault { .. } => "trouble",

@@ -6,6 +6,7 @@ import type { Store } from "./model/store";
 import type { Drive } from "./net/drive";
 import type { Orders } from "./net/orders";
 import type { Replayer } from "./net/replayer";
+import type { CablePanel } from "./panels/cable";
 import type { Toolbar } from "./panels/toolbar";
 
 /** Pixels that an arrow pans. */
@@ -19,6 +20,7 @@ export interface Desk {
   drive: Drive;
   replayer: Replayer;
   toolbar: Toolbar;
+  cable: CablePanel;
   help: HTMLDialogElement;
   switchTheme(): void;
 }
@@ -78,6 +80,7 @@ function press(desk: Desk, event: KeyboardEvent): boolean {
     q: () => hands.turn(Math.PI / 12),
     e: () => hands.turn(-Math.PI / 12),
     t: () => desk.switchTheme(),
+    y: () => desk.cable.toggle(),
     "?": () => desk.help.showModal(),
     "[": () => next(store, -1),
     "]": () => next(store, 1),

@@ -4,6 +4,7 @@ import "./style/base.css";
 import "./style/layout.css";
 import "./style/panels.css";
 import "./style/replay.css";
+import "./style/cable.css";
 import { filmWasAskedFor } from "./film/headless";
 
 if (!filmWasAskedFor()) void import("./page");

@@ -16,6 +16,7 @@ import { Recordings } from "./net/recordings";
 import { Replayer } from "./net/replayer";
 import { Surveyor } from "./net/surveyor";
 import { Watcher } from "./net/watcher";
+import { CablePanel } from "./panels/cable";
 import { ChartPanel } from "./panels/chart";
 import { Controls } from "./panels/controls";
 import { CreateDialog } from "./panels/create";
@@ -60,9 +61,11 @@ const arena = new Arena(canvas, store, themes.theme);
 const surveyor = new Surveyor(connection, store, () => arena.layers.coverage);
 const hands = new Hands(arena, (held) => void putDown(held));
 const help = helpDialog();
+const cable = new CablePanel(store, connection);
 const toolbar = new Toolbar(
   arena,
   hands,
+  cable,
   () => help.showModal(),
   () => themes.toggle(),
 );
@@ -84,10 +87,11 @@ arena.changed = () => {
   toolbar.refresh();
   surveyor.look();
 };
+cable.changed = () => toolbar.refresh();
 themes.changed = (theme) => {
   for (const part of [arena, chart, robot, timing, replay]) part.setTheme(theme);
 };
-listen({ store, arena, hands, orders, drive, replayer, toolbar, help, switchTheme: () => themes.toggle() });
+listen({ store, arena, hands, orders, drive, replayer, toolbar, cable, help, switchTheme: () => themes.toggle() });
 keepAddress();
 connection.changed = () => {
   status.refresh();
@@ -103,7 +107,10 @@ exposeForTests({ store, arena, watcher, replayer });
 /** Puts the parts into their places, and makes the tabs of small screens. */
 function lay(): void {
   find("bar").append(controls.element);
-  find("arena").append(el("div", { class: "arena-view" }, canvas, toolbar.element, pad.element), replay.element);
+  find("arena").append(
+    el("div", { class: "arena-view" }, canvas, toolbar.element, pad.element, cable.element),
+    replay.element,
+  );
   find("worlds").append(worlds.element);
   find("robot").append(robot.element);
   find("timing").append(timing.element);
@@ -135,6 +142,7 @@ function showSheet(name: string): void {
 
 /** The connection is there, perhaps again: what the address says is looked at, or else the first world. */
 async function arrive(): Promise<void> {
+  cable.watch.again();
   void recordings.list();
   if (!(await orders.list())) return;
   const wanted = readChoice(location.hash);

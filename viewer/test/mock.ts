@@ -8,6 +8,7 @@ import { createServer } from "node:http";
 import type { AddressInfo } from "node:net";
 import { WebSocketServer, type WebSocket } from "ws";
 import type { AttachRequest } from "../src/gen/baudbot/v1/brain_link_pb";
+import { CableDirection } from "../src/gen/baudbot/v1/observe_pb";
 import { WorldState } from "../src/gen/baudbot/v1/world_pb";
 import { requestFrom, responseTo, type Asked, type Reply } from "./calls";
 import { STEP_NS } from "./mock_scene";
@@ -100,6 +101,8 @@ class Session {
         return this.map(this.find(request.value.world));
       case "watch":
         return this.watch(call, this.find(request.value.world), request.value.everyTicks, request.value.details);
+      case "watchCable":
+        return this.watchCable(call, this.find(request.value.world));
       case "attach":
         return this.attach(call, request.value);
       case "close":
@@ -237,6 +240,28 @@ class Session {
     const since = world.tick > 200n ? world.tick - 200n : 0n;
     this.reply(call, { case: "watch", value: world.frame(details, since) });
     this.watches.push({ call, world, every: every || 5n, details, shown: world.tick });
+  }
+
+  /** An exchange that is over, and a line that nobody understands. */
+  private watchCable(call: number, world: MockWorld): undefined {
+    const ns = world.tick * 10_000_000n;
+    const item = (direction: CableDirection, after_ms: bigint, line: string, text: string, ageNs?: bigint) => ({
+      direction,
+      fromNs: ns,
+      toNs: ns + after_ms * 1_000_000n,
+      data: new TextEncoder().encode(line),
+      size: line.length,
+      text,
+      understood: !text.startsWith("not"),
+      ageNs,
+    });
+    const { UP, DOWN } = CableDirection;
+    const items = [
+      item(DOWN, 2n, "N\r", "N: ask proximity"),
+      item(UP, 9n, "n,12,0\r\n", "n: proximity 12 0", 20_500_000n),
+      item(DOWN, 12n, "Q\r", "not understood (no command): 51 0d; Q"),
+    ];
+    this.reply(call, { case: "watchCable", value: { items, missedItems: 2n } });
   }
 
   private map(world: MockWorld): Reply {

@@ -19,6 +19,8 @@
 //! buffer and read from the bytes of one whole message. [`port`] finds their messages among bytes as they come, and turns
 //! them into the values of a reading.
 //!
+//! [`meaning`] says in words what the bytes of any of these cables are, for people who look at one.
+//!
 //! # A frame of readings
 //!
 //! | bytes | meaning | part of |
@@ -92,6 +94,7 @@ pub mod frame;
 pub mod khepera;
 pub mod layout;
 pub mod line_image;
+pub mod meaning;
 pub mod message;
 pub mod nmea;
 pub mod port;

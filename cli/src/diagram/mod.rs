@@ -4,17 +4,19 @@
 //!
 //! This file is the command. `record` says which part of a run is wanted, and runs a world for it, whose `ticks` are done in
 //! this thread or, if a brain is a program, on a server of its own; `cycle` finds a control
-//! cycle among the events; `table` writes events as text, and [`baudbot_plot::timing`] draws them.
+//! cycle among the events; `meaning` knows what was said in those on cables; `table` writes events as text, and [`baudbot_plot::timing`] draws them.
 
 mod cycle;
 #[cfg(test)]
 mod demo;
+mod meaning;
 mod record;
 mod table;
 #[cfg(test)]
 mod tests;
 mod ticks;
 
+use std::collections::BTreeMap;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -26,7 +28,7 @@ use baudbot_plot::caption;
 use baudbot_plot::quantity::duration;
 use baudbot_plot::timing::{self, Diagram, Mark};
 
-use self::record::{Place, Wanted, Window};
+use self::record::{Place, Recorded, Wanted, Window};
 use self::ticks::ticks;
 use crate::args::DiagramArgs;
 use crate::assignment::{self, Assigned};
@@ -53,13 +55,14 @@ fn show(args: &DiagramArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
     if stop.load(Ordering::Relaxed) {
         return Ok(ExitCode::from(INTERRUPTED));
     }
-    let events = events?;
+    let Recorded { events, said } = events?;
     let window = wanted.window(robot, &events, scenario.step_ns);
+    let meanings = meaning::meanings(&events, &said);
     let shown = match &args.svg {
-        None => text::print(&table::table(robot, &events, &window)),
+        None => text::print(&table::table(robot, &events, &window, &meanings)),
         Some(path) => {
             let name = source.world_name(&scenario);
-            let mut picture = picture(&name, scenario.step_ns, robot, &events, &window);
+            let mut picture = picture(&name, (scenario.step_ns, robot), (&events, &meanings), &window);
             picture.ran = ran(&scenario, robot, &assigned);
             text::write(path, &picture.draw())
         }
@@ -98,7 +101,12 @@ fn wanted(args: &DiagramArgs) -> Wanted {
 }
 
 /// The diagram of a part of a robot's run.
-fn picture(world: &str, step_ns: u64, robot: &RobotSpec, events: &[Event], window: &Window) -> Diagram {
+fn picture(
+    world: &str,
+    (step_ns, robot): (u64, &RobotSpec),
+    (events, meanings): (&[Event], &BTreeMap<usize, String>),
+    window: &Window,
+) -> Diagram {
     let Window { from_ns, until_ns, cycle } = window;
     let of_cycle = cycle.as_ref().map(|cycle| &cycle.events);
     let late_from_ns = cycle.as_ref().map(|cycle| cycle.late_from_ns(robot));
@@ -119,7 +127,7 @@ fn picture(world: &str, step_ns: u64, robot: &RobotSpec, events: &[Event], windo
         },
         subtitle,
         ran: Vec::new(),
-        lanes: timing::lanes(robot, events, (*from_ns, *until_ns), of_cycle),
+        lanes: timing::lanes(robot, events, (*from_ns, *until_ns), of_cycle, meanings),
         from_ns: *from_ns,
         until_ns: *until_ns,
         step_ns,

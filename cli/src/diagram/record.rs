@@ -1,11 +1,14 @@
 //! Which part of a run is shown, and how far the world runs for it.
 
+use std::collections::VecDeque;
+
 use baudbot_plot::quantity::{count, handy};
 use baudbot_sim::SimTime;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::Event;
 
 use super::cycle::{Cycle, is_anchor};
+use super::meaning::Said;
 use crate::error::Refused;
 
 /// The part of a run that is requested.
@@ -26,6 +29,13 @@ pub(super) enum Place {
     Usual,
 }
 
+/// What is known of a run.
+#[derive(Debug, Default)]
+pub(super) struct Recorded {
+    pub(super) events: Vec<Event>,
+    pub(super) said: Vec<Said>,
+}
+
 /// A part of a run.
 #[derive(Debug, PartialEq)]
 pub(super) struct Window {
@@ -36,15 +46,15 @@ pub(super) struct Window {
 }
 
 impl Wanted {
-    /// Runs a world for as long as needed: `tick` does one tick, adds the robot's new events, and says the time after
-    /// it, in nanoseconds, or nothing if the run was over before. Gives back all events that may be wanted, in the
-    /// order in which they came.
+    /// Runs a world for as long as needed: `tick` does one tick, adds the robot's new events and what was said on its cables,
+    /// and says the time after it, in nanoseconds, or nothing if the run was over before. Gives back all events that may be
+    /// wanted, in the order in which they came, and the last of what was said.
     pub(super) fn record(
         &self,
         step_ns: u64,
-        mut tick: impl FnMut(&mut Vec<Event>) -> anyhow::Result<Option<u64>>,
-    ) -> anyhow::Result<Vec<Event>> {
-        let (mut events, mut fresh) = (Vec::new(), Vec::new());
+        mut tick: impl FnMut(&mut Recorded) -> anyhow::Result<Option<u64>>,
+    ) -> anyhow::Result<Recorded> {
+        let (mut events, mut said, mut fresh) = (Vec::new(), VecDeque::new(), Recorded::default());
         let (mut cycles, mut now_ns) = (0, 0);
         let mut until_ns = match self.place {
             Place::At(from_ns) => from_ns.saturating_add(self.span(step_ns)).saturating_add(SLACK_NS),
@@ -53,7 +63,10 @@ impl Wanted {
         while now_ns < until_ns && events.len() < MOST_EVENTS {
             let Some(now) = tick(&mut fresh)? else { break };
             now_ns = now;
-            for event in fresh.drain(..) {
+            said.extend(fresh.said.drain(..).filter(|one| self.may_tell(one)));
+            let gone = said.len().saturating_sub(MOST_SAID);
+            said.drain(..gone);
+            for event in fresh.events.drain(..) {
                 if is_anchor(event.what) {
                     cycles += 1;
                     // It is answered later, and what is noted after its end comes later still.
@@ -67,7 +80,7 @@ impl Wanted {
             }
         }
         self.refuse(cycles, now_ns)?;
-        Ok(events)
+        Ok(Recorded { events, said: said.into() })
     }
 
     /// The part that is wanted, of a robot with these events.
@@ -115,6 +128,14 @@ impl Wanted {
         }
     }
 
+    /// What is said arrives later than its message was sent, but not before.
+    fn may_tell(&self, said: &Said) -> bool {
+        match self.place {
+            Place::At(from_ns) => said.at.as_ns() >= from_ns,
+            Place::Cycle(_) | Place::Usual => true,
+        }
+    }
+
     fn refuse(&self, cycles: u32, now_ns: u64) -> anyhow::Result<()> {
         let now_s = handy(now_ns as f64 * 1e-9);
         match self.place {
@@ -154,6 +175,8 @@ const SLACK_NS: u64 = 5_000_000_000;
 const PATIENCE_NS: u64 = 3_600_000_000_000;
 /// Most events of a diagram.
 const MOST_EVENTS: usize = 4_000_000;
+/// Of what was said, the last so much is kept, which is more than is said in the time that a run goes on behind its window.
+const MOST_SAID: usize = 400_000;
 
 #[cfg(test)]
 mod tests {
@@ -171,17 +194,17 @@ mod tests {
         let (_, events) = demo::wander(0, cycles);
         let mut events = events.into_iter().peekable();
         let mut now_ns = 0;
-        let tick = |fresh: &mut Vec<Event>| {
+        let tick = |fresh: &mut Recorded| {
             if events.peek().is_none() {
                 return Ok(None);
             }
             now_ns += STEP_NS;
             while let Some(event) = events.next_if(|event| event.end.as_ns() <= now_ns) {
-                fresh.push(event);
+                fresh.events.push(event);
             }
             Ok(Some(now_ns))
         };
-        let events = wanted.record(STEP_NS, tick);
+        let events = wanted.record(STEP_NS, tick).map(|recorded| recorded.events);
         (events, now_ns / 1_000_000)
     }
 

@@ -1,19 +1,21 @@
 //! A world with its brains, tick by tick: in this thread, or on a server of its own that programs attach to.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::anyhow;
 use baudbot_experiment::in_process::InProcess;
 use baudbot_experiment::served::Served;
-use baudbot_sim::timeline::Event;
 use baudbot_sim::{Scenario, World};
 
+use super::meaning::Listeners;
+use super::record::Recorded;
 use crate::assignment::Assigned;
 use crate::error::Refused;
 
-/// Does a tick, adds the new events of a robot, and says the time until which they are known, in nanoseconds; nothing if the
+/// Does a tick, adds the new events of a robot and what was said on its cables, and says the time until which they are known, in nanoseconds; nothing if the
 /// run is over.
-pub(super) type Tick<'a> = Box<dyn FnMut(&mut Vec<Event>) -> anyhow::Result<Option<u64>> + 'a>;
+pub(super) type Tick<'a> = Box<dyn FnMut(&mut Recorded) -> anyhow::Result<Option<u64>> + 'a>;
 
 /// The ticks of a run, with the events of the robot in this place, until `stop` is set.
 pub(super) fn ticks<'a>(
@@ -22,23 +24,25 @@ pub(super) fn ticks<'a>(
     place: usize,
     stop: &'a AtomicBool,
 ) -> anyhow::Result<Tick<'a>> {
-    let mut look = Look { place, seen: 0 };
     if !assigned.programs.is_empty() {
-        let run = Served::start(scenario, assigned.clone(), move |world| look.at(world));
+        let mut world = World::new(Arc::new(scenario));
+        let mut look = Look::new(&mut world, place);
+        let run = Served::start(world, assigned.clone(), move |world| look.at(world));
         let mut run = run.map_err(from_run)?;
-        return Ok(Box::new(move |events| match run.next(stop).map_err(from_run)? {
+        return Ok(Box::new(move |recorded| match run.next(stop).map_err(from_run)? {
             None => Ok(None),
-            Some(seen) => seen?.into_events(events),
+            Some(seen) => Ok(Some(seen?.put(recorded))),
         }));
     }
     let mut pair = InProcess::with_assignments(scenario, &assigned.brains)
         .map_err(|error| Refused::error(error.to_string()))?;
-    Ok(Box::new(move |events| {
+    let mut look = Look::new(&mut pair.world, place);
+    Ok(Box::new(move |recorded| {
         if pair.world.ending().is_some() || stop.load(Ordering::Relaxed) {
             return Ok(None);
         }
         pair.tick(|_| {});
-        look.at(&pair.world)?.into_events(events)
+        Ok(Some(look.at(&pair.world)?.put(recorded)))
     }))
 }
 
@@ -51,21 +55,31 @@ struct Look {
     place: usize,
     /// How many of them have been seen.
     seen: u64,
+    listeners: Listeners,
 }
 
 struct Seen {
-    fresh: Vec<Event>,
+    fresh: Recorded,
     time_ns: u64,
 }
 
 impl Look {
+    fn new(world: &mut World, place: usize) -> Self {
+        Self { place, seen: 0, listeners: Listeners::new(world, place) }
+    }
+
     /// The events since the last look.
     fn at(&mut self, world: &World) -> anyhow::Result<Seen> {
         let timeline = world.robot(self.place).timeline();
         let (gone, fresh) = timeline.since(self.seen);
         self.seen = timeline.total();
+        let mut said = Vec::new();
+        self.listeners.look(world, &mut said);
         match gone {
-            0 => Ok(Seen { fresh: fresh.copied().collect(), time_ns: world.time().as_ns() }),
+            0 => {
+                let fresh = Recorded { events: fresh.copied().collect(), said };
+                Ok(Seen { fresh, time_ns: world.time().as_ns() })
+            }
             _ => Err(anyhow!(
                 "more happened in a tick than a robot's timeline holds: {gone} events were dropped"
             )),
@@ -74,8 +88,10 @@ impl Look {
 }
 
 impl Seen {
-    fn into_events(self, events: &mut Vec<Event>) -> anyhow::Result<Option<u64>> {
-        events.extend(self.fresh);
-        Ok(Some(self.time_ns))
+    /// Adds it to what is known, and says the time until which it is known.
+    fn put(self, recorded: &mut Recorded) -> u64 {
+        recorded.events.extend(self.fresh.events);
+        recorded.said.extend(self.fresh.said);
+        self.time_ns
     }
 }

@@ -95,6 +95,7 @@ fn kind(what: What) -> &'static str {
         What::Up { .. } => "up",
         What::Adapter => "adapter",
         What::Port { .. } => "port",
+        What::PortDown { .. } => "port_down",
         What::Think { .. } => "think",
         What::Down { .. } => "down",
         What::Obey => "obey",

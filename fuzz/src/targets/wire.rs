@@ -2,6 +2,7 @@
 
 use std::num::NonZeroU32;
 
+use baudbot_wire::meaning::{Analyser, Cable, Direction, Heard, Item, Protocol};
 use baudbot_wire::{
     BareDecoder, Decoder, Encoding, Layout, Message, Values, create, frame, khepera, line_image, nmea, scip,
 };
@@ -65,6 +66,7 @@ pub(super) fn targets() -> Vec<Target> {
             sentences,
         ),
         target("line-image", "a line camera's images", vec![image()], &[], images),
+        meaning_target(),
     ]
 }
 
@@ -76,6 +78,54 @@ fn target(
     run: fn(&[u8]) -> u64,
 ) -> Target {
     Target { name, what, seeds, words, run: Box::new(run) }
+}
+
+/// The first byte says which protocol; of the others, each says which way the one behind it goes and when.
+fn meaning_target() -> Target {
+    let talk = |protocol: u8, bytes: &[u8]| {
+        let all = bytes.iter().flat_map(|&byte| [2, byte]);
+        std::iter::once(protocol).chain(all).collect::<Vec<u8>>()
+    };
+    let seeds = vec![
+        talk(3, b"D,5,-5\rN\r"),
+        talk(5, &[148, 2, 29, 13, 142, 100]),
+        talk(6, &scan()),
+        talk(7, &sentence()),
+        talk(8, &image()),
+    ];
+    target("meaning", "both directions of a cable, in words", seeds, &[], meaning)
+}
+
+fn meaning(bytes: &[u8]) -> u64 {
+    let Some((&first, bytes)) = bytes.split_first() else { return 0 };
+    let protocol = match first % 9 {
+        0 => Protocol::Framed { layout: Some(LAYOUT) },
+        1 => Protocol::Framed { layout: None },
+        2 => Protocol::Bare { layout: LAYOUT, gap_ns: 1_000_000 },
+        3 => Protocol::Khepera,
+        4 => Protocol::Create(create::Version::One),
+        5 => Protocol::Create(create::Version::Two),
+        6 => Protocol::Scip,
+        7 => Protocol::Nmea,
+        _ => Protocol::LineImage,
+    };
+    let cable = Cable { protocol, names: &["ir"] };
+    let mut analyser = Analyser::new([vec![0; 700], vec![0; 70]]);
+    let (mut at_ns, mut told, mut words) = (0, 0, String::new());
+    let mut each = |item: Item<'_>| {
+        assert!(!item.text.is_empty() && item.from_ns <= item.to_ns, "{item:?}");
+        told += item.bytes.len();
+        words += item.text.split([' ', ',', ':']).next().unwrap_or_default();
+    };
+    let pairs = bytes.as_chunks::<2>().0;
+    for &[how, byte] in pairs {
+        let direction = if how & 1 == 0 { Direction::Up } else { Direction::Down };
+        at_ns += 1_u64 << (how >> 1 & 31);
+        analyser.push(&cable, Heard { direction, at_ns, byte }, &mut each);
+    }
+    analyser.finish(&mut each);
+    assert_eq!(told, pairs.len(), "each byte is in one item");
+    outcome(&words)
 }
 
 const LINE_WORDS: &[&[u8]] = &[b"\r\n", b",-", b"D,", b"n,", b"G,", b"L,", b"P,", b"h,", b"99999999999"];

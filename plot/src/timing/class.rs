@@ -25,6 +25,8 @@ pub enum Class {
     Think,
     /// A command is on its way.
     Down,
+    /// A device is asked, on a cable of its own.
+    PortDown,
     /// A command is taken.
     Obey,
     /// The motors obey.
@@ -41,7 +43,7 @@ pub enum Class {
 
 impl Class {
     /// All classes, in the order of the key.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Acquire,
         Self::Measure,
         Self::Frame,
@@ -51,6 +53,7 @@ impl Class {
         Self::Port,
         Self::Think,
         Self::Down,
+        Self::PortDown,
         Self::Obey,
         Self::Act,
         Self::Late,
@@ -71,6 +74,7 @@ impl Class {
             What::Port { .. } => Self::Port,
             What::Think { .. } => Self::Think,
             What::Down { .. } => Self::Down,
+            What::PortDown { .. } => Self::PortDown,
             What::Obey => Self::Obey,
             What::Act => Self::Act,
             What::Late => Self::Late,
@@ -93,6 +97,7 @@ impl Class {
             | Self::Port
             | Self::Think
             | Self::Down
+            | Self::PortDown
             | Self::Obey
             | Self::Act => false,
         }
@@ -110,6 +115,7 @@ impl Class {
             Self::Port => "on a cable of its own",
             Self::Think => "the brain thinks",
             Self::Down => "a command on its way",
+            Self::PortDown => "to a device, on its own cable",
             Self::Obey => "a command is taken",
             Self::Act => "the motors obey",
             Self::Late => "not in time",
@@ -131,6 +137,7 @@ impl Class {
             Self::Port => "#66b8ad",
             Self::Think => "#e69f00",
             Self::Down => "#cc79a7",
+            Self::PortDown => "#e3b7cf",
             Self::Obey => "#8f4a86",
             Self::Act => "#332288",
             Self::Late => LATE,
@@ -149,7 +156,8 @@ impl Class {
             | Self::Adapter
             | Self::Port
             | Self::Think
-            | Self::Down => "#10151f",
+            | Self::Down
+            | Self::PortDown => "#10151f",
             Self::Frame
             | Self::Up
             | Self::Obey

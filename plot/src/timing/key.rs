@@ -42,6 +42,7 @@ fn is_mark(class: Class) -> bool {
         | Class::Port
         | Class::Think
         | Class::Down
+        | Class::PortDown
         | Class::Obey
         | Class::Fault => false,
     }

@@ -12,19 +12,20 @@ use super::diagram::{Bar, Group, Lane};
 use crate::quantity::{count, duration};
 
 /// The lanes of a robot with its events in a window, which ends before `until_ns`. If `of_cycle` has the places of events,
-/// all others are aside, but for trouble.
+/// all others are aside, but for trouble. `meanings` has what was said in events on cables, by their places.
 pub fn lanes(
     robot: &RobotSpec,
     events: &[Event],
     (from_ns, until_ns): (u64, u64),
     of_cycle: Option<&BTreeSet<usize>>,
+    meanings: &BTreeMap<usize, String>,
 ) -> Vec<Lane> {
     let mut lanes: BTreeMap<Who, Vec<Bar>> = BTreeMap::new();
     for (i, event) in events.iter().enumerate().filter(|(_, event)| is_in(event, from_ns, until_ns)) {
         let is_aside =
             of_cycle.is_some_and(|cycle| !cycle.contains(&i) && !Class::of(event.what).is_trouble());
         for who in Who::of(event.what, robot) {
-            lanes.entry(who).or_default().push(bar(robot, event, who, is_aside));
+            lanes.entry(who).or_default().push(bar(robot, (event, meanings.get(&i)), who, is_aside));
         }
     }
     for who in Who::all(robot) {
@@ -66,12 +67,16 @@ pub fn what(robot: &RobotSpec, what: What) -> String {
     }
 }
 
-fn bar(robot: &RobotSpec, event: &Event, who: Who, is_aside: bool) -> Bar {
+fn bar(robot: &RobotSpec, (event, meaning): (&Event, Option<&String>), who: Who, is_aside: bool) -> Bar {
+    let mut title = title(robot, event);
+    if let Some(meaning) = meaning {
+        title += &format!("\n{meaning}");
+    }
     Bar {
         start_ns: event.start.as_ns(),
         end_ns: event.end.as_ns(),
         label: label(robot, event, who),
-        title: title(robot, event),
+        title,
         class: Class::of(event.what),
         is_aside,
     }
@@ -88,7 +93,8 @@ fn label(robot: &RobotSpec, event: &Event, who: Who) -> String {
         What::Measure { .. } => "measure".to_owned(),
         What::Frame { .. } => "frame".to_owned(),
         What::Block => "wait".to_owned(),
-        What::Up { bytes: n } | What::Port { bytes: n, .. } | What::Down { bytes: n } => bytes(n),
+        What::Up { bytes: n } | What::Down { bytes: n } => bytes(n),
+        What::Port { bytes: n, .. } | What::PortDown { bytes: n, .. } => bytes(n),
         What::Lost { bytes: n } => format!("{} lost", bytes(n)),
         What::Think { informed: true } => "think".to_owned(),
         What::Think { informed: false } => "no news".to_owned(),
@@ -104,7 +110,7 @@ fn group(who: Who) -> Group {
         Who::Microcontroller => Group::Microcontroller,
         Who::CableUp | Who::Adapter | Who::Port(_) => Group::Up,
         Who::Brain => Group::Brain,
-        Who::CableDown => Group::Down,
+        Who::CableDown | Who::PortDown(_) => Group::Down,
         Who::Motors => Group::Motors,
         Who::Trouble | Who::Fault(_) => Group::Trouble,
     }

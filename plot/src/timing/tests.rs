@@ -1,5 +1,7 @@
 //! Diagrams of made-up events, parsed as XML.
 
+use std::collections::BTreeMap;
+
 use baudbot_sim::SimTime;
 use baudbot_sim::timeline::{Event, What};
 
@@ -117,7 +119,7 @@ fn what_was_missed_and_lost_has_lanes_of_its_own_if_there_is_any() {
     let robot = &scenario.robots[0];
     let event = |start, end, what| Event { start: SimTime::from_ns(start), end: SimTime::from_ns(end), what };
     let labels = |events: &[Event]| -> Vec<_> {
-        lanes(robot, events, (0, 100), None).into_iter().map(|lane| lane.label).collect()
+        lanes(robot, events, (0, 100), None, &BTreeMap::new()).into_iter().map(|lane| lane.label).collect()
     };
     let without = labels(&[event(200, 300, What::Late), event(0, 50, What::Acquire { sensor: 0 })]);
     assert_eq!(without.last().unwrap(), "motors");

@@ -4873,6 +4873,60 @@ pub struct WatchResponse {
     #[prost(message, repeated, tag = "10")]
     pub annotations: ::prost::alloc::vec::Vec<Annotation>,
 }
+/// Asks for the bytes of a cable.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct WatchCableRequest {
+    /// The world's name.
+    #[prost(string, tag = "1")]
+    pub world: ::prost::alloc::string::String,
+    /// The robot's name; may be left out if there is only one.
+    #[prost(string, tag = "2")]
+    pub robot: ::prost::alloc::string::String,
+    /// The name of a sensor with a cable of its own; empty for the cable between the robot's microcontroller and the laptop.
+    #[prost(string, tag = "3")]
+    pub sensor: ::prost::alloc::string::String,
+}
+/// What came over a cable since the last response. The first comes at once, without items.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct WatchCableResponse {
+    /// In the order in which they were complete.
+    #[prost(message, repeated, tag = "1")]
+    pub items: ::prost::alloc::vec::Vec<CableItem>,
+    /// Items that this watcher missed so far because it read too slowly.
+    #[prost(uint64, tag = "2")]
+    pub missed_items: u64,
+    /// Whether the world is at another time than before, as after a reset: what came before is no past of this.
+    #[prost(bool, tag = "3")]
+    pub restarted: bool,
+}
+/// A part of what is said on a cable: a message, a line, or bytes that fit nothing.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct CableItem {
+    /// Which way it went.
+    #[prost(enumeration = "CableDirection", tag = "1")]
+    pub direction: i32,
+    /// Simulated instant at which its first byte came to the end of the cable.
+    #[prost(uint64, tag = "2")]
+    pub from_ns: u64,
+    /// That of its last byte.
+    #[prost(uint64, tag = "3")]
+    pub to_ns: u64,
+    /// Its bytes, as they came. Of more than 4096 the first.
+    #[prost(bytes = "vec", tag = "4")]
+    pub data: ::prost::alloc::vec::Vec<u8>,
+    /// How many bytes it has.
+    #[prost(uint32, tag = "5")]
+    pub size: u32,
+    /// What it means, in the words of the protocol.
+    #[prost(string, tag = "6")]
+    pub text: ::prost::alloc::string::String,
+    /// Whether it is a whole and sound message of the protocol.
+    #[prost(bool, tag = "7")]
+    pub understood: bool,
+    /// How old its oldest reading was when its last byte came, as far as the message itself says it.
+    #[prost(uint64, optional, tag = "8")]
+    pub age_ns: ::core::option::Option<u64>,
+}
 /// Asks which cells of a world's floor are covered.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct GetCoverageRequest {
@@ -5114,6 +5168,39 @@ pub struct Collision {
     #[prost(string, tag = "2")]
     pub with: ::prost::alloc::string::String,
 }
+/// Which way bytes go on a cable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum CableDirection {
+    /// Never sent.
+    Unspecified = 0,
+    /// From the robot or the device to the laptop.
+    Up = 1,
+    /// From the laptop to the robot or the device.
+    Down = 2,
+}
+impl CableDirection {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "CABLE_DIRECTION_UNSPECIFIED",
+            Self::Up => "CABLE_DIRECTION_UP",
+            Self::Down => "CABLE_DIRECTION_DOWN",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "CABLE_DIRECTION_UNSPECIFIED" => Some(Self::Unspecified),
+            "CABLE_DIRECTION_UP" => Some(Self::Up),
+            "CABLE_DIRECTION_DOWN" => Some(Self::Down),
+            _ => None,
+        }
+    }
+}
 /// What can happen on a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
@@ -5150,6 +5237,8 @@ pub enum TimelineKind {
     Lost = 14,
     /// A fault of the scenario's was in force.
     Fault = 15,
+    /// What was written to a device was on its way, on the wire of the sensor's own.
+    PortDown = 16,
 }
 impl TimelineKind {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -5174,6 +5263,7 @@ impl TimelineKind {
             Self::Missed => "TIMELINE_KIND_MISSED",
             Self::Lost => "TIMELINE_KIND_LOST",
             Self::Fault => "TIMELINE_KIND_FAULT",
+            Self::PortDown => "TIMELINE_KIND_PORT_DOWN",
         }
     }
     /// Creates an enum from field names used in the ProtoBuf definition.
@@ -5195,6 +5285,7 @@ impl TimelineKind {
             "TIMELINE_KIND_MISSED" => Some(Self::Missed),
             "TIMELINE_KIND_LOST" => Some(Self::Lost),
             "TIMELINE_KIND_FAULT" => Some(Self::Fault),
+            "TIMELINE_KIND_PORT_DOWN" => Some(Self::PortDown),
             _ => None,
         }
     }
@@ -5368,6 +5459,33 @@ pub mod observe_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ObserveService", "GetCoverage"));
             self.inner.unary(req, path, codec).await
         }
+        /// The bytes that come over one cable from now on, with their meaning, as a protocol analyser shows them: nothing that is
+        /// not on the cable. A watcher that reads too slowly misses items, and is told how many. NOT_FOUND if there is no such robot or
+        /// sensor, FAILED_PRECONDITION if it has no cable.
+        pub async fn watch_cable(
+            &mut self,
+            request: impl tonic::IntoRequest<super::WatchCableRequest>,
+        ) -> std::result::Result<
+            tonic::Response<tonic::codec::Streaming<super::WatchCableResponse>>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/baudbot.v1.ObserveService/WatchCable",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("baudbot.v1.ObserveService", "WatchCable"));
+            self.inner.server_streaming(req, path, codec).await
+        }
     }
 }
 /// Generated server implementations.
@@ -5412,6 +5530,19 @@ pub mod observe_service_server {
             tonic::Response<super::GetCoverageResponse>,
             tonic::Status,
         >;
+        /// Server streaming response type for the WatchCable method.
+        type WatchCableStream: tonic::codegen::tokio_stream::Stream<
+                Item = std::result::Result<super::WatchCableResponse, tonic::Status>,
+            >
+            + std::marker::Send
+            + 'static;
+        /// The bytes that come over one cable from now on, with their meaning, as a protocol analyser shows them: nothing that is
+        /// not on the cable. A watcher that reads too slowly misses items, and is told how many. NOT_FOUND if there is no such robot or
+        /// sensor, FAILED_PRECONDITION if it has no cable.
+        async fn watch_cable(
+            &self,
+            request: tonic::Request<super::WatchCableRequest>,
+        ) -> std::result::Result<tonic::Response<Self::WatchCableStream>, tonic::Status>;
     }
     /// For observers: the truth. Brains must not use it.
     #[derive(Debug)]
@@ -5622,6 +5753,52 @@ pub mod observe_service_server {
                                 max_encoding_message_size,
                             );
                         let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/baudbot.v1.ObserveService/WatchCable" => {
+                    #[allow(non_camel_case_types)]
+                    struct WatchCableSvc<T: ObserveService>(pub Arc<T>);
+                    impl<
+                        T: ObserveService,
+                    > tonic::server::ServerStreamingService<super::WatchCableRequest>
+                    for WatchCableSvc<T> {
+                        type Response = super::WatchCableResponse;
+                        type ResponseStream = T::WatchCableStream;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::ResponseStream>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::WatchCableRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as ObserveService>::watch_cable(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = WatchCableSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.server_streaming(method, req).await;
                         Ok(res)
                     };
                     Box::pin(fut)

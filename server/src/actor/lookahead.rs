@@ -38,7 +38,10 @@ impl WorldActor {
     fn is_unseen(&self) -> bool {
         let looks_ahead = matches!(self.pacer.pace, Pace::Lockstep(lockstep) if lockstep.lookahead);
         let is_awaited = !self.deferred.is_empty() || !self.interventions.is_empty();
-        let is_watched = self.on_tick.is_some() || !self.observers.is_empty() || self.recording.looks();
+        let is_watched = self.on_tick.is_some()
+            || !self.observers.is_empty()
+            || !self.cables.is_empty()
+            || self.recording.looks();
         looks_ahead && !is_watched && !is_awaited && !self.pacer.paused
     }
 
@@ -192,7 +195,7 @@ pub(super) fn sees_world(message: &Message) -> bool {
             // A replay is never ahead.
             Request::Seek { .. } | Request::Fork(_) => false,
         },
-        Message::Watch(_) | Message::Cover(_) => true,
+        Message::Watch(_) | Message::WatchCable(_) | Message::Cover(_) => true,
         // Numbers only; monitoring that asks why a world stands must not wait for that.
         Message::Measure(_)
         | Message::Describe(_)

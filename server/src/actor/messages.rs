@@ -31,6 +31,7 @@ impl WorldActor {
                 self.observers.add(watch, view!(self));
                 self.fit_timeline();
             }
+            Message::WatchCable(watch) => self.cables.add(watch, &mut self.world),
             Message::Attach(request, reply) => self.attach(request, reply),
             Message::Step(step) => self.take_step(step),
             Message::Detach { session, why } => {

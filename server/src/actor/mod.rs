@@ -36,6 +36,7 @@ use baudbot_sim::{Answer, SimTime, Turn, World};
 use tonic::Status;
 
 use crate::beliefs::Beliefs;
+use crate::cables::Cables;
 use crate::endpoint::Sent;
 use crate::log::event;
 use crate::mailbox::Mailbox;
@@ -66,6 +67,7 @@ pub(crate) struct WorldActor {
     phase: Phase,
     sessions: Sessions,
     observers: Observers,
+    cables: Cables,
     beliefs: Beliefs,
     ports: Ports,
     pacer: Pacer,
@@ -158,6 +160,7 @@ impl WorldActor {
             phase: Phase::Between,
             sessions: Sessions::new(robots),
             observers: Observers::default(),
+            cables: Cables::default(),
             beliefs: Beliefs::new(robots),
             ports: Ports::new(&world),
             pacer: Pacer::new(pace, paused),
@@ -300,6 +303,13 @@ impl WorldActor {
             progress.tell(&self.world);
         }
         self.observers.show(view!(self));
+        self.cables.listen(&mut self.world);
+    }
+
+    /// The world is at another time: what observers and watchers of cables have seen is no past of it.
+    fn forget_seen(&mut self) {
+        self.observers.reset(&self.world);
+        self.cables.reset(&mut self.world);
     }
 
     /// Ends the tick, without the answers of some robots, each with when its brain is done.
@@ -320,6 +330,7 @@ impl WorldActor {
         }
         let began = (self.world.tick(), self.world.time());
         self.world.finish_ahead(&answers, open);
+        self.cables.listen(&mut self.world);
         self.record_inputs(began, open);
         self.ports.inputs.clear();
         self.ports.to_devices.clear();

@@ -136,9 +136,10 @@ impl WorldActor {
         self.replaying = Some(replaying);
         if let Some(seek) = found {
             if seek.jumped {
-                self.observers.reset(&self.world);
+                self.forget_seen();
             }
             self.observers.show_now(view!(self));
+            self.cables.listen(&mut self.world);
             drop(seek.reply.send(Ok(self.report(0))));
         }
         if is_over || self.stepper.credits == 0 {
@@ -157,7 +158,7 @@ impl WorldActor {
         if goes_on && self.world.tick() != tick + 1 {
             // The recording has a gap. The clock does not wait for as long as that took.
             self.pacer.clock = None;
-            self.observers.reset(&self.world);
+            self.forget_seen();
         }
         self.spend_credit();
         self.show();
@@ -196,7 +197,7 @@ impl WorldActor {
     pub(super) fn fork(&mut self, pace: Pace) {
         let seek = self.replaying.take().and_then(|replaying| replaying.seek);
         if let Some(Seek { reply, .. }) = seek {
-            self.observers.reset(&self.world);
+            self.forget_seen();
             drop(reply.send(Ok(self.report(0))));
         }
         self.pacer.paused = true;

@@ -100,7 +100,7 @@ impl WorldActor {
         self.end_stepping();
         self.drop_interventions();
         self.beliefs.forget_all();
-        self.observers.reset(&self.world);
+        self.forget_seen();
         self.fit_timeline();
     }
 }

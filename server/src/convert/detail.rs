@@ -71,6 +71,7 @@ fn kind(what: What) -> (v1::TimelineKind, Option<u32>, u32) {
         What::Up { bytes } => (Kind::Up, None, bytes),
         What::Adapter => (Kind::Adapter, None, 0),
         What::Port { sensor, bytes } => (Kind::Port, Some(sensor.into()), bytes),
+        What::PortDown { sensor, bytes } => (Kind::PortDown, Some(sensor.into()), bytes),
         What::Think { informed } => (Kind::Think, Some(informed.into()), 0),
         What::Down { bytes } => (Kind::Down, None, bytes),
         What::Obey => (Kind::Obey, None, 0),

@@ -1,10 +1,11 @@
 //! Conversions between the contract's types and the domain's: the only folder that names both.
 //!
-//! `brain` and `turn` are for brains; `observe`, `detail` and `coverage` are for observers; `status`, `budget`, `intervention`, `pace` and
+//! `brain` and `turn` are for brains; `observe`, `detail`, `cable` and `coverage` are for observers; `status`, `budget`, `intervention`, `pace` and
 //! `replay` are for operators; `trainer` is for trainers. This file has what they share.
 
 mod brain;
 mod budget;
+mod cable;
 mod coverage;
 mod detail;
 mod intervention;
@@ -21,6 +22,7 @@ use crate::frame::{Charge, Score, ZoneScore};
 
 pub(crate) use brain::{AttachResponse, delivery, first_response, welcome, write, writes};
 pub(crate) use budget::robot_budget;
+pub(crate) use cable::cable_news;
 pub(crate) use coverage::coverage;
 pub(crate) use intervention::intervention;
 pub(crate) use observe::{frame, world_description};

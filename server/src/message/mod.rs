@@ -11,6 +11,7 @@ use baudbot_sim::Scenario;
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
 use tonic::Status;
 
+use crate::cables::WatchCable;
 use crate::endpoint::Write;
 use crate::frame::Frame;
 use crate::measures::Measures;
@@ -32,6 +33,7 @@ pub(crate) enum Message {
     Measure(oneshot::Sender<Measures>),
     Cover(oneshot::Sender<CoverageReport>),
     Watch(Watch),
+    WatchCable(WatchCable),
     Attach(Attach, Reply<Attached>),
     Step(Step),
     Detach {

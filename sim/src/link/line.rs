@@ -1,11 +1,13 @@
 //! One direction of a link: the bytes on their way.
 
+use alloc::boxed::Box;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
 use super::messages::{Message, Messages};
+use super::tape::{Tape, Taped};
 use super::transmission::Transmission;
 use super::transport_path::{Direction, SOON_NS, TransportPath};
 use super::{LineCounters, Link};
@@ -29,6 +31,9 @@ pub struct Line {
     /// Under way as it is: nothing else is then, and at the tick's end it becomes bytes.
     #[serde(skip)]
     command: Option<Whole>,
+    /// What has come over it, if somebody looks.
+    #[serde(skip)]
+    tape: Option<Box<Tape>>,
 }
 
 /// A command to a microcontroller.
@@ -69,6 +74,33 @@ impl Line {
             transport_path: link.has_detour().then(|| TransportPath::new(link, seed, name, direction)),
             counters: LineCounters::default(),
             command: None,
+            tape: None,
+        }
+    }
+
+    /// From now on keeps the last so many bytes that are taken at its end.
+    pub(crate) fn keep_tape(&mut self, bytes: usize) {
+        self.tape = (bytes > 0).then(|| Box::new(Tape::with_room(bytes)));
+    }
+
+    /// The last bytes that were taken at its end, if they are kept.
+    pub(crate) fn tape(&self) -> Option<&Tape> {
+        self.tape.as_deref()
+    }
+
+    /// Whether its bytes are kept.
+    pub(crate) fn is_taped(&self) -> bool {
+        self.tape.is_some()
+    }
+
+    /// This byte has been taken, at this instant.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn note_taken(&mut self, taken: Option<(SimTime, u8)>) {
+        let over = self.over();
+        let message_until = self.messages.holding(over).map(|message| message.on_wire_until);
+        if let (Some(tape), Some((at, byte))) = (&mut self.tape, taken) {
+            tape.push(Taped { at, byte, message_until });
         }
     }
 
@@ -187,10 +219,14 @@ impl Line {
         self.in_flight.extend(bytes.iter().map(|&byte| (arrival, byte)));
     }
 
-    /// So many bytes of a message are sent at `now` and taken at once, on a line that is
+    /// These bytes of a message are sent at `now` and taken at once, on a line that is
     /// [idle and instant](Self::is_idle_and_instant).
-    pub(crate) fn pass_message(&mut self, now: SimTime, bytes: usize) {
-        let bytes = bytes as u64;
+    pub(crate) fn pass_message(&mut self, now: SimTime, bytes: &[u8]) {
+        if let Some(tape) = &mut self.tape {
+            let taped = |&byte| Taped { at: now, byte, message_until: Some(now) };
+            bytes.iter().map(taped).for_each(|taped| tape.push(taped));
+        }
+        let bytes = bytes.len() as u64;
         self.transmission.put_at_once(now, bytes);
         self.sent += bytes;
         self.counters.bytes += bytes;
@@ -229,7 +265,7 @@ impl Line {
     }
 
     /// From when on the wire is free for more, as far as can be told now.
-    fn free_at(&self, link: &Link) -> SimTime {
+    pub(crate) fn free_at(&self, link: &Link) -> SimTime {
         let Some(transport_path) = &self.transport_path else { return self.transmission.end() };
         let asking = self.forecast(link, transport_path).last();
         asking.unwrap_or_else(|| self.transmission.end().max(transport_path.blocked_until))
@@ -291,7 +327,11 @@ impl Line {
             return None;
         }
         self.counters.bytes += 1;
-        self.in_flight.pop_front()
+        let taken = self.in_flight.pop_front();
+        if self.tape.is_some() {
+            self.note_taken(taken);
+        }
+        taken
     }
 
     /// How many bytes the laptop's driver still holds at `now`.

@@ -69,6 +69,11 @@ impl Messages {
         self.0.front().filter(|sent| sent.begin < over).map(|sent| &sent.message)
     }
 
+    /// The same, and nothing is forgotten.
+    pub(super) fn holding(&self, over: u64) -> Option<&Message> {
+        self.0.iter().find(|sent| sent.begin < over && over <= sent.end).map(|sent| &sent.message)
+    }
+
     /// A message of which the last byte is over, and that nobody asked about then, was not understood.
     pub(super) fn forget(&mut self, over: u64) {
         while self.0.pop_front_if(|sent| sent.end < over).is_some() {}

@@ -25,6 +25,7 @@ mod lookahead;
 mod messages;
 mod outage;
 mod radio;
+mod tape;
 mod transmission;
 mod transport_path;
 
@@ -43,6 +44,7 @@ pub use line::Line;
 pub(crate) use messages::Message;
 pub use outage::Outage;
 pub use radio::Bluetooth;
+pub use tape::{Tape, Taped};
 pub(crate) use transport_path::Direction;
 
 use crate::fault::When;

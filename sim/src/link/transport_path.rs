@@ -188,7 +188,11 @@ impl Line {
         }
         self.open_packet(link);
         self.counters.bytes += 1;
-        self.in_flight.pop_front().map(|(_, byte)| (at, byte))
+        let taken = self.in_flight.pop_front().map(|(_, byte)| (at, byte));
+        if self.is_taped() {
+            self.note_taken(taken);
+        }
+        taken
     }
 
     /// The packet of the next byte is there, and the byte is taken from it.

@@ -23,7 +23,9 @@ impl Microcontroller {
                 .iter()
                 .chain(&command.others)
                 .all(|s| s.is_finite());
-        let is_instant = downlink.is_idle_and_instant(&spec.link)
+        // Who looks at the cable sees bytes.
+        let is_instant = !downlink.is_taped()
+            && downlink.is_idle_and_instant(&spec.link)
             && self.decoder.is_between_frames()
             && (spec.is_onboard() || spec.processor.receiving_ns_per_byte == 0);
         (is_whole && is_instant).then(|| frame::encoded_len_max(payload))
@@ -74,7 +76,7 @@ impl Microcontroller {
         if !laptop.take_at_once(spec, &bytes[..len]) {
             return None;
         }
-        uplink.pass_message(now, len);
+        uplink.pass_message(now, &bytes[..len]);
         let begun = self.tell(spec, now, laptop);
         self.free_at = now;
         Some((len, begun))

@@ -150,6 +150,14 @@ impl Robot {
         self.downlink.watch_outages(link, seed, &[name, "/link:down"], Direction::Down);
     }
 
+    /// From now on keeps the last so many bytes that come over each of its cables, each way.
+    pub(crate) fn keep_tape(&mut self, bytes: usize) {
+        let ports = self.ports.iter_mut().map(|port| &mut port.line);
+        let dialogues = self.rare.third.iter_mut().flatten().flatten().map(|dialogue| &mut dialogue.down);
+        let own = [&mut self.uplink, &mut self.downlink];
+        own.into_iter().chain(ports).chain(dialogues).for_each(|line| line.keep_tape(bytes));
+    }
+
     /// Its microcontroller is reset at `now`: it begins anew when its bootloader has waited, which `spec` says.
     pub(crate) fn reset_board(&mut self, spec: &RobotSpec, now: SimTime) {
         self.lay_down_command(spec);

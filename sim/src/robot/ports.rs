@@ -3,7 +3,7 @@
 use super::Robot;
 use crate::link::{Link, Message};
 use crate::model::RobotSpec;
-use crate::sensor::dialogue::{DialogueState, Fate};
+use crate::sensor::dialogue::{DialogueState, Fate, OnWire, Said};
 use crate::sensor::port::{Port, PortState};
 use crate::time::SimTime;
 use crate::timeline::What;
@@ -109,7 +109,37 @@ impl Robot {
         let dialogue = rare.third.as_mut().and_then(|all| all.get_mut(k)?.as_mut());
         let (Some(dialogue), Some(state)) = (dialogue, ports.get_mut(k)) else { return };
         let newest = microcontroller.newest(spec.sensors.ports()[k]);
-        dialogue.run(port, now, &mut state.line, newest.map(|(values, begun, _)| (values, begun)));
+        let said = dialogue.run(port, now, &mut state.line, newest.map(|(values, begun, _)| (values, begun)));
+        match said {
+            Said::Nothing => {}
+            Said::Up(on_wire) => self.note_up(spec, k, on_wire),
+            Said::Down(on_wire) => self.note_down(spec, k, on_wire),
+        }
+    }
+
+    /// A device says something that is no scan, on port `k`.
+    fn note_up(&mut self, spec: &RobotSpec, k: usize, on_wire: OnWire) {
+        let OnWire { from, until, bytes } = on_wire;
+        let sensor = spec.sensors.ports()[k] as u16;
+        self.recorder.note(from, until, What::Port { sensor, bytes });
+    }
+
+    /// Something is said to a device, on port `k`.
+    fn note_down(&mut self, spec: &RobotSpec, k: usize, on_wire: OnWire) {
+        let OnWire { from, until, bytes } = on_wire;
+        let sensor = spec.sensors.ports()[k] as u16;
+        self.recorder.note(from, until, What::PortDown { sensor, bytes });
+    }
+
+    /// The laptop's drivers have begun to ask before the run began.
+    pub(crate) fn note_first_questions(&mut self, spec: &RobotSpec) {
+        for k in 0..self.ports.len() {
+            let asked =
+                port(spec, k).zip(self.dialogue(k)).and_then(|(port, state)| state.first_question(port));
+            if let Some(on_wire) = asked {
+                self.note_down(spec, k, on_wire);
+            }
+        }
     }
 
     /// A scan is there on port `k`, a dialogue, of sensor `i`.
@@ -126,16 +156,15 @@ impl Robot {
                 microcontroller.leave_out(i);
                 recorder.note(now, now, What::Missed { sensor: i as u16 });
             }
-            Fate::Sent { from, until, bytes } => {
-                recorder.note(from, until, What::Port { sensor: i as u16, bytes });
-            }
+            Fate::Sent(on_wire) => self.note_up(spec, k, on_wire),
         }
     }
 
     /// A message that is no reading has come to the laptop on port `k` at `now`.
     fn drive_dialogue(&mut self, spec: &RobotSpec, now: SimTime, k: usize, is_start: bool) {
-        if let (Some(port), Some(dialogue)) = (port(spec, k), self.dialogue_mut(k)) {
-            dialogue.drive(port, now, is_start);
+        let (Some(port), Some(dialogue)) = (port(spec, k), self.dialogue_mut(k)) else { return };
+        if let Some(on_wire) = dialogue.drive(port, now, is_start) {
+            self.note_down(spec, k, on_wire);
         }
     }
 
@@ -154,8 +183,9 @@ impl Robot {
             return;
         }
         for k in 0..self.ports.len() {
-            if let (Some(port), Some(dialogue)) = (port(spec, k), self.dialogue_mut(k)) {
-                dialogue.send_written(port, from);
+            let (Some(port), Some(dialogue)) = (port(spec, k), self.dialogue_mut(k)) else { continue };
+            for on_wire in dialogue.send_written(port, from) {
+                self.note_down(spec, k, on_wire);
             }
         }
     }

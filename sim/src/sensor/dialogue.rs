@@ -144,20 +144,27 @@ impl DialogueState {
     }
 
     /// What was written is on its way, in the order of its instants, none of which is before `from`.
-    pub(crate) fn send_written(&mut self, port: &Port, from: SimTime) {
+    pub(crate) fn send_written(&mut self, port: &Port, from: SimTime) -> Vec<OnWire> {
         let mut written = core::mem::take(&mut self.written);
         written.sort_by_key(|(at, _)| *at);
-        for (at, bytes) in written {
-            self.send_down(port, at.max(from), &bytes);
-        }
+        written.iter().filter_map(|(at, bytes)| self.send_down(port, (*at).max(from), bytes)).collect()
     }
 
-    fn send_down(&mut self, port: &Port, at: SimTime, bytes: &[u8]) {
+    /// What the driver has sent before the run began, of which nothing has arrived.
+    pub(crate) fn first_question(&self, port: &Port) -> Option<OnWire> {
+        let bytes = self.down.under_way() as u32;
+        (bytes > 0).then(|| OnWire { from: SimTime::ZERO, until: self.down.free_at(self.cable(port)), bytes })
+    }
+
+    fn send_down(&mut self, port: &Port, at: SimTime, bytes: &[u8]) -> Option<OnWire> {
         let cable = self.cable(port);
         let room = cable.laptop_buffer().saturating_sub(self.down.waiting(cable, at));
         let taken = bytes.len().min(room);
         self.down.counters.refused_bytes += (bytes.len() - taken) as u64;
+        let from = self.down.free_at(cable).max(at);
         self.down.send(cable, at, &bytes[..taken]);
+        let until = self.down.free_at(cable).max(from);
+        (taken > 0).then_some(OnWire { from, until, bytes: taken as u32 })
     }
 
     /// What is next happens, at `now`: the driver asks again, or the device takes a byte, or answers.
@@ -167,25 +174,44 @@ impl DialogueState {
         now: SimTime,
         up: &mut Line,
         newest: Option<(&[f64], SimTime)>,
-    ) {
+    ) -> Said {
         if self.driver_at <= now {
-            // The end of a line that was damaged comes first.
-            self.send_down(port, now, b"\n");
-            return self.drive(port, now, false);
+            return self.ask_again(port, now);
         }
         let cable = self.cable(port);
         if self.answer_at.is_some() {
             return self.answer(port, now, up, newest);
         }
         self.down.overrun(cable, now);
-        let Some((_, byte)) = self.down.take(cable, now) else { return };
-        if self.device.push(byte) {
+        if let Some((_, byte)) = self.down.take(cable, now)
+            && self.device.push(byte)
+        {
             self.answer_at = Some(now + ANSWER_NS);
         }
+        Said::Nothing
     }
 
-    fn answer(&mut self, port: &Port, now: SimTime, up: &mut Line, newest: Option<(&[f64], SimTime)>) {
-        let Some(dialogue) = &port.dialogue else { return };
+    /// The driver has waited long enough.
+    fn ask_again(&mut self, port: &Port, now: SimTime) -> Said {
+        // The end of a line that was damaged comes first.
+        let end = self.send_down(port, now, b"\n");
+        let question = self.drive(port, now, false);
+        let joined = |first: OnWire, second: OnWire| OnWire {
+            from: first.from,
+            until: second.until,
+            bytes: first.bytes + second.bytes,
+        };
+        [end, question].into_iter().flatten().reduce(joined).map_or(Said::Nothing, Said::Down)
+    }
+
+    fn answer(
+        &mut self,
+        port: &Port,
+        now: SimTime,
+        up: &mut Line,
+        newest: Option<(&[f64], SimTime)>,
+    ) -> Said {
+        let Some(dialogue) = &port.dialogue else { return Said::Nothing };
         let cable = self.cable(port);
         let rate: Rate = cable.baud().and_then(core::num::NonZeroU32::new);
         let newest = newest.map(|(ranges_m, begun)| Newest { begun_ns: begun.as_ns(), ranges_m });
@@ -194,12 +220,12 @@ impl DialogueState {
         let effect = match answer {
             Answer::Later => {
                 self.answer_at = Some(SimTime::NEVER);
-                return;
+                return Said::Nothing;
             }
             Answer::Nothing => Effect::None,
             Answer::Written(effect) => effect,
         };
-        up.send_message(cable, now, &bytes, Message::default());
+        let (from, until) = up.send_message(cable, now, &bytes, Message::default());
         self.answer_at = None;
         self.free_at = up.drained(cable).max(now);
         match effect {
@@ -207,6 +233,8 @@ impl DialogueState {
             Effect::Rate(baud) => self.change_rate(up, RATES.iter().position(|&rate| rate == baud)),
             Effect::FirstRate => self.change_rate(up, None),
         }
+        let bytes = bytes.len() as u32;
+        if bytes > 0 { Said::Up(OnWire { from, until, bytes }) } else { Said::Nothing }
     }
 
     /// What is on the wire stays as it is.
@@ -241,20 +269,20 @@ impl DialogueState {
         self.device.send_scan(&dialogue.description, scan, &mut bytes);
         let (from, until) = up.send_message(self.cable(port), now, &bytes, message);
         self.scan_until = until;
-        Fate::Sent { from, until, bytes: bytes.len() as u32 }
+        Fate::Sent(OnWire { from, until, bytes: bytes.len() as u32 })
     }
 
     /// A message that is no scan has come to the laptop at `now`: `is_start` if it says that scans will come.
-    pub(crate) fn drive(&mut self, port: &Port, now: SimTime, is_start: bool) {
+    pub(crate) fn drive(&mut self, port: &Port, now: SimTime, is_start: bool) -> Option<OnWire> {
         if is_start {
             self.driver_at = SimTime::NEVER;
         }
-        let Format::Scip(format) = port.format else { return };
+        let Format::Scip(format) = port.format else { return None };
         if self.driver_at == SimTime::NEVER {
-            return;
+            return None;
         }
         self.driver_at = now + DRIVER_NS;
-        self.send_down(port, now, &measure(&format));
+        self.send_down(port, now, &measure(&format))
     }
 }
 
@@ -263,11 +291,24 @@ pub(crate) enum Fate {
     /// Nobody has asked for it.
     Unwanted,
     Missed,
-    Sent {
-        from: SimTime,
-        until: SimTime,
-        bytes: u32,
-    },
+    Sent(OnWire),
+}
+
+/// What [`DialogueState::run`] has put on the cable.
+pub(crate) enum Said {
+    Nothing,
+    /// An answer that is no scan.
+    Up(OnWire),
+    /// A question of the driver's.
+    Down(OnWire),
+}
+
+/// Bytes on the wire, as far as can be told now.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OnWire {
+    pub(crate) from: SimTime,
+    pub(crate) until: SimTime,
+    pub(crate) bytes: u32,
 }
 
 /// Asks for scans of this format without an end.

@@ -140,7 +140,7 @@ const UNREAD_MAX: usize = 4 << 20;
 impl Port {
     /// More bytes than these without an end are no message: the rest of a broken one, and a whole one.
     #[inline]
-    fn longest(&self, device: &Device) -> usize {
+    pub(crate) fn longest(&self, device: &Device) -> usize {
         match &self.dialogue {
             Some(dialogue) => 2 * dialogue::longest(&dialogue.description),
             None => self.format.longest(device),

@@ -14,6 +14,7 @@ const KEYS: [string, string][] = [
   ["r g b c", "rays, ghost (dead reckoning), belief, coverage"],
   ["m", "move robots and things by hand; the wheel turns them"],
   ["d", "drive: WASD or arrows, gamepad, pad"],
+  ["y", "bytes of a cable, with their meaning"],
   ["t", "dark or light"],
   ["?", "this help"],
   ["Escape", "close, let go, stop driving"],

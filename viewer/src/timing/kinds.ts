@@ -25,6 +25,7 @@ const KINDS: Record<TimelineKind, Kind> = {
   [TimelineKind.PORT]: { color: "#66b8ad", ink: DARK_INK, words: "on a cable of its own" },
   [TimelineKind.THINK]: { color: "#e69f00", ink: DARK_INK, words: "the brain thinks" },
   [TimelineKind.DOWN]: { color: "#cc79a7", ink: DARK_INK, words: "a command on its way" },
+  [TimelineKind.PORT_DOWN]: { color: "#e3b7cf", ink: DARK_INK, words: "to a device, on its own cable" },
   [TimelineKind.OBEY]: { color: "#8f4a86", ink: WHITE, words: "a command is taken" },
   [TimelineKind.ACT]: { color: "#5a49b8", ink: WHITE, words: "the motors obey" },
   [TimelineKind.LATE]: { color: "#d0312d", ink: WHITE, words: "not in time", trouble: true },

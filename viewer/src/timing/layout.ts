@@ -57,6 +57,7 @@ export function lanes(
     ...lane("own cables", 2, ofKind(K.PORT), false),
     ...lane("thinking", 3, ofKind(K.THINK)),
     ...lane("transfer down", 4, ofKind(K.DOWN)),
+    ...lane("to devices", 4, ofKind(K.PORT_DOWN), false),
     ...lane("obeying", 5, ofKind(K.OBEY)),
     ...lane("actuation", 5, ofKind(K.ACT)),
     ...lane("trouble", 6, ofKind(K.LATE, K.MISSED, K.LOST, K.FAULT), false),
@@ -113,6 +114,7 @@ function barLabel(robot: RobotDescription, event: Happening): string {
     case K.UP:
     case K.DOWN:
     case K.PORT:
+    case K.PORT_DOWN:
       return bytes;
     case K.THINK:
       return isIdle(event) ? "no news" : "think";
@@ -133,7 +135,8 @@ function barLabel(robot: RobotDescription, event: Happening): string {
 export function what(robot: RobotDescription, event: Happening): string {
   const sensor = event.part === undefined ? undefined : robot.sensors[event.part]?.sensor;
   const K = TimelineKind;
-  const named = [K.ACQUIRE, K.MEASURE, K.PORT, K.MISSED].includes(event.kind) && sensor ? `${sensor}: ` : "";
+  const named =
+    [K.ACQUIRE, K.MEASURE, K.PORT, K.PORT_DOWN, K.MISSED].includes(event.kind) && sensor ? `${sensor}: ` : "";
   const bytes = event.bytes > 0 ? `, ${event.bytes} bytes` : "";
   const news = isIdle(event) ? ", without news" : "";
   return `${named}${kindOf(event.kind).words}${bytes}${news}`;

@@ -148,22 +148,22 @@ pub fn message_end(stream: &[u8]) -> Option<usize> {
 }
 
 /// The number that characters stand for, 6 bits each.
-fn value(characters: &[u8]) -> u32 {
+pub(crate) fn value(characters: &[u8]) -> u32 {
     characters
         .iter()
         .fold(0, |value, character| value << 6 | u32::from(character.wrapping_sub(FIRST_CHARACTER)))
 }
 
-const LINE_FEED: u8 = b'\n';
+pub(crate) const LINE_FEED: u8 = b'\n';
 /// The character of 0, and what each character is more than its number.
-const FIRST_CHARACTER: u8 = b'0';
+pub(crate) const FIRST_CHARACTER: u8 = b'0';
 /// The character of 63.
 const LAST_CHARACTER: u8 = b'o';
 const STATUS_SCAN: &[u8; 2] = b"99";
 /// Characters of a whole block.
-const BLOCK_LEN: usize = 64;
+pub(crate) const BLOCK_LEN: usize = 64;
 /// Characters of the time stamp.
-const TIME_LEN: usize = 4;
+pub(crate) const TIME_LEN: usize = 4;
 /// Bytes of the checksum and the line feed.
 const LINE_END_LEN: usize = 2;
 const ECHO_LEN: usize = 16;

@@ -1,0 +1,179 @@
+//! Watchers of one world's cables: each gets the bytes of one cable with their meaning. A slow watcher misses items and never
+//! slows the world, and a cable that nobody watches costs nothing.
+
+use std::collections::{BTreeSet, VecDeque};
+
+use baudbot_sim::World;
+use baudbot_sim::cable::{Cable, Listener};
+use baudbot_wire::meaning::{Direction, Item};
+use tokio::sync::mpsc;
+use tokio::sync::mpsc::error::TrySendError;
+
+/// Items that wait for a watcher that does not read. Of more the oldest are missed.
+const MOST_WAITING: usize = 512;
+
+/// Bytes of each direction of a cable that a world keeps between two looks.
+const MOST_KEPT: usize = 1 << 16;
+
+/// Bytes of an item that a watcher is told.
+const MOST_TOLD: usize = 4096;
+
+/// Who wants to see the bytes of a cable.
+pub(crate) struct WatchCable {
+    pub(crate) robot: usize,
+    pub(crate) cable: Cable,
+    pub(crate) news: mpsc::Sender<CableNews>,
+}
+
+/// What came over a cable since the last news.
+#[derive(Debug, Default)]
+pub(crate) struct CableNews {
+    pub(crate) items: Vec<CableItem>,
+    /// Items that this watcher has missed since it came.
+    pub(crate) missed: u64,
+    /// The world is at another time than before.
+    pub(crate) has_restarted: bool,
+}
+
+/// A part of what is said on a cable.
+#[derive(Debug)]
+pub(crate) struct CableItem {
+    pub(crate) direction: Direction,
+    pub(crate) from_ns: u64,
+    pub(crate) to_ns: u64,
+    /// The first of its bytes.
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) size: usize,
+    pub(crate) text: String,
+    pub(crate) is_understood: bool,
+    pub(crate) age_ns: Option<u64>,
+}
+
+/// The watchers of a world's cables.
+#[derive(Default)]
+pub(crate) struct Cables {
+    present: Vec<Watcher>,
+    /// The robots whose bytes the world keeps for them.
+    taped: BTreeSet<usize>,
+}
+
+struct Watcher {
+    robot: usize,
+    listener: Listener,
+    news: mpsc::Sender<CableNews>,
+    waiting: VecDeque<CableItem>,
+    missed: u64,
+    /// What it has been told of the bytes that the world did not keep.
+    missed_bytes: u64,
+    has_restarted: bool,
+}
+
+impl Cables {
+    /// Adds a watcher, which is told at once that it watches. One of a cable that there is not is gone at once.
+    pub(crate) fn add(&mut self, watch: WatchCable, world: &mut World) {
+        let WatchCable { robot, cable, news } = watch;
+        let listener = world.scenario().robots.get(robot).and_then(|spec| Listener::new(spec, cable));
+        let Some(listener) = listener else { return };
+        if news.try_send(CableNews::default()).is_ok() {
+            let (waiting, missed, missed_bytes, has_restarted) = (VecDeque::new(), 0, 0, false);
+            self.present.push(Watcher {
+                robot,
+                listener,
+                news,
+                waiting,
+                missed,
+                missed_bytes,
+                has_restarted,
+            });
+            self.keep_tapes(world);
+            // What came before is not told.
+            self.present.last_mut().into_iter().for_each(|watcher| watcher.catch_up(world));
+        }
+    }
+
+    /// Whether nobody watches.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.present.is_empty()
+    }
+
+    /// Tells watchers what has come since they were last told.
+    pub(crate) fn listen(&mut self, world: &mut World) {
+        if self.present.is_empty() {
+            return;
+        }
+        let before = self.present.len();
+        self.present.retain_mut(|watcher| watcher.listen(world));
+        if self.present.len() < before {
+            self.keep_tapes(world);
+        }
+    }
+
+    /// Forgets what watchers have heard: the world is at another time.
+    pub(crate) fn reset(&mut self, world: &mut World) {
+        self.keep_tapes(world);
+        for watcher in &mut self.present {
+            watcher.listener.reset(world.robot(watcher.robot).spec());
+            watcher.missed_bytes = 0;
+            watcher.has_restarted = true;
+            watcher.catch_up(world);
+        }
+    }
+
+    /// The world keeps the bytes of robots whose cables are watched, and of no others.
+    fn keep_tapes(&mut self, world: &mut World) {
+        let robots = world.robots().len();
+        for robot in 0..robots {
+            let is_watched = self.present.iter().any(|watcher| watcher.robot == robot);
+            if is_watched && !world.keeps_tape(robot) {
+                world.keep_tape(robot, MOST_KEPT);
+                self.taped.insert(robot);
+            } else if !is_watched && self.taped.remove(&robot) {
+                world.keep_tape(robot, 0);
+            }
+        }
+    }
+}
+
+impl Watcher {
+    /// What has come by now is not told.
+    fn catch_up(&mut self, world: &World) {
+        self.listener.look(&world.robot(self.robot), world.time(), &mut |_: Item<'_>, _| {});
+        self.missed_bytes = self.listener.missed_bytes();
+    }
+
+    /// Tells what is new, if there is room; `false` if the watcher is gone.
+    fn listen(&mut self, world: &World) -> bool {
+        let Self { listener, waiting, missed, .. } = self;
+        listener.look(&world.robot(self.robot), world.time(), &mut |item: Item<'_>, _| {
+            if waiting.len() == MOST_WAITING {
+                waiting.pop_front();
+                *missed += 1;
+            }
+            waiting.push_back(kept(&item));
+        });
+        // Bytes that the world did not keep are at least one item.
+        if listener.missed_bytes() > self.missed_bytes {
+            self.missed_bytes = listener.missed_bytes();
+            self.missed += 1;
+        }
+        if self.waiting.is_empty() && !self.has_restarted {
+            return !self.news.is_closed();
+        }
+        match self.news.try_reserve() {
+            Ok(place) => {
+                let items = self.waiting.drain(..).collect();
+                let has_restarted = std::mem::take(&mut self.has_restarted);
+                place.send(CableNews { items, missed: self.missed, has_restarted });
+                true
+            }
+            Err(TrySendError::Full(())) => true,
+            Err(TrySendError::Closed(())) => false,
+        }
+    }
+}
+
+fn kept(item: &Item<'_>) -> CableItem {
+    let Item { direction, from_ns, to_ns, bytes, text, is_understood, age_ns } = *item;
+    let (size, bytes) = (bytes.len(), bytes.iter().copied().take(MOST_TOLD).collect());
+    CableItem { direction, from_ns, to_ns, bytes, size, text: text.to_owned(), is_understood, age_ns }
+}
