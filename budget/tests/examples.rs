@@ -71,7 +71,7 @@ fn lines_of_text(code: f64) -> String {
 /// A laser on a cable of its own that answers when it is asked.
 fn asked_laser(baud: u32) -> String {
     format!(
-        "step_ms = 0.05\nnoise = false\n[[robots]]\nname = \"r\"\n{BODY}\n[robots.sensors.urg]\nkind = \"laser\"\n\
+        "step_ms = 0.5\nnoise = false\n[[robots]]\nname = \"r\"\n{BODY}\n[robots.sensors.urg]\nkind = \"laser\"\n\
          mount = {{ x_m = 0.0 }}\nrays = 682\nopening_rad = 4.18\nrange_m = 4.0\nclock = {{ period_ms = 100.0 }}\n\
          port = {{ dialogue = \"asked\", model = \"urg-04lx\", link = {{ kind = \"uart\", baud = {baud} }} }}\n"
     )
@@ -89,13 +89,13 @@ fn scans_per_s(toml: &str) -> f64 {
     let question = format!("GD{:04}{:04}{:02}\n", format.first_step, format.last_step, format.cluster);
     let mut world = World::new(scenario.into());
     let (mut heard, mut answers) = (Vec::new(), Vec::new());
-    for tick in 0..40_000 {
+    for tick in 0..20_000 {
         let turn = world.begin()[0];
         heard.extend_from_slice(world.robot(0).unread_of_ports().next().unwrap().1);
         let said: &[u8] = match tick {
             0 => b"BM\n",
             // The mirror has turned by then.
-            6000 => question.as_bytes(),
+            600 => question.as_bytes(),
             _ if heard.len() == format.answer_len() && heard.starts_with(b"GD") => {
                 answers.push(turn.at.as_seconds());
                 question.as_bytes()

@@ -285,11 +285,11 @@ fn another_baud_rate_is_that_of_the_cable_from_the_end_of_the_tick_on() {
     let mut world = create_2();
     let baud = |world: &World| world.robot(0).spec().link.baud();
     assert_eq!((say(&mut world, 30, &[128, 142, 35]), baud(&world)), (vec![1], Some(115_200)));
-    say(&mut world, 1, &[129, 0]);
+    say(&mut world, 4, &[129, 0]);
     assert_eq!(baud(&world), Some(300));
     // Two bytes of a question and the answer take 10 bits each at 300 baud: 100 ms.
-    assert_eq!(say(&mut world, 99, &[142, 35]), [] as [u8; 0]);
-    assert_eq!(say(&mut world, 3, &[]), [1]);
+    assert_eq!(say(&mut world, 98, &[142, 35]), [] as [u8; 0]);
+    assert_eq!(say(&mut world, 8, &[]), [1]);
     // What it cannot have changes nothing, and a reset leaves it alone.
     say(&mut world, 200, &[129, 12]);
     say(&mut world, 1500, &[7]);
