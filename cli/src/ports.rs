@@ -111,7 +111,8 @@ impl OpenPorts {
         let mut open = Self { tasks: JoinSet::new(), stop, greeting: String::new() };
         let robots = worlds.iter().flat_map(|(world, ports)| ports.iter().map(move |robot| (world, robot)));
         for (world, (robot, ports)) in robots {
-            let opened = RobotPorts::open(channel.clone(), world, robot, ports).await.map_err(refused)?;
+            let opened = RobotPorts::open(channel.clone(), world, robot, ports).await.map_err(refused);
+            let opened = opened.with_context(|| format!("the serial ports of {robot}"))?;
             open.greet(ports, &opened);
             let mut stopped = open.stop.subscribe();
             let robot = robot.clone();

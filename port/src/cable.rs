@@ -140,6 +140,13 @@ impl Cable {
         ((free_ns / character_ns) as usize).min(CHUNK)
     }
 
+    /// Bytes of the program that the line has not carried at `now_ns`.
+    pub(crate) fn unsent(&self, now_ns: u64) -> usize {
+        let character_ns = self.robot.map_or(0, |robot| robot.character_ns());
+        let left_ns = self.busy_until_ns.saturating_sub(now_ns);
+        left_ns.checked_div(character_ns).unwrap_or(0) as usize
+    }
+
     /// When there is room for another byte.
     pub(crate) fn has_room_ns(&self, program: Option<Settings>, window_ns: u64) -> u64 {
         let Some(robot) = self.robot else { return 0 };
@@ -212,6 +219,10 @@ mod tests {
         assert!((950..990).contains(&written), "{written} of 960 a second");
         assert_eq!(cable.room(Some(SLOW), 999_000_000, 2_000_000), 0);
         assert!(cable.has_room_ns(Some(SLOW), 2_000_000) < 1_001_000_000);
+        // A FIFO, and what the line carries in two milliseconds; if the world has come to a second less, those of that second, too.
+        assert!((16..=18).contains(&cable.unsent(999_000_000)));
+        assert!((950..990).contains(&cable.unsent(0)), "{}", cable.unsent(0));
+        assert_eq!(Cable::new(None).unsent(0), 0, "USB has no baud rate");
     }
 
     #[test]

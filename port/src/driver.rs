@@ -77,6 +77,9 @@ const MOST_WAITING: usize = 16 << 20;
 /// Most bytes of a program that wait for a world that stands still, as in a driver's buffer. The program then blocks.
 const MOST_HELD: usize = 4096;
 
+/// What the driver of a world's laptop can hold, unless the scenario says otherwise (`laptop_buffer_bytes`).
+const DRIVER_BYTES: usize = 4096;
+
 /// How often it is looked whether a program has opened a pty.
 const LOOKS_NS: u64 = 2_000_000;
 
@@ -234,10 +237,13 @@ impl Driver {
         }
     }
 
-    /// How many bytes may be taken from the program.
+    /// How many bytes may be taken from the program. What the world may not have carried since its last Turn is in its laptop's driver,
+    /// which refuses more than it can hold.
     fn room(&self) -> usize {
         let on_cable = self.cable.room(self.settings(), self.now_ns(), self.window_ns());
-        on_cable.min(MOST_HELD.saturating_sub(self.held.load(Ordering::Relaxed)))
+        let in_driver = self.clock.map_or(0, |clock| self.cable.unsent(clock.sim_ns));
+        let held = self.held.load(Ordering::Relaxed);
+        on_cable.min(MOST_HELD.saturating_sub(held)).min(DRIVER_BYTES.saturating_sub(in_driver))
     }
 
     /// What is written is sent when the tick is over; so that the line is never idle, two ticks are kept filled.

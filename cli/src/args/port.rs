@@ -14,7 +14,8 @@ Open a serial port at a robot's cable, or at that of one of its sensors, for pro
   khepera/urg=tcp:10940          those of the sensor `urg`, which has a cable of its own
   create=unix:create.sock        a Unix socket, of mode 0600
 
-The robot's name can be left out if there is only one. A port holds its robot as a brain does (docs/ports.md).";
+The robot's name can be left out if there is only one. Of several ports at one cable one program at a time has it. `serve` opens
+these in place of those that the scenario has at the same cable (link.serial_port). A port holds its robot as a brain does (docs/ports.md).";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum PortCommand {
