@@ -43,6 +43,7 @@ mod new;
 mod opened;
 mod output_files;
 mod plan;
+mod port_watch;
 mod ports;
 mod preset;
 mod record;
@@ -126,6 +127,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::New(NewCommand::Brain(args)) => new::brain(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
         Command::Port(PortCommand::Open(args)) => runtime.block_on(ports::open(&args)),
+        Command::Port(PortCommand::Watch(args)) => runtime.block_on(port_watch::watch(&args)),
     }?;
     Ok(ExitCode::SUCCESS)
 }

@@ -177,3 +177,59 @@ fn kept(item: &Item<'_>) -> CableItem {
     let (size, bytes) = (bytes.len(), bytes.iter().copied().take(MOST_TOLD).collect());
     CableItem { direction, from_ns, to_ns, bytes, size, text: text.to_owned(), is_understood, age_ns }
 }
+
+#[cfg(test)]
+mod tests {
+    use baudbot_sim::Input;
+
+    use super::*;
+
+    /// A Khepera on a cable that takes no time: each tick is a question and an answer.
+    fn khepera() -> World {
+        let toml = "[[robots]]\nname = \"k\"\npreset = \"khepera-1\"\nlink = { kind = \"ideal\" }\n\
+                    firmware = { protocol = \"khepera\" }\n";
+        World::new(baudbot_scenario::parse(toml).unwrap_or_else(|error| panic!("{error}")).into())
+    }
+
+    fn ask(world: &mut World, cables: &mut Cables, ticks: usize) {
+        for _ in 0..ticks {
+            let turns = world.begin().to_vec();
+            let input = |turn: &baudbot_sim::Turn| Input { robot: 0, at: turn.at, bytes: b"N\r" };
+            world.finish(&turns.iter().map(input).collect::<Vec<_>>());
+            cables.listen(world);
+        }
+    }
+
+    #[test]
+    fn a_watcher_that_does_not_read_misses_the_oldest_items_and_is_told_how_many() {
+        let (mut world, mut cables) = (khepera(), Cables::default());
+        let (news, mut told) = mpsc::channel(1);
+        cables.add(WatchCable { robot: 0, cable: Cable::Robot, news }, &mut world);
+        ask(&mut world, &mut cables, 1000);
+        assert!(told.try_recv().unwrap().items.is_empty(), "the first news are that it watches");
+        ask(&mut world, &mut cables, 1);
+        let news = told.try_recv().unwrap();
+        assert_eq!(news.items.len(), MOST_WAITING);
+        assert!((1000..2000).contains(&news.missed), "{}", news.missed);
+        assert!(news.items.is_sorted_by_key(|item| item.to_ns));
+        ask(&mut world, &mut cables, 1);
+        let next = told.try_recv().unwrap();
+        assert!(!next.items.is_empty() && next.missed == news.missed, "{next:?}");
+    }
+
+    #[test]
+    fn bytes_are_kept_only_while_somebody_watches() {
+        let (mut world, mut cables) = (khepera(), Cables::default());
+        assert!(!world.keeps_tape(0));
+        let (news, told) = mpsc::channel(8);
+        cables.add(WatchCable { robot: 0, cable: Cable::Robot, news }, &mut world);
+        assert!(world.keeps_tape(0) && !cables.is_empty());
+        drop(told);
+        ask(&mut world, &mut cables, 1);
+        assert!(!world.keeps_tape(0) && cables.is_empty());
+        // Of a cable that there is not nobody hears.
+        let (news, mut told) = mpsc::channel(8);
+        cables.add(WatchCable { robot: 0, cable: Cable::Sensor(0), news }, &mut world);
+        assert!(cables.is_empty() && told.try_recv().is_err());
+    }
+}

@@ -8,19 +8,11 @@ use baudbot_wire::meaning::{self, Analyser, Direction, Heard, Item};
 use baudbot_wire::nmea::MAX_SENTENCE;
 
 use crate::firmware;
+pub use crate::link::Cable;
 use crate::model::RobotSpec;
 use crate::sensor::port::Format;
 use crate::time::SimTime;
 use crate::view::RobotView;
-
-/// A cable of a robot's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Cable {
-    /// From its microcontroller to the laptop.
-    Robot,
-    /// Of a sensor's own, by the sensor's place in [`RobotSpec::sensors`].
-    Sensor(usize),
-}
 
 impl Cable {
     /// The cables of a robot: none to a brain on board, which has no bytes but those of a protocol that it speaks itself.

@@ -83,7 +83,7 @@ fn what_a_range_finder_is_asked_and_answers_is_told_and_on_the_timeline() {
     let down: Vec<_> = events.filter(|event| matches!(event.what, What::PortDown { .. })).collect();
     let [first, second, ..] = &down[..] else { panic!("{down:?}") };
     assert_eq!(first.what, What::PortDown { sensor: 0, bytes: 3 });
-    assert_eq!((first.start.as_ns(), first.end.as_ns()), (0, 3 * 10_000_000_000_u64.div_ceil(19200)));
+    assert_eq!((first.start.as_ns(), first.end.as_ns()), (0, 30_000_000_000 / 19200));
     assert_eq!(second.what, What::PortDown { sensor: 0, bytes: 16 });
     let up = world.robot(0).timeline().events().find(|event| matches!(event.what, What::Port { .. }));
     assert_eq!(up.unwrap().what, What::Port { sensor: 0, bytes: 8 });

@@ -65,7 +65,6 @@ const cable = new CablePanel(store, connection);
 const toolbar = new Toolbar(
   arena,
   hands,
-  cable,
   () => help.showModal(),
   () => themes.toggle(),
 );
@@ -73,7 +72,7 @@ const create_dialog = new CreateDialog(orders);
 const worlds = new WorldsPanel(store, orders, new RecordingsSection(recordings), () => create_dialog.show());
 const chart = new ChartPanel(store, themes.theme);
 const robot = new RobotPanel(store, chart, new HandSection(store, orders, drive), themes.theme);
-const timing = new TimingPanel(store, themes.theme);
+const timing = new TimingPanel(store, themes.theme, cable);
 const controls = new Controls(store, orders, new RecordControl(store, recordings));
 const film = new FilmDialog({ store, connection, watcher, surveyor, orders, replayer, arena });
 const replay = new ReplayBar(store, orders, replayer, () => film.show(), themes.theme);
@@ -87,7 +86,6 @@ arena.changed = () => {
   toolbar.refresh();
   surveyor.look();
 };
-cable.changed = () => toolbar.refresh();
 themes.changed = (theme) => {
   for (const part of [arena, chart, robot, timing, replay]) part.setTheme(theme);
 };

@@ -166,7 +166,7 @@ test("what is wrong with a scenario is marked in its line, and what a brain says
 
 test("the bytes of a cable are shown with their meaning while somebody looks", options, async () => {
   const page = await open("#world=arena&robot=alice");
-  assert.ok(!(await page.getByTestId("cable").isVisible()));
+  assert.ok(!(await page.getByTestId("cable-panel").isVisible()));
   await page.getByTestId("bytes").click();
   const rows = page.getByTestId("cable-rows").locator("li");
   await rows.nth(2).waitFor();
@@ -174,13 +174,13 @@ test("the bytes of a cable are shown with their meaning while somebody looks", o
   assert.match(question, /↓\s+4e 0d\s+N: ask proximity/);
   assert.match(answer, /↑\s+6e 2c 31 32 2c 30 0d 0a\s+n: proximity 12 0\s+20.5 ms/);
   assert.equal(await page.getByTestId("cable-state").innerText(), "2 missed");
+  if (shots) await page.screenshot({ path: `${shots}/cable.png` });
   await page.getByTestId("cable-direction").selectOption("up");
   assert.ok(!(await rows.nth(0).isVisible()) && (await rows.nth(1).isVisible()));
   await page.getByTestId("cable-clear").click();
   assert.equal(await rows.count(), 0);
-  if (shots) await page.screenshot({ path: `${shots}/cable.png` });
   await page.keyboard.press("y");
-  assert.ok(!(await page.getByTestId("cable").isVisible()));
+  assert.ok(!(await page.getByTestId("cable-panel").isVisible()));
   await page.close();
 });
 

@@ -4,6 +4,7 @@ use baudbot_port::PortAddress;
 use clap::{Args, Subcommand};
 
 use super::ConnectArgs;
+use super::port_watch::WatchPortArgs;
 
 pub(super) const PORT_HELP: &str = "\
 Open a serial port at a robot's cable, or at that of one of its sensors, for programs that know nothing of baudbot
@@ -22,6 +23,8 @@ pub(crate) enum PortCommand {
     /// Opens serial ports at the cables of a robot of a server, until Ctrl-C
     #[command(after_long_help = EXAMPLES)]
     Open(OpenPortArgs),
+    /// Prints the bytes of a cable with their meaning as they come, until Ctrl-C
+    Watch(WatchPortArgs),
 }
 
 #[derive(Debug, Args)]

@@ -80,7 +80,8 @@ fn the_page_has_these_colors_and_words_for_timing_diagrams() {
         let trouble = if class.is_trouble() { ", trouble: true" } else { "" };
         let row =
             format!("color: \"{}\", ink: {ink}, words: \"{}\"{trouble} }},", class.color(), class.words());
-        let name = format!("[TimelineKind.{}]", format!("{class:?}").to_uppercase());
+        let words = format!("{class:?}").replace("Down", "_Down").trim_start_matches('_').to_uppercase();
+        let name = format!("[TimelineKind.{words}]");
         assert!(lines.contains(&format!("  {name}: {{ {row}").as_str()), "{name}: {row}");
     }
 }

@@ -70,7 +70,7 @@ pub fn what(robot: &RobotSpec, what: What) -> String {
 fn bar(robot: &RobotSpec, (event, meaning): (&Event, Option<&String>), who: Who, is_aside: bool) -> Bar {
     let mut title = title(robot, event);
     if let Some(meaning) = meaning {
-        title += &format!("\n{meaning}");
+        title += &format!("; {meaning}");
     }
     Bar {
         start_ns: event.start.as_ns(),

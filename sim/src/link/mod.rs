@@ -44,7 +44,7 @@ pub use line::Line;
 pub(crate) use messages::Message;
 pub use outage::Outage;
 pub use radio::Bluetooth;
-pub use tape::{Tape, Taped};
+pub use tape::{Cable, Tape, Taped};
 pub(crate) use transport_path::Direction;
 
 use crate::fault::When;

@@ -5,6 +5,15 @@ use alloc::collections::VecDeque;
 
 use crate::time::SimTime;
 
+/// A cable of a robot's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Cable {
+    /// From its microcontroller to the laptop.
+    Robot,
+    /// Of a sensor's own, by the sensor's place in [`RobotSpec::sensors`](crate::model::RobotSpec::sensors).
+    Sensor(usize),
+}
+
 /// A byte that has come over a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Taped {

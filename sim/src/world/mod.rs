@@ -192,19 +192,6 @@ impl World {
         self.state.robots.iter_mut().for_each(|robot| robot.recorder.timeline.set_room(events));
     }
 
-    /// From now on keeps the last so many bytes that come over each of a robot's cables, each way; 0 keeps none. What was kept
-    /// is forgotten. Makes no difference to anything else.
-    pub fn keep_tape(&mut self, robot: usize, bytes: usize) {
-        if let Some(robot) = self.state.robots.get_mut(robot) {
-            robot.keep_tape(bytes);
-        }
-    }
-
-    /// Whether the bytes on a robot's cables are [kept](Self::keep_tape).
-    pub fn keeps_tape(&self, robot: usize) -> bool {
-        self.state.robots.get(robot).is_some_and(|robot| robot.uplink.is_taped())
-    }
-
     /// Whether ticks use all threads of the rayon pool that they are called in, where there are enough robots for it.
     /// Worlds of 256 robots and more do so unless told otherwise. Makes no difference to any bit.
     #[cfg(feature = "rayon")]

@@ -1,4 +1,4 @@
-//! Programs that talk to sensors on their own cables.
+//! Programs that talk to sensors on their own cables, and people who look at any cable.
 
 use super::World;
 use crate::time::SimTime;
@@ -31,5 +31,18 @@ impl World {
         let k = spec.sensors.ports().iter().position(|&i| i == sensor)?;
         let port = spec.sensors.get(sensor)?.port.as_ref()?;
         state.dialogue(k).map_or(&port.link, |dialogue| dialogue.cable(port)).baud()
+    }
+
+    /// From now on keeps the last so many bytes that come over each of a robot's cables, each way; 0 keeps none. What was kept
+    /// is forgotten. Makes no difference to anything else.
+    pub fn keep_tape(&mut self, robot: usize, bytes: usize) {
+        if let Some(robot) = self.state.robots.get_mut(robot) {
+            robot.keep_tape(bytes);
+        }
+    }
+
+    /// Whether the bytes on a robot's cables are [kept](Self::keep_tape).
+    pub fn keeps_tape(&self, robot: usize) -> bool {
+        self.state.robots.get(robot).is_some_and(|robot| robot.uplink.is_taped())
     }
 }

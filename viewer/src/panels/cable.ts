@@ -69,7 +69,7 @@ export class CablePanel {
     );
     this.element = el(
       "section",
-      { class: "cable-panel", label: "Cable", test: "cable", hidden: true },
+      { class: "cable-panel", label: "Cable", test: "cable-panel", hidden: true },
       head,
       this.list,
     );

@@ -6,6 +6,7 @@ import { duration, exactMs, numberOf } from "../model/units";
 import { lastCycle, type Cycle } from "../timing/cycle";
 import { draw, heightOf, rowFor, type Spot } from "../timing/draw";
 import { lanes, MOST_STEPS, what, windowFor } from "../timing/layout";
+import type { CablePanel } from "./cable";
 
 /** Pictures per second: more could not be read. */
 const RATE_HZ = 4;
@@ -34,7 +35,13 @@ export class TimingPanel {
   constructor(
     private readonly store: Store,
     private theme: Theme,
+    cable: CablePanel,
   ) {
+    const bytes = button("Bytes", "The bytes of a cable, with their meaning (y)", () => cable.toggle(), {
+      test: "bytes",
+    });
+    setPressed(bytes, false);
+    cable.changed = () => setPressed(bytes, cable.isOpen);
     this.hold = button("Hold", "Keep this picture (it also stays while the mouse is on it)", () =>
       this.setHeld(!this.isHeld),
     );
@@ -44,6 +51,7 @@ export class TimingPanel {
       button("+", "Shorter: fewer Δt", () => this.setSteps(-1), { label: "Shorter" }),
       button("Auto", "As long as the cycle", () => this.setSteps(0)),
       this.hold,
+      bytes,
     ];
     const head = el(
       "div",

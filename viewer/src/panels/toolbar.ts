@@ -3,7 +3,6 @@ import { button, el, setPressed } from "../dom";
 import type { Arena } from "../arena/arena";
 import type { Hands } from "../arena/hands";
 import type { Layers } from "../arena/scene";
-import type { CablePanel } from "./cable";
 
 const LAYERS: [keyof Layers, string, string][] = [
   ["rays", "Rays", "Rays and readings of the chosen robot's sensors (r)"],
@@ -25,12 +24,10 @@ export class Toolbar {
   private readonly layers = new Map<keyof Layers, HTMLElement>();
   private readonly follow: HTMLButtonElement;
   private readonly move: HTMLButtonElement;
-  private readonly bytes: HTMLButtonElement;
 
   constructor(
     private readonly arena: Arena,
     private readonly hands: Hands,
-    private readonly cable: CablePanel,
     help: () => void,
     theme: () => void,
   ) {
@@ -43,9 +40,6 @@ export class Toolbar {
       () => this.toggleMove(),
       { test: "move" },
     );
-    this.bytes = button("Bytes", "The bytes of a cable, with their meaning (y)", () => cable.toggle(), {
-      test: "bytes",
-    });
     const layers = LAYERS.map(([layer, text, title]) => {
       const made = button(text, title, () => arena.toggle(layer), { test: `layer-${layer}` });
       this.layers.set(layer, made);
@@ -62,7 +56,7 @@ export class Toolbar {
         this.follow,
       ),
       group(...layers),
-      group(this.move, this.bytes),
+      group(this.move),
       group(
         button("◐", "Dark or light (t)", theme, { test: "theme", label: "Theme" }),
         button("?", "Keys (?)", help, { label: "Help" }),
@@ -90,7 +84,6 @@ export class Toolbar {
     for (const [layer, element] of this.layers) setPressed(element, this.arena.layers[layer]);
     setPressed(this.follow, this.arena.follows);
     setPressed(this.move, this.hands.moves);
-    setPressed(this.bytes, this.cable.isOpen);
     this.arena.canvas.classList.toggle("moving", this.hands.moves);
   }
 }

@@ -21,6 +21,30 @@ else:
 
 DESCRIPTOR: _descriptor.FileDescriptor
 
+class _CableDirection:
+    ValueType = _typing.NewType("ValueType", _builtins.int)
+    V: _TypeAlias = ValueType  # noqa: Y015
+
+class _CableDirectionEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_CableDirection.ValueType], _builtins.type):
+    DESCRIPTOR: _descriptor.EnumDescriptor
+    CABLE_DIRECTION_UNSPECIFIED: _CableDirection.ValueType  # 0
+    """Never sent."""
+    CABLE_DIRECTION_UP: _CableDirection.ValueType  # 1
+    """From the robot or the device to the laptop."""
+    CABLE_DIRECTION_DOWN: _CableDirection.ValueType  # 2
+    """From the laptop to the robot or the device."""
+
+class CableDirection(_CableDirection, metaclass=_CableDirectionEnumTypeWrapper):
+    """Which way bytes go on a cable."""
+
+CABLE_DIRECTION_UNSPECIFIED: CableDirection.ValueType  # 0
+"""Never sent."""
+CABLE_DIRECTION_UP: CableDirection.ValueType  # 1
+"""From the robot or the device to the laptop."""
+CABLE_DIRECTION_DOWN: CableDirection.ValueType  # 2
+"""From the laptop to the robot or the device."""
+Global___CableDirection: _TypeAlias = CableDirection  # noqa: Y015
+
 class _TimelineKind:
     ValueType = _typing.NewType("ValueType", _builtins.int)
     V: _TypeAlias = ValueType  # noqa: Y015
@@ -59,6 +83,8 @@ class _TimelineKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_Timeline
     """Bytes were lost, damaged or refused."""
     TIMELINE_KIND_FAULT: _TimelineKind.ValueType  # 15
     """A fault of the scenario's was in force."""
+    TIMELINE_KIND_PORT_DOWN: _TimelineKind.ValueType  # 16
+    """What was written to a device was on its way, on the wire of the sensor's own."""
 
 class TimelineKind(_TimelineKind, metaclass=_TimelineKindEnumTypeWrapper):
     """What can happen on a robot."""
@@ -95,6 +121,8 @@ TIMELINE_KIND_LOST: TimelineKind.ValueType  # 14
 """Bytes were lost, damaged or refused."""
 TIMELINE_KIND_FAULT: TimelineKind.ValueType  # 15
 """A fault of the scenario's was in force."""
+TIMELINE_KIND_PORT_DOWN: TimelineKind.ValueType  # 16
+"""What was written to a device was on its way, on the wire of the sensor's own."""
 Global___TimelineKind: _TypeAlias = TimelineKind  # noqa: Y015
 
 @_typing.final
@@ -713,6 +741,120 @@ class WatchResponse(_message.Message):
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
 Global___WatchResponse: _TypeAlias = WatchResponse  # noqa: Y015
+
+@_typing.final
+class WatchCableRequest(_message.Message):
+    """Asks for the bytes of a cable."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    WORLD_FIELD_NUMBER: _builtins.int
+    ROBOT_FIELD_NUMBER: _builtins.int
+    SENSOR_FIELD_NUMBER: _builtins.int
+    world: _builtins.str
+    """The world's name."""
+    robot: _builtins.str
+    """The robot's name; may be left out if there is only one."""
+    sensor: _builtins.str
+    """The name of a sensor with a cable of its own; empty for the cable between the robot's microcontroller and the laptop."""
+    def __init__(
+        self,
+        *,
+        world: _builtins.str = ...,
+        robot: _builtins.str = ...,
+        sensor: _builtins.str = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["robot", b"robot", "sensor", b"sensor", "world", b"world"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___WatchCableRequest: _TypeAlias = WatchCableRequest  # noqa: Y015
+
+@_typing.final
+class WatchCableResponse(_message.Message):
+    """What came over a cable since the last response. The first comes at once, without items."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    ITEMS_FIELD_NUMBER: _builtins.int
+    MISSED_ITEMS_FIELD_NUMBER: _builtins.int
+    RESTARTED_FIELD_NUMBER: _builtins.int
+    missed_items: _builtins.int
+    """Items that this watcher missed so far because it read too slowly."""
+    restarted: _builtins.bool
+    """Whether the world is at another time than before, as after a reset: what came before is no past of this."""
+    @_builtins.property
+    def items(self) -> _containers.RepeatedCompositeFieldContainer[Global___CableItem]:
+        """In the order in which they were complete."""
+
+    def __init__(
+        self,
+        *,
+        items: _abc.Iterable[Global___CableItem] | None = ...,
+        missed_items: _builtins.int = ...,
+        restarted: _builtins.bool = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["items", b"items", "missed_items", b"missed_items", "restarted", b"restarted"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___WatchCableResponse: _TypeAlias = WatchCableResponse  # noqa: Y015
+
+@_typing.final
+class CableItem(_message.Message):
+    """A part of what is said on a cable: a message, a line, or bytes that fit nothing."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    DIRECTION_FIELD_NUMBER: _builtins.int
+    FROM_NS_FIELD_NUMBER: _builtins.int
+    TO_NS_FIELD_NUMBER: _builtins.int
+    DATA_FIELD_NUMBER: _builtins.int
+    SIZE_FIELD_NUMBER: _builtins.int
+    TEXT_FIELD_NUMBER: _builtins.int
+    UNDERSTOOD_FIELD_NUMBER: _builtins.int
+    AGE_NS_FIELD_NUMBER: _builtins.int
+    direction: Global___CableDirection.ValueType
+    """Which way it went."""
+    from_ns: _builtins.int
+    """Simulated instant at which its first byte came to the end of the cable."""
+    to_ns: _builtins.int
+    """That of its last byte."""
+    data: _builtins.bytes
+    """Its bytes, as they came. Of more than 4096 the first."""
+    size: _builtins.int
+    """How many bytes it has."""
+    text: _builtins.str
+    """What it means, in the words of the protocol."""
+    understood: _builtins.bool
+    """Whether it is a whole and sound message of the protocol."""
+    age_ns: _builtins.int
+    """How old its oldest reading was when its last byte came, as far as the message itself says it."""
+    def __init__(
+        self,
+        *,
+        direction: Global___CableDirection.ValueType = ...,
+        from_ns: _builtins.int = ...,
+        to_ns: _builtins.int = ...,
+        data: _builtins.bytes = ...,
+        size: _builtins.int = ...,
+        text: _builtins.str = ...,
+        understood: _builtins.bool = ...,
+        age_ns: _builtins.int | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_age_ns", b"_age_ns", "age_ns", b"age_ns"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_age_ns", b"_age_ns", "age_ns", b"age_ns", "data", b"data", "direction", b"direction", "from_ns", b"from_ns", "size", b"size", "text", b"text", "to_ns", b"to_ns", "understood", b"understood"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__age_ns: _TypeAlias = _typing.Literal["age_ns"]  # noqa: Y015
+    _WhichOneofArgType__age_ns: _TypeAlias = _typing.Literal["_age_ns", b"_age_ns"]  # noqa: Y015
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__age_ns) -> _WhichOneofReturnType__age_ns | None: ...
+
+Global___CableItem: _TypeAlias = CableItem  # noqa: Y015
 
 @_typing.final
 class GetCoverageRequest(_message.Message):

@@ -50,6 +50,11 @@ class ObserveServiceStub(object):
                 request_serializer=baudbot_dot_v1_dot_observe__pb2.GetCoverageRequest.SerializeToString,
                 response_deserializer=baudbot_dot_v1_dot_observe__pb2.GetCoverageResponse.FromString,
                 _registered_method=True)
+        self.WatchCable = channel.unary_stream(
+                '/baudbot.v1.ObserveService/WatchCable',
+                request_serializer=baudbot_dot_v1_dot_observe__pb2.WatchCableRequest.SerializeToString,
+                response_deserializer=baudbot_dot_v1_dot_observe__pb2.WatchCableResponse.FromString,
+                _registered_method=True)
 
 
 class ObserveServiceServicer(object):
@@ -78,6 +83,15 @@ class ObserveServiceServicer(object):
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
+    def WatchCable(self, request, context):
+        """The bytes that come over one cable from now on, with their meaning, as a protocol analyser shows them: nothing that is
+        not on the cable. A watcher that reads too slowly misses items, and is told how many. NOT_FOUND if there is no such robot or
+        sensor, FAILED_PRECONDITION if it has no cable.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
 
 def add_ObserveServiceServicer_to_server(servicer, server):
     rpc_method_handlers = {
@@ -95,6 +109,11 @@ def add_ObserveServiceServicer_to_server(servicer, server):
                     servicer.GetCoverage,
                     request_deserializer=baudbot_dot_v1_dot_observe__pb2.GetCoverageRequest.FromString,
                     response_serializer=baudbot_dot_v1_dot_observe__pb2.GetCoverageResponse.SerializeToString,
+            ),
+            'WatchCable': grpc.unary_stream_rpc_method_handler(
+                    servicer.WatchCable,
+                    request_deserializer=baudbot_dot_v1_dot_observe__pb2.WatchCableRequest.FromString,
+                    response_serializer=baudbot_dot_v1_dot_observe__pb2.WatchCableResponse.SerializeToString,
             ),
     }
     generic_handler = grpc.method_handlers_generic_handler(
@@ -179,6 +198,33 @@ class ObserveService(object):
             '/baudbot.v1.ObserveService/GetCoverage',
             baudbot_dot_v1_dot_observe__pb2.GetCoverageRequest.SerializeToString,
             baudbot_dot_v1_dot_observe__pb2.GetCoverageResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def WatchCable(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_stream(
+            request,
+            target,
+            '/baudbot.v1.ObserveService/WatchCable',
+            baudbot_dot_v1_dot_observe__pb2.WatchCableRequest.SerializeToString,
+            baudbot_dot_v1_dot_observe__pb2.WatchCableResponse.FromString,
             options,
             channel_credentials,
             insecure,

@@ -41,6 +41,11 @@ class ObserveServiceStub:
     """Which cells of the floor robots have covered and sensed so far. FAILED_PRECONDITION if the world does not measure
     coverage, which `metrics.cell_m` of its scenario switches on.
     """
+    WatchCable: _grpc.UnaryStreamMultiCallable[_observe_pb2.WatchCableRequest, _observe_pb2.WatchCableResponse]
+    """The bytes that come over one cable from now on, with their meaning, as a protocol analyser shows them: nothing that is
+    not on the cable. A watcher that reads too slowly misses items, and is told how many. NOT_FOUND if there is no such robot or
+    sensor, FAILED_PRECONDITION if it has no cable.
+    """
 
 @_typing.type_check_only
 class ObserveServiceAsyncStub(ObserveServiceStub):
@@ -54,6 +59,11 @@ class ObserveServiceAsyncStub(ObserveServiceStub):
     GetCoverage: _aio.UnaryUnaryMultiCallable[_observe_pb2.GetCoverageRequest, _observe_pb2.GetCoverageResponse]  # type: ignore[assignment]
     """Which cells of the floor robots have covered and sensed so far. FAILED_PRECONDITION if the world does not measure
     coverage, which `metrics.cell_m` of its scenario switches on.
+    """
+    WatchCable: _aio.UnaryStreamMultiCallable[_observe_pb2.WatchCableRequest, _observe_pb2.WatchCableResponse]  # type: ignore[assignment]
+    """The bytes that come over one cable from now on, with their meaning, as a protocol analyser shows them: nothing that is
+    not on the cable. A watcher that reads too slowly misses items, and is told how many. NOT_FOUND if there is no such robot or
+    sensor, FAILED_PRECONDITION if it has no cable.
     """
 
 class ObserveServiceServicer(metaclass=_abc_1.ABCMeta):
@@ -83,6 +93,17 @@ class ObserveServiceServicer(metaclass=_abc_1.ABCMeta):
     ) -> _typing.Union[_observe_pb2.GetCoverageResponse, _abc.Awaitable[_observe_pb2.GetCoverageResponse]]:
         """Which cells of the floor robots have covered and sensed so far. FAILED_PRECONDITION if the world does not measure
         coverage, which `metrics.cell_m` of its scenario switches on.
+        """
+
+    @_abc_1.abstractmethod
+    def WatchCable(
+        self,
+        request: _observe_pb2.WatchCableRequest,
+        context: _ServicerContext,
+    ) -> _typing.Union[_abc.Iterator[_observe_pb2.WatchCableResponse], _abc.AsyncIterator[_observe_pb2.WatchCableResponse]]:
+        """The bytes that come over one cable from now on, with their meaning, as a protocol analyser shows them: nothing that is
+        not on the cable. A watcher that reads too slowly misses items, and is told how many. NOT_FOUND if there is no such robot or
+        sensor, FAILED_PRECONDITION if it has no cable.
         """
 
 def add_ObserveServiceServicer_to_server(servicer: ObserveServiceServicer, server: _typing.Union[_grpc.Server, _aio.Server]) -> None: ...

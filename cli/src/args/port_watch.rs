@@ -1,0 +1,17 @@
+//! `baudbot port watch`.
+
+use clap::Args;
+
+use super::ConnectArgs;
+
+#[derive(Debug, Args)]
+pub(crate) struct WatchPortArgs {
+    #[command(flatten)]
+    pub(crate) server: ConnectArgs,
+    /// The cable: that of the robot, or that of a sensor's own [default: that of the only robot]
+    #[arg(value_name = "ROBOT[/SENSOR]", default_value = "", hide_default_value = true)]
+    pub(crate) cable: String,
+    /// Ends after so many rows
+    #[arg(long, value_name = "ROWS")]
+    pub(crate) rows: Option<u64>,
+}
