@@ -136,6 +136,11 @@ impl Laptop {
             Found::Payload(payload) => Some(note(&mut self.readings, &spec.firmware, payload, at)),
         };
         uplink.counters.bad_messages += self.decoder.cut_short() - before;
+        self.take_noted(spec, found, uplink)
+    }
+
+    /// What a byte ended, if it ended anything, counts; of readings the answer is what is to be known of them.
+    fn take_noted(&mut self, spec: &RobotSpec, found: Option<Noted>, uplink: &mut Line) -> Option<Arrived> {
         match found {
             None => {}
             Some(Noted::Nonsense) => uplink.counters.bad_messages += 1,

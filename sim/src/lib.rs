@@ -38,6 +38,7 @@ pub mod coverage;
 mod curve;
 #[cfg(feature = "brain")]
 mod data_sheet;
+mod decoder;
 pub mod drive;
 pub mod fault;
 pub mod firmware;

@@ -5,7 +5,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use baudbot_wire::create::{Payload, Signal, Stream, Version};
-use baudbot_wire::khepera::{Answer, Lines, counted};
+use baudbot_wire::khepera::{Answer, Lines, Numbers, counted};
 use baudbot_wire::{BareDecoder, Decoder, Layout, LayoutError, Message, Values, clock};
 
 use super::RawTurn;
@@ -112,18 +112,10 @@ impl RawReadings {
                 }
             }
             Port::Khepera(lines, positions) => {
-                for &byte in &raw.bytes {
-                    let Some(Ok(line)) = lines.push(byte) else { continue };
-                    match Answer::parse(line, &layout) {
-                        Ok(Answer::Positions(told)) => *positions = Some(told),
-                        Ok(Answer::Readings(levels)) => {
-                            *messages = messages.wrapping_add(1);
-                            let told = (positions.take(), levels);
-                            note_lines(readings, (&layout, places), told, *messages);
-                        }
-                        Ok(Answer::Acknowledgement | Answer::Registers(_) | Answer::Refusal) | Err(_) => {}
-                    }
-                }
+                hear_lines((lines, positions), &raw.bytes, &layout, |told| {
+                    *messages = messages.wrapping_add(1);
+                    note_lines(readings, (&layout, places), told, *messages);
+                });
             }
             Port::Create(version, stream) => {
                 hear_stream((*version, stream), &raw.bytes, |payload| {
@@ -131,6 +123,26 @@ impl RawReadings {
                     note_packets(readings, (&layout, places, signals), payload, *messages);
                 });
             }
+        }
+    }
+}
+
+/// What a Khepera told: the positions of its wheels, if they came, and the values of all else.
+type Told<'a> = (Option<[i32; 2]>, Numbers<'a>);
+
+/// Notes the readings of a Khepera that these bytes complete.
+fn hear_lines<'a>(
+    (lines, positions): (&mut Lines, &mut Option<[i32; 2]>),
+    bytes: &[u8],
+    layout: &Layout<'a>,
+    mut note: impl FnMut(Told<'_>),
+) {
+    for &byte in bytes {
+        let Some(Ok(line)) = lines.push(byte) else { continue };
+        match Answer::parse(line, layout) {
+            Ok(Answer::Positions(told)) => *positions = Some(told),
+            Ok(Answer::Readings(levels)) => note((positions.take(), levels)),
+            Ok(Answer::Acknowledgement | Answer::Registers(_) | Answer::Refusal) | Err(_) => {}
         }
     }
 }
@@ -204,7 +216,7 @@ fn note_all(
 fn note_lines(
     readings: &mut [Option<Reading>],
     (layout, places): (&Layout<'_>, &[usize]),
-    (positions, mut levels): (Option<[i32; 2]>, impl Iterator<Item = f64>),
+    (positions, mut levels): Told<'_>,
     sequence: u8,
 ) {
     for (&place, components) in places.iter().zip(layout.sensors()) {

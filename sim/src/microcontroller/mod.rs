@@ -18,21 +18,23 @@ mod khepera;
 mod onboard;
 mod request;
 mod start;
+mod tells;
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use acquire::first_due;
-use baudbot_wire::{self as wire, Encoding, Layout, Sample, clock, frame, message, write_values};
+use baudbot_wire::{Layout, Sample, clock, frame, message, write_values};
 pub(crate) use channel::Channel;
 pub(crate) use condition::Condition;
 use request::Request;
 use serde::{Deserialize, Serialize};
 use start::missed_start;
+use tells::Tells;
 
 use crate::drive::Wheels;
 use crate::firmware::{Decoder, Firmware, Found, Mode, Owed, Protocol, Refusal, Registers};
-use crate::link::{Line, LineCounters, Link, Message as Tag};
+use crate::link::{Line, LineCounters, Link};
 use crate::model::RobotSpec;
 use crate::schedule::Due;
 use crate::sound;
@@ -204,38 +206,6 @@ impl Microcontroller {
         }
     }
 
-    /// These readings are in a message that was begun at `now`.
-    fn note_told(
-        &mut self,
-        firmware: &Firmware,
-        now: SimTime,
-        tells: Tells,
-        mut sampled: Vec<(usize, SimTime)>,
-    ) -> Tag {
-        if tells == Tells::Nothing {
-            return Tag::default();
-        }
-        let (layout, repeats) = (firmware.layout(), firmware.protocol.repeats());
-        let mut reading_ns = 0;
-        sampled.clear();
-        for ((i, channel), components) in self.channels.iter_mut().enumerate().zip(layout.sensors()) {
-            if !tells.has(components) {
-                continue;
-            }
-            let fresh = core::mem::take(&mut channel.fresh);
-            reading_ns += if fresh { channel.took_ns } else { 0 };
-            if fresh || (repeats && channel.samples > 0) {
-                sampled.push((i, channel.measured_at));
-            }
-        }
-        if tells == Tells::Positions {
-            return Tag { sampled, ..Tag::default() };
-        }
-        self.sequence = self.sequence.wrapping_add(1);
-        let cycle = SimTime::from_ns(now.as_ns().saturating_sub(reading_ns));
-        Tag { sampled, cycle: Some(cycle), ..Tag::default() }
-    }
-
     /// The last sample of every sensor, zeros before the first.
     fn last_values(&self, layout: &Layout<'_>) -> impl Iterator<Item = f64> {
         self.channels.iter().zip(layout.sensors()).flat_map(|(channel, components)| {
@@ -395,31 +365,6 @@ impl Microcontroller {
     /// Frames that fell due while the processor was busy and were left out.
     pub(crate) fn frames_missed(&self) -> u64 {
         self.frame.missed
-    }
-}
-
-/// Which readings a message tells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Tells {
-    Nothing,
-    /// The position counters of a Khepera alone. No control cycle begins with them.
-    Positions,
-    /// All readings of a Khepera but its position counters.
-    Levels,
-    /// All readings.
-    Readings,
-}
-
-impl Tells {
-    /// Whether those of a sensor with these components are among them.
-    fn has(self, components: &[Encoding]) -> bool {
-        let counted = || wire::khepera::counted(components, [0; 2]).is_some();
-        match self {
-            Self::Nothing => false,
-            Self::Positions => counted(),
-            Self::Levels => !counted(),
-            Self::Readings => true,
-        }
     }
 }
 

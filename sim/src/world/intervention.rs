@@ -147,7 +147,7 @@ impl Altered {
 
     /// Keeps a change. Programs open ports and reset boards as often as they like, and only the last time matters: it takes the place of
     /// the one before. A port that is closed again is as it was.
-    fn note(&mut self, at: SimTime, change: &Intervention) {
+    pub(super) fn note(&mut self, at: SimTime, change: &Intervention) {
         self.0.retain(|(_, earlier)| !is_outdone(earlier, change));
         if !matches!(change, Intervention::OpenPort { open: false, .. }) {
             self.0.push((at, change.clone()));
@@ -263,7 +263,7 @@ impl World {
     }
 
     /// Says whether that made a difference.
-    fn set_baud(&mut self, name: &str, baud: u32) -> Result<bool> {
+    pub(super) fn set_baud(&mut self, name: &str, baud: u32) -> Result<bool> {
         let Some(own) = self.change_baud(name, baud)? else { return Ok(false) };
         self.state_mut().robots[own].begin_bursts();
         Ok(true)
@@ -288,18 +288,6 @@ impl World {
         let spec = &mut self.scenario_mut().robots[own];
         Arc::make_mut(&mut spec.model).link = Link::Uart(changed);
         Ok(Some(own))
-    }
-
-    /// Cables have the baud rates that robots were asked for in the tick that is over. A rate that the cable cannot have
-    /// changes nothing, nor does one on a cable that has none, or after more changes than a run can have.
-    pub(super) fn change_bauds(&mut self) {
-        for own in 0..self.state().robots.len() {
-            let Some(baud) = self.state_mut().robots[own].take_baud() else { continue };
-            let robot = self.scenario().robots[own].name.clone();
-            if matches!(self.set_baud(&robot, baud), Ok(true)) {
-                self.altered.note(self.time(), &Intervention::SetBaud { robot, baud });
-            }
-        }
     }
 
     /// As [`cut_cable`](Self::cut_cable).

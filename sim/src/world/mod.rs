@@ -10,6 +10,7 @@ mod motion;
 mod ports;
 mod saved;
 mod score;
+mod spare;
 
 use alloc::boxed::Box;
 use alloc::sync::Arc;
@@ -31,13 +32,12 @@ use crate::time::SimTime;
 use crate::view::{RobotView, ThingView};
 pub use answer::Answer;
 pub use ending::Ending;
-use inputs_by_robot::InputsByRobot;
 use intervention::Altered;
 pub use intervention::{Intervention, InterventionError};
 use lookahead::Ahead;
-use motion::Lists;
 pub use saved::SavedError;
 pub use score::Score;
+use spare::Spare;
 
 /// A world: a scenario, which changes by hand alone, and a state, which is a value: a snapshot is a clone.
 ///
@@ -76,32 +76,6 @@ pub struct World {
     is_parallel: bool,
     /// Whether a robot may ask for another baud rate.
     may_change_baud: bool,
-}
-
-/// Memory that ticks use again and again, boxed where it is large, as it is taken and put back. A clone begins with none.
-#[derive(Debug, Default)]
-struct Spare {
-    frozen: Option<Box<Frozen>>,
-    lists: Option<Box<Lists>>,
-    /// When each robot's brain steps in the tick, if it does.
-    steps: Vec<Option<SimTime>>,
-    inputs_by_robot: InputsByRobot,
-}
-
-impl Spare {
-    fn note_steps(&mut self, turns: &[Turn], robots: usize) {
-        self.steps.clear();
-        self.steps.resize(robots, None);
-        for turn in turns {
-            self.steps[turn.robot] = Some(turn.at);
-        }
-    }
-}
-
-impl Clone for Spare {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
 }
 
 /// All that changes.
@@ -276,9 +250,7 @@ impl World {
         self.move_all();
         self.state.tick += 1;
         self.state.begun = false;
-        if self.may_change_baud {
-            self.change_bauds();
-        }
+        self.change_bauds();
         self.look_for_the_end();
     }
 

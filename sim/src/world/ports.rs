@@ -1,6 +1,6 @@
 //! Programs that talk to sensors on their own cables, and people who look at any cable.
 
-use super::World;
+use super::{Intervention, World};
 use crate::time::SimTime;
 
 impl World {
@@ -44,5 +44,20 @@ impl World {
     /// Whether the bytes on a robot's cables are [kept](Self::keep_tape).
     pub fn keeps_tape(&self, robot: usize) -> bool {
         self.state.robots.get(robot).is_some_and(|robot| robot.uplink.is_taped())
+    }
+
+    /// Cables have the baud rates that robots were asked for in the tick that is over. A rate that the cable cannot have
+    /// changes nothing, nor does one on a cable that has none, or after more changes than a run can have.
+    pub(super) fn change_bauds(&mut self) {
+        if !self.may_change_baud {
+            return;
+        }
+        for own in 0..self.state().robots.len() {
+            let Some(baud) = self.state_mut().robots[own].take_baud() else { continue };
+            let robot = self.scenario().robots[own].name.clone();
+            if matches!(self.set_baud(&robot, baud), Ok(true)) {
+                self.altered.note(self.time(), &Intervention::SetBaud { robot, baud });
+            }
+        }
     }
 }

@@ -1,0 +1,181 @@
+//! Where messages begin and end in the bytes of a cable, at either end.
+
+use alloc::boxed::Box;
+
+use baudbot_wire::BareDecoder;
+use baudbot_wire::create::Stream;
+use baudbot_wire::khepera::Lines;
+use serde::{Deserialize, Serialize};
+
+use crate::open_interface::OpenInterface;
+use crate::registers::{Owed, Registers, Say};
+use crate::time::SimTime;
+
+/// Finds messages in a stream of bytes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) enum Decoder {
+    Framed(baudbot_wire::Decoder),
+    Bare(BareDecoder),
+    /// At the robot's end, with what it owes in answer to the lines that came.
+    Khepera {
+        lines: Lines,
+        owed: Owed,
+    },
+    /// What `Khepera` becomes with the first line that is neither `D` nor `H` nor `N`.
+    Registers {
+        lines: Lines,
+        registers: Box<Registers>,
+    },
+    /// Of a Khepera, at the laptop's end, with the positions that were told since the last readings.
+    KheperaAnswers {
+        lines: Lines,
+        positions: Option<[i32; 2]>,
+    },
+    /// Of a Create, at the robot's end.
+    OpenInterface(Box<OpenInterface>),
+    /// Of a Create, at the laptop's end.
+    Stream(Stream),
+}
+
+/// What a byte completed.
+pub(crate) enum Found<'a> {
+    Nothing,
+    Payload(&'a [u8]),
+    BadFrame,
+}
+
+impl Decoder {
+    pub(crate) fn push(&mut self, byte: u8, at: SimTime) -> Found<'_> {
+        match self {
+            Self::Bare(bare) => bare.push(byte, at.as_ns()).map_or(Found::Nothing, Found::Payload),
+            Self::Framed(framed) => match framed.push(byte) {
+                None => Found::Nothing,
+                Some(Ok(payload)) => Found::Payload(payload),
+                Some(Err(_)) => Found::BadFrame,
+            },
+            Self::Khepera { lines, .. }
+            | Self::Registers { lines, .. }
+            | Self::KheperaAnswers { lines, .. } => match lines.push(byte) {
+                None => Found::Nothing,
+                Some(Ok(line)) => Found::Payload(line),
+                Some(Err(_)) => Found::BadFrame,
+            },
+            Self::OpenInterface(interface) => interface.push(byte).map_or(Found::Nothing, Found::Payload),
+            Self::Stream(stream) => match stream.push(byte) {
+                None => Found::Nothing,
+                Some(Ok(payload)) => Found::Payload(payload),
+                Some(Err(_)) => Found::BadFrame,
+            },
+        }
+    }
+
+    /// Whether it decodes frames and the next byte begins one.
+    pub(crate) fn is_between_frames(&self) -> bool {
+        match self {
+            Self::Framed(framed) => framed.is_between_frames(),
+            Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. } | Self::KheperaAnswers { .. } => {
+                false
+            }
+            Self::OpenInterface(_) | Self::Stream(_) => false,
+        }
+    }
+
+    /// Whether this decoder may have become what `other` is.
+    pub(crate) fn may_become(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Framed(_), Self::Framed(_)) => true,
+            (Self::Bare(own), Self::Bare(other)) => own.may_become(other),
+            (Self::Khepera { lines: own, .. }, Self::Khepera { lines: other, .. }) => own.may_become(other),
+            (Self::Khepera { lines: own, .. }, Self::Registers { lines: other, registers }) => {
+                own.may_become(other) && registers.is_sound()
+            }
+            (Self::KheperaAnswers { lines: own, .. }, Self::KheperaAnswers { lines: other, .. }) => {
+                own.may_become(other)
+            }
+            (Self::OpenInterface(own), Self::OpenInterface(other)) => own.may_become(other),
+            (Self::Stream(own), Self::Stream(other)) => own.may_become(other),
+            (Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. }, _) => false,
+            (Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_), _) => false,
+        }
+    }
+
+    /// A message that was understood asks for these answers. Where every answer is readings there is nothing to remember.
+    pub(crate) fn owe(&mut self, answers: Owed) {
+        match self {
+            Self::Framed(_) | Self::Bare(_) | Self::OpenInterface(_) | Self::Stream(_) => {}
+            Self::KheperaAnswers { .. } => {}
+            Self::Khepera { owed, .. } => owed.add(answers),
+            Self::Registers { registers, .. } => registers.owe_exchange(answers),
+        }
+    }
+
+    /// What is owed in text, which is said now.
+    pub(crate) fn settle(&mut self) -> Option<Say> {
+        match self {
+            Self::Framed(_) | Self::Bare(_) | Self::OpenInterface(_) | Self::Stream(_) => None,
+            Self::KheperaAnswers { .. } => None,
+            Self::Khepera { owed, .. } => Some(Say::Exchange(core::mem::take(owed))),
+            Self::Registers { registers, .. } => registers.settle(),
+        }
+    }
+
+    /// The registers of a Khepera, if any was used.
+    pub(crate) fn registers(&self) -> Option<&Registers> {
+        match self {
+            Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } => None,
+            Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_) => None,
+            Self::Registers { registers, .. } => Some(&**registers),
+        }
+    }
+
+    /// The registers of a Khepera, if any was used, to be changed.
+    pub(crate) fn registers_mut(&mut self) -> Option<&mut Registers> {
+        match self {
+            Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } => None,
+            Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_) => None,
+            Self::Registers { registers, .. } => Some(registers),
+        }
+    }
+
+    /// A register of a Khepera is used, or a line refused. Other firmwares have none, and stay what they are.
+    pub(crate) fn use_registers(&mut self) -> Option<&mut Registers> {
+        if let Self::Khepera { lines, owed } = self {
+            let registers = Box::new(Registers::owing(*owed));
+            *self = Self::Registers { lines: lines.clone(), registers };
+        }
+        self.registers_mut()
+    }
+
+    /// A Khepera's positions, which are kept until its readings come.
+    pub(crate) fn keep_positions(&mut self, told: [i32; 2]) {
+        if let Self::KheperaAnswers { positions, .. } = self {
+            *positions = Some(told);
+        }
+    }
+
+    /// The positions that a Khepera told since its last readings.
+    pub(crate) fn take_positions(&mut self) -> Option<[i32; 2]> {
+        if let Self::KheperaAnswers { positions, .. } = self { positions.take() } else { None }
+    }
+
+    /// The interface of a Create.
+    #[inline]
+    pub(crate) fn open_interface(&self) -> Option<&OpenInterface> {
+        if let Self::OpenInterface(interface) = self { Some(interface) } else { None }
+    }
+
+    /// The interface of a Create, to be changed.
+    #[inline]
+    pub(crate) fn open_interface_mut(&mut self) -> Option<&mut OpenInterface> {
+        if let Self::OpenInterface(interface) = self { Some(interface) } else { None }
+    }
+
+    /// Messages that silence cut short so far.
+    pub(crate) fn cut_short(&self) -> u64 {
+        match self {
+            Self::Framed(_) | Self::Khepera { .. } | Self::Registers { .. } => 0,
+            Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_) => 0,
+            Self::Bare(bare) => bare.discarded(),
+        }
+    }
+}
