@@ -1,6 +1,6 @@
 """What an adapter of a scenario does to a program with pyserial as it is: `python tests/ports/adapter.py BAUDBOT`.
 
-Not a part of `./test`: that a time-out does not expire depends on how busy the machine is.
+Not a part of `./test`: whether a time-out expires depends on how busy the machine is.
 """
 
 import os
@@ -92,7 +92,8 @@ def in_time(place: str) -> int:
 
 
 def late(places: list[str]) -> None:
-    assert in_time(places[0]) == 0
+    # A program that is late itself asks nearer to the timer's next end.
+    assert in_time(places[0]) < EXCHANGES / 2
 
 
 def early(places: list[str]) -> None:
