@@ -296,7 +296,7 @@ fn another_baud_rate_is_that_of_the_cable_from_the_end_of_the_tick_on() {
     assert_eq!(baud(&world), Some(300));
     let saved = World::load(world.origin().clone(), &world.save(), world.hash()).unwrap();
     assert_eq!(baud(&saved), Some(300));
-    say(&mut world, 100, &[128, 129, 5]);
+    say(&mut world, 200, &[128, 129, 5]);
     assert_eq!(baud(&world), Some(9600));
 }
 
