@@ -26,12 +26,15 @@ const SHARED: [u8; 3] = [0x3E, 0x4A, 0x4B];
 const STACK_LOW: u8 = 0x5D;
 const STACK_HIGH: u8 = 0x5E;
 const STATUS: u8 = 0x5F;
+const HALF_CARRY: u8 = 0x20;
 
 #[test]
 #[ignore = "needs libsimavr-dev"]
 fn each_instruction_does_what_simavr_does() {
     let harness = build_harness();
-    compare(Command::new(harness), "simavr", |_| false);
+    // It takes some words of ADIW and SBIW for JMP or CALL when it skips them.
+    let takes_for_two_words = |word: u16| word & 0xFE0C == 0x960C;
+    compare(Command::new(harness), "simavr", 0xFF, |state| is_skip(state) && takes_for_two_words(state.words[1]));
 }
 
 #[test]
@@ -41,7 +44,16 @@ fn each_instruction_does_what_avr8js_does() {
         .expect("BAUDBOT_AVR8JS names the folder in which `npm install --prefix FOLDER avr8js@0.21.1` was done");
     let mut node = Command::new("node");
     node.arg(tests().join("avr8js/step.mjs")).arg(folder);
-    compare(node, "avr8js", |_| false);
+    // Its half carry is that of the lowest bit, its CBI takes one cycle, its FMULSU sets Z
+    // at random, its NEG of -128 does not overflow, and 0 - 255 - 1 is not zero for it.
+    let differs = |state: &State| match decode(state.words[0], 0) {
+        Op::Cbi { .. } | Op::Fmulsu { .. } => true,
+        Op::Neg { d } => state.registers[usize::from(d)] == 0x80,
+        Op::Cpc { r, .. } | Op::Sbc { r, .. } => state.registers[usize::from(r)] == 0xFF && state.sreg & 1 == 1,
+        Op::Sbci { k, .. } => k == 0xFF && state.sreg & 1 == 1,
+        _ => false,
+    };
+    compare(node, "avr8js", !HALF_CARRY, differs);
 }
 
 fn tests() -> PathBuf {
@@ -82,16 +94,16 @@ impl State {
     }
 }
 
-fn compare(mut oracle: Command, name: &str, excused: impl Fn(Op) -> bool) {
+fn compare(mut oracle: Command, name: &str, flags: u8, excused: impl Fn(&State) -> bool) {
     let states = std::env::var("BAUDBOT_AVR_STATES").map_or(10_000, |states| states.parse().expect("a number of states"));
     let mut oracle = Oracle::start(&mut oracle, name);
     let mut ours = Ours::new();
     let mut random = Random(1);
     for (kind, words) in kinds() {
-        let cases: Vec<State> = (0..states).map(|_| random_state(&words, &mut random)).filter(|state| is_defined(state, &excused)).collect();
+        let cases: Vec<State> = (0..states).map(|_| random_state(&words, &mut random)).filter(|state| is_defined(state) && !excused(state)).collect();
         for batch in cases.chunks(200) {
             for (state, expected) in batch.iter().zip(oracle.ask(batch)) {
-                let found = ours.step(state);
+                let (found, expected) = (normalised(&ours.step(state), flags), normalised(&expected, flags));
                 let op = decode(state.words[0], state.words[1]);
                 assert_eq!(found, expected, "{kind}: {op:?} from {}\n left: ours, right: {name}", state.line());
             }
@@ -149,12 +161,8 @@ fn random_state(words: &[u16], random: &mut Random) -> State {
 }
 
 /// Whether the manual defines the result, and the registers are none that do more than hold what is written.
-fn is_defined(state: &State, excused: &impl Fn(Op) -> bool) -> bool {
-    let op = decode(state.words[0], state.words[1]);
-    if excused(op) {
-        return false;
-    }
-    match op {
+fn is_defined(state: &State) -> bool {
+    match decode(state.words[0], state.words[1]) {
         Op::LoadIncrement { d, pointer } | Op::LoadDecrement { d, pointer } => d & !1 != pointer,
         Op::StoreIncrement { r, pointer } | Op::StoreDecrement { r, pointer } => r & !1 != pointer,
         Op::LpmIncrement { d } => d & !1 != 30,
@@ -166,6 +174,11 @@ fn is_defined(state: &State, excused: &impl Fn(Op) -> bool) -> bool {
         }
         _ => true,
     }
+}
+
+fn is_skip(state: &State) -> bool {
+    let op = decode(state.words[0], state.words[1]);
+    matches!(op, Op::Cpse { .. } | Op::Sbrc { .. } | Op::Sbrs { .. } | Op::Sbic { .. } | Op::Sbis { .. })
 }
 
 struct Ours {
@@ -257,16 +270,21 @@ impl Oracle {
         states.iter().map(|_| self.answer()).collect()
     }
 
-    /// An answer with its program counter within the flash.
     fn answer(&mut self) -> String {
         let mut line = String::new();
         self.answers.read_line(&mut line).unwrap();
-        let mut fields: Vec<String> = line.split_whitespace().map(String::from).collect();
-        assert!(fields.len() >= 5, "the other simulator has ended or says {line:?}");
-        let pc = u32::from_str_radix(&fields[1], 16).unwrap() & 0x3FFF;
-        fields[1] = format!("{pc:x}");
-        fields.join(" ")
+        line
     }
+}
+
+/// An answer with its program counter within the flash, and with these flags only.
+fn normalised(line: &str, flags: u8) -> String {
+    let mut fields: Vec<String> = line.split_whitespace().map(String::from).collect();
+    assert!(fields.len() >= 5, "the other simulator has ended or says {line:?}");
+    let number = |text: &str| u32::from_str_radix(text, 16).unwrap();
+    fields[1] = format!("{:x}", number(&fields[1]) & 0x3FFF);
+    fields[2] = format!("{:x}", number(&fields[2]) & u32::from(flags));
+    fields.join(" ")
 }
 
 impl Drop for Oracle {

@@ -30,7 +30,7 @@ for await (const line of createInterface({ input: process.stdin })) {
   cpu.pc = pc;
   const before = cpu.cycles;
   avrInstruction(cpu);
-  const out = [cpu.cycles - before, cpu.pc, cpu.data[95], cpu.dataView.getUint16(93, true)].map(hex);
+  const out = [cpu.cycles - before, cpu.pc & (FLASH - 1), cpu.data[95], cpu.dataView.getUint16(93, true)].map(hex);
   out.push(Array.from(cpu.data.subarray(0, 32), (byte) => hex(byte).padStart(2, "0")).join(""));
   for (const address of SHARED) if (cpu.data[address]) out.push(`${hex(address)}=${hex(cpu.data[address]).padStart(2, "0")}`);
   for (let i = RAM; i < RAM_END; i++) if (cpu.data[i] !== pattern[i]) out.push(`${hex(i)}=${hex(cpu.data[i]).padStart(2, "0")}`);
