@@ -59,7 +59,7 @@ impl Chip {
         }
         if let Some(level) = edge(special::RXD) {
             // Nothing on the line is a line that rests.
-            self.usart.set_pin(level || self.ports.external(special::RXD) == External::Open);
+            self.usart.set_pin(now, level || self.ports.external(special::RXD) == External::Open);
         }
         for (which, pin) in [(Which::T0, special::T0), (Which::T1, special::T1)] {
             if let Some(rising) = edge(pin) {

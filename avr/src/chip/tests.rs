@@ -176,7 +176,7 @@ fn the_watchdog_resets_and_leaves_its_mark_in_mcusr() {
     let mut chip = chip(&[0xE108, 0xE018, 0x9300, 0x0060, 0x9310, 0x0060, 0xCFFF]);
     let start = chip.now();
     assert_eq!(chip.system.status(), ResetCause::PowerOn as u8);
-    chip.run(start + 256_003, &mut Bare);
+    chip.run(start + 256_002, &mut Bare);
     assert_eq!(chip.system.status(), 1);
     chip.run(start + 256_010, &mut Bare);
     assert_eq!(chip.system.status(), 9);

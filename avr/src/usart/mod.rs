@@ -148,9 +148,10 @@ impl Usart {
         self.line.put(now, Incoming { frame, start, bit })
     }
 
-    /// The level at the pin RXD has changed.
-    pub(crate) fn set_pin(&mut self, level: bool) {
+    /// The level at the pin RXD has changed at this cycle.
+    pub(crate) fn set_pin(&mut self, now: u64, level: bool) {
         self.line.pin = level;
+        self.receiver.look_from(now);
     }
 
     /// The next cycle at which something happens.

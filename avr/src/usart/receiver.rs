@@ -69,6 +69,11 @@ impl Receiver {
         *self = Self { at: now, ..Self::new() };
     }
 
+    /// Samples before this cycle have nothing to say: the line has changed with it.
+    pub(super) fn look_from(&mut self, now: u64) {
+        self.at = self.at.max(now.saturating_sub(1));
+    }
+
     /// RXC, and the errors of the character that is read next.
     pub(super) fn status(&self) -> u8 {
         let overrun = if self.overrun { OVERRUN } else { 0 };
