@@ -85,7 +85,7 @@ impl Chip {
         self.apply_power();
         if sleep.stops_oscillator() {
             let ready = self.now() + u64::from(self.fuses.start_up().cycles);
-            self.clock.skip_to(self.cycle, ready);
+            self.skip_to(ready);
         }
         self.schedule();
         self.service(board);

@@ -224,6 +224,7 @@ impl Chip {
             Effect::Nothing => {}
             Effect::Prescale(shift) => {
                 self.clock.set_shift(now, shift);
+                self.usart.clock_changed(now);
                 self.refresh_timers(now, board);
             }
             Effect::PullUpsOff(off) => {

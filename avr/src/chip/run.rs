@@ -95,7 +95,7 @@ impl Chip {
     /// Lets time pass in which no instructions are executed; false if the processor is awake.
     fn pass_time<B: Board>(&mut self, until: u64, board: &mut B) -> bool {
         if let Some(held) = self.held_until {
-            self.clock.skip_to(self.cycle, held.min(until));
+            self.skip_to(held.min(until));
             if held <= until {
                 self.held_until = None;
             }
@@ -108,12 +108,18 @@ impl Chip {
         }
         if sleep.is_deep() {
             let period = self.next_period().clamp(self.now(), until);
-            self.clock.skip_to(self.cycle, period);
+            self.skip_to(period);
             self.schedule();
         } else {
             self.cycle = self.next_event.min(self.clock.cycle_from(until)).max(self.cycle);
         }
         true
+    }
+
+    /// The clock stands until this period.
+    pub(super) fn skip_to(&mut self, period: u64) {
+        self.clock.skip_to(self.cycle, period);
+        self.usart.clock_changed(self.cycle);
     }
 
     /// Takes the first interrupt that is requested and allowed.

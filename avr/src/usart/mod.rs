@@ -154,6 +154,11 @@ impl Usart {
         self.receiver.look_from(now);
     }
 
+    /// The clock runs in another way from this cycle on.
+    pub(crate) fn clock_changed(&mut self, now: u64) {
+        self.receiver.look_from(now);
+    }
+
     /// The next cycle at which something happens.
     pub(crate) fn next_event(&self, clock: &Clock) -> u64 {
         let sending = self.end.unwrap_or(self.begin);

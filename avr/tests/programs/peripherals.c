@@ -13,7 +13,8 @@ static void put(uint16_t result)
 
 static void timer1(uint8_t control_a, uint8_t control_b, uint16_t top)
 {
-	TCCR1B = 0;
+	// ICR1 can be written only while it is the top.
+	TCCR1B = control_b & 0x18;
 	TCCR1A = control_a;
 	ICR1 = top;
 	OCR1A = top / 2;
