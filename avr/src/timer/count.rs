@@ -142,8 +142,8 @@ impl Timer {
     }
 
     fn tick_dual(&mut self, top: u16) {
-        if self.down {
-            self.count = self.count.saturating_sub(1);
+        if self.down && self.count > 0 {
+            self.count -= 1;
         } else if self.count >= top {
             self.down = true;
             self.count = top.saturating_sub(1);

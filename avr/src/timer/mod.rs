@@ -229,6 +229,8 @@ impl Timer {
             Register::Count => {
                 self.count = sixteen;
                 self.blocked = true;
+                // From BOTTOM there is only one way.
+                self.down &= sixteen != 0;
             }
             Register::CountHigh | Register::CaptureHigh | Register::CompareAHigh | Register::CompareBHigh => {
                 self.temporary = value;
