@@ -11,13 +11,13 @@ use crate::instruction::{Op, decode};
 
 /// Program memory. Clones share it until one of them writes.
 #[derive(Clone, Debug)]
-pub struct Flash {
+pub(crate) struct Flash {
     code: Arc<Code>,
 }
 
 /// Words with their instructions.
 #[derive(Clone, Debug)]
-pub struct Code {
+pub(crate) struct Code {
     words: Box<[u16]>,
     ops: Box<[Op]>,
 }
@@ -38,7 +38,7 @@ impl Flash {
     }
 
     /// All words.
-    pub fn words(&self) -> &[u16] {
+    pub(crate) fn words(&self) -> &[u16] {
         &self.code.words
     }
 
@@ -76,10 +76,13 @@ impl Flash {
 }
 
 impl Code {
-    /// The instruction at a word address, which is taken modulo the size.
-    #[inline]
+    /// The instruction at a word address; beyond the memory there are none.
+    #[inline(always)]
     pub(crate) fn op(&self, pc: u32) -> Op {
-        self.ops[pc as usize & (self.ops.len() - 1)]
+        match self.ops.get(pc as usize) {
+            Some(&op) => op,
+            None => Op::Illegal { word: 0xFFFF },
+        }
     }
 }
 

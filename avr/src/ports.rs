@@ -190,7 +190,8 @@ impl Ports {
     #[inline]
     pub(crate) fn floating(&mut self, port: Port, mask: u8) -> u8 {
         let state = &mut self.states[port.index()];
-        let floating = mask & !(state.external | state.drives.output | state.drives.high | state.floating_told);
+        let floating =
+            mask & !(state.external | state.drives.output | state.drives.high | state.floating_told);
         state.floating_told |= floating;
         floating
     }

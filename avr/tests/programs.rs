@@ -2,8 +2,8 @@
 
 use baudbot_avr::usart::{BitLength, Frame, Sent};
 use baudbot_avr::{
-    AnalogInput, Bare, Board, Channel, Chip, Drive, External, Fuses, Part, Pin, Port, Program, Pwm, PwmReport, Sleep,
-    Stop, Supply, Timer,
+    AnalogInput, Bare, Board, Channel, Chip, Drive, External, Fuses, Part, Pin, Port, Program, Pwm,
+    PwmReport, Sleep, Stop, Supply, Timer,
 };
 
 const HZ: u64 = 16_000_000;
@@ -126,7 +126,9 @@ fn a_sender_of_another_baud_rate_is_told_frame_errors() {
 #[test]
 fn motors_a_servo_and_a_tone_are_told_by_their_shapes() {
     let mut chip = chip("pwm.hex");
-    for (timer, channel) in [(Timer::T0, Channel::A), (Timer::T0, Channel::B), (Timer::T1, Channel::A), (Timer::T2, Channel::B)] {
+    for (timer, channel) in
+        [(Timer::T0, Channel::A), (Timer::T0, Channel::B), (Timer::T1, Channel::A), (Timer::T2, Channel::B)]
+    {
         chip.set_pwm_report(timer, channel, PwmReport::Shape);
     }
     let mut notes = Notes::default();
@@ -150,10 +152,18 @@ fn motors_a_servo_and_a_tone_are_told_by_their_edges() {
         (pin(Port::B, 1), 3000 * 8, 40_000 * 8),
         (pin(Port::D, 3), 142 * 128, 2 * 142 * 128),
     ] {
-        let rises: Vec<u64> =
-            notes.pins.iter().filter(|(own, drive, _)| *own == pin && *drive == Drive::High).map(|one| one.2).collect();
-        let falls: Vec<u64> =
-            notes.pins.iter().filter(|(own, drive, at)| *own == pin && *drive == Drive::Low && *at > rises[1]).map(|one| one.2).collect();
+        let rises: Vec<u64> = notes
+            .pins
+            .iter()
+            .filter(|(own, drive, _)| *own == pin && *drive == Drive::High)
+            .map(|one| one.2)
+            .collect();
+        let falls: Vec<u64> = notes
+            .pins
+            .iter()
+            .filter(|(own, drive, at)| *own == pin && *drive == Drive::Low && *at > rises[1])
+            .map(|one| one.2)
+            .collect();
         assert!(rises.len() >= 4, "{pin:?}: {rises:?}");
         assert!(rises[1..].windows(2).all(|two| two[1] - two[0] == period), "{pin:?}");
         assert!(rises[1..].iter().zip(&falls).all(|(rise, fall)| fall - rise == high), "{pin:?}");
@@ -238,7 +248,13 @@ fn a_boot_loader_writes_an_application_and_starts_it() {
 
 #[test]
 fn a_chip_that_was_saved_and_loaded_anywhere_goes_on_to_the_same_bits() {
-    for (file, step) in [("adc.hex", 12_347), ("echo_9600.hex", 9_973), ("pwm.hex", 10_007), ("compute.hex", 30_011), ("eeprom.elf", 1_009)] {
+    for (file, step) in [
+        ("adc.hex", 12_347),
+        ("echo_9600.hex", 9_973),
+        ("pwm.hex", 10_007),
+        ("compute.hex", 30_011),
+        ("eeprom.elf", 1_009),
+    ] {
         let mut whole = chip(file);
         let mut parts = whole.clone();
         let mut notes = (Notes::default(), Notes::default());

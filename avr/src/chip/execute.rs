@@ -3,7 +3,7 @@
 //! Source: *AVR Instruction Set Manual*, columns AVRe of the cycles. A register that is read in a peripheral is read at the
 //! beginning of the instruction's last cycle, one that is written is written at its end.
 
-use super::Chip;
+use super::{Chip, Pending};
 use crate::alu;
 use crate::board::{Board, Warning};
 use crate::flash::Code;
@@ -95,11 +95,11 @@ impl Chip {
             Op::Sbrc { r, mask } => self.skip(self.register(r) & mask == 0, code),
             Op::Sbrs { r, mask } => self.skip(self.register(r) & mask != 0, code),
             Op::Sbic { address, mask } => {
-                let clear = self.read_io(address, board) & mask == 0;
-                self.skip(clear, code)
+                let set = self.read_bit(address, mask, board);
+                self.skip(!set, code)
             }
             Op::Sbis { address, mask } => {
-                let set = self.read_io(address, board) & mask != 0;
+                let set = self.read_bit(address, mask, board);
                 self.skip(set, code)
             }
             Op::Sbi { address, mask } => self.set_bit(address, mask, true, board),
@@ -197,7 +197,7 @@ impl Chip {
                 1
             }
             Op::Break => {
-                self.broken = true;
+                self.pending = Pending::Break;
                 self.limit = 0;
                 1
             }

@@ -1,6 +1,6 @@
 //! Running: instructions between events.
 
-use super::Chip;
+use super::{Chip, Pending, State};
 use crate::board::Board;
 use crate::flash::Code;
 use crate::vector::Vector;
@@ -56,11 +56,10 @@ impl Chip {
         let mut code = self.flash.code();
         let stop = loop {
             self.service(board);
-            if let Some(cause) = self.reset_by.take() {
-                self.reset(cause as u8, board);
-            }
-            if core::mem::take(&mut self.broken) {
-                break Stop::Break;
+            match core::mem::replace(&mut self.pending, Pending::Nothing) {
+                Pending::Nothing => {}
+                Pending::Break => break Stop::Break,
+                Pending::Reset(cause) => self.reset(cause as u8, board),
             }
             if self.now() >= until {
                 break Stop::Reached;
@@ -68,8 +67,11 @@ impl Chip {
             if self.pass_time(until, board) || self.interrupt(board) {
                 continue;
             }
-            self.limit =
-                if self.inhibited { self.cycle + 1 } else { self.next_event.min(self.clock.cycle_from(until)) };
+            self.limit = if self.inhibited {
+                self.cycle + 1
+            } else {
+                self.next_event.min(self.clock.cycle_from(until))
+            };
             self.inhibited = false;
             if instructions(self, &code, board) {
                 break Stop::Breakpoint;
@@ -94,14 +96,17 @@ impl Chip {
 
     /// Lets time pass in which no instructions are executed; false if the processor is awake.
     fn pass_time<B: Board>(&mut self, until: u64, board: &mut B) -> bool {
-        if let Some(held) = self.held_until {
-            self.skip_to(held.min(until));
-            if held <= until {
-                self.held_until = None;
+        let sleep = match self.state {
+            State::Awake => return false,
+            State::Held(held) => {
+                self.skip_to(held.min(until));
+                if held <= until {
+                    self.state = State::Awake;
+                }
+                return true;
             }
-            return true;
-        }
-        let Some(sleep) = self.sleep else { return false };
+            State::Asleep(sleep) => sleep,
+        };
         if self.can_wake(sleep) {
             self.wake(sleep, board);
             return true;
@@ -140,7 +145,7 @@ impl Chip {
 
     /// The processor goes on behind `SLEEP` after the interrupt that has woken it.
     fn wake<B: Board>(&mut self, sleep: crate::system::Sleep, board: &mut B) {
-        self.sleep = None;
+        self.state = State::Awake;
         self.leave_sleep(sleep, board);
         self.cycle += WAKE_CYCLES;
     }
