@@ -26,7 +26,7 @@ fn main() {
         let ours = ours(&program, seconds);
         match harness.as_deref().map(|harness| theirs(harness, &file, seconds)) {
             Some(theirs) => {
-                println!("{ours:.0} MHz; simavr {theirs:.0} MHz; {:.1} times as fast", ours / theirs)
+                println!("{ours:.0} MHz; simavr {theirs:.0} MHz; {:.1} times as fast", ours / theirs);
             }
             None => println!("{ours:.0} MHz"),
         }

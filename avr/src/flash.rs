@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::instruction::{Op, decode};
+use crate::instruction::{LONGEST_LOOP, Op, operation};
 
 /// Program memory. Clones share it until one of them writes.
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ impl Flash {
     }
 
     fn of(words: Box<[u16]>) -> Self {
-        let ops = (0..words.len()).map(|at| decode(words[at], words[(at + 1) % words.len()])).collect();
+        let ops = (0..words.len()).map(|at| operation(&words, at)).collect();
         Self { code: Arc::new(Code { words, ops }) }
     }
 
@@ -67,10 +67,10 @@ impl Flash {
             let place = (address as usize + at) & (len - 1);
             code.words[place] = change(at, code.words[place]);
         }
-        // The word before may be the first of two.
-        for at in 0..=count {
+        // The word before may be the first of two, and those behind may end a loop that begins here.
+        for at in 0..=count + LONGEST_LOOP {
             let place = (address as usize + len + at - 1) & (len - 1);
-            code.ops[place] = decode(code.words[place], code.words[(place + 1) & (len - 1)]);
+            code.ops[place] = operation(&code.words, place);
         }
     }
 }

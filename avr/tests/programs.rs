@@ -7,6 +7,19 @@ use baudbot_avr::{
 };
 
 const HZ: u64 = 16_000_000;
+const FILES: [&str; 11] = [
+    "adc.hex",
+    "blink.hex",
+    "capture.hex",
+    "compute.hex",
+    "echo_115200.hex",
+    "echo_9600.hex",
+    "eeprom.elf",
+    "peripherals.hex",
+    "pwm.hex",
+    "sleep.hex",
+    "watchdog.hex",
+];
 const GPIOR: [u16; 3] = [0x3E, 0x4A, 0x4B];
 
 fn chip(file: &str) -> Chip {
@@ -244,6 +257,33 @@ fn a_boot_loader_writes_an_application_and_starts_it() {
     assert_eq!(chip.read_data(GPIOR[1], &mut Bare), 0x1E);
     assert_eq!(chip.flash()[..4], [0xE402, 0xBB0E, 0xCFFF, 0xFFFF]);
     assert_eq!(before.flash()[0], 0xFFFF, "the program that others share is as it was");
+}
+
+#[test]
+fn loops_that_wait_are_passed_over_to_the_same_bits_as_if_they_were_gone_through() {
+    for file in FILES {
+        let mut quick = chip(file);
+        let mut slow = quick.clone();
+        let mut notes = (Notes::default(), Notes::default());
+        for chip in [&mut quick, &mut slow] {
+            let length = BitLength::of_baud(HZ as u32, 9600).unwrap();
+            for byte in 0..8 {
+                chip.receive(Frame::byte(byte), ms(1) + 20_000 * u64::from(byte), length).unwrap();
+                chip.set_pin(pin(Port::B, 0), External::High, ms(2) + 7_003 * u64::from(byte)).unwrap();
+                chip.set_pin(pin(Port::B, 0), External::Low, ms(2) + 7_003 * u64::from(byte) + 3_501)
+                    .unwrap();
+                let level = if byte % 2 == 0 { External::Low } else { External::High };
+                chip.set_pin(pin(Port::D, 7), level, ms(3) + 11_117 * u64::from(byte)).unwrap();
+            }
+        }
+        for until in [ms(2) + 1, ms(7), ms(40) + 13] {
+            quick.run(until, &mut notes.0);
+            slow.run_to(until, &[], &mut notes.1);
+            assert!(quick == slow, "{file}");
+        }
+        assert_eq!(notes.0.pins, notes.1.pins, "{file}");
+        assert_eq!(notes.0.sent, notes.1.sent, "{file}");
+    }
 }
 
 #[test]

@@ -65,6 +65,7 @@ pub struct Chip {
     /// The next instruction is executed before any interrupt: it follows `SEI` or `RETI`.
     inhibited: bool,
     state: State,
+    waiting: Waiting,
     /// What follows the instruction that has just been executed.
     pending: Pending,
     clock: Clock,
@@ -116,6 +117,7 @@ impl Chip {
             return_bytes: properties.return_bytes,
             inhibited: false,
             state: State::Awake,
+            waiting: Waiting::NOWHERE,
             pending: Pending::Nothing,
             clock: Clock::new(0),
             ports: Ports::default(),
@@ -171,6 +173,17 @@ impl Chip {
     pub const fn lowest_sp(&self) -> u16 {
         self.stack.lowest
     }
+}
+
+/// The loop that waits and was gone through last, and up to which cycle nothing else would happen then.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Waiting {
+    pc: u32,
+    limit: u64,
+}
+
+impl Waiting {
+    const NOWHERE: Self = Self { pc: u32::MAX, limit: 0 };
 }
 
 /// What the processor does.

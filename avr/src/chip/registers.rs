@@ -1,6 +1,6 @@
 //! The registers of the peripherals, as the program reads and writes them.
 
-use super::Chip;
+use super::{Chip, Waiting};
 use crate::adc;
 use crate::address::{Core, Place};
 use crate::board::{Board, Unsupported, Warning};
@@ -157,6 +157,11 @@ impl Chip {
         }
         if self.outputs.shapes.iter().flatten().any(Option::is_some) {
             self.refresh_timers(now, board);
+            self.waiting = Waiting::NOWHERE;
+        }
+        if self.ports.is_synchronising(port, now) {
+            // The next read may give something else, without an event.
+            self.waiting = Waiting::NOWHERE;
         }
         self.ports.read(port, register, now) & !self.digital_off(port)
     }

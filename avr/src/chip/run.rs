@@ -1,6 +1,6 @@
 //! Running: instructions between events.
 
-use super::{Chip, Pending, State};
+use super::{Chip, Pending, State, Waiting};
 use crate::board::Board;
 use crate::flash::Code;
 use crate::vector::Vector;
@@ -33,7 +33,7 @@ impl Chip {
         })
     }
 
-    /// As [`run`](Self::run), and stops before an instruction at one of these word addresses, but not at the first one.
+    /// As [`run`](Self::run), but slower, and stops before an instruction at one of these word addresses, but not at the first one.
     pub fn run_to<B: Board>(&mut self, until: u64, breakpoints: &[u32], board: &mut B) -> Stop {
         let mut first = true;
         self.run_with(until, board, |chip, code, board| {
@@ -41,6 +41,7 @@ impl Chip {
                 if !core::mem::take(&mut first) && breakpoints.contains(&(chip.pc & chip.pc_mask)) {
                     return true;
                 }
+                chip.waiting = Waiting::NOWHERE;
                 chip.execute(code.op(chip.pc), code, board);
             }
             false
@@ -80,7 +81,7 @@ impl Chip {
                 code = self.flash.code();
             }
         };
-        self.limit = 0;
+        (self.limit, self.waiting) = (0, Waiting::NOWHERE);
         stop
     }
 

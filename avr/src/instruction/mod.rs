@@ -3,8 +3,10 @@
 //! Source: *AVR Instruction Set Manual*, for the core AVRe+.
 
 mod decode;
+mod wait;
 
 pub use decode::decode;
+pub(crate) use wait::{LONGEST_LOOP, operation};
 
 /// An instruction with its operands.
 ///
@@ -268,6 +270,17 @@ pub enum Op {
     Sleep,
     Wdr,
     Break,
+    /// `RJMP` at the end of a loop that only waits: an iteration takes `cycles`. Not decoded from a word alone.
+    WaitJump {
+        offset: i8,
+        cycles: u8,
+    },
+    /// `BRBS` or `BRBC` at the end of such a loop; `flag` is the number of the flag, plus 8 if it must be set.
+    WaitBranch {
+        flag: u8,
+        offset: i8,
+        cycles: u8,
+    },
     /// A word that is no instruction of these parts. It does nothing for one cycle.
     Illegal {
         word: u16,
