@@ -315,3 +315,28 @@ fn a_chip_that_was_saved_and_loaded_anywhere_goes_on_to_the_same_bits() {
         assert_eq!(notes.0.sent, notes.1.sent, "{file}");
     }
 }
+
+/// Places in a saved chip that are not in the middle of an empty memory.
+fn outside_memories(bytes: &[u8]) -> Vec<usize> {
+    (8..bytes.len() - 8).filter(|&at| bytes[at - 8..at + 8].iter().any(|&byte| byte != bytes[at])).collect()
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(300))]
+    #[test]
+    fn a_forged_chip_is_refused_or_runs(file in 0..FILES.len(), changes: Vec<(proptest::sample::Index, u8)>) {
+        let mut chip = chip(FILES[file]);
+        chip.receive(Frame::byte(0x55), ms(1), BitLength::of_baud(HZ as u32, 9600).unwrap()).unwrap();
+        chip.set_pin(pin(Port::D, 7), External::Low, ms(3)).unwrap();
+        chip.run(ms(1) + 5000, &mut Bare);
+        let mut bytes = postcard::to_allocvec(&chip).unwrap();
+        let places = outside_memories(&bytes);
+        for (place, value) in changes {
+            bytes[*place.get(&places)] = value;
+        }
+        if let Ok(mut forged) = postcard::from_bytes::<Chip>(&bytes) {
+            let until = forged.now() + ms(1);
+            forged.run(until, &mut Notes::default());
+        }
+    }
+}

@@ -11,6 +11,7 @@ mod power;
 mod programming;
 mod registers;
 mod run;
+mod saved;
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -46,6 +47,7 @@ use input::Inputs;
 ///
 /// Instants at the border are periods of the clock source since the chip was made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Chip {
     registers: [u8; 32],
     sreg: u8,

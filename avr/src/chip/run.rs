@@ -2,6 +2,7 @@
 
 use super::{Chip, Pending, State, Waiting};
 use crate::board::Board;
+use crate::clock::LATEST;
 use crate::flash::Code;
 use crate::vector::Vector;
 
@@ -23,7 +24,7 @@ const WAKE_CYCLES: u64 = 4;
 
 impl Chip {
     /// Runs until this instant, in periods of the clock source, and stops at the first boundary of an instruction at or
-    /// after it. A chip that sleeps stops exactly there.
+    /// after it. A chip that sleeps stops exactly there, and none goes on after [`LATEST`].
     pub fn run<B: Board>(&mut self, until: u64, board: &mut B) -> Stop {
         self.run_with(until, board, |chip, code, board| {
             while chip.cycle < chip.limit {
@@ -54,6 +55,7 @@ impl Chip {
         board: &mut B,
         mut instructions: impl FnMut(&mut Self, &Code, &mut B) -> bool,
     ) -> Stop {
+        let until = until.min(LATEST);
         let mut code = self.flash.code();
         let stop = loop {
             self.service(board);
