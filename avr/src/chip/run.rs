@@ -117,7 +117,6 @@ impl Chip {
         if sleep.is_deep() {
             let period = self.next_period().clamp(self.now(), until);
             self.skip_to(period);
-            self.schedule();
         } else {
             self.cycle = self.next_event.min(self.clock.cycle_from(until)).max(self.cycle);
         }
@@ -128,6 +127,7 @@ impl Chip {
     pub(super) fn skip_to(&mut self, period: u64) {
         self.clock.skip_to(self.cycle, period);
         self.usart.clock_changed(self.cycle);
+        self.schedule();
     }
 
     /// Takes the first interrupt that is requested and allowed.
