@@ -36,7 +36,7 @@ impl Board for Sum {
 
     fn twi_address(&mut self, address: u8, _direction: Direction, at: u64) -> bool {
         self.note(address.into(), at);
-        address % 2 == 0
+        address.is_multiple_of(2)
     }
 
     fn twi_write(&mut self, byte: u8, at: u64) -> bool {
@@ -86,7 +86,6 @@ fn give_inputs(chip: &mut Chip) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(150))]
     #[test]
     fn any_program_runs_the_same_at_once_in_parts_and_instruction_by_instruction(
         program in prop::collection::vec(words(), 1..60), slow_clock: bool, part in 300u64..9000,
