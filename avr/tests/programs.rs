@@ -394,7 +394,6 @@ fn outside_memories(bytes: &[u8]) -> Vec<usize> {
 }
 
 proptest::proptest! {
-    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(300))]
     #[test]
     fn a_forged_chip_is_refused_or_runs(file in 0..FILES.len(), changes: Vec<(proptest::sample::Index, u8)>) {
         let mut chip = chip(FILES[file]);

@@ -297,18 +297,19 @@ impl Chip {
         }
     }
 
-    /// A jump back to the start of a loop that only waits. If it has been gone through before without anything else happening,
-    /// it is gone through until something happens: all these iterations are the same.
+    /// A jump back to the start of a loop that only waits. If the last one was an iteration ago and nothing else has happened
+    /// since, the loop is gone through until something happens: all these iterations are the same.
     #[inline(always)]
     fn wait(&mut self, cycles: u8) -> u64 {
         const JUMP: u64 = 2;
-        let here = Waiting { pc: self.pc, limit: self.limit };
-        if self.waiting != here {
-            self.waiting = here;
-            return JUMP;
-        }
-        let left = self.limit.saturating_sub(self.cycle + JUMP);
-        JUMP + left - left % u64::from(cycles)
+        let period = u64::from(cycles);
+        let now = self.cycle + JUMP;
+        let again =
+            self.waiting == Waiting { pc: self.pc, limit: self.limit, cycle: now.wrapping_sub(period) };
+        let left = if again { self.limit.saturating_sub(now) } else { 0 };
+        let passed = left - left % period;
+        self.waiting = Waiting { pc: self.pc, limit: self.limit, cycle: now + passed };
+        JUMP + passed
     }
 
     #[inline(always)]

@@ -176,15 +176,16 @@ impl Chip {
     }
 }
 
-/// The loop that waits and was gone through last, and up to which cycle nothing else would happen then.
+/// The loop that waits and was gone through last: when, and up to which cycle nothing else would happen then.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Waiting {
     pc: u32,
     limit: u64,
+    cycle: u64,
 }
 
 impl Waiting {
-    const NOWHERE: Self = Self { pc: u32::MAX, limit: 0 };
+    const NOWHERE: Self = Self { pc: u32::MAX, limit: 0, cycle: 0 };
 }
 
 /// What the processor does.

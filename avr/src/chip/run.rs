@@ -70,13 +70,12 @@ impl Chip {
             if self.pass_time(until, board) || self.interrupt(board) {
                 continue;
             }
-            self.limit = if self.inhibited {
-                self.cycle + 1
-            } else {
-                self.next_event.min(self.clock.cycle_from(until))
-            };
-            self.inhibited = false;
+            let one_only = core::mem::take(&mut self.inhibited);
+            self.limit =
+                if one_only { self.cycle + 1 } else { self.next_event.min(self.clock.cycle_from(until)) };
             if instructions(self, &code, board) {
+                // The one instruction has not been executed.
+                self.inhibited |= one_only;
                 break Stop::Breakpoint;
             }
             if !self.flash.is(&code) {

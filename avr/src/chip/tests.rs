@@ -139,6 +139,16 @@ fn a_breakpoint_stops_before_its_instruction_and_does_not_hold_a_further_run() {
 }
 
 #[test]
+fn a_breakpoint_behind_sei_does_not_let_an_interrupt_in_before_its_instruction() {
+    // ldi r16, 1; out EIMSK, r16; sei; nop; nop with INT0 low
+    let mut chip = chip(&[0xE001, 0xBB0D, 0x9478, 0x0000, 0x0000]);
+    let until = chip.now() + 100;
+    assert_eq!((chip.run_to(until, &[3], &mut Bare), chip.pc()), (Stop::Breakpoint, 3));
+    assert_eq!((step(&mut chip), chip.pc()), (1, 4));
+    assert_eq!((step(&mut chip), chip.pc()), (4, 2));
+}
+
+#[test]
 fn a_run_in_two_parts_is_the_same_as_one() {
     let words = [0xE001, 0xBB0D, 0x9478, 0x9503, 0xCFFE];
     let (mut whole, mut parts) = (chip(&words), chip(&words));

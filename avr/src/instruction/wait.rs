@@ -33,7 +33,8 @@ pub(crate) fn operation(words: &[u16], at: usize) -> Op {
     if offset >= 0 || usize::from(offset.unsigned_abs()) > LONGEST_LOOP {
         return last;
     }
-    let start = at.wrapping_add_signed(1 + isize::from(offset));
+    // One that goes round the end of the memory is left alone.
+    let Some(start) = at.checked_add_signed(1 + isize::from(offset)) else { return last };
     let Some(body) = body_cycles(&op, start, at) else { return last };
     let (offset, cycles) = (offset as i8, body + 2);
     match flag {

@@ -248,8 +248,8 @@ impl Timer {
             }
             Register::Capture if self.mode().top == Top::Capture => self.capture = sixteen,
             Register::Capture => {}
-            Register::CompareA => self.set_compare(0, sixteen),
-            Register::CompareB => self.set_compare(1, sixteen),
+            Register::CompareA => self.buffer[0] = sixteen,
+            Register::CompareB => self.buffer[1] = sixteen,
             Register::Flags => self.flags &= !value,
             Register::Mask => self.mask = value & self.possible_flags(),
         }
@@ -289,17 +289,6 @@ impl Timer {
     fn take_capture(&mut self) {
         self.capture = self.count;
         self.flags |= CAPTURE;
-    }
-
-    fn set_compare(&mut self, channel: usize, value: u16) {
-        self.buffer[channel] = value;
-        self.at_once(channel);
-    }
-
-    fn at_once(&mut self, channel: usize) {
-        if self.mode().update == Update::Immediate {
-            self.compare[channel] = self.buffer[channel];
-        }
     }
 
     /// FOCnA and FOCnB: the pin does what it would do on a match, without a flag.

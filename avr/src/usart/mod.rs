@@ -8,7 +8,8 @@
 //! # Deviations
 //!
 //! Synchronous modes and the multi-processor mode are refused by a warning. The pin TXD stays high while a character is sent:
-//! the board is told the whole character instead, see [`Sent`].
+//! the board is told the whole character instead, see [`Sent`]. The data sheet does not say how long an idle transmitter waits
+//! before a start bit; here it waits for the next tick.
 
 mod frame;
 mod line;
