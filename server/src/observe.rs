@@ -99,8 +99,16 @@ fn cable(scenario: &Scenario, robot: &str, sensor: &str) -> Result<(usize, Cable
         ("", 1) => Some(0),
         _ => robots.iter().position(|spec| spec.name == robot),
     };
-    let place =
-        place.ok_or_else(|| Status::not_found(format!("robot: there is no robot `{}`", brief(robot))))?;
+    let unknown = || {
+        let names: Vec<_> = robots.iter().take(20).map(|spec| &*spec.name).collect();
+        let problem = if robot.is_empty() {
+            "say which".into()
+        } else {
+            format!("there is no robot `{}`", brief(robot))
+        };
+        Status::not_found(format!("robot: {problem}; there are: {}", names.join(", ")))
+    };
+    let place = place.ok_or_else(unknown)?;
     let spec = &robots[place];
     let found = match sensor {
         "" => Cable::Robot,

@@ -146,8 +146,9 @@ impl OpenInterface {
                 Deed::Boots
             }
             Command::Drive { velocity_mm_s, radius_mm } => {
-                self.requested = [velocity_mm_s, radius_mm];
-                Deed::Turns(self.requested)
+                let most = FULL_MM_S as i16;
+                self.requested = [velocity_mm_s.clamp(-most, most), radius_mm];
+                Deed::Turns([velocity_mm_s, radius_mm])
             }
             Command::DriveDirect { right_mm_s, left_mm_s } => self.roll(right_mm_s, left_mm_s),
             Command::DrivePwm { right, left } => {
@@ -190,7 +191,8 @@ impl OpenInterface {
     }
 
     fn roll(&mut self, right_mm_s: i16, left_mm_s: i16) -> Deed {
-        self.requested_wheels = [right_mm_s, left_mm_s];
+        let most = FULL_MM_S as i16;
+        self.requested_wheels = [right_mm_s, left_mm_s].map(|speed| speed.clamp(-most, most));
         Deed::Rolls([left_mm_s, right_mm_s].map(|speed| f64::from(speed) / FULL_MM_S))
     }
 

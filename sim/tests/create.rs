@@ -292,7 +292,8 @@ fn another_baud_rate_is_that_of_the_cable_from_the_end_of_the_tick_on() {
     assert_eq!(say(&mut world, 8, &[]), [1]);
     // What it cannot have changes nothing, and a reset leaves it alone.
     say(&mut world, 200, &[129, 12]);
-    say(&mut world, 1500, &[7]);
+    // Its text takes 5 s.
+    say(&mut world, 8000, &[7]);
     assert_eq!(baud(&world), Some(300));
     let saved = World::load(world.origin().clone(), &world.save(), world.hash()).unwrap();
     assert_eq!(baud(&saved), Some(300));

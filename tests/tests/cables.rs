@@ -139,7 +139,7 @@ async fn a_replay_has_the_bytes_of_its_recording() {
 async fn a_cable_that_there_is_not_is_refused_with_its_field() {
     let server = serve(scenario(KHEPERA, &[]), lockstep()).await;
     for (robot, sensor, code, text) in [
-        ("nobody", "", Code::NotFound, "robot: there is no robot `nobody`"),
+        ("nobody", "", Code::NotFound, "robot: there is no robot `nobody`; there are: k"),
         ("k", "nothing", Code::NotFound, "sensor: `k` has no sensor `nothing`"),
         ("k", "ir_0", Code::FailedPrecondition, "sensor: `ir_0` has no cable of its own"),
     ] {

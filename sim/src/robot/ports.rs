@@ -9,9 +9,9 @@ use crate::time::SimTime;
 use crate::timeline::What;
 
 impl Robot {
-    /// The baud rate that its microcontroller was told in the tick that is over.
+    /// The baud rate that its microcontroller was told, once all is sent that it said before.
     pub(crate) fn take_baud(&mut self) -> Option<u32> {
-        self.microcontroller.take_baud()
+        if self.uplink.under_way() > 0 { None } else { self.microcontroller.take_baud() }
     }
 
     /// A program opens the ports of this robot at `now`, and reads nothing from before; or it closes them, and leaves nothing.

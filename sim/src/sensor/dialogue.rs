@@ -56,6 +56,8 @@ pub(crate) struct DialogueState {
     device: Device,
     /// Which of [`RATES`] the cable has; `None`: the one of power-on.
     rate: Option<u8>,
+    /// The rate that it had before, and until when what was sent at that is on the wire.
+    before: Option<(SimTime, Option<u8>)>,
     /// When the answer is due; the end of time, if it is due with the next scan.
     answer_at: Option<SimTime>,
     /// From when on the device reads again.
@@ -80,6 +82,7 @@ impl DialogueState {
             down,
             device: Device::new(),
             rate: None,
+            before: None,
             answer_at: None,
             free_at: SimTime::ZERO,
             scan_until: SimTime::ZERO,
@@ -98,7 +101,7 @@ impl DialogueState {
             return;
         }
         (self.device, self.answer_at, self.driver_at) = (Device::new(), None, SimTime::NEVER);
-        self.change_rate(up, None);
+        self.change_rate(port, up, None);
         if !open {
             self.send_down(port, now, b"BM\n");
             self.driver_at = now + DRIVER_NS;
@@ -108,7 +111,8 @@ impl DialogueState {
     /// Whether it can be so at `now`.
     pub(crate) fn is_sound(&self, port: &Port, now: SimTime, sensors: usize) -> bool {
         let Some(dialogue) = &port.dialogue else { return false };
-        let rate = self.rate.is_none_or(|rate| usize::from(rate) < dialogue.cables.len());
+        let is_known = |rate: Option<u8>| rate.is_none_or(|rate| usize::from(rate) < dialogue.cables.len());
+        let rate = is_known(self.rate) && self.before.is_none_or(|(_, rate)| is_known(rate));
         let written: usize = self.written.iter().map(|(_, bytes)| bytes.len()).sum();
         rate && self.down.is_sound(self.cable(port), (Direction::Down, now), sensors)
             && self.device.is_sound(now.as_ns())
@@ -118,9 +122,19 @@ impl DialogueState {
 
     /// The cable at the rate that it has now.
     pub(crate) fn cable<'a>(&self, port: &'a Port) -> &'a Link {
+        Self::cable_at(port, self.rate)
+    }
+
+    fn cable_at(port: &Port, rate: Option<u8>) -> &Link {
         let cables = port.dialogue.as_ref().map(|dialogue| &dialogue.cables);
-        let cable = cables.zip(self.rate).and_then(|(cables, rate)| cables.get(usize::from(rate)));
+        let cable = cables.zip(rate).and_then(|(cables, rate)| cables.get(usize::from(rate)));
         cable.unwrap_or(&port.link)
+    }
+
+    /// The rate of what is on the wire at `now`: behind an answer that changes it, the one before it.
+    pub(crate) fn baud(&self, port: &Port, now: SimTime) -> Option<u32> {
+        let before = self.before.filter(|(until, _)| now < *until);
+        Self::cable_at(port, before.map_or(self.rate, |(_, rate)| rate)).baud()
     }
 
     /// When the device does something next.
@@ -230,15 +244,16 @@ impl DialogueState {
         self.free_at = up.drained(cable).max(now);
         match effect {
             Effect::None => {}
-            Effect::Rate(baud) => self.change_rate(up, RATES.iter().position(|&rate| rate == baud)),
-            Effect::FirstRate => self.change_rate(up, None),
+            Effect::Rate(baud) => self.change_rate(port, up, RATES.iter().position(|&rate| rate == baud)),
+            Effect::FirstRate => self.change_rate(port, up, None),
         }
         let bytes = bytes.len() as u32;
         if bytes > 0 { Said::Up(OnWire { from, until, bytes }) } else { Said::Nothing }
     }
 
     /// What is on the wire stays as it is.
-    fn change_rate(&mut self, up: &mut Line, rate: Option<usize>) {
+    fn change_rate(&mut self, port: &Port, up: &mut Line, rate: Option<usize>) {
+        self.before = Some((up.free_at(self.cable(port)), self.rate));
         self.rate = rate.map(|rate| rate as u8);
         up.begin_burst();
         self.down.begin_burst();

@@ -30,7 +30,7 @@ impl World {
         let (spec, state) = self.scenario.robots.get(robot).zip(self.state.robots.get(robot))?;
         let k = spec.sensors.ports().iter().position(|&i| i == sensor)?;
         let port = spec.sensors.get(sensor)?.port.as_ref()?;
-        state.dialogue(k).map_or(&port.link, |dialogue| dialogue.cable(port)).baud()
+        state.dialogue(k).map_or_else(|| port.link.baud(), |dialogue| dialogue.baud(port, self.time()))
     }
 
     /// From now on keeps the last so many bytes that come over each of a robot's cables, each way; 0 keeps none. What was kept

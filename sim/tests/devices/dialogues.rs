@@ -145,6 +145,7 @@ fn ss_changes_the_rate_behind_its_answer_and_rs_brings_it_back() {
     // Written at the brain's step, the tick's end: 9 characters down take 4.7 ms, then 1 ms, and 15 up 7.8 ms.
     let before = world.time();
     assert_eq!(talk(&mut world, 2, b"SS115200\n").len(), 8, "characters that have come 10 ms later: not all");
+    assert_eq!(world.port_baud(0, 0), Some(19_200), "the rest is on the wire at the rate before");
     assert_eq!(text(&talk(&mut world, 2, b"")).len(), 6);
     assert_eq!(world.port_baud(0, 0), Some(115_200));
     assert_eq!(world.time(), before + 40_000_000);
