@@ -1,0 +1,197 @@
+//! The interface to what is around a chip.
+
+use serde::{Deserialize, Serialize};
+
+use crate::pin::{Drive, Pin, Pwm};
+use crate::timer::Which;
+use crate::usart::Sent;
+
+/// What is around a chip. All instants are periods of its clock source since it was made.
+///
+/// Each function has a default: nothing is connected.
+pub trait Board {
+    /// A pin drives its wire in another way from this instant on. All begin as [`Drive::HighImpedance`].
+    fn pin_changed(&mut self, pin: Pin, drive: Drive, at: u64) {
+        let _ = (pin, drive, at);
+    }
+
+    /// The signal that a timer makes on a pin has another shape, or the timer has let go of it (None). Only pins that are
+    /// set to [`PwmReport::Shape`](crate::pin::PwmReport::Shape) are reported.
+    fn pwm_changed(&mut self, pin: Pin, pwm: Option<Pwm>, at: u64) {
+        let _ = (pin, pwm, at);
+    }
+
+    /// The voltage at an input of the ADC or the comparator, in microvolts.
+    fn analog_microvolts(&mut self, input: AnalogInput, at: u64) -> u32 {
+        let _ = (input, at);
+        0
+    }
+
+    /// The USART has begun to send a character, which will be over after all its bits.
+    fn character_sent(&mut self, sent: &Sent) {
+        let _ = sent;
+    }
+
+    /// The SPI master has sent a byte; the answer is what came in meanwhile.
+    fn spi_transfer(&mut self, byte: u8, at: u64) -> u8 {
+        let _ = (byte, at);
+        0xFF
+    }
+
+    /// The TWI master has sent a start condition and an address; the answer is whether a slave acknowledges.
+    fn twi_address(&mut self, address: u8, direction: Direction, at: u64) -> bool {
+        let _ = (address, direction, at);
+        false
+    }
+
+    /// The TWI master has sent a byte; the answer is whether the slave acknowledges.
+    fn twi_write(&mut self, byte: u8, at: u64) -> bool {
+        let _ = (byte, at);
+        false
+    }
+
+    /// The TWI master reads a byte, and acknowledges it unless it is the last one.
+    fn twi_read(&mut self, last: bool, at: u64) -> u8 {
+        let _ = (last, at);
+        0xFF
+    }
+
+    /// The TWI master has sent a stop condition.
+    fn twi_stop(&mut self, at: u64) {
+        let _ = at;
+    }
+
+    /// The program does something that it hardly means, or that is not simulated.
+    fn warn(&mut self, warning: Warning, at: u64) {
+        let _ = (warning, at);
+    }
+}
+
+/// A board with nothing on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bare;
+
+impl Board for Bare {}
+
+/// A voltage that comes from outside or depends on the surroundings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum AnalogInput {
+    /// ADC0 to ADC7.
+    Channel(u8),
+    /// The temperature sensor: about 314 mV at 25 °C, 1 mV for each degree.
+    Temperature,
+    /// AIN0, the positive input of the comparator.
+    Positive,
+    /// AIN1, its negative input.
+    Negative,
+}
+
+/// Which way bytes go on a TWI bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Direction {
+    /// From the master.
+    Write,
+    /// To the master.
+    Read,
+}
+
+/// What a program hardly means, or what is not simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Warning {
+    /// A word that is no instruction was executed; it did nothing.
+    IllegalInstruction {
+        /// Its word address.
+        pc: u32,
+        /// The word.
+        word: u16,
+    },
+    /// Data beyond the memory were read (as 0) or written (to nowhere).
+    BeyondMemory {
+        /// Word address of the instruction behind.
+        pc: u32,
+        /// The data address.
+        address: u16,
+    },
+    /// The stack has grown below the mark of [`Chip::watch_stack`](crate::Chip::watch_stack). Said once.
+    StackLow {
+        /// The stack pointer.
+        sp: u16,
+        /// The mark.
+        mark: u16,
+    },
+    /// An input pin was read that nothing drives and that has no pull-up; it read as 0. Said once for each pin.
+    FloatingInput {
+        /// The pin.
+        pin: Pin,
+    },
+    /// A pin is driven low by one side and high by the other.
+    Contention {
+        /// The pin.
+        pin: Pin,
+    },
+    /// The program switched something on that is not simulated.
+    Unsupported(Unsupported),
+    /// A character of the USART's receiver was lost.
+    Overrun,
+}
+
+/// What is not simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Unsupported {
+    /// Timer 2 with a crystal of its own (AS2).
+    AsynchronousTimer,
+    /// A synchronous mode of the USART (UMSEL).
+    SynchronousUsart,
+    /// The multi-processor mode of the USART (MPCM).
+    MultiProcessorMode,
+    /// TWI as a slave.
+    TwiSlave,
+    /// A reserved mode of a timer.
+    ReservedTimerMode(Which),
+    /// A reserved input or reference of the ADC.
+    ReservedAdcInput,
+}
+
+/// How a chip is clocked and supplied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Supply {
+    /// The frequency of the clock source, in hertz; at least 1.
+    pub clock_hz: u32,
+    /// The voltage at AVCC, in microvolts.
+    pub avcc_uv: u32,
+    /// The voltage at AREF, in microvolts.
+    pub aref_uv: u32,
+}
+
+impl Supply {
+    /// A crystal of 16 MHz, and 5 V at AVCC and AREF.
+    pub const ARDUINO: Self = Self { clock_hz: 16_000_000, avcc_uv: 5_000_000, aref_uv: 5_000_000 };
+}
+
+/// A pin that has a function of its own.
+pub(crate) mod special {
+    use crate::pin::{Pin, Port};
+    use crate::timer::Which;
+
+    pub(crate) const RXD: Pin = Pin::of(Port::D, 0);
+    pub(crate) const TXD: Pin = Pin::of(Port::D, 1);
+    pub(crate) const INT: [Pin; 2] = [Pin::of(Port::D, 2), Pin::of(Port::D, 3)];
+    pub(crate) const T0: Pin = Pin::of(Port::D, 4);
+    pub(crate) const T1: Pin = Pin::of(Port::D, 5);
+    pub(crate) const ICP1: Pin = Pin::of(Port::B, 0);
+    pub(crate) const SS: Pin = Pin::of(Port::B, 2);
+    pub(crate) const MOSI: Pin = Pin::of(Port::B, 3);
+    pub(crate) const MISO: Pin = Pin::of(Port::B, 4);
+    pub(crate) const SCK: Pin = Pin::of(Port::B, 5);
+    pub(crate) const SDA: Pin = Pin::of(Port::C, 4);
+    pub(crate) const SCL: Pin = Pin::of(Port::C, 5);
+
+    /// OCnA and OCnB.
+    pub(crate) const fn outputs(timer: Which) -> [Pin; 2] {
+        match timer {
+            Which::T0 => [Pin::of(Port::D, 6), Pin::of(Port::D, 5)],
+            Which::T1 => [Pin::of(Port::B, 1), Pin::of(Port::B, 2)],
+            Which::T2 => [Pin::of(Port::B, 3), Pin::of(Port::D, 3)],
+        }
+    }
+}

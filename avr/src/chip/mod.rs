@@ -1,0 +1,195 @@
+//! A chip: processor, memories and peripherals, as one value.
+
+mod debug;
+mod events;
+mod execute;
+mod input;
+mod interrupts;
+mod memory;
+mod outputs;
+mod power;
+mod programming;
+mod registers;
+mod run;
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use serde::{Deserialize, Serialize};
+
+use crate::adc::Adc;
+use crate::board::Supply;
+use crate::clock::Clock;
+use crate::comparator::Comparator;
+use crate::eeprom::Eeprom;
+use crate::external::External;
+use crate::flash::Flash;
+use crate::fuses::Fuses;
+use crate::part::{Part, SRAM_START};
+use crate::pin::{Pwm, PwmReport};
+use crate::ports::Ports;
+use crate::program::Program;
+use crate::spi::Spi;
+use crate::spm::SelfProgramming;
+use crate::system::{ResetCause, Sleep, System};
+use crate::timer::{Timer, Which};
+use crate::twi::Twi;
+use crate::usart::Usart;
+use crate::watchdog::Watchdog;
+
+pub use input::InputError;
+pub use run::Stop;
+
+use input::Inputs;
+
+/// A chip with its whole state. A clone that goes on does the same as the original, bit for bit.
+///
+/// Instants at the border are periods of the clock source since the chip was made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Chip {
+    registers: [u8; 32],
+    sreg: u8,
+    pc: u32,
+    sp: u16,
+    /// Cycles of the system clock.
+    cycle: u64,
+    /// Instructions are executed until this cycle without looking at anything else. Zero between runs.
+    limit: u64,
+    /// The next cycle at which a peripheral does something.
+    next_event: u64,
+    sram: Vec<u8>,
+    flash: Flash,
+    pc_mask: u32,
+    lowest_sp: u16,
+    stack_mark: u16,
+    return_bytes: u8,
+    /// The next instruction is executed before any interrupt: it follows `SEI` or `RETI`.
+    inhibited: bool,
+    sleep: Option<Sleep>,
+    /// `BREAK` was executed.
+    broken: bool,
+    /// A reset that follows the instruction.
+    reset_by: Option<ResetCause>,
+    /// After a reset the processor stands until this period.
+    held_until: Option<u64>,
+    clock: Clock,
+    ports: Ports,
+    timers: [Timer; 3],
+    usart: Usart,
+    adc: Adc,
+    /// The flag that triggers the ADC, as it was last seen.
+    trigger: bool,
+    comparator: Comparator,
+    external: External,
+    spi: Spi,
+    twi: Twi,
+    eeprom: Eeprom,
+    watchdog: Watchdog,
+    programming: SelfProgramming,
+    system: System,
+    inputs: Inputs,
+    reports: [[PwmReport; 2]; 3],
+    shapes: [[Option<Pwm>; 2]; 3],
+    part: Part,
+    fuses: Fuses,
+    supply: Supply,
+}
+
+impl Chip {
+    /// A chip with this program, whose supply is switched on at instant 0.
+    ///
+    /// The program's own fuses, if it has any, are not used unless they are given here.
+    pub fn new(program: &Program, fuses: Fuses, supply: Supply) -> Self {
+        let part = program.part();
+        let properties = part.properties();
+        let clock_hz = supply.clock_hz.max(1);
+        let mut chip = Self {
+            registers: [0; 32],
+            sreg: 0,
+            pc: 0,
+            sp: 0,
+            cycle: 0,
+            limit: 0,
+            next_event: 0,
+            sram: vec![0; usize::from(properties.sram_bytes)],
+            flash: Flash::new(part.flash_words(), program.flash()),
+            pc_mask: part.flash_words() - 1,
+            lowest_sp: part.ram_end(),
+            stack_mark: program.data_end().unwrap_or(SRAM_START),
+            return_bytes: properties.return_bytes,
+            inhibited: false,
+            sleep: None,
+            broken: false,
+            reset_by: None,
+            held_until: None,
+            clock: Clock::new(0),
+            ports: Ports::default(),
+            timers: [Which::T0, Which::T1, Which::T2].map(|which| Timer::new(which, 0)),
+            usart: Usart::new(0),
+            adc: Adc::new(0),
+            trigger: false,
+            comparator: Comparator::default(),
+            external: External::default(),
+            spi: Spi::new(),
+            twi: Twi::new(),
+            eeprom: Eeprom::new(properties.eeprom_bytes, program.eeprom()),
+            watchdog: Watchdog::new(clock_hz, fuses.watchdog_always_on(), false, 0),
+            programming: SelfProgramming::new(properties.page_words),
+            system: System::new(0, 0),
+            inputs: Inputs::default(),
+            reports: [[PwmReport::Edges; 2]; 3],
+            shapes: [[None; 2]; 3],
+            part,
+            fuses,
+            supply: Supply { clock_hz, ..supply },
+        };
+        chip.begin(ResetCause::PowerOn as u8);
+        chip
+    }
+
+    /// The part.
+    pub const fn part(&self) -> Part {
+        self.part
+    }
+
+    /// The fuses.
+    pub const fn fuses(&self) -> Fuses {
+        self.fuses
+    }
+
+    /// How it is clocked and supplied.
+    pub const fn supply(&self) -> Supply {
+        self.supply
+    }
+
+    /// How an output of a timer is reported from now on: OCnA is channel 0, OCnB 1. All begin with
+    /// [`PwmReport::Edges`].
+    pub fn set_pwm_report(&mut self, timer: Which, channel: Channel, report: PwmReport) {
+        self.reports[timer as usize][channel as usize] = report;
+        self.watch_timers();
+        self.schedule();
+    }
+
+    /// A mark in the data memory that the stack should not grow below. It begins with the end of the program's variables,
+    /// if the program's file says where that is.
+    pub fn watch_stack(&mut self, mark: u16) {
+        self.stack_mark = mark;
+    }
+
+    /// The lowest value that the stack pointer had when something was pushed.
+    pub const fn lowest_sp(&self) -> u16 {
+        self.lowest_sp
+    }
+}
+
+/// An output of a timer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Channel {
+    /// OCnA.
+    A,
+    /// OCnB.
+    B,
+}
+
+#[cfg(test)]
+mod tests;

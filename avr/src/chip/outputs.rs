@@ -1,0 +1,152 @@
+//! What the pins do, and who is told.
+
+use super::Chip;
+use crate::adc::Trigger;
+use crate::board::{Board, Warning, special};
+use crate::pin::{External, Pin, Port, Pwm, PwmReport};
+use crate::timer::{self, Which};
+
+const TIMERS: [Which; 3] = [Which::T0, Which::T1, Which::T2];
+
+impl Chip {
+    /// Works out what the pins of a port do at a cycle, and tells the board and the peripherals behind them.
+    pub(super) fn update_port<B: Board>(&mut self, port: Port, now: u64, board: &mut B) {
+        let changed = self.ports.update(port, now);
+        if changed.drives | changed.contention != 0 {
+            self.tell_drives(port, changed.drives, changed.contention, now, board);
+        }
+        if changed.levels & self.interest(port) != 0 {
+            self.levels_changed(port, changed.levels, changed.level, now);
+        }
+    }
+
+    fn tell_drives<B: Board>(&self, port: Port, drives: u8, contention: u8, now: u64, board: &mut B) {
+        let at = self.clock.period_of(now);
+        for bit in (0..8).filter(|bit| (drives | contention) >> bit & 1 == 1) {
+            let pin = Pin::of(port, bit);
+            if drives & pin.mask() != 0 && !self.is_shaped(pin) {
+                board.pin_changed(pin, self.ports.drive(pin), at);
+            }
+            if contention & pin.mask() != 0 {
+                board.warn(Warning::Contention { pin }, at);
+            }
+        }
+    }
+
+    /// Pins of a port on which a peripheral listens.
+    fn interest(&self, port: Port) -> u8 {
+        let own = match port {
+            Port::B => special::ICP1.mask(),
+            Port::C => 0,
+            Port::D => {
+                special::RXD.mask()
+                    | special::INT[0].mask()
+                    | special::INT[1].mask()
+                    | special::T0.mask()
+                    | special::T1.mask()
+            }
+        };
+        own | self.external.watched(port.index())
+    }
+
+    fn levels_changed(&mut self, port: Port, changed: u8, level: u8, now: u64) {
+        self.external.pins_changed(port.index(), changed);
+        let edge = |pin: Pin| (pin.port() == port && changed & pin.mask() != 0).then_some(level & pin.mask() != 0);
+        for (line, pin) in (0..).zip(special::INT) {
+            if let Some(level) = edge(pin) {
+                self.external.line_changed(line, level);
+            }
+        }
+        if let Some(level) = edge(special::RXD) {
+            // Nothing on the line is a line that rests.
+            self.usart.set_pin(now, level || self.ports.external(special::RXD) == External::Open);
+        }
+        for (which, pin) in [(Which::T0, special::T0), (Which::T1, special::T1)] {
+            if let Some(rising) = edge(pin) {
+                self.timers[which as usize].clock_edge(now, rising);
+            }
+        }
+        if let Some(rising) = edge(special::ICP1).filter(|_| !self.comparator.captures()) {
+            self.timers[Which::T1 as usize].capture_edge(now, rising);
+        }
+        self.check_trigger(now);
+        self.schedule();
+        self.attend();
+    }
+
+    /// The outputs of all timers, as they are at a cycle.
+    pub(super) fn refresh_timers<B: Board>(&mut self, now: u64, board: &mut B) {
+        for which in TIMERS {
+            self.timers[which as usize].advance(now);
+            self.refresh_timer(which, now, board);
+        }
+    }
+
+    /// The outputs of a timer that has been brought to a cycle.
+    pub(super) fn refresh_timer<B: Board>(&mut self, which: Which, now: u64, board: &mut B) {
+        self.tell_shapes(which, now, board);
+        let outputs = self.timers[which as usize].outputs();
+        let pins = special::outputs(which);
+        for (pin, output) in pins.into_iter().zip(outputs) {
+            self.ports.override_value(pin, output);
+        }
+        self.update_port(pins[0].port(), now, board);
+        if pins[1].port() != pins[0].port() {
+            self.update_port(pins[1].port(), now, board);
+        }
+        self.watch_timer(which);
+    }
+
+    fn tell_shapes<B: Board>(&mut self, which: Which, now: u64, board: &mut B) {
+        let (timer, shift) = (which as usize, self.clock.shift());
+        for (channel, pin) in special::outputs(which).into_iter().enumerate() {
+            let wanted = self.reports[timer][channel] == PwmReport::Shape && self.ports.is_output(pin);
+            let shape = self.timers[timer].shape(channel).filter(|_| wanted);
+            let shape = shape.map(|(high, period)| Pwm { high: high << shift, period: period << shift });
+            if shape != self.shapes[timer][channel] {
+                self.shapes[timer][channel] = shape;
+                let at = self.clock.period_of(now);
+                board.pwm_changed(pin, shape, at);
+                if shape.is_none() {
+                    board.pin_changed(pin, self.ports.drive(pin), at);
+                }
+            }
+        }
+    }
+
+    fn is_shaped(&self, pin: Pin) -> bool {
+        TIMERS.into_iter().any(|which| {
+            special::outputs(which).into_iter().zip(self.shapes[which as usize]).any(|(own, shape)| own == pin && shape.is_some())
+        })
+    }
+
+    pub(super) fn watch_timers(&mut self) {
+        for which in TIMERS {
+            self.watch_timer(which);
+        }
+    }
+
+    /// Says for which outputs and flags a timer must not wait.
+    fn watch_timer(&mut self, which: Which) {
+        let timer = which as usize;
+        let outputs = self.timers[timer].outputs();
+        let mut watched = 0;
+        for (channel, pin) in special::outputs(which).into_iter().enumerate() {
+            let listened = self.external.watched(pin.port().index()) & pin.mask() != 0
+                || pin == special::INT[1] && self.external.watches_line(1)
+                || pin == special::T1;
+            let told = self.reports[timer][channel] == PwmReport::Edges || listened;
+            if outputs[channel].is_some() && self.ports.is_output(pin) && told {
+                watched |= 1 << channel;
+            }
+        }
+        let triggers = match (self.adc.trigger(), which) {
+            (Some(Trigger::Timer0CompareA), Which::T0) => timer::MATCH_A,
+            (Some(Trigger::Timer0Overflow), Which::T0) | (Some(Trigger::Timer1Overflow), Which::T1) => timer::OVERFLOW,
+            (Some(Trigger::Timer1CompareB), Which::T1) => timer::MATCH_B,
+            (Some(Trigger::Timer1Capture), Which::T1) => timer::CAPTURE,
+            _ => 0,
+        };
+        self.timers[timer].watch(watched, triggers);
+    }
+}

@@ -1,0 +1,280 @@
+//! The registers of the peripherals, as the program reads and writes them.
+
+use super::Chip;
+use crate::address::Place;
+use crate::adc;
+use crate::board::{Board, Unsupported, Warning};
+use crate::pin::Port;
+use crate::ports;
+use crate::system::{self, Effect, power};
+use crate::timer::{self, Which};
+use crate::twi::Wanted;
+use crate::usart;
+
+/// ASSR: timer 2 from a crystal of its own.
+const ASYNCHRONOUS: u8 = 1 << 5;
+
+impl Chip {
+    /// Reads a register at the present cycle.
+    #[inline]
+    pub(super) fn read_io<B: Board>(&mut self, address: u8, board: &mut B) -> u8 {
+        match Place::at(address) {
+            Place::Flags => self.sreg,
+            Place::StackLow => self.sp.to_le_bytes()[0],
+            Place::StackHigh => self.sp.to_le_bytes()[1],
+            Place::Reserved => 0,
+            place => {
+                self.service(board);
+                self.read_peripheral(place, board)
+            }
+        }
+    }
+
+    /// Writes a register at the present cycle.
+    #[inline]
+    pub(super) fn write_io<B: Board>(&mut self, address: u8, value: u8, board: &mut B) {
+        match Place::at(address) {
+            Place::Flags => self.set_sreg(value),
+            Place::StackLow => self.sp = u16::from_le_bytes([value, self.sp.to_le_bytes()[1]]),
+            Place::StackHigh => self.sp = u16::from_le_bytes([self.sp.to_le_bytes()[0], value]),
+            Place::Reserved => {}
+            place => {
+                self.service(board);
+                self.write_peripheral(place, value, board);
+            }
+        }
+    }
+
+    fn read_peripheral<B: Board>(&mut self, place: Place, board: &mut B) -> u8 {
+        let now = self.cycle;
+        match place {
+            Place::Port(port, register) => self.read_port(port, register, board),
+            Place::Timer(which, register) => {
+                let timer = &mut self.timers[which as usize];
+                timer.advance(now);
+                timer.read(register)
+            }
+            Place::Usart(register) => {
+                let value = self.usart.read(register);
+                if register == usart::Register::Data {
+                    self.attend();
+                }
+                value
+            }
+            Place::Adc(register) => self.adc.read(register),
+            Place::Eeprom(register) => self.eeprom.read(register, now),
+            Place::External(register) => self.external.read(register),
+            Place::Spi(register) => {
+                let value = self.spi.read(register);
+                self.attend();
+                value
+            }
+            Place::Twi(register) => self.twi.read(register),
+            Place::System(register) => self.system.read(register),
+            Place::Comparator => {
+                self.compare(board);
+                self.comparator.read()
+            }
+            Place::Watchdog => self.watchdog.read(now),
+            Place::SelfProgramming => self.programming.read(now),
+            Place::Reserved | Place::StackLow | Place::StackHigh | Place::Flags => 0,
+        }
+    }
+
+    fn write_peripheral<B: Board>(&mut self, place: Place, value: u8, board: &mut B) {
+        let now = self.cycle;
+        if self.system.power() & clock_of(place) != 0 {
+            return;
+        }
+        match place {
+            Place::Port(port, register) => return self.write_port(port, register, value, board),
+            Place::System(system::Register::General(_) | system::Register::Sleep) => {
+                if let Place::System(register) = place {
+                    self.system.write(register, value, now);
+                }
+                return;
+            }
+            Place::Timer(which, register) => self.write_timer(which, register, value, board),
+            Place::Usart(register) => self.write_usart(register, value, board),
+            Place::Adc(register) => self.write_adc(register, value, board),
+            Place::Eeprom(register) => {
+                let (period, clock_hz) = (self.now(), self.supply.clock_hz);
+                self.cycle += self.eeprom.write(register, value, now, period, clock_hz);
+            }
+            Place::External(register) => {
+                self.external.write(register, value);
+                self.watch_timers();
+            }
+            Place::Spi(register) => self.write_spi(register, value),
+            Place::Twi(register) => self.write_twi(register, value, board),
+            Place::System(register) => self.write_system(register, value, board),
+            Place::Comparator => {
+                self.comparator.write(value);
+                self.compare(board);
+            }
+            Place::Watchdog => {
+                let bitten = self.system.has_watchdog_bitten();
+                self.watchdog.write(value, now, self.now(), bitten);
+            }
+            Place::SelfProgramming => self.programming.write(value, now),
+            Place::Reserved | Place::StackLow | Place::StackHigh | Place::Flags => {}
+        }
+        self.check_trigger(now);
+        self.schedule();
+        self.attend();
+    }
+
+    fn read_port<B: Board>(&mut self, port: Port, register: ports::Register, board: &mut B) -> u8 {
+        let now = self.cycle;
+        if register != ports::Register::Pin {
+            return self.ports.read(port, register, now);
+        }
+        if self.shapes.iter().flatten().any(Option::is_some) {
+            self.refresh_timers(now, board);
+        }
+        self.ports.read(port, register, now) & !self.digital_off(port)
+    }
+
+    /// Pins of a port whose digital inputs are off.
+    fn digital_off(&self, port: Port) -> u8 {
+        match port {
+            Port::B => 0,
+            Port::C => self.system.read(system::Register::DigitalOff(0)) & 0x3F,
+            Port::D => self.system.read(system::Register::DigitalOff(1)) << 6,
+        }
+    }
+
+    fn write_port<B: Board>(&mut self, port: Port, register: ports::Register, value: u8, board: &mut B) {
+        self.ports.write(port, register, value);
+        self.update_port(port, self.cycle, board);
+        if register == ports::Register::Direction {
+            self.refresh_timers(self.cycle, board);
+            self.schedule();
+            self.attend();
+        }
+    }
+
+    fn write_timer<B: Board>(&mut self, which: Which, register: timer::Register, value: u8, board: &mut B) {
+        let now = self.cycle;
+        let timer = &mut self.timers[which as usize];
+        timer.advance(now);
+        timer.write(register, value);
+        if timer.has_reserved_mode() {
+            self.warn(Warning::Unsupported(Unsupported::ReservedTimerMode(which)), board);
+        }
+        self.refresh_timer(which, now, board);
+    }
+
+    fn write_usart<B: Board>(&mut self, register: usart::Register, value: u8, board: &mut B) {
+        self.usart.write(register, value, self.cycle);
+        match register {
+            usart::Register::ControlB => {
+                self.override_usart_pins();
+                self.update_port(Port::D, self.cycle, board);
+            }
+            usart::Register::ControlC if self.usart.is_synchronous() => {
+                self.warn(Warning::Unsupported(Unsupported::SynchronousUsart), board);
+            }
+            usart::Register::ControlA if self.usart.is_multi_processor() => {
+                self.warn(Warning::Unsupported(Unsupported::MultiProcessorMode), board);
+            }
+            usart::Register::ControlA
+            | usart::Register::ControlC
+            | usart::Register::Baud
+            | usart::Register::BaudHigh
+            | usart::Register::Data => {}
+        }
+    }
+
+    fn write_adc<B: Board>(&mut self, register: adc::Register, value: u8, board: &mut B) {
+        self.adc.write(register, value, self.cycle);
+        self.watch_timers();
+        if self.adc.has_reserved_reference() {
+            self.warn(Warning::Unsupported(Unsupported::ReservedAdcInput), board);
+        }
+    }
+
+    fn write_spi(&mut self, register: crate::spi::Register, value: u8) {
+        let ss = crate::board::special::SS;
+        let held = !self.ports.is_output(ss) && self.ports.external(ss) == crate::pin::External::Low;
+        self.spi.write(register, value, self.cycle);
+        if held && self.spi.is_enabled() && self.spi.is_master() {
+            self.spi.lose_mastership();
+        }
+    }
+
+    fn write_twi<B: Board>(&mut self, register: crate::twi::Register, value: u8, board: &mut B) {
+        match self.twi.write(register, value, self.cycle) {
+            Wanted::Nothing => {}
+            Wanted::Stop => board.twi_stop(self.now()),
+            Wanted::Slave => self.warn(Warning::Unsupported(Unsupported::TwiSlave), board),
+        }
+        if register == crate::twi::Register::Control {
+            self.override_twi_pins();
+            self.update_port(Port::C, self.cycle, board);
+        }
+    }
+
+    fn write_system<B: Board>(&mut self, register: system::Register, value: u8, board: &mut B) {
+        let now = self.cycle;
+        if register == system::Register::AsynchronousStatus && value & ASYNCHRONOUS != 0 {
+            self.warn(Warning::Unsupported(Unsupported::AsynchronousTimer), board);
+        }
+        match self.system.write(register, value, now) {
+            Effect::Nothing => {}
+            Effect::Prescale(shift) => {
+                self.clock.set_shift(now, shift);
+                self.usart.clock_changed(now);
+                self.refresh_timers(now, board);
+            }
+            Effect::PullUpsOff(off) => {
+                self.ports.set_pull_ups_off(off);
+                for port in Port::ALL {
+                    self.update_port(port, now, board);
+                }
+            }
+            Effect::Power => {
+                self.apply_power();
+                self.refresh_timers(now, board);
+            }
+            Effect::ResetPrescalers(value) => self.reset_prescalers(value),
+        }
+    }
+
+    fn reset_prescalers(&mut self, value: u8) {
+        let now = self.cycle;
+        for (which, bit) in
+            [(Which::T0, system::RESET_TIMERS), (Which::T1, system::RESET_TIMERS), (Which::T2, system::RESET_TIMER2)]
+        {
+            let held = value & system::HOLD != 0 && value & bit != 0;
+            let timer = &mut self.timers[which as usize];
+            if value & bit != 0 || timer.is_held() {
+                timer.reset_prescaler(now, held);
+            }
+        }
+    }
+}
+
+/// The bit in PRR that switches a peripheral off.
+const fn clock_of(place: Place) -> u8 {
+    match place {
+        Place::Timer(Which::T0, _) => power::TIMER0,
+        Place::Timer(Which::T1, _) => power::TIMER1,
+        Place::Timer(Which::T2, _) => power::TIMER2,
+        Place::Usart(_) => power::USART,
+        Place::Adc(_) => power::ADC,
+        Place::Spi(_) => power::SPI,
+        Place::Twi(_) => power::TWI,
+        Place::Reserved
+        | Place::StackLow
+        | Place::StackHigh
+        | Place::Flags
+        | Place::Port(..)
+        | Place::Eeprom(_)
+        | Place::External(_)
+        | Place::System(_)
+        | Place::Comparator
+        | Place::Watchdog
+        | Place::SelfProgramming => 0,
+    }
+}

@@ -1,0 +1,147 @@
+//! Running: instructions between events.
+
+use super::Chip;
+use crate::board::Board;
+use crate::flash::Code;
+use crate::vector::Vector;
+
+/// Why a run has stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The instant has been reached.
+    Reached,
+    /// The instruction `BREAK` was executed. A further run goes on behind it.
+    Break,
+    /// The next instruction is at one of the addresses that were given. A further run executes it first.
+    Breakpoint,
+}
+
+/// Cycles from an interrupt to the first instruction at its vector.
+const RESPONSE_CYCLES: u64 = 4;
+/// Cycles more if the processor slept.
+const WAKE_CYCLES: u64 = 4;
+
+impl Chip {
+    /// Runs until this instant, in periods of the clock source, and stops at the first boundary of an instruction at or
+    /// after it. A chip that sleeps stops exactly there.
+    pub fn run<B: Board>(&mut self, until: u64, board: &mut B) -> Stop {
+        self.run_with(until, board, |chip, code, board| {
+            while chip.cycle < chip.limit {
+                chip.execute(code.op(chip.pc), code, board);
+            }
+            false
+        })
+    }
+
+    /// As [`run`](Self::run), and stops before an instruction at one of these word addresses, but not at the first one.
+    pub fn run_to<B: Board>(&mut self, until: u64, breakpoints: &[u32], board: &mut B) -> Stop {
+        let mut first = true;
+        self.run_with(until, board, |chip, code, board| {
+            while chip.cycle < chip.limit {
+                if !core::mem::take(&mut first) && breakpoints.contains(&(chip.pc & chip.pc_mask)) {
+                    return true;
+                }
+                chip.execute(code.op(chip.pc), code, board);
+            }
+            false
+        })
+    }
+
+    fn run_with<B: Board>(
+        &mut self,
+        until: u64,
+        board: &mut B,
+        mut instructions: impl FnMut(&mut Self, &Code, &mut B) -> bool,
+    ) -> Stop {
+        let mut code = self.flash.code();
+        let stop = loop {
+            self.service(board);
+            if let Some(cause) = self.reset_by.take() {
+                self.reset(cause as u8, board);
+            }
+            if core::mem::take(&mut self.broken) {
+                break Stop::Break;
+            }
+            if self.now() >= until {
+                break Stop::Reached;
+            }
+            if self.pass_time(until, board) || self.interrupt(board) {
+                continue;
+            }
+            self.limit =
+                if self.inhibited { self.cycle + 1 } else { self.next_event.min(self.clock.cycle_from(until)) };
+            self.inhibited = false;
+            if instructions(self, &code, board) {
+                break Stop::Breakpoint;
+            }
+            if !self.flash.is(&code) {
+                code = self.flash.code();
+            }
+        };
+        self.limit = 0;
+        stop
+    }
+
+    /// The present instant, in periods of the clock source.
+    pub fn now(&self) -> u64 {
+        self.clock.period_of(self.cycle)
+    }
+
+    /// Cycles of the system clock since the chip was made. None pass in deep sleep.
+    pub const fn cycles(&self) -> u64 {
+        self.cycle
+    }
+
+    /// Lets time pass in which no instructions are executed; false if the processor is awake.
+    fn pass_time<B: Board>(&mut self, until: u64, board: &mut B) -> bool {
+        if let Some(held) = self.held_until {
+            self.skip_to(held.min(until));
+            if held <= until {
+                self.held_until = None;
+            }
+            return true;
+        }
+        let Some(sleep) = self.sleep else { return false };
+        if self.can_wake(sleep) {
+            self.wake(sleep, board);
+            return true;
+        }
+        if sleep.is_deep() {
+            let period = self.next_period().clamp(self.now(), until);
+            self.skip_to(period);
+            self.schedule();
+        } else {
+            self.cycle = self.next_event.min(self.clock.cycle_from(until)).max(self.cycle);
+        }
+        true
+    }
+
+    /// The clock stands until this period.
+    pub(super) fn skip_to(&mut self, period: u64) {
+        self.clock.skip_to(self.cycle, period);
+        self.usart.clock_changed(self.cycle);
+    }
+
+    /// Takes the first interrupt that is requested and allowed.
+    fn interrupt<B: Board>(&mut self, board: &mut B) -> bool {
+        if self.inhibited || self.sreg & crate::alu::I == 0 {
+            return false;
+        }
+        let Some(vector) = Vector::first_of(self.requests()) else { return false };
+        self.push_pc(self.pc, board);
+        self.sreg &= !crate::alu::I;
+        self.cycle += RESPONSE_CYCLES + u64::from(self.return_bytes - 2);
+        let base = if self.system.vectors_in_boot() { self.fuses.boot_start(self.part) } else { 0 };
+        self.pc = base + vector.number() * self.part.properties().vector_words;
+        self.acknowledge(vector);
+        self.schedule();
+        true
+    }
+
+    /// The processor goes on behind `SLEEP` after the interrupt that has woken it.
+    fn wake<B: Board>(&mut self, sleep: crate::system::Sleep, board: &mut B) {
+        self.sleep = None;
+        self.leave_sleep(sleep, board);
+        self.cycle += WAKE_CYCLES;
+    }
+}

@@ -1,0 +1,104 @@
+//! Pins, and what is on them.
+
+use serde::{Deserialize, Serialize};
+
+/// A port of eight pins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Port {
+    /// PB7 to PB0.
+    B,
+    /// PC6 to PC0.
+    C,
+    /// PD7 to PD0.
+    D,
+}
+
+impl Port {
+    /// All ports.
+    pub const ALL: [Self; 3] = [Self::B, Self::C, Self::D];
+
+    pub(crate) const fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// A pin of a port.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Pin {
+    port: Port,
+    bit: u8,
+}
+
+impl Pin {
+    /// The pin of this number, from 0 to 7; higher numbers do not exist.
+    pub const fn new(port: Port, bit: u8) -> Option<Self> {
+        if bit < 8 { Some(Self { port, bit }) } else { None }
+    }
+
+    /// Its port.
+    pub const fn port(self) -> Port {
+        self.port
+    }
+
+    /// Its number in the port, from 0 to 7.
+    pub const fn bit(self) -> u8 {
+        self.bit
+    }
+
+    pub(crate) const fn mask(self) -> u8 {
+        1 << (self.bit & 7)
+    }
+
+    pub(crate) const fn of(port: Port, bit: u8) -> Self {
+        Self { port, bit: bit & 7 }
+    }
+}
+
+impl core::fmt::Debug for Pin {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "P{:?}{}", self.port, self.bit)
+    }
+}
+
+/// What a pin does to the wire on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Drive {
+    /// An output that is low.
+    Low,
+    /// An output that is high.
+    High,
+    /// An input with its pull-up resistor.
+    PullUp,
+    /// An input.
+    HighImpedance,
+}
+
+/// What another part does to the wire on a pin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum External {
+    /// It pulls the wire to ground.
+    Low,
+    /// It pulls the wire to the supply.
+    High,
+    /// Nothing: an input reads high with its pull-up resistor, and without one it floats.
+    Open,
+}
+
+/// The shape of a signal that a timer makes on a pin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Pwm {
+    /// Periods of the clock source in which the pin is high.
+    pub high: u64,
+    /// Periods of the clock source until the signal repeats; never 0.
+    pub period: u64,
+}
+
+/// How an output of a timer is reported.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PwmReport {
+    /// Each edge, as a change of the pin: for servos and tones.
+    #[default]
+    Edges,
+    /// The shape of the signal whenever it changes, and no edges: for motors. This is much faster.
+    Shape,
+}
