@@ -15,15 +15,19 @@ fn main() {
     let mut arguments = std::env::args().skip(1);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
     let file = arguments.next().map_or_else(|| folder.join("programs/compute.hex"), Into::into);
-    let seconds: u64 = arguments.next().map_or(20, |seconds| seconds.parse().expect("a number of simulated seconds"));
+    let seconds: u64 =
+        arguments.next().map_or(20, |seconds| seconds.parse().expect("a number of simulated seconds"));
     let bytes = std::fs::read(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-    let program = Program::parse(Part::Atmega328P, &bytes).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+    let program = Program::parse(Part::Atmega328P, &bytes)
+        .unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     let harness = harness(&folder);
     println!("{} for {seconds} simulated seconds at 16 MHz", file.display());
     for _ in 0..PAIRS {
         let ours = ours(&program, seconds);
         match harness.as_deref().map(|harness| theirs(harness, &file, seconds)) {
-            Some(theirs) => println!("{ours:.0} MHz; simavr {theirs:.0} MHz; {:.1} times as fast", ours / theirs),
+            Some(theirs) => {
+                println!("{ours:.0} MHz; simavr {theirs:.0} MHz; {:.1} times as fast", ours / theirs);
+            }
             None => println!("{ours:.0} MHz"),
         }
     }
@@ -40,7 +44,8 @@ fn ours(program: &Program, seconds: u64) -> f64 {
 }
 
 fn theirs(harness: &Path, file: &Path, seconds: u64) -> f64 {
-    let output = Command::new(harness).arg(file).arg(seconds.to_string()).output().expect("the harness starts");
+    let output =
+        Command::new(harness).arg(file).arg(seconds.to_string()).output().expect("the harness starts");
     String::from_utf8_lossy(&output.stdout).trim().parse().expect("the harness prints megahertz")
 }
 

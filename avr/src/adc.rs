@@ -87,6 +87,8 @@ pub(crate) struct Adc {
     /// The next conversion is the first since the ADC was enabled.
     first: bool,
     conversion: Option<Conversion>,
+    /// The flag that triggers, as it was last seen.
+    trigger: bool,
     off: bool,
 }
 
@@ -101,6 +103,7 @@ impl Adc {
             zero: now,
             first: true,
             conversion: None,
+            trigger: false,
             off: false,
         }
     }
@@ -145,12 +148,17 @@ impl Adc {
 
     /// The input that the comparator takes instead of AIN1, if it may.
     pub(crate) const fn lent_channel(&self) -> Option<u8> {
-        if self.control_b & COMPARATOR != 0 && self.control_a & ENABLE == 0 { Some(self.multiplexer & 7) } else { None }
+        if self.control_b & COMPARATOR != 0 && self.control_a & ENABLE == 0 {
+            Some(self.multiplexer & 7)
+        } else {
+            None
+        }
     }
 
-    /// The flag that triggers has risen.
-    pub(crate) fn triggered(&mut self, now: u64) {
-        if self.conversion.is_none() {
+    /// Looks at the flag that triggers: a conversion begins when it rises.
+    pub(crate) fn see_trigger(&mut self, now: u64, flag: bool) {
+        let before = core::mem::replace(&mut self.trigger, flag);
+        if flag && !before && self.conversion.is_none() {
             self.zero = now + SYNCHRONISER_CYCLES;
             let clock = self.clock();
             let (sample, end) = if self.first { (27, 50) } else { (4, 27) };
@@ -339,21 +347,31 @@ mod tests {
         measured(&mut adc, 0, 0);
         adc.write(Register::ControlB, 4, 0);
         adc.write(Register::ControlA, ENABLE | AUTO_TRIGGER | 7, 5000);
-        adc.triggered(5001);
+        adc.see_trigger(5000, false);
+        adc.see_trigger(5001, true);
+        adc.see_trigger(5002, true);
         assert_eq!(measured(&mut adc, 5001, 0), (3 + 256, 3 + 1728));
     }
 
     #[test]
     fn results_are_fractions_of_the_reference_that_was_chosen() {
-        for (multiplexer, microvolts, result) in
-            [(0x40, 2_500_000, 512), (0x40, 4_999_999, 1023), (0x40, 9_000_000, 1023), (0x00, 4_000, 1), (0xC0, 550_000, 512)]
-        {
+        for (multiplexer, microvolts, result) in [
+            (0x40, 2_500_000, 512),
+            (0x40, 4_999_999, 1023),
+            (0x40, 9_000_000, 1023),
+            (0x00, 4_000, 1),
+            (0xC0, 550_000, 512),
+        ] {
             let mut adc = Adc::new(0);
             adc.write(Register::Multiplexer, multiplexer, 0);
             adc.write(Register::ControlA, ENABLE | START, 0);
             measured(&mut adc, 0, microvolts);
             let low = adc.read(Register::Low);
-            assert_eq!(u16::from_le_bytes([low, adc.read(Register::High)]), result, "{multiplexer:#x} {microvolts}");
+            assert_eq!(
+                u16::from_le_bytes([low, adc.read(Register::High)]),
+                result,
+                "{multiplexer:#x} {microvolts}"
+            );
         }
     }
 

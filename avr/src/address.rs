@@ -10,9 +10,7 @@ use crate::{adc, eeprom, external, ports, spi, system, timer, twi, usart};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
     Reserved,
-    StackLow,
-    StackHigh,
-    Flags,
+    Core(Core),
     Port(Port, ports::Register),
     Timer(Which, timer::Register),
     Usart(usart::Register),
@@ -25,6 +23,14 @@ pub(crate) enum Place {
     Comparator,
     Watchdog,
     SelfProgramming,
+}
+
+/// A register of the processor itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Core {
+    StackLow,
+    StackHigh,
+    Flags,
 }
 
 impl Place {
@@ -123,9 +129,9 @@ const fn low(address: usize) -> Place {
         0x54 => Place::System(system::Register::Status),
         0x55 => Place::System(system::Register::Control),
         0x57 => Place::SelfProgramming,
-        0x5D => Place::StackLow,
-        0x5E => Place::StackHigh,
-        0x5F => Place::Flags,
+        0x5D => Place::Core(Core::StackLow),
+        0x5E => Place::Core(Core::StackHigh),
+        0x5F => Place::Core(Core::Flags),
         _ => Place::Reserved,
     }
 }

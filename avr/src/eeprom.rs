@@ -93,7 +93,14 @@ impl Eeprom {
     }
 
     /// Writes a register; the answer is how many cycles the processor stands still.
-    pub(crate) fn write(&mut self, register: Register, value: u8, now: u64, period: u64, clock_hz: u32) -> u64 {
+    pub(crate) fn write(
+        &mut self,
+        register: Register,
+        value: u8,
+        now: u64,
+        period: u64,
+        clock_hz: u32,
+    ) -> u64 {
         let [low, high] = self.address.to_le_bytes();
         let last = u16::try_from(self.bytes.len() - 1).unwrap_or(u16::MAX);
         match register {

@@ -7,17 +7,17 @@ use alloc::vec::Vec;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::instruction::{Op, decode};
+use crate::instruction::{LONGEST_LOOP, Op, operation};
 
 /// Program memory. Clones share it until one of them writes.
 #[derive(Clone, Debug)]
-pub struct Flash {
+pub(crate) struct Flash {
     code: Arc<Code>,
 }
 
 /// Words with their instructions.
 #[derive(Clone, Debug)]
-pub struct Code {
+pub(crate) struct Code {
     words: Box<[u16]>,
     ops: Box<[Op]>,
 }
@@ -33,12 +33,12 @@ impl Flash {
     }
 
     fn of(words: Box<[u16]>) -> Self {
-        let ops = (0..words.len()).map(|at| decode(words[at], words[(at + 1) % words.len()])).collect();
+        let ops = (0..words.len()).map(|at| operation(&words, at)).collect();
         Self { code: Arc::new(Code { words, ops }) }
     }
 
     /// All words.
-    pub fn words(&self) -> &[u16] {
+    pub(crate) fn words(&self) -> &[u16] {
         &self.code.words
     }
 
@@ -67,19 +67,22 @@ impl Flash {
             let place = (address as usize + at) & (len - 1);
             code.words[place] = change(at, code.words[place]);
         }
-        // The word before may be the first of two.
-        for at in 0..=count {
+        // The word before may be the first of two, and those behind may end a loop that begins here.
+        for at in 0..=count + LONGEST_LOOP {
             let place = (address as usize + len + at - 1) & (len - 1);
-            code.ops[place] = decode(code.words[place], code.words[(place + 1) & (len - 1)]);
+            code.ops[place] = operation(&code.words, place);
         }
     }
 }
 
 impl Code {
-    /// The instruction at a word address, which is taken modulo the size.
-    #[inline]
+    /// The instruction at a word address; beyond the memory there are none.
+    #[inline(always)]
     pub(crate) fn op(&self, pc: u32) -> Op {
-        self.ops[pc as usize & (self.ops.len() - 1)]
+        match self.ops.get(pc as usize) {
+            Some(&op) => op,
+            None => Op::Illegal { word: 0xFFFF },
+        }
     }
 }
 

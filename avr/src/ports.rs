@@ -93,6 +93,12 @@ impl Ports {
         }
     }
 
+    /// Whether PINx, read at this cycle, is what it was before the pins changed.
+    #[inline]
+    pub(crate) fn is_synchronising(&self, port: Port, now: u64) -> bool {
+        now <= self.states[port.index()].changed_at
+    }
+
     /// Writes a register; a one in PINx toggles.
     pub(crate) fn write(&mut self, port: Port, register: Register, value: u8) {
         let state = &mut self.states[port.index()];
@@ -190,7 +196,8 @@ impl Ports {
     #[inline]
     pub(crate) fn floating(&mut self, port: Port, mask: u8) -> u8 {
         let state = &mut self.states[port.index()];
-        let floating = mask & !(state.external | state.drives.output | state.drives.high | state.floating_told);
+        let floating =
+            mask & !(state.external | state.drives.output | state.drives.high | state.floating_told);
         state.floating_told |= floating;
         floating
     }

@@ -144,7 +144,9 @@ mod tests {
 
     #[test]
     fn a_byte_takes_eight_cycles_of_each_clock() {
-        for (rate, double, clock) in [(0, 0, 4), (1, 0, 16), (2, 0, 64), (3, 0, 128), (0, 1, 2), (1, 1, 8), (2, 1, 32), (3, 1, 64)] {
+        for (rate, double, clock) in
+            [(0, 0, 4), (1, 0, 16), (2, 0, 64), (3, 0, 128), (0, 1, 2), (1, 1, 8), (2, 1, 32), (3, 1, 64)]
+        {
             let mut spi = Spi::new();
             spi.write(Register::Control, ENABLE | MASTER | rate, 0);
             spi.write(Register::Status, double, 0);

@@ -204,7 +204,8 @@ impl System {
             Register::DigitalOff(which) => self.digital_off[which] = value,
             Register::TimerControl => {
                 // The reset bits stay only as long as TSM holds them.
-                self.timer_control = if value & HOLD == 0 { 0 } else { value & (HOLD | RESET_TIMER2 | RESET_TIMERS) };
+                self.timer_control =
+                    if value & HOLD == 0 { 0 } else { value & (HOLD | RESET_TIMER2 | RESET_TIMERS) };
                 return Effect::ResetPrescalers(value);
             }
             Register::AsynchronousStatus => {}

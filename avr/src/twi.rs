@@ -134,7 +134,9 @@ impl Twi {
         self.status = match step {
             Step::Start if self.holds_bus => status::REPEATED_START,
             Step::Start => status::START,
-            Step::Address if direction == Direction::Write => status::WRITE_ADDRESS[usize::from(acknowledged)],
+            Step::Address if direction == Direction::Write => {
+                status::WRITE_ADDRESS[usize::from(acknowledged)]
+            }
             Step::Address => status::READ_ADDRESS[usize::from(acknowledged)],
             Step::Write => status::WRITTEN[usize::from(acknowledged)],
             Step::Read { acknowledge } => {

@@ -41,7 +41,8 @@ impl Watchdog {
     /// After a reset at this period; `has_bitten` is WDRF, which keeps the watchdog on.
     pub(crate) fn new(clock_hz: u32, always_on: bool, has_bitten: bool, period: u64) -> Self {
         let control = if always_on || has_bitten { RESET } else { 0 };
-        let mut watchdog = Self { control, window: Window::default(), always_on, clock_hz, started: 0, deadline: 0 };
+        let mut watchdog =
+            Self { control, window: Window::default(), always_on, clock_hz, started: 0, deadline: 0 };
         watchdog.restart(period);
         watchdog
     }

@@ -11,6 +11,9 @@
 //!
 //! `BAUDBOT_AVR_STATES` is the number of states of each instruction, 10,000 if it is not set.
 
+// Of some seventy instructions a few are special here.
+#![allow(clippy::wildcard_enum_match_arm)]
+
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{BufRead, BufReader, Write as _};
@@ -34,14 +37,17 @@ fn each_instruction_does_what_simavr_does() {
     let harness = build_harness();
     // It takes some words of ADIW and SBIW for JMP or CALL when it skips them.
     let takes_for_two_words = |word: u16| word & 0xFE0C == 0x960C;
-    compare(Command::new(harness), "simavr", 0xFF, |state| is_skip(state) && takes_for_two_words(state.words[1]));
+    compare(Command::new(harness), "simavr", 0xFF, |state| {
+        is_skip(state) && takes_for_two_words(state.words[1])
+    });
 }
 
 #[test]
 #[ignore = "needs node and avr8js"]
 fn each_instruction_does_what_avr8js_does() {
-    let folder = std::env::var("BAUDBOT_AVR8JS")
-        .expect("BAUDBOT_AVR8JS names the folder in which `npm install --prefix FOLDER avr8js@0.21.1` was done");
+    let folder = std::env::var("BAUDBOT_AVR8JS").expect(
+        "BAUDBOT_AVR8JS names the folder in which `npm install --prefix FOLDER avr8js@0.21.1` was done",
+    );
     let mut node = Command::new("node");
     node.arg(tests().join("avr8js/step.mjs")).arg(folder);
     // Its half carry is that of the lowest bit, its CBI takes one cycle, its FMULSU sets Z
@@ -49,7 +55,9 @@ fn each_instruction_does_what_avr8js_does() {
     let differs = |state: &State| match decode(state.words[0], 0) {
         Op::Cbi { .. } | Op::Fmulsu { .. } => true,
         Op::Neg { d } => state.registers[usize::from(d)] == 0x80,
-        Op::Cpc { r, .. } | Op::Sbc { r, .. } => state.registers[usize::from(r)] == 0xFF && state.sreg & 1 == 1,
+        Op::Cpc { r, .. } | Op::Sbc { r, .. } => {
+            state.registers[usize::from(r)] == 0xFF && state.sreg & 1 == 1
+        }
         Op::Sbci { k, .. } => k == 0xFF && state.sreg & 1 == 1,
         _ => false,
     };
@@ -69,7 +77,10 @@ fn build_harness() -> PathBuf {
         .args(["-lsimavr", "-lelf"])
         .status()
         .expect("the C compiler `cc` is needed");
-    assert!(built.success(), "cannot build the harness: is libsimavr-dev installed? (apt-get install libsimavr-dev libelf-dev)");
+    assert!(
+        built.success(),
+        "cannot build the harness: is libsimavr-dev installed? (apt-get install libsimavr-dev libelf-dev)"
+    );
     program
 }
 
@@ -95,17 +106,26 @@ impl State {
 }
 
 fn compare(mut oracle: Command, name: &str, flags: u8, excused: impl Fn(&State) -> bool) {
-    let states = std::env::var("BAUDBOT_AVR_STATES").map_or(10_000, |states| states.parse().expect("a number of states"));
+    let states = std::env::var("BAUDBOT_AVR_STATES")
+        .map_or(10_000, |states| states.parse().expect("a number of states"));
     let mut oracle = Oracle::start(&mut oracle, name);
     let mut ours = Ours::new();
     let mut random = Random(1);
     for (kind, words) in kinds() {
-        let cases: Vec<State> = (0..states).map(|_| random_state(&words, &mut random)).filter(|state| is_defined(state) && !excused(state)).collect();
+        let cases: Vec<State> = (0..states)
+            .map(|_| random_state(&words, &mut random))
+            .filter(|state| is_defined(state) && !excused(state))
+            .collect();
         for batch in cases.chunks(200) {
             for (state, expected) in batch.iter().zip(oracle.ask(batch)) {
                 let (found, expected) = (normalised(&ours.step(state), flags), normalised(&expected, flags));
                 let op = decode(state.words[0], state.words[1]);
-                assert_eq!(found, expected, "{kind}: {op:?} from {}\n left: ours, right: {name}", state.line());
+                assert_eq!(
+                    found,
+                    expected,
+                    "{kind}: {op:?} from {}\n left: ours, right: {name}",
+                    state.line()
+                );
             }
         }
         println!("{kind}: {} states", cases.len());
@@ -131,7 +151,8 @@ fn random_state(words: &[u16], random: &mut Random) -> State {
     let mut registers = [0; 32];
     for register in &mut registers {
         // Corners are more frequent than by chance.
-        *register = if random.below(4) == 0 { [0, 1, 0x7F, 0x80, 0xFF][random.below(5)] } else { random.byte() };
+        *register =
+            if random.below(4) == 0 { [0, 1, 0x7F, 0x80, 0xFF][random.below(5)] } else { random.byte() };
     }
     for pointer in [26, 28, 30] {
         let address = random.memory_address();
@@ -169,9 +190,10 @@ fn is_defined(state: &State) -> bool {
         Op::In { address, .. } | Op::Out { address, .. } => {
             SHARED.contains(&address) || matches!(address, STACK_LOW | STACK_HIGH | STATUS)
         }
-        Op::Sbi { address, .. } | Op::Cbi { address, .. } | Op::Sbic { address, .. } | Op::Sbis { address, .. } => {
-            SHARED.contains(&address)
-        }
+        Op::Sbi { address, .. }
+        | Op::Cbi { address, .. }
+        | Op::Sbic { address, .. }
+        | Op::Sbis { address, .. } => SHARED.contains(&address),
         _ => true,
     }
 }
@@ -188,7 +210,8 @@ struct Ours {
 impl Ours {
     fn new() -> Self {
         let part = Part::Atmega328P;
-        let bytes: Vec<u8> = (0..0x8000u32).map(|at| if at < 0x4000 { 0 } else { (at * 29 + 7) as u8 }).collect();
+        let bytes: Vec<u8> =
+            (0..0x8000u32).map(|at| if at < 0x4000 { 0 } else { (at * 29 + 7) as u8 }).collect();
         let words: Vec<u16> = bytes.chunks(2).map(|two| u16::from_le_bytes([two[0], two[1]])).collect();
         let program = Program::from_words(part, &words).unwrap();
         let mut chip = Chip::new(&program, Fuses::external_clock(part), Supply::ARDUINO);
@@ -308,7 +331,7 @@ impl Random {
     }
 
     fn below(&mut self, end: usize) -> usize {
-        usize::from(self.word()) * end >> 16
+        (usize::from(self.word()) * end) >> 16
     }
 
     /// An address with room on both sides for displacements and return addresses.

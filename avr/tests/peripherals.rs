@@ -53,8 +53,9 @@ fn a_program_reads_the_counter_and_the_flags_of_each_mode_to_the_cycle() {
 #[test]
 #[ignore = "needs node and avr8js"]
 fn avr8js_shows_the_same_program_the_same_counters() {
-    let folder = std::env::var("BAUDBOT_AVR8JS")
-        .expect("BAUDBOT_AVR8JS names the folder in which `npm install --prefix FOLDER avr8js@0.21.1` was done");
+    let folder = std::env::var("BAUDBOT_AVR8JS").expect(
+        "BAUDBOT_AVR8JS names the folder in which `npm install --prefix FOLDER avr8js@0.21.1` was done",
+    );
     let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
     let output = Command::new("node")
         .arg(tests.join("avr8js/program.mjs"))
@@ -63,7 +64,12 @@ fn avr8js_shows_the_same_program_the_same_counters() {
         .output()
         .expect("node is needed");
     let digits = String::from_utf8(output.stdout).unwrap();
-    let bytes: Vec<u8> = digits.trim().as_bytes().chunks(2).map(|two| u8::from_str_radix(std::str::from_utf8(two).unwrap(), 16).unwrap()).collect();
+    let bytes: Vec<u8> = digits
+        .trim()
+        .as_bytes()
+        .chunks(2)
+        .map(|two| u8::from_str_radix(std::str::from_utf8(two).unwrap(), 16).unwrap())
+        .collect();
     let (theirs, ours) = (results(&bytes), ours());
     // It sets ICF1 where ICR1 is not the top, or has not been reached.
     let no_capture = |at: usize, value: u16| if at % 2 == 1 { value & !0x20 } else { value };

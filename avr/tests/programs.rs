@@ -2,11 +2,24 @@
 
 use baudbot_avr::usart::{BitLength, Frame, Sent};
 use baudbot_avr::{
-    AnalogInput, Bare, Board, Channel, Chip, Drive, External, Fuses, Part, Pin, Port, Program, Pwm, PwmReport, Sleep,
-    Stop, Supply, Timer,
+    AnalogInput, Bare, Board, Channel, Chip, Drive, External, Fuses, Part, Pin, Port, Program, Pwm,
+    PwmReport, Sleep, Stop, Supply, Timer,
 };
 
 const HZ: u64 = 16_000_000;
+const FILES: [&str; 11] = [
+    "adc.hex",
+    "blink.hex",
+    "capture.hex",
+    "compute.hex",
+    "echo_115200.hex",
+    "echo_9600.hex",
+    "eeprom.elf",
+    "peripherals.hex",
+    "pwm.hex",
+    "sleep.hex",
+    "watchdog.hex",
+];
 const GPIOR: [u16; 3] = [0x3E, 0x4A, 0x4B];
 
 fn chip(file: &str) -> Chip {
@@ -126,7 +139,9 @@ fn a_sender_of_another_baud_rate_is_told_frame_errors() {
 #[test]
 fn motors_a_servo_and_a_tone_are_told_by_their_shapes() {
     let mut chip = chip("pwm.hex");
-    for (timer, channel) in [(Timer::T0, Channel::A), (Timer::T0, Channel::B), (Timer::T1, Channel::A), (Timer::T2, Channel::B)] {
+    for (timer, channel) in
+        [(Timer::T0, Channel::A), (Timer::T0, Channel::B), (Timer::T1, Channel::A), (Timer::T2, Channel::B)]
+    {
         chip.set_pwm_report(timer, channel, PwmReport::Shape);
     }
     let mut notes = Notes::default();
@@ -150,10 +165,18 @@ fn motors_a_servo_and_a_tone_are_told_by_their_edges() {
         (pin(Port::B, 1), 3000 * 8, 40_000 * 8),
         (pin(Port::D, 3), 142 * 128, 2 * 142 * 128),
     ] {
-        let rises: Vec<u64> =
-            notes.pins.iter().filter(|(own, drive, _)| *own == pin && *drive == Drive::High).map(|one| one.2).collect();
-        let falls: Vec<u64> =
-            notes.pins.iter().filter(|(own, drive, at)| *own == pin && *drive == Drive::Low && *at > rises[1]).map(|one| one.2).collect();
+        let rises: Vec<u64> = notes
+            .pins
+            .iter()
+            .filter(|(own, drive, _)| *own == pin && *drive == Drive::High)
+            .map(|one| one.2)
+            .collect();
+        let falls: Vec<u64> = notes
+            .pins
+            .iter()
+            .filter(|(own, drive, at)| *own == pin && *drive == Drive::Low && *at > rises[1])
+            .map(|one| one.2)
+            .collect();
         assert!(rises.len() >= 4, "{pin:?}: {rises:?}");
         assert!(rises[1..].windows(2).all(|two| two[1] - two[0] == period), "{pin:?}");
         assert!(rises[1..].iter().zip(&falls).all(|(rise, fall)| fall - rise == high), "{pin:?}");
@@ -237,8 +260,41 @@ fn a_boot_loader_writes_an_application_and_starts_it() {
 }
 
 #[test]
+fn loops_that_wait_are_passed_over_to_the_same_bits_as_if_they_were_gone_through() {
+    for file in FILES {
+        let mut quick = chip(file);
+        let mut slow = quick.clone();
+        let mut notes = (Notes::default(), Notes::default());
+        for chip in [&mut quick, &mut slow] {
+            let length = BitLength::of_baud(HZ as u32, 9600).unwrap();
+            for byte in 0..8 {
+                chip.receive(Frame::byte(byte), ms(1) + 20_000 * u64::from(byte), length).unwrap();
+                chip.set_pin(pin(Port::B, 0), External::High, ms(2) + 7_003 * u64::from(byte)).unwrap();
+                chip.set_pin(pin(Port::B, 0), External::Low, ms(2) + 7_003 * u64::from(byte) + 3_501)
+                    .unwrap();
+                let level = if byte % 2 == 0 { External::Low } else { External::High };
+                chip.set_pin(pin(Port::D, 7), level, ms(3) + 11_117 * u64::from(byte)).unwrap();
+            }
+        }
+        for until in [ms(2) + 1, ms(7), ms(40) + 13] {
+            quick.run(until, &mut notes.0);
+            slow.run_to(until, &[], &mut notes.1);
+            assert!(quick == slow, "{file}");
+        }
+        assert_eq!(notes.0.pins, notes.1.pins, "{file}");
+        assert_eq!(notes.0.sent, notes.1.sent, "{file}");
+    }
+}
+
+#[test]
 fn a_chip_that_was_saved_and_loaded_anywhere_goes_on_to_the_same_bits() {
-    for (file, step) in [("adc.hex", 12_347), ("echo_9600.hex", 9_973), ("pwm.hex", 10_007), ("compute.hex", 30_011), ("eeprom.elf", 1_009)] {
+    for (file, step) in [
+        ("adc.hex", 12_347),
+        ("echo_9600.hex", 9_973),
+        ("pwm.hex", 10_007),
+        ("compute.hex", 30_011),
+        ("eeprom.elf", 1_009),
+    ] {
         let mut whole = chip(file);
         let mut parts = whole.clone();
         let mut notes = (Notes::default(), Notes::default());

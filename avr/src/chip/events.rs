@@ -1,6 +1,6 @@
 //! Events of the peripherals, each at its own cycle, in the order of time.
 
-use super::Chip;
+use super::{Chip, Pending};
 use crate::adc::{self, Input, Trigger};
 use crate::board::{AnalogInput, Board, Unsupported, Warning};
 use crate::system::ResetCause;
@@ -57,7 +57,7 @@ impl Chip {
         self.eeprom.event(period);
         self.programming.event(period);
         if self.watchdog.event(period) == Bite::Reset {
-            self.reset_by = Some(ResetCause::Watchdog);
+            self.pending = Pending::Reset(ResetCause::Watchdog);
         }
     }
 
@@ -131,10 +131,7 @@ impl Chip {
             Some(Trigger::Timer1Overflow) => flag(Which::T1, timer::OVERFLOW),
             Some(Trigger::Timer1Capture) => flag(Which::T1, timer::CAPTURE),
         };
-        if level && !core::mem::replace(&mut self.trigger, level) {
-            self.adc.triggered(now);
-        }
-        self.trigger = level;
+        self.adc.see_trigger(now, level);
     }
 
     /// Works out when the next event is.

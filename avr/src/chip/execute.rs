@@ -3,7 +3,7 @@
 //! Source: *AVR Instruction Set Manual*, columns AVRe of the cycles. A register that is read in a peripheral is read at the
 //! beginning of the instruction's last cycle, one that is written is written at its end.
 
-use super::Chip;
+use super::{Chip, Pending, Waiting};
 use crate::alu;
 use crate::board::{Board, Warning};
 use crate::flash::Code;
@@ -95,11 +95,11 @@ impl Chip {
             Op::Sbrc { r, mask } => self.skip(self.register(r) & mask == 0, code),
             Op::Sbrs { r, mask } => self.skip(self.register(r) & mask != 0, code),
             Op::Sbic { address, mask } => {
-                let clear = self.read_io(address, board) & mask == 0;
-                self.skip(clear, code)
+                let set = self.read_bit(address, mask, board);
+                self.skip(!set, code)
             }
             Op::Sbis { address, mask } => {
-                let set = self.read_io(address, board) & mask != 0;
+                let set = self.read_bit(address, mask, board);
                 self.skip(set, code)
             }
             Op::Sbi { address, mask } => self.set_bit(address, mask, true, board),
@@ -196,8 +196,20 @@ impl Chip {
                 self.restart_watchdog();
                 1
             }
+            Op::WaitJump { offset, cycles } => {
+                self.jump_by(offset.into());
+                self.wait(cycles)
+            }
+            Op::WaitBranch { flag, offset, cycles } => {
+                if self.sreg >> (flag & 7) & 1 == flag >> 3 {
+                    self.jump_by(offset.into());
+                    self.wait(cycles)
+                } else {
+                    1
+                }
+            }
             Op::Break => {
-                self.broken = true;
+                self.pending = Pending::Break;
                 self.limit = 0;
                 1
             }
@@ -283,6 +295,20 @@ impl Chip {
         } else {
             1
         }
+    }
+
+    /// A jump back to the start of a loop that only waits. If it has been gone through before without anything else happening,
+    /// it is gone through until something happens: all these iterations are the same.
+    #[inline(always)]
+    fn wait(&mut self, cycles: u8) -> u64 {
+        const JUMP: u64 = 2;
+        let here = Waiting { pc: self.pc, limit: self.limit };
+        if self.waiting != here {
+            self.waiting = here;
+            return JUMP;
+        }
+        let left = self.limit.saturating_sub(self.cycle + JUMP);
+        JUMP + left - left % u64::from(cycles)
     }
 
     #[inline(always)]

@@ -14,10 +14,8 @@ const ADC_NOISE_REDUCTION: u32 = DEEP
     | Vector::EepromReady.bit()
     | Vector::SpmReady.bit();
 /// What wakes from deep sleep. Of INT0 and INT1 the low levels do, too.
-const DEEP: u32 = Vector::PinChange0.bit()
-    | Vector::PinChange1.bit()
-    | Vector::PinChange2.bit()
-    | Vector::Watchdog.bit();
+const DEEP: u32 =
+    Vector::PinChange0.bit() | Vector::PinChange1.bit() | Vector::PinChange2.bit() | Vector::Watchdog.bit();
 
 impl Chip {
     /// A set with the bit of each vector that is requested and enabled by its own mask.
@@ -81,7 +79,11 @@ impl Chip {
             Vector::Adc => self.adc.acknowledge(),
             Vector::Comparator => self.comparator.acknowledge(),
             // These stay requested as long as their cause does.
-            Vector::UsartReceived | Vector::UsartEmpty | Vector::EepromReady | Vector::Twi | Vector::SpmReady => {}
+            Vector::UsartReceived
+            | Vector::UsartEmpty
+            | Vector::EepromReady
+            | Vector::Twi
+            | Vector::SpmReady => {}
         }
         self.check_trigger(self.cycle);
     }

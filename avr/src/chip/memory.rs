@@ -45,7 +45,7 @@ impl Chip {
     }
 
     #[cold]
-    fn beyond_memory<B: Board>(&mut self, address: u16, board: &mut B) {
+    fn beyond_memory<B: Board>(&self, address: u16, board: &mut B) {
         let pc = self.pc & self.pc_mask;
         self.warn(Warning::BeyondMemory { pc, address }, board);
     }
@@ -55,7 +55,7 @@ impl Chip {
         let sp = self.sp;
         self.store(sp, value, board);
         self.sp = sp.wrapping_sub(1);
-        if self.sp < self.lowest_sp {
+        if self.sp < self.stack.lowest {
             self.note_stack(board);
         }
     }
@@ -87,15 +87,15 @@ impl Chip {
 
     #[inline(never)]
     fn note_stack<B: Board>(&mut self, board: &mut B) {
-        let before = core::mem::replace(&mut self.lowest_sp, self.sp);
+        let before = core::mem::replace(&mut self.stack.lowest, self.sp);
         // A byte at the stack pointer's place is free: the last one used is above it.
         let used = |sp: u16| sp.saturating_add(1);
-        if used(self.sp) < self.stack_mark && used(before) >= self.stack_mark {
-            self.warn(Warning::StackLow { sp: self.sp, mark: self.stack_mark }, board);
+        if used(self.sp) < self.stack.mark && used(before) >= self.stack.mark {
+            self.warn(Warning::StackLow { sp: self.sp, mark: self.stack.mark }, board);
         }
     }
 
-    pub(super) fn warn<B: Board>(&mut self, warning: Warning, board: &mut B) {
+    pub(super) fn warn<B: Board>(&self, warning: Warning, board: &mut B) {
         board.warn(warning, self.now());
     }
 }

@@ -60,25 +60,19 @@ pub struct Chip {
     sram: Vec<u8>,
     flash: Flash,
     pc_mask: u32,
-    lowest_sp: u16,
-    stack_mark: u16,
+    stack: StackWatch,
     return_bytes: u8,
     /// The next instruction is executed before any interrupt: it follows `SEI` or `RETI`.
     inhibited: bool,
-    sleep: Option<Sleep>,
-    /// `BREAK` was executed.
-    broken: bool,
-    /// A reset that follows the instruction.
-    reset_by: Option<ResetCause>,
-    /// After a reset the processor stands until this period.
-    held_until: Option<u64>,
+    state: State,
+    waiting: Waiting,
+    /// What follows the instruction that has just been executed.
+    pending: Pending,
     clock: Clock,
     ports: Ports,
     timers: [Timer; 3],
     usart: Usart,
     adc: Adc,
-    /// The flag that triggers the ADC, as it was last seen.
-    trigger: bool,
     comparator: Comparator,
     external: External,
     spi: Spi,
@@ -88,8 +82,7 @@ pub struct Chip {
     programming: SelfProgramming,
     system: System,
     inputs: Inputs,
-    reports: [[PwmReport; 2]; 3],
-    shapes: [[Option<Pwm>; 2]; 3],
+    outputs: Outputs,
     part: Part,
     fuses: Fuses,
     supply: Supply,
@@ -100,10 +93,16 @@ impl Chip {
     ///
     /// The program's own fuses, if it has any, are not used unless they are given here.
     pub fn new(program: &Program, fuses: Fuses, supply: Supply) -> Self {
+        let mut chip = Self::without_power(program, fuses, supply);
+        chip.begin(ResetCause::PowerOn as u8);
+        chip
+    }
+
+    fn without_power(program: &Program, fuses: Fuses, supply: Supply) -> Self {
         let part = program.part();
         let properties = part.properties();
         let clock_hz = supply.clock_hz.max(1);
-        let mut chip = Self {
+        Self {
             registers: [0; 32],
             sreg: 0,
             pc: 0,
@@ -114,20 +113,17 @@ impl Chip {
             sram: vec![0; usize::from(properties.sram_bytes)],
             flash: Flash::new(part.flash_words(), program.flash()),
             pc_mask: part.flash_words() - 1,
-            lowest_sp: part.ram_end(),
-            stack_mark: program.data_end().unwrap_or(SRAM_START),
+            stack: StackWatch { lowest: part.ram_end(), mark: program.data_end().unwrap_or(SRAM_START) },
             return_bytes: properties.return_bytes,
             inhibited: false,
-            sleep: None,
-            broken: false,
-            reset_by: None,
-            held_until: None,
+            state: State::Awake,
+            waiting: Waiting::NOWHERE,
+            pending: Pending::Nothing,
             clock: Clock::new(0),
             ports: Ports::default(),
             timers: [Which::T0, Which::T1, Which::T2].map(|which| Timer::new(which, 0)),
             usart: Usart::new(0),
             adc: Adc::new(0),
-            trigger: false,
             comparator: Comparator::default(),
             external: External::default(),
             spi: Spi::new(),
@@ -137,14 +133,11 @@ impl Chip {
             programming: SelfProgramming::new(properties.page_words),
             system: System::new(0, 0),
             inputs: Inputs::default(),
-            reports: [[PwmReport::Edges; 2]; 3],
-            shapes: [[None; 2]; 3],
+            outputs: Outputs::default(),
             part,
             fuses,
             supply: Supply { clock_hz, ..supply },
-        };
-        chip.begin(ResetCause::PowerOn as u8);
-        chip
+        }
     }
 
     /// The part.
@@ -165,7 +158,7 @@ impl Chip {
     /// How an output of a timer is reported from now on: OCnA is channel 0, OCnB 1. All begin with
     /// [`PwmReport::Edges`].
     pub fn set_pwm_report(&mut self, timer: Which, channel: Channel, report: PwmReport) {
-        self.reports[timer as usize][channel as usize] = report;
+        self.outputs.reports[timer as usize][channel as usize] = report;
         self.watch_timers();
         self.schedule();
     }
@@ -173,13 +166,57 @@ impl Chip {
     /// A mark in the data memory that the stack should not grow below. It begins with the end of the program's variables,
     /// if the program's file says where that is.
     pub fn watch_stack(&mut self, mark: u16) {
-        self.stack_mark = mark;
+        self.stack.mark = mark;
     }
 
     /// The lowest value that the stack pointer had when something was pushed.
     pub const fn lowest_sp(&self) -> u16 {
-        self.lowest_sp
+        self.stack.lowest
     }
+}
+
+/// The loop that waits and was gone through last, and up to which cycle nothing else would happen then.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Waiting {
+    pc: u32,
+    limit: u64,
+}
+
+impl Waiting {
+    const NOWHERE: Self = Self { pc: u32::MAX, limit: 0 };
+}
+
+/// What the processor does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum State {
+    Awake,
+    Asleep(Sleep),
+    /// It stands until this period, after a reset.
+    Held(u64),
+}
+
+/// What an instruction or an event asks of the loop that executes instructions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Pending {
+    Nothing,
+    /// `BREAK` was executed.
+    Break,
+    Reset(ResetCause),
+}
+
+/// How deep the stack has been.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct StackWatch {
+    lowest: u16,
+    mark: u16,
+}
+
+/// How the outputs of each timer are reported.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Outputs {
+    reports: [[PwmReport; 2]; 3],
+    /// The shapes that were told last.
+    shapes: [[Option<Pwm>; 2]; 3],
 }
 
 /// An output of a timer.

@@ -51,7 +51,8 @@ impl Chip {
 
     fn levels_changed(&mut self, port: Port, changed: u8, level: u8, now: u64) {
         self.external.pins_changed(port.index(), changed);
-        let edge = |pin: Pin| (pin.port() == port && changed & pin.mask() != 0).then_some(level & pin.mask() != 0);
+        let edge =
+            |pin: Pin| (pin.port() == port && changed & pin.mask() != 0).then_some(level & pin.mask() != 0);
         for (line, pin) in (0..).zip(special::INT) {
             if let Some(level) = edge(pin) {
                 self.external.line_changed(line, level);
@@ -100,11 +101,12 @@ impl Chip {
     fn tell_shapes<B: Board>(&mut self, which: Which, now: u64, board: &mut B) {
         let (timer, shift) = (which as usize, self.clock.shift());
         for (channel, pin) in special::outputs(which).into_iter().enumerate() {
-            let wanted = self.reports[timer][channel] == PwmReport::Shape && self.ports.is_output(pin);
+            let wanted =
+                self.outputs.reports[timer][channel] == PwmReport::Shape && self.ports.is_output(pin);
             let shape = self.timers[timer].shape(channel).filter(|_| wanted);
             let shape = shape.map(|(high, period)| Pwm { high: high << shift, period: period << shift });
-            if shape != self.shapes[timer][channel] {
-                self.shapes[timer][channel] = shape;
+            if shape != self.outputs.shapes[timer][channel] {
+                self.outputs.shapes[timer][channel] = shape;
                 let at = self.clock.period_of(now);
                 board.pwm_changed(pin, shape, at);
                 if shape.is_none() {
@@ -116,7 +118,10 @@ impl Chip {
 
     fn is_shaped(&self, pin: Pin) -> bool {
         TIMERS.into_iter().any(|which| {
-            special::outputs(which).into_iter().zip(self.shapes[which as usize]).any(|(own, shape)| own == pin && shape.is_some())
+            special::outputs(which)
+                .into_iter()
+                .zip(self.outputs.shapes[which as usize])
+                .any(|(own, shape)| own == pin && shape.is_some())
         })
     }
 
@@ -135,14 +140,16 @@ impl Chip {
             let listened = self.external.watched(pin.port().index()) & pin.mask() != 0
                 || pin == special::INT[1] && self.external.watches_line(1)
                 || pin == special::T1;
-            let told = self.reports[timer][channel] == PwmReport::Edges || listened;
+            let told = self.outputs.reports[timer][channel] == PwmReport::Edges || listened;
             if outputs[channel].is_some() && self.ports.is_output(pin) && told {
                 watched |= 1 << channel;
             }
         }
         let triggers = match (self.adc.trigger(), which) {
             (Some(Trigger::Timer0CompareA), Which::T0) => timer::MATCH_A,
-            (Some(Trigger::Timer0Overflow), Which::T0) | (Some(Trigger::Timer1Overflow), Which::T1) => timer::OVERFLOW,
+            (Some(Trigger::Timer0Overflow), Which::T0) | (Some(Trigger::Timer1Overflow), Which::T1) => {
+                timer::OVERFLOW
+            }
             (Some(Trigger::Timer1CompareB), Which::T1) => timer::MATCH_B,
             (Some(Trigger::Timer1Capture), Which::T1) => timer::CAPTURE,
             _ => 0,

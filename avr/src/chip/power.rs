@@ -1,6 +1,6 @@
 //! Reset, sleep and power reduction.
 
-use super::Chip;
+use super::{Chip, Pending, State};
 use crate::adc::Adc;
 use crate::alu::I;
 use crate::board::{Board, special};
@@ -44,12 +44,11 @@ impl Chip {
         self.sp = self.part.ram_end();
         let in_boot = self.fuses.starts_in_boot_section(self.part);
         self.pc = if in_boot { self.fuses.boot_start(self.part) } else { 0 };
-        (self.inhibited, self.sleep, self.broken, self.reset_by) = (false, None, false, None);
+        (self.inhibited, self.pending) = (false, Pending::Nothing);
         self.ports.reset();
         self.timers = [Which::T0, Which::T1, Which::T2].map(|which| Timer::new(which, now));
         self.usart.reset(now);
         self.adc = Adc::new(now);
-        self.trigger = false;
         self.comparator = Comparator::default();
         self.external = External::new(self.external.levels());
         self.spi = Spi::new();
@@ -58,10 +57,11 @@ impl Chip {
         self.programming.reset();
         self.system = System::new(prescaler, status);
         let bitten = self.system.has_watchdog_bitten();
-        self.watchdog = Watchdog::new(self.supply.clock_hz, self.fuses.watchdog_always_on(), bitten, self.now());
+        self.watchdog =
+            Watchdog::new(self.supply.clock_hz, self.fuses.watchdog_always_on(), bitten, self.now());
         let start_up = self.fuses.start_up();
         let delay = periods(self.supply.clock_hz, u64::from(start_up.reset_100us) * 100);
-        self.held_until = Some(self.now() + u64::from(start_up.cycles) + RESET_CYCLES + delay);
+        self.state = State::Held(self.now() + u64::from(start_up.cycles) + RESET_CYCLES + delay);
         self.schedule();
     }
 
@@ -70,7 +70,7 @@ impl Chip {
         let Some(sleep) = self.system.sleep_mode() else { return 1 };
         self.cycle += 1;
         self.service(board);
-        self.sleep = Some(sleep);
+        self.state = State::Asleep(sleep);
         if sleep == Sleep::AdcNoiseReduction {
             self.apply_power();
             self.adc.sleep(self.cycle);
@@ -93,16 +93,20 @@ impl Chip {
 
     /// Whether the processor sleeps, and how.
     pub const fn sleep(&self) -> Option<Sleep> {
-        self.sleep
+        match self.state {
+            State::Asleep(sleep) => Some(sleep),
+            State::Awake | State::Held(_) => None,
+        }
     }
 
     /// The instant up to which nothing happens unless something comes from outside, if the processor sleeps or is held in
     /// reset; None: it is awake. `u64::MAX`: it sleeps for ever.
     pub fn next_event(&self) -> Option<u64> {
-        if let Some(held) = self.held_until {
-            return Some(held);
-        }
-        let sleep = self.sleep?;
+        let sleep = match self.state {
+            State::Awake => return None,
+            State::Held(until) => return Some(until),
+            State::Asleep(sleep) => sleep,
+        };
         if self.sreg & I != 0 && self.can_wake(sleep) {
             return None;
         }
@@ -114,9 +118,11 @@ impl Chip {
 
     /// Switches clocks off and on by PRR and the sleep mode.
     pub(super) fn apply_power(&mut self) {
-        let asleep = self.sleep == Some(Sleep::AdcNoiseReduction);
+        let asleep = self.state == State::Asleep(Sleep::AdcNoiseReduction);
         let off = self.system.power();
-        for (which, bit) in [(Which::T0, power::TIMER0), (Which::T1, power::TIMER1), (Which::T2, power::TIMER2)] {
+        for (which, bit) in
+            [(Which::T0, power::TIMER0), (Which::T1, power::TIMER1), (Which::T2, power::TIMER2)]
+        {
             self.timers[which as usize].set_off(self.cycle, asleep || off & bit != 0);
         }
         self.adc.set_off(off & power::ADC != 0);
@@ -134,6 +140,15 @@ impl Chip {
         self.ports.override_value(special::TXD, sends.then_some(true));
         self.ports.override_direction(special::TXD, sends.then_some(true));
         self.ports.override_direction(special::RXD, self.usart.receiver_on().then_some(false));
+    }
+
+    /// Pins that the SPI takes over: what the other side drives is an input.
+    pub(super) fn override_spi_pins(&mut self) {
+        let (on, master) = (self.spi.is_enabled(), self.spi.is_master());
+        self.ports.override_direction(special::MISO, (on && master).then_some(false));
+        for pin in [special::MOSI, special::SCK, special::SS] {
+            self.ports.override_direction(pin, (on && !master).then_some(false));
+        }
     }
 
     /// Pins that the TWI takes over: nothing drives them high.

@@ -1,10 +1,10 @@
 //! The registers of the peripherals, as the program reads and writes them.
 
-use super::Chip;
-use crate::address::Place;
+use super::{Chip, Waiting};
 use crate::adc;
+use crate::address::{Core, Place};
 use crate::board::{Board, Unsupported, Warning};
-use crate::pin::Port;
+use crate::pin::{Pin, Port};
 use crate::ports;
 use crate::system::{self, Effect, power};
 use crate::timer::{self, Which};
@@ -19,29 +19,66 @@ impl Chip {
     #[inline]
     pub(super) fn read_io<B: Board>(&mut self, address: u8, board: &mut B) -> u8 {
         match Place::at(address) {
-            Place::Flags => self.sreg,
-            Place::StackLow => self.sp.to_le_bytes()[0],
-            Place::StackHigh => self.sp.to_le_bytes()[1],
-            Place::Reserved => 0,
-            place => {
-                self.service(board);
-                self.read_peripheral(place, board)
+            Place::Core(Core::Flags) => return self.sreg,
+            Place::Core(Core::StackLow) => return self.sp.to_le_bytes()[0],
+            Place::Core(Core::StackHigh) => return self.sp.to_le_bytes()[1],
+            Place::Reserved => return 0,
+            Place::Port(..)
+            | Place::Timer(..)
+            | Place::Usart(_)
+            | Place::Adc(_)
+            | Place::Eeprom(_)
+            | Place::External(_)
+            | Place::Spi(_)
+            | Place::Twi(_)
+            | Place::System(_)
+            | Place::Comparator
+            | Place::Watchdog
+            | Place::SelfProgramming => {}
+        }
+        self.service(board);
+        self.read_peripheral(Place::at(address), board)
+    }
+
+    /// Whether a bit of a register is set, as `SBIS` and `SBIC` ask. A pin that floats is told.
+    #[inline]
+    pub(super) fn read_bit<B: Board>(&mut self, address: u8, mask: u8, board: &mut B) -> bool {
+        let value = self.read_io(address, board);
+        if let Place::Port(port, ports::Register::Pin) = Place::at(address) {
+            let floating = self.ports.floating(port, mask);
+            if floating != 0 {
+                let pin = Pin::of(port, floating.trailing_zeros() as u8);
+                self.warn(Warning::FloatingInput { pin }, board);
             }
         }
+        value & mask != 0
     }
 
     /// Writes a register at the present cycle.
     #[inline]
     pub(super) fn write_io<B: Board>(&mut self, address: u8, value: u8, board: &mut B) {
-        match Place::at(address) {
-            Place::Flags => self.set_sreg(value),
-            Place::StackLow => self.sp = u16::from_le_bytes([value, self.sp.to_le_bytes()[1]]),
-            Place::StackHigh => self.sp = u16::from_le_bytes([self.sp.to_le_bytes()[0], value]),
-            Place::Reserved => {}
-            place => {
-                self.service(board);
-                self.write_peripheral(place, value, board);
-            }
+        let place = Place::at(address);
+        if let Place::Core(register) = place {
+            return self.write_core(register, value);
+        }
+        self.service(board);
+        if let Place::Port(port, register) = place {
+            self.write_port(port, register, value, board);
+        } else if self.system.power() & clock_of(place) == 0 {
+            self.write_peripheral(place, value, board);
+            self.check_trigger(self.cycle);
+            self.schedule();
+            self.attend();
+        }
+    }
+
+    #[inline]
+    fn write_core(&mut self, register: Core, value: u8) {
+        let [low, high] = self.sp.to_le_bytes();
+        match register {
+            Core::Flags => self.set_sreg(value),
+            Core::StackLow => self.sp = u16::from_le_bytes([value, high]),
+            Core::StackHigh => self.sp = u16::from_le_bytes([low, value]),
         }
     }
 
@@ -66,7 +103,9 @@ impl Chip {
             Place::External(register) => self.external.read(register),
             Place::Spi(register) => {
                 let value = self.spi.read(register);
-                self.attend();
+                if register == crate::spi::Register::Data {
+                    self.attend();
+                }
                 value
             }
             Place::Twi(register) => self.twi.read(register),
@@ -77,23 +116,13 @@ impl Chip {
             }
             Place::Watchdog => self.watchdog.read(now),
             Place::SelfProgramming => self.programming.read(now),
-            Place::Reserved | Place::StackLow | Place::StackHigh | Place::Flags => 0,
+            Place::Reserved | Place::Core(_) => 0,
         }
     }
 
     fn write_peripheral<B: Board>(&mut self, place: Place, value: u8, board: &mut B) {
         let now = self.cycle;
-        if self.system.power() & clock_of(place) != 0 {
-            return;
-        }
         match place {
-            Place::Port(port, register) => return self.write_port(port, register, value, board),
-            Place::System(system::Register::General(_) | system::Register::Sleep) => {
-                if let Place::System(register) = place {
-                    self.system.write(register, value, now);
-                }
-                return;
-            }
             Place::Timer(which, register) => self.write_timer(which, register, value, board),
             Place::Usart(register) => self.write_usart(register, value, board),
             Place::Adc(register) => self.write_adc(register, value, board),
@@ -105,7 +134,7 @@ impl Chip {
                 self.external.write(register, value);
                 self.watch_timers();
             }
-            Place::Spi(register) => self.write_spi(register, value),
+            Place::Spi(register) => self.write_spi(register, value, board),
             Place::Twi(register) => self.write_twi(register, value, board),
             Place::System(register) => self.write_system(register, value, board),
             Place::Comparator => {
@@ -117,11 +146,8 @@ impl Chip {
                 self.watchdog.write(value, now, self.now(), bitten);
             }
             Place::SelfProgramming => self.programming.write(value, now),
-            Place::Reserved | Place::StackLow | Place::StackHigh | Place::Flags => {}
+            Place::Reserved | Place::Core(_) | Place::Port(..) => {}
         }
-        self.check_trigger(now);
-        self.schedule();
-        self.attend();
     }
 
     fn read_port<B: Board>(&mut self, port: Port, register: ports::Register, board: &mut B) -> u8 {
@@ -129,8 +155,13 @@ impl Chip {
         if register != ports::Register::Pin {
             return self.ports.read(port, register, now);
         }
-        if self.shapes.iter().flatten().any(Option::is_some) {
+        if self.outputs.shapes.iter().flatten().any(Option::is_some) {
             self.refresh_timers(now, board);
+            self.waiting = Waiting::NOWHERE;
+        }
+        if self.ports.is_synchronising(port, now) {
+            // The next read may give something else, without an event.
+            self.waiting = Waiting::NOWHERE;
         }
         self.ports.read(port, register, now) & !self.digital_off(port)
     }
@@ -194,12 +225,16 @@ impl Chip {
         }
     }
 
-    fn write_spi(&mut self, register: crate::spi::Register, value: u8) {
+    fn write_spi<B: Board>(&mut self, register: crate::spi::Register, value: u8, board: &mut B) {
         let ss = crate::board::special::SS;
         let held = !self.ports.is_output(ss) && self.ports.external(ss) == crate::pin::External::Low;
         self.spi.write(register, value, self.cycle);
         if held && self.spi.is_enabled() && self.spi.is_master() {
             self.spi.lose_mastership();
+        }
+        if register == crate::spi::Register::Control {
+            self.override_spi_pins();
+            self.update_port(Port::B, self.cycle, board);
         }
     }
 
@@ -243,9 +278,11 @@ impl Chip {
 
     fn reset_prescalers(&mut self, value: u8) {
         let now = self.cycle;
-        for (which, bit) in
-            [(Which::T0, system::RESET_TIMERS), (Which::T1, system::RESET_TIMERS), (Which::T2, system::RESET_TIMER2)]
-        {
+        for (which, bit) in [
+            (Which::T0, system::RESET_TIMERS),
+            (Which::T1, system::RESET_TIMERS),
+            (Which::T2, system::RESET_TIMER2),
+        ] {
             let held = value & system::HOLD != 0 && value & bit != 0;
             let timer = &mut self.timers[which as usize];
             if value & bit != 0 || timer.is_held() {
@@ -266,9 +303,7 @@ const fn clock_of(place: Place) -> u8 {
         Place::Spi(_) => power::SPI,
         Place::Twi(_) => power::TWI,
         Place::Reserved
-        | Place::StackLow
-        | Place::StackHigh
-        | Place::Flags
+        | Place::Core(_)
         | Place::Port(..)
         | Place::Eeprom(_)
         | Place::External(_)

@@ -1,6 +1,6 @@
 //! Running: instructions between events.
 
-use super::Chip;
+use super::{Chip, Pending, State, Waiting};
 use crate::board::Board;
 use crate::flash::Code;
 use crate::vector::Vector;
@@ -33,7 +33,7 @@ impl Chip {
         })
     }
 
-    /// As [`run`](Self::run), and stops before an instruction at one of these word addresses, but not at the first one.
+    /// As [`run`](Self::run), but slower, and stops before an instruction at one of these word addresses, but not at the first one.
     pub fn run_to<B: Board>(&mut self, until: u64, breakpoints: &[u32], board: &mut B) -> Stop {
         let mut first = true;
         self.run_with(until, board, |chip, code, board| {
@@ -41,6 +41,7 @@ impl Chip {
                 if !core::mem::take(&mut first) && breakpoints.contains(&(chip.pc & chip.pc_mask)) {
                     return true;
                 }
+                chip.waiting = Waiting::NOWHERE;
                 chip.execute(code.op(chip.pc), code, board);
             }
             false
@@ -56,11 +57,10 @@ impl Chip {
         let mut code = self.flash.code();
         let stop = loop {
             self.service(board);
-            if let Some(cause) = self.reset_by.take() {
-                self.reset(cause as u8, board);
-            }
-            if core::mem::take(&mut self.broken) {
-                break Stop::Break;
+            match core::mem::replace(&mut self.pending, Pending::Nothing) {
+                Pending::Nothing => {}
+                Pending::Break => break Stop::Break,
+                Pending::Reset(cause) => self.reset(cause as u8, board),
             }
             if self.now() >= until {
                 break Stop::Reached;
@@ -68,8 +68,11 @@ impl Chip {
             if self.pass_time(until, board) || self.interrupt(board) {
                 continue;
             }
-            self.limit =
-                if self.inhibited { self.cycle + 1 } else { self.next_event.min(self.clock.cycle_from(until)) };
+            self.limit = if self.inhibited {
+                self.cycle + 1
+            } else {
+                self.next_event.min(self.clock.cycle_from(until))
+            };
             self.inhibited = false;
             if instructions(self, &code, board) {
                 break Stop::Breakpoint;
@@ -78,7 +81,7 @@ impl Chip {
                 code = self.flash.code();
             }
         };
-        self.limit = 0;
+        (self.limit, self.waiting) = (0, Waiting::NOWHERE);
         stop
     }
 
@@ -94,14 +97,17 @@ impl Chip {
 
     /// Lets time pass in which no instructions are executed; false if the processor is awake.
     fn pass_time<B: Board>(&mut self, until: u64, board: &mut B) -> bool {
-        if let Some(held) = self.held_until {
-            self.skip_to(held.min(until));
-            if held <= until {
-                self.held_until = None;
+        let sleep = match self.state {
+            State::Awake => return false,
+            State::Held(held) => {
+                self.skip_to(held.min(until));
+                if held <= until {
+                    self.state = State::Awake;
+                }
+                return true;
             }
-            return true;
-        }
-        let Some(sleep) = self.sleep else { return false };
+            State::Asleep(sleep) => sleep,
+        };
         if self.can_wake(sleep) {
             self.wake(sleep, board);
             return true;
@@ -140,7 +146,7 @@ impl Chip {
 
     /// The processor goes on behind `SLEEP` after the interrupt that has woken it.
     fn wake<B: Board>(&mut self, sleep: crate::system::Sleep, board: &mut B) {
-        self.sleep = None;
+        self.state = State::Awake;
         self.leave_sleep(sleep, board);
         self.cycle += WAKE_CYCLES;
     }

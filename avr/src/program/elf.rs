@@ -121,7 +121,8 @@ impl<'a> Elf<'a> {
                 }
                 FUSES..LOCK if kind != NO_BITS => {
                     let mut fuses = [0xFF; 3];
-                    for (fuse, &byte) in fuses.iter_mut().zip(self.bytes(u64::from(offset), u64::from(len))?) {
+                    for (fuse, &byte) in fuses.iter_mut().zip(self.bytes(u64::from(offset), u64::from(len))?)
+                    {
                         *fuse = byte;
                     }
                     found.fuses = Some(fuses);

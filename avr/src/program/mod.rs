@@ -88,11 +88,7 @@ impl Program {
     ///
     /// What is wrong with the file; see [`ProgramError`].
     pub fn parse(part: Part, file: &[u8]) -> Result<Self, ProgramError> {
-        if file.starts_with(&elf::MAGIC) {
-            Self::from_elf(part, file)
-        } else {
-            Self::from_hex(part, file)
-        }
+        if file.starts_with(&elf::MAGIC) { Self::from_elf(part, file) } else { Self::from_hex(part, file) }
     }
 
     /// Reads Intel HEX, which has the flash only.

@@ -32,15 +32,17 @@ fn extended_addresses_shift_what_follows() {
 #[test]
 fn a_bad_checksum_names_its_line() {
     let error = hex(":0100000001FE\n:0100030002FB\n:00000001FF\n").unwrap_err();
-    assert_eq!(error, ProgramError::Hex { line: 2, error: HexError::Checksum { expected: 0xFA, found: 0xFB } });
+    assert_eq!(
+        error,
+        ProgramError::Hex { line: 2, error: HexError::Checksum { expected: 0xFA, found: 0xFB } }
+    );
     assert_eq!(error.to_string(), "line 2: the checksum is 0xfb, but the bytes give 0xfa");
 }
 
 #[test]
 fn records_of_an_odd_or_wrong_length_are_refused() {
-    let length = |expected, found| {
-        Err(ProgramError::Hex { line: 1, error: HexError::Length { expected, found } })
-    };
+    let length =
+        |expected, found| Err(ProgramError::Hex { line: 1, error: HexError::Length { expected, found } });
     assert_eq!(hex(":0100000001F\n"), length(12, 11));
     assert_eq!(hex(":0200000001FE\n"), length(14, 12));
     assert_eq!(hex(":\n"), length(10, 0));

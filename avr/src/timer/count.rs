@@ -32,8 +32,11 @@ impl Timer {
         if self.off || (self.held && division > 1) {
             return;
         }
-        let ticks =
-            if division == 1 { now - from } else { (now - self.zero) / division - (from - self.zero) / division };
+        let ticks = if division == 1 {
+            now - from
+        } else {
+            (now - self.zero) / division - (from - self.zero) / division
+        };
         if ticks != 0 {
             self.count_ticks(ticks);
         }

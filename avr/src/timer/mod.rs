@@ -217,7 +217,8 @@ impl Timer {
 
     /// Writes a register at an instant to which the timer has been brought.
     pub(crate) fn write(&mut self, register: Register, value: u8) {
-        let sixteen = if self.which == Which::T1 { u16::from_le_bytes([value, self.temporary]) } else { value.into() };
+        let sixteen =
+            if self.which == Which::T1 { u16::from_le_bytes([value, self.temporary]) } else { value.into() };
         match register {
             Register::ControlA => self.control[0] = value,
             Register::ControlB if self.which == Which::T1 => self.control[1] = value,

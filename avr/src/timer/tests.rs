@@ -46,7 +46,10 @@ fn edges(timer: &mut Timer, channel: usize, until: u64) -> Vec<(u64, bool)> {
 #[test]
 fn a_normal_timer_overflows_after_max_and_matches_after_its_compare_value() {
     let mut timer = timer(Which::T0, [0, NO_DIVISION], [10, 255], 0);
-    assert_eq!(flags(&mut timer, 512), [(11, MATCH_A), (256, OVERFLOW), (256, MATCH_B), (267, MATCH_A), (512, OVERFLOW), (512, MATCH_B)]);
+    assert_eq!(
+        flags(&mut timer, 512),
+        [(11, MATCH_A), (256, OVERFLOW), (256, MATCH_B), (267, MATCH_A), (512, OVERFLOW), (512, MATCH_B)]
+    );
 }
 
 #[test]

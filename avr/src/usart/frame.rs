@@ -45,7 +45,13 @@ pub struct Frame {
 impl Frame {
     /// A character. Data bits are brought into 5 to 9, stop bits into 1 to 2, and data above them is cut off.
     pub const fn new(data: u16, data_bits: u8, parity: Parity, stop_bits: u8) -> Self {
-        let data_bits = if data_bits < 5 { 5 } else if data_bits > 9 { 9 } else { data_bits };
+        let data_bits = if data_bits < 5 {
+            5
+        } else if data_bits > 9 {
+            9
+        } else {
+            data_bits
+        };
         let stop_bits = if stop_bits < 2 { 1 } else { 2 };
         Self { data: data & ((1 << data_bits) - 1), data_bits, parity, stop_bits }
     }

@@ -1,7 +1,7 @@
 //! USART0 in its asynchronous modes.
 //!
 //! The baud-rate generator ticks every UBRR + 1 cycles; a bit has 16 ticks, or 8 with U2X. The transmitter begins a character
-//! with a tick. The receiver ([`receiver`]) samples its line with the ticks.
+//! with a tick. The receiver samples its line with the ticks.
 //!
 //! Source: data sheet, chapter *USART0*.
 //!

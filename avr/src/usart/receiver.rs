@@ -140,7 +140,14 @@ impl Receiver {
         line.forget_before(clock.period_of(now));
     }
 
-    fn sample(&mut self, mut sampling: Sampling, level: bool, divisor: u64, samples: u64, format: (u8, Parity)) {
+    fn sample(
+        &mut self,
+        mut sampling: Sampling,
+        level: bool,
+        divisor: u64,
+        samples: u64,
+        format: (u8, Parity),
+    ) {
         sampling.taken += 1;
         sampling.high += u8::from(level);
         sampling.due += divisor;
@@ -158,7 +165,8 @@ impl Receiver {
         } else {
             sampling.bits |= u16::from(vote) << sampling.bit;
             let due = sampling.due + (samples - 3) * divisor;
-            self.state = State::Sampling(Sampling { due, taken: 0, high: 0, bit: sampling.bit + 1, ..sampling });
+            self.state =
+                State::Sampling(Sampling { due, taken: 0, high: 0, bit: sampling.bit + 1, ..sampling });
         }
     }
 

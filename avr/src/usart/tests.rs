@@ -73,7 +73,8 @@ fn a_character_that_finds_the_buffer_full_is_ignored() {
 
 #[test]
 fn frames_have_their_bits_in_the_order_of_the_line() {
-    let levels = |frame: Frame| (0..u64::from(frame.bits())).map(|bit| u8::from(frame.level(bit))).collect::<Vec<_>>();
+    let levels =
+        |frame: Frame| (0..u64::from(frame.bits())).map(|bit| u8::from(frame.level(bit))).collect::<Vec<_>>();
     assert_eq!(levels(Frame::byte(0x13)), [0, 1, 1, 0, 0, 1, 0, 0, 0, 1]);
     assert_eq!(levels(Frame::new(0x13, 5, Parity::Even, 2)), [0, 1, 1, 0, 0, 1, 1, 1, 1]);
     assert_eq!(levels(Frame::new(0x113, 9, Parity::Odd, 1)), [0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 1]);
@@ -124,7 +125,11 @@ fn a_sender_within_the_limits_of_the_data_sheet_is_understood_at_each_phase() {
             for length in [slow, fast, (10 * s, 1)] {
                 for data in [0x00, 0x15, 0x0A] {
                     let expected = (0, data as u8);
-                    assert_eq!(received(d, double, data, length, phase), expected, "D {d}, {s} samples, {length:?}");
+                    assert_eq!(
+                        received(d, double, data, length, phase),
+                        expected,
+                        "D {d}, {s} samples, {length:?}"
+                    );
                 }
             }
         }
@@ -156,7 +161,11 @@ fn a_sender_slower_than_r_slow_by_one_sample_makes_frame_errors_at_the_worst_pha
         let limit = s - 1 + bits * s + first;
         assert_eq!(received(d, double, 0, length(limit, 5 * PARTS), 0).0, 0, "D {d}, {s} samples");
         assert_eq!(received(d, double, 0, length(limit + 1, PARTS), 0).0, FRAME_ERROR, "D {d}, {s} samples");
-        assert_eq!(received(d, double, 0, length(limit + 1, PARTS), 9).0, 0, "D {d}, {s} samples: the best phase");
+        assert_eq!(
+            received(d, double, 0, length(limit + 1, PARTS), 9).0,
+            0,
+            "D {d}, {s} samples: the best phase"
+        );
     }
 }
 
@@ -166,7 +175,9 @@ fn errors_begin_where_the_data_sheet_says_as_the_senders_clock_is_swept() {
     for (double, slowest, fastest) in [(false, 9536, 10458), (true, 9600, 10390)] {
         let samples = if double { 8 } else { 16 };
         let errors: Vec<u64> = (9200..=10800)
-            .filter(|rate| (0..10).any(|phase| received(8, double, 0, (samples * 10 * 10_000, *rate), phase).0 != 0))
+            .filter(|rate| {
+                (0..10).any(|phase| received(8, double, 0, (samples * 10 * 10_000, *rate), phase).0 != 0)
+            })
             .collect();
         let last_slow = errors.iter().rev().find(|&&rate| rate < 10_000).unwrap();
         let first_fast = errors.iter().find(|&&rate| rate > 10_000).unwrap();
