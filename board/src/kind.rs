@@ -1,0 +1,177 @@
+//! The kinds of parts, and their terminals.
+
+use serde::{Deserialize, Serialize};
+
+use crate::parts::{
+    BridgeKind, Channels, Compass, Encoder, HcSr04, Led, Piezo, Ping, RangeFinder, Reflectance, ServoKind,
+    Switch, Voltage,
+};
+
+/// What a part is, with its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Kind {
+    /// A voltage: an infrared or light sensor, a potentiometer, a battery behind a divider.
+    Voltage(Voltage),
+    /// A reflectance sensor that discharges a capacitor.
+    Reflectance(Reflectance),
+    /// A switch to ground: a whisker, a bumper, a button.
+    Switch(Switch),
+    /// An encoder of a wheel.
+    Encoder(Encoder),
+    /// An ultrasonic range finder on one pin.
+    Ping(Ping),
+    /// An ultrasonic range finder on two pins.
+    HcSr04(HcSr04),
+    /// One channel of an H-bridge, with its motor.
+    Bridge(BridgeKind),
+    /// A servo.
+    Servo(ServoKind),
+    /// A light-emitting diode.
+    Led(Led),
+    /// A piezo buzzer.
+    Piezo(Piezo),
+    /// A compass on the I²C bus.
+    Compass(Compass),
+    /// An ultrasonic range finder on the I²C bus.
+    RangeFinder(RangeFinder),
+}
+
+/// A terminal of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Role {
+    /// The only signal of a part: `signal`.
+    Signal,
+    /// The first channel of an encoder: `a`.
+    A,
+    /// The second channel of an encoder: `b`.
+    B,
+    /// The start of a measurement: `trigger`.
+    Trigger,
+    /// The pulse that is as long as the echo: `echo`.
+    Echo,
+    /// The duty of a motor: `pwm`.
+    Pwm,
+    /// The direction of a motor: `direction`.
+    Direction,
+    /// The first input of an H-bridge: `in1`.
+    In1,
+    /// The second input of an H-bridge: `in2`.
+    In2,
+    /// The enable input of an H-bridge: `enable`.
+    Enable,
+    /// Low puts an H-bridge to sleep: `standby`.
+    Standby,
+    /// Data of the I²C bus: `sda`.
+    Sda,
+    /// The clock of the I²C bus: `scl`.
+    Scl,
+}
+
+/// What a terminal does to its wire, or wants of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Port {
+    /// It is measured by the ADC.
+    Analog,
+    /// It drives the wire.
+    Drives,
+    /// It is driven by the chip.
+    Listens,
+    /// It belongs to the I²C bus.
+    Bus,
+}
+
+impl Role {
+    /// The name after the dot.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Signal => "signal",
+            Self::A => "a",
+            Self::B => "b",
+            Self::Trigger => "trigger",
+            Self::Echo => "echo",
+            Self::Pwm => "pwm",
+            Self::Direction => "direction",
+            Self::In1 => "in1",
+            Self::In2 => "in2",
+            Self::Enable => "enable",
+            Self::Standby => "standby",
+            Self::Sda => "sda",
+            Self::Scl => "scl",
+        }
+    }
+}
+
+impl core::fmt::Display for Role {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Kind {
+    /// The terminals; each must be connected. Supply and ground of a part are not among them.
+    pub const fn terminals(&self) -> &'static [Role] {
+        match self {
+            Self::Encoder(Encoder { channels: Channels::Quadrature, .. }) => &[Role::A, Role::B],
+            Self::Encoder(Encoder { channels: Channels::Single, .. }) => &[Role::A],
+            Self::HcSr04(_) => &[Role::Trigger, Role::Echo],
+            Self::Bridge(BridgeKind::L298N { .. }) => &[Role::In1, Role::In2, Role::Enable],
+            Self::Bridge(BridgeKind::Tb6612 { .. }) => &[Role::In1, Role::In2, Role::Pwm, Role::Standby],
+            Self::Bridge(BridgeKind::Directed { .. }) => &[Role::Pwm, Role::Direction],
+            Self::Compass(_) | Self::RangeFinder(_) => &[Role::Sda, Role::Scl],
+            Self::Voltage(_)
+            | Self::Reflectance(_)
+            | Self::Switch(_)
+            | Self::Ping(_)
+            | Self::Servo(_)
+            | Self::Led(_)
+            | Self::Piezo(_) => &[Role::Signal],
+        }
+    }
+
+    /// What one of its terminals does to its wire.
+    pub(crate) const fn port(&self, role: Role) -> Port {
+        match self {
+            Self::Voltage(_) => Port::Analog,
+            Self::Reflectance(_) | Self::Switch(_) | Self::Encoder(_) | Self::Ping(_) => Port::Drives,
+            Self::HcSr04(_) if matches!(role, Role::Echo) => Port::Drives,
+            Self::HcSr04(_) | Self::Bridge(_) | Self::Servo(_) | Self::Led(_) | Self::Piezo(_) => {
+                Port::Listens
+            }
+            Self::Compass(_) | Self::RangeFinder(_) => Port::Bus,
+        }
+    }
+
+    /// The address on the I²C bus, 7 bits.
+    pub(crate) const fn bus_address(&self) -> Option<u8> {
+        match self {
+            Self::Compass(_) => Some(Compass::ADDRESS),
+            Self::RangeFinder(finder) => Some(finder.address),
+            Self::Voltage(_)
+            | Self::Reflectance(_)
+            | Self::Switch(_)
+            | Self::Encoder(_)
+            | Self::Ping(_)
+            | Self::HcSr04(_)
+            | Self::Bridge(_)
+            | Self::Servo(_)
+            | Self::Led(_)
+            | Self::Piezo(_) => None,
+        }
+    }
+
+    /// Whether the part is content with the shape of a timer's signal, and needs no edges.
+    pub(crate) const fn takes_shapes(&self) -> bool {
+        match self {
+            Self::Bridge(_) | Self::Led(_) | Self::Piezo(_) => true,
+            Self::Voltage(_)
+            | Self::Reflectance(_)
+            | Self::Switch(_)
+            | Self::Encoder(_)
+            | Self::Ping(_)
+            | Self::HcSr04(_)
+            | Self::Servo(_)
+            | Self::Compass(_)
+            | Self::RangeFinder(_) => false,
+        }
+    }
+}
