@@ -96,6 +96,7 @@ impl Board {
             if stop == Stop::Break {
                 self.warn(WarningKind::Break, 1);
             }
+            self.around.look_for_shorts(self.chip.now());
             self.count_resets();
         }
         self.around.finish(self.chip.now());

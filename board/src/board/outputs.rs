@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::Board;
-use crate::kind::Kind;
 use crate::parts::{Instant, MotorDrive, Part, Pulse, ServoKind};
 use crate::physics::PartId;
 use crate::sent::Sent;
@@ -51,38 +50,34 @@ pub struct Tone {
 impl Board {
     /// What the H-bridges did to their motors in the last step, in the order of the parts.
     pub fn drives(&self) -> impl Iterator<Item = Motor> {
-        self.parts().filter_map(|(part, state)| match state {
-            Part::Bridge(bridge) => Some(Motor { part, drive: bridge.drive(), drop_v: bridge.drop_v() }),
-            _ => None,
+        self.parts().filter_map(|(part, state)| {
+            let Part::Bridge(bridge) = state else { return None };
+            Some(Motor { part, drive: bridge.drive(), drop_v: bridge.drop_v() })
         })
     }
 
     /// The last pulses of the servos, in the order of the parts.
     pub fn servos(&self) -> impl Iterator<Item = ServoOutput> {
-        self.parts().zip(self.wiring().parts()).filter_map(|((part, state), (_, placed))| {
-            match (state, placed.kind()) {
-                (Part::Servo(servo), &Kind::Servo(kind)) => {
-                    Some(ServoOutput { part, kind, pulse: servo.last() })
-                }
-                _ => None,
-            }
+        self.parts().filter_map(|(part, state)| {
+            let Part::Servo(servo) = state else { return None };
+            Some(ServoOutput { part, kind: servo.kind(), pulse: servo.last() })
         })
     }
 
     /// How bright the light-emitting diodes were in the last step, in the order of the parts.
     pub fn lights(&self) -> impl Iterator<Item = Light> {
-        self.parts().filter_map(|(part, state)| match state {
-            Part::Led(led) => Some(Light { part, brightness: led.brightness() }),
-            _ => None,
+        self.parts().filter_map(|(part, state)| {
+            let Part::Led(led) = state else { return None };
+            Some(Light { part, brightness: led.brightness() })
         })
     }
 
     /// The tones of the piezo buzzers now, in the order of the parts.
     pub fn tones(&self) -> impl Iterator<Item = Tone> {
         let now = Instant { cycle: self.chip.now(), clock: &self.around.clock };
-        self.parts().filter_map(move |(part, state)| match state {
-            Part::Piezo(piezo) => Some(Tone { part, hz: piezo.hz(now) }),
-            _ => None,
+        self.parts().filter_map(move |(part, state)| {
+            let Part::Piezo(piezo) = state else { return None };
+            Some(Tone { part, hz: piezo.hz(now) })
         })
     }
 

@@ -110,6 +110,13 @@ impl Surroundings {
         }
     }
 
+    /// Tells pins that a part has shorted. The chip itself says only where it has.
+    pub(crate) fn look_for_shorts(&mut self, now: u64) {
+        for pin in self.pins.new_shorts() {
+            self.warn(avr::Warning::Contention { pin }, now);
+        }
+    }
+
     /// The voltage of a digital signal, in microvolts.
     fn digital(&mut self, pin: Option<Pin>, at: u64) -> u32 {
         let level = pin.and_then(|pin| self.pins.of(pin).level());
@@ -122,7 +129,10 @@ impl Surroundings {
     fn warn(&mut self, warning: avr::Warning, at: u64) {
         let (kind, pin) = match warning {
             avr::Warning::FloatingInput { pin } => (WarningKind::FloatingInput, Some(pin)),
-            avr::Warning::Contention { pin } => (WarningKind::Short, Some(pin)),
+            avr::Warning::Contention { pin } => {
+                self.pins.note_short(pin);
+                (WarningKind::Short, Some(pin))
+            }
             avr::Warning::IllegalInstruction { .. } => (WarningKind::IllegalInstruction, None),
             avr::Warning::BeyondMemory { .. } => (WarningKind::BeyondMemory, None),
             avr::Warning::StackLow { .. } => (WarningKind::StackOverflow, None),

@@ -94,7 +94,7 @@ impl State {
         }
         let (edge, next) = if self.rate > 0.0 { (count + 1, count + 1) } else { (count, count - 1) };
         let seconds = ((edge as f64 - self.start) / self.rate).max(0.0);
-        let at_ns = self.start_ns.saturating_add(libm::ceil(seconds * NS_PER_S) as u64);
+        let at_ns = self.start_ns.saturating_add(libm::round(seconds * NS_PER_S) as u64);
         let role = self.wrong(next)?;
         Some((self.change(clock.cycle(at_ns), role, next), next))
     }
@@ -159,7 +159,7 @@ mod tests {
                 (875_000, Role::B, Low)
             ]
         );
-        state.begin(Wheel { angle_rad: TAU / 8.0 + 1.1 * TAU, rate_rad_s: -TAU }, 2_000_000);
+        state.begin(Wheel { angle_rad: TAU / 8.0 + 1.1 * TAU, rate_rad_s: -TAU }, 2_000_000_000);
         let first = edges(&mut state, 2_300_000);
         assert_eq!(first.iter().map(|edge| (edge.1, edge.2)).collect::<Vec<_>>(), [(Role::B, High)]);
     }

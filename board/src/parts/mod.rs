@@ -118,7 +118,7 @@ impl Part {
             Kind::Ping(_) => Self::Sonar(sonar::State::new(sonar::PING)),
             Kind::HcSr04(_) => Self::Sonar(sonar::State::new(sonar::HC_SR04)),
             Kind::Bridge(bridge) => Self::Bridge(bridge::State::new(bridge)),
-            Kind::Servo(_) => Self::Servo(servo::State::default()),
+            Kind::Servo(servo) => Self::Servo(servo::State::new(servo)),
             Kind::Led(led) => Self::Led(led::State::new(led)),
             Kind::Piezo(_) => Self::Piezo(piezo::State::default()),
             Kind::Compass(_) => Self::Compass(compass::State::new()),

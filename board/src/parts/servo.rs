@@ -45,14 +45,23 @@ impl Pulse {
     }
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
+    kind: ServoKind,
     /// The cycle with which the pulse began.
     raised: Option<u64>,
     last: Option<Pulse>,
 }
 
 impl State {
+    pub(crate) const fn new(kind: ServoKind) -> Self {
+        Self { kind, raised: None, last: None }
+    }
+
+    pub(crate) const fn kind(&self) -> ServoKind {
+        self.kind
+    }
+
     pub(crate) fn hear(&mut self, signal: Signal, at: Instant<'_>) -> Option<Remark> {
         if signal.is_high() {
             self.raised = self.raised.or(Some(at.cycle));

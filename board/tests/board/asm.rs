@@ -4,84 +4,81 @@
 
 /// A program that grows word by word.
 #[derive(Default)]
-pub struct Asm {
-    pub words: Vec<u16>,
+pub(crate) struct Asm {
+    pub(crate) words: Vec<u16>,
 }
 
 /// I/O addresses.
-pub mod io {
-    pub const PINB: u16 = 0x03;
-    pub const DDRB: u16 = 0x04;
-    pub const PORTB: u16 = 0x05;
-    pub const PINC: u16 = 0x06;
-    pub const DDRC: u16 = 0x07;
-    pub const PORTC: u16 = 0x08;
-    pub const PIND: u16 = 0x09;
-    pub const DDRD: u16 = 0x0A;
-    pub const PORTD: u16 = 0x0B;
-    pub const TIFR1: u16 = 0x16;
-    pub const PCIFR_MASKED_BY: u16 = 0x68;
-    pub const EIMSK: u16 = 0x1D;
-    pub const SMCR: u16 = 0x33;
+pub(crate) mod io {
+    pub(crate) const PINB: u16 = 0x03;
+    pub(crate) const DDRB: u16 = 0x04;
+    pub(crate) const PORTB: u16 = 0x05;
+    pub(crate) const PINC: u16 = 0x06;
+    pub(crate) const DDRC: u16 = 0x07;
+    pub(crate) const PORTC: u16 = 0x08;
+    pub(crate) const PIND: u16 = 0x09;
+    pub(crate) const DDRD: u16 = 0x0A;
+    pub(crate) const PORTD: u16 = 0x0B;
+    pub(crate) const TIFR1: u16 = 0x16;
+    pub(crate) const EIMSK: u16 = 0x1D;
+    pub(crate) const SMCR: u16 = 0x33;
 }
 
 /// Data addresses.
-pub mod data {
-    pub const PCMSK2: u16 = 0x6D;
-    pub const EICRA: u16 = 0x69;
-    pub const ADCL: u16 = 0x78;
-    pub const ADCH: u16 = 0x79;
-    pub const ADCSRA: u16 = 0x7A;
-    pub const ADMUX: u16 = 0x7C;
-    pub const TCCR0A: u16 = 0x44;
-    pub const TCCR0B: u16 = 0x45;
-    pub const OCR0A: u16 = 0x47;
-    pub const TCCR1A: u16 = 0x80;
-    pub const TCCR1B: u16 = 0x81;
-    pub const TCNT1L: u16 = 0x84;
-    pub const TCNT1H: u16 = 0x85;
-    pub const ICR1L: u16 = 0x86;
-    pub const ICR1H: u16 = 0x87;
-    pub const OCR1AL: u16 = 0x88;
-    pub const OCR1AH: u16 = 0x89;
-    pub const WDTCSR: u16 = 0x60;
-    pub const TWBR: u16 = 0xB8;
-    pub const TWSR: u16 = 0xB9;
-    pub const TWDR: u16 = 0xBB;
-    pub const TWCR: u16 = 0xBC;
+pub(crate) mod data {
+    pub(crate) const PCICR: u16 = 0x68;
+    pub(crate) const PCMSK2: u16 = 0x6D;
+    pub(crate) const EICRA: u16 = 0x69;
+    pub(crate) const ADCL: u16 = 0x78;
+    pub(crate) const ADCH: u16 = 0x79;
+    pub(crate) const ADCSRA: u16 = 0x7A;
+    pub(crate) const ADMUX: u16 = 0x7C;
+    pub(crate) const TCCR0A: u16 = 0x44;
+    pub(crate) const TCCR0B: u16 = 0x45;
+    pub(crate) const OCR0A: u16 = 0x47;
+    pub(crate) const TCCR1B: u16 = 0x81;
+    pub(crate) const TCNT1L: u16 = 0x84;
+    pub(crate) const TCNT1H: u16 = 0x85;
+    pub(crate) const ICR1L: u16 = 0x86;
+    pub(crate) const ICR1H: u16 = 0x87;
+    pub(crate) const WDTCSR: u16 = 0x60;
+    pub(crate) const TWBR: u16 = 0xB8;
+    pub(crate) const TWSR: u16 = 0xB9;
+    pub(crate) const TWDR: u16 = 0xBB;
+    pub(crate) const TWCR: u16 = 0xBC;
 }
 
 impl Asm {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::default()
     }
 
     /// The word address of the next instruction.
-    pub fn here(&self) -> usize {
+    pub(crate) fn here(&self) -> usize {
         self.words.len()
     }
 
     /// `NOP`s up to this word address.
-    pub fn org(&mut self, address: usize) -> &mut Self {
+    pub(crate) fn org(&mut self, address: usize) -> &mut Self {
         self.words.resize(address, 0);
         self
     }
 
-    pub fn word(&mut self, word: u16) -> &mut Self {
+    pub(crate) fn word(&mut self, word: u16) -> &mut Self {
         self.words.push(word);
         self
     }
 
-    pub fn nop(&mut self) -> &mut Self {
+    pub(crate) fn nop(&mut self) -> &mut Self {
         self.word(0)
     }
 
-    pub fn ldi(&mut self, register: u16, value: u8) -> &mut Self {
+    pub(crate) fn ldi(&mut self, register: u16, value: u8) -> &mut Self {
         let value = u16::from(value);
         self.word(0xE000 | (value & 0xF0) << 4 | (register - 16) << 4 | value & 0x0F)
     }
 
-    pub fn out(&mut self, address: u16, register: u16) -> &mut Self {
+    pub(crate) fn out(&mut self, address: u16, register: u16) -> &mut Self {
         self.word(0xB800 | (address & 0x30) << 5 | register << 4 | address & 0x0F)
     }
 
@@ -89,105 +86,105 @@ impl Asm {
         self.word(code | address << 3 | bit)
     }
 
-    pub fn sbi(&mut self, address: u16, bit: u16) -> &mut Self {
+    pub(crate) fn sbi(&mut self, address: u16, bit: u16) -> &mut Self {
         self.bit(0x9A00, address, bit)
     }
 
-    pub fn cbi(&mut self, address: u16, bit: u16) -> &mut Self {
+    pub(crate) fn cbi(&mut self, address: u16, bit: u16) -> &mut Self {
         self.bit(0x9800, address, bit)
     }
 
     /// Skips the next instruction if the bit is clear.
-    pub fn sbic(&mut self, address: u16, bit: u16) -> &mut Self {
+    pub(crate) fn sbic(&mut self, address: u16, bit: u16) -> &mut Self {
         self.bit(0x9900, address, bit)
     }
 
     /// Skips the next instruction if the bit is set.
-    pub fn sbis(&mut self, address: u16, bit: u16) -> &mut Self {
+    pub(crate) fn sbis(&mut self, address: u16, bit: u16) -> &mut Self {
         self.bit(0x9B00, address, bit)
     }
 
-    pub fn sts(&mut self, address: u16, register: u16) -> &mut Self {
+    pub(crate) fn sts(&mut self, address: u16, register: u16) -> &mut Self {
         self.word(0x9200 | register << 4).word(address)
     }
 
-    pub fn lds(&mut self, register: u16, address: u16) -> &mut Self {
+    pub(crate) fn lds(&mut self, register: u16, address: u16) -> &mut Self {
         self.word(0x9000 | register << 4).word(address)
     }
 
     /// Stores a constant, by register 16.
-    pub fn store(&mut self, address: u16, value: u8) -> &mut Self {
+    pub(crate) fn store(&mut self, address: u16, value: u8) -> &mut Self {
         self.ldi(16, value).sts(address, 16)
     }
 
     /// Skips the next instruction if the bit of a register is clear.
-    pub fn sbrc(&mut self, register: u16, bit: u16) -> &mut Self {
+    pub(crate) fn sbrc(&mut self, register: u16, bit: u16) -> &mut Self {
         self.word(0xFC00 | register << 4 | bit)
     }
 
     /// Skips the next instruction if the bit of a register is set.
-    pub fn sbrs(&mut self, register: u16, bit: u16) -> &mut Self {
+    pub(crate) fn sbrs(&mut self, register: u16, bit: u16) -> &mut Self {
         self.word(0xFE00 | register << 4 | bit)
     }
 
-    pub fn inc(&mut self, register: u16) -> &mut Self {
+    pub(crate) fn inc(&mut self, register: u16) -> &mut Self {
         self.word(0x9403 | register << 4)
     }
 
     /// Adds to the pair of registers 24 and 25.
-    pub fn adiw24(&mut self, value: u16) -> &mut Self {
+    pub(crate) fn adiw24(&mut self, value: u16) -> &mut Self {
         self.word(0x9600 | value & 0x0F)
     }
 
-    pub fn rjmp(&mut self, address: usize) -> &mut Self {
+    pub(crate) fn rjmp(&mut self, address: usize) -> &mut Self {
         let offset = address as i32 - self.here() as i32 - 1;
         self.word(0xC000 | offset as u16 & 0x0FFF)
     }
 
-    pub fn sei(&mut self) -> &mut Self {
+    pub(crate) fn sei(&mut self) -> &mut Self {
         self.word(0x9478)
     }
 
-    pub fn reti(&mut self) -> &mut Self {
+    pub(crate) fn reti(&mut self) -> &mut Self {
         self.word(0x9518)
     }
 
-    pub fn sleep(&mut self) -> &mut Self {
+    pub(crate) fn sleep(&mut self) -> &mut Self {
         self.word(0x9588)
     }
 
     /// An endless loop.
-    pub fn stay(&mut self) -> &mut Self {
+    pub(crate) fn stay(&mut self) -> &mut Self {
         self.rjmp(self.here())
     }
 
     /// Takes 4 `loops` + 1 cycles, in registers 24 and 25.
-    pub fn delay(&mut self, loops: u16) -> &mut Self {
+    pub(crate) fn delay(&mut self, loops: u16) -> &mut Self {
         let [low, high] = loops.to_le_bytes();
         // sbiw r24, 1; brne .-4
         self.ldi(24, low).ldi(25, high).word(0x9701).word(0xF7F1)
     }
 
     /// A command of the TWI, waited for.
-    pub fn twi(&mut self, control: u8) -> &mut Self {
+    pub(crate) fn twi(&mut self, control: u8) -> &mut Self {
         self.store(data::TWCR, control);
         let wait = self.here();
         self.lds(17, data::TWCR).sbrs(17, 7).rjmp(wait)
     }
 
-    pub fn twi_start(&mut self) -> &mut Self {
+    pub(crate) fn twi_start(&mut self) -> &mut Self {
         self.twi(0xA4)
     }
 
-    pub fn twi_send(&mut self, byte: u8) -> &mut Self {
+    pub(crate) fn twi_send(&mut self, byte: u8) -> &mut Self {
         self.store(data::TWDR, byte).twi(0x84)
     }
 
-    pub fn twi_read(&mut self, register: u16, acknowledge: bool) -> &mut Self {
+    pub(crate) fn twi_read(&mut self, register: u16, acknowledge: bool) -> &mut Self {
         self.twi(if acknowledge { 0xC4 } else { 0x84 }).lds(register, data::TWDR)
     }
 
-    pub fn twi_stop(&mut self) -> &mut Self {
+    pub(crate) fn twi_stop(&mut self) -> &mut Self {
         self.store(data::TWCR, 0x94)
     }
 }

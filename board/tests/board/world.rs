@@ -5,18 +5,18 @@ use baudbot_board::{Board, Builder, ChipClock, PartId, Physics, Wheel};
 
 use crate::asm::Asm;
 
-pub const MS: u64 = 1_000_000;
+pub(crate) const MS: u64 = 1_000_000;
 
 /// What all parts feel, and for what the world was asked.
 #[derive(Clone, Default)]
-pub struct World {
-    pub volts: f64,
-    pub discharge_ns: u64,
-    pub pressed: bool,
-    pub wheel: Wheel,
-    pub echo_ns: Option<u64>,
-    pub gauss: [f64; 3],
-    pub echoes: Vec<u64>,
+pub(crate) struct World {
+    pub(crate) volts: f64,
+    pub(crate) discharge_ns: u64,
+    pub(crate) pressed: bool,
+    pub(crate) wheel: Wheel,
+    pub(crate) echo_ns: Option<u64>,
+    pub(crate) gauss: [f64; 3],
+    pub(crate) echoes: Vec<u64>,
 }
 
 impl Physics for World {
@@ -46,12 +46,12 @@ impl Physics for World {
     }
 }
 
-pub fn board(program: &Asm, wiring: Builder) -> Board {
+pub(crate) fn board(program: &Asm, wiring: Builder) -> Board {
     with_program(&Program::from_words(Part::Atmega328P, &program.words).unwrap(), wiring)
 }
 
 /// A board with a program of the tests of the chip.
-pub fn board_with_file(file: &str, wiring: Builder) -> Board {
+pub(crate) fn board_with_file(file: &str, wiring: Builder) -> Board {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../avr/tests/programs").join(file);
     with_program(&Program::parse(Part::Atmega328P, &std::fs::read(path).unwrap()).unwrap(), wiring)
 }
@@ -62,11 +62,11 @@ fn with_program(program: &Program, wiring: Builder) -> Board {
 }
 
 /// A pair of general registers, low one first.
-pub fn pair(board: &Board, low: usize) -> u16 {
+pub(crate) fn pair(board: &Board, low: usize) -> u16 {
     let registers = board.chip().general_registers();
     u16::from_le_bytes([registers[low], registers[low + 1]])
 }
 
-pub fn register(board: &Board, register: usize) -> u8 {
+pub(crate) fn register(board: &Board, register: usize) -> u8 {
     board.chip().general_registers()[register]
 }
