@@ -13,21 +13,21 @@ extern crate std;
 
 mod board;
 mod clock;
-mod kind;
 mod parts;
 mod physics;
+mod role;
 mod sent;
 mod warning;
 mod wiring;
 
 pub use board::{Board, BoardError, Light, Motor, Next, ReceiveError, ServoOutput, Tone};
 pub use clock::{ChipClock, ClockError};
-pub use kind::{Kind, Role};
 pub use parts::{
-    BridgeKind, Channels, Compass, Decay, Encoder, HcSr04, Led, LitBy, MotorDrive, Piezo, Ping, Pull, Pulse,
-    RangeFinder, Reflectance, ServoKind, Switch, Voltage,
+    BridgeKind, Channels, Compass, Decay, Encoder, HcSr04, Kind, Led, LitBy, MotorDrive, Piezo, Ping, Pull,
+    Pulse, RangeFinder, Reflectance, ServoKind, Switch, Voltage,
 };
 pub use physics::{PartId, Physics, Wheel};
+pub use role::Role;
 pub use sent::Sent;
 pub use warning::{Warning, WarningKind};
 pub use wiring::{Builder, Net, Placed, Terminal, Wiring, WiringError};

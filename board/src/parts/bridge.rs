@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Signal;
 use super::meter::Meter;
-use crate::kind::Role;
+use crate::role::Role;
 
 /// One channel of a motor driver.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Change;
 use crate::clock::ChipClock;
-use crate::kind::Role;
 use crate::physics::Wheel;
+use crate::role::Role;
 
 /// How many channels an encoder has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,6 +3,7 @@
 mod bridge;
 mod compass;
 mod encoder;
+mod kind;
 mod led;
 mod meter;
 mod piezo;
@@ -19,6 +20,7 @@ use serde::{Deserialize, Serialize};
 pub use bridge::{BridgeKind, Decay, MotorDrive};
 pub use compass::Compass;
 pub use encoder::{Channels, Encoder};
+pub use kind::Kind;
 pub use led::{Led, LitBy};
 pub use piezo::Piezo;
 pub use range_finder::RangeFinder;
@@ -29,8 +31,8 @@ pub use switch::{Pull, Switch};
 pub use voltage::Voltage;
 
 use crate::clock::ChipClock;
-use crate::kind::{Kind, Role};
 use crate::physics::{PartId, Physics};
+use crate::role::Role;
 
 /// What the chip does to a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Change, Signal};
 use crate::clock::ChipClock;
-use crate::kind::Role;
+use crate::role::Role;
 
 /// Half the time that the program charges the capacitor: by then the sensor holds the wire.
 pub(crate) const REACTION_NS: u64 = 5_000;

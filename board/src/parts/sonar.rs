@@ -8,7 +8,7 @@ use baudbot_avr::External;
 use serde::{Deserialize, Serialize};
 
 use super::{Change, Instant, Remark, Signal};
-use crate::kind::Role;
+use crate::role::Role;
 
 /// Parallax PING))): trigger and echo on one pin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Change;
 use crate::clock::ChipClock;
-use crate::kind::Role;
+use crate::role::Role;
 
 /// What makes the wire of an open switch high.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

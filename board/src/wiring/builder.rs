@@ -6,7 +6,8 @@ use alloc::vec::Vec;
 use baudbot_avr::{Pin, Port as ChipPort};
 
 use super::{Net, Placed, Terminal, Wiring, WiringError};
-use crate::kind::{Kind, Port, Role};
+use crate::parts::Kind;
+use crate::role::{Port, Role};
 
 /// A wiring that is not checked yet. Parts and wires come in any order.
 #[derive(Clone, Debug, Default)]

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use thiserror::Error;
 
-use crate::kind::Role;
+use crate::role::Role;
 use crate::wiring::Net;
 
 /// A description is no wiring.

@@ -14,8 +14,9 @@ pub use builder::Builder;
 pub use error::WiringError;
 pub use net::Net;
 
-use crate::kind::{Kind, Port, Role};
+use crate::parts::Kind;
 use crate::physics::PartId;
+use crate::role::{Port, Role};
 
 /// A terminal of a part of a wiring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,11 +1,12 @@
-//! The kinds of parts, and their terminals.
+//! The kinds of parts, and which terminals they have.
 
 use serde::{Deserialize, Serialize};
 
-use crate::parts::{
+use super::{
     BridgeKind, Channels, Compass, Encoder, HcSr04, Led, Piezo, Ping, RangeFinder, Reflectance, ServoKind,
     Switch, Voltage,
 };
+use crate::role::{Port, Role};
 
 /// What a part is, with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,77 +35,6 @@ pub enum Kind {
     Compass(Compass),
     /// An ultrasonic range finder on the I²C bus.
     RangeFinder(RangeFinder),
-}
-
-/// A terminal of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Role {
-    /// The only signal of a part: `signal`.
-    Signal,
-    /// The first channel of an encoder: `a`.
-    A,
-    /// The second channel of an encoder: `b`.
-    B,
-    /// The start of a measurement: `trigger`.
-    Trigger,
-    /// The pulse that is as long as the echo: `echo`.
-    Echo,
-    /// The duty of a motor: `pwm`.
-    Pwm,
-    /// The direction of a motor: `direction`.
-    Direction,
-    /// The first input of an H-bridge: `in1`.
-    In1,
-    /// The second input of an H-bridge: `in2`.
-    In2,
-    /// The enable input of an H-bridge: `enable`.
-    Enable,
-    /// Low puts an H-bridge to sleep: `standby`.
-    Standby,
-    /// Data of the I²C bus: `sda`.
-    Sda,
-    /// The clock of the I²C bus: `scl`.
-    Scl,
-}
-
-/// What a terminal does to its wire, or wants of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Port {
-    /// It is measured by the ADC.
-    Analog,
-    /// It drives the wire.
-    Drives,
-    /// It is driven by the chip.
-    Listens,
-    /// It belongs to the I²C bus.
-    Bus,
-}
-
-impl Role {
-    /// The name after the dot.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Signal => "signal",
-            Self::A => "a",
-            Self::B => "b",
-            Self::Trigger => "trigger",
-            Self::Echo => "echo",
-            Self::Pwm => "pwm",
-            Self::Direction => "direction",
-            Self::In1 => "in1",
-            Self::In2 => "in2",
-            Self::Enable => "enable",
-            Self::Standby => "standby",
-            Self::Sda => "sda",
-            Self::Scl => "scl",
-        }
-    }
-}
-
-impl core::fmt::Display for Role {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(self.name())
-    }
 }
 
 impl Kind {
