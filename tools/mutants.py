@@ -21,7 +21,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-CRATES = ["geometry", "wire", "brain", "sim", "scenario", "budget"]
+CRATES = ["geometry", "wire", "avr", "brain", "sim", "scenario", "budget"]
 OUTCOMES = ["caught", "missed", "timeout", "unviable"]
 BATCH = 5
 # Those within a crate, and all; as cargo takes them.

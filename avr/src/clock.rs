@@ -7,6 +7,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// No instant and no cycle comes after this one: at 16 MHz more than two thousand years.
+pub const LATEST: u64 = 1 << 60;
+
 /// The map from cycles to periods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Clock {
@@ -37,6 +40,11 @@ impl Clock {
         let periods = period.saturating_sub(self.period);
         let rest = if periods & ((1 << self.shift) - 1) == 0 { 0 } else { 1 };
         self.cycle.saturating_add((periods >> self.shift) + rest)
+    }
+
+    /// Whether this is a clock that has run up to this cycle.
+    pub(crate) const fn is_possible(&self, cycle: u64) -> bool {
+        self.shift <= 8 && self.cycle <= cycle && self.period < LATEST
     }
 
     /// From this cycle on cycles are longer or shorter.

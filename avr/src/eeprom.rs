@@ -56,6 +56,11 @@ impl Eeprom {
         self.window = Window::default();
     }
 
+    /// Whether this is an EEPROM of so many bytes.
+    pub(crate) fn fits(&self, len: u16) -> bool {
+        self.bytes.len() == usize::from(len) && self.address < len
+    }
+
     pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes
     }

@@ -88,8 +88,8 @@ impl External {
         }
     }
 
-    /// The line INT0 or INT1 has another level.
-    pub(crate) fn line_changed(&mut self, line: u8, level: bool) {
+    /// The line INT0 or INT1 has another level. Edges are seen only while the clock runs.
+    pub(crate) fn line_changed(&mut self, line: u8, level: bool, clock_runs: bool) {
         self.levels = self.levels & !(1 << line) | u8::from(level) << line;
         let edge = match self.sense_of(line) {
             0 => false,
@@ -97,7 +97,7 @@ impl External {
             2 => !level,
             _ => level,
         };
-        if edge {
+        if edge && clock_runs {
             self.flags |= 1 << line;
         }
     }

@@ -39,7 +39,10 @@ impl Fuses {
         }
     }
 
-    /// As on boards with a crystal of 16 MHz: no division, the shortest start-up, start at address 0.
+    /// As on an Arduino Uno: a crystal, and a reset starts the boot section of 512 bytes.
+    pub const ARDUINO_UNO: Self = Self { low: 0xFF, high: 0xDE, extended: 0xFD };
+
+    /// With an external clock that is not divided: the shortest start-up, start at address 0.
     pub const fn external_clock(part: Part) -> Self {
         let factory = Self::factory(part);
         Self { low: 0xC0, ..factory }
@@ -104,7 +107,7 @@ mod tests {
 
     #[test]
     fn an_arduino_starts_in_its_boot_section_of_512_bytes() {
-        let uno = Fuses { low: 0xFF, high: 0xDE, extended: 0xFD };
+        let uno = Fuses::ARDUINO_UNO;
         assert!(uno.starts_in_boot_section(Part::Atmega328P));
         assert_eq!(uno.boot_start(Part::Atmega328P), 0x3F00);
         assert!(!uno.divides_clock());

@@ -68,6 +68,11 @@ impl SelfProgramming {
         }
     }
 
+    /// Whether the buffer is for pages of so many words.
+    pub(crate) fn fits(&self, page_words: u16) -> bool {
+        self.buffer.len() == usize::from(page_words)
+    }
+
     pub(crate) fn reset(&mut self) {
         self.control = 0;
         self.window = Window::default();

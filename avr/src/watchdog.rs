@@ -47,6 +47,11 @@ impl Watchdog {
         watchdog
     }
 
+    /// Whether this watchdog can exist at a period.
+    pub(crate) const fn is_possible(&self, clock_hz: u32, period: u64) -> bool {
+        self.clock_hz == clock_hz && self.started <= period && self.deadline < 1 << 62
+    }
+
     pub(crate) const fn requests(&self) -> bool {
         self.control & (FLAG | INTERRUPT) == FLAG | INTERRUPT
     }

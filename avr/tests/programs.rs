@@ -315,3 +315,100 @@ fn a_chip_that_was_saved_and_loaded_anywhere_goes_on_to_the_same_bits() {
         assert_eq!(notes.0.sent, notes.1.sent, "{file}");
     }
 }
+
+#[test]
+fn a_wave_at_the_pin_rxd_is_received_as_its_character_is() {
+    let mut chip = chip("echo_9600.hex");
+    let mut notes = Notes::default();
+    chip.run(ms(1), &mut notes);
+    let frame = Frame::byte(b'K');
+    let rxd = pin(Port::D, 0);
+    chip.set_pin(rxd, External::High, ms(1) + 100).unwrap();
+    for bit in 0..u64::from(frame.bits()) {
+        let level = if frame.level(bit) { External::High } else { External::Low };
+        // 9600 baud: 1666.7 cycles.
+        chip.set_pin(rxd, level, ms(2) + bit * 5000 / 3).unwrap();
+    }
+    chip.run(ms(5), &mut notes);
+    let sent: Vec<u16> = notes.sent.iter().map(|sent| sent.frame.data()).collect();
+    assert_eq!(sent, [u16::from(b'L')]);
+}
+
+/// A programmer on the serial cable, which speaks STK500 to a boot loader.
+struct Programmer {
+    chip: Chip,
+    notes: Notes,
+}
+
+impl Programmer {
+    /// Sends a command with the end of commands, and gives the answer.
+    fn ask(&mut self, command: &[u8]) -> Vec<u8> {
+        let length = BitLength::of_baud(HZ as u32, 57_600).unwrap();
+        let before = self.notes.sent.len();
+        for &byte in command.iter().chain(b" ") {
+            let start = self.chip.now();
+            self.chip.receive(Frame::byte(byte), start, length).unwrap();
+            self.chip.run(start + 10 * HZ / 57_600 + 1, &mut self.notes);
+        }
+        self.chip.run(self.chip.now() + ms(12), &mut self.notes);
+        self.notes.sent[before..].iter().map(|sent| sent.frame.data() as u8).collect()
+    }
+}
+
+#[test]
+#[ignore = "needs arduino-core-avr: it reads the boot loader of an Arduino Duemilanove"]
+fn the_boot_loader_of_an_arduino_takes_a_program_over_the_cable_and_starts_it() {
+    const LOADER: &str =
+        "/usr/share/arduino/hardware/arduino/avr/bootloaders/atmega/ATmegaBOOT_168_atmega328.hex";
+    let file = std::fs::read(LOADER).expect("arduino-core-avr is needed: apt-get install arduino-core-avr");
+    let loader = Program::from_hex(Part::Atmega328P, &file).unwrap();
+    let chip = Chip::new(&loader, Fuses { low: 0xFF, high: 0xDA, extended: 0xFD }, Supply::ARDUINO);
+    let mut programmer = Programmer { chip, notes: Notes::default() };
+    programmer.chip.reset_now(baudbot_avr::ResetCause::External, &mut Bare);
+    // It lets its LED flash first.
+    programmer.chip.run(ms(900), &mut programmer.notes);
+    let done = [0x14, 0x10];
+    assert_eq!(programmer.ask(&[0x30]), done, "in step");
+    assert_eq!(programmer.ask(&[0x75]), [0x14, 0x1E, 0x95, 0x0F, 0x10], "the signature");
+    let application = program("blink.hex");
+    for (page, bytes) in application.flash().chunks(128).enumerate() {
+        let [low, high] = (64 * page as u16).to_le_bytes();
+        assert_eq!(programmer.ask(&[0x55, low, high]), done);
+        let mut page = bytes.to_vec();
+        page.resize(128, 0xFF);
+        let command = [&[0x64, 0, 128, b'F'][..], &page].concat();
+        assert_eq!(programmer.ask(&command), done);
+    }
+    assert_eq!(programmer.ask(&[0x51]), done, "the end");
+    let now = programmer.chip.now();
+    programmer.chip.run(now + ms(5000), &mut programmer.notes);
+    let led = pin(Port::B, 5);
+    let late: Vec<u64> =
+        programmer.notes.changes(led).into_iter().filter(|&at| at > now + ms(4900)).collect();
+    assert!(late.len() > 90 && late.windows(2).all(|two| two[1] - two[0] == 256 * 64), "{late:?}");
+}
+
+/// Places in a saved chip that are not in the middle of an empty memory.
+fn outside_memories(bytes: &[u8]) -> Vec<usize> {
+    (8..bytes.len() - 8).filter(|&at| bytes[at - 8..at + 8].iter().any(|&byte| byte != bytes[at])).collect()
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(300))]
+    #[test]
+    fn a_forged_chip_is_refused_or_runs(file in 0..FILES.len(), changes: Vec<(proptest::sample::Index, u8)>) {
+        let mut chip = chip(FILES[file]);
+        chip.receive(Frame::byte(0x55), ms(1), BitLength::of_baud(HZ as u32, 9600).unwrap()).unwrap();
+        chip.set_pin(pin(Port::D, 7), External::Low, ms(3)).unwrap();
+        chip.run(ms(1) + 5000, &mut Bare);
+        let mut bytes = postcard::to_allocvec(&chip).unwrap();
+        let places = outside_memories(&bytes);
+        for (place, value) in changes {
+            bytes[*place.get(&places)] = value;
+        }
+        if let Ok(mut forged) = postcard::from_bytes::<Chip>(&bytes) {
+            let until = forged.now() + ms(1);
+            forged.run(until, &mut Notes::default());
+        }
+    }
+}

@@ -214,7 +214,7 @@ impl Chip {
                 1
             }
             Op::Illegal { word } => {
-                let pc = (self.pc - 1) & self.pc_mask;
+                let pc = self.pc.wrapping_sub(1) & self.pc_mask;
                 self.warn(Warning::IllegalInstruction { pc, word }, board);
                 1
             }

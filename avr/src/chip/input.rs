@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::Chip;
 use crate::board::Board;
 use crate::pin::{External, Pin};
-use crate::usart::{BitLength, Frame, LineFull};
+use crate::usart::{BitLength, Frame, LineError};
 
 /// Changes of pins that can be waiting.
 const ROOM: usize = 64;
@@ -85,7 +85,7 @@ impl Chip {
     /// # Errors
     ///
     /// The line is not free then, or too many characters are on their way.
-    pub fn receive(&mut self, frame: Frame, start: u64, bit: BitLength) -> Result<(), LineFull> {
+    pub fn receive(&mut self, frame: Frame, start: u64, bit: BitLength) -> Result<(), LineError> {
         self.usart.put(self.now(), frame, start, bit)?;
         self.schedule();
         Ok(())

@@ -11,6 +11,7 @@ mod power;
 mod programming;
 mod registers;
 mod run;
+mod saved;
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -46,6 +47,7 @@ use input::Inputs;
 ///
 /// Instants at the border are periods of the clock source since the chip was made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Chip {
     registers: [u8; 32],
     sreg: u8,
@@ -102,7 +104,6 @@ impl Chip {
     fn without_power(program: &Program, fuses: Fuses, supply: Supply) -> Self {
         let part = program.part();
         let properties = part.properties();
-        let clock_hz = supply.clock_hz.max(1);
         Self {
             registers: [0; 32],
             sreg: 0,
@@ -131,14 +132,14 @@ impl Chip {
             spi: Spi::new(),
             twi: Twi::new(),
             eeprom: Eeprom::new(properties.eeprom_bytes, program.eeprom()),
-            watchdog: Watchdog::new(clock_hz, fuses.watchdog_always_on(), false, 0),
+            watchdog: Watchdog::new(1, false, false, 0),
             programming: SelfProgramming::new(properties.page_words),
             system: System::new(0, 0),
             inputs: Inputs::default(),
             outputs: Outputs::default(),
             part,
             fuses,
-            supply: Supply { clock_hz, ..supply },
+            supply: Supply { clock_hz: supply.clock_hz.max(1), ..supply },
         }
     }
 

@@ -4,6 +4,7 @@ use super::Chip;
 use crate::adc::Trigger;
 use crate::board::{Board, Warning, special};
 use crate::pin::{External, Pin, Port, Pwm, PwmReport};
+use crate::system::Sleep;
 use crate::timer::{self, Which};
 
 const TIMERS: [Which; 3] = [Which::T0, Which::T1, Which::T2];
@@ -51,11 +52,12 @@ impl Chip {
 
     fn levels_changed(&mut self, port: Port, changed: u8, level: u8, now: u64) {
         self.external.pins_changed(port.index(), changed);
+        let clock_runs = !self.sleep().is_some_and(Sleep::is_deep);
         let edge =
             |pin: Pin| (pin.port() == port && changed & pin.mask() != 0).then_some(level & pin.mask() != 0);
         for (line, pin) in (0..).zip(special::INT) {
             if let Some(level) = edge(pin) {
-                self.external.line_changed(line, level);
+                self.external.line_changed(line, level, clock_runs);
             }
         }
         if let Some(level) = edge(special::RXD) {
@@ -63,11 +65,11 @@ impl Chip {
             self.usart.set_pin(now, level || self.ports.external(special::RXD) == External::Open);
         }
         for (which, pin) in [(Which::T0, special::T0), (Which::T1, special::T1)] {
-            if let Some(rising) = edge(pin) {
+            if let Some(rising) = edge(pin).filter(|_| clock_runs) {
                 self.timers[which as usize].clock_edge(now, rising);
             }
         }
-        if let Some(rising) = edge(special::ICP1).filter(|_| !self.comparator.captures()) {
+        if let Some(rising) = edge(special::ICP1).filter(|_| clock_runs && !self.comparator.captures()) {
             self.timers[Which::T1 as usize].capture_edge(now, rising);
         }
         self.check_trigger(now);

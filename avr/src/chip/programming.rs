@@ -27,7 +27,7 @@ impl Chip {
 
     /// `SPM`.
     pub(super) fn store_program(&mut self) -> u64 {
-        let from = (self.pc - 1) & self.pc_mask;
+        let from = self.pc.wrapping_sub(1) & self.pc_mask;
         let address = self.pair(30);
         let page = u32::from(self.part.properties().page_words);
         let allowed = self.part.properties().boot_words.is_none() || from >= self.fuses.boot_start(self.part);

@@ -2,6 +2,7 @@
 
 use super::{Chip, Pending, State, Waiting};
 use crate::board::Board;
+use crate::clock::LATEST;
 use crate::flash::Code;
 use crate::vector::Vector;
 
@@ -23,7 +24,7 @@ const WAKE_CYCLES: u64 = 4;
 
 impl Chip {
     /// Runs until this instant, in periods of the clock source, and stops at the first boundary of an instruction at or
-    /// after it. A chip that sleeps stops exactly there.
+    /// after it. A chip that sleeps stops exactly there, and none goes on after [`LATEST`].
     pub fn run<B: Board>(&mut self, until: u64, board: &mut B) -> Stop {
         self.run_with(until, board, |chip, code, board| {
             while chip.cycle < chip.limit {
@@ -54,6 +55,7 @@ impl Chip {
         board: &mut B,
         mut instructions: impl FnMut(&mut Self, &Code, &mut B) -> bool,
     ) -> Stop {
+        let until = until.min(LATEST);
         let mut code = self.flash.code();
         let stop = loop {
             self.service(board);
@@ -115,7 +117,6 @@ impl Chip {
         if sleep.is_deep() {
             let period = self.next_period().clamp(self.now(), until);
             self.skip_to(period);
-            self.schedule();
         } else {
             self.cycle = self.next_event.min(self.clock.cycle_from(until)).max(self.cycle);
         }
@@ -126,6 +127,7 @@ impl Chip {
     pub(super) fn skip_to(&mut self, period: u64) {
         self.clock.skip_to(self.cycle, period);
         self.usart.clock_changed(self.cycle);
+        self.schedule();
     }
 
     /// Takes the first interrupt that is requested and allowed.

@@ -3,7 +3,7 @@ use std::vec::Vec;
 
 use super::*;
 use crate::board::{Bare, Board, Warning};
-use crate::pin::{Drive, Pin, Port};
+use crate::pin::{Drive, External, Pin, Port};
 use crate::vector::Vector;
 
 /// A chip with these words from address 0 on, at the instant at which it executes the first.
@@ -159,15 +159,17 @@ fn idle_sleep_lasts_until_an_interrupt_and_waking_takes_eight_cycles() {
     for _ in 0..4 {
         step(&mut chip);
     }
-    let started = chip.cycles();
+    let started = chip.now();
     step(&mut chip);
     step(&mut chip);
     assert_eq!(chip.sleep(), Some(Sleep::Idle));
-    assert!(chip.next_event().is_some());
-    let before = chip.now();
-    run(&mut chip, 1000, &mut Bare);
+    assert_eq!(chip.next_event(), Some(started + 256));
+    chip.run(started + 255, &mut Bare);
+    assert_eq!((chip.sleep(), chip.now()), (Some(Sleep::Idle), started + 255));
+    chip.run(started + 257, &mut Bare);
     assert_eq!(chip.sleep(), None);
-    let _ = (started, before);
+    chip.run(started + 261, &mut Bare);
+    assert_eq!((chip.now(), chip.pc()), (started + 264, 2 * Vector::Timer0Overflow.number()));
 }
 
 #[test]
@@ -197,4 +199,287 @@ fn ckdiv8_and_clkpr_stretch_cycles() {
     assert_eq!((chip.pc(), chip.now()), (6, start + 48));
     chip.run(start + 49, &mut Bare);
     assert_eq!((chip.pc(), chip.now()), (7, start + 49));
+}
+
+/// A chip in an endless loop, whose registers a test sets as a program would.
+fn idle() -> Chip {
+    chip(&[0xCFFF])
+}
+
+fn write(chip: &mut Chip, board: &mut impl Board, writes: &[(u16, u8)]) {
+    for &(address, value) in writes {
+        chip.write_data(address, value, board);
+    }
+}
+
+/// A thermometer on the TWI bus, at address 0x48: it notes what is done to it.
+#[derive(Default)]
+struct Thermometer {
+    log: Vec<(&'static str, u8)>,
+}
+
+impl Board for Thermometer {
+    fn twi_address(&mut self, address: u8, direction: crate::board::Direction, _at: u64) -> bool {
+        self.log.push((
+            if direction == crate::board::Direction::Read { "read from" } else { "write to" },
+            address,
+        ));
+        address == 0x48
+    }
+
+    fn twi_write(&mut self, byte: u8, _at: u64) -> bool {
+        self.log.push(("written", byte));
+        true
+    }
+
+    fn twi_read(&mut self, last: bool, _at: u64) -> u8 {
+        self.log.push(("read, last", last.into()));
+        0x19
+    }
+
+    fn twi_stop(&mut self, _at: u64) {
+        self.log.push(("stop", 0));
+    }
+}
+
+#[test]
+fn a_byte_is_read_from_a_slave_on_the_twi_bus() {
+    let (twsr, twdr, twcr) = (0xB9, 0xBB, 0xBC);
+    let (mut chip, mut board) = (idle(), Thermometer::default());
+    let mut statuses = Vec::new();
+    for writes in [
+        &[(0xB8, 72), (twcr, 0xA4)][..],
+        &[(twdr, 0x90), (twcr, 0x84)],
+        &[(twdr, 0x07), (twcr, 0x84)],
+        &[(twcr, 0xA4)],
+        &[(twdr, 0x91), (twcr, 0x84)],
+        &[(twcr, 0x84)],
+    ] {
+        write(&mut chip, &mut board, writes);
+        run(&mut chip, 1500, &mut board);
+        statuses.push(chip.read_data(twsr, &mut board));
+    }
+    write(&mut chip, &mut board, &[(twcr, 0x94)]);
+    assert_eq!(statuses, [0x08, 0x18, 0x28, 0x10, 0x40, 0x58]);
+    assert_eq!(chip.read_data(twdr, &mut board), 0x19);
+    let log = [("write to", 0x48), ("written", 7), ("read from", 0x48), ("read, last", 1), ("stop", 0)];
+    assert_eq!(board.log, log);
+}
+
+struct Inverter;
+
+impl Board for Inverter {
+    fn spi_transfer(&mut self, byte: u8, _at: u64) -> u8 {
+        !byte
+    }
+
+    fn analog_microvolts(&mut self, input: crate::board::AnalogInput, at: u64) -> u32 {
+        match input {
+            // It rises with time.
+            crate::board::AnalogInput::Positive => u32::try_from(at).unwrap(),
+            crate::board::AnalogInput::Channel(_)
+            | crate::board::AnalogInput::Temperature
+            | crate::board::AnalogInput::Negative => 10_000,
+        }
+    }
+}
+
+#[test]
+fn a_byte_goes_over_spi_in_8_cycles_of_its_clock() {
+    let mut chip = idle();
+    // SPE, MSTR, divided by 16.
+    write(&mut chip, &mut Inverter, &[(0x4C, 0x51), (0x4E, 0xA5)]);
+    run(&mut chip, 126, &mut Inverter);
+    assert_eq!(chip.read_data(0x4D, &mut Inverter), 0);
+    run(&mut chip, 2, &mut Inverter);
+    assert_eq!(chip.read_data(0x4D, &mut Inverter), 0x80);
+    assert_eq!(chip.read_data(0x4E, &mut Inverter), 0x5A);
+}
+
+#[test]
+fn a_slave_on_spi_exchanges_what_it_holds() {
+    let mut chip = idle();
+    assert_eq!(chip.exchange_spi(1), None);
+    write(&mut chip, &mut Bare, &[(0x4C, 0x40), (0x4E, 0xA5)]);
+    assert_eq!(chip.exchange_spi(0x12), Some(0xA5));
+    assert_eq!(chip.read_data(0x4E, &mut Bare), 0x12);
+}
+
+#[test]
+fn the_comparator_captures_and_interrupts_when_it_is_told_of_voltages() {
+    let mut chip = idle();
+    // Timer 1 counts cycles and captures rising edges; the comparator captures and interrupts.
+    write(&mut chip, &mut Inverter, &[(0x81, 0x41), (0x50, 0x0C)]);
+    run(&mut chip, 5000, &mut Inverter);
+    chip.analog_changed(&mut Inverter);
+    assert_eq!(chip.read_data(0x36, &mut Inverter) & 0x20, 0);
+    run(&mut chip, 6000, &mut Inverter);
+    chip.analog_changed(&mut Inverter);
+    assert_eq!(chip.read_data(0x36, &mut Inverter) & 0x20, 0x20);
+    assert_eq!(chip.read_data(0x50, &mut Inverter) & 0x30, 0x30);
+    assert_eq!(chip.requests(), Vector::Comparator.bit());
+}
+
+#[test]
+fn a_change_of_a_watched_pin_requests_the_interrupt_of_its_port() {
+    for (port, vector) in
+        [(Port::B, Vector::PinChange0), (Port::C, Vector::PinChange1), (Port::D, Vector::PinChange2)]
+    {
+        let mut chip = idle();
+        write(&mut chip, &mut Bare, &[(0x68, 7), (0x6B + port as u16, 0x04)]);
+        let at = chip.now() + 100;
+        chip.set_pin(Pin::of(port, 3), External::High, at).unwrap();
+        chip.set_pin(Pin::of(port, 2), External::High, at + 100).unwrap();
+        chip.run(at + 50, &mut Bare);
+        assert_eq!(chip.requests(), 0);
+        chip.run(at + 150, &mut Bare);
+        assert_eq!(chip.requests(), vector.bit());
+    }
+}
+
+#[test]
+fn int0_is_requested_by_the_edges_that_were_chosen() {
+    for (sense, flags) in [(1, [true, true]), (2, [false, true]), (3, [true, false])] {
+        let mut chip = idle();
+        write(&mut chip, &mut Bare, &[(0x69, sense), (0x3D, 1)]);
+        for (level, expected) in [External::High, External::Low].into_iter().zip(flags) {
+            chip.set_pin(Pin::of(Port::D, 2), level, chip.now() + 10).unwrap();
+            run(&mut chip, 20, &mut Bare);
+            assert_eq!(chip.read_data(0x3C, &mut Bare) & 1 == 1, expected, "sense {sense}, {level:?}");
+            chip.write_data(0x3C, 1, &mut Bare);
+        }
+    }
+}
+
+#[test]
+fn pins_drive_pull_up_and_float_as_their_registers_say() {
+    let mut chip = idle();
+    let pin = Pin::of(Port::C, 2);
+    for (direction, port, drive, level) in [
+        (0, 0, Drive::HighImpedance, false),
+        (0, 4, Drive::PullUp, true),
+        (4, 4, Drive::High, true),
+        (4, 0, Drive::Low, false),
+    ] {
+        write(&mut chip, &mut Bare, &[(0x27, direction), (0x28, port)]);
+        assert_eq!((chip.drive(pin), chip.level(pin)), (drive, level));
+    }
+    // PUD.
+    write(&mut chip, &mut Bare, &[(0x27, 0), (0x28, 4), (0x55, 0x10)]);
+    assert_eq!(chip.drive(pin), Drive::HighImpedance);
+}
+
+#[test]
+fn two_outputs_on_one_wire_and_a_floating_input_are_told() {
+    // sbis PIND, 4; rjmp .-4
+    let mut chip = chip(&[0x9B4C, 0xCFFE]);
+    let mut told = Told::default();
+    run(&mut chip, 50, &mut told);
+    let pin = Pin::of(Port::D, 4);
+    chip.set_pin(pin, External::Low, chip.now()).unwrap();
+    write(&mut chip, &mut told, &[(0x2A, 0x10), (0x2B, 0x10)]);
+    assert_eq!(told.warnings, [Warning::FloatingInput { pin }, Warning::Contention { pin }]);
+}
+
+#[test]
+fn waking_from_power_down_takes_the_start_up_time_of_the_oscillator() {
+    // sei; sleep; nop; rjmp .-2 with PCINT16 awaited
+    let words = [0x9478, 0x9588, 0x0000, 0xCFFF];
+    let part = Part::Atmega328P;
+    let program = Program::from_words(part, &words).unwrap();
+    // A crystal: 16K cycles.
+    let fuses = Fuses { low: 0xFF, ..Fuses::external_clock(part) };
+    let mut chip = Chip::new(&program, fuses, Supply::ARDUINO);
+    let start = chip.next_event().unwrap();
+    assert_eq!(start, 16_384 + 14 + 65 * 16_000);
+    chip.run(start, &mut Bare);
+    write(&mut chip, &mut Bare, &[(0x53, 0x05), (0x68, 4), (0x6D, 1)]);
+    run(&mut chip, 1000, &mut Bare);
+    let at = chip.now() + 1_000_000;
+    chip.set_pin(Pin::of(Port::D, 0), External::High, at).unwrap();
+    chip.run(at + 16_384, &mut Bare);
+    // Four cycles to wake, four for the interrupt.
+    chip.run(at + 16_384 + 7, &mut Bare);
+    assert_eq!((chip.now(), chip.pc()), (at + 16_384 + 8, 2 * Vector::PinChange2.number()));
+}
+
+#[test]
+fn timers_stand_in_adc_noise_reduction_and_a_conversion_begins() {
+    // sei; sleep; nop with the ADC's interrupt enabled
+    let mut chip = chip(&[0x9478, 0x9588, 0x0000, 0xCFFF]);
+    write(&mut chip, &mut Bare, &[(0x53, 0x03), (0x7A, 0x8A), (0x45, 1)]);
+    chip.run(chip.now() + 3, &mut Bare);
+    let before = chip.read_data(0x46, &mut Bare);
+    run(&mut chip, 60, &mut Bare);
+    assert_eq!((chip.sleep(), chip.read_data(0x46, &mut Bare)), (Some(Sleep::AdcNoiseReduction), before));
+    // 25 cycles of 4.
+    run(&mut chip, 60, &mut Bare);
+    assert_eq!(chip.sleep(), None);
+    assert_ne!(chip.read_data(0x46, &mut Bare), before);
+}
+
+#[test]
+fn a_timer_whose_power_is_reduced_stands_and_takes_no_writes() {
+    let mut chip = idle();
+    write(&mut chip, &mut Bare, &[(0x45, 1)]);
+    run(&mut chip, 100, &mut Bare);
+    write(&mut chip, &mut Bare, &[(0x64, 0x20)]);
+    let count = chip.read_data(0x46, &mut Bare);
+    write(&mut chip, &mut Bare, &[(0x46, 0)]);
+    run(&mut chip, 100, &mut Bare);
+    assert_eq!(chip.read_data(0x46, &mut Bare), count);
+    write(&mut chip, &mut Bare, &[(0x64, 0)]);
+    run(&mut chip, 100, &mut Bare);
+    assert_ne!(chip.read_data(0x46, &mut Bare), count);
+}
+
+#[test]
+fn interrupts_go_to_the_boot_section_if_ivsel_is_set_by_its_sequence() {
+    let mut chip = idle();
+    write(&mut chip, &mut Bare, &[(0x55, 2)]);
+    assert!(!chip.system.vectors_in_boot());
+    write(&mut chip, &mut Bare, &[(0x55, 1), (0x55, 2), (0x3D, 1)]);
+    chip.sreg = 0x80;
+    step(&mut chip);
+    assert_eq!(chip.pc(), chip.fuses().boot_start(Part::Atmega328P) + 2);
+}
+
+#[test]
+fn what_is_not_simulated_is_told() {
+    use crate::board::Unsupported;
+    for (address, value, expected) in [
+        (0xB6, 0x20, Unsupported::AsynchronousTimer),
+        (0xC2, 0x46, Unsupported::SynchronousUsart),
+        (0xC0, 0x01, Unsupported::MultiProcessorMode),
+        (0xBC, 0xC4, Unsupported::TwiSlave),
+    ] {
+        let mut told = Told::default();
+        idle().write_data(address, value, &mut told);
+        assert_eq!(told.warnings, [Warning::Unsupported(expected)]);
+    }
+}
+
+#[test]
+fn a_chip_of_8_kib_has_vectors_of_one_word() {
+    let part = Part::Atmega88A;
+    let program = Program::from_words(part, &[0xCFFF]).unwrap();
+    let mut chip = Chip::new(&program, Fuses::external_clock(part), Supply::ARDUINO);
+    let start = chip.next_event().unwrap();
+    chip.run(start, &mut Bare);
+    write(&mut chip, &mut Bare, &[(0x3D, 2)]);
+    chip.sreg = 0x80;
+    step(&mut chip);
+    assert_eq!((chip.pc(), chip.stack_pointer()), (2, 0x4FD));
+}
+
+#[test]
+fn changes_of_pins_in_the_past_or_too_many_are_refused() {
+    let mut chip = idle();
+    run(&mut chip, 100, &mut Bare);
+    let (pin, now) = (Pin::of(Port::B, 0), chip.now());
+    assert_eq!(chip.set_pin(pin, External::Low, now - 1), Err(InputError::Past { at: now - 1, now }));
+    for later in 0..64 {
+        chip.set_pin(pin, External::Low, now + later).unwrap();
+    }
+    assert_eq!(chip.set_pin(pin, External::Low, now), Err(InputError::Full));
 }

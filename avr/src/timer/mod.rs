@@ -137,6 +137,16 @@ impl Timer {
         }
     }
 
+    /// Whether this is the timer of this number, and can exist at a cycle.
+    pub(crate) fn is_possible(&self, which: usize, now: u64) -> bool {
+        let values = [self.count, self.compare[0], self.compare[1], self.buffer[0], self.buffer[1]];
+        self.which as usize == which
+            && values.into_iter().all(|value| value <= self.max())
+            && self.zero <= self.at
+            && self.at <= now
+            && self.noise_until >= self.at
+    }
+
     /// Flags whose interrupts are enabled.
     pub(crate) const fn requests(&self) -> u8 {
         self.flags & self.mask

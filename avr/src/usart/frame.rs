@@ -61,6 +61,10 @@ impl Frame {
         Self::new(byte as u16, 8, Parity::None, 1)
     }
 
+    pub(super) const fn is_possible(&self) -> bool {
+        5 <= self.data_bits && self.data_bits <= 9 && 1 <= self.stop_bits && self.stop_bits <= 2
+    }
+
     /// The data.
     pub const fn data(&self) -> u16 {
         self.data
@@ -116,6 +120,10 @@ impl BitLength {
     /// The bit of a baud rate, by the frequency of the receiver's clock source.
     pub const fn of_baud(clock_hz: u32, baud: u32) -> Option<Self> {
         Self::new(clock_hz, baud)
+    }
+
+    pub(super) const fn is_possible(self) -> bool {
+        self.bits > 0 && self.periods >= self.bits
     }
 
     /// The bit that is on the line so many periods after the start, counted from 0.

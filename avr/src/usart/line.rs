@@ -5,16 +5,23 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::frame::{BitLength, Frame};
+use crate::clock::LATEST;
 
 /// Characters that can be on the line or on their way.
 const ROOM: usize = 16;
 
 /// A character cannot be put on the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-pub enum LineFull {
+pub enum LineError {
     /// So many characters are on the line and before it that there is no room.
     #[error("{ROOM} characters are on the line, and no more have room")]
     Full,
+    /// The character would begin after the last instant of all.
+    #[error("no character can begin at {start}: the last instant is {LATEST}")]
+    Late {
+        /// When it should begin.
+        start: u64,
+    },
     /// The character would begin before the one in front of it has ended, or in the past.
     #[error("a character cannot begin at {start}: before {free} the line is not free")]
     Occupied {
@@ -50,14 +57,22 @@ impl Line {
         Self { pin: true, incoming: ArrayVec::new_const() }
     }
 
+    /// Whether all characters are some that could have been put here.
+    pub(super) fn is_possible(&self) -> bool {
+        self.incoming.iter().all(|one| one.frame.is_possible() && one.bit.is_possible() && one.start < LATEST)
+    }
+
     /// Puts a character behind the others. `now` and its start are periods of the clock source.
-    pub(super) fn put(&mut self, now: u64, incoming: Incoming) -> Result<(), LineFull> {
+    pub(super) fn put(&mut self, now: u64, incoming: Incoming) -> Result<(), LineError> {
         self.forget_before(now);
         let free = self.incoming.last().map_or(0, Incoming::end).max(now);
         if incoming.start < free {
-            return Err(LineFull::Occupied { start: incoming.start, free });
+            return Err(LineError::Occupied { start: incoming.start, free });
         }
-        self.incoming.try_push(incoming).map_err(|_| LineFull::Full)
+        if incoming.start >= LATEST {
+            return Err(LineError::Late { start: incoming.start });
+        }
+        self.incoming.try_push(incoming).map_err(|_| LineError::Full)
     }
 
     /// Forgets characters that are over by this period.

@@ -17,7 +17,7 @@ mod receiver;
 use serde::{Deserialize, Serialize};
 
 pub use frame::{BitLength, Frame, Parity};
-pub use line::LineFull;
+pub use line::LineError;
 
 use line::{Incoming, Line};
 use receiver::Receiver;
@@ -110,6 +110,11 @@ impl Usart {
         *self = Self { line, ..Self::new(now) };
     }
 
+    /// Whether this USART can exist at a cycle.
+    pub(crate) fn is_possible(&self, now: u64) -> bool {
+        self.zero <= now && self.receiver.is_possible(now) && self.line.is_possible()
+    }
+
     /// RXC, TXC and UDRE where they are set and their interrupts enabled.
     pub(crate) fn requests(&self) -> u8 {
         self.status() & self.control_b & (RECEIVED | SENT | EMPTY)
@@ -144,7 +149,13 @@ impl Usart {
     }
 
     /// Puts a character on the receiver's line.
-    pub(crate) fn put(&mut self, now: u64, frame: Frame, start: u64, bit: BitLength) -> Result<(), LineFull> {
+    pub(crate) fn put(
+        &mut self,
+        now: u64,
+        frame: Frame,
+        start: u64,
+        bit: BitLength,
+    ) -> Result<(), LineError> {
         self.line.put(now, Incoming { frame, start, bit })
     }
 

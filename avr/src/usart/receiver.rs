@@ -64,6 +64,20 @@ impl Receiver {
         Self { state: State::Low, at: 0, buffer: ArrayVec::new_const(), waiting: None, overrun: false }
     }
 
+    /// Whether this receiver can exist at a cycle.
+    pub(super) fn is_possible(&self, now: u64) -> bool {
+        self.at <= now
+            && match &self.state {
+                State::Idle | State::Low => true,
+                State::Sampling(sampling) => {
+                    sampling.due < 1 << 61
+                        && sampling.taken < 3
+                        && sampling.high <= sampling.taken
+                        && sampling.bit < 12
+                }
+            }
+    }
+
     /// The receiver is switched on.
     pub(super) fn start(&mut self, now: u64) {
         *self = Self { at: now, ..Self::new() };

@@ -261,9 +261,9 @@ fn characters_that_would_overlap_or_are_too_many_are_refused() {
     let bit = BitLength::new(160, 1).unwrap();
     usart.put(0, Frame::byte(1), 1000, bit).unwrap();
     let occupied = usart.put(0, Frame::byte(1), 2599, bit);
-    assert_eq!(occupied, Err(LineFull::Occupied { start: 2599, free: 2600 }));
+    assert_eq!(occupied, Err(LineError::Occupied { start: 2599, free: 2600 }));
     for more in 1..16 {
         usart.put(0, Frame::byte(1), 1000 + 1600 * more, bit).unwrap();
     }
-    assert_eq!(usart.put(0, Frame::byte(1), 100_000, bit), Err(LineFull::Full));
+    assert_eq!(usart.put(0, Frame::byte(1), 100_000, bit), Err(LineError::Full));
 }
