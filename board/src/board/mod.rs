@@ -5,7 +5,7 @@ mod pins;
 mod surroundings;
 mod uart;
 
-use baudbot_avr::{Bare, Channel, Chip, InputError, Pin, Port, PwmReport, Stop, Timer};
+use baudbot_avr::{Bare, Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, Stop, Timer};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -86,7 +86,7 @@ impl Board {
     /// Runs until an instant, in nanoseconds: a step, throughout which the world is as `physics` says. An instant that is
     /// over makes a step of no length.
     pub fn run_until<P: Physics>(&mut self, at_ns: u64, physics: &mut P) {
-        let end = self.around.clock.cycle(at_ns);
+        let end = self.around.clock.cycle(at_ns).min(LATEST);
         self.around.begin(self.now_ns, physics);
         while self.chip.now() < end {
             let until = self.chip.now().saturating_add(self.slice_cycles).min(end);

@@ -1,7 +1,7 @@
 //! Characters that come in at RXD.
 
 use baudbot_avr::Bare;
-use baudbot_avr::usart::{Frame, LineFull};
+use baudbot_avr::usart::{Frame, LineError};
 use thiserror::Error;
 
 use super::Board;
@@ -22,7 +22,7 @@ pub enum ReceiveError {
     },
     /// The line has no room for it.
     #[error(transparent)]
-    Line(#[from] LineFull),
+    Line(#[from] LineError),
 }
 
 impl Board {
