@@ -70,6 +70,7 @@ pub struct Chip {
     waiting: Waiting,
     /// What follows the instruction that has just been executed.
     pending: Pending,
+    watchdog_resets: u32,
     clock: Clock,
     ports: Ports,
     timers: [Timer; 3],
@@ -120,6 +121,7 @@ impl Chip {
             state: State::Awake,
             waiting: Waiting::NOWHERE,
             pending: Pending::Nothing,
+            watchdog_resets: 0,
             clock: Clock::new(0),
             ports: Ports::default(),
             timers: [Which::T0, Which::T1, Which::T2].map(|which| Timer::new(which, 0)),
@@ -168,6 +170,11 @@ impl Chip {
     /// if the program's file says where that is.
     pub fn watch_stack(&mut self, mark: u16) {
         self.stack.mark = mark;
+    }
+
+    /// How often the watchdog has reset the chip since it was made, modulo 2³².
+    pub const fn watchdog_resets(&self) -> u32 {
+        self.watchdog_resets
     }
 
     /// The lowest value that the stack pointer had when something was pushed.

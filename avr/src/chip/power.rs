@@ -26,6 +26,9 @@ impl Chip {
     }
 
     pub(super) fn reset<B: Board>(&mut self, cause: u8, board: &mut B) {
+        if cause == ResetCause::Watchdog as u8 {
+            self.watchdog_resets = self.watchdog_resets.wrapping_add(1);
+        }
         self.begin(self.system.status() | cause);
         let now = self.cycle;
         for port in Port::ALL {

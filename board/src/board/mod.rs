@@ -1,0 +1,204 @@
+//! A chip with parts on its pins, in motion.
+
+mod outputs;
+mod pins;
+mod surroundings;
+mod uart;
+
+use baudbot_avr::{Bare, Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, Stop, Timer};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+pub use outputs::{Light, Motor, ServoOutput, Tone};
+pub use uart::ReceiveError;
+
+use crate::clock::ChipClock;
+use crate::parts::Change;
+use crate::physics::{PartId, Physics};
+use crate::warning::{Warning, WarningKind};
+use crate::wiring::{Terminal, Wiring};
+use surroundings::{Surroundings, View};
+
+/// The longest time that the chip runs without a look at its parts, in nanoseconds.
+const SLICE_NS: u64 = 1_000_000;
+
+/// A chip with parts on its pins. A clone that goes on with the same physics does the same, bit for bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Board {
+    chip: Chip,
+    around: Surroundings,
+    /// The end of the last step.
+    now_ns: u64,
+    slice_cycles: u64,
+    watchdog_resets: u32,
+}
+
+/// A chip and a clock do not go together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum BoardError {
+    /// The chip counts on another frequency.
+    #[error("the chip is supplied with {chip} Hz, and the clock has {clock} Hz")]
+    OtherFrequency {
+        /// The chip's, in hertz.
+        chip: u32,
+        /// The clock's, in hertz.
+        clock: u32,
+    },
+    /// The chip has run already.
+    #[error("the chip has run for {cycles} cycles without its board")]
+    HasRun {
+        /// Periods of the clock source.
+        cycles: u64,
+    },
+}
+
+/// When something will happen on a board by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Next {
+    /// The chip executes instructions.
+    Awake,
+    /// Not before this instant, in nanoseconds.
+    At(u64),
+    /// Never, unless something comes from outside.
+    Never,
+}
+
+impl Board {
+    /// A board whose supply is switched on at instant 0.
+    ///
+    /// # Errors
+    ///
+    /// A clock of another frequency than the chip's, a chip that has run.
+    pub fn new(mut chip: Chip, clock: ChipClock, wiring: Wiring) -> Result<Self, BoardError> {
+        let supply = chip.supply();
+        if supply.clock_hz != clock.hz() {
+            return Err(BoardError::OtherFrequency { chip: supply.clock_hz, clock: clock.hz() });
+        }
+        if chip.now() != 0 {
+            return Err(BoardError::HasRun { cycles: chip.now() });
+        }
+        report_shapes(&mut chip, &wiring);
+        let around = Surroundings::new(wiring, clock, supply.avcc_uv);
+        let slice_cycles = clock.cycle(around.reaction_ns().min(SLICE_NS)).max(1);
+        Ok(Self { chip, around, now_ns: 0, slice_cycles, watchdog_resets: 0 })
+    }
+
+    /// Runs until an instant, in nanoseconds: a step, throughout which the world is as `physics` says. An instant that is
+    /// over makes a step of no length.
+    pub fn run_until<P: Physics>(&mut self, at_ns: u64, physics: &mut P) {
+        let end = self.around.clock.cycle(at_ns).min(LATEST);
+        self.around.begin(self.now_ns, physics);
+        while self.chip.now() < end {
+            let until = self.chip.now().saturating_add(self.slice_cycles).min(end);
+            self.around.prepare(until, physics);
+            let until = self.feed(until);
+            let stop = self.chip.run(until, &mut View { around: &mut self.around, physics: &mut *physics });
+            if stop == Stop::Break {
+                self.warn(WarningKind::Break, 1);
+            }
+            self.around.look_for_shorts(self.chip.now());
+            self.count_resets();
+        }
+        self.around.finish(self.chip.now());
+        self.now_ns = self.now_ns.max(at_ns);
+    }
+
+    /// Gives the chip what the parts do up to a cycle; the answer is an earlier cycle if not all has room.
+    fn feed(&mut self, until: u64) -> u64 {
+        while let Some((part, change)) = self.around.next_change(until) {
+            let terminal = Terminal { part, role: change.role };
+            let pin = self.around.wiring.net(terminal).and_then(|net| net.pin());
+            if let Some(pin) = pin
+                && let Err(full) = self.set_pin(pin, change)
+            {
+                return full;
+            }
+            self.around.change_taken(part, pin, change);
+        }
+        until
+    }
+
+    /// The instant of a change that finds no room is the error.
+    fn set_pin(&mut self, pin: Pin, change: Change) -> Result<(), u64> {
+        let at = change.at.max(self.chip.now());
+        self.chip.set_pin(pin, change.external, at).map_err(|error| match error {
+            InputError::Full | InputError::Past { .. } => at,
+        })
+    }
+
+    fn count_resets(&mut self) {
+        let resets = self.chip.watchdog_resets();
+        let more = resets.wrapping_sub(self.watchdog_resets);
+        self.watchdog_resets = resets;
+        if more > 0 {
+            self.warn(WarningKind::WatchdogReset, more.into());
+        }
+    }
+
+    fn warn(&mut self, kind: WarningKind, count: u64) {
+        let at_ns = self.around.clock.ns(self.chip.now());
+        self.around.warnings.add(kind, None, None, at_ns, count);
+    }
+
+    /// The chip.
+    pub const fn chip(&self) -> &Chip {
+        &self.chip
+    }
+
+    /// Reads a byte of the chip's data space, as a debugger does. Reading a register may have an effect.
+    pub fn read_data(&mut self, address: u16) -> u8 {
+        self.chip.read_data(address, &mut Bare)
+    }
+
+    /// The wiring.
+    pub fn wiring(&self) -> &Wiring {
+        &self.around.wiring
+    }
+
+    /// The clock of the chip.
+    pub const fn clock(&self) -> &ChipClock {
+        &self.around.clock
+    }
+
+    /// The end of the last step, in nanoseconds.
+    pub const fn now_ns(&self) -> u64 {
+        self.now_ns
+    }
+
+    /// All that was suspicious up to now, in the order in which it came first; 48 different warnings at most.
+    pub fn warnings(&self) -> &[Warning] {
+        self.around.warnings.list()
+    }
+
+    /// Up to when a step can last in which nothing happens, if the world stays as it was.
+    pub fn next_event_ns(&self) -> Next {
+        let Some(chip) = self.chip.next_event() else { return Next::Awake };
+        match self.around.next_event().map_or(chip, |part| part.min(chip)) {
+            u64::MAX => Next::Never,
+            cycle => Next::At(self.around.clock.ns(cycle)),
+        }
+    }
+}
+
+/// Where all parts on the output of a timer are content with the shape of its signal, no edges are simulated.
+fn report_shapes(chip: &mut Chip, wiring: &Wiring) {
+    for (timer, channel, port, bit) in [
+        (Timer::T0, Channel::A, Port::D, 6),
+        (Timer::T0, Channel::B, Port::D, 5),
+        (Timer::T1, Channel::A, Port::B, 1),
+        (Timer::T1, Channel::B, Port::B, 2),
+        (Timer::T2, Channel::A, Port::B, 3),
+        (Timer::T2, Channel::B, Port::D, 3),
+    ] {
+        if Pin::new(port, bit).is_some_and(|pin| wiring.takes_shapes(pin)) {
+            chip.set_pwm_report(timer, channel, PwmReport::Shape);
+        }
+    }
+}
+
+impl Surroundings {
+    /// The part that does something first, up to a cycle.
+    fn next_change(&self, until: u64) -> Option<(PartId, Change)> {
+        self.changes().filter(|(_, change)| change.at <= until).min_by_key(|(_, change)| change.at)
+    }
+}

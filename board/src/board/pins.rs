@@ -1,0 +1,73 @@
+//! What chip and parts do to each pin.
+
+use baudbot_avr::{Drive, External, Pin, Port};
+use serde::{Deserialize, Serialize};
+
+const PINS: usize = 24;
+
+/// A pin's two sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Sides {
+    pub(crate) chip: Drive,
+    /// As it was handed to the chip, perhaps ahead of time.
+    pub(crate) part: External,
+}
+
+/// All pins.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Pins {
+    sides: [Sides; PINS],
+    /// Pins that chip and part drive against each other; a bit for each.
+    shorts: u32,
+}
+
+impl Pins {
+    pub(crate) const fn new() -> Self {
+        Self { sides: [Sides { chip: Drive::HighImpedance, part: External::Open }; PINS], shorts: 0 }
+    }
+
+    pub(crate) const fn of(&mut self, pin: Pin) -> &mut Sides {
+        &mut self.sides[place(pin)]
+    }
+
+    /// The chip has said that this pin is shorted.
+    pub(crate) const fn note_short(&mut self, pin: Pin) {
+        self.shorts |= 1 << place(pin);
+    }
+
+    /// Pins that are shorted now and were not before. Chip and parts must be at one instant.
+    pub(crate) fn new_shorts(&mut self) -> impl Iterator<Item = Pin> + use<> {
+        let shorted = |(at, sides): (usize, &Sides)| u32::from(sides.is_short()) << at;
+        let shorts = self.sides.iter().enumerate().map(shorted).fold(0, |all, one| all | one);
+        let new = shorts & !core::mem::replace(&mut self.shorts, shorts);
+        let pins = Port::ALL.into_iter().flat_map(|port| (0..8).filter_map(move |bit| Pin::new(port, bit)));
+        pins.filter(move |pin| new >> place(*pin) & 1 == 1)
+    }
+}
+
+const fn place(pin: Pin) -> usize {
+    let port = match pin.port() {
+        Port::B => 0,
+        Port::C => 1,
+        Port::D => 2,
+    };
+    port * 8 + (pin.bit() & 7) as usize
+}
+
+impl Sides {
+    const fn is_short(self) -> bool {
+        matches!((self.chip, self.part), (Drive::Low, External::High) | (Drive::High, External::Low))
+    }
+
+    /// Whether the wire is high, as its digital signals have it; None: nothing drives it.
+    pub(crate) const fn level(self) -> Option<bool> {
+        match (self.chip, self.part) {
+            (Drive::Low, _) => Some(false),
+            (Drive::High, _) => Some(true),
+            (Drive::PullUp | Drive::HighImpedance, External::Low) => Some(false),
+            (Drive::PullUp | Drive::HighImpedance, External::High) => Some(true),
+            (Drive::PullUp, External::Open) => Some(true),
+            (Drive::HighImpedance, External::Open) => None,
+        }
+    }
+}

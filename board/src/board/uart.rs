@@ -1,0 +1,46 @@
+//! Characters that come in at RXD.
+
+use baudbot_avr::Bare;
+use baudbot_avr::usart::{Frame, LineError};
+use thiserror::Error;
+
+use super::Board;
+use crate::warning::WarningKind;
+
+/// UCSR0B.
+const CONTROL_B: u16 = 0xC1;
+const RECEIVER_ON: u8 = 1 << 4;
+
+/// A character cannot come in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum ReceiveError {
+    /// No chip can be sent bits of this length.
+    #[error("the chip cannot be sent characters at {baud} baud")]
+    Baud {
+        /// The rate.
+        baud: u32,
+    },
+    /// The line has no room for it.
+    #[error(transparent)]
+    Line(#[from] LineError),
+}
+
+impl Board {
+    /// A character comes in at RXD: its start bit begins at an instant, which must not be over, and the sender's bits have
+    /// exactly this rate.
+    ///
+    /// # Errors
+    ///
+    /// A rate without bits, an instant at which the line is not free, too many characters on their way.
+    pub fn receive(&mut self, frame: Frame, start_ns: u64, baud: u32) -> Result<(), ReceiveError> {
+        let clock = self.around.clock;
+        let bit = clock.bit_of(baud).ok_or(ReceiveError::Baud { baud })?;
+        if self.chip.read_data(CONTROL_B, &mut Bare) & RECEIVER_ON == 0 {
+            self.around.warnings.add(WarningKind::ReceiverOff, None, None, start_ns, 1);
+        }
+        // A run may have ended some cycles behind the step.
+        let start = clock.cycle(start_ns);
+        let start = if start_ns >= self.now_ns { start.max(self.chip.now()) } else { start };
+        Ok(self.chip.receive(frame, start, bit)?)
+    }
+}

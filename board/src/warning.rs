@@ -1,0 +1,89 @@
+//! What a program or a wiring hardly means.
+
+use arrayvec::ArrayVec;
+use baudbot_avr::{Pin, Unsupported};
+use serde::{Deserialize, Serialize};
+
+use crate::physics::PartId;
+
+/// Warnings that differ.
+const ROOM: usize = 48;
+
+/// What is suspicious.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum WarningKind {
+    /// An input is read that nothing drives and that has no pull-up.
+    FloatingInput,
+    /// The voltage of an analog part is read as a digital input, which sees nothing of it.
+    DigitalReadOfVoltage,
+    /// The chip drives a pin against a part: a short circuit.
+    Short,
+    /// The ADC measures a pin on which there is no voltage and no digital signal.
+    OpenAdcInput,
+    /// A trigger pulse is shorter than the sensor's data sheet asks for; the sensor does nothing.
+    ShortTrigger,
+    /// A pulse for a servo is not between 500 µs and 2500 µs; the servo ignores it.
+    OddServoPulse,
+    /// A character came while the receiver was off.
+    ReceiverOff,
+    /// A character came while the receiver's buffer was full.
+    Overrun,
+    /// Characters were sent and not taken from the board; they are lost.
+    SentLost,
+    /// A word that is no instruction was executed.
+    IllegalInstruction,
+    /// Data beyond the memory were read or written.
+    BeyondMemory,
+    /// The stack has grown into the variables.
+    StackOverflow,
+    /// `BREAK` was executed, for which only a debugger stops.
+    Break,
+    /// The watchdog has reset the chip.
+    WatchdogReset,
+    /// The program switched something on that is not simulated.
+    Unsupported(Unsupported),
+}
+
+/// Something suspicious, and how often it happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Warning {
+    /// What.
+    pub kind: WarningKind,
+    /// At which pin.
+    pub pin: Option<Pin>,
+    /// With which part.
+    pub part: Option<PartId>,
+    /// When it happened first.
+    pub first_ns: u64,
+    /// How often. Floating inputs are told once for each pin until a reset.
+    pub count: u64,
+}
+
+/// A bounded list of warnings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Warnings {
+    list: ArrayVec<Warning, ROOM>,
+}
+
+impl Warnings {
+    pub(crate) fn add(
+        &mut self,
+        kind: WarningKind,
+        pin: Option<Pin>,
+        part: Option<PartId>,
+        at_ns: u64,
+        count: u64,
+    ) {
+        let same = |known: &&mut Warning| (known.kind, known.pin, known.part) == (kind, pin, part);
+        if let Some(known) = self.list.iter_mut().find(same) {
+            known.count = known.count.saturating_add(count);
+        } else {
+            // What differs from so many others is not kept.
+            let _ = self.list.try_push(Warning { kind, pin, part, first_ns: at_ns, count });
+        }
+    }
+
+    pub(crate) fn list(&self) -> &[Warning] {
+        &self.list
+    }
+}

@@ -1,0 +1,10 @@
+//! Small programs on boards with parts.
+
+mod asm;
+mod bus;
+mod motion;
+mod sensors;
+mod state;
+mod uart;
+mod warnings;
+mod world;

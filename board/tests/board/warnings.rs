@@ -1,0 +1,120 @@
+//! What is suspicious is told with its pin and its part.
+
+use baudbot_avr::usart::Frame;
+use baudbot_avr::{Pin, Port};
+use baudbot_board::{Board, Kind, Pull, ServoKind, Switch, Voltage, WarningKind, Wiring};
+
+use crate::asm::{Asm, data, io};
+use crate::world::{MS, World, board, board_with_file};
+
+const BUTTON: Kind = Kind::Switch(Switch { pull: Pull::Internal, bounce_us: 0, seed: 0 });
+
+/// What was told: kind, pin, name of the part.
+fn told(board: &Board) -> Vec<(WarningKind, Option<Pin>, &str)> {
+    let name = |part| board.wiring().name(part);
+    board
+        .warnings()
+        .iter()
+        .map(|warning| (warning.kind, warning.pin, warning.part.map_or("", name)))
+        .collect()
+}
+
+#[test]
+fn a_button_without_its_pull_up_floats_and_with_it_does_not() {
+    for (pull_up, expected) in [(false, 1), (true, 0)] {
+        let mut program = Asm::new();
+        if pull_up {
+            program.sbi(io::PORTD, 4);
+        }
+        let again = program.here();
+        program.sbic(io::PIND, 4).nop().rjmp(again);
+        let mut board = board(&program, Wiring::builder().part("button", BUTTON).connect("4", "button"));
+        board.run_until(MS, &mut World::default());
+        let warning = (WarningKind::FloatingInput, Pin::new(Port::D, 4), "button");
+        assert_eq!(told(&board), vec![warning; expected]);
+    }
+}
+
+#[test]
+fn an_output_against_a_pressed_button_is_a_short() {
+    let mut program = Asm::new();
+    program.sbi(io::DDRD, 4).sbi(io::PORTD, 4).stay();
+    let mut board = board(&program, Wiring::builder().part("button", BUTTON).connect("4", "button"));
+    board.run_until(MS, &mut World::default());
+    assert_eq!(told(&board), []);
+    board.run_until(2 * MS, &mut World { pressed: true, ..World::default() });
+    assert_eq!(told(&board), [(WarningKind::Short, Pin::new(Port::D, 4), "button")]);
+    assert_eq!(board.warnings()[0].count, 1);
+}
+
+#[test]
+fn an_adc_input_without_anything_is_told_and_a_digital_signal_can_be_measured() {
+    let mut program = Asm::new();
+    program.sbi(io::PORTC, 2).store(data::ADMUX, 0x42).store(data::ADCSRA, 0xC7).delay(2000);
+    program.lds(20, data::ADCL).lds(21, data::ADCH);
+    program.store(data::ADMUX, 0x41).store(data::ADCSRA, 0xC7).stay();
+    let mut board = board(&program, Wiring::builder());
+    board.run_until(2 * MS, &mut World::default());
+    assert_eq!(told(&board), [(WarningKind::OpenAdcInput, Pin::new(Port::C, 1), "")]);
+    assert_eq!(crate::world::pair(&board, 20), 1023, "the pull-up resistor");
+}
+
+#[test]
+fn a_voltage_that_is_read_as_a_digital_input_is_told() {
+    let mut program = Asm::new();
+    program.sbic(io::PINC, 0).nop().stay();
+    let wiring = Wiring::builder().part("ir", Kind::Voltage(Voltage::DIRECT)).connect("A0", "ir");
+    let mut board = board(&program, wiring);
+    board.run_until(MS, &mut World::default());
+    assert_eq!(told(&board), [(WarningKind::DigitalReadOfVoltage, Pin::new(Port::C, 0), "ir")]);
+}
+
+#[test]
+fn a_character_for_a_program_without_a_uart_is_told() {
+    let mut board = board_with_file("blink.hex", Wiring::builder());
+    board.run_until(MS, &mut World::default());
+    for at in 1..=3 {
+        board.receive(Frame::byte(0), at * 2 * MS, 9600).unwrap();
+    }
+    assert_eq!(told(&board), [(WarningKind::ReceiverOff, None, "")]);
+    assert_eq!(board.warnings()[0].count, 3);
+}
+
+#[test]
+fn resets_by_the_watchdog_and_illegal_words_are_counted() {
+    let mut program = Asm::new();
+    // Reset after 16 ms.
+    program.ldi(16, 0x18).ldi(17, 0x08).sts(data::WDTCSR, 16).sts(data::WDTCSR, 17).word(0xFFFF).stay();
+    let mut board = board(&program, Wiring::builder());
+    for step in 1..=50 {
+        board.run_until(step * MS, &mut World::default());
+    }
+    assert_eq!(
+        told(&board),
+        [(WarningKind::IllegalInstruction, None, ""), (WarningKind::WatchdogReset, None, "")]
+    );
+    assert_eq!(board.warnings().iter().map(|warning| warning.count).collect::<Vec<_>>(), [4, 3]);
+    // It is seen a millisecond later at most.
+    assert!((16 * MS..=17 * MS + 1000).contains(&board.warnings()[1].first_ns));
+}
+
+#[test]
+fn a_stack_that_grows_below_the_memory_is_told() {
+    let mut program = Asm::new();
+    // push r0; rjmp .-4
+    program.word(0x920F).rjmp(0);
+    let mut board = board(&program, Wiring::builder());
+    board.run_until(MS, &mut World::default());
+    assert!(told(&board).iter().any(|(kind, ..)| *kind == WarningKind::StackOverflow), "{:?}", told(&board));
+}
+
+#[test]
+fn a_pulse_that_no_servo_obeys_is_told() {
+    let mut program = Asm::new();
+    program.sbi(io::DDRB, 1).sbi(io::PORTB, 1).delay(100).cbi(io::PORTB, 1).stay();
+    let wiring = Wiring::builder().part("arm", Kind::Servo(ServoKind::Standard)).connect("9", "arm");
+    let mut board = board(&program, wiring);
+    board.run_until(MS, &mut World::default());
+    assert_eq!(told(&board), [(WarningKind::OddServoPulse, Pin::new(Port::B, 1), "arm")]);
+    assert_eq!(board.servos().next().unwrap().pulse, None);
+}
