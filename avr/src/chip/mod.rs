@@ -102,8 +102,7 @@ impl Chip {
     }
 
     fn without_power(program: &Program, fuses: Fuses, supply: Supply) -> Self {
-        let part = program.part();
-        let properties = part.properties();
+        let (part, properties) = (program.part(), program.part().properties());
         Self {
             registers: [0; 32],
             sreg: 0,
