@@ -128,7 +128,10 @@ impl Laptop {
         }
         let before = self.decoder.cut_short();
         let found = match self.decoder.push(byte, at) {
-            Found::Nothing => None,
+            Found::Nothing => {
+                uplink.counters.bad_messages += self.decoder.cut_short() - before;
+                return None;
+            }
             Found::BadFrame => {
                 uplink.counters.bad_frames += 1;
                 None

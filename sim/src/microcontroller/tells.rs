@@ -49,8 +49,9 @@ impl Microcontroller {
         let (layout, repeats) = (firmware.layout(), firmware.protocol.repeats());
         let mut reading_ns = 0;
         sampled.clear();
-        for ((i, channel), components) in self.channels.iter_mut().enumerate().zip(layout.sensors()) {
-            if !tells.has(components) {
+        for (i, channel) in self.channels.iter_mut().enumerate().take(layout.counts.len()) {
+            // Only a Khepera tells a part of them.
+            if tells != Tells::Readings && !layout.sensors().nth(i).is_some_and(|own| tells.has(own)) {
                 continue;
             }
             let fresh = core::mem::take(&mut channel.fresh);

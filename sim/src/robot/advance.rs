@@ -108,13 +108,14 @@ impl Robot {
                 }
                 continue;
             }
-            let heard = match port {
-                None => self.hear(spec, arrival, on_robot.0.min(end)),
-                Some(port) => self.hear_port(spec, arrival, port),
-            };
-            // What the laptop's driver hears may make it write.
-            if self.rare.third.is_some() {
-                on_robot = self.next_on_robot(spec);
+            let mut heard = arrival;
+            if let Some(port) = port {
+                // What the laptop's driver hears may make it write.
+                if self.hear_port(spec, arrival, port) {
+                    on_robot = self.next_on_robot(spec);
+                }
+            } else {
+                heard = self.hear(spec, arrival, on_robot.0.min(end));
             }
             if step.is_none() && self.laptop.has_message {
                 step = earliest.map(|earliest| earliest.max(heard));

@@ -64,16 +64,18 @@ impl Robot {
 
     /// Takes the bytes that arrive at `now` on the cable of a sensor's own.
     #[inline(never)]
-    pub(super) fn hear_port(&mut self, spec: &RobotSpec, now: SimTime, k: usize) -> SimTime {
+    pub(super) fn hear_port(&mut self, spec: &RobotSpec, now: SimTime, k: usize) -> bool {
         let i = spec.sensors.ports()[k];
         let cable = self.cable(spec, k);
+        let mut drives = false;
         while let Some(arrival) = self.ports[k].take(cable, now) {
             let answer = self.laptop.receive_from_port(spec, i, arrival, &mut self.ports[k]);
             if let Some(is_start) = answer {
                 self.drive_dialogue(spec, now, k, is_start);
+                drives = true;
             }
         }
-        now
+        drives
     }
 
     /// The cable of port `k` as it is now.

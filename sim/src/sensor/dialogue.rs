@@ -121,13 +121,16 @@ impl DialogueState {
     }
 
     /// The cable at the rate that it has now.
+    #[inline]
     pub(crate) fn cable<'a>(&self, port: &'a Port) -> &'a Link {
         Self::cable_at(port, self.rate)
     }
 
+    #[inline]
     fn cable_at(port: &Port, rate: Option<u8>) -> &Link {
-        let cables = port.dialogue.as_ref().map(|dialogue| &dialogue.cables);
-        let cable = cables.zip(rate).and_then(|(cables, rate)| cables.get(usize::from(rate)));
+        // That of power-on is the usual one, and this is asked for each byte.
+        let Some(rate) = rate else { return &port.link };
+        let cable = port.dialogue.as_ref().and_then(|dialogue| dialogue.cables.get(usize::from(rate)));
         cable.unwrap_or(&port.link)
     }
 

@@ -10,6 +10,9 @@ use crate::scip::{BLOCK_LEN, Characters, FIRST_CHARACTER, LEAST_RANGE_MM, LINE_F
 /// An answer on its way.
 pub(super) struct Reply<'a, E> {
     out: &'a mut E,
+    /// What of the line is not in `out` yet: a line at a time is quicker than a character.
+    line: [u8; BLOCK_LEN + 2],
+    held: usize,
     /// The sum of the line's characters.
     sum: u8,
     /// Characters in the line so far.
@@ -25,7 +28,7 @@ pub(super) struct ScanLayout {
 
 impl<'a, E: Extend<u8>> Reply<'a, E> {
     pub(super) const fn new(out: &'a mut E) -> Self {
-        Self { out, sum: 0, len: 0 }
+        Self { out, line: [0; BLOCK_LEN + 2], held: 0, sum: 0, len: 0 }
     }
 
     pub(super) fn echo(&mut self, line: &[u8]) {
@@ -107,8 +110,8 @@ impl<'a, E: Extend<u8>> Reply<'a, E> {
         // Writing to this never fails.
         let _ = self.write_fmt(text);
         let sum = FIRST_CHARACTER + (self.sum & 0x3f);
-        self.out.extend([b';', sum, LINE_FEED]);
-        (self.sum, self.len) = (0, 0);
+        [b';', sum, LINE_FEED].into_iter().for_each(|byte| self.hold(byte));
+        self.finish_line();
     }
 
     pub(super) fn scan(&mut self, facts: &Description, layout: ScanLayout, time_ms: u32, ranges_m: &[f64]) {
@@ -149,13 +152,33 @@ impl<'a, E: Extend<u8>> Reply<'a, E> {
     }
 
     fn put(&mut self, byte: u8) {
-        self.out.extend([byte]);
+        self.hold(byte);
         self.sum = self.sum.wrapping_add(byte);
         self.len += 1;
     }
 
     fn end_line(&mut self) {
-        self.out.extend([FIRST_CHARACTER + (self.sum & 0x3f), LINE_FEED]);
+        self.hold(FIRST_CHARACTER + (self.sum & 0x3f));
+        self.hold(LINE_FEED);
+        self.finish_line();
+    }
+
+    /// A byte of the line, which may be longer than what there is room for.
+    fn hold(&mut self, byte: u8) {
+        if self.held == self.line.len() {
+            self.release();
+        }
+        self.line[self.held] = byte;
+        self.held += 1;
+    }
+
+    fn release(&mut self) {
+        self.out.extend(self.line[..self.held].iter().copied());
+        self.held = 0;
+    }
+
+    fn finish_line(&mut self) {
+        self.release();
         (self.sum, self.len) = (0, 0);
     }
 }
