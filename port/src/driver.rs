@@ -184,9 +184,10 @@ impl Driver {
         drop(self.told.1.send((self.told.0, told)));
     }
 
-    /// Sends the robot what the program's UART has sent by now.
+    /// Sends the robot what the program's UART has sent by now. A world that is late is not sent what was written after the end of
+    /// the tick that it is in: it would be on the cable too early.
     fn send(&mut self) {
-        let now = self.now_ns();
+        let now = self.clock.map_or(0, |clock| self.now_ns().min(clock.sim_ns + self.step_ns));
         let count = self.sending.partition_point(|read| read.at_ns <= now);
         if count == 0 {
             return;

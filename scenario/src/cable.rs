@@ -125,9 +125,9 @@ pub(super) fn speeds(
     drive: &Drive,
     sensors: &[Sensor],
 ) -> Encoding {
-    let counts_per_turn = sensors.iter().find_map(|sensor| match &sensor.device {
-        Device::Encoders(encoders) if sensor.is_on_wire() => Some(f64::from(encoders.counts_per_turn)),
-        _ => None,
+    let counts_per_turn = sensors.iter().filter(|sensor| sensor.is_on_wire()).find_map(|sensor| {
+        let Device::Encoders(encoders) = &sensor.device else { return None };
+        Some(f64::from(encoders.counts_per_turn))
     });
     let (raw::Protocol::Khepera, Encoding::Signed { bits, .. }, Motors::Velocity(velocity), Some(per_turn)) =
         (protocol, motor, &drive.motor, counts_per_turn)

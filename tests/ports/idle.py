@@ -29,7 +29,7 @@ def exchanges(folder: str, baud: int) -> bool:
             program = [str(HERE / "times.py"), served.places[0], str(baud), str(TIMES), question]
             least_ms, median_ms = json.loads(served.run(program))
             print(
-                f"{question} at {baud} baud, {TIMES} times, beyond its bytes: "
+                f"{question} at {baud} baud, {TIMES} times, beyond its arithmetic: "
                 f"{least_ms:.3f} ms at least, {median_ms:.3f} ms in the median"
             )
             in_time = in_time and least_ms >= 0 and median_ms <= MOST_MS

@@ -111,9 +111,9 @@ def in_time(folder: str) -> None:
     for attempt in range(ATTEMPTS):
         with Served(BAUDBOT, HERE / "khepera.toml", ["pty:khepera.tty"], folder) as served, Probe() as probe:
             least_ms, median_ms = json.loads(served.run([str(HERE / "times.py"), served.places[0], "9600", "50"]))
-        assert least_ms > 0, f"an answer was {-least_ms} ms early"
         late_ms = max(served.latest_ms(), probe.latest_ms)
         if late_ms <= LATE_MS:
+            assert least_ms > 0, f"an answer was {-least_ms} ms early"
             assert median_ms <= LATE_MS, f"half of the answers were more than {median_ms} ms late"
             print(f"khepera: answers {least_ms:.2f} ms late at least, {median_ms:.2f} ms in the median")
             return

@@ -161,7 +161,7 @@ impl Microcontroller {
         let counts = self.counts(spec);
         self.decoder
             .registers()
-            .map_or(counts.map(|count| count as i32), |registers| registers.positions(counts))
+            .map_or_else(|| counts.map(|count| count as i32), |registers| registers.positions(counts))
     }
 
     /// What a register holds, if the robot has it.

@@ -119,10 +119,8 @@ proptest! {
         let bytes = written(|out| write_answer(command, |_| Some(value), out));
         let lines = all(Lines::of_answers(), &bytes);
         let [Ok(line)] = &lines[..] else { panic!("{lines:?}") };
-        let expected = match command {
-            Command::Position => Answer::Positions([value; 2]),
-            _ => Answer::Registers(command),
-        };
+        let is_position = command == Command::Position;
+        let expected = if is_position { Answer::Positions([value; 2]) } else { Answer::Registers(command) };
         prop_assert_eq!(Answer::parse(line, &ROBOT), Ok(expected));
         prop_assert!(bytes.len() <= 128);
     }
