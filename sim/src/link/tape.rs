@@ -10,7 +10,7 @@ use crate::time::SimTime;
 pub enum Cable {
     /// From its microcontroller to the laptop.
     Robot,
-    /// Of a sensor's own, by the sensor's place in [`RobotSpec::sensors`](crate::model::RobotSpec::sensors).
+    /// Of a sensor's own, by the sensor's place among the sensors of the robot's [model](crate::model::RobotModel).
     Sensor(usize),
 }
 
