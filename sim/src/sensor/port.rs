@@ -151,20 +151,21 @@ impl Port {
     /// it is a scan that is none of the sensor's readings: another program has asked for it.
     #[inline]
     fn hear(&self, device: &Device, received: &mut Vec<u8>, at: SimTime) -> Received {
-        match self.dialogue {
-            None => self.format.hear(device, received, at),
-            Some(_) => self.hear_answer(device, received, at),
+        // Of a dialogue only the end of a message needs more than this.
+        if self.dialogue.is_some() && received.ends_with(b"\n\n") {
+            return self.hear_answer(device, received, at);
         }
+        self.format.hear(device, received, at)
     }
 
+    /// What has come is a whole message of a device that answers.
     #[cold]
     #[inline(never)]
     fn hear_answer(&self, device: &Device, received: &mut Vec<u8>, at: SimTime) -> Received {
-        let is_answer = received.ends_with(b"\n\n")
-            && match scip::status(received) {
-                Some(status) if status == *b"99" => dialogue::is_foreign(&self.format, received),
-                status => status.is_some(),
-            };
+        let is_answer = match scip::status(received) {
+            Some(status) if status == *b"99" => dialogue::is_foreign(&self.format, received),
+            status => status.is_some(),
+        };
         let is_start = is_answer && dialogue::is_start(received);
         match self.format.hear(device, received, at) {
             Received::Bad if is_answer => Received::Answer(is_start),
