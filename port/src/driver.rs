@@ -243,7 +243,7 @@ impl Driver {
     fn room(&self) -> usize {
         let on_cable = self.cable.room(self.settings(), self.now_ns(), self.window_ns());
         let in_driver = self.clock.map_or(0, |clock| self.cable.unsent(clock.sim_ns));
-        let held = self.held.load(Ordering::Relaxed);
+        let held = self.held.load(Ordering::Relaxed) + self.sending.len();
         on_cable.min(MOST_HELD.saturating_sub(held)).min(DRIVER_BYTES.saturating_sub(in_driver))
     }
 
