@@ -278,7 +278,7 @@ mod tests {
         ("W3/1000", 0x3fe7_3622_421f_6263),
         ("W4", 0x4f9c_fedc_3b58_b8a1),
         ("W4s/onboard", 0xd1d8_143e_a7c7_826b),
-        ("W4s/cable", 0x4026_b805_d7bd_f7f8),
+        ("W4s/cable", 0xf60a_7506_2396_2d3c),
         ("G", 0xb4eb_3d15_1ccd_73d7),
     ];
 

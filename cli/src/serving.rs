@@ -136,9 +136,9 @@ async fn summaries(server: &Server, worlds: &[(String, Arc<Scenario>)]) -> anyho
     let mut control = connect::control(server.channel().await?);
     let mut text = String::new();
     for (name, scenario) in worlds {
-        // It stands from here on, so that its recording ends with the tick that is told. An operator may have deleted it.
-        let request = v1::PauseWorldRequest { world: name.clone() };
-        let Ok(answer) = control.pause_world(request).await else { continue };
+        let request = v1::GetWorldRequest { world: name.clone() };
+        // An operator may have deleted it.
+        let Ok(answer) = control.get_world(request).await else { continue };
         let status = answer.into_inner().status.unwrap_or_default();
         if status.tick > 0 {
             let summary = Summary::new(scenario, &status, true, &Assigned::default(), Over::Grpc);

@@ -236,35 +236,6 @@ fn a_server_goes_on_where_a_recording_ends() {
 }
 
 #[test]
-fn what_a_server_sums_up_is_what_its_recording_has() {
-    let (socket, file) = (place("summed-up.sock"), place("summed-up.mcap"));
-    let address = format!("unix:{}", text(&socket));
-    let mut server = Running::start(&[
-        "serve",
-        "wander",
-        "--viewer",
-        "off",
-        "--listen",
-        &address,
-        "--record",
-        text(&file),
-    ]);
-    server.lines_until("world wander");
-    while good(&["watch", "--connect", &address, "--once"]).contains("  tick 0") {}
-    server.signal("-INT");
-    let (code, out, err) = server.end();
-    assert_eq!(code, 0, "{err}");
-    let told = |label: &str| {
-        let line = out.lines().find(|line| line.starts_with(label)).unwrap_or_else(|| panic!("{out}"));
-        line[label.len()..].trim().to_owned()
-    };
-    let replayed = good(&["replay", text(&file)]);
-    let ticks = told("ticks").split(' ').next().unwrap().to_owned();
-    assert!(replayed.contains(&format!("ticks 0 to {ticks} ")), "{ticks}: {replayed}");
-    assert!(replayed.contains(&format!("identical: state hash {}", told("state hash"))), "{out}{replayed}");
-}
-
-#[test]
 fn a_fork_goes_on_with_other_brains() {
     let file = place("forked.mcap");
     good(&["run", "wander", "--seconds", "2", "--quiet", "--record", text(&file)]);
