@@ -33,7 +33,7 @@ pub enum Begin {
     /// Nobody: the device is silent until something is written to its port.
     Asked,
     /// A driver of the laptop's, which lights the laser and asks for scans without an end when the run begins, and lets go of
-    /// it while a program has the port open.
+    /// it while a serial port of `serve` is there for programs.
     Driver,
 }
 
