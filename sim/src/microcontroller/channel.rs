@@ -43,7 +43,7 @@ impl Channel {
         // What differs from one specimen to the next has a stream of its own, so that the noise does not depend on
         // it.
         let specimen = &mut Stream::of(seed, &[&spec.name, "/", &sensor.name, ":specimen"]);
-        let due = if sensor.is_on_wire() {
+        let due = if sensor.is_on_wire() && spec.chip.is_none() {
             sensor.schedule.start()
         } else {
             Due { next: SimTime::NEVER, missed: 0 }
