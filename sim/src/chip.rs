@@ -43,12 +43,10 @@ pub enum Attached {
         /// How much it is higher for each unit of the value, in volts.
         volts_per_unit: f64,
     },
-    /// A value of a sensor that is a switch: closed unless it is 0.
+    /// A sensor that is a switch.
     Contact {
         /// The sensor's place.
         sensor: usize,
-        /// The place of the value in its readings.
-        value: usize,
     },
     /// The encoder of a wheel.
     Wheel(Side),

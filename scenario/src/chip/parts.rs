@@ -202,8 +202,10 @@ impl Part<'_> {
             }
             Device::Sonar(_) => Ok((Kind::Ping(Ping), Attached::Sonar { sensor: place })),
             Device::Compass(_) => Ok((Kind::Compass(Compass), Attached::Compass { sensor: place })),
-            Device::Whisker(_) | Device::Bumper(_) => {
-                Ok((Kind::Switch(self.switch(&sensor.name)?), Attached::Contact { sensor: place, value: 0 }))
+            Device::Whisker(baudbot_sim::sensor::Whisker { switch, .. })
+            | Device::Bumper(baudbot_sim::sensor::Bumper { switch, .. }) => {
+                let bounce_us = u32::try_from(switch.bounce_ns / 1000).unwrap_or(u32::MAX);
+                Ok((Kind::Switch(self.switch(&sensor.name, bounce_us)), Attached::Contact { sensor: place }))
             }
             Device::Floor(_) if self.is_timed() => {
                 Ok((Kind::Reflectance(Reflectance), Attached::Reflectance { sensor: place, value: 0 }))
@@ -238,15 +240,14 @@ impl Part<'_> {
         self.option(|options| options.rc).unwrap_or_else(|| !self.terminals.iter().all(on_adc))
     }
 
-    fn switch(&self, name: &str) -> Result<Switch> {
+    /// A switch to ground, which bounces as its sensor does.
+    fn switch(&self, name: &str, bounce_us: u32) -> Switch {
         let pull = match self.option(|options| options.pull) {
             Some(pins::Pull::External) => Pull::External,
             Some(pins::Pull::Internal) | None => Pull::Internal,
         };
-        let bounce_ms = self.option(|options| options.bounce_ms).unwrap_or(USUAL_BOUNCE_MS);
-        let bounce_ms = self.path.within("bounce_ms", bounce_ms, 0.0, 100.0)?;
         let seed = name.bytes().fold(1, |seed: u64, byte| seed.wrapping_mul(31).wrapping_add(byte.into()));
-        Ok(Switch { pull, bounce_us: (bounce_ms * 1e3) as u32, seed })
+        Switch { pull, bounce_us, seed }
     }
 
     /// A value as a voltage: as it is, if it is one; else the range of its code is that of the supply.
@@ -328,6 +329,3 @@ impl Part<'_> {
 
 /// The chip's supply, in volts.
 const SUPPLY_V: f64 = 5.0;
-
-/// J. Ganssle, *A Guide to Debouncing*: 1.6 ms on average.
-const USUAL_BOUNCE_MS: f64 = 1.6;

@@ -55,6 +55,11 @@ impl Microcontroller {
         (&channel.values, ping)
     }
 
+    /// Whether a switch was pressed when it was last read, however it bounced.
+    pub(crate) fn is_pressed(&self, i: usize) -> bool {
+        self.channels.get(i).is_some_and(Channel::is_pressed)
+    }
+
     fn acquire_alike<'a>(
         &mut self,
         spec: &'a RobotSpec,

@@ -108,6 +108,11 @@ impl Channel {
         effect
     }
 
+    /// Whether the device is a switch that was pressed at the last read.
+    pub(super) fn is_pressed(&self) -> bool {
+        matches!(&self.memory, Memory::Touch(contact) if contact.is_pressed())
+    }
+
     /// Reads that fell due while the processor was busy and were left out.
     pub(crate) fn missed(&self) -> u64 {
         self.due.missed

@@ -171,7 +171,7 @@ impl Robot {
         self.downlink.lose_before(&spec.link, now);
         self.microcontroller.reset(spec, now);
         if let Some(chip) = &mut self.rare.fourth {
-            chip.reset(now, spec.processor.bootloader_ns, &spec.link);
+            chip.reset(now, SimTime::from_ns(spec.processor.bootloader_ns), &spec.link);
         }
     }
 

@@ -55,6 +55,15 @@ impl<'a> Around<'a> {
     }
 }
 
+impl Around<'_> {
+    /// Whether a switch is pressed at the start of the tick. Its contact bounces on the board.
+    pub(super) fn is_pressed(&mut self, sensor: usize) -> bool {
+        let start = self.tick_start();
+        self.value(sensor, 0, start);
+        self.microcontroller.is_pressed(sensor)
+    }
+}
+
 /// The sensors as a board asks for them.
 pub(super) struct Senses<'a, 'b> {
     pub(super) spec: &'a ChipSpec,

@@ -100,10 +100,10 @@ impl ChipState {
         self.world(self.board.now_ns())
     }
 
-    /// The chip is reset at `now`, and starts so much later.
-    pub(crate) fn reset(&mut self, now: SimTime, bootloader_ns: u64, link: &Link) {
+    /// The chip is reset at `now`, and starts at an instant.
+    pub(crate) fn reset(&mut self, now: SimTime, start: SimTime, link: &Link) {
         self.board.reset();
-        self.offset_ns = (now + bootloader_ns).as_ns().saturating_sub(self.board.now_ns());
+        self.offset_ns = start.max(now).as_ns().saturating_sub(self.board.now_ns());
         self.laptop = uart::receiver(link);
     }
 
@@ -154,8 +154,8 @@ impl ChipState {
         }
         self.travel_m = travel_m;
         for (closed, attached) in self.contacts.iter_mut().zip(spec.attached()) {
-            if let Attached::Contact { sensor, value } = *attached {
-                *closed = around.value(sensor, value, around.tick_start()) != 0.0;
+            if let Attached::Contact { sensor } = *attached {
+                *closed = around.is_pressed(sensor);
             }
         }
     }
