@@ -44,6 +44,28 @@ pub enum WarningKind {
     Unsupported(Unsupported),
 }
 
+impl core::fmt::Display for WarningKind {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::FloatingInput => "an input is read that nothing drives and that has no pull-up",
+            Self::DigitalReadOfVoltage => "a voltage is read as a digital input, which sees nothing of it",
+            Self::Short => "an output drives against another one: a short circuit",
+            Self::OpenAdcInput => "the ADC measures a pin on which there is nothing",
+            Self::ShortTrigger => "a trigger pulse is too short for the sensor, which does nothing",
+            Self::OddServoPulse => "a pulse is not between 500 and 2500 µs, and the servo ignores it",
+            Self::ReceiverOff => "a character came while the UART's receiver was off",
+            Self::Overrun => "a character came while the receiver's buffer was full, and was lost",
+            Self::SentLost => "characters were sent faster than they could be taken, and were lost",
+            Self::IllegalInstruction => "a word was executed that is no instruction",
+            Self::BeyondMemory => "data beyond the memory were read or written",
+            Self::StackOverflow => "the stack has grown into the variables",
+            Self::Break => "BREAK was executed, for which only a debugger stops",
+            Self::WatchdogReset => "the watchdog has reset the chip",
+            Self::Unsupported(what) => return write!(f, "the program uses what is not simulated: {what}"),
+        })
+    }
+}
+
 /// Something suspicious, and how often it happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Warning {

@@ -119,6 +119,10 @@ fn robots_are_as_fast_as_the_real_ones() {
         ("create-1", 0.5, 3.88),
         ("create-2", 0.5, 4.26),
         ("chalmers-40cm", 0.8, 4.7),
+        // Nobody makes these: what their motors' numbers give.
+        ("uno-rover", 1.0, 10.5),
+        ("boe-bot-shield", 0.168, 3.2),
+        ("line-follower", 0.655, 14.5),
         ("arsim", 0.7851, 4.512),
     ];
     assert_eq!(real.len(), of_kind(PresetKind::Robot).count());

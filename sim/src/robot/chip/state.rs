@@ -86,7 +86,7 @@ impl ChipState {
     }
 
     /// The world's instant of one of the board's, in nanoseconds.
-    pub(super) fn world(&self, board_ns: u64) -> SimTime {
+    pub(crate) fn world(&self, board_ns: u64) -> SimTime {
         SimTime::from_ns(self.offset_ns.saturating_add(board_ns))
     }
 
@@ -98,6 +98,11 @@ impl ChipState {
     /// Until when the chip is held in reset.
     pub(super) fn held_until(&self) -> SimTime {
         self.world(self.board.now_ns())
+    }
+
+    /// The board.
+    pub(crate) fn board(&self) -> &Board {
+        &self.board
     }
 
     /// The chip is reset at `now`, and starts at an instant.
