@@ -3,6 +3,9 @@
 //! Source: data sheet, section *Asynchronous Data Reception*. Of the samples of a bit, 1 to 16, those numbered 8, 9 and 10
 //! are a vote; of 8 samples with U2X, those numbered 4, 5 and 6. Sample 1 of a start bit is the first that is low after one
 //! that was high. The first stop bit ends with its vote: what follows may be a start bit.
+//!
+//! As two samples of three are enough for a stop bit, too, the receiver takes senders that are slower by one sample than the
+//! data sheet's R_slow, with which all three are right. `tests/uart_sweep.rs` has both limits to the cycle.
 
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
