@@ -71,6 +71,8 @@ pub struct Chip {
     /// What follows the instruction that has just been executed.
     pending: Pending,
     watchdog_resets: u32,
+    /// Warnings since the last reset that a program out of control causes with each instruction.
+    often_warned: u8,
     clock: Clock,
     ports: Ports,
     timers: [Timer; 3],
@@ -121,6 +123,7 @@ impl Chip {
             waiting: Waiting::NOWHERE,
             pending: Pending::Nothing,
             watchdog_resets: 0,
+            often_warned: 0,
             clock: Clock::new(0),
             ports: Ports::default(),
             timers: [Which::T0, Which::T1, Which::T2].map(|which| Timer::new(which, 0)),

@@ -47,7 +47,7 @@ impl Chip {
         self.sp = self.part.ram_end();
         let in_boot = self.fuses.starts_in_boot_section(self.part);
         self.pc = if in_boot { self.fuses.boot_start(self.part) } else { 0 };
-        (self.inhibited, self.pending) = (false, Pending::Nothing);
+        (self.inhibited, self.pending, self.often_warned) = (false, Pending::Nothing, 0);
         self.ports.reset();
         self.timers = [Which::T0, Which::T1, Which::T2].map(|which| Timer::new(which, now));
         self.usart.reset(now);

@@ -206,9 +206,6 @@ impl Chip {
             usart::Register::ControlC if self.usart.is_synchronous() => {
                 self.warn(Warning::Unsupported(Unsupported::SynchronousUsart), board);
             }
-            usart::Register::ControlA if self.usart.is_multi_processor() => {
-                self.warn(Warning::Unsupported(Unsupported::MultiProcessorMode), board);
-            }
             usart::Register::ControlA
             | usart::Register::ControlC
             | usart::Register::Baud
@@ -242,7 +239,6 @@ impl Chip {
         match self.twi.write(register, value, self.cycle) {
             Wanted::Nothing => {}
             Wanted::Stop => board.twi_stop(self.now()),
-            Wanted::Slave => self.warn(Warning::Unsupported(Unsupported::TwiSlave), board),
         }
         if register == crate::twi::Register::Control {
             self.override_twi_pins();
