@@ -57,6 +57,7 @@ mod adc;
 mod address;
 mod alu;
 mod board;
+mod checked;
 mod chip;
 mod clock;
 mod comparator;
