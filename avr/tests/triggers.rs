@@ -58,11 +58,13 @@ fn write(chip: &mut Chip, writes: &[(u16, u8)]) {
     }
 }
 
+/// ADTS, registers that are written at once, cycles from there to the trigger.
+type Case = (u8, &'static [(u16, u8)], u64);
+
 #[test]
 fn each_trigger_starts_a_conversion_that_samples_two_clocks_and_three_cycles_later() {
     let pin = |port, bit| Pin::new(port, bit).unwrap();
-    // ADTS, registers that are written at once, cycles from there to the trigger.
-    let cases: [(u8, &[(u16, u8)], u64); 7] = [
+    let cases: [Case; 7] = [
         (1, &[(ACSR, 0x03)], 300),
         // INT0 on a falling edge.
         (2, &[(EICRA, 2)], 300),
