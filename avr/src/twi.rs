@@ -96,6 +96,10 @@ impl Twi {
         }
     }
 
+    pub(crate) const fn is_possible(&self) -> bool {
+        self.prescaler <= 3
+    }
+
     pub(crate) const fn requests(&self) -> bool {
         self.control & (FLAG | INTERRUPT) == FLAG | INTERRUPT
     }

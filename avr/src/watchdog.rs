@@ -49,7 +49,10 @@ impl Watchdog {
 
     /// Whether this watchdog can exist at a period.
     pub(crate) const fn is_possible(&self, clock_hz: u32, period: u64) -> bool {
-        self.clock_hz == clock_hz && self.started <= period && self.deadline < 1 << 62
+        self.clock_hz == clock_hz
+            && self.started <= period
+            && self.deadline < 1 << 62
+            && self.next_event() >= period
     }
 
     pub(crate) const fn requests(&self) -> bool {

@@ -52,6 +52,8 @@ impl Chip {
             && self.watchdog.is_possible(self.supply.clock_hz, self.now())
             && self.timers.iter().enumerate().all(|(which, timer)| timer.is_possible(which, self.cycle))
             && self.usart.is_possible(self.cycle)
+            && self.adc.is_possible(self.cycle)
+            && self.twi.is_possible()
     }
 
     /// The present instant, or the last of all if the clock is none.

@@ -179,7 +179,8 @@ impl Receiver {
         if sampling.bit == 0 && vote {
             // Noise, not a start bit.
             self.state = State::Idle;
-        } else if sampling.bit == stop {
+        } else if sampling.bit >= stop {
+            // The program may have made characters shorter meanwhile.
             self.finish(sampling.bits, vote, format);
         } else {
             sampling.bits |= u16::from(vote) << sampling.bit;

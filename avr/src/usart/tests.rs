@@ -256,6 +256,20 @@ fn nine_bits_have_the_ninth_in_ucsr0b() {
 }
 
 #[test]
+fn a_character_ends_if_the_program_makes_characters_shorter_while_it_comes() {
+    for when in (1000..2680).step_by(40) {
+        let mut usart = usart(9, 0, EIGHT_E_1);
+        let bit = BitLength::new(160, 1).unwrap();
+        usart.put(0, Frame::new(0x1FF, 9, Parity::Even, 2), 1000, bit).unwrap();
+        usart.put(0, Frame::new(0x15, 5, Parity::None, 1), 4000, bit).unwrap();
+        run(&mut usart, when);
+        usart.write(Register::ControlC, 0, when);
+        run(&mut usart, 6000);
+        assert_eq!((usart.read(Register::Data), usart.read(Register::Data)), (0x1F, 0x15), "{when}");
+    }
+}
+
+#[test]
 fn in_multi_processor_mode_only_addresses_are_received() {
     let bit = BitLength::new(160, 1).unwrap();
     let mut usart = usart(9, MULTI_PROCESSOR, EIGHT_N_1);
