@@ -110,6 +110,13 @@ fn stored(chip: &Chip) -> Chip {
     postcard::from_bytes(&postcard::to_allocvec(chip).unwrap()).expect("what was saved is loaded")
 }
 
+/// The first fields in which two chips differ.
+fn difference(one: &Chip, other: &Chip) -> String {
+    let (one, other) = (format!("{one:#?}"), format!("{other:#?}"));
+    let differ = one.lines().zip(other.lines()).enumerate().filter(|(_, (one, other))| one != other);
+    differ.take(5).map(|(at, (one, other))| format!("line {at}: {one} and {other}; ")).collect()
+}
+
 /// More with `BAUDBOT_AVR_PROGRAMS`.
 fn cases(usual: u32) -> ProptestConfig {
     let cases = std::env::var("BAUDBOT_AVR_PROGRAMS").map_or(usual, |cases| cases.parse().unwrap());
@@ -148,7 +155,7 @@ proptest! {
                 parts = stored(&parts);
             }
             prop_assert_eq!(&sum, &sum_of_parts, "{:?}", part);
-            prop_assert!(whole == parts, "{:?}", part);
+            prop_assert!(whole == parts, "{:?}: {}", part, difference(&whole, &parts));
         }
     }
 }
