@@ -127,3 +127,35 @@ fn free_running_conversions_sample_every_13_clocks() {
     assert_eq!(board.at, expected);
     assert!(board.at.len() >= 9);
 }
+
+/// Switching to a source that is set is a rising edge of the trigger.
+#[test]
+fn a_source_whose_flag_has_long_been_set_starts_a_conversion_when_it_is_chosen() {
+    let mut chip = chip();
+    let mut board = Samples::default();
+    write(&mut chip, &[(TCCR0B, 1)]);
+    chip.run(chip.now() + 10_000, &mut board);
+    let now = chip.now();
+    for (address, value) in [(ADCSRA, TRIGGERED), (ADCSRB, 4)] {
+        chip.write_data(address, value, &mut board);
+    }
+    chip.run(now + 1000, &mut board);
+    assert_eq!(board.at, [now + 3 + 2 * CLOCK]);
+}
+
+#[test]
+fn edges_of_a_timer_before_its_pin_was_watched_request_no_pin_change_interrupt() {
+    use baudbot_avr::{Channel, PwmReport, Timer};
+    let mut chip = chip();
+    chip.set_pwm_report(Timer::T0, Channel::A, PwmReport::Shape);
+    // OC0A on PD6 toggles every 256 cycles.
+    write(&mut chip, &[(0x2A, 0x40), (0x44, 0x40), (TCCR0B, 1)]);
+    let start = chip.now();
+    chip.run(start + 10_100, &mut Bare);
+    // PCMSK2 and PCIFR.
+    write(&mut chip, &[(0x6D, 0x40)]);
+    chip.run(start + 10_200, &mut Bare);
+    assert_eq!(chip.read_data(0x3B, &mut Bare), 0);
+    chip.run(start + 10_500, &mut Bare);
+    assert_eq!(chip.read_data(0x3B, &mut Bare), 4);
+}

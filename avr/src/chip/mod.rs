@@ -163,6 +163,7 @@ impl Chip {
     /// How an output of a timer is reported from now on: OCnA is channel 0, OCnB 1. All begin with
     /// [`PwmReport::Edges`].
     pub fn set_pwm_report(&mut self, timer: Which, channel: Channel, report: PwmReport) {
+        self.timers[timer as usize].advance(self.cycle);
         self.outputs.reports[timer as usize][channel as usize] = report;
         self.watch_timers();
         self.schedule();

@@ -131,6 +131,8 @@ impl Chip {
                 self.cycle += self.eeprom.write(register, value, now, period, clock_hz);
             }
             Place::External(register) => {
+                // A timer that nobody has waited for lags behind: before that changes, it is brought to the present.
+                self.refresh_timers(now, board);
                 self.external.write(register, value);
                 self.watch_timers();
             }
@@ -215,6 +217,7 @@ impl Chip {
     }
 
     fn write_adc<B: Board>(&mut self, register: adc::Register, value: u8, board: &mut B) {
+        self.refresh_timers(self.cycle, board);
         self.adc.write(register, value, self.cycle);
         self.watch_timers();
         if self.adc.has_reserved_reference() {
