@@ -140,7 +140,7 @@ pub enum Warning {
 /// What is not simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Unsupported {
-    /// Timer 2 with a crystal of its own (AS2).
+    /// Timer 2 with a crystal of its own (AS2), on a chip whose clock source takes the crystal's pins.
     AsynchronousTimer,
     /// A synchronous mode of the USART (UMSEL).
     SynchronousUsart,

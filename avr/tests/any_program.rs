@@ -69,7 +69,8 @@ fn words() -> impl Strategy<Value = Vec<u16>> {
 fn chip(words: &[u16], slow_clock: bool) -> Chip {
     // A small flash is loaded quickly, and `SPM` works in all of it.
     let part = Part::Atmega48A;
-    let fuses = Fuses { low: if slow_clock { 0x40 } else { 0xC0 }, ..Fuses::factory(part) };
+    // One with an external clock divided by 8, one with an internal oscillator, which leaves its pins to a crystal.
+    let fuses = Fuses { low: if slow_clock { 0x40 } else { 0xC2 }, ..Fuses::factory(part) };
     Chip::new(&Program::from_words(part, words).unwrap(), fuses, Supply::ARDUINO)
 }
 

@@ -105,8 +105,8 @@ impl Chip {
     /// A warning that a program out of control would cause with each instruction.
     #[cold]
     pub(super) fn warn_often<B: Board>(&mut self, warning: Warning, board: &mut B) {
-        if self.often_warned < MOST_WARNINGS {
-            self.often_warned += 1;
+        if self.system.often_warned < MOST_WARNINGS {
+            self.system.often_warned += 1;
             self.warn(warning, board);
         }
     }

@@ -1,5 +1,6 @@
 //! A chip: processor, memories and peripherals, as one value.
 
+mod crystal;
 mod debug;
 mod events;
 mod execute;
@@ -71,8 +72,6 @@ pub struct Chip {
     /// What follows the instruction that has just been executed.
     pending: Pending,
     watchdog_resets: u32,
-    /// Warnings since the last reset that a program out of control causes with each instruction.
-    often_warned: u8,
     clock: Clock,
     ports: Ports,
     timers: [Timer; 3],
@@ -123,7 +122,6 @@ impl Chip {
             waiting: Waiting::NOWHERE,
             pending: Pending::Nothing,
             watchdog_resets: 0,
-            often_warned: 0,
             clock: Clock::new(0),
             ports: Ports::default(),
             timers: [Which::T0, Which::T1, Which::T2].map(|which| Timer::new(which, 0)),
@@ -163,7 +161,8 @@ impl Chip {
     /// How an output of a timer is reported from now on: OCnA is channel 0, OCnB 1. All begin with
     /// [`PwmReport::Edges`].
     pub fn set_pwm_report(&mut self, timer: Which, channel: Channel, report: PwmReport) {
-        self.timers[timer as usize].advance(self.cycle);
+        let now = self.timer_time(timer, self.cycle);
+        self.timers[timer as usize].advance(now);
         self.outputs.reports[timer as usize][channel as usize] = report;
         self.watch_timers();
         self.schedule();

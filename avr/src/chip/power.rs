@@ -47,7 +47,7 @@ impl Chip {
         self.sp = self.part.ram_end();
         let in_boot = self.fuses.starts_in_boot_section(self.part);
         self.pc = if in_boot { self.fuses.boot_start(self.part) } else { 0 };
-        (self.inhibited, self.pending, self.often_warned) = (false, Pending::Nothing, 0);
+        (self.inhibited, self.pending) = (false, Pending::Nothing);
         self.ports.reset();
         self.timers = [Which::T0, Which::T1, Which::T2].map(|which| Timer::new(which, now));
         self.usart.reset(now);
@@ -74,8 +74,8 @@ impl Chip {
         self.cycle += 1;
         self.service(board);
         self.state = State::Asleep(sleep);
+        self.apply_power();
         if sleep == Sleep::AdcNoiseReduction {
-            self.apply_power();
             self.adc.sleep(self.cycle);
         }
         self.schedule();
@@ -126,7 +126,10 @@ impl Chip {
         for (which, bit) in
             [(Which::T0, power::TIMER0), (Which::T1, power::TIMER1), (Which::T2, power::TIMER2)]
         {
-            self.timers[which as usize].set_off(self.cycle, asleep || off & bit != 0);
+            let now = self.timer_time(which, self.cycle);
+            let crystal = which == Which::T2 && self.has_crystal();
+            let off = if crystal { self.stops_crystal() } else { asleep || off & bit != 0 };
+            self.timers[which as usize].set_off(now, off);
         }
         self.adc.set_off(off & power::ADC != 0);
     }

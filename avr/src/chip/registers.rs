@@ -11,9 +11,6 @@ use crate::timer::{self, Which};
 use crate::twi::Wanted;
 use crate::usart;
 
-/// ASSR: timer 2 from a crystal of its own.
-const ASYNCHRONOUS: u8 = 1 << 5;
-
 impl Chip {
     /// Reads a register at the present cycle.
     #[inline]
@@ -87,8 +84,9 @@ impl Chip {
         match place {
             Place::Port(port, register) => self.read_port(port, register, board),
             Place::Timer(which, register) => {
+                let time = self.timer_time(which, now);
                 let timer = &mut self.timers[which as usize];
-                timer.advance(now);
+                timer.advance(time);
                 timer.read(register)
             }
             Place::Usart(register) => {
@@ -189,8 +187,9 @@ impl Chip {
 
     fn write_timer<B: Board>(&mut self, which: Which, register: timer::Register, value: u8, board: &mut B) {
         let now = self.cycle;
+        let time = self.timer_time(which, now);
         let timer = &mut self.timers[which as usize];
-        timer.advance(now);
+        timer.advance(time);
         timer.write(register, value);
         if timer.has_reserved_mode() {
             self.warn(Warning::Unsupported(Unsupported::ReservedTimerMode(which)), board);
@@ -251,9 +250,6 @@ impl Chip {
 
     fn write_system<B: Board>(&mut self, register: system::Register, value: u8, board: &mut B) {
         let now = self.cycle;
-        if register == system::Register::AsynchronousStatus && value & ASYNCHRONOUS != 0 {
-            self.warn(Warning::Unsupported(Unsupported::AsynchronousTimer), board);
-        }
         match self.system.write(register, value, now) {
             Effect::Nothing => {}
             Effect::Prescale(shift) => {
@@ -272,7 +268,21 @@ impl Chip {
                 self.refresh_timers(now, board);
             }
             Effect::ResetPrescalers(value) => self.reset_prescalers(value),
+            Effect::Asynchronous => self.choose_crystal(value, board),
         }
+    }
+
+    /// Timer 2 takes its other clock.
+    fn choose_crystal<B: Board>(&mut self, value: u8, board: &mut B) {
+        self.timers[Which::T2 as usize].advance(self.timer_time(Which::T2, self.cycle));
+        self.system.set_asynchronous(value);
+        if self.system.is_asynchronous() && !self.has_crystal() {
+            self.warn(Warning::Unsupported(Unsupported::AsynchronousTimer), board);
+        }
+        let now = self.timer_time(Which::T2, self.cycle);
+        self.timers[Which::T2 as usize].count_from(now);
+        self.apply_power();
+        self.refresh_timer(Which::T2, self.cycle, board);
     }
 
     fn reset_prescalers(&mut self, value: u8) {
@@ -283,9 +293,10 @@ impl Chip {
             (Which::T2, system::RESET_TIMER2),
         ] {
             let held = value & system::HOLD != 0 && value & bit != 0;
+            let time = self.timer_time(which, now);
             let timer = &mut self.timers[which as usize];
             if value & bit != 0 || timer.is_held() {
-                timer.reset_prescaler(now, held);
+                timer.reset_prescaler(time, held);
             }
         }
     }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Chip, State, Waiting};
 use crate::clock::LATEST;
+use crate::timer::Which;
 
 impl Serialize for Chip {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -52,7 +53,10 @@ impl Chip {
         (self.limit, self.waiting) == (0, Waiting::NOWHERE)
             && self.supply.clock_hz > 0
             && self.watchdog.is_possible(self.supply.clock_hz, self.end_of_reset())
-            && self.timers.iter().enumerate().all(|(which, timer)| timer.is_possible(which, self.cycle))
+            && [Which::T0, Which::T1, Which::T2]
+                .into_iter()
+                .zip(&self.timers)
+                .all(|(which, timer)| timer.is_possible(which as usize, self.timer_time(which, self.cycle)))
             && self.usart.is_possible(self.cycle)
             && self.adc.is_possible(self.cycle)
             && self.twi.is_possible()

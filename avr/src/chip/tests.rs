@@ -130,6 +130,55 @@ fn a_twi_slave_whom_nobody_calls_waits_and_causes_no_warning() {
     assert_eq!(told.warnings, []);
 }
 
+/// A chip of 8 MHz by its internal oscillator, that sleeps in this mode; timer 2 with its crystal overflows each second.
+fn clock_of_seconds(sleep: u8) -> Chip {
+    let part = Part::Atmega328P;
+    // rjmp 32; at 9, the overflow of timer 2: inc r20; reti; at 33: sei; sleep; rjmp .-4
+    let mut words = [0u16; 40];
+    words[0] = 0xC020;
+    (words[18], words[19]) = (0x9543, 0x9518);
+    (words[33], words[34], words[35]) = (0x9478, 0x9588, 0xCFFE);
+    let program = Program::from_words(part, &words).unwrap();
+    let supply = Supply { clock_hz: 8_000_000, ..Supply::ARDUINO };
+    let mut chip = Chip::new(&program, Fuses { low: 0xE2, ..Fuses::external_clock(part) }, supply);
+    let start = chip.next_event().unwrap();
+    chip.run(start, &mut Bare);
+    // AS2; the division by 128; TOIE2; the sleep mode.
+    write(&mut chip, &mut Bare, &[(0xB6, 0x20), (0xB1, 5), (0x70, 1), (0x53, sleep << 1 | 1)]);
+    chip
+}
+
+#[test]
+fn timer_2_with_its_crystal_wakes_each_second_from_power_save_and_not_from_power_down() {
+    for (sleep, seconds) in [(0, 5), (1, 5), (3, 5), (7, 5), (2, 0), (6, 0)] {
+        let mut chip = clock_of_seconds(sleep);
+        let start = chip.now();
+        for at in 1..=55 {
+            chip.run(start + 800_000 * at, &mut Bare);
+            chip = postcard::from_bytes(&postcard::to_allocvec(&chip).unwrap()).unwrap();
+        }
+        assert_eq!(chip.general_registers()[20], seconds, "sleep mode {sleep}");
+    }
+}
+
+#[test]
+fn timer_2_with_its_crystal_counts_32768_in_a_second_whatever_the_processor_does() {
+    let mut chip = clock_of_seconds(0);
+    write(&mut chip, &mut Bare, &[(0xB1, 1)]);
+    assert_eq!(chip.read_data(0xB6, &mut Bare), 0x20);
+    let counts = |at: u64| at * 32_768 / 8_000_000;
+    let start = chip.now();
+    for later in [1, 244, 245, 489, 1000, 20_000, 62_000] {
+        chip.run(start + later, &mut Bare);
+        let found = u64::from(chip.read_data(0xB2, &mut Bare));
+        assert_eq!(found, counts(chip.now()) - counts(start), "{later}");
+    }
+    // Without its crystal it counts cycles again.
+    write(&mut chip, &mut Bare, &[(0xB6, 0), (0xB2, 0)]);
+    run(&mut chip, 100, &mut Bare);
+    assert_eq!(chip.read_data(0xB2, &mut Bare), 100);
+}
+
 #[test]
 fn a_stack_that_reaches_the_variables_is_told_once() {
     // push r0; rjmp .-4
