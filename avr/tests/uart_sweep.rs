@@ -24,6 +24,8 @@
 //! a long row of characters this adds up. For rows without end the edge must come behind the last sample of the vote (point A
 //! in the figure *Stop Bit Sampling and Next Start Bit Sampling*), which is one sample of (D + 1) S slower.
 
+use std::sync::OnceLock;
+
 use baudbot_avr::usart::{BitLength, Frame, Parity, Sent};
 use baudbot_avr::{Bare, Board, Chip, External, Fuses, Part, Pin, Port, Program, Supply};
 
@@ -122,11 +124,7 @@ impl Setting {
 
     /// A chip that sleeps, with its USART on, and a cycle with a tick of the baud-rate generator.
     fn chip(self) -> (Chip, u64) {
-        // sleep; rjmp .-4
-        let program = Program::from_words(Part::Atmega328P, &[0x9588, 0xCFFE]).unwrap();
-        let mut chip = Chip::new(&program, Fuses::external_clock(Part::Atmega328P), Supply::ARDUINO);
-        let start = chip.next_event().unwrap();
-        chip.run(start, &mut Bare);
+        let mut chip = started_chip();
         let zero = chip.now();
         for (address, value) in [
             (SMCR, 1),
@@ -141,6 +139,20 @@ impl Setting {
         assert!(chip.sleep().is_some(), "no instruction disturbs it");
         (chip, zero)
     }
+}
+
+/// A chip that is about to sleep. Clones share its flash.
+fn started_chip() -> Chip {
+    static CHIP: OnceLock<Chip> = OnceLock::new();
+    let start = || {
+        // sleep; rjmp .-4
+        let program = Program::from_words(Part::Atmega328P, &[0x9588, 0xCFFE]).unwrap();
+        let mut chip = Chip::new(&program, Fuses::external_clock(Part::Atmega328P), Supply::ARDUINO);
+        let start = chip.next_event().unwrap();
+        chip.run(start, &mut Bare);
+        chip
+    };
+    CHIP.get_or_init(start).clone()
 }
 
 #[derive(Default)]
