@@ -13,6 +13,7 @@ extern crate std;
 
 mod board;
 mod clock;
+pub mod far_end;
 mod parts;
 mod physics;
 mod role;

@@ -88,6 +88,16 @@ pub(crate) fn parse_sets(sets: &[String]) -> anyhow::Result<Vec<Override>> {
     sets.iter().map(parse).collect()
 }
 
+/// The override of a `--firmware` argument, with the program in it.
+pub(crate) fn firmware(argument: &str) -> anyhow::Result<Override> {
+    let wrong = |problem: &dyn std::fmt::Display| Refused::error(format!("--firmware {argument}: {problem}"));
+    let parts = argument.split_once('=').filter(|(robot, file)| !robot.is_empty() && !file.is_empty());
+    let (robot, file) = parts.ok_or_else(|| wrong(&"write ROBOT=FILE"))?;
+    let program = baudbot_import::program(Path::new(file)).map_err(|error| wrong(&error))?;
+    Override::parse(&format!("robots.{robot}.microcontroller.program={program}"))
+        .map_err(|error| wrong(&error))
+}
+
 /// An override of this program's own making.
 pub(crate) fn set(path: &str, value: impl std::fmt::Display) -> Override {
     Override::parse(&format!("{path}={value}")).expect("a path of our own has no empty part")

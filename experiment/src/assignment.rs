@@ -134,6 +134,7 @@ pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Assigned, Assig
     for spec in robots {
         let brain = match brain_for(spec, &brains) {
             Some(brain) => brain,
+            None if drives_itself(spec) => NONE,
             None if has_infrared(spec) => DEFAULT,
             None => return Err(AssignmentError::Blind { robot: spec.name.clone() }),
         };
@@ -152,6 +153,11 @@ pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Assigned, Assig
         }
     }
     Ok(assigned)
+}
+
+/// Whether only a program of the user's own understands its microcontroller, which runs another one.
+fn drives_itself(spec: &RobotSpec) -> bool {
+    spec.chip.as_ref().is_some_and(|chip| chip.is_opaque())
 }
 
 /// The brain that a robot is given.

@@ -1,11 +1,12 @@
 //! Puts what a scenario refers to by file into its text, so that a simulator which reads no files gets one
 //! text that is complete.
 //!
-//! Two things can be referred to:
+//! Three things can be referred to:
 //!
 //! - `[[arena.maps]]`: a map of a ROS map server, or a plan in SVG. It becomes `[[arena.polygons]]` tables. That needs the
 //!   feature `maps`, and is refused without it.
 //! - `[robots.sensors.NAME] lookup = "samples.csv"`: a table of measurements. It becomes a table in the text.
+//! - `[robots.microcontroller] program = "wander.hex"`: a program, as Intel HEX or ELF. It becomes a table with Intel HEX.
 //!
 //! What is read is checked as far as it must be to become shapes and numbers. Whether these make sense in
 //! the scenario, its parser says afterwards, as if they had been written by hand.
@@ -18,6 +19,8 @@ mod file;
 mod lookup;
 #[cfg_attr(not(feature = "maps"), path = "no_maps.rs")]
 mod maps;
+mod program;
+mod tables;
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -25,6 +28,7 @@ use std::path::Path;
 use toml_edit::DocumentMut;
 
 pub use error::ImportError;
+pub use program::program;
 
 /// Gives back a scenario that refers to no file.
 ///
@@ -41,7 +45,8 @@ pub fn inline<'a>(text: &'a str, base: &Path) -> Result<Cow<'a, str>, ImportErro
     let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(Cow::Borrowed(text)) };
     let has_maps = maps::inline(&mut document, base)?;
     let has_lookups = lookup::inline(&mut document, base)?;
-    if !has_maps && !has_lookups {
+    let has_programs = program::inline(&mut document, base)?;
+    if !has_maps && !has_lookups && !has_programs {
         return Ok(Cow::Borrowed(text));
     }
     let complete = document.to_string();
@@ -59,7 +64,7 @@ pub fn inline<'a>(text: &'a str, base: &Path) -> Result<Cow<'a, str>, ImportErro
 /// Whether a text has a word that fields with names of files are called by, or may have one in disguise. A long text
 /// that has none is not parsed here, which takes several times its memory.
 fn may_refer(text: &str) -> bool {
-    ["maps", "lookup", "\\"].iter().any(|word| text.contains(word))
+    ["maps", "lookup", "program", "\\"].iter().any(|word| text.contains(word))
 }
 
 /// Bytes of the longest text that the parser of scenarios takes.

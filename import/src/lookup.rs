@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use csv::{ErrorKind, StringRecord, Trim};
-use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Value};
 
 use crate::error::{FileError, ImportError};
-use crate::file;
+use crate::{file, tables};
 
 /// Replaces the names of files with samples. Returns whether there are any.
 pub(crate) fn inline(document: &mut DocumentMut, base: &Path) -> Result<bool, ImportError> {
     let mut has_any = false;
     let Some(robots) = document.get_mut("robots") else { return Ok(false) };
-    for (i, robot) in tables(robots) {
+    for (i, robot) in tables::of(robots) {
         let Some(sensors) = robot.get_mut("sensors").and_then(Item::as_table_like_mut) else { continue };
         for (name, sensor) in sensors.iter_mut() {
             let Some(lookup) = sensor.as_table_like_mut().and_then(|sensor| sensor.get_mut("lookup")) else {
@@ -31,22 +31,6 @@ pub(crate) fn inline(document: &mut DocumentMut, base: &Path) -> Result<bool, Im
         }
     }
     Ok(has_any)
-}
-
-/// The tables of a list, in either of TOML's forms, and where in the list they are.
-fn tables(list: &mut Item) -> Vec<(usize, &mut dyn TableLike)> {
-    match list {
-        Item::ArrayOfTables(list) => {
-            list.iter_mut().map(|table| table as &mut dyn TableLike).enumerate().collect()
-        }
-        Item::Value(Value::Array(list)) => {
-            let tables = list.iter_mut().enumerate();
-            tables
-                .filter_map(|(i, value)| Some((i, value.as_inline_table_mut()? as &mut dyn TableLike)))
-                .collect()
-        }
-        Item::None | Item::Value(_) | Item::Table(_) => Vec::new(),
-    }
 }
 
 /// The file as the table that the scenario may have in its place.

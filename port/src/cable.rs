@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use crate::uart::{Read, Receiver, Settings};
+use baudbot_board::far_end::{Read, Receiver, Settings};
 
 /// Both directions of a cable. Instants are those of simulated time, in nanoseconds.
 #[derive(Debug)]
@@ -173,7 +173,7 @@ fn receiver(at: &mut Option<Receiver>, settings: Settings) -> &mut Receiver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::uart::LineError;
+    use baudbot_board::far_end::LineError;
 
     const SLOW: Settings = Settings::new_8n1(9600);
     const FAST: Settings = Settings::new_8n1(38_400);

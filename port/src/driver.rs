@@ -17,7 +17,7 @@ use crate::happened::Happened;
 use crate::hold::Hold;
 use crate::medium::Medium;
 use crate::report::Report;
-use crate::uart::{Read, Settings};
+use baudbot_board::far_end::{Read, Settings};
 
 /// What the thread is told.
 #[derive(Clone, Debug, PartialEq)]

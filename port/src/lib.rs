@@ -5,7 +5,7 @@
 //! its own instant: never before the cable has carried it, by the wall clock at the pace of the world. What the program writes
 //! is taken as fast as the cable takes it, so that the program blocks as at a real port.
 //!
-//! [`uart`] has what each end reads if the two are set differently.
+//! [`baudbot_board::far_end`] has what each end reads if the two are set differently.
 
 mod address;
 mod cable;
@@ -23,7 +23,6 @@ mod report;
 mod robot;
 mod socket;
 mod telnet;
-pub mod uart;
 mod watch;
 
 pub use address::{BadPort, PortAddress};

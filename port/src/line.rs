@@ -18,7 +18,7 @@ use crate::error::PortError;
 use crate::hold::Hold;
 use crate::medium::Medium;
 use crate::report::Report;
-use crate::uart::Settings;
+use baudbot_board::far_end::Settings;
 
 /// A port that is open for programs.
 #[derive(Debug)]

@@ -11,7 +11,7 @@ use crate::hold::Hold;
 use crate::program::Program;
 use crate::pty::Pty;
 use crate::socket::Listener;
-use crate::uart::{Read, Settings};
+use baudbot_board::far_end::{Read, Settings};
 
 /// The program's end of a port.
 #[derive(Debug)]

@@ -9,7 +9,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use crate::happened::Happened;
 use crate::socket::Connection;
 use crate::telnet::{Event, Telnet};
-use crate::uart::{Read, Settings};
+use baudbot_board::far_end::{Read, Settings};
 
 /// A program that is connected.
 #[derive(Debug)]

@@ -20,8 +20,8 @@ use rustix::termios::{
 
 use crate::claim::Claim;
 use crate::error::PortError;
-use crate::uart::{LineError, Parity, Read, Settings};
 use crate::watch::Watch;
+use baudbot_board::far_end::{LineError, Parity, Read, Settings};
 
 /// The slave does not become the terminal that controls this program.
 const NOCTTY: i32 = OFlags::NOCTTY.bits() as i32;

@@ -18,7 +18,7 @@ use crate::error::PortError;
 use crate::hold::Hold;
 use crate::line::Line;
 use crate::report::Report;
-use crate::uart::Settings;
+use baudbot_board::far_end::Settings;
 
 /// Steps of one tick: the server takes 64.
 const MOST_STEPS: usize = 32;

@@ -6,7 +6,7 @@
 //!
 //! What a program asks for is done when it comes, also if data before it have not gone yet, as terminal servers do.
 
-use crate::uart::{LineError, Parity, Read, Settings};
+use baudbot_board::far_end::{LineError, Parity, Read, Settings};
 
 const IAC: u8 = 255;
 const DONT: u8 = 254;

@@ -21,14 +21,14 @@ type Result<T> = core::result::Result<T, FieldError>;
 
 pub(super) fn firmware(
     path: &Path,
-    raw: &raw::Firmware,
+    (raw, spoken): (&raw::Firmware, raw::Protocol),
     sensors: &[&Sensor],
     motors: Vec<Encoding>,
     step_ms: f64,
     link: &Link,
 ) -> Result<Firmware> {
-    let protocol = match raw.protocol {
-        raw::Protocol::Framed => {
+    let protocol = match spoken {
+        raw::Protocol::Framed | raw::Protocol::Own => {
             path.refuse("gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
             Protocol::Framed { ages: raw.ages.unwrap_or(true) }
         }
@@ -45,14 +45,14 @@ pub(super) fn firmware(
         raw::Protocol::Create => create::protocol(path, raw, Version::One, (sensors, &motors))?,
         raw::Protocol::Create2 => create::protocol(path, raw, Version::Two, (sensors, &motors))?,
     };
-    let mode = mode(path, raw, step_ms)?;
+    let mode = mode(path, (raw, spoken), step_ms)?;
     let named: Vec<_> = sensors.iter().map(|sensor| (&*sensor.name, sensor.encodings.as_slice())).collect();
     Ok(Firmware::new(protocol, mode, &named, motors))
 }
 
-fn mode(path: &Path, raw: &raw::Firmware, step_ms: f64) -> Result<Mode> {
-    let is_khepera = raw.protocol == raw::Protocol::Khepera;
-    let is_create = raw.protocol.create().is_some();
+fn mode(path: &Path, (raw, spoken): (&raw::Firmware, raw::Protocol), step_ms: f64) -> Result<Mode> {
+    let is_khepera = spoken == raw::Protocol::Khepera;
+    let is_create = spoken.create().is_some();
     let usual_ms = if is_create { STREAM_PERIOD_NS as f64 * 1e-6 } else { step_ms };
     let usual = if is_khepera { raw::Mode::Poll } else { raw::Mode::Stream };
     match raw.mode.unwrap_or(usual) {

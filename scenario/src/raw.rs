@@ -10,6 +10,7 @@ use baudbot_wire::create::Version;
 use super::actuators::RawBattery;
 use super::arena::RawArena;
 use super::faults::{RawFault, RawOnLate};
+use super::pins::{Pins, RawProgram};
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -94,6 +95,8 @@ pub(super) struct Robot {
     #[serde(default)]
     pub(super) microcontroller: Microcontroller,
     #[serde(default)]
+    pub(super) pins: Pins,
+    #[serde(default)]
     pub(super) firmware: Firmware,
     #[serde(default)]
     pub(super) link: Link,
@@ -154,17 +157,30 @@ pub(super) struct Microcontroller {
     pub(super) operations_per_s: Option<f64>,
     pub(super) ram_bytes: Option<u64>,
     pub(super) bootloader_s: f64,
+    pub(super) chip: Option<String>,
+    pub(super) clock_hz: Option<f64>,
+    pub(super) clock_ppm: Option<f64>,
+    pub(super) fuses: Option<Vec<u64>>,
+    pub(super) program: Option<RawProgram>,
 }
 
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Firmware {
-    pub(super) protocol: Protocol,
+    pub(super) protocol: Option<Protocol>,
     pub(super) mode: Option<Mode>,
     pub(super) period_ms: Option<f64>,
     pub(super) phase_ms: Option<f64>,
     pub(super) ages: Option<bool>,
     pub(super) gap_ms: Option<f64>,
+}
+
+impl Firmware {
+    /// What is spoken: if nothing is said, what the model speaks, or a program of the user's own.
+    pub(super) fn protocol(&self, microcontroller: &Microcontroller) -> Protocol {
+        let usual = if microcontroller.program.is_some() { Protocol::Own } else { Protocol::default() };
+        self.protocol.unwrap_or(usual)
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
@@ -177,6 +193,8 @@ pub(super) enum Protocol {
     Create,
     #[serde(rename = "create-2")]
     Create2,
+    /// That of a program of the user's own.
+    Own,
 }
 
 impl Protocol {
@@ -185,7 +203,7 @@ impl Protocol {
         match self {
             Self::Create => Some(Version::One),
             Self::Create2 => Some(Version::Two),
-            Self::Framed | Self::Bare | Self::Khepera => None,
+            Self::Framed | Self::Bare | Self::Khepera | Self::Own => None,
         }
     }
 

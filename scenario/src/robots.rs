@@ -12,12 +12,14 @@ use super::context::{MAX_SUBSTEPS, Step, World};
 use super::motors::{self, ParsedMotors};
 use super::names::Names;
 use super::starts::{self, Place};
-use super::{actuators, cable, create, faults, link, raw, sensors, serial_ports, shapes};
+use super::{
+    actuators, cable, chip, create, faults, link, microcontroller, raw, sensors, serial_ports, shapes,
+};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::battery::Battery;
 use baudbot_sim::drive::{Deviation, Drive, Wheel, forward_gain, turn_gain};
-use baudbot_sim::firmware::{Firmware, Mode};
+use baudbot_sim::firmware::Firmware;
 use baudbot_sim::link::Link;
 use baudbot_sim::model::{RobotModel, RobotSpec};
 use baudbot_sim::processor::Processor;
@@ -29,9 +31,6 @@ pub(super) const MAX_ROBOTS: usize = 10_000;
 
 /// Most rays that one sensor casts in a tick.
 const MAX_RAYS_A_TICK: u64 = 100_000;
-
-/// Longest wait of a bootloader, in seconds.
-const MOST_BOOTLOADER_S: f64 = 60.0;
 
 type Result<T> = core::result::Result<T, FieldError>;
 
@@ -123,10 +122,12 @@ fn model(
     let Equipment { actuators, battery, charge, mut sensors } = equipment(path, &mut raw, radius_m, context)?;
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
     motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
-    let motor = cable::speeds(raw.firmware.protocol, motor, &drive, &sensors);
-    let mut mind = mind(path, &raw, &sensors, alloc::vec![motor; 2 + actuators.len()], context.step)?;
-    start_later(path, &mut mind, &mut sensors)?;
-    let Mind { processor, link, thinking_ns, firmware } = mind;
+    let motor = cable::speeds(raw.firmware.protocol(&raw.microcontroller), motor, &drive, &sensors);
+    let encodings = alloc::vec![motor; 2 + actuators.len()];
+    let Mind { processor, link, thinking_ns, firmware } =
+        mind(path, &raw, &mut sensors, encodings, context.step)?;
+    let parts = chip::Parts { sensors: &sensors, motors: &drive.motor, actuators: &actuators, link: &link };
+    let chip = chip::chip(path, &raw, &parts)?;
     let model = RobotModel {
         drive,
         outline,
@@ -139,6 +140,7 @@ fn model(
         dead_time_ns,
         sensors: sensors.into(),
         processor,
+        chip,
         firmware,
         link,
         thinking_ns,
@@ -177,17 +179,25 @@ struct Mind {
 fn mind(
     path: &Path,
     raw: &raw::Robot,
-    sensors: &[Sensor],
+    sensors: &mut [Sensor],
     motors: Vec<Encoding>,
     step: Step,
 ) -> Result<Mind> {
-    let processor = processor(&path.field("microcontroller"), &raw.microcontroller)?;
+    let processor = microcontroller::processor(&path.field("microcontroller"), &raw.microcontroller)?;
     let link = link::link(&path.field("link"), &raw.link)?;
     let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
     let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
     let at = path.field("firmware");
-    let firmware = cable::firmware(&at, &raw.firmware, &on_wire, motors, step.step_ms, &link)?;
+    let mut firmware = cable::firmware(
+        &at,
+        (&raw.firmware, raw.firmware.protocol(&raw.microcontroller)),
+        &on_wire,
+        motors,
+        step.step_ms,
+        &link,
+    )?;
     cable::check_sizes(path, &firmware, &link)?;
+    microcontroller::start_later(path, (&processor, &link), &mut firmware, sensors)?;
     Ok(Mind { processor, link, thinking_ns, firmware })
 }
 
@@ -209,7 +219,8 @@ fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut Wor
     let mut context = sensors::Context {
         step_ms: context.step.step_ms,
         radius_m,
-        onboard: raw.link.kind == raw::LinkKind::Onboard && !raw.firmware.protocol.is_dialogue(),
+        onboard: raw.link.kind == raw::LinkKind::Onboard
+            && !raw.firmware.protocol(&raw.microcontroller).is_dialogue(),
         actuators: &actuators,
         battery: battery.as_ref(),
         surroundings: context.surroundings,
@@ -218,7 +229,7 @@ fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut Wor
     let path = path.field("sensors");
     let sensor = |path: &Path, name, table| sensors::sensor(path, name, table, &mut context);
     let mut sensors = each_named(&path, core::mem::take(&mut raw.sensors), sensor)?;
-    if raw.firmware.protocol.create().is_some() {
+    if raw.firmware.protocol(&raw.microcontroller).create().is_some() {
         create::tell_battery(&mut sensors, battery.as_ref());
     }
     if sensors.len() > usize::from(u8::MAX) {
@@ -307,43 +318,6 @@ fn deviation(path: &Path, body: &raw::Body, half_track_m: f64) -> Result<Option<
 const LEAST_DEVIATION: f64 = 0.5;
 /// The same, upwards.
 const MOST_DEVIATION: f64 = 2.0;
-
-fn processor(path: &Path, raw: &raw::Microcontroller) -> Result<Processor> {
-    Ok(Processor {
-        framing_ns_per_byte: path.us("framing_us_per_byte", raw.framing_us_per_byte, 1e6)?,
-        receiving_ns_per_byte: path.us("receiving_us_per_byte", raw.receiving_us_per_byte, 1e6)?,
-        obeying_ns: path.us("obeying_us", raw.obeying_us, 1e6)?,
-        operations_per_s: raw
-            .operations_per_s
-            .map(|n| path.within("operations_per_s", n, 1.0, 1e12))
-            .transpose()?,
-        ram_bytes: raw.ram_bytes,
-        bootloader_ns: {
-            let s = path.within("bootloader_s", raw.bootloader_s, 0.0, MOST_BOOTLOADER_S)?;
-            (s * SECOND_NS as f64 + 0.5) as u64
-        },
-    })
-}
-
-/// Nothing is due before the bootloader starts the firmware, and then all is due as much later.
-fn start_later(path: &Path, mind: &mut Mind, sensors: &mut [Sensor]) -> Result<()> {
-    let ns = mind.processor.bootloader_ns;
-    if ns == 0 {
-        return Ok(());
-    }
-    if matches!(mind.link, Link::Onboard) {
-        let problem = "is the wait of a chip that is reset when its serial port is opened, and on board nothing opens \
-                       one; leave it out, or use the preset `atmega328p` in place of `arduino-uno`";
-        return Err(path.field("microcontroller").field("bootloader_s").error(problem));
-    }
-    for sensor in sensors.iter_mut().filter(|sensor| sensor.is_on_wire()) {
-        sensor.schedule = sensor.schedule.later_by(ns);
-    }
-    if let Mode::Stream(schedule) = &mut mind.firmware.mode {
-        *schedule = schedule.later_by(ns);
-    }
-    Ok(())
-}
 
 /// How long a brain thinks that does not say, in nanoseconds: a time, or operations of the processor that it runs
 /// on. In both ways no longer than [`MAX_THINKING_US`].

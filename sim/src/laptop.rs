@@ -126,6 +126,9 @@ impl Laptop {
         if spec.port_is_open {
             self.instants.push(at);
         }
+        if spec.chip.as_ref().is_some_and(|chip| chip.is_opaque()) {
+            return None;
+        }
         let before = self.decoder.cut_short();
         let found = match self.decoder.push(byte, at) {
             Found::Nothing => {

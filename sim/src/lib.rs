@@ -33,6 +33,7 @@ pub mod battery;
 #[cfg(feature = "brain")]
 mod brain_turn;
 pub mod cable;
+pub mod chip;
 pub mod collision;
 pub mod coverage;
 mod curve;

@@ -10,6 +10,7 @@ use baudbot_geometry::{Point, Pose};
 use crate::actuator::Actuator;
 use crate::arena::Look;
 use crate::battery::Battery;
+use crate::chip::ChipSpec;
 use crate::drive::Drive;
 use crate::fault::{Fault, FaultEffect, FaultKind, When};
 use crate::firmware::Firmware;
@@ -70,6 +71,8 @@ pub struct RobotModel {
     pub sensors: Sensors,
     /// The cost of the microcontroller's tasks.
     pub processor: Processor,
+    /// A program of the user's own on it, if there is one: then nothing is due by schedules, and no task has a cost.
+    pub chip: Option<Arc<ChipSpec>>,
     /// What it says on its wire.
     pub firmware: Firmware,
     /// The cable to the brain.

@@ -1,4 +1,4 @@
-//! Up to three optional parts of a state in the form of one.
+//! Up to four optional parts of a state in the form of one.
 //!
 //! States are serialised without names, so that a new field changes the bytes, and with them the fingerprint, of every
 //! world. A [`Pair`] has the bytes of `Option<A>` as long as its other parts are missing: a part that few worlds have
@@ -6,17 +6,18 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Two parts of a state, and seldom a third, each of which may be missing.
+/// Two parts of a state, and seldom a third and a fourth, each of which may be missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Pair<A, B, C = ()> {
+pub(crate) struct Pair<A, B, C = (), D = ()> {
     pub(crate) first: Option<A>,
     pub(crate) second: Option<B>,
     pub(crate) third: Option<C>,
+    pub(crate) fourth: Option<D>,
 }
 
 /// What is written. The first two variants are those of an [`Option`].
 #[derive(Serialize, Deserialize)]
-enum Form<A, B, C> {
+enum Form<A, B, C, D> {
     Neither,
     First(A),
     Second(B),
@@ -25,11 +26,16 @@ enum Form<A, B, C> {
     FirstAndThird(A, C),
     SecondAndThird(B, C),
     All(A, B, C),
+    WithFourth(Option<A>, Option<B>, Option<C>, D),
 }
 
-impl<A: Serialize, B: Serialize, C: Serialize> Serialize for Pair<A, B, C> {
+impl<A: Serialize, B: Serialize, C: Serialize, D: Serialize> Serialize for Pair<A, B, C, D> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let form = match (&self.first, &self.second, &self.third) {
+        if let Some(fourth) = &self.fourth {
+            let (first, second, third) = (self.first.as_ref(), self.second.as_ref(), self.third.as_ref());
+            return Form::WithFourth(first, second, third, fourth).serialize(serializer);
+        }
+        let form: Form<&A, &B, &C, &D> = match (&self.first, &self.second, &self.third) {
             (None, None, None) => Form::Neither,
             (Some(first), None, None) => Form::First(first),
             (None, Some(second), None) => Form::Second(second),
@@ -43,8 +49,15 @@ impl<A: Serialize, B: Serialize, C: Serialize> Serialize for Pair<A, B, C> {
     }
 }
 
-impl<'de, A: Deserialize<'de>, B: Deserialize<'de>, C: Deserialize<'de>> Deserialize<'de> for Pair<A, B, C> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+impl<'de, A, B, C, D> Deserialize<'de> for Pair<A, B, C, D>
+where
+    A: Deserialize<'de>,
+    B: Deserialize<'de>,
+    C: Deserialize<'de>,
+    D: Deserialize<'de>,
+{
+    fn deserialize<F: Deserializer<'de>>(deserializer: F) -> Result<Self, F::Error> {
+        let mut fourth = None;
         let (first, second, third) = match Form::deserialize(deserializer)? {
             Form::Neither => (None, None, None),
             Form::First(first) => (Some(first), None, None),
@@ -54,8 +67,12 @@ impl<'de, A: Deserialize<'de>, B: Deserialize<'de>, C: Deserialize<'de>> Deseria
             Form::FirstAndThird(first, third) => (Some(first), None, Some(third)),
             Form::SecondAndThird(second, third) => (None, Some(second), Some(third)),
             Form::All(first, second, third) => (Some(first), Some(second), Some(third)),
+            Form::WithFourth(first, second, third, last) => {
+                fourth = Some(last);
+                (first, second, third)
+            }
         };
-        Ok(Self { first, second, third })
+        Ok(Self { first, second, third, fourth })
     }
 }
 
@@ -66,7 +83,7 @@ mod tests {
     use super::Pair;
 
     fn bytes(first: Option<u64>, second: Option<[f64; 2]>) -> Vec<u8> {
-        let pair = Pair { first, second, third: None::<()> };
+        let pair = Pair { first, second, third: None::<()>, fourth: None::<()> };
         let bytes = postcard::to_allocvec(&pair).unwrap();
         assert_eq!(postcard::from_bytes::<Pair<u64, [f64; 2]>>(&bytes).unwrap(), pair);
         bytes
@@ -89,9 +106,12 @@ mod tests {
     #[test]
     fn a_third_part_is_written_and_read_with_and_without_the_others() {
         for (first, second) in [(None, None), (Some(7), None), (None, Some(8)), (Some(7), Some(8))] {
-            let pair = Pair { first, second, third: Some(9_u64) };
+            let pair = Pair { first, second, third: Some(9_u64), fourth: None::<()> };
             let bytes = postcard::to_allocvec(&pair).unwrap();
             assert_eq!(postcard::from_bytes::<Pair<u64, u64, u64>>(&bytes).unwrap(), pair);
+            let pair = Pair { first, second, third: pair.third, fourth: Some(10_u64) };
+            let bytes = postcard::to_allocvec(&pair).unwrap();
+            assert_eq!(postcard::from_bytes::<Pair<u64, u64, u64, u64>>(&bytes).unwrap(), pair);
         }
     }
 }

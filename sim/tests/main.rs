@@ -5,6 +5,7 @@ mod airtight;
 mod answers;
 mod bootloader;
 mod cable;
+mod chip;
 mod common;
 mod coverage;
 mod create;

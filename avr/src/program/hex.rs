@@ -2,6 +2,8 @@
 //!
 //! Source: Intel, *Hexadecimal Object File Format Specification*, revision A, 1988.
 
+use alloc::string::String;
+
 use thiserror::Error;
 
 use super::ProgramError;
@@ -49,6 +51,39 @@ pub enum HexError {
     /// The file stops without an end record.
     #[error("the end record is missing")]
     NoEnd,
+}
+
+/// Bytes of a record's data, as avr-objcopy has them.
+const RECORD: usize = 16;
+/// Bytes that a record's address reaches.
+const SEGMENT: usize = 1 << 16;
+
+/// The records of a memory from address 0 on.
+pub(super) fn write(memory: &[u8]) -> String {
+    let mut text = String::new();
+    for (base, segment) in (0_u16..).zip(memory.chunks(SEGMENT)) {
+        if base > 0 {
+            write_record(&mut text, 0, 4, &base.to_be_bytes());
+        }
+        for (at, data) in (0_u16..).step_by(RECORD).zip(segment.chunks(RECORD)) {
+            write_record(&mut text, at, 0, data);
+        }
+    }
+    write_record(&mut text, 0, 1, &[]);
+    text
+}
+
+fn write_record(text: &mut String, address: u16, kind: u8, data: &[u8]) {
+    let [high, low] = address.to_be_bytes();
+    let head = [u8::try_from(data.len()).unwrap_or(u8::MAX), high, low, kind];
+    let sum = head.iter().chain(data).fold(0_u8, |sum, &byte| sum.wrapping_add(byte));
+    text.push(':');
+    for byte in head.iter().chain(data).chain([&sum.wrapping_neg()]) {
+        for digit in [byte >> 4, byte & 15] {
+            text.extend(char::from_digit(digit.into(), 16).map(|digit| digit.to_ascii_uppercase()));
+        }
+    }
+    text.push('\n');
 }
 
 /// Reads all records of a text into the flash.

@@ -4,6 +4,7 @@ mod elf;
 mod hex;
 mod image;
 
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
@@ -143,6 +144,36 @@ impl Program {
             *byte &= more;
         }
         Ok(self)
+    }
+
+    /// This program with what ELF has besides the flash: an EEPROM as Intel HEX, the fuse bytes low, high and extended, and the
+    /// address behind the last variable.
+    ///
+    /// # Errors
+    ///
+    /// As [`from_hex`](Self::from_hex), of the EEPROM.
+    pub fn with_extras(
+        mut self,
+        eeprom_hex: Option<&[u8]>,
+        fuses: Option<[u8; 3]>,
+        data_end: Option<u16>,
+    ) -> Result<Self, ProgramError> {
+        if let Some(text) = eeprom_hex {
+            let mut eeprom = image::Image::new(self.part, Memory::Eeprom);
+            hex::read(text, &mut eeprom)?;
+            self.eeprom = eeprom.into_bytes();
+        }
+        Ok(Self { fuses, data_end, ..self })
+    }
+
+    /// The flash as Intel HEX.
+    pub fn flash_hex(&self) -> String {
+        hex::write(&self.flash)
+    }
+
+    /// The EEPROM as Intel HEX, if there is anything in it.
+    pub fn eeprom_hex(&self) -> Option<String> {
+        (!self.eeprom.is_empty()).then(|| hex::write(&self.eeprom))
     }
 
     /// The part that it is for.

@@ -163,3 +163,23 @@ proptest::proptest! {
         let _ = Program::parse(Part::Atmega328P, &file);
     }
 }
+
+#[test]
+fn what_is_written_as_hex_is_read_again() {
+    for len in [1, 15, 16, 17, 1000, 32 << 10] {
+        let flash: Vec<u8> = (0..len).map(|at| (at * 7 + at / 256) as u8).collect();
+        let words: Vec<u16> =
+            flash.chunks(2).map(|pair| u16::from_le_bytes([pair[0], *pair.get(1).unwrap_or(&0)])).collect();
+        let program = Program::from_words(Part::Atmega328P, &words).unwrap();
+        let again = Program::from_hex(Part::Atmega328P, program.flash_hex().as_bytes()).unwrap();
+        assert_eq!(again, program);
+        assert_eq!(program.eeprom_hex(), None);
+        let extras =
+            again.with_extras(Some(b":0200000001FFFE\n:00000001FF\n"), Some([1, 2, 3]), Some(0x200)).unwrap();
+        assert_eq!(
+            (extras.eeprom(), extras.fuses(), extras.data_end()),
+            (&[1, 0xFF][..], Some([1, 2, 3]), Some(0x200))
+        );
+        assert_eq!(extras.eeprom_hex().unwrap(), ":0200000001FFFE\n:00000001FF\n");
+    }
+}

@@ -6,7 +6,7 @@ mod saved;
 mod surroundings;
 mod uart;
 
-use baudbot_avr::{Bare, Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, Stop, Timer};
+use baudbot_avr::{Bare, Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, ResetCause, Stop, Timer};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -144,6 +144,12 @@ impl Board {
         self.around.warnings.add(kind, None, None, at_ns, count);
     }
 
+    /// Resets the chip by its pin RESET. Its pins let go of their wires; parts go on with what they do.
+    pub fn reset(&mut self) {
+        let mut view = View { around: &mut self.around, physics: &mut Nothing };
+        self.chip.reset_now(ResetCause::External, &mut view);
+    }
+
     /// The chip.
     pub const fn chip(&self) -> &Chip {
         &self.chip
@@ -188,6 +194,11 @@ impl Board {
 fn slice_cycles(around: &Surroundings) -> u64 {
     around.clock.cycle(around.reaction_ns().min(SLICE_NS)).max(1)
 }
+
+/// Nothing is around a board whose chip is reset: no part is asked anything meanwhile.
+struct Nothing;
+
+impl Physics for Nothing {}
 
 /// Where all parts on the output of a timer are content with the shape of its signal, no edges are simulated.
 fn report_shapes(chip: &mut Chip, wiring: &Wiring) {

@@ -340,6 +340,9 @@ pub(crate) struct ChangeArgs {
     /// Change one field of the scenario, such as robots.robot.start.x_m=0.5
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
+    /// Let a robot's microcontroller run a program of yours (Intel HEX or ELF), in place of the scenario's
+    #[arg(long, value_name = "ROBOT=FILE")]
+    pub(crate) firmware: Vec<String>,
     /// Seed of all random numbers in the world, and of the brains in this process
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,

@@ -186,6 +186,9 @@ fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
 /// The overrides that the arguments ask for.
 pub(crate) fn overrides(changes: &ChangeArgs) -> anyhow::Result<Vec<Override>> {
     let mut overrides = scenarios::parse_sets(&changes.sets)?;
+    for firmware in &changes.firmware {
+        overrides.push(scenarios::firmware(firmware)?);
+    }
     overrides.extend(changes.seed.map(|seed| scenarios::set("seed", seed)));
     overrides.extend(changes.no_noise.then(|| scenarios::set("noise", false)));
     Ok(overrides)

@@ -161,6 +161,21 @@ impl Line {
         self.sent += bytes.len() as u64;
     }
 
+    /// Puts a byte on the line to the laptop that a chip sends at its own pace: its character is over at this instant.
+    pub(crate) fn send_at(&mut self, link: &Link, over: SimTime, byte: u8) {
+        self.lose_first(link, over);
+        let byte = self.disturb(link.byte_error_rate(over), byte);
+        let at = self.transmission.put_until(link, over);
+        let in_flight = self.in_flight.len();
+        if self.transport_path.as_ref().is_some_and(|path| path.is_full(link, in_flight)) {
+            self.counters.bytes += 1;
+            self.counters.overrun_bytes += 1;
+            return;
+        }
+        self.in_flight.push_back((at, byte));
+        self.sent += 1;
+    }
+
     /// Puts a message on the line, and says when it is on the wire, as far as can be told now: from when until when.
     pub(crate) fn send_message(
         &mut self,

@@ -49,6 +49,14 @@ impl Transmission {
         self.end
     }
 
+    /// Puts a character on the wire that is over at this instant, or when the one before it is.
+    pub(super) fn put_until(&mut self, link: &Link, over: SimTime) -> SimTime {
+        self.start = SimTime::from_ns(over.max(self.end).as_ns().saturating_sub(link.burst_ns(1)));
+        self.characters = 1;
+        self.end = self.start + link.burst_ns(1);
+        self.end
+    }
+
     /// The next character begins a burst, behind those that are on the wire.
     pub(super) fn begin(&mut self) {
         (self.start, self.characters) = (self.end, 0);

@@ -102,7 +102,7 @@ impl TransportPath {
     }
 
     /// A module on the robot that holds so many bytes has no room for more.
-    fn is_full(&self, link: &Link, held: usize) -> bool {
+    pub(super) fn is_full(&self, link: &Link, held: usize) -> bool {
         self.latencies.is_some()
             && self.direction == Direction::Up
             && held >= link.laptop_buffer()
@@ -224,7 +224,7 @@ impl Line {
     }
 
     /// Of the oldest bytes, those that were lost in an outage by `now` are gone.
-    fn lose_first(&mut self, link: &Link, now: SimTime) {
+    pub(super) fn lose_first(&mut self, link: &Link, now: SimTime) {
         while self.in_flight.pop_front_if(|(at, _)| *at <= now && link.is_out(*at)).is_some() {
             self.counters.bytes += 1;
             self.counters.lost_bytes += 1;

@@ -43,6 +43,23 @@ impl Microcontroller {
         next
     }
 
+    /// Measures with sensor `i` now, for a program that asks. Gives the values and the pulse that it sent, if others can hear it.
+    pub(crate) fn sense(
+        &mut self,
+        spec: &RobotSpec,
+        i: usize,
+        at: &Measurement<'_>,
+    ) -> (&[f64], Option<Ping>) {
+        let channel = &mut self.channels[i];
+        let ping = channel.acquire(&spec.sensors[i], at, spec.fault_effect(i, at.now));
+        (&channel.values, ping)
+    }
+
+    /// Whether a switch was pressed when it was last read, however it bounced.
+    pub(crate) fn is_pressed(&self, i: usize) -> bool {
+        self.channels.get(i).is_some_and(Channel::is_pressed)
+    }
+
     fn acquire_alike<'a>(
         &mut self,
         spec: &'a RobotSpec,

@@ -43,7 +43,7 @@ impl Channel {
         // What differs from one specimen to the next has a stream of its own, so that the noise does not depend on
         // it.
         let specimen = &mut Stream::of(seed, &[&spec.name, "/", &sensor.name, ":specimen"]);
-        let due = if sensor.is_on_wire() {
+        let due = if sensor.is_on_wire() && spec.chip.is_none() {
             sensor.schedule.start()
         } else {
             Due { next: SimTime::NEVER, missed: 0 }
@@ -106,6 +106,11 @@ impl Channel {
         sensor.disturb(at.noise, &mut self.noise, at.now, &mut self.values, &mut self.stream);
         self.measured_at = at.now;
         effect
+    }
+
+    /// Whether the device is a switch that was pressed at the last read.
+    pub(super) fn is_pressed(&self) -> bool {
+        matches!(&self.memory, Memory::Touch(contact) if contact.is_pressed())
     }
 
     /// Reads that fell due while the processor was busy and were left out.

@@ -32,9 +32,20 @@ impl DcMotor {
     /// speed in rad/s: (1.8), then friction (1.9), then gears (1.10), then the limit.
     pub fn torque_nm(&self, signal: f64, wheel_speed_rad_s: f64) -> f64 {
         let shaft_speed = self.gear_ratio * wheel_speed_rad_s;
-        let voltage = self.voltage_v * signal;
-        let generated =
-            self.torque_constant_nm_a * (voltage - self.emf_constant_v_s * shaft_speed) / self.resistance_ohm;
+        self.torque_of_voltage_nm(self.voltage_v * signal, self.emf_constant_v_s * shaft_speed, shaft_speed)
+    }
+
+    /// The same behind an H-bridge that leaves the motor open for a share of the time, in [0, 1], in which no current flows: the
+    /// mean over that time.
+    pub fn torque_of_bridge_nm(&self, signal: f64, wheel_speed_rad_s: f64, open: f64) -> f64 {
+        let shaft_speed = self.gear_ratio * wheel_speed_rad_s;
+        let back_emf = (1.0 - open) * self.emf_constant_v_s * shaft_speed;
+        self.torque_of_voltage_nm(self.voltage_v * signal, back_emf, shaft_speed)
+    }
+
+    #[inline(always)]
+    fn torque_of_voltage_nm(&self, voltage: f64, back_emf: f64, shaft_speed: f64) -> f64 {
+        let generated = self.torque_constant_nm_a * (voltage - back_emf) / self.resistance_ohm;
         let shaft_torque = self.after_friction(generated, shaft_speed);
         let output = self.gear_efficiency * self.gear_ratio * shaft_torque;
         output.clamp(-self.max_torque_nm, self.max_torque_nm)

@@ -12,14 +12,13 @@
 //! 4. bytes at the laptop, so that over an ideal link a reading arrives at the instant at which it is sent;
 //! 5. the brain's step, which has thus seen all that happened at its instant.
 
+use super::measurement::measurement;
 use super::{Robot, Tick};
-use crate::actuator::ActuatorState;
-use crate::battery::BatteryState;
-use crate::drive::{Motion, Wheels};
+use crate::drive::Wheels;
 use crate::link::Message;
 use crate::microcontroller::{Condition, Order, Taken, Task};
 use crate::model::{OnLate, RobotSpec};
-use crate::sensor::{Event, Measurement};
+use crate::sensor::Event;
 use crate::time::SimTime;
 use crate::timeline::What;
 
@@ -31,6 +30,8 @@ enum Next {
     Task(Task),
     /// A device that answers on a port of its own.
     Dialogue(usize),
+    /// A chip with a program of the user's own.
+    Chip,
 }
 
 impl Robot {
@@ -100,7 +101,7 @@ impl Robot {
             }
             if on_robot.0 <= arrival {
                 let (now, next) = on_robot;
-                let soon = self.run_next(spec, tick, now, next);
+                let soon = self.run_next(spec, tick, now, (next, end, earliest.is_some() && step.is_none()));
                 on_robot = soon.map_or_else(|| self.next_on_robot(spec), |(at, task)| (at, Next::Task(task)));
                 // On board there is nothing to arrive.
                 if step.is_none() && self.laptop.has_message {
@@ -124,18 +125,20 @@ impl Robot {
     }
 
     /// Does what comes next; says what comes behind it, if that is known without looking at all there is.
+    /// A chip runs until `end` at most.
     #[inline]
     fn run_next(
         &mut self,
         spec: &RobotSpec,
         tick: &Tick<'_>,
         now: SimTime,
-        next: Next,
+        (next, end, may_step): (Next, SimTime, bool),
     ) -> Option<(SimTime, Task)> {
         match next {
             Next::Device(i, event) => self.run_device(spec, tick, now, (i, event)),
             Next::Task(task) => return self.run(spec, tick, now, task),
             Next::Dialogue(k) => self.run_dialogue(spec, now, k),
+            Next::Chip => self.run_chip(spec, tick, end, may_step),
         }
         None
     }
@@ -143,8 +146,12 @@ impl Robot {
     /// What comes next on the robot, and when; of two at one instant, a device, and of two devices the first.
     #[inline(always)]
     fn next_on_robot(&self, spec: &RobotSpec) -> (SimTime, Next) {
-        let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
-        let mut next = (start, Next::Task(task));
+        let mut next = if let Some(chip) = &self.rare.fourth {
+            (chip.now(), Next::Chip)
+        } else {
+            let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
+            (start, Next::Task(task))
+        };
         for &i in spec.sensors.own_clocks() {
             let (at, event) = self.microcontroller.next_of_own(i, &spec.sensors[i]);
             if at <= next.0 && !(at == next.0 && matches!(next.1, Next::Device(..))) {
@@ -332,6 +339,9 @@ impl Robot {
 
     /// The actuators take up what has been commanded by `now`, and what is late is found out.
     pub(crate) fn take_up(&mut self, spec: &RobotSpec, now: SimTime, dt: f64) {
+        if self.rare.fourth.is_some() {
+            return self.take_up_from_chip(spec, now, dt);
+        }
         let mut stopped_at = None;
         while let Some(due) = self.cycles.settle(&spec.deadline, now) {
             self.recorder.note(due, due, What::Late);
@@ -362,25 +372,5 @@ impl Robot {
         if spec.command_timeout_ns.is_some_and(|timeout| now.since(self.commanded_at) >= timeout) {
             self.signals = Wheels::default();
         }
-    }
-}
-
-fn measurement<'a>(
-    spec: &'a RobotSpec,
-    tick: &Tick<'a>,
-    now: SimTime,
-    (motion, actuators, battery): (&'a Motion, &'a [ActuatorState], Option<&'a BatteryState>),
-) -> Measurement<'a> {
-    Measurement {
-        scene: tick.scene,
-        drive: &spec.drive,
-        motion,
-        actuators,
-        battery: spec.battery.as_ref().zip(battery),
-        noise: tick.noise,
-        now,
-        near: None,
-        tick_start: tick.start,
-        tick_end: tick.end,
     }
 }

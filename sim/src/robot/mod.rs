@@ -5,8 +5,10 @@
 
 mod advance;
 mod brain_end;
+mod chip;
 mod cycles;
 mod dead_time;
+mod measurement;
 mod onboard;
 mod ports;
 mod recorder;
@@ -18,6 +20,7 @@ use baudbot_geometry::Pose;
 use serde::{Deserialize, Serialize};
 
 pub use brain_end::Written;
+use chip::ChipState;
 pub use cycles::Cycles;
 pub(crate) use recorder::Recorder;
 
@@ -56,8 +59,9 @@ pub(crate) struct Robot {
     /// The cables of the sensors that have their own, in their order.
     pub(crate) ports: Vec<PortState>,
     pub(crate) actuators: Vec<ActuatorState>,
-    /// Its battery, what is under way to its motors, and the dialogues with its sensors, on a robot that has them.
-    pub(crate) rare: Pair<BatteryState, Box<DelayLine>, Dialogues>,
+    /// Its battery, what is under way to its motors, the dialogues with its sensors, and the chip that runs its program, on a
+    /// robot that has them.
+    pub(crate) rare: Pair<BatteryState, Box<DelayLine>, Dialogues, Box<ChipState>>,
     /// The pulse that it sent in this tick, and the one that others hear, which is of the last tick.
     pub(crate) pings: [Option<Ping>; 2],
     /// When the last command was obeyed.
@@ -79,6 +83,8 @@ pub(crate) struct Tick<'a> {
     pub(crate) noise: bool,
     pub(crate) start: SimTime,
     pub(crate) end: SimTime,
+    /// Length of a substep, in nanoseconds.
+    pub(crate) substep_ns: u64,
 }
 
 /// What happened to a robot.
@@ -123,6 +129,7 @@ impl Robot {
                 first: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
                 second: (spec.dead_time_ns > 0).then(Box::default),
                 third: dialogues(spec, seed),
+                fourth: spec.chip.as_ref().map(|chip| Box::new(ChipState::new(chip, spec))),
             },
             pings: [None; 2],
             commanded_at: SimTime::ZERO,
@@ -163,6 +170,9 @@ impl Robot {
         self.lay_down_command(spec);
         self.downlink.lose_before(&spec.link, now);
         self.microcontroller.reset(spec, now);
+        if let Some(chip) = &mut self.rare.fourth {
+            chip.reset(now, SimTime::from_ns(spec.processor.bootloader_ns), &spec.link);
+        }
     }
 
     /// The cable to its brain has another rate from now on.

@@ -21,7 +21,7 @@ impl Recorder {
     }
 
     #[inline]
-    pub(super) fn note(&mut self, start: SimTime, end: SimTime, what: What) {
+    pub(crate) fn note(&mut self, start: SimTime, end: SimTime, what: What) {
         self.timeline.push(Event { start, end, what });
     }
 

@@ -130,6 +130,7 @@ impl Sense for Gps {
                 first: Some(SimTime::ZERO),
                 second: (self.short_wander_sigma_m > 0.0).then_some(short),
                 third: None,
+                fourth: None,
             },
             position_deg: [0.0; 2],
         })

@@ -57,6 +57,13 @@ pub(crate) struct Contact {
     changed: Option<SimTime>,
 }
 
+impl Contact {
+    /// Whether it was pressed at the last read, however it bounced.
+    pub(crate) fn is_pressed(&self) -> bool {
+        self.pressed
+    }
+}
+
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -45,6 +45,10 @@ impl World {
         if let Protocol::Create(_) = self.scenario.robots[robot].firmware.protocol {
             return None;
         }
+        // A chip sees a byte from its start bit on.
+        if state.rare.fourth.is_some() {
+            return None;
+        }
         // What a step leaves unanswered is counted behind the cycles before it, and those only once they are counted.
         if state.cycles.is_closing() {
             return None;

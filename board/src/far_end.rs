@@ -8,10 +8,13 @@
 //!
 //! A break is a line that is low for longer than a character: a framing error with the byte 0.
 
-use std::collections::VecDeque;
+use alloc::collections::VecDeque;
+
+use baudbot_avr::usart::Frame;
+use serde::{Deserialize, Serialize};
 
 /// How a UART is set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Settings {
     /// Bits a second; not 0.
     pub baud: u32,
@@ -24,7 +27,7 @@ pub struct Settings {
 }
 
 /// The parity bit of a character.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Parity {
     /// There is none.
     None,
@@ -114,13 +117,13 @@ impl Settings {
     fn levels(&self, byte: u8) -> impl Iterator<Item = bool> {
         let data = (0..self.data_bits).map(move |bit| byte >> bit & 1 == 1);
         let parity = self.has_parity().then(|| self.parity_bit(byte));
-        let stop = std::iter::repeat_n(true, usize::from(self.stop_bits));
-        std::iter::once(false).chain(data).chain(parity).chain(stop)
+        let stop = core::iter::repeat_n(true, usize::from(self.stop_bits));
+        core::iter::once(false).chain(data).chain(parity).chain(stop)
     }
 }
 
 /// A receiver, and what it knows of the line.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Receiver {
     settings: Settings,
     /// Changes of the level that are still to be looked at: from when, in picoseconds, it is so.
@@ -149,12 +152,23 @@ impl Receiver {
 
     /// The line has a character of a sender that is set so, which begins at `from_ns`, or when the line is free.
     pub fn hear(&mut self, sender: &Settings, from_ns: u64, byte: u8) {
-        let mut from = from_ns.saturating_mul(PS_PER_NS).max(self.known_ps);
-        for level in sender.levels(byte) {
-            self.change(from, level);
-            from += sender.bit_ps();
-        }
-        self.known_ps = from;
+        let from = from_ns.saturating_mul(PS_PER_NS).max(self.known_ps);
+        self.hear_levels(from, sender.bit_ps(), sender.levels(byte));
+    }
+
+    /// The line has a character of a chip, which is there from an instant until another, in nanoseconds.
+    pub fn hear_frame(&mut self, frame: &Frame, (from_ns, until_ns): (u64, u64)) {
+        let from = from_ns.saturating_mul(PS_PER_NS).max(self.known_ps);
+        let until = until_ns.saturating_mul(PS_PER_NS);
+        let bits = u64::from(frame.bits());
+        self.hear_levels(from, until.saturating_sub(from) / bits, (0..bits).map(|bit| frame.level(bit)));
+    }
+
+    fn hear_levels(&mut self, from: u64, bit_ps: u64, levels: impl Iterator<Item = bool>) {
+        self.known_ps = levels.fold(from, |at, level| {
+            self.change(at, level);
+            at + bit_ps
+        });
     }
 
     /// The line is low for so long from `from_ns` on: a break.
@@ -241,6 +255,8 @@ impl Receiver {
 
 #[cfg(test)]
 mod tests {
+    use std::vec::Vec;
+
     use super::*;
 
     fn heard(sender: Settings, receiver: Settings, bytes: &[u8]) -> Vec<(u8, Option<LineError>)> {
@@ -249,7 +265,7 @@ mod tests {
             at.hear(&sender, 1000, byte);
         }
         at.idle(1_000_000_000);
-        std::iter::from_fn(|| at.read()).map(|read| (read.byte, read.error)).collect()
+        core::iter::from_fn(|| at.read()).map(|read| (read.byte, read.error)).collect()
     }
 
     fn all() -> Vec<u8> {
@@ -313,7 +329,7 @@ mod tests {
         at.hear_break(0, 250_000_000);
         at.hear(&Settings::new_8n1(9600), 0, 7);
         at.idle(1_000_000_000);
-        let read: Vec<_> = std::iter::from_fn(|| at.read()).map(|read| (read.byte, read.error)).collect();
+        let read: Vec<_> = core::iter::from_fn(|| at.read()).map(|read| (read.byte, read.error)).collect();
         assert_eq!(read, [(0, Some(LineError::Framing)), (7, None)]);
     }
 

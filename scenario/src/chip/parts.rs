@@ -1,0 +1,331 @@
+//! What is on the pins: parts of a board, and what they belong to on the robot.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use baudbot_board::{
+    BridgeKind, Channels, Compass, Decay, Encoder, HcSr04, Kind, Led, LitBy, Net, Piezo, Ping, Pull,
+    RangeFinder, Reflectance, ServoKind, Switch, Voltage, Wiring,
+};
+use baudbot_fields::{FieldError, Path};
+use baudbot_sim::actuator::ActuatorKind;
+use baudbot_sim::chip::{Attached, Side};
+use baudbot_sim::motor::Motors;
+use baudbot_sim::sensor::{Device, Sensor};
+use baudbot_wire::Encoding;
+
+use super::{Parts, Result};
+use crate::pins::{self, Options};
+
+/// What is on the pins.
+pub(super) struct Wires {
+    pub(super) wiring: Wiring,
+    pub(super) attached: Vec<Attached>,
+}
+
+/// A part, as far as it is known.
+struct Part<'a> {
+    name: String,
+    /// Where it was named first.
+    path: &'a Path,
+    belongs: Belongs<'a>,
+    /// The terminals that are used, and the options of each.
+    terminals: Vec<(&'a str, &'a str, &'a Options)>,
+}
+
+#[derive(Clone, Copy)]
+enum Belongs<'a> {
+    Sensor(usize, &'a Sensor),
+    Value(usize, &'a Sensor, usize),
+    Wheel(Side, &'a Sensor),
+    Motor(Side),
+    Actuator(usize),
+    Led,
+    Buzzer,
+}
+
+/// The parts that these connections are of.
+pub(super) fn wires(path: &Path, connections: &[(Path, &str, Options)], robot: &Parts<'_>) -> Result<Wires> {
+    let mut parts: Vec<Part<'_>> = Vec::new();
+    for (at, pin, options) in connections {
+        let (name, belongs, terminal) = target(at, &options.to, robot)?;
+        let place = parts.iter().position(|part| part.name == name);
+        let place = place.unwrap_or_else(|| {
+            parts.push(Part { name, path: at, belongs, terminals: Vec::new() });
+            parts.len() - 1
+        });
+        parts[place].terminals.push((*pin, terminal, options));
+    }
+    let mut builder = Wiring::builder();
+    let mut attached = Vec::new();
+    for part in &parts {
+        let (kind, belongs) = part.kind(robot)?;
+        builder = builder.part(&*part.name, kind);
+        attached.push(belongs);
+        for (pin, terminal, _) in &part.terminals {
+            let full =
+                if terminal.is_empty() { part.name.clone() } else { format!("{}.{terminal}", part.name) };
+            builder = builder.connect(*pin, full);
+        }
+    }
+    let wiring = builder.build().map_err(|error| path.error(error.to_string()))?;
+    Ok(Wires { wiring, attached })
+}
+
+/// What `text` names: the part's name, what it belongs to, and the terminal.
+fn target<'a>(path: &Path, text: &'a str, robot: &Parts<'a>) -> Result<(String, Belongs<'a>, &'a str)> {
+    let (group, rest) = text.split_once('.').unwrap_or((text, ""));
+    let (name, terminal) = rest.split_once('.').unwrap_or((rest, ""));
+    match group {
+        "sensors" => sensor(path, name, terminal, robot),
+        "encoders" => {
+            let sensor = robot.sensors.iter().find(|sensor| matches!(sensor.device, Device::Encoders(_)));
+            let sensor = sensor.ok_or_else(|| path.error("the robot has no sensor of kind \"encoders\""))?;
+            wheel_of(path, sensor, name, terminal)
+        }
+        "motors" => {
+            let side = side(path, name)?;
+            Ok((format!("motors.{name}"), Belongs::Motor(side), terminal))
+        }
+        "actuators" => {
+            let place = robot.actuators.iter().position(|actuator| actuator.name == name);
+            let known = || robot.actuators.iter().map(|actuator| &*actuator.name).collect::<Vec<_>>();
+            let place = place.ok_or_else(|| unknown(path, "actuator", name, &known()))?;
+            Ok((format!("actuators.{name}"), Belongs::Actuator(place), terminal))
+        }
+        "leds" if !name.is_empty() => Ok((format!("leds.{name}"), Belongs::Led, terminal)),
+        "buzzers" if !name.is_empty() => Ok((format!("buzzers.{name}"), Belongs::Buzzer, terminal)),
+        _ => Err(path.error(format!(
+            "`{text}` is nothing that a pin can be connected to; there are sensors.NAME, encoders.left, motors.left, \
+             actuators.NAME, leds.NAME and buzzers.NAME, each with a terminal behind a dot where it has several"
+        ))),
+    }
+}
+
+fn side(path: &Path, name: &str) -> Result<Side> {
+    match name {
+        "left" => Ok(Side::Left),
+        "right" => Ok(Side::Right),
+        _ => Err(path.error(format!("`{name}` is no wheel; there are left and right"))),
+    }
+}
+
+fn unknown(path: &Path, what: &str, name: &str, known: &[&str]) -> FieldError {
+    if known.is_empty() {
+        return path.error(format!("the robot has no {what} `{name}`, and no others"));
+    }
+    path.error(format!("the robot has no {what} `{name}`; there are {}", known.join(", ")))
+}
+
+fn sensor<'a>(
+    path: &Path,
+    name: &str,
+    terminal: &'a str,
+    robot: &Parts<'a>,
+) -> Result<(String, Belongs<'a>, &'a str)> {
+    let place = robot.sensors.iter().position(|sensor| sensor.name == name);
+    let known = || robot.sensors.iter().map(|sensor| &*sensor.name).collect::<Vec<_>>();
+    let place = place.ok_or_else(|| unknown(path, "sensor", name, &known()))?;
+    let sensor = &robot.sensors[place];
+    if !sensor.is_on_wire() {
+        let problem = format!("sensor `{name}` has a port of its own to the laptop, and is on no pin");
+        return Err(path.error(problem));
+    }
+    if let Device::Encoders(_) = sensor.device {
+        let (wheel, terminal) = terminal.split_once('.').unwrap_or((terminal, ""));
+        return wheel_of(path, sensor, wheel, terminal);
+    }
+    let components = sensor.device.components();
+    if let Some(value) =
+        components.iter().position(|component| !component.name.is_empty() && component.name == terminal)
+    {
+        return Ok((format!("sensors.{name}.{terminal}"), Belongs::Value(place, sensor, value), ""));
+    }
+    Ok((format!("sensors.{name}"), Belongs::Sensor(place, sensor), terminal))
+}
+
+fn wheel_of<'a>(
+    path: &Path,
+    sensor: &'a Sensor,
+    wheel: &str,
+    terminal: &'a str,
+) -> Result<(String, Belongs<'a>, &'a str)> {
+    Ok((format!("encoders.{wheel}"), Belongs::Wheel(side(path, wheel)?, sensor), terminal))
+}
+
+impl Part<'_> {
+    fn uses(&self, terminal: &str) -> bool {
+        self.terminals.iter().any(|(_, used, _)| *used == terminal)
+    }
+
+    /// An option that any of its connections has.
+    fn option<T: Copy>(&self, get: impl Fn(&Options) -> Option<T>) -> Option<T> {
+        self.terminals.iter().find_map(|(_, _, options)| get(options))
+    }
+
+    /// What it is, and where it belongs.
+    fn kind(&self, robot: &Parts<'_>) -> Result<(Kind, Attached)> {
+        match self.belongs {
+            Belongs::Sensor(place, sensor) => self.sensor(place, sensor),
+            Belongs::Value(place, sensor, value) => self.voltage(place, sensor, value),
+            Belongs::Wheel(side, sensor) => Ok((self.encoder(sensor)?, Attached::Wheel(side))),
+            Belongs::Motor(side) => self.motor(side, robot.motors),
+            Belongs::Actuator(place) => {
+                let kind = match &robot.actuators[place].kind {
+                    ActuatorKind::Turret(_) => Kind::Servo(ServoKind::Standard),
+                    ActuatorKind::Lamp { .. } => Kind::Led(self.led()),
+                    ActuatorKind::Speaker { .. } => Kind::Piezo(Piezo),
+                };
+                Ok((kind, Attached::Actuator(place)))
+            }
+            Belongs::Led => Ok((Kind::Led(self.led()), Attached::Board)),
+            Belongs::Buzzer => Ok((Kind::Piezo(Piezo), Attached::Board)),
+        }
+    }
+
+    fn led(&self) -> Led {
+        let lit_by = match self.option(|options| options.lit_by) {
+            Some(pins::LitBy::Low) => LitBy::Low,
+            Some(pins::LitBy::High) | None => LitBy::High,
+        };
+        Led { lit_by }
+    }
+
+    fn sensor(&self, place: usize, sensor: &Sensor) -> Result<(Kind, Attached)> {
+        match &sensor.device {
+            Device::Sonar(_) if self.uses("sda") || self.uses("scl") => {
+                Ok((Kind::RangeFinder(RangeFinder::SRF02), Attached::Sonar { sensor: place }))
+            }
+            Device::Sonar(_) if self.uses("trigger") || self.uses("echo") => {
+                Ok((Kind::HcSr04(HcSr04), Attached::Sonar { sensor: place }))
+            }
+            Device::Sonar(_) => Ok((Kind::Ping(Ping), Attached::Sonar { sensor: place })),
+            Device::Compass(_) => Ok((Kind::Compass(Compass), Attached::Compass { sensor: place })),
+            Device::Whisker(baudbot_sim::sensor::Whisker { switch, .. })
+            | Device::Bumper(baudbot_sim::sensor::Bumper { switch, .. }) => {
+                let bounce_us = u32::try_from(switch.bounce_ns / 1000).unwrap_or(u32::MAX);
+                Ok((Kind::Switch(self.switch(&sensor.name, bounce_us)), Attached::Contact { sensor: place }))
+            }
+            Device::Floor(_) if self.is_timed() => {
+                Ok((Kind::Reflectance(Reflectance), Attached::Reflectance { sensor: place, value: 0 }))
+            }
+            Device::Floor(_)
+            | Device::Infrared(_)
+            | Device::VoltageRanger(_)
+            | Device::Photoresistor(_)
+            | Device::Light(_)
+            | Device::Field(_)
+            | Device::Microphone(_)
+            | Device::Battery(_)
+            | Device::Accelerometer(_)
+            | Device::Gyroscope(_) => self.voltage(place, sensor, 0),
+            Device::Encoders(_)
+            | Device::Laser(_)
+            | Device::LineCamera(_)
+            | Device::StepCounter(_)
+            | Device::Odometer(_)
+            | Device::OpticalFlow(_)
+            | Device::Gps(_) => {
+                let problem = format!("a sensor of kind \"{}\" has no pins here", sensor.device.kind());
+                Err(self.path.error(problem))
+            }
+        }
+    }
+
+    /// Whether it is a reflectance sensor that discharges a capacitor: on a pin without an ADC it can be nothing else.
+    fn is_timed(&self) -> bool {
+        let on_adc =
+            |(pin, ..): &(&str, &str, &Options)| Net::by_name(pin).and_then(Net::adc_channel).is_some();
+        self.option(|options| options.rc).unwrap_or_else(|| !self.terminals.iter().all(on_adc))
+    }
+
+    /// A switch to ground, which bounces as its sensor does.
+    fn switch(&self, name: &str, bounce_us: u32) -> Switch {
+        let pull = match self.option(|options| options.pull) {
+            Some(pins::Pull::External) => Pull::External,
+            Some(pins::Pull::Internal) | None => Pull::Internal,
+        };
+        let seed = name.bytes().fold(1, |seed: u64, byte| seed.wrapping_mul(31).wrapping_add(byte.into()));
+        Switch { pull, bounce_us, seed }
+    }
+
+    /// A value as a voltage: as it is, if it is one; else the range of its code is that of the supply.
+    fn voltage(&self, place: usize, sensor: &Sensor, component: usize) -> Result<(Kind, Attached)> {
+        let components = sensor.device.components();
+        let value = components.iter().take(component).map(|component| component.count).sum();
+        let in_volts = components.get(component).is_some_and(|component| component.unit == "V");
+        let usual = match (in_volts, sensor.encodings.get(value)) {
+            (true, _) => Some((0.0, 1.0)),
+            // Light that comes back pulls the output of a reflectance sensor down.
+            (false, _) if matches!(sensor.device, Device::Floor(_)) => Some((SUPPLY_V, -SUPPLY_V)),
+            (false, Some(&Encoding::Level { min, max, .. })) if min < max => {
+                Some((-min * SUPPLY_V / (max - min), SUPPLY_V / (max - min)))
+            }
+            (false, _) => None,
+        };
+        let given = self.option(|options| options.volts_per_unit);
+        let Some(volts_per_unit) = given.or_else(|| usual.map(|usual| usual.1)) else {
+            let problem = format!(
+                "needs volts_per_unit, {{ to = \"…\", volts_per_unit = 0.01 }}: sensor `{}` has no `bits` that would say which \
+                 voltage stands for which value",
+                sensor.name
+            );
+            return Err(self.path.error(problem));
+        };
+        let volts_at_0 = self.option(|options| options.volts_at_0);
+        let volts_at_0 = volts_at_0
+            .unwrap_or_else(|| if given.is_some() { 0.0 } else { usual.map_or(0.0, |usual| usual.0) });
+        let volts_at_0 = self.path.within("volts_at_0", volts_at_0, -1e12, 1e12)?;
+        let volts_per_unit = self.path.within("volts_per_unit", volts_per_unit, -1e12, 1e12)?;
+        let divider = self.option(|options| options.divider).unwrap_or(1.0);
+        let ratio = self.path.within("divider", divider, 0.0, 1.0)?;
+        let attached = Attached::Voltage { sensor: place, value, volts_at_0, volts_per_unit };
+        Ok((Kind::Voltage(Voltage { ratio }), attached))
+    }
+
+    fn encoder(&self, sensor: &Sensor) -> Result<Kind> {
+        let Device::Encoders(encoders) = &sensor.device else {
+            return Err(self.path.error("is no encoder"));
+        };
+        let channels = if self.uses("b") { Channels::Quadrature } else { Channels::Single };
+        if encoders.quadrature && channels == Channels::Single {
+            let problem = format!("`{0}` counts in quadrature: connect {0}.a and {0}.b", self.name);
+            return Err(self.path.error(problem));
+        }
+        Ok(Kind::Encoder(Encoder { channels, counts_per_turn: encoders.counts_per_turn }))
+    }
+
+    fn motor(&self, side: Side, motors: &Motors) -> Result<(Kind, Attached)> {
+        match motors {
+            Motors::Servo(_) => Ok((Kind::Servo(ServoKind::Continuous), Attached::WheelServo(side))),
+            Motors::Dc(_) | Motors::Velocity(_) => Ok((Kind::Bridge(self.bridge()?), Attached::Motor(side))),
+            Motors::Stepper(_) => Err(self
+                .path
+                .error("stepper motors have no driver for a chip's pins yet; take dc, velocity or servo")),
+        }
+    }
+
+    /// Which H-bridge it is: its terminals tell.
+    fn bridge(&self) -> Result<BridgeKind> {
+        let drop_v = self.option(|options| options.drop_v);
+        let drop_v = drop_v.map(|drop_v| self.path.within("drop_v", drop_v, 0.0, 100.0)).transpose()?;
+        let has_inputs = self.uses("in1") || self.uses("in2");
+        Ok(match (has_inputs, self.uses("standby"), drop_v) {
+            (true, true, None) => BridgeKind::TB6612,
+            (true, true, Some(drop_v)) => BridgeKind::Tb6612 { drop_v },
+            (true, false, None) => BridgeKind::L298N,
+            (true, false, Some(drop_v)) => BridgeKind::L298N { drop_v },
+            (false, _, drop_v) => {
+                let decay = match self.option(|options| options.decay) {
+                    Some(pins::Decay::Coast) => Decay::Coast,
+                    Some(pins::Decay::Brake) | None => Decay::Brake,
+                };
+                BridgeKind::Directed { decay, drop_v: drop_v.unwrap_or(0.0) }
+            }
+        })
+    }
+}
+
+/// The chip's supply, in volts.
+const SUPPLY_V: f64 = 5.0;

@@ -1,0 +1,89 @@
+//! A chip, its clock and its program.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+
+use baudbot_avr::{Fuses, Part, Program};
+use baudbot_board::ChipClock;
+use baudbot_fields::Path;
+use baudbot_geometry::math;
+
+use super::Result;
+use crate::pins::RawProgram;
+use crate::raw;
+
+/// The part that the microcontroller is.
+pub(super) fn part(path: &Path, raw: &raw::Microcontroller) -> Result<Part> {
+    let Some(name) = &raw.chip else { return Ok(Part::Atmega328P) };
+    Part::by_name(name).ok_or_else(|| {
+        let known: alloc::vec::Vec<_> =
+            Part::ALL.iter().map(|part| part.properties().name.to_ascii_lowercase()).collect();
+        path.field("chip").error(format!("`{name}` is none of {}", known.join(", ")))
+    })
+}
+
+/// Its clock source.
+pub(super) fn clock(path: &Path, raw: &raw::Microcontroller) -> Result<ChipClock> {
+    let hz = path.within("clock_hz", raw.clock_hz.unwrap_or(USUAL_HZ), LEAST_HZ, MOST_HZ)?;
+    if math::floor(hz) != hz {
+        return Err(path.field("clock_hz").error(format!("must be a whole number of hertz, is {hz}")));
+    }
+    let ppm = path.within("clock_ppm", raw.clock_ppm.unwrap_or(0.0), -MOST_PPM, MOST_PPM)?;
+    let clock = ChipClock::exact(hz as u32).and_then(|clock| clock.with_ppb(math::round(ppm * 1e3) as i64));
+    clock.map_err(|error| path.field("clock_ppm").error(error.to_string()))
+}
+
+/// The program, and the fuses.
+pub(super) fn program(
+    path: &Path,
+    raw: &RawProgram,
+    part: Part,
+    microcontroller: &raw::Microcontroller,
+) -> Result<(Program, Fuses)> {
+    let at = path.field("program");
+    let inline = match raw {
+        RawProgram::Inline(inline) => inline,
+        RawProgram::File(name) => {
+            let problem = format!(
+                "names the file `{name}`, which is read only where it stands in a scenario file; on the command line write \
+                 --firmware ROBOT={name}"
+            );
+            return Err(at.error(problem));
+        }
+    };
+    let wrong = |what: &str, problem: String| {
+        let file = if inline.file.is_empty() { String::new() } else { format!("{}: ", inline.file) };
+        at.error(format!("{file}{what}{problem}"))
+    };
+    let program = Program::from_hex(part, inline.hex.as_bytes());
+    let program = program.map_err(|error| wrong("", error.to_string()))?;
+    let eeprom = inline.eeprom_hex.as_ref();
+    let program = program.with_extras(eeprom.map(|hex| hex.as_bytes()), inline.fuses, inline.data_end);
+    let program = program.map_err(|error| wrong("EEPROM: ", error.to_string()))?;
+    let fuses = match (&microcontroller.fuses, program.fuses()) {
+        (Some(given), _) => fuses(path, given)?,
+        (None, Some([low, high, extended])) => Fuses { low, high, extended },
+        (None, None) => usual_fuses(part),
+    };
+    Ok((program, fuses))
+}
+
+fn fuses(path: &Path, given: &[u64]) -> Result<Fuses> {
+    let at = path.field("fuses");
+    let byte = |byte: u64| u8::try_from(byte).map_err(|_| at.error(format!("{byte} is no byte")));
+    let [low, high, extended] = *given else {
+        return Err(at.error(format!("has the bytes low, high and extended, and not {}", given.len())));
+    };
+    Ok(Fuses { low: byte(low)?, high: byte(high)?, extended: byte(extended)? })
+}
+
+/// A crystal, no start-up time beyond what it needs, and no boot loader: a programmer that writes a sketch over the boot loader
+/// leaves a part so.
+fn usual_fuses(part: Part) -> Fuses {
+    Fuses::external_clock(part)
+}
+
+const USUAL_HZ: f64 = 16e6;
+const LEAST_HZ: f64 = 32_000.0;
+const MOST_HZ: f64 = 32e6;
+const MOST_PPM: f64 = 100_000.0;

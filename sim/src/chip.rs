@@ -1,0 +1,138 @@
+//! A program of the user's own on a robot's microcontroller (Figs. 1.18 and 1.19): an ATmega with the robot's sensors and motors
+//! on its pins, which runs cycle by cycle.
+//!
+//! Such a robot has the chip in place of the model of a microcontroller: nothing
+//! is due by a schedule, and no task has a cost of its own. A sensor is measured when the program asks for it, and motors do
+//! what the pins say. On the cable is what the program sends.
+//!
+//! Within a tick the scene is frozen, as it is for all robots: a sensor that the program reads ten times in a tick sees the same
+//! scene ten times, with noise of its own each time. Switches have the state of the tick's start. Encoders turn as the wheels did
+//! in the tick before, so that their edges come one by one, and a tick late. Motors get in a substep what the pins did in it.
+//!
+//! Instants of the chip are floor(cycles · 10⁹ / f) after its start, which [`ChipClock`](baudbot_board::ChipClock) computes.
+
+use alloc::vec::Vec;
+
+use baudbot_avr::{Chip, Fuses, Program, Supply};
+use baudbot_board::{Board, BoardError, ChipClock, PartId, Wiring};
+
+use crate::drive::Wheels;
+
+/// A chip with its program, and what is on its pins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChipSpec {
+    /// As it is before its supply is switched on.
+    start: Board,
+    /// Where each part of the wiring belongs on the robot, in the parts' order.
+    attached: Vec<Attached>,
+    /// Whether nobody but the user's own programs knows what its bytes mean.
+    is_opaque: bool,
+}
+
+/// What a part on the chip's pins belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Attached {
+    /// A value of a sensor, as a voltage.
+    Voltage {
+        /// The sensor's place.
+        sensor: usize,
+        /// The place of the value in its readings.
+        value: usize,
+        /// The voltage at the value 0, in volts.
+        volts_at_0: f64,
+        /// How much it is higher for each unit of the value, in volts.
+        volts_per_unit: f64,
+    },
+    /// A sensor that is a switch.
+    Contact {
+        /// The sensor's place.
+        sensor: usize,
+    },
+    /// The encoder of a wheel.
+    Wheel(Side),
+    /// A sonar, whose value is a distance.
+    Sonar {
+        /// The sensor's place.
+        sensor: usize,
+    },
+    /// A value of a floor sensor, in [0, 1], as the time in which a capacitor discharges.
+    Reflectance {
+        /// The sensor's place.
+        sensor: usize,
+        /// The place of the value in its readings.
+        value: usize,
+    },
+    /// A compass.
+    Compass {
+        /// The sensor's place.
+        sensor: usize,
+    },
+    /// A wheel's motor at a channel of an H-bridge.
+    Motor(Side),
+    /// A wheel that is a servo for continuous rotation.
+    WheelServo(Side),
+    /// An actuator's place.
+    Actuator(usize),
+    /// Nothing of the robot's: a light-emitting diode or a buzzer on the board.
+    Board,
+}
+
+/// A wheel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The left one.
+    Left,
+    /// The right one.
+    Right,
+}
+
+impl Side {
+    pub(crate) fn of(self, wheels: &mut Wheels) -> &mut f64 {
+        match self {
+            Self::Left => &mut wheels.left,
+            Self::Right => &mut wheels.right,
+        }
+    }
+}
+
+impl ChipSpec {
+    /// A chip with this program and these parts on its pins; `attached` has an entry for each part of the wiring, in order. An
+    /// opaque chip's bytes mean nothing to brains of messages.
+    ///
+    /// # Errors
+    /// A clock that the chip cannot have.
+    pub fn new(
+        program: &Program,
+        (fuses, clock): (Fuses, ChipClock),
+        wiring: Wiring,
+        attached: Vec<Attached>,
+        is_opaque: bool,
+    ) -> Result<Self, BoardError> {
+        let supply = Supply { clock_hz: clock.hz(), ..Supply::ARDUINO };
+        let mut chip = Chip::new(program, fuses, supply);
+        if let Some(end) = program.data_end() {
+            chip.watch_stack(end);
+        }
+        Ok(Self { start: Board::new(chip, clock, wiring)?, attached, is_opaque })
+    }
+
+    /// The board as it is before its supply is switched on.
+    pub fn board(&self) -> &Board {
+        &self.start
+    }
+
+    /// What each part of the wiring belongs to, in the parts' order.
+    pub fn attached(&self) -> &[Attached] {
+        &self.attached
+    }
+
+    /// Whether its bytes mean nothing to brains of messages.
+    pub fn is_opaque(&self) -> bool {
+        self.is_opaque
+    }
+
+    /// What a part belongs to.
+    pub(crate) fn attached_to(&self, part: PartId) -> Attached {
+        self.attached.get(part.index()).copied().unwrap_or(Attached::Board)
+    }
+}

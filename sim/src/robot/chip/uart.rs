@@ -1,0 +1,77 @@
+//! The cable between a chip's UART and the laptop's.
+
+use baudbot_avr::usart::{Frame, Parity};
+use baudbot_board::far_end::{Receiver, Settings};
+
+use super::ChipState;
+use crate::link::{Line, Link};
+use crate::time::SimTime;
+
+/// The UART at the laptop's end of a cable.
+pub(super) fn receiver(link: &Link) -> Receiver {
+    Receiver::new(settings(link))
+}
+
+fn settings(link: &Link) -> Settings {
+    match link {
+        Link::Uart(uart) => Settings::of_cable(uart.baud, u32::from(uart.bits_per_character)),
+        // Scenario files refuse chips on other cables.
+        Link::Ideal | Link::Usb(_) | Link::Onboard => Settings::new_8n1(9600),
+    }
+}
+
+/// A byte as the laptop sends it.
+fn frame(settings: &Settings, byte: u8) -> Frame {
+    Frame::new(u16::from(byte), settings.data_bits, Parity::None, settings.stop_bits)
+}
+
+impl ChipState {
+    /// Puts characters on the line to the chip whose start bits have come. Says when the next one comes.
+    pub(super) fn hear(&mut self, link: &Link, downlink: &mut Line) -> SimTime {
+        let settings = settings(link);
+        let character_ns = link.burst_ns(1);
+        loop {
+            let arrival = downlink.arrival(link);
+            if arrival == SimTime::NEVER {
+                return arrival;
+            }
+            let start = SimTime::from_ns(arrival.as_ns().saturating_sub(character_ns));
+            if start > self.now() {
+                return start;
+            }
+            let Some((_, byte)) = downlink.take(link, arrival) else { return SimTime::NEVER };
+            if start < self.held_until() {
+                downlink.counters.lost_bytes += 1;
+                continue;
+            }
+            self.receive(frame(&settings, byte), start, settings.baud);
+        }
+    }
+
+    /// A character that begins within the last one, for the rounding of cycles or because the rate was changed, begins behind it.
+    fn receive(&mut self, frame: Frame, start: SimTime, baud: u32) {
+        let local = self.local(start).max(self.board.now_ns());
+        // There is room for 16 characters, which come one behind the other; a chip cannot be sent bits shorter than its cycles.
+        let _ = self.board.receive(frame, local, baud);
+    }
+
+    /// What the chip has sent goes on the line, and what the laptop's UART reads of it is on its way. Says when characters were on
+    /// the line, and how many.
+    pub(super) fn speak(&mut self, link: &Link, uplink: &mut Line) -> Option<(SimTime, SimTime, u32)> {
+        let mut spoken: Option<(SimTime, SimTime, u32)> = None;
+        let offset = self.world(0).as_ns();
+        for sent in self.board.sent() {
+            let (from_ns, until_ns) = (offset + sent.start_ns, offset + sent.end_ns);
+            self.laptop.hear_frame(&sent.frame, (from_ns, until_ns));
+            let (from, until) = (SimTime::from_ns(from_ns), SimTime::from_ns(until_ns));
+            let (from, _, count) = spoken.unwrap_or((from, until, 0));
+            spoken = Some((from, until, count + 1));
+        }
+        self.laptop.idle(self.now().as_ns());
+        while let Some(read) = self.laptop.read() {
+            uplink.counters.corrupted_bytes += u64::from(read.error.is_some());
+            uplink.send_at(link, SimTime::from_ns(read.at_ns), read.byte);
+        }
+        spoken
+    }
+}
