@@ -108,6 +108,11 @@ impl Adc {
         }
     }
 
+    /// Whether this ADC can exist at a cycle.
+    pub(crate) const fn is_possible(&self, now: u64) -> bool {
+        self.zero <= now + SYNCHRONISER_CYCLES
+    }
+
     /// Power reduction.
     pub(crate) fn set_off(&mut self, off: bool) {
         self.off = off;

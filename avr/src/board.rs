@@ -98,7 +98,8 @@ pub enum Direction {
 /// What a program hardly means, or what is not simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Warning {
-    /// A word that is no instruction was executed; it did nothing.
+    /// A word that is no instruction was executed; it did nothing. This and [`BeyondMemory`](Self::BeyondMemory) are said a
+    /// hundred times at most between two resets.
     IllegalInstruction {
         /// Its word address.
         pc: u32,
@@ -119,7 +120,8 @@ pub enum Warning {
         /// The mark.
         mark: u16,
     },
-    /// An input pin was read that nothing drives and that has no pull-up; it read as 0. Said once for each pin.
+    /// An input pin was read by `SBIS` or `SBIC` that nothing drives and that has no pull-up; it read as 0. Said once for each
+    /// pin. Instructions that read a whole port say nothing, as nobody knows which of its pins the program looks at.
     FloatingInput {
         /// The pin.
         pin: Pin,
@@ -138,14 +140,10 @@ pub enum Warning {
 /// What is not simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Unsupported {
-    /// Timer 2 with a crystal of its own (AS2).
+    /// Timer 2 with a crystal of its own (AS2), on a chip whose clock source takes the crystal's pins.
     AsynchronousTimer,
     /// A synchronous mode of the USART (UMSEL).
     SynchronousUsart,
-    /// The multi-processor mode of the USART (MPCM).
-    MultiProcessorMode,
-    /// TWI as a slave.
-    TwiSlave,
     /// A reserved mode of a timer.
     ReservedTimerMode(Which),
     /// A reserved input or reference of the ADC.

@@ -44,7 +44,10 @@ impl Clock {
 
     /// Whether this is a clock that has run up to this cycle.
     pub(crate) const fn is_possible(&self, cycle: u64) -> bool {
-        self.shift <= 8 && self.cycle <= cycle && self.period < LATEST
+        self.shift <= 8
+            && self.cycle <= cycle
+            && self.period < LATEST
+            && cycle - self.cycle < LATEST >> self.shift
     }
 
     /// From this cycle on cycles are longer or shorter.

@@ -71,6 +71,11 @@ impl Fuses {
         }
     }
 
+    /// CKSEL: an internal oscillator, of 8 MHz or 128 kHz, is the clock source.
+    pub const fn clocks_internally(self) -> bool {
+        matches!(self.low & 0x0F, 2 | 3)
+    }
+
     /// CKSEL and SUT: how long the clock takes to start.
     pub const fn start_up(self) -> StartUp {
         let sut = self.low >> 4 & 3;

@@ -20,8 +20,8 @@
 //!
 //! # What is not there
 //!
-//! A program that switches one of these on causes a [`Warning`]: timer 2 with a crystal of its own, synchronous modes and the
-//! multi-processor mode of the USART, TWI as a slave. Brown-out detection is left to the embedder ([`Chip::reset_now`]). Each
+//! A program that switches one of these on causes a [`Warning`]: synchronous modes of the USART, and timer 2 with a
+//! crystal of its own where the clock source takes the crystal's pins. Of the USART, the SPI and the TWI, power reduction (PRR) only keeps writes away. Brown-out detection is left to the embedder ([`Chip::reset_now`]). Each
 //! peripheral's module lists its deviations from the data sheet.
 //!
 //! # Example
@@ -57,6 +57,7 @@ mod adc;
 mod address;
 mod alu;
 mod board;
+mod checked;
 mod chip;
 mod clock;
 mod comparator;

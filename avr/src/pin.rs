@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::checked::checked;
+
 /// A port of eight pins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Port {
@@ -24,10 +26,13 @@ impl Port {
 
 /// A pin of a port.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Pin {
     port: Port,
     bit: u8,
 }
+
+checked!(Pin, "a port has eight pins");
 
 impl Pin {
     /// The pin of this number, from 0 to 7; higher numbers do not exist.
@@ -43,6 +48,10 @@ impl Pin {
     /// Its number in the port, from 0 to 7.
     pub const fn bit(self) -> u8 {
         self.bit
+    }
+
+    const fn is_possible(self) -> bool {
+        self.bit < 8
     }
 
     pub(crate) const fn mask(self) -> u8 {
@@ -86,12 +95,21 @@ pub enum External {
 
 /// The shape of a signal that a timer makes on a pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Pwm {
     /// Periods of the clock source in which the pin is high.
     pub high: u64,
     /// Periods of the clock source until the signal repeats; never 0.
     pub period: u64,
 }
+
+impl Pwm {
+    const fn is_possible(self) -> bool {
+        self.high <= self.period && self.period > 0
+    }
+}
+
+checked!(Pwm, "a signal is high for a part of its period");
 
 /// How an output of a timer is reported.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

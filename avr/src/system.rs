@@ -45,11 +45,11 @@ pub enum Sleep {
     AdcNoiseReduction,
     /// All clocks stand, and the oscillator.
     PowerDown,
-    /// As power-down, as timer 2 is never asynchronous here.
+    /// As power-down, but a timer 2 with its own crystal runs.
     PowerSave,
     /// All clocks stand; the oscillator runs.
     Standby,
-    /// As standby.
+    /// As standby, but a timer 2 with its own crystal runs.
     ExtendedStandby,
 }
 
@@ -89,6 +89,8 @@ pub(crate) enum Effect {
     Power,
     /// GTCCR was written.
     ResetPrescalers(u8),
+    /// ASSR was written.
+    Asynchronous,
 }
 
 const SLEEP_ENABLE: u8 = 1;
@@ -100,6 +102,9 @@ const PRESCALER_CHANGE: u8 = 1 << 7;
 pub(crate) const HOLD: u8 = 1 << 7;
 pub(crate) const RESET_TIMER2: u8 = 1 << 1;
 pub(crate) const RESET_TIMERS: u8 = 1 << 0;
+/// ASSR: AS2 and EXCLK.
+const ASYNCHRONOUS: u8 = 1 << 5;
+const ASYNCHRONOUS_BITS: u8 = 3 << 5;
 const LARGEST_PRESCALER: u8 = 8;
 /// A middle value, as nobody can know that of a chip.
 const CALIBRATION: u8 = 0x80;
@@ -116,6 +121,9 @@ pub(crate) struct System {
     general: [u8; 3],
     digital_off: [u8; 2],
     timer_control: u8,
+    asynchronous: u8,
+    /// Warnings since the last reset that a program out of control causes with each instruction.
+    pub(crate) often_warned: u8,
     prescaler_window: Window,
     vector_window: Window,
 }
@@ -132,6 +140,8 @@ impl System {
             general: [0; 3],
             digital_off: [0; 2],
             timer_control: 0,
+            asynchronous: 0,
+            often_warned: 0,
             prescaler_window: Window::default(),
             vector_window: Window::default(),
         }
@@ -168,6 +178,16 @@ impl System {
         self.control & VECTORS_IN_BOOT != 0
     }
 
+    /// AS2.
+    pub(crate) const fn is_asynchronous(&self) -> bool {
+        self.asynchronous & ASYNCHRONOUS != 0
+    }
+
+    /// Writes ASSR.
+    pub(crate) const fn set_asynchronous(&mut self, value: u8) {
+        self.asynchronous = value & ASYNCHRONOUS_BITS;
+    }
+
     /// PRR.
     pub(crate) const fn power(&self) -> u8 {
         self.power
@@ -184,7 +204,7 @@ impl System {
             Register::General(which) => self.general[which],
             Register::DigitalOff(which) => self.digital_off[which],
             Register::TimerControl => self.timer_control,
-            Register::AsynchronousStatus => 0,
+            Register::AsynchronousStatus => self.asynchronous,
         }
     }
 
@@ -208,7 +228,7 @@ impl System {
                     if value & HOLD == 0 { 0 } else { value & (HOLD | RESET_TIMER2 | RESET_TIMERS) };
                 return Effect::ResetPrescalers(value);
             }
-            Register::AsynchronousStatus => {}
+            Register::AsynchronousStatus => return Effect::Asynchronous,
         }
         Effect::Nothing
     }

@@ -7,8 +7,9 @@
 //!
 //! # Deviations
 //!
-//! There is no slave mode, no arbitration and no stretching of the clock. SDA and SCL do not move: the board is asked by
-//! whole bytes. A stop condition is over at once.
+//! As there is no other master, a program that makes the chip a slave waits for ever: nobody calls its address. There is
+//! neither arbitration nor stretching of the clock. SDA and SCL do not move: the board is asked by whole bytes. A stop
+//! condition is over at once.
 
 use serde::{Deserialize, Serialize};
 
@@ -63,8 +64,6 @@ pub(crate) enum Step {
 pub(crate) enum Wanted {
     Nothing,
     Stop,
-    /// A slave's address and acknowledge bit without a transfer of a master: that is not simulated.
-    Slave,
 }
 
 /// The TWI with its registers.
@@ -95,6 +94,10 @@ impl Twi {
             holds_bus: false,
             step: None,
         }
+    }
+
+    pub(crate) const fn is_possible(&self) -> bool {
+        self.prescaler <= 3
     }
 
     pub(crate) const fn requests(&self) -> bool {
@@ -197,8 +200,6 @@ impl Twi {
             self.step = Some((Step::Start, now + self.clock()));
         } else if let Some(step) = self.following(value & ACKNOWLEDGE != 0).filter(|_| self.holds_bus) {
             self.step = Some((step, now + BYTE_CLOCKS * self.clock()));
-        } else if value & ACKNOWLEDGE != 0 && wanted == Wanted::Nothing {
-            wanted = Wanted::Slave;
         }
         wanted
     }

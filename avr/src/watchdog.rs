@@ -38,7 +38,8 @@ pub(crate) struct Watchdog {
 }
 
 impl Watchdog {
-    /// After a reset at this period; `has_bitten` is WDRF, which keeps the watchdog on.
+    /// After a reset that ends with this period; `has_bitten` is WDRF, which keeps the watchdog on. Before, its oscillator
+    /// times the start of the clock.
     pub(crate) fn new(clock_hz: u32, always_on: bool, has_bitten: bool, period: u64) -> Self {
         let control = if always_on || has_bitten { RESET } else { 0 };
         let mut watchdog =
@@ -49,7 +50,10 @@ impl Watchdog {
 
     /// Whether this watchdog can exist at a period.
     pub(crate) const fn is_possible(&self, clock_hz: u32, period: u64) -> bool {
-        self.clock_hz == clock_hz && self.started <= period && self.deadline < 1 << 62
+        self.clock_hz == clock_hz
+            && self.started <= period
+            && self.deadline < 1 << 62
+            && self.next_event() >= period
     }
 
     pub(crate) const fn requests(&self) -> bool {

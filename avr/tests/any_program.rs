@@ -69,7 +69,8 @@ fn words() -> impl Strategy<Value = Vec<u16>> {
 fn chip(words: &[u16], slow_clock: bool) -> Chip {
     // A small flash is loaded quickly, and `SPM` works in all of it.
     let part = Part::Atmega48A;
-    let fuses = Fuses { low: if slow_clock { 0x40 } else { 0xC0 }, ..Fuses::factory(part) };
+    // One with an external clock divided by 8, one with an internal oscillator, which leaves its pins to a crystal.
+    let fuses = Fuses { low: if slow_clock { 0x40 } else { 0xC2 }, ..Fuses::factory(part) };
     Chip::new(&Program::from_words(part, words).unwrap(), fuses, Supply::ARDUINO)
 }
 
@@ -81,6 +82,109 @@ fn give_inputs(chip: &mut Chip) {
         let level = if at % 2 == 0 { External::High } else { External::Low };
         for port in Port::ALL {
             chip.set_pin(Pin::new(port, (at % 8) as u8).unwrap(), level, start + 331).unwrap();
+        }
+    }
+}
+
+/// A whole flash by chance: words of each instruction, accesses to the peripherals among them.
+fn flash(part: Part, pieces: &[Vec<u16>], seed: u64) -> Vec<u16> {
+    let mut random = seed | 1;
+    let mut next = move || {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        random
+    };
+    let mut words = Vec::new();
+    while words.len() < part.properties().flash_bytes as usize / 2 {
+        if next() % 3 == 0 {
+            words.push((next() >> 20) as u16);
+        } else {
+            words.extend_from_slice(&pieces[next() as usize % pieces.len()]);
+        }
+    }
+    words.truncate(part.properties().flash_bytes as usize / 2);
+    words
+}
+
+fn stored(chip: &Chip) -> Chip {
+    postcard::from_bytes(&postcard::to_allocvec(chip).unwrap()).expect("what was saved is loaded")
+}
+
+/// The first fields in which two chips differ.
+fn difference(one: &Chip, other: &Chip) -> String {
+    let (one, other) = (format!("{one:#?}"), format!("{other:#?}"));
+    let differ = one.lines().zip(other.lines()).enumerate().filter(|(_, (one, other))| one != other);
+    differ.take(5).map(|(at, (one, other))| format!("line {at}: {one} and {other}; ")).collect()
+}
+
+/// More with `BAUDBOT_AVR_PROGRAMS`.
+fn cases(usual: u32) -> ProptestConfig {
+    let cases = std::env::var("BAUDBOT_AVR_PROGRAMS").map_or(usual, |cases| cases.parse().unwrap());
+    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
+}
+
+proptest! {
+    #![proptest_config(cases(6))]
+
+    #[test]
+    fn a_flash_by_chance_runs_a_million_cycles_on_each_part_and_from_the_middle_to_the_same_bits(
+        pieces in prop::collection::vec(words(), 100), seed: u64, clock in 0..4u8,
+        middles in prop::collection::vec(0..1_000_000u64, 3),
+    ) {
+        for part in Part::ALL {
+            // Without CKDIV8 and with it, a fast start and one of 65 ms; the boot section or the application.
+            let fuses = Fuses { low: [0xC0, 0x40, 0xE2, 0xFF][usize::from(clock)], ..Fuses::factory(part) };
+            let program = Program::from_words(part, &flash(part, &pieces, seed)).unwrap();
+            let mut whole = Chip::new(&program, fuses, Supply::ARDUINO);
+            let start = whole.next_event().unwrap();
+            whole.run(start, &mut Bare);
+            give_inputs(&mut whole);
+            let mut parts = whole.clone();
+            let (mut sum, mut sum_of_parts) = (Sum::default(), Sum::default());
+            let end = start + 1_000_000;
+            // BREAK ends a run.
+            while whole.now() < end {
+                whole.run(end, &mut sum);
+            }
+            let mut middles = middles.clone();
+            middles.sort_unstable();
+            for until in middles.into_iter().map(|middle| start + middle).chain([end]) {
+                while parts.now() < until {
+                    parts.run(until, &mut sum_of_parts);
+                }
+                parts = stored(&parts);
+            }
+            prop_assert_eq!(&sum, &sum_of_parts, "{:?}", part);
+            prop_assert!(whole == parts, "{:?}: {}", part, difference(&whole, &parts));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(64))]
+
+    #[test]
+    fn a_damaged_chip_in_the_middle_of_any_program_is_refused_or_runs(
+        program in prop::collection::vec(words(), 1..60), slow_clock: bool, until in 0u64..40_000,
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..5),
+    ) {
+        let mut chip = chip(&program.concat(), slow_clock);
+        give_inputs(&mut chip);
+        chip.run(until, &mut Sum::default());
+        let mut bytes = postcard::to_allocvec(&chip).unwrap();
+        let places: Vec<usize> = (8..bytes.len() - 8)
+            .filter(|&at| bytes[at - 8..at + 8].iter().any(|&byte| byte != bytes[at]))
+            .collect();
+        for (place, value) in changes {
+            bytes[*place.get(&places)] = value;
+        }
+        if let Ok(mut forged) = postcard::from_bytes::<Chip>(&bytes) {
+            let until = forged.now() + 40_000;
+            for _ in 0..10 {
+                forged.run(until, &mut Sum::default());
+            }
+            prop_assert!(forged.now() >= until || postcard::to_allocvec(&forged).is_ok());
         }
     }
 }

@@ -30,6 +30,8 @@ const STACK_LOW: u8 = 0x5D;
 const STACK_HIGH: u8 = 0x5E;
 const STATUS: u8 = 0x5F;
 const HALF_CARRY: u8 = 0x20;
+/// Of `SBIS` one state of 32 is defined; what another simulator does otherwise in all states is left out.
+const MOST_TRIES: usize = 100;
 
 #[test]
 #[ignore = "needs libsimavr-dev"]
@@ -111,10 +113,12 @@ fn compare(mut oracle: Command, name: &str, flags: u8, excused: impl Fn(&State) 
     let mut oracle = Oracle::start(&mut oracle, name);
     let mut ours = Ours::new();
     let mut random = Random(1);
+    let mut all = 0;
     for (kind, words) in kinds() {
-        let cases: Vec<State> = (0..states)
-            .map(|_| random_state(&words, &mut random))
+        let cases: Vec<State> = std::iter::repeat_with(|| random_state(&words, &mut random))
+            .take(MOST_TRIES * states)
             .filter(|state| is_defined(state) && !excused(state))
+            .take(states)
             .collect();
         for batch in cases.chunks(200) {
             for (state, expected) in batch.iter().zip(oracle.ask(batch)) {
@@ -129,7 +133,9 @@ fn compare(mut oracle: Command, name: &str, flags: u8, excused: impl Fn(&State) 
             }
         }
         println!("{kind}: {} states", cases.len());
+        all += cases.len();
     }
+    println!("{all} states in all");
 }
 
 /// All words of each kind of instruction.

@@ -63,7 +63,8 @@ fn avr8js_shows_the_same_program_the_same_counters() {
         .arg(tests.join("programs/peripherals.hex"))
         .output()
         .expect("node is needed");
-    let digits = String::from_utf8(output.stdout).unwrap();
+    let output = String::from_utf8(output.stdout).unwrap();
+    let digits = output.lines().next().expect("avr8js has run the program");
     let bytes: Vec<u8> = digits
         .trim()
         .as_bytes()

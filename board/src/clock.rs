@@ -16,9 +16,25 @@ const BIT_FRACTION: u128 = 1024;
 
 /// The clock source of a chip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "Numbers")]
 pub struct ChipClock {
     hz: u32,
     deviation_ppb: i32,
+}
+
+/// A clock source as it is loaded.
+#[derive(Deserialize)]
+struct Numbers {
+    hz: u32,
+    deviation_ppb: i32,
+}
+
+impl TryFrom<Numbers> for ChipClock {
+    type Error = ClockError;
+
+    fn try_from(numbers: Numbers) -> Result<Self, ClockError> {
+        Self::exact(numbers.hz)?.with_ppb(numbers.deviation_ppb.into())
+    }
 }
 
 /// No clock source is like that.

@@ -30,6 +30,11 @@ impl Queue {
         self.waiting.try_push(sent).is_ok()
     }
 
+    /// Whether all ends come after their beginnings.
+    pub(crate) fn is_possible(&self) -> bool {
+        self.waiting.iter().all(|sent| sent.start_ns <= sent.end_ns)
+    }
+
     pub(crate) fn drain(&mut self) -> impl Iterator<Item = Sent> {
         self.waiting.drain(..)
     }

@@ -38,8 +38,9 @@ impl Chip {
             self.update_port(pin.port(), now, board);
         }
         for which in [Which::T0, Which::T1, Which::T2] {
-            if self.timers[which as usize].next_event() <= now {
-                self.timers[which as usize].advance(now);
+            let time = self.timer_time(which, now);
+            if self.timers[which as usize].next_event() <= time {
+                self.timers[which as usize].advance(time);
                 self.refresh_timer(which, now, board);
             }
         }
@@ -138,8 +139,8 @@ impl Chip {
     pub(super) fn schedule(&mut self) {
         let period = self.next_period();
         let mut next = if period == u64::MAX { period } else { self.clock.cycle_from(period) };
-        for timer in &self.timers {
-            next = next.min(timer.next_event());
+        for which in [Which::T0, Which::T1, Which::T2] {
+            next = next.min(self.timer_event(which));
         }
         next = next.min(self.usart.next_event(&self.clock)).min(self.adc.next_event());
         self.next_event = next.min(self.spi.next_event()).min(self.twi.next_event());
@@ -152,6 +153,7 @@ impl Chip {
             .min(self.watchdog.next_event())
             .min(self.eeprom.next_event())
             .min(self.programming.next_event())
+            .min(self.crystal_event())
     }
 
     /// Looks at interrupts and events after this instruction.

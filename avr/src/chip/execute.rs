@@ -215,7 +215,7 @@ impl Chip {
             }
             Op::Illegal { word } => {
                 let pc = self.pc.wrapping_sub(1) & self.pc_mask;
-                self.warn(Warning::IllegalInstruction { pc, word }, board);
+                self.warn_often(Warning::IllegalInstruction { pc, word }, board);
                 1
             }
         };

@@ -16,6 +16,9 @@ const ADC_NOISE_REDUCTION: u32 = DEEP
 /// What wakes from deep sleep. Of INT0 and INT1 the low levels do, too.
 const DEEP: u32 =
     Vector::PinChange0.bit() | Vector::PinChange1.bit() | Vector::PinChange2.bit() | Vector::Watchdog.bit();
+/// What a timer 2 with its own crystal requests.
+const TIMER2: u32 =
+    Vector::Timer2CompareA.bit() | Vector::Timer2CompareB.bit() | Vector::Timer2Overflow.bit();
 
 impl Chip {
     /// A set with the bit of each vector that is requested and enabled by its own mask.
@@ -46,12 +49,12 @@ impl Chip {
         }
         let requests = self.requests();
         let low = u32::from(self.external.low_requests()) << Vector::Int0.number();
+        let timer2 = if self.has_crystal() { TIMER2 } else { 0 };
         match sleep {
             Sleep::Idle => requests != 0,
-            Sleep::AdcNoiseReduction => requests & ADC_NOISE_REDUCTION != 0,
-            Sleep::PowerDown | Sleep::PowerSave | Sleep::Standby | Sleep::ExtendedStandby => {
-                requests & (DEEP | low) != 0
-            }
+            Sleep::AdcNoiseReduction => requests & (ADC_NOISE_REDUCTION | timer2) != 0,
+            Sleep::PowerSave | Sleep::ExtendedStandby => requests & (DEEP | low | timer2) != 0,
+            Sleep::PowerDown | Sleep::Standby => requests & (DEEP | low) != 0,
         }
     }
 

@@ -4,6 +4,9 @@ use super::Chip;
 use crate::board::{Board, Warning};
 use crate::part::SRAM_START;
 
+/// Illegal instructions and accesses beyond the memory that are told between two resets.
+const MOST_WARNINGS: u8 = 100;
+
 impl Chip {
     /// Reads a byte of the data space.
     #[inline(always)]
@@ -45,9 +48,9 @@ impl Chip {
     }
 
     #[cold]
-    fn beyond_memory<B: Board>(&self, address: u16, board: &mut B) {
+    fn beyond_memory<B: Board>(&mut self, address: u16, board: &mut B) {
         let pc = self.pc & self.pc_mask;
-        self.warn(Warning::BeyondMemory { pc, address }, board);
+        self.warn_often(Warning::BeyondMemory { pc, address }, board);
     }
 
     #[inline(always)]
@@ -97,5 +100,14 @@ impl Chip {
 
     pub(super) fn warn<B: Board>(&self, warning: Warning, board: &mut B) {
         board.warn(warning, self.now());
+    }
+
+    /// A warning that a program out of control would cause with each instruction.
+    #[cold]
+    pub(super) fn warn_often<B: Board>(&mut self, warning: Warning, board: &mut B) {
+        if self.system.often_warned < MOST_WARNINGS {
+            self.system.often_warned += 1;
+            self.warn(warning, board);
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! A chip: processor, memories and peripherals, as one value.
 
+mod crystal;
 mod debug;
 mod events;
 mod execute;
@@ -160,6 +161,8 @@ impl Chip {
     /// How an output of a timer is reported from now on: OCnA is channel 0, OCnB 1. All begin with
     /// [`PwmReport::Edges`].
     pub fn set_pwm_report(&mut self, timer: Which, channel: Channel, report: PwmReport) {
+        let now = self.timer_time(timer, self.cycle);
+        self.timers[timer as usize].advance(now);
         self.outputs.reports[timer as usize][channel as usize] = report;
         self.watch_timers();
         self.schedule();

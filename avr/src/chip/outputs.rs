@@ -80,7 +80,8 @@ impl Chip {
     /// The outputs of all timers, as they are at a cycle.
     pub(super) fn refresh_timers<B: Board>(&mut self, now: u64, board: &mut B) {
         for which in TIMERS {
-            self.timers[which as usize].advance(now);
+            let time = self.timer_time(which, now);
+            self.timers[which as usize].advance(time);
             self.refresh_timer(which, now, board);
         }
     }
@@ -101,12 +102,14 @@ impl Chip {
     }
 
     fn tell_shapes<B: Board>(&mut self, which: Which, now: u64, board: &mut B) {
-        let (timer, shift) = (which as usize, self.clock.shift());
+        let timer = which as usize;
         for (channel, pin) in special::outputs(which).into_iter().enumerate() {
             let wanted =
                 self.outputs.reports[timer][channel] == PwmReport::Shape && self.ports.is_output(pin);
             let shape = self.timers[timer].shape(channel).filter(|_| wanted);
-            let shape = shape.map(|(high, period)| Pwm { high: high << shift, period: period << shift });
+            let periods = |cycles| self.timer_periods(which, cycles);
+            let shape =
+                shape.map(|(high, period)| Pwm { high: periods(high), period: periods(period).max(1) });
             if shape != self.outputs.shapes[timer][channel] {
                 self.outputs.shapes[timer][channel] = shape;
                 let at = self.clock.period_of(now);

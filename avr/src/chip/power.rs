@@ -59,12 +59,12 @@ impl Chip {
         self.eeprom.reset();
         self.programming.reset();
         self.system = System::new(prescaler, status);
-        let bitten = self.system.has_watchdog_bitten();
-        self.watchdog =
-            Watchdog::new(self.supply.clock_hz, self.fuses.watchdog_always_on(), bitten, self.now());
         let start_up = self.fuses.start_up();
         let delay = periods(self.supply.clock_hz, u64::from(start_up.reset_100us) * 100);
-        self.state = State::Held(self.now() + u64::from(start_up.cycles) + RESET_CYCLES + delay);
+        let held_until = self.now() + u64::from(start_up.cycles) + RESET_CYCLES + delay;
+        self.state = State::Held(held_until);
+        let (always_on, bitten) = (self.fuses.watchdog_always_on(), self.system.has_watchdog_bitten());
+        self.watchdog = Watchdog::new(self.supply.clock_hz, always_on, bitten, held_until);
         self.schedule();
     }
 
@@ -74,8 +74,8 @@ impl Chip {
         self.cycle += 1;
         self.service(board);
         self.state = State::Asleep(sleep);
+        self.apply_power();
         if sleep == Sleep::AdcNoiseReduction {
-            self.apply_power();
             self.adc.sleep(self.cycle);
         }
         self.schedule();
@@ -126,7 +126,10 @@ impl Chip {
         for (which, bit) in
             [(Which::T0, power::TIMER0), (Which::T1, power::TIMER1), (Which::T2, power::TIMER2)]
         {
-            self.timers[which as usize].set_off(self.cycle, asleep || off & bit != 0);
+            let now = self.timer_time(which, self.cycle);
+            let crystal = which == Which::T2 && self.has_crystal();
+            let off = if crystal { self.stops_crystal() } else { asleep || off & bit != 0 };
+            self.timers[which as usize].set_off(now, off);
         }
         self.adc.set_off(off & power::ADC != 0);
     }

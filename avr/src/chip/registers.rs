@@ -11,9 +11,6 @@ use crate::timer::{self, Which};
 use crate::twi::Wanted;
 use crate::usart;
 
-/// ASSR: timer 2 from a crystal of its own.
-const ASYNCHRONOUS: u8 = 1 << 5;
-
 impl Chip {
     /// Reads a register at the present cycle.
     #[inline]
@@ -87,8 +84,9 @@ impl Chip {
         match place {
             Place::Port(port, register) => self.read_port(port, register, board),
             Place::Timer(which, register) => {
+                let time = self.timer_time(which, now);
                 let timer = &mut self.timers[which as usize];
-                timer.advance(now);
+                timer.advance(time);
                 timer.read(register)
             }
             Place::Usart(register) => {
@@ -131,6 +129,8 @@ impl Chip {
                 self.cycle += self.eeprom.write(register, value, now, period, clock_hz);
             }
             Place::External(register) => {
+                // A timer that nobody has waited for lags behind: before that changes, it is brought to the present.
+                self.refresh_timers(now, board);
                 self.external.write(register, value);
                 self.watch_timers();
             }
@@ -187,8 +187,9 @@ impl Chip {
 
     fn write_timer<B: Board>(&mut self, which: Which, register: timer::Register, value: u8, board: &mut B) {
         let now = self.cycle;
+        let time = self.timer_time(which, now);
         let timer = &mut self.timers[which as usize];
-        timer.advance(now);
+        timer.advance(time);
         timer.write(register, value);
         if timer.has_reserved_mode() {
             self.warn(Warning::Unsupported(Unsupported::ReservedTimerMode(which)), board);
@@ -206,9 +207,6 @@ impl Chip {
             usart::Register::ControlC if self.usart.is_synchronous() => {
                 self.warn(Warning::Unsupported(Unsupported::SynchronousUsart), board);
             }
-            usart::Register::ControlA if self.usart.is_multi_processor() => {
-                self.warn(Warning::Unsupported(Unsupported::MultiProcessorMode), board);
-            }
             usart::Register::ControlA
             | usart::Register::ControlC
             | usart::Register::Baud
@@ -218,6 +216,7 @@ impl Chip {
     }
 
     fn write_adc<B: Board>(&mut self, register: adc::Register, value: u8, board: &mut B) {
+        self.refresh_timers(self.cycle, board);
         self.adc.write(register, value, self.cycle);
         self.watch_timers();
         if self.adc.has_reserved_reference() {
@@ -242,7 +241,6 @@ impl Chip {
         match self.twi.write(register, value, self.cycle) {
             Wanted::Nothing => {}
             Wanted::Stop => board.twi_stop(self.now()),
-            Wanted::Slave => self.warn(Warning::Unsupported(Unsupported::TwiSlave), board),
         }
         if register == crate::twi::Register::Control {
             self.override_twi_pins();
@@ -252,9 +250,6 @@ impl Chip {
 
     fn write_system<B: Board>(&mut self, register: system::Register, value: u8, board: &mut B) {
         let now = self.cycle;
-        if register == system::Register::AsynchronousStatus && value & ASYNCHRONOUS != 0 {
-            self.warn(Warning::Unsupported(Unsupported::AsynchronousTimer), board);
-        }
         match self.system.write(register, value, now) {
             Effect::Nothing => {}
             Effect::Prescale(shift) => {
@@ -273,7 +268,21 @@ impl Chip {
                 self.refresh_timers(now, board);
             }
             Effect::ResetPrescalers(value) => self.reset_prescalers(value),
+            Effect::Asynchronous => self.choose_crystal(value, board),
         }
+    }
+
+    /// Timer 2 takes its other clock.
+    fn choose_crystal<B: Board>(&mut self, value: u8, board: &mut B) {
+        self.timers[Which::T2 as usize].advance(self.timer_time(Which::T2, self.cycle));
+        self.system.set_asynchronous(value);
+        if self.system.is_asynchronous() && !self.has_crystal() {
+            self.warn(Warning::Unsupported(Unsupported::AsynchronousTimer), board);
+        }
+        let now = self.timer_time(Which::T2, self.cycle);
+        self.timers[Which::T2 as usize].count_from(now);
+        self.apply_power();
+        self.refresh_timer(Which::T2, self.cycle, board);
     }
 
     fn reset_prescalers(&mut self, value: u8) {
@@ -284,9 +293,10 @@ impl Chip {
             (Which::T2, system::RESET_TIMER2),
         ] {
             let held = value & system::HOLD != 0 && value & bit != 0;
+            let time = self.timer_time(which, now);
             let timer = &mut self.timers[which as usize];
             if value & bit != 0 || timer.is_held() {
-                timer.reset_prescaler(now, held);
+                timer.reset_prescaler(time, held);
             }
         }
     }

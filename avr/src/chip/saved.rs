@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Chip, State, Waiting};
 use crate::clock::LATEST;
+use crate::timer::Which;
 
 impl Serialize for Chip {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -18,6 +19,8 @@ impl<'de> Deserialize<'de> for Chip {
         if !chip.has_memories() || !chip.has_possible_times() || !chip.has_possible_peripherals() {
             return Err(D::Error::custom("no chip can be in this state"));
         }
+        // What follows from other fields is worked out again.
+        chip.watch_timers();
         chip.schedule();
         if chip.next_event < chip.cycle {
             return Err(D::Error::custom("an event of the chip is over"));
@@ -49,9 +52,22 @@ impl Chip {
     fn has_possible_peripherals(&self) -> bool {
         (self.limit, self.waiting) == (0, Waiting::NOWHERE)
             && self.supply.clock_hz > 0
-            && self.watchdog.is_possible(self.supply.clock_hz, self.now())
-            && self.timers.iter().enumerate().all(|(which, timer)| timer.is_possible(which, self.cycle))
+            && self.watchdog.is_possible(self.supply.clock_hz, self.end_of_reset())
+            && [Which::T0, Which::T1, Which::T2]
+                .into_iter()
+                .zip(&self.timers)
+                .all(|(which, timer)| timer.is_possible(which as usize, self.timer_time(which, self.cycle)))
             && self.usart.is_possible(self.cycle)
+            && self.adc.is_possible(self.cycle)
+            && self.twi.is_possible()
+    }
+
+    /// Until when the processor is held in reset; if it is not, the present instant.
+    fn end_of_reset(&self) -> u64 {
+        match self.state {
+            State::Held(until) => until,
+            State::Awake | State::Asleep(_) => self.now(),
+        }
     }
 
     /// The present instant, or the last of all if the clock is none.

@@ -108,6 +108,78 @@ fn an_illegal_word_does_nothing_for_one_cycle_and_is_told() {
 }
 
 #[test]
+fn a_program_out_of_control_is_told_a_hundred_times_until_it_is_reset() {
+    // st X, r0; .word 0xFFFF; rjmp .-6 with X beyond the memory
+    let mut chip = chip(&[0x920C, 0xFFFF, 0xCFFD]);
+    chip.general_registers_mut()[27] = 0xF0;
+    let mut told = Told::default();
+    run(&mut chip, 10_000, &mut told);
+    assert_eq!(told.warnings.len(), 100);
+    chip.reset_now(ResetCause::External, &mut told);
+    run(&mut chip, 2_000_000, &mut told);
+    assert_eq!(told.warnings.len(), 200);
+}
+
+#[test]
+fn a_twi_slave_whom_nobody_calls_waits_and_causes_no_warning() {
+    // Wire.begin(4): TWAR, then TWEN, TWIE and TWEA; and TWINT as at the end of a transfer.
+    let (mut chip, mut told) = (idle(), Told::default());
+    write(&mut chip, &mut told, &[(0xBA, 4 << 1), (0xBC, 0x45), (0xBC, 0xC5)]);
+    run(&mut chip, 100_000, &mut told);
+    assert_eq!((chip.requests(), chip.read_data(0xB9, &mut told)), (0, 0xF8));
+    assert_eq!(told.warnings, []);
+}
+
+/// A chip of 8 MHz by its internal oscillator, that sleeps in this mode; timer 2 with its crystal overflows each second.
+fn clock_of_seconds(sleep: u8) -> Chip {
+    let part = Part::Atmega328P;
+    // rjmp 32; at 9, the overflow of timer 2: inc r20; reti; at 33: sei; sleep; rjmp .-4
+    let mut words = [0u16; 40];
+    words[0] = 0xC020;
+    (words[18], words[19]) = (0x9543, 0x9518);
+    (words[33], words[34], words[35]) = (0x9478, 0x9588, 0xCFFE);
+    let program = Program::from_words(part, &words).unwrap();
+    let supply = Supply { clock_hz: 8_000_000, ..Supply::ARDUINO };
+    let mut chip = Chip::new(&program, Fuses { low: 0xE2, ..Fuses::external_clock(part) }, supply);
+    let start = chip.next_event().unwrap();
+    chip.run(start, &mut Bare);
+    // AS2; the division by 128; TOIE2; the sleep mode.
+    write(&mut chip, &mut Bare, &[(0xB6, 0x20), (0xB1, 5), (0x70, 1), (0x53, sleep << 1 | 1)]);
+    chip
+}
+
+#[test]
+fn timer_2_with_its_crystal_wakes_each_second_from_power_save_and_not_from_power_down() {
+    for (sleep, seconds) in [(0, 5), (1, 5), (3, 5), (7, 5), (2, 0), (6, 0)] {
+        let mut chip = clock_of_seconds(sleep);
+        let start = chip.now();
+        for at in 1..=55 {
+            chip.run(start + 800_000 * at, &mut Bare);
+            chip = postcard::from_bytes(&postcard::to_allocvec(&chip).unwrap()).unwrap();
+        }
+        assert_eq!(chip.general_registers()[20], seconds, "sleep mode {sleep}");
+    }
+}
+
+#[test]
+fn timer_2_with_its_crystal_counts_32768_in_a_second_whatever_the_processor_does() {
+    let mut chip = clock_of_seconds(0);
+    write(&mut chip, &mut Bare, &[(0xB1, 1)]);
+    assert_eq!(chip.read_data(0xB6, &mut Bare), 0x20);
+    let counts = |at: u64| at * 32_768 / 8_000_000;
+    let start = chip.now();
+    for later in [1, 244, 245, 489, 1000, 20_000, 62_000] {
+        chip.run(start + later, &mut Bare);
+        let found = u64::from(chip.read_data(0xB2, &mut Bare));
+        assert_eq!(found, counts(chip.now()) - counts(start), "{later}");
+    }
+    // Without its crystal it counts cycles again.
+    write(&mut chip, &mut Bare, &[(0xB6, 0), (0xB2, 0)]);
+    run(&mut chip, 100, &mut Bare);
+    assert_eq!(chip.read_data(0xB2, &mut Bare), 100);
+}
+
+#[test]
 fn a_stack_that_reaches_the_variables_is_told_once() {
     // push r0; rjmp .-4
     let mut chip = chip(&[0x920F, 0xCFFE]);
@@ -193,6 +265,22 @@ fn the_watchdog_resets_and_leaves_its_mark_in_mcusr() {
     chip.run(start + 256_010, &mut Bare);
     assert_eq!(chip.system.status(), 9);
     assert_eq!(chip.pc(), 0);
+}
+
+#[test]
+fn a_watchdog_that_has_bitten_counts_from_the_end_of_the_reset() {
+    // in r20, MCUSR; ldi r16, 0x18; ldi r17, 0x08; sts WDTCSR, r16; sts WDTCSR, r17; rjmp .-2
+    let words = [0xB744, 0xE108, 0xE018, 0x9300, 0x0060, 0x9310, 0x0060, 0xCFFF];
+    let program = Program::from_words(Part::Atmega328P, &words).unwrap();
+    // A crystal that takes 65 ms to start, and a watchdog of 16 ms.
+    let fuses = Fuses { high: 0xDF, ..Fuses::ARDUINO_UNO };
+    let mut chip = Chip::new(&program, fuses, Supply::ARDUINO);
+    let start_up = chip.next_event().unwrap();
+    for resets in 1..4 {
+        chip.run(start_up * resets + 256_020 * (resets - 1) + 100, &mut Bare);
+        assert_eq!(chip.watchdog_resets() as u64, resets - 1);
+        assert_eq!(chip.general_registers()[20], if resets == 1 { 1 } else { 9 }, "the program runs");
+    }
 }
 
 #[test]
@@ -457,12 +545,9 @@ fn interrupts_go_to_the_boot_section_if_ivsel_is_set_by_its_sequence() {
 #[test]
 fn what_is_not_simulated_is_told() {
     use crate::board::Unsupported;
-    for (address, value, expected) in [
-        (0xB6, 0x20, Unsupported::AsynchronousTimer),
-        (0xC2, 0x46, Unsupported::SynchronousUsart),
-        (0xC0, 0x01, Unsupported::MultiProcessorMode),
-        (0xBC, 0xC4, Unsupported::TwiSlave),
-    ] {
+    for (address, value, expected) in
+        [(0xB6, 0x20, Unsupported::AsynchronousTimer), (0xC2, 0x46, Unsupported::SynchronousUsart)]
+    {
         let mut told = Told::default();
         idle().write_data(address, value, &mut told);
         assert_eq!(told.warnings, [Warning::Unsupported(expected)]);

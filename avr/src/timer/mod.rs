@@ -1,7 +1,8 @@
 //! Timer/Counter0, 1 and 2.
 //!
 //! A timer is not stepped in each cycle: `advance` brings it to an instant, from one of its corners (match, top, bottom) to
-//! the next, and `next_event` says when something happens that somebody waits for. Instants are cycles of the processor.
+//! the next, and `next_event` says when something happens that somebody waits for. Instants are cycles of the clock that the
+//! prescaler divides: the processor's, or that of a crystal.
 //!
 //! A tick of the timer happens at each cycle that the prescaler's division divides. Its flags are set by the tick that ends
 //! the value compared, as the timing diagrams of the data sheet have it: OCF with the tick from OCR to OCR + 1, TOV with the
@@ -12,7 +13,7 @@
 //!
 //! # Deviations
 //!
-//! Timer 2 cannot run from a crystal of its own (AS2). An edge at T0, T1 or ICP1 takes effect at once, not after the 2.5 to
+//! An edge at T0, T1 or ICP1 takes effect at once, not after the 2.5 to
 //! 3.5 cycles of the synchroniser; the noise canceller delays by its 4 cycles.
 
 mod count;
@@ -166,6 +167,12 @@ impl Timer {
         self.advance(now);
         self.zero = now;
         self.held = held;
+    }
+
+    /// The timer has another clock, which has this time.
+    pub(crate) const fn count_from(&mut self, now: u64) {
+        self.at = now;
+        self.zero = now;
     }
 
     /// Whether the prescaler is held.

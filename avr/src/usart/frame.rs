@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::checked::checked;
+
 /// The parity bit of a character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Parity {
@@ -35,12 +37,15 @@ impl Parity {
 
 /// A character: a start bit, data with the lowest bit first, perhaps a parity bit, one or two stop bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Frame {
     data: u16,
     data_bits: u8,
     parity: Parity,
     stop_bits: u8,
 }
+
+checked!(Frame, "a character has 5 to 9 bits of data and 1 or 2 stop bits");
 
 impl Frame {
     /// A character. Data bits are brought into 5 to 9, stop bits into 1 to 2, and data above them is cut off.
@@ -61,8 +66,12 @@ impl Frame {
         Self::new(byte as u16, 8, Parity::None, 1)
     }
 
-    pub(super) const fn is_possible(&self) -> bool {
-        5 <= self.data_bits && self.data_bits <= 9 && 1 <= self.stop_bits && self.stop_bits <= 2
+    const fn is_possible(&self) -> bool {
+        5 <= self.data_bits
+            && self.data_bits <= 9
+            && self.data < 1 << self.data_bits
+            && 1 <= self.stop_bits
+            && self.stop_bits <= 2
     }
 
     /// The data.
@@ -106,10 +115,13 @@ impl Frame {
 
 /// How long a bit is: a fraction, in periods of the clock source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct BitLength {
     periods: u32,
     bits: u32,
 }
+
+checked!(BitLength, "a bit has at least one period");
 
 impl BitLength {
     /// So many bits take so many periods; neither may be zero, and a bit has at least one period.
@@ -122,13 +134,18 @@ impl BitLength {
         Self::new(clock_hz, baud)
     }
 
-    pub(super) const fn is_possible(self) -> bool {
+    const fn is_possible(self) -> bool {
         self.bits > 0 && self.periods >= self.bits
     }
 
     /// The bit that is on the line so many periods after the start, counted from 0.
     pub(super) const fn bit_at(self, periods: u64) -> u64 {
         (periods as u128 * self.bits as u128 / self.periods as u128) as u64
+    }
+
+    /// The period in which so many bits end.
+    pub(super) const fn end_within(self, bits: u64) -> u64 {
+        (bits as u128 * self.periods as u128 / self.bits as u128) as u64
     }
 
     /// The first period of a bit.

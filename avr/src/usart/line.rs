@@ -43,6 +43,11 @@ impl Incoming {
     fn end(&self) -> u64 {
         self.start + self.bit.begin_of(u64::from(self.frame.bits()))
     }
+
+    /// The period in which it ends.
+    fn last_period(&self) -> u64 {
+        self.start + self.bit.end_within(u64::from(self.frame.bits()))
+    }
 }
 
 /// A line with characters in the order of time. It is low if the pin is low or a character is.
@@ -59,13 +64,14 @@ impl Line {
 
     /// Whether all characters are some that could have been put here.
     pub(super) fn is_possible(&self) -> bool {
-        self.incoming.iter().all(|one| one.frame.is_possible() && one.bit.is_possible() && one.start < LATEST)
+        self.incoming.iter().all(|one| one.start < LATEST)
     }
 
     /// Puts a character behind the others. `now` and its start are periods of the clock source.
     pub(super) fn put(&mut self, now: u64, incoming: Incoming) -> Result<(), LineError> {
         self.forget_before(now);
-        let free = self.incoming.last().map_or(0, Incoming::end).max(now);
+        // Within the last period of a stop bit the next start bit may begin: the sender's bits need not end with a period.
+        let free = self.incoming.last().map_or(0, Incoming::last_period).max(now);
         if incoming.start < free {
             return Err(LineError::Occupied { start: incoming.start, free });
         }

@@ -7,7 +7,7 @@
 //!
 //! # Deviations
 //!
-//! Synchronous modes and the multi-processor mode are refused by a warning. The pin TXD stays high while a character is sent:
+//! Synchronous modes are refused by a warning. The pin TXD stays high while a character is sent:
 //! the board is told the whole character instead, see [`Sent`]. The data sheet does not say how long an idle transmitter waits
 //! before a start bit; here it waits for the next tick.
 
@@ -21,7 +21,7 @@ pub use frame::{BitLength, Frame, Parity};
 pub use line::LineError;
 
 use line::{Incoming, Line};
-use receiver::Receiver;
+use receiver::{Format, Receiver};
 
 use crate::clock::Clock;
 
@@ -145,10 +145,6 @@ impl Usart {
         self.control_c & 0xC0 != 0
     }
 
-    pub(crate) const fn is_multi_processor(&self) -> bool {
-        self.multi_processor
-    }
-
     /// Puts a character on the receiver's line.
     pub(crate) fn put(
         &mut self,
@@ -184,7 +180,11 @@ impl Usart {
     /// Does what happens at this cycle; a character that begins is returned.
     pub(crate) fn event(&mut self, now: u64, clock: &Clock) -> Option<Sent> {
         if self.receiver_on() {
-            let format = (self.data_bits(), self.parity());
+            let format = Format {
+                data_bits: self.data_bits(),
+                parity: self.parity(),
+                addresses_only: self.multi_processor,
+            };
             let samples = if self.double_speed { 8 } else { 16 };
             let generator = (self.zero, self.divisor());
             self.receiver.event(now, &mut self.line, clock, generator, samples, format);

@@ -1,8 +1,11 @@
 //! The receiver: it finds start bits, samples each bit three times in its middle, and keeps two characters.
 //!
-//! Source: data sheet, section *Asynchronous Data Reception*. Of the samples of a bit, 1 to 16, those numbered 8, 9 and 10
+//! Source: data sheet, sections *Asynchronous Data Reception* and *Multi-processor Communication Mode*. Of the samples of a bit, 1 to 16, those numbered 8, 9 and 10
 //! are a vote; of 8 samples with U2X, those numbered 4, 5 and 6. Sample 1 of a start bit is the first that is low after one
 //! that was high. The first stop bit ends with its vote: what follows may be a start bit.
+//!
+//! As two samples of three are enough for a stop bit, too, the receiver takes senders that are slower by one sample than the
+//! data sheet's R_slow, with which all three are right. `tests/uart_sweep.rs` has both limits to the cycle.
 
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
@@ -17,6 +20,15 @@ struct Character {
     data: u16,
     /// FE and UPE.
     errors: u8,
+}
+
+/// What the receiver expects.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Format {
+    pub(super) data_bits: u8,
+    pub(super) parity: Parity,
+    /// MPCM: characters whose ninth bit is 0 are ignored, or those whose first stop bit is, if they have no ninth bit.
+    pub(super) addresses_only: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -133,7 +145,7 @@ impl Receiver {
         clock: &Clock,
         (zero, divisor): (u64, u64),
         samples: u64,
-        format: (u8, Parity),
+        format: Format,
     ) {
         if self.next_event(line, clock, zero, divisor) != now {
             return;
@@ -154,14 +166,7 @@ impl Receiver {
         line.forget_before(clock.period_of(now));
     }
 
-    fn sample(
-        &mut self,
-        mut sampling: Sampling,
-        level: bool,
-        divisor: u64,
-        samples: u64,
-        format: (u8, Parity),
-    ) {
+    fn sample(&mut self, mut sampling: Sampling, level: bool, divisor: u64, samples: u64, format: Format) {
         sampling.taken += 1;
         sampling.high += u8::from(level);
         sampling.due += divisor;
@@ -170,11 +175,12 @@ impl Receiver {
             return;
         }
         let vote = sampling.high >= 2;
-        let stop = 1 + format.0 + format.1.bits();
+        let stop = 1 + format.data_bits + format.parity.bits();
         if sampling.bit == 0 && vote {
             // Noise, not a start bit.
             self.state = State::Idle;
-        } else if sampling.bit == stop {
+        } else if sampling.bit >= stop {
+            // The program may have made characters shorter meanwhile.
             self.finish(sampling.bits, vote, format);
         } else {
             sampling.bits |= u16::from(vote) << sampling.bit;
@@ -184,11 +190,16 @@ impl Receiver {
         }
     }
 
-    fn finish(&mut self, bits: u16, stop: bool, (data_bits, parity): (u8, Parity)) {
+    fn finish(&mut self, bits: u16, stop: bool, format: Format) {
+        let Format { data_bits, parity, addresses_only } = format;
         let data = bits >> 1 & ((1 << data_bits) - 1);
+        self.state = if stop { State::Idle } else { State::Low };
+        let is_address = if data_bits == 9 { data >> 8 == 1 } else { stop };
+        if addresses_only && !is_address {
+            return;
+        }
         let wrong_parity = parity.bits() == 1 && (bits >> (1 + data_bits) & 1 == 1) != parity.bit(data);
         let errors = if stop { 0 } else { FRAME_ERROR } | if wrong_parity { PARITY_ERROR } else { 0 };
-        self.state = if stop { State::Idle } else { State::Low };
         let character = Character { data, errors };
         if self.buffer.try_push(character).is_err() {
             self.waiting = Some(character);

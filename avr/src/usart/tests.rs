@@ -256,6 +256,50 @@ fn nine_bits_have_the_ninth_in_ucsr0b() {
 }
 
 #[test]
+fn a_character_ends_if_the_program_makes_characters_shorter_while_it_comes() {
+    for when in (1000..2680).step_by(40) {
+        let mut usart = usart(9, 0, EIGHT_E_1);
+        let bit = BitLength::new(160, 1).unwrap();
+        usart.put(0, Frame::new(0x1FF, 9, Parity::Even, 2), 1000, bit).unwrap();
+        usart.put(0, Frame::new(0x15, 5, Parity::None, 1), 4000, bit).unwrap();
+        run(&mut usart, when);
+        usart.write(Register::ControlC, 0, when);
+        run(&mut usart, 6000);
+        assert_eq!((usart.read(Register::Data), usart.read(Register::Data)), (0x1F, 0x15), "{when}");
+    }
+}
+
+#[test]
+fn in_multi_processor_mode_only_addresses_are_received() {
+    let bit = BitLength::new(160, 1).unwrap();
+    let mut usart = usart(9, MULTI_PROCESSOR, EIGHT_N_1);
+    usart.write(Register::ControlB, RECEIVER_AND_TRANSMITTER | NINE_BITS, 0);
+    for (at, data) in [(1000, 0x05), (3000, 0x105), (5000, 0x06), (7000, 0x07)] {
+        usart.put(0, Frame::new(data, 9, Parity::None, 1), at, bit).unwrap();
+    }
+    run(&mut usart, 6900);
+    assert_eq!((usart.read(Register::ControlB) & 2, usart.read(Register::Data)), (2, 0x05));
+    assert_eq!(usart.status() & (RECEIVED | OVERRUN), 0);
+    // The slave that is meant clears MPCM and takes the data.
+    usart.write(Register::ControlA, 0, 6900);
+    run(&mut usart, 10_000);
+    assert_eq!((usart.read(Register::ControlB) & 2, usart.read(Register::Data)), (0, 0x07));
+}
+
+#[test]
+fn in_multi_processor_mode_with_eight_bits_the_stop_bit_says_what_is_an_address() {
+    let bit = BitLength::new(160, 1).unwrap();
+    let mut usart = usart(9, MULTI_PROCESSOR, EIGHT_N_1);
+    // The ninth bit is where the receiver has its stop bit.
+    for (at, data) in [(1000, 0x05), (5000, 0x109)] {
+        usart.put(0, Frame::new(data, 9, Parity::None, 1), at, bit).unwrap();
+    }
+    run(&mut usart, 10_000);
+    assert_eq!((usart.status() & (RECEIVED | FRAME_ERROR), usart.read(Register::Data)), (RECEIVED, 0x09));
+    assert_eq!(usart.status() & RECEIVED, 0);
+}
+
+#[test]
 fn characters_that_would_overlap_or_are_too_many_are_refused() {
     let mut usart = usart(9, 0, EIGHT_N_1);
     let bit = BitLength::new(160, 1).unwrap();

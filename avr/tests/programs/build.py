@@ -29,6 +29,12 @@ PROGRAMS = {
     "bootloader": ("bootloader.c", ["-Wl,--section-start=.text=0x7000"]),
     "compute": ("compute.c", []),
     "peripherals": ("peripherals.c", []),
+    "conversions": ("conversions.c", []),
+    **{
+        f"timer{timer}_{program.lower()}": ("timer.c", [f"-DNUMBER={timer}", f"-DPROGRAM={program}"])
+        for timer in (0, 1, 2)
+        for program in ("COUNTERS", "OUTPUTS", "INTERRUPTS")
+    },
 }
 # Where the EEPROM or the end of the variables matters, the linked file is kept, without what only debuggers need.
 LINKED = ["eeprom"]

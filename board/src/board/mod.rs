@@ -2,6 +2,7 @@
 
 mod outputs;
 mod pins;
+mod saved;
 mod surroundings;
 mod uart;
 
@@ -24,6 +25,7 @@ const SLICE_NS: u64 = 1_000_000;
 
 /// A chip with parts on its pins. A clone that goes on with the same physics does the same, bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Board {
     chip: Chip,
     around: Surroundings,
@@ -79,7 +81,7 @@ impl Board {
         }
         report_shapes(&mut chip, &wiring);
         let around = Surroundings::new(wiring, clock, supply.avcc_uv);
-        let slice_cycles = clock.cycle(around.reaction_ns().min(SLICE_NS)).max(1);
+        let slice_cycles = slice_cycles(&around);
         Ok(Self { chip, around, now_ns: 0, slice_cycles, watchdog_resets: 0 })
     }
 
@@ -120,9 +122,11 @@ impl Board {
 
     /// The instant of a change that finds no room is the error.
     fn set_pin(&mut self, pin: Pin, change: Change) -> Result<(), u64> {
-        let at = change.at.max(self.chip.now());
+        let now = self.chip.now();
+        let at = change.at.max(now);
         self.chip.set_pin(pin, change.external, at).map_err(|error| match error {
-            InputError::Full | InputError::Past { .. } => at,
+            // The chip runs on in any case, and makes room.
+            InputError::Full | InputError::Past { .. } => at.max(now + 1),
         })
     }
 
@@ -184,6 +188,11 @@ impl Board {
             cycle => Next::At(self.around.clock.ns(cycle)),
         }
     }
+}
+
+/// Cycles that the chip may run without a look at its parts.
+fn slice_cycles(around: &Surroundings) -> u64 {
+    around.clock.cycle(around.reaction_ns().min(SLICE_NS)).max(1)
 }
 
 /// Nothing is around a board whose chip is reset: no part is asked anything meanwhile.

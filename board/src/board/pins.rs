@@ -26,6 +26,12 @@ impl Pins {
         Self { sides: [Sides { chip: Drive::HighImpedance, part: External::Open }; PINS], shorts: 0 }
     }
 
+    /// Whether these are pins that exist. A pin with a timer's signal is not told of each edge, so that the chip's own pins
+    /// may differ from what it told last.
+    pub(crate) const fn is_possible(&self) -> bool {
+        self.shorts < 1 << PINS
+    }
+
     pub(crate) const fn of(&mut self, pin: Pin) -> &mut Sides {
         &mut self.sides[place(pin)]
     }

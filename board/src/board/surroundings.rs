@@ -13,7 +13,7 @@ use crate::parts::{Change, Instant, Part, Remark, Signal};
 use crate::physics::{PartId, Physics};
 use crate::sent::{Queue, Sent};
 use crate::warning::{WarningKind, Warnings};
-use crate::wiring::{Net, Wiring};
+use crate::wiring::{Net, Placed, Wiring};
 
 /// The board without its chip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,6 +53,23 @@ impl Surroundings {
             supply_uv,
             addressed: None,
         }
+    }
+
+    pub(crate) const fn supply_uv(&self) -> u32 {
+        self.supply_uv
+    }
+
+    /// Whether a chip can have these surroundings at an instant.
+    pub(crate) fn are_possible(&self, now: u64) -> bool {
+        let now = Instant { cycle: now, clock: &self.clock };
+        let fits = |(part, (_, placed)): (&Part, (PartId, &Placed))| part.is_possible(placed.kind(), now);
+        let known = |part: PartId| part.index() < self.parts.len();
+        self.parts.len() == self.wiring.parts().count()
+            && self.parts.iter().zip(self.wiring.parts()).all(fits)
+            && self.addressed.is_none_or(known)
+            && self.pins.is_possible()
+            && self.sent.is_possible()
+            && self.warnings.list().iter().all(|warning| warning.part.is_none_or(known))
     }
 
     pub(crate) fn reaction_ns(&self) -> u64 {

@@ -103,6 +103,14 @@ impl State {
         state
     }
 
+    pub(crate) fn is_possible(&self, kind: BridgeKind, now: u64) -> bool {
+        let duties = [self.in1, self.in2, self.pwm, self.enable];
+        let meters = [&self.forwards, &self.backwards, &self.brake];
+        self.kind == kind
+            && duties.iter().all(|duty| (0.0..=1.0).contains(duty))
+            && meters.iter().all(|meter| meter.is_possible(now))
+    }
+
     pub(crate) fn hear(&mut self, role: Role, signal: Signal, at: u64) {
         let duty = signal.duty();
         match role {

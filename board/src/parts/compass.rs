@@ -38,6 +38,8 @@ const RATES: [u64; 8] = [75, 150, 300, 750, 1500, 3000, 7500, 7500];
 /// GN2 to GN0: counts per gauss.
 const GAINS: [f64; 8] = [1370.0, 1090.0, 820.0, 660.0, 440.0, 390.0, 330.0, 230.0];
 const RATE_NS: u64 = 100_000_000_000;
+/// An oscillator starts in less.
+const LATE_NS: u64 = 1_000_000_000;
 /// A value that does not fit into 12 bits.
 const OVERFLOW: i16 = -4096;
 const LARGEST: f64 = 2047.0;
@@ -85,14 +87,27 @@ impl State {
         }
     }
 
+    /// Up to the present instant measurements have been made, but for the time in which the chip's oscillator started.
+    pub(crate) fn is_possible(&self, now: Instant<'_>) -> bool {
+        let since_ns = now.ns().saturating_sub(LATE_NS);
+        self.pointer < REGISTERS
+            && self.first_ns <= now.ns().saturating_add(RATE_NS)
+            && self.due(now.clock).is_none_or(|due| due >= now.clock.cycle(since_ns))
+    }
+
     /// The cycle of the next measurement.
     pub(crate) fn due(&self, clock: &ChipClock) -> Option<u64> {
+        self.due_ns().map(|due_ns| clock.cycle(due_ns))
+    }
+
+    fn due_ns(&self) -> Option<u64> {
+        let rate = RATES[usize::from(self.configuration[0] >> 2 & 7)];
         let since = match self.mode {
             Mode::Idle => return None,
             Mode::Single => 0,
-            Mode::Continuous => self.measured * RATE_NS / RATES[usize::from(self.configuration[0] >> 2 & 7)],
+            Mode::Continuous => u128::from(self.measured) * u128::from(RATE_NS) / u128::from(rate),
         };
-        Some(clock.cycle(self.first_ns + since))
+        Some(u64::try_from(since).map_or(u64::MAX, |since| self.first_ns.saturating_add(since)))
     }
 
     /// Measures what is due by a cycle.
@@ -133,7 +148,13 @@ impl State {
             return;
         }
         match self.pointer {
-            CONFIGURATION_A => self.configuration[0] = byte & 0x7F,
+            CONFIGURATION_A => {
+                // The measurement that goes on ends when it would have; the new rate is for the next.
+                if let Some(due_ns) = self.due_ns() {
+                    (self.first_ns, self.measured) = (due_ns, 0);
+                }
+                self.configuration[0] = byte & 0x7F;
+            }
             CONFIGURATION_B => self.configuration[1] = byte & 0xE0,
             MODE => self.set_mode(byte, at),
             _ => {}

@@ -33,6 +33,8 @@ pub struct Encoder {
 /// An angle so close to an edge, in counts, does not decide on which side it is: a step may end where the next begins, but
 /// for the rounding.
 const SLACK_COUNTS: f64 = 1e-6;
+/// The farthest that a wheel turns: from here on an `f64` does not hold each count.
+const MOST_COUNTS: f64 = 9e15;
 /// The fastest counts that the part can show, per second.
 const FASTEST_COUNTS_PER_S: f64 = 1e6;
 const NS_PER_S: f64 = 1e9;
@@ -56,10 +58,18 @@ impl State {
         Self { encoder, start: 0.0, rate: 0.0, start_ns: 0, count: None, levels: [None; 2] }
     }
 
+    pub(crate) fn is_possible(&self, encoder: Encoder, now_ns: u64) -> bool {
+        self.encoder == encoder
+            && self.start.abs() <= MOST_COUNTS
+            && self.rate.abs() <= FASTEST_COUNTS_PER_S
+            && self.count.is_none_or(|count| count.unsigned_abs() <= 2 * MOST_COUNTS as u64)
+            && self.start_ns <= now_ns
+    }
+
     pub(crate) fn begin(&mut self, wheel: Wheel, at_ns: u64) {
         let counts = |radians: f64| {
             let counts = radians * f64::from(self.encoder.counts_per_turn.max(1)) / TAU;
-            if counts.is_finite() { counts } else { 0.0 }
+            if counts.is_finite() { counts.clamp(-MOST_COUNTS, MOST_COUNTS) } else { 0.0 }
         };
         self.start = counts(wheel.angle_rad);
         self.rate = counts(wheel.rate_rad_s).clamp(-FASTEST_COUNTS_PER_S, FASTEST_COUNTS_PER_S);
@@ -185,9 +195,11 @@ mod tests {
     #[test]
     fn a_wheel_that_is_no_number_or_too_fast_ends() {
         for rate_rad_s in [f64::NAN, f64::INFINITY, 1e300, -1e300] {
-            let mut state = State::new(QUADRATURE);
-            state.begin(Wheel { angle_rad: f64::NAN, rate_rad_s }, 0);
-            assert!(edges(&mut state, 1000).len() <= 1003);
+            for angle_rad in [f64::NAN, 1e300, -1e300] {
+                let mut state = State::new(QUADRATURE);
+                state.begin(Wheel { angle_rad, rate_rad_s }, 0);
+                assert!(edges(&mut state, 1000).len() <= 1003);
+            }
         }
     }
 }

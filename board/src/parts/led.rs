@@ -33,6 +33,10 @@ impl State {
         Self { led, brightness: Meter::default() }
     }
 
+    pub(crate) fn is_possible(&self, led: Led, now: u64) -> bool {
+        self.led == led && self.brightness.is_possible(now)
+    }
+
     pub(crate) fn hear(&mut self, signal: Signal, at: u64) {
         let lit = match (signal, self.led.lit_by) {
             // A pull-up resistor gives too little current to see.

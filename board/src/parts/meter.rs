@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// The largest fraction, with what rounding adds to it.
+const MOST: f64 = 1.0 + 1e-9;
+
 /// A quantity that is constant between changes. Instants are cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Meter {
@@ -14,6 +17,15 @@ pub(crate) struct Meter {
 }
 
 impl Meter {
+    /// Whether this can be a fraction that was measured up to a cycle.
+    pub(crate) fn is_possible(&self, now: u64) -> bool {
+        (0.0..=MOST).contains(&self.value)
+            && (0.0..=MOST).contains(&self.mean)
+            && (0.0..=now as f64 * MOST).contains(&self.sum)
+            && self.begun <= now
+            && self.changed <= now
+    }
+
     /// From this cycle on the quantity has another value.
     pub(crate) fn set(&mut self, value: f64, at: u64) {
         if value != self.value {

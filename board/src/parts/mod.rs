@@ -128,6 +128,25 @@ impl Part {
         }
     }
 
+    /// Whether a part of this kind can be in this state at an instant.
+    pub(crate) fn is_possible(&self, kind: &Kind, now: Instant<'_>) -> bool {
+        match (self, *kind) {
+            (Self::Voltage(own), Kind::Voltage(voltage)) => *own == voltage,
+            (Self::Reflectance(sensor), Kind::Reflectance(_)) => sensor.is_possible(now.cycle),
+            (Self::Switch(own), Kind::Switch(switch)) => own.is_possible(switch, now.ns()),
+            (Self::Encoder(own), Kind::Encoder(encoder)) => own.is_possible(encoder, now.ns()),
+            (Self::Sonar(own), Kind::Ping(_)) => own.is_possible(sonar::PING, now.cycle),
+            (Self::Sonar(own), Kind::HcSr04(_)) => own.is_possible(sonar::HC_SR04, now.cycle),
+            (Self::Bridge(own), Kind::Bridge(bridge)) => own.is_possible(bridge, now.cycle),
+            (Self::Servo(own), Kind::Servo(servo)) => own.is_possible(servo, now),
+            (Self::Led(own), Kind::Led(led)) => own.is_possible(led, now.cycle),
+            (Self::Piezo(piezo), Kind::Piezo(_)) => piezo.is_possible(now.cycle),
+            (Self::Compass(compass), Kind::Compass(_)) => compass.is_possible(now),
+            (Self::RangeFinder(_), Kind::RangeFinder(_)) => true,
+            _ => false,
+        }
+    }
+
     /// How soon it may do something to a wire after the chip has done something to one, in nanoseconds.
     pub(crate) fn reaction_ns(&self) -> u64 {
         match self {

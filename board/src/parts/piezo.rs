@@ -23,6 +23,10 @@ pub(crate) struct State {
 }
 
 impl State {
+    pub(crate) fn is_possible(&self, now: u64) -> bool {
+        self.edge <= now && self.rise.is_none_or(|rise| rise <= now)
+    }
+
     pub(crate) fn hear(&mut self, signal: Signal, at: Instant<'_>) {
         let Signal::Steady(_) = signal else {
             if let Signal::Pwm(pwm) = signal {

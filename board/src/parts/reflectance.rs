@@ -40,6 +40,13 @@ enum Capacitor {
 }
 
 impl State {
+    pub(crate) fn is_possible(&self, now: u64) -> bool {
+        match self.capacitor {
+            Capacitor::Full(since) | Capacitor::Released(since) => since <= now,
+            Capacitor::Empty | Capacitor::Until(_) => true,
+        }
+    }
+
     pub(crate) fn hear(&mut self, signal: Signal, at: u64) {
         self.capacitor = match (signal, self.capacitor) {
             (Signal::Steady(Drive::High), _) => Capacitor::Full(at),

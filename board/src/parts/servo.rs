@@ -62,6 +62,13 @@ impl State {
         self.kind
     }
 
+    pub(crate) fn is_possible(&self, kind: ServoKind, now: Instant<'_>) -> bool {
+        let is_obeyed = |pulse: Pulse| WIDTHS_NS.contains(&pulse.width_ns) && pulse.at_ns <= now.ns();
+        self.kind == kind
+            && self.raised.is_none_or(|raised| raised <= now.cycle)
+            && self.last.is_none_or(is_obeyed)
+    }
+
     pub(crate) fn hear(&mut self, signal: Signal, at: Instant<'_>) -> Option<Remark> {
         if signal.is_high() {
             self.raised = self.raised.or(Some(at.cycle));

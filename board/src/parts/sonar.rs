@@ -77,6 +77,14 @@ impl State {
         Self { timing, raised: None, phase: if timing.one_pin { Phase::Idle } else { Phase::New } }
     }
 
+    pub(crate) fn is_possible(&self, timing: Timing, now: u64) -> bool {
+        let in_order = match self.phase {
+            Phase::Rising(start, end) => start <= end,
+            Phase::New | Phase::Idle | Phase::HoldOff(_) | Phase::Falling(_) => true,
+        };
+        self.timing == timing && self.raised.is_none_or(|raised| raised <= now) && in_order
+    }
+
     pub(crate) const fn reaction_ns(&self) -> u64 {
         self.timing.hold_off - MARGIN_NS
     }

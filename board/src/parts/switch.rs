@@ -52,6 +52,14 @@ impl State {
         Self { switch, pressed: None, changes: 0, changed_ns: 0, left: 0, edges: 0 }
     }
 
+    pub(crate) fn is_possible(&self, switch: Switch, now_ns: u64) -> bool {
+        self.switch == switch
+            && self.left <= self.edges
+            && u64::from(self.edges) <= 1 + 2 * MOST_PAIRS
+            && self.changes < u64::MAX / 2
+            && self.changed_ns <= now_ns
+    }
+
     pub(crate) fn begin(&mut self, pressed: bool, at_ns: u64) {
         if self.pressed == Some(pressed) {
             return;

@@ -4,6 +4,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use baudbot_avr::{Pin, Port as ChipPort};
+use serde::Deserialize;
 
 use super::{Net, Placed, Terminal, Wiring, WiringError};
 use crate::parts::Kind;
@@ -46,6 +47,35 @@ impl Builder {
             let net = Net::by_name(pin)
                 .ok_or_else(|| WiringError::UnknownPin { terminal: text.clone(), pin: pin.clone() })?;
             let terminal = find_terminal(&wiring, pin, text)?;
+            check_wire(&wiring, terminal, net)?;
+            wiring.wires.push((terminal, net));
+        }
+        check_complete(&wiring)?;
+        check_addresses(&wiring)?;
+        Ok(wiring)
+    }
+}
+
+/// A wiring as it is loaded.
+#[derive(Deserialize)]
+pub(super) struct Loaded {
+    parts: Vec<Placed>,
+    wires: Vec<(Terminal, Net)>,
+}
+
+impl TryFrom<Loaded> for Wiring {
+    type Error = WiringError;
+
+    fn try_from(Loaded { parts, wires }: Loaded) -> Result<Self, WiringError> {
+        u16::try_from(parts.len()).map_err(|_| WiringError::TooMany)?;
+        let mut wiring = Self { parts, wires: Vec::with_capacity(wires.len()) };
+        check_names(&wiring)?;
+        for (terminal, net) in wires {
+            let placed = wiring.parts.get(terminal.part.index());
+            let known = placed.is_some_and(|placed| placed.kind.terminals().contains(&terminal.role));
+            if !known || !net.is_possible() {
+                return Err(WiringError::Impossible { wire: wiring.wires.len() });
+            }
             check_wire(&wiring, terminal, net)?;
             wiring.wires.push((terminal, net));
         }

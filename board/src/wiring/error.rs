@@ -125,6 +125,12 @@ pub enum WiringError {
         /// The terminal.
         terminal: Role,
     },
+    /// A wiring was loaded with a wire at a terminal or to a pin that no board has.
+    #[error("wire {wire} has a terminal or a pin that does not exist")]
+    Impossible {
+        /// Its place among the wires, from 0.
+        wire: usize,
+    },
     /// There are more parts than numbers for them.
     #[error("there are more than 65535 parts")]
     TooMany,

@@ -30,6 +30,7 @@ pub struct Terminal {
 /// Parts, and the wires from their terminals to the chip. It was checked when it was built: each terminal is connected, and no
 /// wire has two drivers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "builder::Loaded")]
 pub struct Wiring {
     parts: Vec<Placed>,
     wires: Vec<(Terminal, Net)>,

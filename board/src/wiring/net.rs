@@ -60,6 +60,15 @@ impl Net {
         }
     }
 
+    /// Whether a board has such a wire.
+    pub(super) const fn is_possible(self) -> bool {
+        match self {
+            Self::Pin(pin) => Self::usable(pin.port(), pin.bit()).is_some(),
+            Self::AnalogOnly(channel) => matches!(channel, 6 | 7),
+            Self::Ground | Self::Supply => true,
+        }
+    }
+
     /// PC7 does not exist. PC6 is the reset, PB6 and PB7 are the crystal's only if the fuses say so.
     const fn usable(port: Port, bit: u8) -> Option<Self> {
         match (port, bit) {

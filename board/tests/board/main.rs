@@ -3,6 +3,7 @@
 mod asm;
 mod bus;
 mod motion;
+mod saved;
 mod sensors;
 mod state;
 mod uart;
