@@ -59,12 +59,12 @@ impl Chip {
         self.eeprom.reset();
         self.programming.reset();
         self.system = System::new(prescaler, status);
-        let bitten = self.system.has_watchdog_bitten();
-        self.watchdog =
-            Watchdog::new(self.supply.clock_hz, self.fuses.watchdog_always_on(), bitten, self.now());
         let start_up = self.fuses.start_up();
         let delay = periods(self.supply.clock_hz, u64::from(start_up.reset_100us) * 100);
-        self.state = State::Held(self.now() + u64::from(start_up.cycles) + RESET_CYCLES + delay);
+        let held_until = self.now() + u64::from(start_up.cycles) + RESET_CYCLES + delay;
+        self.state = State::Held(held_until);
+        let (always_on, bitten) = (self.fuses.watchdog_always_on(), self.system.has_watchdog_bitten());
+        self.watchdog = Watchdog::new(self.supply.clock_hz, always_on, bitten, held_until);
         self.schedule();
     }
 

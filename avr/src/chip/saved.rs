@@ -49,9 +49,17 @@ impl Chip {
     fn has_possible_peripherals(&self) -> bool {
         (self.limit, self.waiting) == (0, Waiting::NOWHERE)
             && self.supply.clock_hz > 0
-            && self.watchdog.is_possible(self.supply.clock_hz, self.now())
+            && self.watchdog.is_possible(self.supply.clock_hz, self.end_of_reset())
             && self.timers.iter().enumerate().all(|(which, timer)| timer.is_possible(which, self.cycle))
             && self.usart.is_possible(self.cycle)
+    }
+
+    /// Until when the processor is held in reset; if it is not, the present instant.
+    fn end_of_reset(&self) -> u64 {
+        match self.state {
+            State::Held(until) => until,
+            State::Awake | State::Asleep(_) => self.now(),
+        }
     }
 
     /// The present instant, or the last of all if the clock is none.

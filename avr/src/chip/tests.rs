@@ -196,6 +196,22 @@ fn the_watchdog_resets_and_leaves_its_mark_in_mcusr() {
 }
 
 #[test]
+fn a_watchdog_that_has_bitten_counts_from_the_end_of_the_reset() {
+    // in r20, MCUSR; ldi r16, 0x18; ldi r17, 0x08; sts WDTCSR, r16; sts WDTCSR, r17; rjmp .-2
+    let words = [0xB744, 0xE108, 0xE018, 0x9300, 0x0060, 0x9310, 0x0060, 0xCFFF];
+    let program = Program::from_words(Part::Atmega328P, &words).unwrap();
+    // A crystal that takes 65 ms to start, and a watchdog of 16 ms.
+    let fuses = Fuses { high: 0xDF, ..Fuses::ARDUINO_UNO };
+    let mut chip = Chip::new(&program, fuses, Supply::ARDUINO);
+    let start_up = chip.next_event().unwrap();
+    for resets in 1..4 {
+        chip.run(start_up * resets + 256_020 * (resets - 1) + 100, &mut Bare);
+        assert_eq!(chip.watchdog_resets() as u64, resets - 1);
+        assert_eq!(chip.general_registers()[20], if resets == 1 { 1 } else { 9 }, "the program runs");
+    }
+}
+
+#[test]
 fn ckdiv8_and_clkpr_stretch_cycles() {
     let part = Part::Atmega328P;
     // ldi r16, 0x80; ldi r17, 0; sts CLKPR, r16; sts CLKPR, r17; nop

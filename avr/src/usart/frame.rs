@@ -131,6 +131,11 @@ impl BitLength {
         (periods as u128 * self.bits as u128 / self.periods as u128) as u64
     }
 
+    /// The period in which so many bits end.
+    pub(super) const fn end_within(self, bits: u64) -> u64 {
+        (bits as u128 * self.periods as u128 / self.bits as u128) as u64
+    }
+
     /// The first period of a bit.
     pub(super) const fn begin_of(self, bit: u64) -> u64 {
         (bit as u128 * self.periods as u128).div_ceil(self.bits as u128) as u64

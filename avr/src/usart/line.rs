@@ -43,6 +43,11 @@ impl Incoming {
     fn end(&self) -> u64 {
         self.start + self.bit.begin_of(u64::from(self.frame.bits()))
     }
+
+    /// The period in which it ends.
+    fn last_period(&self) -> u64 {
+        self.start + self.bit.end_within(u64::from(self.frame.bits()))
+    }
 }
 
 /// A line with characters in the order of time. It is low if the pin is low or a character is.
@@ -65,7 +70,8 @@ impl Line {
     /// Puts a character behind the others. `now` and its start are periods of the clock source.
     pub(super) fn put(&mut self, now: u64, incoming: Incoming) -> Result<(), LineError> {
         self.forget_before(now);
-        let free = self.incoming.last().map_or(0, Incoming::end).max(now);
+        // Within the last period of a stop bit the next start bit may begin: the sender's bits need not end with a period.
+        let free = self.incoming.last().map_or(0, Incoming::last_period).max(now);
         if incoming.start < free {
             return Err(LineError::Occupied { start: incoming.start, free });
         }

@@ -1,0 +1,1 @@
+//! StandardFirmata as it was released, driven by its protocol.
