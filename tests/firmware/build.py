@@ -44,7 +44,7 @@ PACKAGES = [
         "5.0.1",
         "4b49db8316e2f38dcebf1b0de87eecd7ff4cc277e32501ccfc6edc2bc5755015",
         {
-            "firmata_2_5.hex": "package/junk/hex/uno/StandardFirmata.cpp.hex",
+            "firmata_2_4.hex": "package/junk/hex/uno/StandardFirmata.cpp.hex",
             "avrgirl_blink.hex": "package/junk/hex/uno/Blink.cpp.hex",
         },
     ),

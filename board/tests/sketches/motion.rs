@@ -25,7 +25,7 @@ fn tones_have_the_frequencies_that_timer_2_can_make() {
         let awaited = 16e6 / (2.0 * f64::from(half));
         // An interrupt waits for the end of an instruction, and for other interrupts.
         let of_a_cycle = awaited / f64::from(2 * half);
-        assert!((hz[50] - awaited).abs() <= 2.0 * of_a_cycle, "{} instead of {awaited}", hz[50]);
+        assert!((hz[50] - awaited).abs() <= 4.0 * of_a_cycle, "{} instead of {awaited}", hz[50]);
         assert!(hz[0] > 0.7 * awaited && hz[99] < 1.5 * awaited, "{hz:?}");
     }
     // `noTone` after 300 ms, and 50 ms later it counts as silent.
