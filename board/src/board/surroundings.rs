@@ -145,7 +145,8 @@ impl Surroundings {
             Some(Part::Reflectance(_)) => return,
             // It makes the wire high by a resistor only.
             Some(Part::Switch(_))
-                if kind == WarningKind::Short && pin.is_some_and(|pin| self.pins.of(pin).chip == Drive::Low) =>
+                if kind == WarningKind::Short
+                    && pin.is_some_and(|pin| self.pins.of(pin).chip == Drive::Low) =>
             {
                 return;
             }

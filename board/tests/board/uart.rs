@@ -30,7 +30,8 @@ fn characters_are_answered_with_exact_instants() {
 
 #[test]
 fn a_sender_without_pauses_may_round_its_instants_to_nanoseconds() {
-    for (file, baud) in [("echo_115200.hex", 115_200), ("echo_115200.hex", 113_000), ("echo_9600.hex", 9600)] {
+    for (file, baud) in [("echo_115200.hex", 115_200), ("echo_115200.hex", 113_000), ("echo_9600.hex", 9600)]
+    {
         let mut board = board_with_file(file, Wiring::builder());
         let mut world = World::default();
         board.run_until(MS, &mut world);

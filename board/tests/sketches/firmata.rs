@@ -2,9 +2,7 @@
 //!
 //! Source: the Firmata protocol, versions 2.3 and 2.4.
 
-use baudbot_board::{
-    BridgeKind, Compass, Decay, Kind, Led, LitBy, Pull, ServoKind, Switch, Voltage, Wiring,
-};
+use baudbot_board::{BridgeKind, Compass, Decay, Kind, Led, LitBy, Pull, ServoKind, Switch, Voltage, Wiring};
 
 use crate::bench::{Bench, bench_with_fetched};
 
@@ -153,7 +151,10 @@ fn assert_drives_a_motor_and_servos(bench: &mut Bench) {
     send(bench, &[START, 0x70, 9, least[0], least[1], most[0], most[1], END]);
     send(bench, &[SET_MODE, 9, MODE_SERVO, SET_MODE, 10, MODE_SERVO]);
     for angle in [0u16, 90, 180, 37] {
-        send(bench, &[0xE9, angle as u8 & 0x7F, (angle >> 7) as u8, 0xEA, angle as u8 & 0x7F, (angle >> 7) as u8]);
+        send(
+            bench,
+            &[0xE9, angle as u8 & 0x7F, (angle >> 7) as u8, 0xEA, angle as u8 & 0x7F, (angle >> 7) as u8],
+        );
         for _ in 0..50 {
             bench.run(20);
             let wanted = [(1000, 2000), (544, 2400)]

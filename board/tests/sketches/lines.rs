@@ -11,7 +11,8 @@ fn times_of_discharge_steer_the_motors() {
     let mut wiring = Wiring::builder();
     for sensor in 0..4 {
         let name = format!("s{sensor}");
-        wiring = wiring.part(name.clone(), Kind::Reflectance(Reflectance)).connect(format!("A{sensor}"), name);
+        wiring =
+            wiring.part(name.clone(), Kind::Reflectance(Reflectance)).connect(format!("A{sensor}"), name);
     }
     let wiring = wiring
         .part("left", motor)
@@ -22,7 +23,8 @@ fn times_of_discharge_steer_the_motors() {
         .connect("7", "right.direction");
     let mut bench = bench("line_digital.hex", wiring);
     for dark in 0..4 {
-        let awaited: Vec<u64> = (0..4).map(|sensor| if sensor == dark { 1800 } else { 310 + 40 * sensor }).collect();
+        let awaited: Vec<u64> =
+            (0..4).map(|sensor| if sensor == dark { 1800 } else { 310 + 40 * sensor }).collect();
         for (sensor, us) in awaited.iter().enumerate() {
             bench.world.discharge_ns[sensor] = us * US;
         }
@@ -63,7 +65,8 @@ fn analog_array() -> Builder {
     let mut wiring = Wiring::builder();
     for sensor in 0..5 {
         let name = format!("s{sensor}");
-        wiring = wiring.part(name.clone(), Kind::Voltage(Voltage::DIRECT)).connect(format!("A{sensor}"), name);
+        wiring =
+            wiring.part(name.clone(), Kind::Voltage(Voltage::DIRECT)).connect(format!("A{sensor}"), name);
     }
     wiring.part("left", led).part("right", led).connect("2", "left").connect("3", "right")
 }

@@ -9,7 +9,8 @@ const MOTOR: Kind = Kind::Bridge(BridgeKind::Directed { decay: Decay::Brake, dro
 #[test]
 #[ignore = "needs BAUDBOT_SKETCHES"]
 fn tones_have_the_frequencies_that_timer_2_can_make() {
-    let mut bench = bench("tones.hex", Wiring::builder().part("piezo", Kind::Piezo(Piezo)).connect("8", "piezo"));
+    let mut bench =
+        bench("tones.hex", Wiring::builder().part("piezo", Kind::Piezo(Piezo)).connect("8", "piezo"));
     let mut heard = Vec::new();
     for _ in 0..2500 {
         bench.run(1);
