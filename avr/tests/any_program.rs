@@ -62,6 +62,9 @@ fn words() -> impl Strategy<Value = Vec<u16>> {
         1 => Just(vec![0x9588]),
         // sbis; rjmp .-4 on a port, and lds; sbrs; rjmp .-8 on a status
         1 => (0u16..11, 0u16..8).prop_map(|(port, bit)| vec![0x9B00 | port << 3 | bit, 0xCFFE]),
+        // in; out; sbis; rjmp .-8 on a port, and push; pop; lds; and; breq .-12
+        1 => (0u16..8).prop_map(|bit| vec![0xB105, 0xB905, 0x9B18 | bit, 0xCFFC]),
+        1 => Just(vec![0x930F, 0x910F, 0x9120, 0x0102, 0x2322, 0xF3D1]),
         1 => (0u16..8, 0..4usize).prop_map(|(bit, at)| vec![0x9120, [0xC0, 0x7A, 0x4D, 0x101][at], 0xFF20 | bit, 0xCFFC]),
     ]
 }

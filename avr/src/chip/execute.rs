@@ -60,7 +60,7 @@ impl Chip {
             Op::Fmulsu { d, r } => self.multiply_fraction(mixed_product(self.register(d), self.register(r))),
             Op::Rjmp { offset } => {
                 self.jump_by(offset);
-                2
+                if offset < 0 { 2 + self.jumped_back(self.cycle + 2) } else { 2 }
             }
             Op::Rcall { offset } => {
                 self.push_pc(self.pc, board);
@@ -171,7 +171,10 @@ impl Chip {
                 self.load_program(d, address);
                 3
             }
-            Op::Spm => self.store_program(),
+            Op::Spm => {
+                self.repeat.give_up();
+                self.store_program()
+            }
             Op::Bset { mask } => {
                 self.set_sreg(self.sreg | mask);
                 1
@@ -191,8 +194,12 @@ impl Chip {
                 self.set_register(d, if self.sreg & alu::T == 0 { value } else { value | mask });
                 1
             }
-            Op::Sleep => self.go_to_sleep(board),
+            Op::Sleep => {
+                self.repeat.give_up();
+                self.go_to_sleep(board)
+            }
             Op::Wdr => {
+                self.repeat.give_up();
                 self.restart_watchdog();
                 1
             }
@@ -214,6 +221,7 @@ impl Chip {
                 1
             }
             Op::Illegal { word } => {
+                self.repeat.give_up();
                 let pc = self.pc.wrapping_sub(1) & self.pc_mask;
                 self.warn(Warning::IllegalInstruction { pc, word }, board);
                 1
@@ -291,7 +299,7 @@ impl Chip {
     fn branch(&mut self, taken: bool, offset: i8) -> u64 {
         if taken {
             self.jump_by(i16::from(offset));
-            2
+            if offset < 0 { 2 + self.jumped_back(self.cycle + 2) } else { 2 }
         } else {
             1
         }

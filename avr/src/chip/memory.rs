@@ -45,7 +45,8 @@ impl Chip {
     }
 
     #[cold]
-    fn beyond_memory<B: Board>(&self, address: u16, board: &mut B) {
+    fn beyond_memory<B: Board>(&mut self, address: u16, board: &mut B) {
+        self.repeat.give_up();
         let pc = self.pc & self.pc_mask;
         self.warn(Warning::BeyondMemory { pc, address }, board);
     }

@@ -10,6 +10,7 @@ mod outputs;
 mod power;
 mod programming;
 mod registers;
+mod repeat;
 mod run;
 mod saved;
 
@@ -42,6 +43,7 @@ pub use input::InputError;
 pub use run::Stop;
 
 use input::Inputs;
+use repeat::Repeat;
 
 /// A chip with its whole state. A clone that goes on does the same as the original, bit for bit.
 ///
@@ -68,6 +70,8 @@ pub struct Chip {
     inhibited: bool,
     state: State,
     waiting: Waiting,
+    #[serde(skip)]
+    repeat: Repeat,
     /// What follows the instruction that has just been executed.
     pending: Pending,
     watchdog_resets: u32,
@@ -119,6 +123,7 @@ impl Chip {
             inhibited: false,
             state: State::Awake,
             waiting: Waiting::NOWHERE,
+            repeat: Repeat::new(properties.sram_bytes),
             pending: Pending::Nothing,
             watchdog_resets: 0,
             clock: Clock::new(0),

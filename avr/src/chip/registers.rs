@@ -37,6 +37,7 @@ impl Chip {
             | Place::SelfProgramming => {}
         }
         self.service(board);
+        self.note_read(Place::at(address));
         self.read_peripheral(Place::at(address), board)
     }
 
@@ -62,6 +63,7 @@ impl Chip {
             return self.write_core(register, value);
         }
         self.service(board);
+        self.note_write(place, value);
         if let Place::Port(port, register) = place {
             self.write_port(port, register, value, board);
         } else if self.system.power() & clock_of(place) == 0 {
@@ -88,7 +90,9 @@ impl Chip {
             Place::Port(port, register) => self.read_port(port, register, board),
             Place::Timer(which, register) => {
                 let timer = &mut self.timers[which as usize];
-                timer.advance(now);
+                if !register.is_control() {
+                    timer.advance(now);
+                }
                 timer.read(register)
             }
             Place::Usart(register) => {
@@ -158,10 +162,12 @@ impl Chip {
         if self.outputs.shapes.iter().flatten().any(Option::is_some) {
             self.refresh_timers(now, board);
             self.waiting = Waiting::NOWHERE;
+            self.repeat.give_up();
         }
         if self.ports.is_synchronising(port, now) {
             // The next read may give something else, without an event.
             self.waiting = Waiting::NOWHERE;
+            self.repeat.give_up();
         }
         self.ports.read(port, register, now) & !self.digital_off(port)
     }
@@ -188,6 +194,9 @@ impl Chip {
     fn write_timer<B: Board>(&mut self, which: Which, register: timer::Register, value: u8, board: &mut B) {
         let now = self.cycle;
         let timer = &mut self.timers[which as usize];
+        if timer.holds(register, value) {
+            return;
+        }
         timer.advance(now);
         timer.write(register, value);
         if timer.has_reserved_mode() {

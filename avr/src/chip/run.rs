@@ -43,6 +43,7 @@ impl Chip {
                     return true;
                 }
                 chip.waiting = Waiting::NOWHERE;
+                chip.repeat.give_up();
                 chip.execute(code.op(chip.pc), code, board);
             }
             false
@@ -56,6 +57,7 @@ impl Chip {
         mut instructions: impl FnMut(&mut Self, &Code, &mut B) -> bool,
     ) -> Stop {
         let until = until.min(LATEST);
+        self.repeat.restart();
         let mut code = self.flash.code();
         let stop = loop {
             self.service(board);
@@ -68,6 +70,7 @@ impl Chip {
                 break Stop::Reached;
             }
             if self.pass_time(until, board) || self.interrupt(board) {
+                self.repeat.restart();
                 continue;
             }
             let one_only = core::mem::take(&mut self.inhibited);

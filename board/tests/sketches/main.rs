@@ -10,6 +10,7 @@ mod firmata;
 mod lines;
 mod motion;
 mod sensors;
+mod steps;
 mod text;
 mod time;
 mod wheels;
