@@ -3,7 +3,8 @@
 //! Source: *AVR Instruction Set Manual*, columns AVRe of the cycles. A register that is read in a peripheral is read at the
 //! beginning of the instruction's last cycle, one that is written is written at its end.
 
-use super::{Chip, Pending, Waiting};
+use super::repeat::Waiting;
+use super::{Chip, Pending};
 use crate::alu;
 use crate::board::{Board, Warning};
 use crate::flash::Code;
@@ -312,11 +313,11 @@ impl Chip {
         const JUMP: u64 = 2;
         let period = u64::from(cycles);
         let now = self.cycle + JUMP;
-        let again =
-            self.waiting == Waiting { pc: self.pc, limit: self.limit, cycle: now.wrapping_sub(period) };
+        let again = self.repeat.waiting
+            == Waiting { pc: self.pc, limit: self.limit, cycle: now.wrapping_sub(period) };
         let left = if again { self.limit.saturating_sub(now) } else { 0 };
         let passed = left - left % period;
-        self.waiting = Waiting { pc: self.pc, limit: self.limit, cycle: now + passed };
+        self.repeat.waiting = Waiting { pc: self.pc, limit: self.limit, cycle: now + passed };
         JUMP + passed
     }
 

@@ -69,7 +69,6 @@ pub struct Chip {
     /// The next instruction is executed before any interrupt: it follows `SEI` or `RETI`.
     inhibited: bool,
     state: State,
-    waiting: Waiting,
     #[serde(skip)]
     repeat: Repeat,
     /// What follows the instruction that has just been executed.
@@ -122,7 +121,6 @@ impl Chip {
             return_bytes: properties.return_bytes,
             inhibited: false,
             state: State::Awake,
-            waiting: Waiting::NOWHERE,
             repeat: Repeat::new(properties.sram_bytes),
             pending: Pending::Nothing,
             watchdog_resets: 0,
@@ -185,18 +183,6 @@ impl Chip {
     pub const fn lowest_sp(&self) -> u16 {
         self.stack.lowest
     }
-}
-
-/// The loop that waits and was gone through last: when, and up to which cycle nothing else would happen then.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Waiting {
-    pc: u32,
-    limit: u64,
-    cycle: u64,
-}
-
-impl Waiting {
-    const NOWHERE: Self = Self { pc: u32::MAX, limit: 0, cycle: 0 };
 }
 
 /// What the processor does.

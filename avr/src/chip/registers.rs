@@ -1,6 +1,6 @@
 //! The registers of the peripherals, as the program reads and writes them.
 
-use super::{Chip, Waiting};
+use super::Chip;
 use crate::adc;
 use crate::address::{Core, Place};
 use crate::board::{Board, Unsupported, Warning};
@@ -161,13 +161,11 @@ impl Chip {
         }
         if self.outputs.shapes.iter().flatten().any(Option::is_some) {
             self.refresh_timers(now, board);
-            self.waiting = Waiting::NOWHERE;
-            self.repeat.give_up();
+            self.repeat.forget();
         }
         if self.ports.is_synchronising(port, now) {
             // The next read may give something else, without an event.
-            self.waiting = Waiting::NOWHERE;
-            self.repeat.give_up();
+            self.repeat.forget();
         }
         self.ports.read(port, register, now) & !self.digital_off(port)
     }

@@ -31,6 +31,8 @@ pub(super) struct Repeat {
     cycle: u64,
     /// The memory then.
     sram: Vec<u8>,
+    /// The same for the shortest loops, whose instructions are known to wait only.
+    pub(super) waiting: Waiting,
     /// How often a loop was passed over.
     #[cfg(test)]
     pub(super) passed: u64,
@@ -55,6 +57,24 @@ struct Processor {
     registers: [u8; 32],
 }
 
+/// The loop that waits and was gone through last: when, and up to which cycle nothing else would happen then.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Waiting {
+    pub(super) pc: u32,
+    pub(super) limit: u64,
+    pub(super) cycle: u64,
+}
+
+impl Waiting {
+    const NOWHERE: Self = Self { pc: u32::MAX, limit: 0, cycle: 0 };
+}
+
+impl Default for Waiting {
+    fn default() -> Self {
+        Self::NOWHERE
+    }
+}
+
 impl Repeat {
     pub(super) fn new(sram_bytes: u16) -> Self {
         Self { sram: Vec::with_capacity(sram_bytes.into()), ..Self::default() }
@@ -70,6 +90,12 @@ impl Repeat {
     #[inline]
     pub(super) const fn give_up(&mut self) {
         self.phase = Phase::Over;
+    }
+
+    /// The next iteration of a loop that waits may be another, without an event.
+    pub(super) const fn forget(&mut self) {
+        self.waiting = Waiting::NOWHERE;
+        self.give_up();
     }
 
     /// The cycles from an equal state to this one.

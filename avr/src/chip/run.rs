@@ -1,6 +1,6 @@
 //! Running: instructions between events.
 
-use super::{Chip, Pending, State, Waiting};
+use super::{Chip, Pending, State};
 use crate::board::Board;
 use crate::clock::LATEST;
 use crate::flash::Code;
@@ -42,8 +42,7 @@ impl Chip {
                 if !core::mem::take(&mut first) && breakpoints.contains(&(chip.pc & chip.pc_mask)) {
                     return true;
                 }
-                chip.waiting = Waiting::NOWHERE;
-                chip.repeat.give_up();
+                chip.repeat.forget();
                 chip.execute(code.op(chip.pc), code, board);
             }
             false
@@ -57,6 +56,7 @@ impl Chip {
         mut instructions: impl FnMut(&mut Self, &Code, &mut B) -> bool,
     ) -> Stop {
         let until = until.min(LATEST);
+        self.repeat.forget();
         self.repeat.restart();
         let mut code = self.flash.code();
         let stop = loop {
@@ -85,7 +85,7 @@ impl Chip {
                 code = self.flash.code();
             }
         };
-        (self.limit, self.waiting) = (0, Waiting::NOWHERE);
+        self.limit = 0;
         stop
     }
 

@@ -42,11 +42,12 @@ impl Board for Told {
 
 /// Characters and edges that fall anywhere, in the next 50 ms.
 fn disturb(chip: &mut Chip, round: u64) {
-    let length = BitLength::of_baud(16_000_000, if round % 2 == 0 { 115_200 } else { 57_600 }).unwrap();
+    let length =
+        BitLength::of_baud(16_000_000, if round.is_multiple_of(2) { 115_200 } else { 57_600 }).unwrap();
     for place in 0..8 {
         let at = chip.now() + 1 + (round * 7919 + place * 104_729) % (50 * MS);
-        let external = if (round + place) % 2 == 0 { External::Low } else { External::High };
-        let port = if place % 2 == 0 { Port::D } else { Port::B };
+        let external = if (round + place).is_multiple_of(2) { External::Low } else { External::High };
+        let port = if place.is_multiple_of(2) { Port::D } else { Port::B };
         chip.set_pin(Pin::new(port, 2 + (place % 3) as u8).unwrap(), external, at).unwrap();
         let byte = [0xF0, 0x6B, 0xF7, b'7', b' ', b'3', b'\n', 0xF9][((round + place) % 8) as usize];
         chip.receive(Frame::byte(byte), chip.now() + place * 5 * MS + 1, length).unwrap();
