@@ -240,6 +240,7 @@ fn a_loop_that_asks_for_a_counter_ends_though_it_finds_the_same_for_a_while() {
         0xE001, 0x9300, 0x0081, 0x9190, 0x0084, 0x9180, 0x0085, 0xE090, 0xFF84, 0xCFF9, 0x9140, 0x0084,
         0x9150, 0x0085, 0xCFFF,
     ]);
+    run(&mut chip, 100, &mut Bare);
     run(&mut chip, 20_000, &mut Bare);
     let counter = u16::from_le_bytes([chip.general_registers()[20], chip.general_registers()[21]]);
     assert!((0x1000..0x1010).contains(&counter), "{counter}");
@@ -256,6 +257,7 @@ fn a_loop_that_counts_in_memory_or_asks_for_a_counter_is_gone_through() {
         &[0x9A48, 0xCFFE],
     ] {
         let mut chip = chip(words);
+        run(&mut chip, 100, &mut Bare);
         run(&mut chip, 20_000, &mut Bare);
         assert_eq!(chip.repeat.passed, 0);
     }
