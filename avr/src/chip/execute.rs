@@ -3,7 +3,6 @@
 //! Source: *AVR Instruction Set Manual*, columns AVRe of the cycles. A register that is read in a peripheral is read at the
 //! beginning of the instruction's last cycle, one that is written is written at its end.
 
-use super::repeat::Waiting;
 use super::{Chip, Pending};
 use crate::alu;
 use crate::board::{Board, Warning};
@@ -216,6 +215,22 @@ impl Chip {
                     1
                 }
             }
+            Op::CountTwo { low } => {
+                if self.sreg & alu::Z == 0 {
+                    self.jump_by(-2);
+                    self.count_down([low, low + 1])
+                } else {
+                    1
+                }
+            }
+            Op::CountThree { low, middle, high } => {
+                if self.sreg & alu::Z == 0 {
+                    self.jump_by(-4);
+                    self.count_down([low, middle, high])
+                } else {
+                    1
+                }
+            }
             Op::Break => {
                 self.pending = Pending::Break;
                 self.limit = 0;
@@ -304,21 +319,6 @@ impl Chip {
         } else {
             1
         }
-    }
-
-    /// A jump back to the start of a loop that only waits. If the last one was an iteration ago and nothing else has happened
-    /// since, the loop is gone through until something happens: all these iterations are the same.
-    #[inline(always)]
-    fn wait(&mut self, cycles: u8) -> u64 {
-        const JUMP: u64 = 2;
-        let period = u64::from(cycles);
-        let now = self.cycle + JUMP;
-        let again = self.repeat.waiting
-            == Waiting { pc: self.pc, limit: self.limit, cycle: now.wrapping_sub(period) };
-        let left = if again { self.limit.saturating_sub(now) } else { 0 };
-        let passed = left - left % period;
-        self.repeat.waiting = Waiting { pc: self.pc, limit: self.limit, cycle: now + passed };
-        JUMP + passed
     }
 
     #[inline(always)]

@@ -16,6 +16,8 @@ use crate::{adc, spi, system, timer, twi, usart};
 
 /// After so many jumps without the state that was marked, nothing is looked for until the next event.
 const LONGEST_SPAN: u16 = 256;
+/// Cycles of a jump that is taken.
+const JUMP: u64 = 2;
 /// With fewer cycles until the next event there is nothing to win.
 const WORTH_CYCLES: u64 = 256;
 
@@ -162,6 +164,48 @@ impl Chip {
             self.repeat.passed += 1;
         }
         left - left % period
+    }
+
+    /// A jump back to the start of a loop that only waits. If the last one was an iteration ago and nothing else has happened
+    /// since, the loop is gone through until something happens: all these iterations are the same.
+    #[inline(always)]
+    pub(super) fn wait(&mut self, cycles: u8) -> u64 {
+        let period = u64::from(cycles);
+        let now = self.cycle + JUMP;
+        let left = if self.was_here(now.wrapping_sub(period)) { self.limit.saturating_sub(now) } else { 0 };
+        self.pass(now, left - left % period)
+    }
+
+    /// A jump back to the start of a loop that counts two or three registers down by one, the low one first. All iterations
+    /// that have room are passed over but one, and that with which the registers become 0: they leave the flags behind.
+    #[inline(never)]
+    pub(super) fn count_down<const COUNT: usize>(&mut self, registers: [u8; COUNT]) -> u64 {
+        let period = COUNT as u64 + JUMP;
+        let now = self.cycle + JUMP;
+        let room =
+            if self.was_here(now.wrapping_sub(period)) { self.limit.saturating_sub(now) / period } else { 0 };
+        let mut bytes = [0; 4];
+        for (byte, register) in bytes.iter_mut().zip(registers) {
+            *byte = self.register(register);
+        }
+        let left = u32::from_le_bytes(bytes);
+        let passed = u64::from(left).min(room).saturating_sub(1);
+        for (byte, register) in (left - passed as u32).to_le_bytes().into_iter().zip(registers) {
+            self.set_register(register, byte);
+        }
+        self.pass(now, passed * period)
+    }
+
+    /// Whether the last jump of a loop that waits was to this place at this cycle, and nothing has happened since.
+    #[inline(always)]
+    fn was_here(&self, cycle: u64) -> bool {
+        self.repeat.waiting == Waiting { pc: self.pc, limit: self.limit, cycle }
+    }
+
+    #[inline(always)]
+    fn pass(&mut self, now: u64, cycles: u64) -> u64 {
+        self.repeat.waiting = Waiting { pc: self.pc, limit: self.limit, cycle: now + cycles };
+        JUMP + cycles
     }
 
     /// A register is read. Those that change with events alone may be read by a loop that repeats.
