@@ -5,7 +5,7 @@ mod pins;
 mod surroundings;
 mod uart;
 
-use baudbot_avr::{Bare, Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, Stop, Timer};
+use baudbot_avr::{Bare, Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, ResetCause, Stop, Timer};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -124,6 +124,12 @@ impl Board {
         self.chip.set_pin(pin, change.external, at).map_err(|error| match error {
             InputError::Full | InputError::Past { .. } => at,
         })
+    }
+
+    /// The pin RESET is low for a moment at the end of the last step: the button of the board is pressed, or the serial port of
+    /// an Arduino is opened.
+    pub fn reset<P: Physics>(&mut self, physics: &mut P) {
+        self.chip.reset_now(ResetCause::External, &mut View { around: &mut self.around, physics });
     }
 
     fn count_resets(&mut self) {

@@ -1,6 +1,6 @@
 //! A sketch over the serial cable into an Arduino Uno with its boot loader.
 
-use baudbot_avr::{Bare, Fuses, ResetCause};
+use baudbot_avr::Fuses;
 use baudbot_board::{Kind, Led, LitBy, Wiring};
 
 use crate::bench::{Bench, chip, program, with_chip};
@@ -19,10 +19,10 @@ fn ask(bench: &mut Bench, command: &[u8]) -> Vec<u8> {
 fn optiboot_takes_a_sketch_and_starts_it() {
     let led = Kind::Led(Led { lit_by: LitBy::High });
     let fuses = Fuses { high: 0xDC, ..Fuses::ARDUINO_UNO };
-    let mut chip = chip("optiboot.hex", fuses).unwrap();
-    // It listens only after a reset by the pin, which the cable gives.
-    chip.reset_now(ResetCause::External, &mut Bare);
+    let chip = chip("optiboot.hex", fuses).unwrap();
     let mut bench = with_chip(chip, Wiring::builder().part("led", led).connect("13", "led"));
+    // It listens only after a reset by the pin, which the cable gives.
+    bench.board.reset(&mut bench.world);
     // It flashes the LED three times first.
     bench.run(600);
     assert_eq!(ask(&mut bench, b"0"), IN_SYNC);
