@@ -150,6 +150,17 @@ pub enum Unsupported {
     ReservedAdcInput,
 }
 
+impl core::fmt::Display for Unsupported {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::AsynchronousTimer => "timer 2 with a crystal of its own, whose pins the chip's clock takes",
+            Self::SynchronousUsart => "a synchronous mode of the USART",
+            Self::ReservedTimerMode(_) => "a reserved mode of a timer",
+            Self::ReservedAdcInput => "a reserved input or reference of the ADC",
+        })
+    }
+}
+
 /// How a chip is clocked and supplied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Supply {

@@ -16,7 +16,8 @@
 //!
 //! Instructions are decoded once for each program, and clones share them. Peripherals are not stepped: each knows its next event,
 //! counters are worked out when they are read, and the processor executes instructions until the first event of all. A chip that
-//! sleeps goes to its next event at once, and so does one in a loop that only waits.
+//! sleeps goes to its next event at once, and so does one in a loop that comes back to where it was: that asks for a variable,
+//! a pin or a flag until it changes.
 //!
 //! # What is not there
 //!

@@ -62,6 +62,12 @@ fn words() -> impl Strategy<Value = Vec<u16>> {
         1 => Just(vec![0x9588]),
         // sbis; rjmp .-4 on a port, and lds; sbrs; rjmp .-8 on a status
         1 => (0u16..11, 0u16..8).prop_map(|(port, bit)| vec![0x9B00 | port << 3 | bit, 0xCFFE]),
+        // in; out; sbis; rjmp .-8 on a port, and push; pop; lds; and; breq .-12
+        1 => (0u16..8).prop_map(|bit| vec![0xB105, 0xB905, 0x9B18 | bit, 0xCFFC]),
+        // sbiw r24, 1; brne .-4, and subi r18, 1; sbci r24, 0; sbci r25, 0; brne .-8
+        1 => Just(vec![0x9701, 0xF7F1]),
+        1 => Just(vec![0x5021, 0x4080, 0x4090, 0xF7E1]),
+        1 => Just(vec![0x930F, 0x910F, 0x9120, 0x0102, 0x2322, 0xF3D1]),
         1 => (0u16..8, 0..4usize).prop_map(|(bit, at)| vec![0x9120, [0xC0, 0x7A, 0x4D, 0x101][at], 0xFF20 | bit, 0xCFFC]),
     ]
 }

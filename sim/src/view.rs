@@ -82,12 +82,12 @@ impl<'a> RobotView<'a> {
 
     /// The board of a robot whose microcontroller runs a program of the user's own.
     pub fn board(&self) -> Option<&'a Board> {
-        self.robot.rare.fourth.as_ref().map(|chip| chip.board())
+        self.state.rare.fourth.as_ref().map(|chip| chip.board())
     }
 
     /// What that program or the wiring hardly means, each with when it came first.
     pub fn board_warnings(&self) -> impl Iterator<Item = (SimTime, &'a baudbot_board::Warning)> {
-        let chip = self.robot.rare.fourth.as_deref();
+        let chip = self.state.rare.fourth.as_deref();
         chip.into_iter()
             .flat_map(|chip| chip.board().warnings().iter().map(|warning| (chip.world(warning.first_ns), warning)))
     }

@@ -22,6 +22,7 @@ impl Chip {
 
     #[inline(never)]
     fn service_events<B: Board>(&mut self, board: &mut B) {
+        self.repeat.restart();
         while self.next_event <= self.cycle {
             let now = self.next_event;
             self.events_at(now, board);

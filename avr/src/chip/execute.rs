@@ -3,7 +3,7 @@
 //! Source: *AVR Instruction Set Manual*, columns AVRe of the cycles. A register that is read in a peripheral is read at the
 //! beginning of the instruction's last cycle, one that is written is written at its end.
 
-use super::{Chip, Pending, Waiting};
+use super::{Chip, Pending};
 use crate::alu;
 use crate::board::{Board, Warning};
 use crate::flash::Code;
@@ -60,7 +60,7 @@ impl Chip {
             Op::Fmulsu { d, r } => self.multiply_fraction(mixed_product(self.register(d), self.register(r))),
             Op::Rjmp { offset } => {
                 self.jump_by(offset);
-                2
+                if offset < 0 { 2 + self.jumped_back(self.cycle + 2) } else { 2 }
             }
             Op::Rcall { offset } => {
                 self.push_pc(self.pc, board);
@@ -171,7 +171,10 @@ impl Chip {
                 self.load_program(d, address);
                 3
             }
-            Op::Spm => self.store_program(),
+            Op::Spm => {
+                self.repeat.give_up();
+                self.store_program()
+            }
             Op::Bset { mask } => {
                 self.set_sreg(self.sreg | mask);
                 1
@@ -191,8 +194,12 @@ impl Chip {
                 self.set_register(d, if self.sreg & alu::T == 0 { value } else { value | mask });
                 1
             }
-            Op::Sleep => self.go_to_sleep(board),
+            Op::Sleep => {
+                self.repeat.give_up();
+                self.go_to_sleep(board)
+            }
             Op::Wdr => {
+                self.repeat.give_up();
                 self.restart_watchdog();
                 1
             }
@@ -208,12 +215,29 @@ impl Chip {
                     1
                 }
             }
+            Op::CountTwo { low } => {
+                if self.sreg & alu::Z == 0 {
+                    self.jump_by(-2);
+                    self.count_down([low, low + 1])
+                } else {
+                    1
+                }
+            }
+            Op::CountThree { low, middle, high } => {
+                if self.sreg & alu::Z == 0 {
+                    self.jump_by(-4);
+                    self.count_down([low, middle, high])
+                } else {
+                    1
+                }
+            }
             Op::Break => {
                 self.pending = Pending::Break;
                 self.limit = 0;
                 1
             }
             Op::Illegal { word } => {
+                self.repeat.give_up();
                 let pc = self.pc.wrapping_sub(1) & self.pc_mask;
                 self.warn_often(Warning::IllegalInstruction { pc, word }, board);
                 1
@@ -291,25 +315,10 @@ impl Chip {
     fn branch(&mut self, taken: bool, offset: i8) -> u64 {
         if taken {
             self.jump_by(i16::from(offset));
-            2
+            if offset < 0 { 2 + self.jumped_back(self.cycle + 2) } else { 2 }
         } else {
             1
         }
-    }
-
-    /// A jump back to the start of a loop that only waits. If the last one was an iteration ago and nothing else has happened
-    /// since, the loop is gone through until something happens: all these iterations are the same.
-    #[inline(always)]
-    fn wait(&mut self, cycles: u8) -> u64 {
-        const JUMP: u64 = 2;
-        let period = u64::from(cycles);
-        let now = self.cycle + JUMP;
-        let again =
-            self.waiting == Waiting { pc: self.pc, limit: self.limit, cycle: now.wrapping_sub(period) };
-        let left = if again { self.limit.saturating_sub(now) } else { 0 };
-        let passed = left - left % period;
-        self.waiting = Waiting { pc: self.pc, limit: self.limit, cycle: now + passed };
-        JUMP + passed
     }
 
     #[inline(always)]

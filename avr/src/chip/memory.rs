@@ -49,6 +49,7 @@ impl Chip {
 
     #[cold]
     fn beyond_memory<B: Board>(&mut self, address: u16, board: &mut B) {
+        self.repeat.give_up();
         let pc = self.pc & self.pc_mask;
         self.warn_often(Warning::BeyondMemory { pc, address }, board);
     }

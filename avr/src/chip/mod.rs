@@ -11,6 +11,7 @@ mod outputs;
 mod power;
 mod programming;
 mod registers;
+mod repeat;
 mod run;
 mod saved;
 
@@ -43,6 +44,7 @@ pub use input::InputError;
 pub use run::Stop;
 
 use input::Inputs;
+use repeat::Repeat;
 
 /// A chip with its whole state. A clone that goes on does the same as the original, bit for bit.
 ///
@@ -68,7 +70,8 @@ pub struct Chip {
     /// The next instruction is executed before any interrupt: it follows `SEI` or `RETI`.
     inhibited: bool,
     state: State,
-    waiting: Waiting,
+    #[serde(skip)]
+    repeat: Repeat,
     /// What follows the instruction that has just been executed.
     pending: Pending,
     watchdog_resets: u32,
@@ -119,7 +122,7 @@ impl Chip {
             return_bytes: properties.return_bytes,
             inhibited: false,
             state: State::Awake,
-            waiting: Waiting::NOWHERE,
+            repeat: Repeat::new(properties.sram_bytes),
             pending: Pending::Nothing,
             watchdog_resets: 0,
             clock: Clock::new(0),
@@ -183,18 +186,6 @@ impl Chip {
     pub const fn lowest_sp(&self) -> u16 {
         self.stack.lowest
     }
-}
-
-/// The loop that waits and was gone through last: when, and up to which cycle nothing else would happen then.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Waiting {
-    pc: u32,
-    limit: u64,
-    cycle: u64,
-}
-
-impl Waiting {
-    const NOWHERE: Self = Self { pc: u32::MAX, limit: 0, cycle: 0 };
 }
 
 /// What the processor does.

@@ -1,6 +1,6 @@
 //! The registers of the peripherals, as the program reads and writes them.
 
-use super::{Chip, Waiting};
+use super::Chip;
 use crate::adc;
 use crate::address::{Core, Place};
 use crate::board::{Board, Unsupported, Warning};
@@ -34,6 +34,7 @@ impl Chip {
             | Place::SelfProgramming => {}
         }
         self.service(board);
+        self.note_read(Place::at(address));
         self.read_peripheral(Place::at(address), board)
     }
 
@@ -59,6 +60,7 @@ impl Chip {
             return self.write_core(register, value);
         }
         self.service(board);
+        self.note_write(place, value);
         if let Place::Port(port, register) = place {
             self.write_port(port, register, value, board);
         } else if self.system.power() & clock_of(place) == 0 {
@@ -86,7 +88,9 @@ impl Chip {
             Place::Timer(which, register) => {
                 let time = self.timer_time(which, now);
                 let timer = &mut self.timers[which as usize];
-                timer.advance(time);
+                if !register.is_control() {
+                    timer.advance(time);
+                }
                 timer.read(register)
             }
             Place::Usart(register) => {
@@ -157,11 +161,11 @@ impl Chip {
         }
         if self.outputs.shapes.iter().flatten().any(Option::is_some) {
             self.refresh_timers(now, board);
-            self.waiting = Waiting::NOWHERE;
+            self.repeat.forget();
         }
         if self.ports.is_synchronising(port, now) {
             // The next read may give something else, without an event.
-            self.waiting = Waiting::NOWHERE;
+            self.repeat.forget();
         }
         self.ports.read(port, register, now) & !self.digital_off(port)
     }
@@ -189,6 +193,9 @@ impl Chip {
         let now = self.cycle;
         let time = self.timer_time(which, now);
         let timer = &mut self.timers[which as usize];
+        if timer.holds(register, value) {
+            return;
+        }
         timer.advance(time);
         timer.write(register, value);
         if timer.has_reserved_mode() {

@@ -1,6 +1,6 @@
 //! Running: instructions between events.
 
-use super::{Chip, Pending, State, Waiting};
+use super::{Chip, Pending, State};
 use crate::board::Board;
 use crate::clock::LATEST;
 use crate::flash::Code;
@@ -42,7 +42,7 @@ impl Chip {
                 if !core::mem::take(&mut first) && breakpoints.contains(&(chip.pc & chip.pc_mask)) {
                     return true;
                 }
-                chip.waiting = Waiting::NOWHERE;
+                chip.repeat.forget();
                 chip.execute(code.op(chip.pc), code, board);
             }
             false
@@ -56,6 +56,8 @@ impl Chip {
         mut instructions: impl FnMut(&mut Self, &Code, &mut B) -> bool,
     ) -> Stop {
         let until = until.min(LATEST);
+        self.repeat.forget();
+        self.repeat.restart();
         let mut code = self.flash.code();
         let stop = loop {
             self.service(board);
@@ -68,6 +70,7 @@ impl Chip {
                 break Stop::Reached;
             }
             if self.pass_time(until, board) || self.interrupt(board) {
+                self.repeat.restart();
                 continue;
             }
             let one_only = core::mem::take(&mut self.inhibited);
@@ -82,7 +85,7 @@ impl Chip {
                 code = self.flash.code();
             }
         };
-        (self.limit, self.waiting) = (0, Waiting::NOWHERE);
+        self.limit = 0;
         stop
     }
 

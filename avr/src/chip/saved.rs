@@ -3,7 +3,7 @@
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Chip, State, Waiting};
+use super::{Chip, State};
 use crate::clock::LATEST;
 use crate::timer::Which;
 
@@ -50,7 +50,7 @@ impl Chip {
     }
 
     fn has_possible_peripherals(&self) -> bool {
-        (self.limit, self.waiting) == (0, Waiting::NOWHERE)
+        self.limit == 0
             && self.supply.clock_hz > 0
             && self.watchdog.is_possible(self.supply.clock_hz, self.end_of_reset())
             && [Which::T0, Which::T1, Which::T2]

@@ -284,6 +284,58 @@ fn a_watchdog_that_has_bitten_counts_from_the_end_of_the_reset() {
 }
 
 #[test]
+fn a_loop_that_asks_by_a_function_is_passed_over_until_something_happens() {
+    // rcall .+6; sbrs r24, 7; rjmp .-6; ldi r20, 1; in r24, PIND; out PORTB, r1; ret
+    let mut quick = chip(&[0xD003, 0xFF87, 0xCFFD, 0xE041, 0xB189, 0xB815, 0x9508]);
+    let mut slow = quick.clone();
+    let start = quick.now();
+    for chip in [&mut quick, &mut slow] {
+        chip.set_pin(Pin::of(Port::D, 7), External::Low, start + 10).unwrap();
+        chip.set_pin(Pin::of(Port::D, 7), External::High, start + 100_003).unwrap();
+    }
+    for until in [50_000, 100_000, 100_003, 100_020] {
+        quick.run(start + until, &mut Bare);
+        if until == 50_000 {
+            assert_eq!(quick.repeat.passed, 1, "it was recognised, once");
+        }
+        slow.run_to(start + until, &[], &mut Bare);
+        assert!(quick == slow, "until {until}");
+    }
+    assert_eq!(quick.general_registers()[20], 1);
+}
+
+#[test]
+fn a_loop_that_asks_for_a_counter_ends_though_it_finds_the_same_for_a_while() {
+    // ldi r16, 1; sts TCCR1B, r16; lds r25, TCNT1L; lds r24, TCNT1H; ldi r25, 0; sbrs r24, 4; rjmp .-14;
+    // lds r20, TCNT1L; lds r21, TCNT1H; rjmp .-2
+    let mut chip = chip(&[
+        0xE001, 0x9300, 0x0081, 0x9190, 0x0084, 0x9180, 0x0085, 0xE090, 0xFF84, 0xCFF9, 0x9140, 0x0084,
+        0x9150, 0x0085, 0xCFFF,
+    ]);
+    run(&mut chip, 100, &mut Bare);
+    run(&mut chip, 20_000, &mut Bare);
+    let counter = u16::from_le_bytes([chip.general_registers()[20], chip.general_registers()[21]]);
+    assert!((0x1000..0x1010).contains(&counter), "{counter}");
+}
+
+#[test]
+fn a_loop_that_counts_in_memory_or_asks_for_a_counter_is_gone_through() {
+    for words in [
+        // lds r24, 0x100; lds r25, 0x101; adiw r24, 1; sts 0x100, r24; sts 0x101, r25; rjmp .-20
+        &[0x9180, 0x0100, 0x9190, 0x0101, 0x9601, 0x9380, 0x0100, 0x9390, 0x0101, 0xCFF6][..],
+        // ldi r16, 1; sts TCCR1B, r16; lds r24, TCNT1L; rjmp .-6
+        &[0xE001, 0x9300, 0x0081, 0x9180, 0x0084, 0xCFFD],
+        // sbi PIND, 0; rjmp .-4
+        &[0x9A48, 0xCFFE],
+    ] {
+        let mut chip = chip(words);
+        run(&mut chip, 100, &mut Bare);
+        run(&mut chip, 20_000, &mut Bare);
+        assert_eq!(chip.repeat.passed, 0);
+    }
+}
+
+#[test]
 fn ckdiv8_and_clkpr_stretch_cycles() {
     let part = Part::Atmega328P;
     // ldi r16, 0x80; ldi r17, 0; sts CLKPR, r16; sts CLKPR, r17; nop

@@ -281,6 +281,16 @@ pub enum Op {
         offset: i8,
         cycles: u8,
     },
+    /// `BRNE` back to `SBIW low, 1` before it: a delay that counts two registers down. Not decoded from a word alone.
+    CountTwo {
+        low: u8,
+    },
+    /// `BRNE` back to `SUBI low, 1`, `SBCI middle, 0`, `SBCI high, 0` before it.
+    CountThree {
+        low: u8,
+        middle: u8,
+        high: u8,
+    },
     /// A word that is no instruction of these parts. It does nothing for one cycle.
     Illegal {
         word: u16,

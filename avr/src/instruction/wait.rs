@@ -1,8 +1,9 @@
-//! Loops that only wait.
+//! Loops that only wait or count down.
 //!
 //! A loop that reads a register or a variable, looks at it and jumps back to the beginning does the same again and again, until
 //! an event or an interrupt changes what it reads. Its last instruction is decoded as one that waits, so that whoever executes
-//! it can pass over iterations. Registers that change without an event, as counters do, are none that such a loop may read.
+//! it can pass over iterations. So is that of a loop that counts two or three registers down and does nothing else, which is what
+//! delays are compiled to. Registers that change without an event, as counters do, are none that such a loop may read.
 
 use super::{Op, decode};
 
@@ -35,12 +36,33 @@ pub(crate) fn operation(words: &[u16], at: usize) -> Op {
     }
     // One that goes round the end of the memory is left alone.
     let Some(start) = at.checked_add_signed(1 + isize::from(offset)) else { return last };
+    if flag == Some(ZERO)
+        && let Some(count) = count_down(&op, start, at)
+    {
+        return count;
+    }
     let Some(body) = body_cycles(&op, start, at) else { return last };
     let (offset, cycles) = (offset as i8, body + 2);
     match flag {
         None => Op::WaitJump { offset, cycles },
         Some(flag) => Op::WaitBranch { flag, offset, cycles },
     }
+}
+
+/// Z, for a branch that is taken if it is clear.
+const ZERO: u8 = 1;
+
+/// The branch of a loop that counts registers down by one.
+fn count_down(op: &impl Fn(usize) -> Op, start: usize, end: usize) -> Option<Op> {
+    if let Op::Sbiw { d, k: 1 } = op(start) {
+        return (start + 1 == end).then_some(Op::CountTwo { low: d });
+    }
+    let Op::Subi { d: low, k: 1 } = op(start) else { return None };
+    let (Op::Sbci { d: middle, k: 0 }, Op::Sbci { d: high, k: 0 }) = (op(start + 1), op(start + 2)) else {
+        return None;
+    };
+    let differ = low != middle && middle != high && low != high;
+    (differ && start + 3 == end).then_some(Op::CountThree { low, middle, high })
 }
 
 /// Cycles of what is between the start of a loop and its last instruction, if all that only waits.
@@ -96,6 +118,24 @@ mod tests {
             last(&[0x9180, 0x0100, 0x2388, 0xF3E1]),
             Op::WaitBranch { flag: 9, offset: -4, cycles: 5 }
         );
+    }
+
+    #[test]
+    fn loops_that_count_down_are_recognised_with_their_registers() {
+        // sbiw r24, 1; brne .-4
+        assert_eq!(last(&[0x9701, 0xF7F1]), Op::CountTwo { low: 24 });
+        // subi r18, 1; sbci r24, 0; sbci r25, 0; brne .-8
+        assert_eq!(last(&[0x5021, 0x4080, 0x4090, 0xF7E1]), Op::CountThree { low: 18, middle: 24, high: 25 });
+        for other in [
+            // sbiw r24, 2; sbiw r24, 1 and breq; three registers, one of them twice
+            &[0x9702, 0xF7F1][..],
+            &[0x9701, 0xF3F1],
+            &[0x5021, 0x4080, 0x4080, 0xF7E1],
+            // subi r18, 1; brne .-4
+            &[0x5021, 0xF7F1],
+        ] {
+            assert!(matches!(last(other), Op::Brbs { .. } | Op::Brbc { .. }), "{other:?}");
+        }
     }
 
     #[test]

@@ -69,6 +69,13 @@ pub(crate) enum Register {
     Mask,
 }
 
+impl Register {
+    /// Whether only the program changes it.
+    pub(crate) const fn is_control(self) -> bool {
+        matches!(self, Self::ControlA | Self::ControlB)
+    }
+}
+
 /// What drives a timer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Source {
@@ -230,6 +237,11 @@ impl Timer {
             Register::Flags => self.flags,
             Register::Mask => self.mask,
         }
+    }
+
+    /// Whether a write of this value changes nothing: TCCRnA has it already. Programs take outputs off timers again and again.
+    pub(crate) fn holds(&self, register: Register, value: u8) -> bool {
+        register == Register::ControlA && self.control[0] == value
     }
 
     /// Writes a register at an instant to which the timer has been brought.

@@ -149,7 +149,7 @@ impl BitLength {
     }
 
     /// The first period of a bit.
-    pub const fn begin_of(self, bit: u64) -> u64 {
+    pub(super) const fn begin_of(self, bit: u64) -> u64 {
         (bit as u128 * self.periods as u128).div_ceil(self.bits as u128) as u64
     }
 }

@@ -130,6 +130,12 @@ impl Board {
         })
     }
 
+    /// The pin RESET is low for a moment at the end of the last step: the button of the board is pressed, or the serial port of
+    /// an Arduino is opened.
+    pub fn reset<P: Physics>(&mut self, physics: &mut P) {
+        self.chip.reset_now(ResetCause::External, &mut View { around: &mut self.around, physics });
+    }
+
     fn count_resets(&mut self) {
         let resets = self.chip.watchdog_resets();
         let more = resets.wrapping_sub(self.watchdog_resets);
@@ -142,12 +148,6 @@ impl Board {
     fn warn(&mut self, kind: WarningKind, count: u64) {
         let at_ns = self.around.clock.ns(self.chip.now());
         self.around.warnings.add(kind, None, None, at_ns, count);
-    }
-
-    /// Resets the chip by its pin RESET. Its pins let go of their wires; parts go on with what they do.
-    pub fn reset(&mut self) {
-        let mut view = View { around: &mut self.around, physics: &mut Nothing };
-        self.chip.reset_now(ResetCause::External, &mut view);
     }
 
     /// The chip.
@@ -194,11 +194,6 @@ impl Board {
 fn slice_cycles(around: &Surroundings) -> u64 {
     around.clock.cycle(around.reaction_ns().min(SLICE_NS)).max(1)
 }
-
-/// Nothing is around a board whose chip is reset: no part is asked anything meanwhile.
-struct Nothing;
-
-impl Physics for Nothing {}
 
 /// Where all parts on the output of a timer are content with the shape of its signal, no edges are simulated.
 fn report_shapes(chip: &mut Chip, wiring: &Wiring) {

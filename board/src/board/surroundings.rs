@@ -160,6 +160,13 @@ impl Surroundings {
         let kind = match part.and_then(|part| self.parts.get(part.index())) {
             // It has a resistor, and holds the wire only while its capacitor is charged.
             Some(Part::Reflectance(_)) => return,
+            // It makes the wire high by a resistor only.
+            Some(Part::Switch(_))
+                if kind == WarningKind::Short
+                    && pin.is_some_and(|pin| self.pins.of(pin).chip == Drive::Low) =>
+            {
+                return;
+            }
             // Between its pulses the sensor holds its wire weakly.
             Some(Part::Sonar(_)) if kind == WarningKind::FloatingInput => return,
             Some(Part::Voltage(_)) if kind == WarningKind::FloatingInput => WarningKind::DigitalReadOfVoltage,

@@ -10,6 +10,8 @@ use crate::warning::WarningKind;
 /// UCSR0B.
 const CONTROL_B: u16 = 0xC1;
 const RECEIVER_ON: u8 = 1 << 4;
+/// The character before may have begun later than asked for, by an instruction or an interrupt with which a run ended.
+const LATEST_START_CYCLES: u64 = 8;
 
 /// A character cannot come in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -42,11 +44,12 @@ impl Board {
         // A run may have ended some cycles behind the step.
         let start = clock.cycle(start_ns);
         let start = if start_ns >= self.now_ns { start.max(self.chip.now()) } else { start };
-        match self.chip.receive(frame, start, bit) {
-            Err(LineError::Occupied { free, .. }) if free - start <= bit.begin_of(1) / 2 => {
-                Ok(self.chip.receive(frame, free, bit)?)
+        let taken = match self.chip.receive(frame, start, bit) {
+            Err(LineError::Occupied { start, free }) if free - start <= LATEST_START_CYCLES => {
+                self.chip.receive(frame, free, bit)
             }
-            done => Ok(done?),
-        }
+            taken => taken,
+        };
+        Ok(taken?)
     }
 }

@@ -26,6 +26,7 @@ pub(crate) mod io {
 
 /// Data addresses.
 pub(crate) mod data {
+    pub(crate) const MCUSR: u16 = 0x54;
     pub(crate) const PCICR: u16 = 0x68;
     pub(crate) const PCMSK2: u16 = 0x6D;
     pub(crate) const EICRA: u16 = 0x69;

@@ -4,11 +4,12 @@ use std::f64::consts::TAU;
 
 use baudbot_avr::{Chip, Fuses, Part, Program, Supply};
 use baudbot_board::{
-    Board, BoardError, Channels, ChipClock, Encoder, Kind, Next, Piezo, Ping, Pull, Switch, Wheel, Wiring,
+    Board, BoardError, Channels, ChipClock, Encoder, Kind, Led, LitBy, Next, Piezo, Ping, Pull, Switch,
+    Wheel, Wiring,
 };
 
 use crate::asm::{Asm, data, io};
-use crate::world::{MS, World, board, board_with_file};
+use crate::world::{MS, World, board, board_with_file, register};
 
 /// Triggers again and again, and writes the level of the sensor's pin to another.
 fn restless() -> Board {
@@ -103,4 +104,23 @@ fn a_clock_that_is_too_fast_makes_more_cycles() {
         board.run_until(step * MS, &mut World::default());
     }
     assert!(board.chip().now().abs_diff(1_601_600) <= 2);
+}
+
+#[test]
+fn a_reset_starts_the_program_again_and_lets_go_of_the_pins() {
+    let mut program = Asm::new();
+    program.lds(20, data::MCUSR).sbi(io::DDRB, 0).sbi(io::PORTB, 0).stay();
+    let led = Kind::Led(Led { lit_by: LitBy::High });
+    let mut board = board(&program, Wiring::builder().part("led", led).connect("8", "led"));
+    let mut world = World::default();
+    board.run_until(MS, &mut world);
+    board.run_until(2 * MS, &mut world);
+    assert_eq!((board.lights().next().unwrap().brightness, register(&board, 20)), (1.0, 1));
+    board.reset(&mut world);
+    board.run_until(3 * MS, &mut world);
+    // Start-up and reset take 20 cycles, the program before its LED 6.
+    let lit = board.lights().next().unwrap().brightness;
+    assert!((lit - (1.0 - 26.0 / 16_000.0)).abs() < 3.0 / 16_000.0, "{lit}");
+    assert_eq!(register(&board, 20), 3, "power-on and the pin");
+    assert_eq!(board.warnings(), []);
 }

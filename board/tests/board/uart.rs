@@ -29,6 +29,25 @@ fn characters_are_answered_with_exact_instants() {
 }
 
 #[test]
+fn a_sender_without_pauses_may_round_its_instants_to_nanoseconds() {
+    for (file, baud) in [("echo_115200.hex", 115_200), ("echo_115200.hex", 113_000), ("echo_9600.hex", 9600)]
+    {
+        let mut board = board_with_file(file, Wiring::builder());
+        let mut world = World::default();
+        board.run_until(MS, &mut world);
+        let mut answers = 0;
+        for character in 0..500 {
+            let start_ns = MS + character * 10_000_000_000 / u64::from(baud);
+            board.run_until(start_ns, &mut world);
+            board.receive(Frame::byte(character as u8), start_ns, baud).unwrap();
+            answers += board.sent().count();
+        }
+        assert!(answers > 490, "{answers} at {baud} baud");
+        assert_eq!(board.warnings(), []);
+    }
+}
+
+#[test]
 fn a_rate_that_is_none_and_a_line_that_is_not_free_are_errors() {
     let mut board = board_with_file("echo_9600.hex", Wiring::builder());
     board.run_until(MS, &mut World::default());

@@ -48,6 +48,23 @@ fn an_output_against_a_pressed_button_is_a_short() {
 }
 
 #[test]
+fn an_output_that_is_low_against_a_pull_up_resistor_is_none() {
+    let button = Kind::Switch(Switch { pull: Pull::External, bounce_us: 0, seed: 0 });
+    let mut program = Asm::new();
+    program.sbi(io::DDRD, 4).delay(20_000).sbi(io::PORTD, 4).stay();
+    let mut board = board(&program, Wiring::builder().part("button", button).connect("4", "button"));
+    let mut world = World::default();
+    for step in 1..=2 {
+        board.run_until(step * MS, &mut world);
+        world.pressed = !world.pressed;
+    }
+    assert_eq!(told(&board), [], "low, and the button first open, then pressed");
+    world.pressed = true;
+    board.run_until(10 * MS, &mut world);
+    assert_eq!(told(&board), [(WarningKind::Short, Pin::new(Port::D, 4), "button")]);
+}
+
+#[test]
 fn an_adc_input_without_anything_is_told_and_a_digital_signal_can_be_measured() {
     let mut program = Asm::new();
     program.sbi(io::PORTC, 2).store(data::ADMUX, 0x42).store(data::ADCSRA, 0xC7).delay(2000);

@@ -119,6 +119,25 @@ fn robot_status(robot: &RobotView<'_>, slot: &SlotReport) -> v1::RobotStatus {
         battery: Charge::of(robot).map(battery),
         in_zone_ns: Vec::new(),
         cycles: Some(cycle_status(robot.cycles(), robot.spec().deadline.within_ns)),
+        chip: robot.board().map(|board| chip_status(robot, board)),
+    }
+}
+
+fn chip_status(robot: &RobotView<'_>, board: &Board) -> v1::ChipStatus {
+    let chip = board.chip();
+    let warning = |(first, warning): (SimTime, &Warning)| v1::ChipWarning {
+        problem: warning.kind.to_string(),
+        pin: warning.pin.map(|pin| format!("{pin:?}")).unwrap_or_default(),
+        part: warning.part.map(|part| board.wiring().name(part).to_owned()).unwrap_or_default(),
+        first_ns: first.as_ns(),
+        count: warning.count,
+    };
+    v1::ChipStatus {
+        part: chip.part().properties().name.to_owned(),
+        cycles: chip.cycles(),
+        watchdog_resets: chip.watchdog_resets(),
+        stack_bytes: u32::from(chip.part().ram_end().saturating_sub(chip.lowest_sp())),
+        warnings: robot.board_warnings().map(warning).collect(),
     }
 }
 

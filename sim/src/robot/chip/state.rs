@@ -4,7 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use baudbot_board::far_end::Receiver;
-use baudbot_board::{Board, Wheel};
+use baudbot_board::{Board, Physics, Wheel};
 use serde::{Deserialize, Serialize};
 
 use super::motors::Output;
@@ -70,8 +70,7 @@ impl ChipState {
 
     /// Whether a chip that is as this one at its start may have come to that state.
     pub(crate) fn may_become(&self, other: &Self) -> bool {
-        self.board.wiring() == other.board.wiring()
-            && self.board.clock() == other.board.clock()
+        other.board.is_of(self.board.wiring(), self.board.clock())
             && self.contacts.len() == other.contacts.len()
             && other.outputs.len() <= MOST_SUBSTEPS
             && other.outputs.iter().chain([&other.given]).all(Output::is_sound)
@@ -107,7 +106,7 @@ impl ChipState {
 
     /// The chip is reset at `now`, and starts at an instant.
     pub(crate) fn reset(&mut self, now: SimTime, start: SimTime, link: &Link) {
-        self.board.reset();
+        self.board.reset(&mut Nothing);
         self.offset_ns = start.max(now).as_ns().saturating_sub(self.board.now_ns());
         self.laptop = uart::receiver(link);
     }
@@ -165,6 +164,11 @@ impl ChipState {
         }
     }
 }
+
+/// Nothing is asked while a chip is reset.
+struct Nothing;
+
+impl Physics for Nothing {}
 
 /// No tick has more substeps.
 const MOST_SUBSTEPS: usize = 1 << 20;
