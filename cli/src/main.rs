@@ -125,6 +125,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Fit(args) => return fit::fit(&args),
         Command::Export(args) => return runtime.block_on(export::export(&args)),
         Command::New(NewCommand::Brain(args)) => new::brain(&args),
+        Command::New(NewCommand::Firmware(args)) => new::firmware(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
         Command::Port(PortCommand::Open(args)) => runtime.block_on(ports::open(&args)),
         Command::Port(PortCommand::Watch(args)) => runtime.block_on(port_watch::watch(&args)),

@@ -8,8 +8,8 @@ use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 use crate::args::Over;
 use crate::natural;
 use crate::summary::{
-    Battery, Blocked, Clock, Cycles, Durations, Lateness, Line, Recording, Robot, Score, Sensor, Summary,
-    Thinking, Zone,
+    Battery, Blocked, Chip, ChipWarning, Clock, Cycles, Durations, Lateness, Line, Recording, Robot, Score,
+    Sensor, Summary, Thinking, Zone,
 };
 use crate::text::{pairs, percent, table};
 
@@ -139,6 +139,7 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
 
 fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
     let brain = match (robot.brain.as_str(), robot.turns) {
+        ("", _) if robot.chip.is_some() => "none but the chip's program",
         ("", 0) => "none",
         ("", _) => "one that has left",
         (brain, _) => brain,
@@ -148,6 +149,7 @@ fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
     if !robot.said.is_empty() {
         facts.push(("said", Printable(&robot.said).to_string()));
     }
+    facts.extend(robot.chip.iter().flat_map(|chip| self::chip(chip, simulated_s)));
     let [distance, speed] = [robot.distance_m, robot.distance_m / simulated_s].map(handy);
     let collisions = count(usize::try_from(robot.collisions).unwrap_or(usize::MAX), "collision");
     facts.extend([
@@ -166,6 +168,28 @@ fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
         facts.push(("zones", robot.zones.iter().map(zone).collect::<Vec<_>>().join(", ")));
     }
     facts
+}
+
+/// What a chip did, and what its program or its wiring hardly means.
+fn chip(chip: &Chip, simulated_s: f64) -> impl Iterator<Item = (&'static str, String)> {
+    let mhz = f64::from(chip.clock_hz) / 1e6;
+    let awake = percent(chip.cycles as f64 / (f64::from(chip.clock_hz) * simulated_s));
+    let resets = match chip.watchdog_resets {
+        0 => String::new(),
+        n => format!(", {} by its watchdog", count(n as usize, "reset")),
+    };
+    let text = format!(
+        "{} at {mhz} MHz, {} cycles, awake for {awake} of the time, a stack of {} bytes at most{resets}",
+        chip.part, chip.cycles, chip.stack_bytes
+    );
+    let warning = |warning: &ChipWarning| {
+        let at = [&warning.pin, &warning.part].into_iter().filter(|name| !name.is_empty());
+        let at: Vec<&str> = at.map(String::as_str).collect();
+        let at = if at.is_empty() { String::new() } else { format!("{}: ", at.join(", ")) };
+        let first = handy(warning.first_s);
+        ("warning", format!("{at}{} ({} times, first at {first} s)", warning.problem, warning.count))
+    };
+    core::iter::once(("chip", text)).chain(chip.warnings.iter().map(warning).collect::<Vec<_>>())
 }
 
 /// What was left out as there was too much of it: of turns, of steps and of frames.

@@ -100,6 +100,17 @@ pub enum AssignmentError {
         /// The robot.
         robot: String,
     },
+    /// A brain of messages is for a robot whose microcontroller speaks a language of its own.
+    #[error(
+        "the microcontroller of robot `{robot}` runs a program of its own, which brain `{brain}` does not understand; if the program \
+         speaks \"framed\" or \"bare\", say so in firmware.protocol, else leave the robot without a brain ({robot}=none)"
+    )]
+    OwnProgram {
+        /// The robot.
+        robot: String,
+        /// Its brain.
+        brain: String,
+    },
     /// The catalogue has no such brain for a robot.
     #[error(transparent)]
     Brain(#[from] CatalogueError),
@@ -133,6 +144,7 @@ pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Assigned, Assig
     let mut shared: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for spec in robots {
         let brain = match brain_for(spec, &brains) {
+            Some(brain) if drives_itself(spec) => understood(spec, brain, &brains, robots.len() == 1)?,
             Some(brain) => brain,
             None if drives_itself(spec) => NONE,
             None if has_infrared(spec) => DEFAULT,
@@ -153,6 +165,24 @@ pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Assigned, Assig
         }
     }
     Ok(assigned)
+}
+
+/// What may attach to a microcontroller with a program of the user's own: another such program. A brain of messages that is for all
+/// of several robots is not meant for that one.
+fn understood<'a>(
+    spec: &RobotSpec,
+    brain: &'a str,
+    brains: &[(Option<&str>, &str)],
+    is_alone: bool,
+) -> Result<&'a str, AssignmentError> {
+    if brain == NONE || brain.starts_with(EXEC) {
+        return Ok(brain);
+    }
+    let is_named = brains.iter().any(|(robot, named)| robot.is_some() && *named == brain);
+    if !is_named && !is_alone {
+        return Ok(NONE);
+    }
+    Err(AssignmentError::OwnProgram { robot: spec.name.clone(), brain: brain.to_owned() })
 }
 
 /// Whether only a program of the user's own understands its microcontroller, which runs another one.

@@ -65,9 +65,12 @@ fn check_brains(experiment: &Experiment, scenario: &Scenario) -> Result<(), Erro
             return Err(Error::field(field, error.to_string()));
         }
         // A run may have another robot.
-        Err(AssignmentError::Blind { .. } | AssignmentError::Brain(_) | AssignmentError::Client(_)) => {
-            Assigned::default()
-        }
+        Err(
+            AssignmentError::Blind { .. }
+            | AssignmentError::OwnProgram { .. }
+            | AssignmentError::Brain(_)
+            | AssignmentError::Client(_),
+        ) => Assigned::default(),
     };
     for assignment in &assigned.brains {
         let robots = scenario.robots.iter().filter(|spec| assignment.robots.contains(&spec.name));

@@ -32,6 +32,7 @@ mod link;
 mod microcontroller;
 mod motors;
 mod names;
+mod on_pin;
 mod order;
 mod overrides;
 mod pins;

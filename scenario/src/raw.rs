@@ -10,7 +10,7 @@ use baudbot_wire::create::Version;
 use super::actuators::RawBattery;
 use super::arena::RawArena;
 use super::faults::{RawFault, RawOnLate};
-use super::pins::{Pins, RawProgram};
+use super::on_pin::{Pins, RawProgram};
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]

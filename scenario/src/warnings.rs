@@ -33,7 +33,9 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let mut tables = BTreeSet::new();
     for robot in scenario.robots.iter().filter(|robot| tables.insert(robot.table_name())) {
-        too_fast_to_read(robot, &mut warnings);
+        if robot.chip.is_none() {
+            too_fast_to_read(robot, &mut warnings);
+        }
         too_long_for_the_port(robot, &mut warnings);
     }
     for mover in &scenario.movers {

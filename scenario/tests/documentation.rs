@@ -13,7 +13,7 @@ const DOCS: [&str; 3] = [
 ];
 
 /// The files with structs and enums that are read, by the names that [`SECTIONS`] has. Sensors are found by themselves.
-const SOURCES: [(&str, &str); 9] = [
+const SOURCES: [(&str, &str); 10] = [
     ("raw", include_str!("../src/raw.rs")),
     ("arena", include_str!("../src/arena.rs")),
     ("things", include_str!("../src/things.rs")),
@@ -22,11 +22,12 @@ const SOURCES: [(&str, &str); 9] = [
     ("noise", include_str!("../../sim/src/sensor/noise.rs")),
     ("lookup", include_str!("../../sim/src/sensor/lookup.rs")),
     ("faults", include_str!("../src/faults.rs")),
+    ("pins", include_str!("../src/pins.rs")),
     ("sensors", include_str!("../src/sensors/raw.rs")),
 ];
 
 /// Which section describes which of these structs.
-const SECTIONS: [(&str, &str, &str); 45] = [
+const SECTIONS: [(&str, &str, &str); 47] = [
     ("raw", "Scenario", "## Top level"),
     ("raw", "End", "## `[end]`"),
     ("raw", "Goal", "### `end.goal`"),
@@ -47,6 +48,8 @@ const SECTIONS: [(&str, &str, &str); 45] = [
     ("raw", "Start", "### `robots.start`"),
     ("raw", "Body", "### `robots.body`"),
     ("raw", "Microcontroller", "### `robots.microcontroller`"),
+    ("pins", "Options", "### `robots.pins`"),
+    ("pins", "Inline", "### `program`"),
     ("raw", "Firmware", "### `robots.firmware`"),
     ("raw", "Link", "### `robots.link`"),
     ("raw", "Adapter", "#### `adapter`"),

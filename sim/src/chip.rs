@@ -14,7 +14,8 @@
 use alloc::vec::Vec;
 
 use baudbot_avr::{Chip, Fuses, Program, Supply};
-use baudbot_board::{Board, BoardError, ChipClock, PartId, Wiring};
+pub use baudbot_board::{Board, Kind, Net, Terminal, Warning};
+use baudbot_board::{BoardError, ChipClock, PartId, Wiring};
 
 use crate::drive::Wheels;
 

@@ -6,6 +6,7 @@ use baudbot_wire::meaning::Direction;
 use crate::actuator::ActuatorState;
 use crate::arena::Look;
 use crate::battery::{Battery, BatteryState};
+use crate::chip::{Board, Warning};
 use crate::drive::{Motion, Wheels};
 use crate::laptop::{Freshness, Reading};
 use crate::link::{Cable, LineCounters, Tape};
@@ -86,10 +87,11 @@ impl<'a> RobotView<'a> {
     }
 
     /// What that program or the wiring hardly means, each with when it came first.
-    pub fn board_warnings(&self) -> impl Iterator<Item = (SimTime, &'a baudbot_board::Warning)> {
+    pub fn board_warnings(&self) -> impl Iterator<Item = (SimTime, &'a Warning)> {
         let chip = self.state.rare.fourth.as_deref();
-        chip.into_iter()
-            .flat_map(|chip| chip.board().warnings().iter().map(|warning| (chip.world(warning.first_ns), warning)))
+        chip.into_iter().flat_map(|chip| {
+            chip.board().warnings().iter().map(|warning| (chip.world(warning.first_ns), warning))
+        })
     }
 
     /// Whether it ran into something in the last tick.

@@ -33,7 +33,7 @@ use self::help::{
 };
 pub(crate) use self::locate::{LocateArgs, Search};
 pub(crate) use self::measure::{Bytes, CurveArgs, EchoArgs, MeasureCommand, PortArgs, StepArgs};
-pub(crate) use self::new::{Language, NewBrainArgs, NewCommand};
+pub(crate) use self::new::{FirmwareLanguage, Language, NewBrainArgs, NewCommand, NewFirmwareArgs};
 pub(crate) use self::over::Over;
 pub(crate) use self::pace::{PaceName, WatchdogArgs};
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};

@@ -9,6 +9,9 @@ pub(crate) enum NewCommand {
     /// Creates a project with a brain that attaches to a robot and drives it
     #[command(after_long_help = EXAMPLES)]
     Brain(NewBrainArgs),
+    /// Creates a project with a program for a robot's microcontroller: a sketch, a makefile and a robot
+    #[command(after_long_help = FIRMWARE_EXAMPLES)]
+    Firmware(NewFirmwareArgs),
 }
 
 #[derive(Debug, Args)]
@@ -23,6 +26,24 @@ pub(crate) struct NewBrainArgs {
     pub(crate) baudbot: Option<PathBuf>,
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct NewFirmwareArgs {
+    /// The project's folder, which must be new or empty; its name is the program's name
+    pub(crate) folder: PathBuf,
+    /// The language
+    #[arg(long, value_name = "LANGUAGE", default_value = "arduino")]
+    pub(crate) lang: FirmwareLanguage,
+}
+
+/// What a program for a microcontroller can be written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FirmwareLanguage {
+    /// A sketch in Arduino's C++, with Arduino's core
+    Arduino,
+    /// C with the registers of the chip
+    C,
+}
+
 /// What a project can be written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Language {
@@ -31,6 +52,12 @@ pub(crate) enum Language {
     /// With the package `baudbot`, which the project has in it
     Python,
 }
+
+const FIRMWARE_EXAMPLES: &str = "\
+Examples:
+  baudbot new firmware rover                     a sketch for an Arduino Uno
+  baudbot new firmware rover --lang c            the same in C
+  cd rover && make && make run                   builds it, and lets it drive";
 
 const EXAMPLES: &str = "\
 Examples:

@@ -30,6 +30,13 @@ pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
     }
     let wanted = |name: &String| args.robots.is_empty() || args.robots.contains(name);
     let wanted: Vec<_> = scenario.robots.iter().filter(|robot| wanted(&robot.name)).collect();
+    if let Some(robot) = wanted.iter().find(|robot| robot.chip.is_some()) {
+        return Err(Refused::error(format!(
+            "robot `{0}`: its microcontroller runs a program of its own, and what that costs is found by running it (`baudbot run`); \
+             name other robots with --robot, or leave microcontroller.program out for the model",
+            robot.name
+        )));
+    }
     let measured = args.measured.as_deref().map(Measured::of_recording).transpose()?.unwrap_or_default();
     measured.check(args.measured.as_deref(), wanted.iter().copied())?;
     let budget = Budget::of_measured(&scenario, wanted.iter().copied(), |robot| measured.of(robot));

@@ -17,6 +17,7 @@ use crate::scenarios::Source;
 use crate::text::{self, pairs, percent};
 use crate::together;
 
+mod chip;
 mod robot;
 
 pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {

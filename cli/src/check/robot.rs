@@ -11,6 +11,7 @@ use baudbot_sim::model::{Deadline, OnLate, RobotSpec};
 use baudbot_sim::sensor::Sensor;
 use baudbot_wire::Encoding;
 
+use super::chip;
 use crate::link;
 use crate::text::{pairs, percent, table};
 
@@ -18,7 +19,10 @@ use crate::text::{pairs, percent, table};
 pub(super) fn describe(robot: &RobotSpec) -> String {
     let load = load(robot);
     let mut facts = equipment(robot);
-    facts.extend(messages(robot));
+    match &robot.chip {
+        Some(chip) => facts.extend(chip::describe(robot, chip)),
+        None => facts.extend(messages(robot)),
+    }
     facts.extend(deadline(&robot.deadline).map(|deadline| ("deadline", deadline)));
     let fault = |fault: &Fault| ("fault", format!("{}, {}", fault.kind, when(&fault.when)));
     facts.extend(robot.faults.iter().map(fault));
@@ -28,6 +32,10 @@ pub(super) fn describe(robot: &RobotSpec) -> String {
     let mut text = format!("robot {}\n{}", robot.name, pairs("  ", &facts));
     if load.is_some_and(|(_, used)| used > 1.0) {
         let _ = writeln!(text, "  warning: the up line cannot carry that much; frames will be left out");
+    }
+    if let Some(chip) = &robot.chip {
+        text += "  pins\n";
+        text += &table("    ", &chip::pins(chip));
     }
     if !robot.sensors.is_empty() {
         text += "  sensors\n";
@@ -141,6 +149,9 @@ fn message(robot: &RobotSpec, bytes: usize, which: &str) -> String {
 /// Bytes that a streaming firmware wants to send in a second, and which share of the line's capacity that is.
 /// A sensor is in a frame only if it has a new sample.
 fn load(robot: &RobotSpec) -> Option<(f64, f64)> {
+    if robot.chip.is_some() {
+        return None;
+    }
     let Mode::Stream(schedule) = robot.firmware.mode else { return None };
     let frames = 1e9 / schedule.period_ns() as f64;
     let mut bytes = robot.firmware.readings_len_max() as f64 * frames;

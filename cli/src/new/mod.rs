@@ -1,5 +1,6 @@
-//! `baudbot new brain`: a small project that attaches to a robot and drives it.
+//! `baudbot new`: small projects. A brain attaches to a robot and drives it; a firmware is a program for a robot's microcontroller.
 
+mod firmware;
 mod sources;
 
 use std::ffi::OsStr;
@@ -11,19 +12,14 @@ use crate::args::{Language, NewBrainArgs};
 use crate::error::Refused;
 use crate::text;
 use anyhow::Context;
+pub(crate) use firmware::firmware;
 
 /// A file of a project: its path, its text, and whether it is a program.
 type File = (String, Vec<u8>, bool);
 
 pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
     let folder = &args.folder;
-    let is_taken = match fs::read_dir(folder) {
-        Ok(mut entries) => entries.next().is_some(),
-        Err(_) => folder.exists(),
-    };
-    if is_taken {
-        return Err(Refused::error(format!("{}: already exists and is not empty", folder.display())));
-    }
+    check_free(folder)?;
     let name = package_name(folder)?;
     let (files, first) = match args.lang {
         Language::Rust => {
@@ -33,13 +29,27 @@ pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
             (python(&name)?, ".venv/bin/python brain.py   (README.md says what to install before)")
         }
     };
-    for (path, text, is_program) in files {
-        write(&folder.join(path), &text, is_program)?;
-    }
+    write_all(folder, files)?;
     text::print(&format!(
         "{} is ready. In one terminal:\n  baudbot serve wander\nIn another, in that folder:\n  {first}\n",
         folder.display()
     ))
+}
+
+/// Refuses a folder in which there is something.
+fn check_free(folder: &Path) -> anyhow::Result<()> {
+    let is_taken = match fs::read_dir(folder) {
+        Ok(mut entries) => entries.next().is_some(),
+        Err(_) => folder.exists(),
+    };
+    if is_taken {
+        return Err(Refused::error(format!("{}: already exists and is not empty", folder.display())));
+    }
+    Ok(())
+}
+
+fn write_all(folder: &Path, files: Vec<File>) -> anyhow::Result<()> {
+    files.into_iter().try_for_each(|(path, text, is_program)| write(&folder.join(path), &text, is_program))
 }
 
 /// The folder's name as that of a package: small letters, digits and hyphens.

@@ -8,8 +8,10 @@ use serde::Serialize;
 use crate::args::Over;
 use crate::assignment::Assigned;
 
+mod chip;
 mod robot;
 
+pub(crate) use chip::{Chip, ChipWarning};
 pub(crate) use robot::{Battery, Cycles, Durations, Line, Robot, Sensor, Thinking, Zone};
 
 /// A run.

@@ -6,6 +6,7 @@ use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Sensor as SensorSpec;
 use serde::Serialize;
 
+use super::Chip;
 use super::seconds;
 use crate::assignment::Assigned;
 use crate::link;
@@ -34,6 +35,9 @@ pub(crate) struct Robot {
     /// The brain is the microcontroller's program; there is no link.
     #[serde(skip_serializing_if = "is_false")]
     pub(crate) onboard: bool,
+    /// The chip that runs a program of the user's own; absent if there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) chip: Option<Chip>,
     pub(crate) uplink: Line,
     pub(crate) downlink: Line,
     pub(crate) cycles: Cycles,
@@ -162,6 +166,7 @@ impl Robot {
             baud,
             bits_per_character,
             onboard: matches!(spec.link, Link::Onboard),
+            chip: status.chip.as_ref().map(|chip| Chip::new(chip, spec)),
             uplink: Line::new(&status.uplink.unwrap_or_default(), capacity),
             downlink: Line::new(&status.downlink.unwrap_or_default(), capacity),
             cycles: Cycles::new(status.cycles.as_ref(), simulated_s),

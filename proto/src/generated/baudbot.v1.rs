@@ -314,6 +314,47 @@ pub struct RobotStatus {
     /// were started with the run.
     #[prost(message, optional, tag = "19")]
     pub thinking_processor: ::core::option::Option<Durations>,
+    /// The chip that runs a program of the user's own; absent if there is none.
+    #[prost(message, optional, tag = "20")]
+    pub chip: ::core::option::Option<ChipStatus>,
+}
+/// A microcontroller that runs a program of the user's own, cycle by cycle.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct ChipStatus {
+    /// What it is, such as ATmega328P.
+    #[prost(string, tag = "1")]
+    pub part: ::prost::alloc::string::String,
+    /// Cycles that it has executed.
+    #[prost(uint64, tag = "2")]
+    pub cycles: u64,
+    /// Times that its watchdog has reset it.
+    #[prost(uint32, tag = "3")]
+    pub watchdog_resets: u32,
+    /// The most bytes that its stack has had.
+    #[prost(uint32, tag = "4")]
+    pub stack_bytes: u32,
+    /// What its program or its wiring hardly means, in the order in which it came first.
+    #[prost(message, repeated, tag = "5")]
+    pub warnings: ::prost::alloc::vec::Vec<ChipWarning>,
+}
+/// Something that a program or a wiring hardly means.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ChipWarning {
+    /// What, in words.
+    #[prost(string, tag = "1")]
+    pub problem: ::prost::alloc::string::String,
+    /// At which pin, such as PB1; empty if at none.
+    #[prost(string, tag = "2")]
+    pub pin: ::prost::alloc::string::String,
+    /// With which part on its pins, such as motors.left; empty if with none.
+    #[prost(string, tag = "3")]
+    pub part: ::prost::alloc::string::String,
+    /// When it came first.
+    #[prost(uint64, tag = "4")]
+    pub first_ns: u64,
+    /// How often it came.
+    #[prost(uint64, tag = "5")]
+    pub count: u64,
 }
 /// How the control cycles of a robot went: from the readings that its microcontroller frames to the command that answers
 /// them.

@@ -9,7 +9,7 @@ use baudbot_fields::Path;
 use baudbot_geometry::math;
 
 use super::Result;
-use crate::pins::RawProgram;
+use crate::on_pin::RawProgram;
 use crate::raw;
 
 /// The part that the microcontroller is.

@@ -150,7 +150,14 @@ fn budget_permit() -> Result<SemaphorePermit<'static>, Status> {
 /// The budgets of the robots of these names, all within one allowance.
 fn budgets(scenario: &Scenario, names: &[String]) -> Result<Response<v1::GetBudgetResponse>, Status> {
     let mut allowance = Allowance::of_a_call();
-    let robots = chosen(scenario, names)?.into_iter();
+    let chosen = chosen(scenario, names)?;
+    if let Some(robot) = chosen.iter().find(|robot| robot.chip.is_some() && !names.is_empty()) {
+        return Err(Status::failed_precondition(format!(
+            "robots: the microcontroller of `{}` runs a program of its own; what that costs is found by running it",
+            robot.name
+        )));
+    }
+    let robots = chosen.into_iter().filter(|robot| robot.chip.is_none());
     let budgets: Vec<_> = robots.map(|spec| RobotBudget::within(scenario, spec, &mut allowance)).collect();
     let robots = budgets.into_iter().map(convert::robot_budget).collect();
     Ok(Response::new(v1::GetBudgetResponse { robots }))

@@ -3,10 +3,12 @@
 use std::time::Duration;
 
 use baudbot_proto::v1;
+use baudbot_sim::chip::{Board, Warning};
 use baudbot_sim::link::LineCounters;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::robot::Cycles;
 use baudbot_sim::sensor::Sensor;
+use baudbot_sim::time::SimTime;
 use baudbot_sim::{Ending, Freshness, Histogram, RobotView, Scenario, SensorView, World};
 
 use super::pace::pace_to;

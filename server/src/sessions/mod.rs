@@ -14,6 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Scenario, SimTime, Turn, World};
 use tokio::sync::mpsc;
 use tonic::Status;
@@ -93,6 +94,9 @@ impl Sessions {
         request: Attach,
     ) -> Result<NewSession, Status> {
         let robots = self.choose(world, scenario, &request)?;
+        if !request.mode.is_raw() {
+            check_understood(scenario, &robots)?;
+        }
         let mut left_open = robots.clone();
         left_open.retain(|&robot| self.slots[robot].vacancy() == Some(Vacancy::LeftOpen));
         let Attach { brain, mode, thinks_as_scenario, recipient, .. } = request;
@@ -348,4 +352,19 @@ impl Sessions {
     pub(crate) fn brain(&self, robot: usize) -> Option<&str> {
         Some(&self.by_number.get(&self.session(robot)?)?.brain)
     }
+}
+
+/// Refuses messages with a program of the user's own, of which nobody here knows what its bytes mean.
+fn check_understood(scenario: &Scenario, robots: &[usize]) -> Result<(), Status> {
+    let specs = robots.iter().map(|&robot| &scenario.robots[robot]);
+    let is_opaque = |spec: &&RobotSpec| spec.chip.as_ref().is_some_and(|chip| chip.is_opaque());
+    specs.into_iter().find(is_opaque).map_or(Ok(()), |spec| {
+        let text = format!(
+            "hello.mode: the microcontroller of robot `{}` runs a program of its own, whose messages nobody here knows; \
+             attach in RAW mode, or give it a serial port. If the program speaks \"framed\" or \"bare\", say so in \
+             firmware.protocol",
+            spec.name
+        );
+        Err(Status::failed_precondition(text))
+    })
 }

@@ -1,0 +1,94 @@
+//! The description of a robot's chip: its program, and what is on its pins.
+
+use baudbot_plot::quantity::handy;
+use baudbot_sim::chip::{ChipSpec, Kind, Net, Terminal};
+use baudbot_sim::firmware::Protocol;
+use baudbot_sim::model::RobotSpec;
+
+use crate::link;
+
+/// The chip, who understands it, and its cable.
+pub(super) fn describe(robot: &RobotSpec, chip: &ChipSpec) -> Vec<(&'static str, String)> {
+    let (clock, part) = (chip.board().clock(), chip.board().chip().part());
+    let off = match clock.deviation_ppb() {
+        0 => String::new(),
+        ppb => format!(
+            ", in truth {} ppm {}",
+            handy(f64::from(ppb.abs()) / 1e3),
+            if ppb > 0 { "faster" } else { "slower" }
+        ),
+    };
+    let mhz = f64::from(clock.hz()) / 1e6;
+    let name = part.properties().name;
+    let used =
+        chip.board().chip().flash().iter().rposition(|&word| word != 0xffff).map_or(0, |last| 2 * (last + 1));
+    let of = 2 * part.flash_words();
+    let speaks = match robot.firmware.protocol {
+        _ if chip.is_opaque() => "its own language; brains attach in RAW mode or through a serial port",
+        Protocol::Bare { .. } => "bare values, as the scenario says",
+        Protocol::Framed { .. } | Protocol::Khepera | Protocol::Create(_) => "frames, as the scenario says",
+    };
+    vec![
+        ("chip", format!("{name} at {mhz} MHz{off}")),
+        ("program", format!("{used} of {of} bytes of flash")),
+        ("speaks", speaks.to_owned()),
+        ("link", link::text(&robot.link)),
+    ]
+}
+
+/// What is on each pin, in the pins' order.
+pub(super) fn pins(chip: &ChipSpec) -> Vec<[String; 3]> {
+    let wiring = chip.board().wiring();
+    let mut wires: Vec<(Terminal, Net)> = wiring.wires().collect();
+    wires.sort_by_key(|(_, net)| order(*net));
+    let kind = |terminal: Terminal| {
+        wiring.parts().find(|(id, _)| *id == terminal.part).map(|(_, placed)| *placed.kind())
+    };
+    let row = |(terminal, net): (Terminal, Net)| {
+        let kind = kind(terminal);
+        let single = kind.as_ref().is_some_and(|kind| kind.terminals().len() == 1);
+        let name = wiring.name(terminal.part);
+        let terminal = if single { name.to_owned() } else { format!("{name}.{}", terminal.role) };
+        [net_name(net), terminal, kind.as_ref().map_or("", what).to_owned()]
+    };
+    wires.into_iter().map(row).collect()
+}
+
+/// Digital pins first, then analog ones, then the supply.
+fn order(net: Net) -> (u8, u8) {
+    match net {
+        Net::Pin(pin) => {
+            (0, (0..20).find(|&number| Net::arduino(number) == Some(Net::Pin(pin))).unwrap_or(20))
+        }
+        Net::AnalogOnly(channel) => (1, channel),
+        Net::Supply => (2, 0),
+        Net::Ground => (2, 1),
+    }
+}
+
+/// As it is printed on an Arduino, and in the data sheet.
+fn net_name(net: Net) -> String {
+    let number = (0..20).find(|&number| Net::arduino(number) == Some(net));
+    match number {
+        Some(number @ 14..) => format!("A{} ({net})", number - 14),
+        Some(number) => format!("{number} ({net})"),
+        None => net.to_string(),
+    }
+}
+
+fn what(kind: &Kind) -> &'static str {
+    match kind {
+        Kind::Voltage(_) => "voltage",
+        Kind::Reflectance(_) => "capacitor that light discharges",
+        Kind::Switch(_) => "switch to ground",
+        Kind::Encoder(_) => "encoder",
+        Kind::Ping(_) => "PING)))",
+        Kind::HcSr04(_) => "HC-SR04",
+        Kind::Bridge(_) => "H-bridge",
+        Kind::Servo(_) => "servo",
+        Kind::Led(_) => "light-emitting diode",
+        Kind::Piezo(_) => "piezo buzzer",
+        Kind::Compass(_) => "HMC5883L on I²C",
+        Kind::RangeFinder(_) => "SRF02 on I²C",
+    }
+}
