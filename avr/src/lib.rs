@@ -21,9 +21,10 @@
 //!
 //! # What is not there
 //!
-//! A program that switches one of these on causes a [`Warning`]: synchronous modes of the USART, and timer 2 with a
-//! crystal of its own where the clock source takes the crystal's pins. Of the USART, the SPI and the TWI, power reduction (PRR) only keeps writes away. Brown-out detection is left to the embedder ([`Chip::reset_now`]). Each
-//! peripheral's module lists its deviations from the data sheet.
+//! A program that switches one of these on causes a [`Warning`]: synchronous modes of the USART, and timer 2 with a crystal of
+//! its own where the clock source takes the crystal's pins. As a TWI slave the chip is never addressed. Of the USART, the SPI and
+//! the TWI, power reduction (PRR) only keeps writes away. Brown-out detection is left to the embedder ([`Chip::reset_now`]).
+//! Each peripheral's module lists its deviations from the data sheet.
 //!
 //! # Example
 //!
