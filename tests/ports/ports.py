@@ -20,7 +20,13 @@ class Served:
     """A scenario with ports, recorded while the body of a `with` runs. `places` has where the ports are."""
 
     def __init__(
-        self, baudbot: str, scenario: pathlib.Path, ports: Sequence[str], folder: str, changes: Sequence[str] = ()
+        self,
+        baudbot: str,
+        scenario: pathlib.Path,
+        ports: Sequence[str],
+        folder: str,
+        changes: Sequence[str] = (),
+        options: Sequence[str] = (),
     ) -> None:
         self.baudbot, self.folder, self.ports = baudbot, folder, ports
         name = scenario.stem
@@ -31,6 +37,7 @@ class Served:
         self.command += ["--record", self.recording]
         self.command += [part for port in ports for part in ("--port", port)]
         self.command += [part for change in changes for part in ("--set", change)]
+        self.command += options
         self.places: list[str] = []
         self.report = ""
 
