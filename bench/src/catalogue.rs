@@ -6,7 +6,7 @@ use crate::in_process::{InProcess, Unfit};
 use crate::learner::Learner;
 use crate::network::{Network, Worlds};
 use crate::scale::Scale;
-use crate::scenario::{Cable, Laser};
+use crate::scenario::{Cable, Laser, Program};
 
 /// A workload: a row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,6 +158,18 @@ pub const WORKLOADS: &[Workload] = &[
         summary: "10,000 of W1's robots, W3/100's floor a hundred times, beside 100 of them",
         unit: "robot-steps/s",
         kind: Kind::InProcess(InProcess::Infrared { robots: 10_000, cable: Cable::Onboard }),
+    },
+    Workload {
+        name: "F/spinning",
+        summary: "10 robots whose microcontrollers work out numbers all the time",
+        unit: "robots in real time",
+        kind: Kind::InProcess(InProcess::Chips { robots: 10, program: Program::Spinning }),
+    },
+    Workload {
+        name: "F/sleeping",
+        summary: "100 robots whose microcontrollers wake up each 10 ms",
+        unit: "robots in real time",
+        kind: Kind::InProcess(InProcess::Chips { robots: 100, program: Program::Sleeping }),
     },
     Workload {
         name: "V/1",

@@ -11,12 +11,16 @@ pub enum Driver {
     Infrared,
     /// By the distances of a laser.
     Laser,
+    /// A program on the robot's own chip does.
+    Chip,
 }
 
 impl Driver {
     /// That for this robot.
     pub fn for_robot(spec: &RobotSpec) -> Self {
-        if spec.sensors.iter().any(|sensor| sensor.device.kind() == "laser") {
+        if spec.chip.is_some() {
+            Self::Chip
+        } else if spec.sensors.iter().any(|sensor| sensor.device.kind() == "laser") {
             Self::Laser
         } else {
             Self::Infrared
@@ -27,6 +31,7 @@ impl Driver {
     pub fn steer(self, readings: &[Reading]) -> [f64; 2] {
         match self {
             Self::Infrared => by_infrared(readings.iter().map(|reading| first(&reading.values))),
+            Self::Chip => [0.0; 2],
             Self::Laser => readings.first().map_or([0.0; 2], |scan| by_laser(&scan.values)),
         }
     }

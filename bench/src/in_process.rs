@@ -9,7 +9,7 @@ use crate::plan::{Plan, PlanError};
 use crate::process::Clock;
 use crate::rig::{NoThreads, Rig};
 use crate::scale::Scale;
-use crate::scenario::{Cable, Infrared, Laser, office, parse, plans};
+use crate::scenario::{Cable, Infrared, Laser, Program, chips, office, parse, plans};
 
 /// A world that runs as fast as it can.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +18,8 @@ pub(crate) enum InProcess {
     Infrared { robots: usize, cable: Cable },
     /// Robots with lasers in an office; one in rays a second, many as a multiple of real time.
     Office { robots: usize, laser: Laser },
+    /// Robots whose microcontrollers run a program, cycle by cycle; in robots that keep real time.
+    Chips { robots: usize, program: Program },
 }
 
 /// Why a workload could not be measured.
@@ -64,7 +66,7 @@ impl InProcess {
             Self::Infrared { robots: CROWD, cable } => {
                 Some(Stretch::begin(Self::Infrared { robots: FEW, cable }, threads)?)
             }
-            Self::Infrared { .. } | Self::Office { .. } => None,
+            Self::Infrared { .. } | Self::Office { .. } | Self::Chips { .. } => None,
         };
         match &mut few {
             None => own.measure(effort, progress)?,
@@ -115,6 +117,7 @@ impl InProcess {
                 Infrared::new(cable).scenario(&plan.tiled(side))
             }
             Self::Office { robots, laser } => office(&plans::OFFICE.parse::<Plan>()?, robots, laser),
+            Self::Chips { robots, program } => chips(robots, program),
         })
     }
 
@@ -125,6 +128,7 @@ impl InProcess {
             Self::Infrared { robots, .. } => (2000 / robots as u64).max(10),
             Self::Office { robots: 1, .. } => 200,
             Self::Office { .. } => 30,
+            Self::Chips { .. } => 100,
         }
     }
 
@@ -139,6 +143,7 @@ impl InProcess {
             Self::Office { robots: 1, .. } => ([200, 1200], self.units_a_tick(), "ray"),
             Self::Office { robots, laser: Laser::Still { .. } } => ([10, 60], robots as f64, "robot-tick"),
             Self::Office { robots, laser: Laser::Swept { .. } } => ([20, 40], robots as f64, "robot-tick"),
+            Self::Chips { robots, .. } => ([2, 12], robots as f64, "robot-tick"),
         };
         Scale { ticks, units_a_tick, unit }
     }
@@ -148,6 +153,7 @@ impl InProcess {
             Self::Infrared { robots, .. } => robots as f64,
             Self::Office { robots: 1, laser } => laser.rays() as f64 * STEP_MS / f64::from(laser.period_ms()),
             Self::Office { .. } => STEP_MS * 1e-3,
+            Self::Chips { robots, .. } => robots as f64 * STEP_MS * 1e-3,
         }
     }
 }
@@ -216,6 +222,12 @@ fn check(rig: &Rig) -> Result<(), Unfit> {
         let least_m = SLOWEST_M_S * (run_ns as f64 * 1e-9).min(A_MINUTE_S);
         if way_m.partial_cmp(&least_m) != Some(std::cmp::Ordering::Greater) {
             return wrong(format!("has driven {way_m} m in {} s", run_ns as f64 * 1e-9));
+        }
+        if let Some(board) = robot.board() {
+            if board.chip().cycles() == 0 || !board.warnings().is_empty() {
+                return wrong(format!("has a chip that {:?}", board.warnings()));
+            }
+            continue;
         }
         if robot.commands() + 2 < world.tick() / commands_every(spec, step_ns) {
             return wrong(format!("obeyed {} commands in {} ticks", robot.commands(), world.tick()));

@@ -64,6 +64,9 @@ impl Rig {
     fn think(&mut self) {
         self.commands.clear();
         for turn in self.world.turns() {
+            if self.drivers[turn.robot] == Driver::Chip {
+                continue;
+            }
             let [left, right] = self.drivers[turn.robot].steer(self.world.robot(turn.robot).readings());
             let wheels = Wheels { left, right };
             let written = Written::Command { sequence: self.sequence, wheels, others: &[] };

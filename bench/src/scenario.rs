@@ -42,6 +42,40 @@ impl Cable {
     }
 }
 
+/// What the chips of [`chips`] run: `bench/programs`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Program {
+    /// Works out numbers all the time.
+    Spinning,
+    /// Wakes up each 10 ms.
+    Sleeping,
+}
+
+impl Program {
+    fn hex(self) -> &'static str {
+        match self {
+            Self::Spinning => include_str!("../programs/spinning.hex"),
+            Self::Sleeping => include_str!("../programs/sleeping.hex"),
+        }
+    }
+}
+
+/// So many robots side by side in the open, each with an ATmega328P at 16 MHz that runs a program, and an infrared sensor.
+pub fn chips(robots: usize, program: Program) -> String {
+    let starts: Vec<_> = (0..robots).map(|i| format!("{{ y_m = {:.1} }}", i as f64)).collect();
+    format!(
+        "step_ms = 10.0\nsubsteps = 10\n[[robots]]\nname = \"robot\"\nstarts = [{}]\n\
+         body = {{ radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1, damping_n_s_m = 15.0, \
+         turn_damping_nm_s = 0.78 }}\n\
+         sensors.ir = {{ kind = \"ir\", bearing_rad = 0.0, rays = 5, opening_rad = 0.5, range_m = 1.0, c1_m2 = 0.03, c2 = 0.1, \
+         bits = 10 }}\nlink = {{ preset = \"uart-9600\" }}\n[robots.pins]\nA0 = \"sensors.ir\"\n\
+         9 = \"motors.left.pwm\"\n8 = \"motors.left.direction\"\n10 = \"motors.right.pwm\"\n7 = \"motors.right.direction\"\n\
+         [robots.microcontroller]\nprogram = {{ hex = '''\n{}''' }}\n",
+        starts.join(", "),
+        program.hex()
+    )
+}
+
 /// The laser of each robot of an [`office`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Laser {

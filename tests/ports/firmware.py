@@ -34,8 +34,8 @@ def laptop(folder: str) -> None:
     with served(folder, BUILT / "driven.hex", 9600) as run:
         seen = json.loads(run.run([str(HERE / "laptop.py"), run.places[0]]).splitlines()[-1])
     way_m, turn = way(run)
-    # A GP2D12 gives 0.3 V with nothing in front, and 3.2 V at most.
-    assert len(seen) == 31 and all(40 <= reading <= 680 for reading in seen), seen
+    # A GP2D12 gives 0.3 V with nothing in front, 3.2 V at most, and some tenths of a volt of its specimen's own.
+    assert len(seen) == 31 and all(20 <= reading <= 700 for reading in seen), seen
     assert way_m > 0.3 and turn > 0.3, (way_m, turn)
     print(f"laptop.py: 31 commands answered, {way_m:.2f} m, {turn:.2f} rad")
 
@@ -49,7 +49,7 @@ def firmata(folder: str) -> None:
         with served(folder, BUILT / program, 57_600) as run:
             seen = json.loads(run.run([str(HERE / "firmata.py"), run.places[0]]).splitlines()[-1])
         way_m, _ = way(run)
-        assert all(0.04 <= reading <= 0.67 for reading in seen["readings"]), seen
+        assert all(0.02 <= reading <= 0.7 for reading in seen["readings"]), seen
         # One wheel drives.
         assert way_m > 0.05, way_m
         print(f"firmata.py: {seen['firmware']} {seen['version']}, {len(seen['readings'])} readings, {way_m:.2f} m")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Builds the programs of tests and scenarios for an ATmega328P, or checks that what is committed is what the compiler gives.
+"""Builds the programs of tests, scenarios and benchmarks for an ATmega328P, or checks that what is committed is what the compiler gives.
 
     apt-get install gcc-avr avr-libc binutils-avr
     python3 sim/tests/programs/build.py            builds each .hex anew
@@ -19,6 +19,8 @@ HERE = ROOT / "sim/tests/programs"
 PROGRAMS = [
     (HERE / "tester.hex", HERE / "tester.c", []),
     (HERE / "tester_115200.hex", HERE / "tester.c", ["-DBAUD_UBRR=8"]),
+    (ROOT / "bench/programs/spinning.hex", ROOT / "bench/programs/spinning.c", []),
+    (ROOT / "bench/programs/sleeping.hex", ROOT / "bench/programs/sleeping.c", []),
     (ROOT / "scenarios/firmware/wander.hex", ROOT / "scenarios/firmware/wander.c", []),
 ]
 
