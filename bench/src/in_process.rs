@@ -1,6 +1,8 @@
 //! Worlds with their brains in one thread: no network, no pace.
 
 use baudbot_scenario::ScenarioError;
+use baudbot_sim::World;
+use baudbot_sim::chip::Board;
 use baudbot_sim::model::RobotSpec;
 
 use crate::measure::{self, Effort, Sample};
@@ -224,9 +226,7 @@ fn check(rig: &Rig) -> Result<(), Unfit> {
             return wrong(format!("has driven {way_m} m in {} s", run_ns as f64 * 1e-9));
         }
         if let Some(board) = robot.board() {
-            if board.chip().cycles() == 0 || !board.warnings().is_empty() {
-                return wrong(format!("has a chip that {:?}", board.warnings()));
-            }
+            check_chip(&spec.name, board)?;
             continue;
         }
         if robot.commands() + 2 < world.tick() / commands_every(spec, step_ns) {
@@ -240,6 +240,19 @@ fn check(rig: &Rig) -> Result<(), Unfit> {
             }
         }
     }
+    check_ways(world, run_ns)
+}
+
+/// Whether a chip runs a program that has nothing wrong with it.
+fn check_chip(robot: &str, board: &Board) -> Result<(), Unfit> {
+    if board.chip().cycles() > 0 && board.warnings().is_empty() {
+        return Ok(());
+    }
+    Err(Unfit::NotReal(format!("robot `{robot}` has a chip of which is to be said: {:?}", board.warnings())))
+}
+
+/// Whether all robots together drive.
+fn check_ways(world: &World, run_ns: u64) -> Result<(), Unfit> {
     let ways_m: f64 = world.robots().map(|robot| robot.counters().distance_m).sum();
     let mean_m = ways_m / world.robots().len() as f64;
     let least_m = SLOWEST_M_S * run_ns as f64 * 1e-9;

@@ -153,6 +153,8 @@ const BY_FIELD: [(&[&str], SettledBy); 9] = [
             "full_speed_m_s",
             "max_torque_nm",
             "viscous_friction_nm_s",
+            "coulomb_friction_nm",
+            "gear_efficiency",
             "trim_us",
             "dead_band_us",
             "curve_us_rpm",
@@ -206,6 +208,10 @@ const BY_FIELD: [(&[&str], SettledBy); 9] = [
             "first_step",
             "sentences",
             "rows",
+            "voltage_v",
+            "resistance_ohm",
+            "gear_ratio",
+            "quadrature",
         ],
         SettledBy::Manual,
     ),
@@ -222,6 +228,10 @@ pub fn guesses() -> Vec<Guess> {
 }
 
 fn settled_by(preset: &Preset, fact: &Fact) -> SettledBy {
+    // Which wire is where.
+    if fact.path.contains(".pins.") {
+        return SettledBy::Choice;
+    }
     let field = fact.path.rsplit('.').next().unwrap_or_default();
     SettledBy::of(field).unwrap_or_else(|| {
         panic!("{}: nobody has said in `guesses.rs` what would settle the guess {}", preset.name, fact.path)
