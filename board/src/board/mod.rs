@@ -1,14 +1,16 @@
 //! A chip with parts on its pins, in motion.
 
+mod debug;
 mod outputs;
 mod pins;
 mod surroundings;
 mod uart;
 
-use baudbot_avr::{Bare, Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, ResetCause, Stop, Timer};
+use baudbot_avr::{Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, ResetCause, Stop, Timer};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+pub use debug::Debugger;
 pub use outputs::{Light, Motor, ServoOutput, Tone};
 pub use uart::ReceiveError;
 
@@ -86,16 +88,28 @@ impl Board {
     /// Runs until an instant, in nanoseconds: a step, throughout which the world is as `physics` says. An instant that is
     /// over makes a step of no length.
     pub fn run_until<P: Physics>(&mut self, at_ns: u64, physics: &mut P) {
+        self.run_slices(at_ns, physics, |board, until, physics| {
+            let stop = board.chip.run(until, &mut View { around: &mut board.around, physics });
+            if stop == Stop::Break {
+                board.warn(WarningKind::Break, 1);
+            }
+        });
+    }
+
+    /// Lets `run` run the chip until an instant: it is given the cycle that it must not run beyond.
+    fn run_slices<P: Physics>(
+        &mut self,
+        at_ns: u64,
+        physics: &mut P,
+        mut run: impl FnMut(&mut Self, u64, &mut P),
+    ) {
         let end = self.around.clock.cycle(at_ns).min(LATEST);
         self.around.begin(self.now_ns, physics);
         while self.chip.now() < end {
             let until = self.chip.now().saturating_add(self.slice_cycles).min(end);
             self.around.prepare(until, physics);
             let until = self.feed(until);
-            let stop = self.chip.run(until, &mut View { around: &mut self.around, physics: &mut *physics });
-            if stop == Stop::Break {
-                self.warn(WarningKind::Break, 1);
-            }
+            run(self, until, physics);
             self.around.look_for_shorts(self.chip.now());
             self.count_resets();
         }
@@ -149,11 +163,6 @@ impl Board {
     /// The chip.
     pub const fn chip(&self) -> &Chip {
         &self.chip
-    }
-
-    /// Reads a byte of the chip's data space, as a debugger does. Reading a register may have an effect.
-    pub fn read_data(&mut self, address: u16) -> u8 {
-        self.chip.read_data(address, &mut Bare)
     }
 
     /// The wiring.

@@ -1,5 +1,6 @@
 //! The state of a robot's chip.
 
+use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -8,9 +9,10 @@ use baudbot_board::{Board, Wheel};
 use serde::{Deserialize, Serialize};
 
 use super::motors::Output;
+use super::probe::Socket;
 use super::senses::{Around, Senses};
 use super::uart;
-use crate::chip::{Attached, ChipSpec, Side};
+use crate::chip::{Attached, ChipSpec, Probe, Side};
 use crate::drive::Wheels;
 use crate::link::{Line, Link};
 use crate::model::RobotSpec;
@@ -39,6 +41,8 @@ pub(crate) struct ChipState {
     pub(super) outputs: Vec<Output>,
     /// What the motors have now.
     pub(super) given: Output,
+    #[serde(skip)]
+    probe: Socket,
 }
 
 /// The tick in which a chip runs, and until when.
@@ -65,6 +69,7 @@ impl ChipState {
             contacts: vec![false; spec.attached().len()],
             outputs: Vec::new(),
             given: Output::default(),
+            probe: Socket::default(),
         }
     }
 
@@ -78,6 +83,11 @@ impl ChipState {
             && sound::wheels(&other.travel_m)
             && other.wheels.iter().all(|wheel| sound::numbers([wheel.angle_rad, wheel.rate_rad_s]))
             && sound::count(other.offset_ns)
+    }
+
+    /// From now on runs under a debugger.
+    pub(crate) fn put_on(&mut self, probe: Arc<dyn Probe>) {
+        self.probe.put_on(probe);
     }
 
     /// Up to when it has run.
@@ -135,7 +145,7 @@ impl ChipState {
         let local = self.local(until);
         let (wheels, contacts, offset_ns) = (self.wheels, &self.contacts, self.offset_ns);
         let mut senses = Senses { spec, around, wheels, contacts, offset_ns };
-        self.board.run_until(local, &mut senses);
+        self.probe.run(&mut self.board, local, &mut senses);
         self.note_output(spec, substep, until.since(begun), span.substep_ns);
         self.speak(link, uplink)
     }
