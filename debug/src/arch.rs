@@ -41,7 +41,9 @@ impl Registers for AvrRegisters {
     }
 
     fn gdb_deserialize(&mut self, bytes: &[u8]) -> Result<(), ()> {
-        let &[ref general @ .., sreg, sp_low, sp_high, pc_0, pc_1, pc_2, pc_3] = bytes else { return Err(()) };
+        let &[ref general @ .., sreg, sp_low, sp_high, pc_0, pc_1, pc_2, pc_3] = bytes else {
+            return Err(());
+        };
         let general = general.try_into().map_err(|_| ())?;
         let (sp, pc) = (u16::from_le_bytes([sp_low, sp_high]), u32::from_le_bytes([pc_0, pc_1, pc_2, pc_3]));
         *self = Self { general, sreg, sp, pc };

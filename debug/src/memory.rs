@@ -100,3 +100,35 @@ pub(crate) fn sram(board: &Board, address: u32, len: u32) -> Option<Range<usize>
     let places = start..start + len as usize;
     (places.end <= board.chip().sram().len()).then_some(places)
 }
+
+#[cfg(test)]
+mod tests {
+    use baudbot_avr::{Chip, Fuses, Part, Program, Supply};
+    use baudbot_board::{ChipClock, Physics, Wiring};
+
+    use super::*;
+
+    struct Nothing;
+
+    impl Physics for Nothing {}
+
+    #[test]
+    fn reading_has_no_effect() {
+        let part = Part::Atmega328P;
+        // Timer 1 runs: reading TCNT1L keeps the high byte in the register TEMP.
+        // ldi r16, 1; sts TCCR1B, r16; rjmp .-2
+        let program = Program::from_words(part, &[0xE001, 0x9300, 0x0081, 0xCFFF]).unwrap();
+        let chip = Chip::new(&program, Fuses::external_clock(part), Supply::ARDUINO);
+        let clock = ChipClock::exact(16_000_000).unwrap();
+        let mut board = Board::new(chip, clock, Wiring::builder().build().unwrap()).unwrap();
+        board.run_until(100_000_000, &mut Nothing);
+        let before = board.clone();
+        let mut bytes = [0; 0x900];
+        assert_eq!(read(&board, DATA, &mut bytes), Some(0x900));
+        assert!(board == before);
+        let counter = u16::from_le_bytes([bytes[0x84], bytes[0x85]]);
+        assert!(counter > 0xFF, "{counter}");
+        board.read_data(0x84);
+        assert!(board != before, "an instruction that reads it has an effect");
+    }
+}

@@ -17,9 +17,16 @@ impl MonitorCmd for ChipTarget {
             b"time" => {
                 let (chip, clock) = (self.board.chip(), self.board.clock());
                 let at_s = clock.ns(chip.now()) as f64 * 1e-9;
-                outputln!(out, "{at_s:.9} s after the chip's supply came on, {} cycles of its clock", chip.cycles());
+                outputln!(
+                    out,
+                    "{at_s:.9} s after the chip's supply came on, {} cycles of its clock",
+                    chip.cycles()
+                );
             }
-            _ => outputln!(out, "monitor reset: resets the chip by its pin RESET\nmonitor time: how long it has run"),
+            _ => outputln!(
+                out,
+                "monitor reset: resets the chip by its pin RESET\nmonitor time: how long it has run"
+            ),
         }
         Ok(())
     }

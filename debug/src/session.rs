@@ -4,6 +4,7 @@ use std::convert::Infallible;
 use std::io;
 
 use gdbstub::common::Signal;
+use gdbstub::conn::Connection;
 use gdbstub::stub::state_machine::GdbStubStateMachine;
 use gdbstub::stub::{GdbStubBuilder, GdbStubError};
 
@@ -58,11 +59,26 @@ impl Session {
 
     fn hear(&mut self, read: io::Result<usize>, bytes: &[u8], target: &mut ChipTarget) {
         match read {
-            Ok(count) => bytes[..count].iter().for_each(|&byte| self.feed(byte, target)),
+            Ok(count) => {
+                bytes[..count].iter().for_each(|&byte| self.feed(byte, target));
+                self.flush();
+            }
             Err(error) => {
                 tracing::info!(%error, "a debugger is gone");
                 self.machine = None;
             }
+        }
+    }
+
+    /// Sends what no answer has taken along: that a command to run was heard.
+    fn flush(&mut self) {
+        let wire = match &mut self.machine {
+            Some(Machine::Idle(idle)) => idle.borrow_conn(),
+            Some(Machine::Running(running)) => running.borrow_conn(),
+            Some(Machine::CtrlCInterrupt(_) | Machine::Disconnected(_)) | None => return,
+        };
+        if wire.flush().is_err() {
+            self.machine = None;
         }
     }
 
@@ -93,7 +109,9 @@ impl Session {
 
     fn keep(&mut self, next: Result<Machine, Error>) {
         self.machine = match next {
-            Ok(Machine::Disconnected(gone)) => {
+            Ok(Machine::Disconnected(mut gone)) => {
+                // It may not be there any more.
+                let _ = gone.borrow_conn().flush();
                 tracing::info!(reason = ?gone.get_reason(), "a debugger has let go");
                 None
             }

@@ -64,6 +64,9 @@ impl Connection for Wire {
     }
 
     fn flush(&mut self) -> io::Result<()> {
+        if self.out.is_empty() {
+            return Ok(());
+        }
         Write::write_all(&mut self.stream, &self.out)?;
         self.out.clear();
         Ok(())

@@ -69,7 +69,8 @@ fn break_stops_behind_it_and_the_chip_goes_on() {
 fn parts_feel_what_a_debugger_writes_to_a_port() {
     let mut program = Asm::new();
     program.words.push(0xCFFF);
-    let wiring = Wiring::builder().part("light", Kind::Led(Led { lit_by: LitBy::High })).connect("13", "light");
+    let wiring =
+        Wiring::builder().part("light", Kind::Led(Led { lit_by: LitBy::High })).connect("13", "light");
     let mut board = board(&program, wiring);
     board.run_until(MS, &mut World::default());
     for register in [io::DDRB, io::PORTB] {
