@@ -21,7 +21,7 @@ mod sent;
 mod warning;
 mod wiring;
 
-pub use board::{Board, BoardError, Light, Motor, Next, ReceiveError, ServoOutput, Tone};
+pub use board::{Board, BoardError, Debugger, Light, Motor, Next, ReceiveError, ServoOutput, Tone};
 pub use clock::{ChipClock, ClockError};
 pub use parts::{
     BridgeKind, Channels, Compass, Decay, Encoder, HcSr04, Kind, Led, LitBy, MotorDrive, Piezo, Ping, Pull,

@@ -72,3 +72,33 @@ pub trait Physics {
         25.0
     }
 }
+
+impl<P: Physics + ?Sized> Physics for &mut P {
+    fn volts(&mut self, part: PartId, at_ns: u64) -> f64 {
+        (**self).volts(part, at_ns)
+    }
+
+    fn discharge_ns(&mut self, part: PartId, at_ns: u64) -> u64 {
+        (**self).discharge_ns(part, at_ns)
+    }
+
+    fn is_pressed(&mut self, part: PartId, at_ns: u64) -> bool {
+        (**self).is_pressed(part, at_ns)
+    }
+
+    fn wheel(&mut self, part: PartId, at_ns: u64) -> Wheel {
+        (**self).wheel(part, at_ns)
+    }
+
+    fn echo_ns(&mut self, part: PartId, at_ns: u64) -> Option<u64> {
+        (**self).echo_ns(part, at_ns)
+    }
+
+    fn gauss(&mut self, part: PartId, at_ns: u64) -> [f64; 3] {
+        (**self).gauss(part, at_ns)
+    }
+
+    fn celsius(&mut self, at_ns: u64) -> f64 {
+        (**self).celsius(at_ns)
+    }
+}

@@ -9,7 +9,7 @@
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
 //! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
-//!    for Perfetto, `map` an arena in characters, `link` a link in words, `together` warns of sensors whose readings arrive
+//!    for Perfetto, `map` an arena in characters, `gdb` lets debuggers in, `link` a link in words, `together` warns of sensors whose readings arrive
 //!    too far apart, `robot_groups` groups the robots of one table. `escapes` are bytes as a command line has them. `text`
 //!    lays out columns and is the only module that writes to a terminal, `viewer` prints the address of a page, and
 //!    `foxglove` serves Foxglove. Pictures are `baudbot-plot`'s.
@@ -33,6 +33,7 @@ mod evidence;
 mod export;
 mod fit;
 mod foxglove;
+mod gdb;
 mod link;
 mod locate;
 mod logs;

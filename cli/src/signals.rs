@@ -32,6 +32,12 @@ impl Stop {
         *self.0.borrow()
     }
 
+    /// Says whether there has been a signal, in other threads.
+    pub(crate) fn flag(&self) -> impl Fn() -> bool + Send + Sync + use<> {
+        let stopped = self.0.clone();
+        move || *stopped.borrow()
+    }
+
     /// Waits for the first signal; returns at once if it has been there.
     pub(crate) async fn wait(&mut self) {
         if self.0.wait_for(|stop| *stop).await.is_err() {

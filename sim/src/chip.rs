@@ -15,7 +15,7 @@ use alloc::vec::Vec;
 
 use baudbot_avr::{Chip, Fuses, Program, Supply};
 pub use baudbot_board::{Board, Kind, Net, Terminal, Warning};
-use baudbot_board::{BoardError, ChipClock, PartId, Wiring};
+use baudbot_board::{BoardError, ChipClock, PartId, Physics, Wiring};
 
 use crate::drive::Wheels;
 
@@ -94,6 +94,12 @@ impl Side {
             Self::Right => &mut wheels.right,
         }
     }
+}
+
+/// A debugger at a robot's chip: it runs the chip in place of [`Board::run_until`]. While a call of it lasts, the world stands.
+pub trait Probe: Send + Sync {
+    /// Runs the board until an instant, in nanoseconds. What the debugger does to the chip is part of no state.
+    fn run(&self, board: &mut Board, until_ns: u64, physics: &mut dyn Physics);
 }
 
 impl ChipSpec {

@@ -13,7 +13,7 @@ pub enum Stop {
     Reached,
     /// The instruction `BREAK` was executed. A further run goes on behind it.
     Break,
-    /// The next instruction is at one of the addresses that were given. A further run executes it first.
+    /// The next instruction is one at which the run was to stop.
     Breakpoint,
 }
 
@@ -37,9 +37,20 @@ impl Chip {
     /// As [`run`](Self::run), but slower, and stops before an instruction at one of these word addresses, but not at the first one.
     pub fn run_to<B: Board>(&mut self, until: u64, breakpoints: &[u32], board: &mut B) -> Stop {
         let mut first = true;
+        self.run_unless(until, board, |chip| !core::mem::take(&mut first) && breakpoints.contains(&chip.pc()))
+    }
+
+    /// As [`run`](Self::run), but slower, and asks before each instruction whether to stop there. Interrupts that are due have
+    /// been taken then.
+    pub fn run_unless<B: Board>(
+        &mut self,
+        until: u64,
+        board: &mut B,
+        mut stops: impl FnMut(&Self) -> bool,
+    ) -> Stop {
         self.run_with(until, board, |chip, code, board| {
             while chip.cycle < chip.limit {
-                if !core::mem::take(&mut first) && breakpoints.contains(&(chip.pc & chip.pc_mask)) {
+                if stops(chip) {
                     return true;
                 }
                 chip.repeat.forget();

@@ -1,15 +1,17 @@
 //! A chip with parts on its pins, in motion.
 
+mod debug;
 mod outputs;
 mod pins;
 mod saved;
 mod surroundings;
 mod uart;
 
-use baudbot_avr::{Bare, Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, ResetCause, Stop, Timer};
+use baudbot_avr::{Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, ResetCause, Stop, Timer};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+pub use debug::Debugger;
 pub use outputs::{Light, Motor, ServoOutput, Tone};
 pub use uart::ReceiveError;
 
@@ -19,6 +21,11 @@ use crate::physics::{PartId, Physics};
 use crate::warning::{Warning, WarningKind};
 use crate::wiring::{Terminal, Wiring};
 use surroundings::{Surroundings, View};
+
+/// What asks nothing of the world: a reset, a debugger.
+struct Nothing;
+
+impl Physics for Nothing {}
 
 /// The longest time that the chip runs without a look at its parts, in nanoseconds.
 const SLICE_NS: u64 = 1_000_000;
@@ -88,16 +95,28 @@ impl Board {
     /// Runs until an instant, in nanoseconds: a step, throughout which the world is as `physics` says. An instant that is
     /// over makes a step of no length.
     pub fn run_until<P: Physics>(&mut self, at_ns: u64, physics: &mut P) {
+        self.run_slices(at_ns, physics, |board, until, physics| {
+            let stop = board.chip.run(until, &mut View { around: &mut board.around, physics });
+            if stop == Stop::Break {
+                board.warn(WarningKind::Break, 1);
+            }
+        });
+    }
+
+    /// Lets `run` run the chip until an instant: it is given the cycle that it must not run beyond.
+    fn run_slices<P: Physics>(
+        &mut self,
+        at_ns: u64,
+        physics: &mut P,
+        mut run: impl FnMut(&mut Self, u64, &mut P),
+    ) {
         let end = self.around.clock.cycle(at_ns).min(LATEST);
         self.around.begin(self.now_ns, physics);
         while self.chip.now() < end {
             let until = self.chip.now().saturating_add(self.slice_cycles).min(end);
             self.around.prepare(until, physics);
             let until = self.feed(until);
-            let stop = self.chip.run(until, &mut View { around: &mut self.around, physics: &mut *physics });
-            if stop == Stop::Break {
-                self.warn(WarningKind::Break, 1);
-            }
+            run(self, until, physics);
             self.around.look_for_shorts(self.chip.now());
             self.count_resets();
         }
@@ -132,8 +151,9 @@ impl Board {
 
     /// The pin RESET is low for a moment at the end of the last step: the button of the board is pressed, or the serial port of
     /// an Arduino is opened.
-    pub fn reset<P: Physics>(&mut self, physics: &mut P) {
-        self.chip.reset_now(ResetCause::External, &mut View { around: &mut self.around, physics });
+    pub fn reset(&mut self) {
+        let mut view = View { around: &mut self.around, physics: &mut Nothing };
+        self.chip.reset_now(ResetCause::External, &mut view);
     }
 
     fn count_resets(&mut self) {
@@ -153,11 +173,6 @@ impl Board {
     /// The chip.
     pub const fn chip(&self) -> &Chip {
         &self.chip
-    }
-
-    /// Reads a byte of the chip's data space, as a debugger does. Reading a register may have an effect.
-    pub fn read_data(&mut self, address: u16) -> u8 {
-        self.chip.read_data(address, &mut Bare)
     }
 
     /// The wiring.

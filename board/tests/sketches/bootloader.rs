@@ -22,7 +22,7 @@ fn optiboot_takes_a_sketch_and_starts_it() {
     let chip = chip("optiboot.hex", fuses).unwrap();
     let mut bench = with_chip(chip, Wiring::builder().part("led", led).connect("13", "led"));
     // It listens only after a reset by the pin, which the cable gives.
-    bench.board.reset(&mut bench.world);
+    bench.board.reset();
     // It flashes the LED three times first.
     bench.run(600);
     assert_eq!(ask(&mut bench, b"0"), IN_SYNC);

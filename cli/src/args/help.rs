@@ -14,6 +14,7 @@ Examples:
   baudbot run khepera --set robots.khepera.link.baud=9600
   baudbot run --seconds 2 --timeline run.pftrace   a trace for ui.perfetto.dev
   baudbot run --record run.mcap                  for a replay: see `baudbot help replay`
+  baudbot run firmware.toml --gdb robot=1234     waits for avr-gdb: see docs/debugging.md
   baudbot run --over grpc                        the same run through a server in this process
   baudbot run my.toml --brain alice=avoid --brain none --seed 7 --csv run.csv
   baudbot run wander --json --quiet | python3 -m json.tool

@@ -3,6 +3,7 @@
 mod brain;
 mod export;
 mod fit;
+mod gdb;
 mod help;
 mod locate;
 mod measure;
@@ -26,6 +27,7 @@ use clap::{Args, Parser, Subcommand};
 pub(crate) use self::brain::BrainArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 pub(crate) use self::fit::FitArgs;
+pub(crate) use self::gdb::GdbAddress;
 use self::help::{
     BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, EVIDENCE_EXAMPLES, PACE_HELP,
     PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES,
@@ -161,6 +163,12 @@ pub(crate) struct RunArgs {
     /// Write the events of robots, cables and brains as a trace for ui.perfetto.dev
     #[arg(long, value_name = "FILE")]
     pub(crate) timeline: Option<PathBuf>,
+    /// Let avr-gdb debug the program of a robot's microcontroller, at a port of this machine; may be given several times
+    ///
+    /// The world waits at the chip's reset until a debugger has connected, and stands whenever the chip is stopped. 0 is any free
+    /// port. docs/debugging.md has an example.
+    #[arg(long = "gdb", value_name = "ROBOT=PORT")]
+    pub(crate) gdb: Vec<GdbAddress>,
     /// Write the summary as one JSON object
     #[arg(long)]
     pub(crate) json: bool,

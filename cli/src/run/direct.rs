@@ -20,7 +20,7 @@ pub(super) async fn run(
     on_tick: Option<OnTick>,
     outside: &mut Outside<'_>,
 ) -> anyhow::Result<v1::WorldStatus> {
-    let world = plan.world(outside.args, on_tick).direct().map_err(from_builder)?;
+    let world = plan.world(outside, on_tick).direct().map_err(from_builder)?;
     let mut running = Running { world, drivers: Vec::new() };
     let bar = progress(plan.ticks(), outside.args.quiet);
     let run = match running.attach(plan) {

@@ -23,6 +23,7 @@ use crate::args::{ChangeArgs, Over, RunArgs};
 use crate::assignment::{self, Assigned};
 use crate::csv::Table;
 use crate::error::Refused;
+use crate::gdb::Debuggers;
 use crate::output_files::{self, Files, STDOUT};
 use crate::scenarios::{self, Source};
 use crate::signals::{INTERRUPTED, Stop};
@@ -49,6 +50,7 @@ struct Plan {
 struct Outside<'a> {
     args: &'a RunArgs,
     files: Files,
+    debuggers: Debuggers,
     stop: Stop,
     interrupted: bool,
 }
@@ -61,7 +63,11 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let (on_tick, files) = hook(args, &plan)?;
     // A FIFO may have kept us waiting until here; there a single signal is to end the program.
     let stop = Stop::listen().context("cannot listen for Ctrl-C")?;
-    let mut outside = Outside { args, files, stop, interrupted: false };
+    let debuggers = Debuggers::listen(&args.gdb, &plan.scenario, &stop)?;
+    if !args.quiet {
+        debuggers.tell(&plan.scenario);
+    }
+    let mut outside = Outside { args, files, debuggers, stop, interrupted: false };
     let status = match plan.over {
         Over::Direct => direct::run(&plan, on_tick, &mut outside).await,
         Over::Grpc => served::run(&plan, on_tick, &mut outside).await,
@@ -130,8 +136,10 @@ impl Plan {
     }
 
     /// The world, which stands until its brains are there.
-    fn world(&self, args: &RunArgs, on_tick: Option<OnTick>) -> WorldConfig {
+    fn world(&self, outside: &Outside<'_>, on_tick: Option<OnTick>) -> WorldConfig {
+        let args = outside.args;
         let mut world = World::new(Arc::clone(&self.scenario));
+        outside.debuggers.put_on(&mut world);
         if self.over == Over::Direct && args.timeline.is_none() {
             // Nobody looks at it.
             world.keep_timeline(0);
@@ -173,6 +181,12 @@ fn assigned(args: &RunArgs, scenario: &Scenario) -> anyhow::Result<Assigned> {
 fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
     let stdout = Some(Path::new(STDOUT));
     let (csv, timeline) = (args.csv.as_deref(), args.timeline.as_deref());
+    if !args.gdb.is_empty() && args.record.record.is_some() {
+        return Err(Refused::error(
+            "--gdb and --record exclude each other: a run in which a debugger writes into a chip cannot be replayed; leave \
+             out one of the two",
+        ));
+    }
     if args.json && csv == stdout {
         return Err(Refused::error("--json and --csv - both want stdout; write the table to a file"));
     }

@@ -31,7 +31,7 @@ pub(super) async fn run(
 ) -> anyhow::Result<v1::WorldStatus> {
     let progress = Arc::new(Progress::default());
     let private = Private::new(plan)?;
-    let mut world = plan.world(outside.args, on_tick).progress(Arc::clone(&progress));
+    let mut world = plan.world(outside, on_tick).progress(Arc::clone(&progress));
     if let Some(private) = &private {
         world = world.processor_time(private.processor_time(plan));
     }

@@ -8,6 +8,7 @@ mod intervention;
 mod lookahead;
 mod motion;
 mod ports;
+mod probe;
 mod saved;
 mod score;
 mod spare;

@@ -1,6 +1,7 @@
 //! A robot whose microcontroller runs a program of the user's own: see [`chip`](crate::chip).
 
 mod motors;
+mod probe;
 mod senses;
 mod state;
 mod uart;

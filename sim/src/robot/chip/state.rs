@@ -1,16 +1,18 @@
 //! The state of a robot's chip.
 
+use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
 use baudbot_board::far_end::Receiver;
-use baudbot_board::{Board, Physics, Wheel};
+use baudbot_board::{Board, Wheel};
 use serde::{Deserialize, Serialize};
 
 use super::motors::Output;
+use super::probe::Socket;
 use super::senses::{Around, Senses};
 use super::uart;
-use crate::chip::{Attached, ChipSpec, Side};
+use crate::chip::{Attached, ChipSpec, Probe, Side};
 use crate::drive::Wheels;
 use crate::link::{Line, Link};
 use crate::model::RobotSpec;
@@ -39,6 +41,8 @@ pub(crate) struct ChipState {
     pub(super) outputs: Vec<Output>,
     /// What the motors have now.
     pub(super) given: Output,
+    #[serde(skip)]
+    probe: Socket,
 }
 
 /// The tick in which a chip runs, and until when.
@@ -65,6 +69,7 @@ impl ChipState {
             contacts: vec![false; spec.attached().len()],
             outputs: Vec::new(),
             given: Output::default(),
+            probe: Socket::default(),
         }
     }
 
@@ -77,6 +82,11 @@ impl ChipState {
             && sound::wheels(&other.travel_m)
             && other.wheels.iter().all(|wheel| sound::numbers([wheel.angle_rad, wheel.rate_rad_s]))
             && sound::count(other.offset_ns)
+    }
+
+    /// From now on runs under a debugger.
+    pub(crate) fn put_on(&mut self, probe: Arc<dyn Probe>) {
+        self.probe.put_on(probe);
     }
 
     /// Up to when it has run.
@@ -106,7 +116,7 @@ impl ChipState {
 
     /// The chip is reset at `now`, and starts at an instant.
     pub(crate) fn reset(&mut self, now: SimTime, start: SimTime, link: &Link) {
-        self.board.reset(&mut Nothing);
+        self.board.reset();
         self.offset_ns = start.max(now).as_ns().saturating_sub(self.board.now_ns());
         self.laptop = uart::receiver(link);
     }
@@ -139,7 +149,7 @@ impl ChipState {
         let local = self.local(until);
         let (wheels, contacts, offset_ns) = (self.wheels, &self.contacts, self.offset_ns);
         let mut senses = Senses { spec, around, wheels, contacts, offset_ns };
-        self.board.run_until(local, &mut senses);
+        self.probe.run(&mut self.board, local, &mut senses);
         self.note_output(spec, substep, until.since(begun), span.substep_ns);
         self.speak(link, uplink)
     }
@@ -164,11 +174,6 @@ impl ChipState {
         }
     }
 }
-
-/// Nothing is asked while a chip is reset.
-struct Nothing;
-
-impl Physics for Nothing {}
 
 /// No tick has more substeps.
 const MOST_SUBSTEPS: usize = 1 << 20;

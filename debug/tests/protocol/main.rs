@@ -1,0 +1,6 @@
+//! Debuggers that speak the protocol over a real socket.
+
+mod chip;
+mod client;
+mod running;
+mod world;

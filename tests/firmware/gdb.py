@@ -1,0 +1,158 @@
+"""Debugs a program on a simulated robot's microcontroller with the real avr-gdb: `python tests/firmware/gdb.py BAUDBOT`.
+
+Needs gdb-avr, gcc-avr and avr-libc from apt. Without them it says NOT CHECKED and exits with 0.
+"""
+
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SKETCH = ROOT / "tests/firmware/sketch.c"
+SECONDS = "1.0"
+
+
+class World:
+    """A robot whose chip waits for a debugger."""
+
+    def __init__(self, baudbot: str, elf: str, *options: str):
+        scenario = str(ROOT / "scenarios/firmware.toml")
+        command = [baudbot, "run", scenario, "--firmware", f"robot={elf}", "--seconds", SECONDS, "--gdb", "robot=0"]
+        self.process = subprocess.Popen([*command, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        said = ""
+        while not (found := re.search(r"target remote (127\.0\.0\.1:\d+)", said)):
+            line = self.process.stderr.readline()
+            assert line, f"the program has ended: {said}"
+            said += line
+        self.address = found[1]
+
+    def end(self) -> tuple[int, str]:
+        out, _ = self.process.communicate(timeout=120)
+        return self.process.returncode, out
+
+
+def gdb(world: World, elf: str, *commands: str) -> subprocess.Popen:
+    words = ["avr-gdb", "-nx", "-q", "-batch", elf, "-ex", "set pagination off", "-ex", f"target remote {world.address}"]
+    for command in commands:
+        words += ["-ex", command]
+    return subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def found(pattern: str, text: str) -> re.Match:
+    match = re.search(pattern, text, re.MULTILINE)
+    assert match, f"{pattern!r} is not in what avr-gdb has said:\n{text}"
+    return match
+
+
+def breakpoints_and_steps(baudbot: str, elf: str) -> None:
+    """Breaks in a function, steps, looks at variables and the stack, finishes, and lets the run end."""
+    world = World(baudbot, elf)
+    said, _ = gdb(
+        world, elf,
+        "print/x $pc",
+        "break add", "continue", "backtrace", "info args", "monitor time",
+        "finish",
+        "continue", "print number", "print sum",
+        "delete", "tbreak sketch.c:23", "continue", "next", "print total",
+        "x/2i $pc", "info registers sp", "info registers SREG",
+        "continue",
+    ).communicate(timeout=120)
+    found(r"^\$1 = 0x0$", said)
+    found(r"^Breakpoint 1, add \(sum=0, number=1 '\\001'\)", said)
+    found(r"^#1  0x[0-9a-f]+ in main \(\) at .*sketch\.c:22$", said)
+    found(r"^Run till exit from #0  add \(sum=0, number=1", said)
+    found(r"^Value returned is .* = 1$", said)
+    found(r"^Breakpoint 1, add \(sum=1, number=2 '\\002'\)", said)
+    found(r"^Temporary breakpoint 2, main \(\) at .*sketch\.c:23$", said)
+    found(r"^\[Inferior 1 \(Remote target\) exited normally\]$", said)
+    seconds = float(found(r"^([0-9.]+) s after the chip's supply came on, \d+ cycles", said)[1])
+    assert seconds < 0.1, f"the first call of add comes at {seconds} s"
+    code, summary = world.end()
+    assert code == 0, summary
+    found(r"\b1(\.0+)? s\b", summary)
+
+
+def watchpoints(baudbot: str, elf: str) -> None:
+    """Watches a variable, and writes it."""
+    world = World(baudbot, elf)
+    said, _ = gdb(
+        world, elf,
+        "watch total", "continue", "continue", "continue",
+        "set variable total = 1000", "continue", "print total", "kill",
+    ).communicate(timeout=120)
+    found(r"^Hardware watchpoint 1: total$", said)
+    values = [tuple(map(int, pair)) for pair in re.findall(r"^Old value = (\d+)\nNew value = (\d+)$", said, re.MULTILINE)]
+    # A variable of two bytes is written a byte after the other: what stands between is seen only if it differs.
+    assert values[:3] == [(0, 1), (1, 3), (3, 6)], said
+    found(r"^\$1 = 10\d\d$", said)
+    code, summary = world.end()
+    assert code == 0, summary
+
+
+def an_interrupt_and_a_detachment(baudbot: str, elf: str) -> None:
+    """Ctrl-C stops a program that runs; then the world stands, and goes on when the debugger is gone."""
+    world = World(baudbot, elf, "--seconds", "100000")
+    debugger = gdb(
+        world, elf, "continue", "monitor time", "shell sleep 1", "monitor time", "print ticks_ms < 6", "detach",
+    )
+    time.sleep(2.0)
+    debugger.send_signal(signal.SIGINT)
+    said, _ = debugger.communicate(timeout=120)
+    found(r"^Program received signal SIGINT", said)
+    times = re.findall(r"^([0-9.]+) s after", said, re.MULTILINE)
+    assert len(times) == 2 and times[0] == times[1], said
+    found(r"^\$1 = 1$", said)
+    world.process.send_signal(signal.SIGINT)
+    assert world.end()[0] == 130
+
+
+def a_signal_ends_a_world_that_waits(baudbot: str, elf: str) -> None:
+    world = World(baudbot, elf)
+    world.process.send_signal(signal.SIGINT)
+    assert world.end()[0] == 130
+
+
+def refusals(baudbot: str, elf: str) -> None:
+    """What cannot be is told in a line, with exit code 2."""
+    scenario = str(ROOT / "scenarios/firmware.toml")
+    waiting = World(baudbot, elf)
+    taken = waiting.address.rsplit(":", 1)[1]
+    for words, text in [
+        ([scenario, "--gdb", "nobody=0"], "there is no robot `nobody`; there are: robot"),
+        ([scenario, "--gdb", "robot=0", "--gdb", "robot=0"], "has a debugger already"),
+        ([scenario, "--gdb", "robot=0", "--record", "never.mcap"], "--gdb and --record exclude each other"),
+        ([scenario, "--gdb", f"robot={taken}"], "the port is in use"),
+        ([scenario, "--gdb", "robot"], "write ROBOT=PORT"),
+        (["wander", "--gdb", "robot=0"], "there is no robot `robot`"),
+        (["arsim", "--gdb", "arsim=0"], "has no program on its microcontroller"),
+    ]:
+        done = subprocess.run([baudbot, "run", *words], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 2 and text in done.stderr, f"{words}: {done.returncode} {done.stderr}"
+    waiting.process.send_signal(signal.SIGINT)
+    waiting.end()
+
+
+def main() -> None:
+    missing = [name for name in ("avr-gdb", "avr-gcc") if not shutil.which(name)]
+    if missing:
+        print(f"debugging: NOT CHECKED ({', '.join(missing)} missing: apt-get install gdb-avr gcc-avr avr-libc)")
+        return
+    baudbot = os.path.realpath(sys.argv[1])
+    with tempfile.TemporaryDirectory() as folder:
+        elf = str(pathlib.Path(folder, "sketch.elf"))
+        subprocess.run(["avr-gcc", "-mmcu=atmega328p", "-Os", "-g", "-Wall", str(SKETCH), "-o", elf], check=True)
+        for check in (
+            breakpoints_and_steps, watchpoints, an_interrupt_and_a_detachment, a_signal_ends_a_world_that_waits, refusals,
+        ):
+            check(baudbot, elf)
+            print(f"debugging: {check.__name__.replace('_', ' ')}: ok", flush=True)
+
+
+if __name__ == "__main__":
+    main()
