@@ -292,7 +292,7 @@ mod tests {
 
     /// Fingerprints after the first ticks. They change for the reasons for which golden hashes may
     /// (docs/determinism.md), and for another scenario or driver here; never for speed.
-    const FINGERPRINTS: [(&str, u64); 12] = [
+    const FINGERPRINTS: [(&str, u64); 14] = [
         ("W1/onboard", 0x5648_f963_c49a_2ab1),
         ("W1/ideal", 0x152c_5060_4948_4df9),
         ("W2", 0x45ee_5ce9_f659_d455),
@@ -305,6 +305,8 @@ mod tests {
         ("W4s/onboard", 0xd1d8_143e_a7c7_826b),
         ("W4s/cable", 0xf60a_7506_2396_2d3c),
         ("G", 0xb4eb_3d15_1ccd_73d7),
+        ("F/spinning", 0),
+        ("F/sleeping", 0),
     ];
 
     #[test]

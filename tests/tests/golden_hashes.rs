@@ -2,6 +2,7 @@
 //! says why in its commit, and updates the table:
 //! `BAUDBOT_PRINT_HASHES=1 cargo test -p baudbot-tests --test golden_hashes -- --nocapture`.
 
+use baudbot_sim::World;
 use baudbot_tests::{ARSIM, InProcess, KHEPERA, WANDER, crowd, scenario};
 
 /// Scenario, brain, state hash after 1,000 ticks.
@@ -34,4 +35,23 @@ fn every_scenario_has_its_golden_hash_after_1000_ticks() {
         }
     }
     assert_eq!(found, GOLDEN);
+}
+
+/// A program on a robot's chip: `scenarios/firmware/wander.hex`.
+const GOLDEN_CHIP: u64 = 0;
+
+#[test]
+fn a_program_on_a_robots_chip_has_its_golden_hash_after_1000_ticks() {
+    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios"));
+    let text = baudbot_import::inline(include_str!("../../scenarios/firmware.toml"), folder);
+    let mut world = World::new(scenario(&text.unwrap(), &[]).into());
+    for _ in 0..1000 {
+        world.begin();
+        world.finish(&[]);
+    }
+    let found = world.hash();
+    if std::env::var_os("BAUDBOT_PRINT_HASHES").is_some() {
+        println!("    const GOLDEN_CHIP: u64 = {found:#018x};");
+    }
+    assert_eq!(found, GOLDEN_CHIP, "{found:#018x}");
 }

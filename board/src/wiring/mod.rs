@@ -4,7 +4,8 @@ mod builder;
 mod error;
 mod net;
 
-use alloc::string::String;
+use alloc::format;
+use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use baudbot_avr::Pin;
@@ -79,6 +80,15 @@ impl Wiring {
     /// All wires: a terminal, and what it is connected to.
     pub fn wires(&self) -> impl Iterator<Item = (Terminal, Net)> {
         self.wires.iter().copied()
+    }
+
+    /// The name of a terminal: that of its part, and behind a dot its own if the part has several.
+    pub fn terminal_name(&self, terminal: Terminal) -> String {
+        let name = self.name(terminal.part);
+        match self.parts.get(terminal.part.index()) {
+            Some(placed) if placed.kind.terminals().len() > 1 => format!("{name}.{}", terminal.role),
+            Some(_) | None => name.to_string(),
+        }
     }
 
     /// What a terminal is connected to.

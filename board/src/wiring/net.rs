@@ -1,5 +1,8 @@
 //! The wires of a board, by the names that are printed on it.
 
+use alloc::format;
+use alloc::string::{String, ToString};
+
 use baudbot_avr::{Pin, Port};
 use serde::{Deserialize, Serialize};
 
@@ -78,6 +81,33 @@ impl Net {
                 None => None,
             },
         }
+    }
+
+    /// As it is printed on an Arduino: `9`, `A0`; of what has no number there, as the data sheet has it: `PB6`, `GND`.
+    pub fn printed(self) -> String {
+        match (0..=19).find(|&number| Self::arduino(number) == Some(self)) {
+            Some(number @ ANALOG_0..) => format!("A{}", number - ANALOG_0),
+            Some(number) => number.to_string(),
+            None => self.to_string(),
+        }
+    }
+
+    /// Where it stands in a list of pins: those with a number first, then A6 and A7, the others, the supply and ground.
+    fn place(self) -> (u8, u8) {
+        match self {
+            Self::Pin(pin) => match (0..=19).find(|&number| Self::arduino(number) == Some(self)) {
+                Some(number) => (0, number),
+                None => (2, pin.bit()),
+            },
+            Self::AnalogOnly(channel) => (1, channel),
+            Self::Supply => (3, 0),
+            Self::Ground => (3, 1),
+        }
+    }
+
+    /// Whether it stands before another one in a list of pins.
+    pub fn order(self, other: Self) -> core::cmp::Ordering {
+        self.place().cmp(&other.place())
     }
 
     /// The pin, if it is one.

@@ -40,40 +40,16 @@ pub(super) fn describe(robot: &RobotSpec, chip: &ChipSpec) -> Vec<(&'static str,
 pub(super) fn pins(chip: &ChipSpec) -> Vec<[String; 3]> {
     let wiring = chip.board().wiring();
     let mut wires: Vec<(Terminal, Net)> = wiring.wires().collect();
-    wires.sort_by_key(|(_, net)| order(*net));
-    let kind = |terminal: Terminal| {
-        wiring.parts().find(|(id, _)| *id == terminal.part).map(|(_, placed)| *placed.kind())
-    };
+    wires.sort_by(|(_, a), (_, b)| a.order(*b));
     let row = |(terminal, net): (Terminal, Net)| {
-        let kind = kind(terminal);
-        let single = kind.as_ref().is_some_and(|kind| kind.terminals().len() == 1);
-        let name = wiring.name(terminal.part);
-        let terminal = if single { name.to_owned() } else { format!("{name}.{}", terminal.role) };
-        [net_name(net), terminal, kind.as_ref().map_or("", what).to_owned()]
+        let placed = wiring.parts().find(|(id, _)| *id == terminal.part);
+        let pin = match net {
+            Net::Pin(_) => format!("{} ({net})", net.printed()),
+            Net::AnalogOnly(_) | Net::Ground | Net::Supply => net.printed(),
+        };
+        [pin, wiring.terminal_name(terminal), placed.map_or("", |(_, placed)| what(placed.kind())).to_owned()]
     };
     wires.into_iter().map(row).collect()
-}
-
-/// Digital pins first, then analog ones, then the supply.
-fn order(net: Net) -> (u8, u8) {
-    match net {
-        Net::Pin(pin) => {
-            (0, (0..20).find(|&number| Net::arduino(number) == Some(Net::Pin(pin))).unwrap_or(20))
-        }
-        Net::AnalogOnly(channel) => (1, channel),
-        Net::Supply => (2, 0),
-        Net::Ground => (2, 1),
-    }
-}
-
-/// As it is printed on an Arduino, and in the data sheet.
-fn net_name(net: Net) -> String {
-    let number = (0..20).find(|&number| Net::arduino(number) == Some(net));
-    match number {
-        Some(number @ 14..) => format!("A{} ({net})", number - 14),
-        Some(number) => format!("{number} ({net})"),
-        None => net.to_string(),
-    }
 }
 
 fn what(kind: &Kind) -> &'static str {

@@ -8,6 +8,7 @@ mod damaged;
 mod devices;
 mod diagrams;
 mod export;
+mod firmware;
 mod fitting;
 mod foxglove;
 mod hostile;

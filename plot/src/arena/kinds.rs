@@ -32,6 +32,7 @@ fn are_alike(a: &RobotSpec, b: &RobotSpec) -> bool {
         && a.look == b.look
         && a.sensors == b.sensors
         && a.actuators == b.actuators
+        && a.chip == b.chip
 }
 
 const MOST: usize = 12;

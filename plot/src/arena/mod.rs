@@ -5,7 +5,7 @@
 //! 1. This file puts it together: the plan with its frame and its names, and blocks beside it or below it.
 //! 2. `lens` enlarges robots that are small in the plan, `key` says what the colours mean, `block` makes columns of both,
 //!    and `kinds` finds robots that are alike.
-//! 3. `ground`, `walls`, `things`, `body` and `senses` draw what there is, from the floor upwards, into any window;
+//! 3. `pins` draws the chip of a robot that runs a program of the user's own. `ground`, `walls`, `things`, `body` and `senses` draw what there is, from the floor upwards, into any window;
 //!    `trails`, `route` and `pose_search` draw over it.
 //! 4. `view` is such a window, `extent` the part of the world in it, `frame` its axes, and `labels` finds room for names.
 //!
@@ -21,6 +21,7 @@ mod key;
 mod kinds;
 mod labels;
 mod lens;
+mod pins;
 mod pose_search;
 mod route;
 mod senses;
@@ -223,6 +224,8 @@ impl Plan<'_> {
         let lenses = self.lenses.kinds.iter().enumerate().map(lens);
         let keys = self.kinds.iter().take(MOST_LENSES).map(key::of_kind);
         let rest = (self.kinds.len() > MOST_LENSES).then(key::of_rest);
+        let pins = self.kinds.iter().take(MOST_LENSES).filter_map(pins::draw);
+        let keys = keys.chain(pins);
         lenses.chain(keys).chain(rest).chain(surroundings).collect()
     }
 
