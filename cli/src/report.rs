@@ -149,7 +149,7 @@ fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
     if !robot.said.is_empty() {
         facts.push(("said", Printable(&robot.said).to_string()));
     }
-    facts.extend(robot.chip.iter().flat_map(|chip| self::chip(chip, simulated_s)));
+    facts.extend(robot.chip.iter().flat_map(self::chip));
     let [distance, speed] = [robot.distance_m, robot.distance_m / simulated_s].map(handy);
     let collisions = count(usize::try_from(robot.collisions).unwrap_or(usize::MAX), "collision");
     facts.extend([
@@ -171,15 +171,14 @@ fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
 }
 
 /// What a chip did, and what its program or its wiring hardly means.
-fn chip(chip: &Chip, simulated_s: f64) -> impl Iterator<Item = (&'static str, String)> {
+fn chip(chip: &Chip) -> impl Iterator<Item = (&'static str, String)> {
     let mhz = f64::from(chip.clock_hz) / 1e6;
-    let awake = percent(chip.cycles as f64 / (f64::from(chip.clock_hz) * simulated_s));
     let resets = match chip.watchdog_resets {
         0 => String::new(),
         n => format!(", {} by its watchdog", count(n as usize, "reset")),
     };
     let text = format!(
-        "{} at {mhz} MHz, {} cycles, awake for {awake} of the time, a stack of {} bytes at most{resets}",
+        "{} at {mhz} MHz, {} cycles, a stack of {} bytes at most{resets}",
         chip.part, chip.cycles, chip.stack_bytes
     );
     let warning = |warning: &ChipWarning| {
