@@ -87,7 +87,9 @@ impl Session {
         if let Some(machine) = self.machine.take() {
             self.keep(match machine {
                 Machine::Running(running) => running.report_stop(target, reason),
-                other => Ok(other),
+                other @ (Machine::Idle(_) | Machine::CtrlCInterrupt(_) | Machine::Disconnected(_)) => {
+                    Ok(other)
+                }
             });
         }
     }
@@ -97,7 +99,7 @@ impl Session {
         let next = match machine {
             Machine::Idle(idle) => idle.incoming_data(target, byte),
             Machine::Running(running) => running.incoming_data(target, byte),
-            other => Ok(other),
+            other @ (Machine::CtrlCInterrupt(_) | Machine::Disconnected(_)) => Ok(other),
         };
         self.keep(match next {
             Ok(Machine::CtrlCInterrupt(interrupt)) => {
