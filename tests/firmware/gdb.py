@@ -66,11 +66,10 @@ def breakpoints_and_steps(baudbot: str, elf: str) -> None:
     found(r"^\$1 = 0x0$", said)
     found(r"^Breakpoint 1, add \(sum=0, number=1 '\\001'\)", said)
     found(r"^#1  0x[0-9a-f]+ in main \(\) at .*sketch\.c:22$", said)
-    found(r"^Run till exit from #0  add \(sum=0, number=1", said)
     found(r"^Value returned is .* = 1$", said)
     found(r"^Breakpoint 1, add \(sum=1, number=2 '\\002'\)", said)
     found(r"^Temporary breakpoint 2, main \(\) at .*sketch\.c:23$", said)
-    found(r"^\[Inferior 1 \(Remote target\) exited normally\]$", said)
+    found(r"^\[Inferior 1 \(.*\) exited normally\]$", said)
     seconds = float(found(r"^([0-9.]+) s after the chip's supply came on, \d+ cycles", said)[1])
     assert seconds < 0.1, f"the first call of add comes at {seconds} s"
     code, summary = world.end()
@@ -96,18 +95,35 @@ def watchpoints(baudbot: str, elf: str) -> None:
 
 
 def an_interrupt_and_a_detachment(baudbot: str, elf: str) -> None:
-    """Ctrl-C stops a program that runs; then the world stands, and goes on when the debugger is gone."""
+    """What Ctrl-C does stops a program that runs; then the world stands, and goes on when the debugger is gone."""
     world = World(baudbot, elf, "--seconds", "100000")
-    debugger = gdb(
-        world, elf, "continue", "monitor time", "shell sleep 1", "monitor time", "print ticks_ms < 6", "detach",
-    )
-    time.sleep(2.0)
-    debugger.send_signal(signal.SIGINT)
-    said, _ = debugger.communicate(timeout=120)
-    found(r"^Program received signal SIGINT", said)
-    times = re.findall(r"^([0-9.]+) s after", said, re.MULTILINE)
-    assert len(times) == 2 and times[0] == times[1], said
-    found(r"^\$1 = 1$", said)
+    words = ["avr-gdb", "-nx", "-q", "--interpreter=mi2", elf]
+    debugger = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def ask(command: str, until: str) -> str:
+        debugger.stdin.write(command + "\n")
+        debugger.stdin.flush()
+        said = ""
+        while not re.search(until, said, re.MULTILINE):
+            line = debugger.stdout.readline()
+            assert line, f"avr-gdb has ended behind {command}: {said}"
+            said += line
+        return said
+
+    ask("-gdb-set mi-async on", r"^\^done")
+    ask(f"-target-select remote {world.address}", r"^\*stopped")
+    ask("-exec-continue", r"^\*running")
+    time.sleep(1.0)
+    ask("-exec-interrupt", r'^\*stopped.*signal-name="SIGINT"')
+    time_s = r"([0-9.]+) s after the chip's supply came on"
+    first = found(time_s, ask("monitor time", r"^\^done"))[1]
+    time.sleep(0.5)
+    assert found(time_s, ask("monitor time", r"^\^done"))[1] == first
+    # The tick of a millisecond goes on: it is set to 0 at 5.
+    found(r'value="1"', ask('-data-evaluate-expression "ticks_ms < 6"', r"^\^done"))
+    ask("-target-detach", r"^\^done")
+    debugger.stdin.write("-gdb-exit\n")
+    debugger.communicate(timeout=60)
     world.process.send_signal(signal.SIGINT)
     assert world.end()[0] == 130
 
