@@ -305,7 +305,7 @@ mod tests {
         ("W4s/onboard", 0xd1d8_143e_a7c7_826b),
         ("W4s/cable", 0xf60a_7506_2396_2d3c),
         ("G", 0xb4eb_3d15_1ccd_73d7),
-        ("F/spinning", 0),
+        ("F/spinning", 0xc3df_49c0_5251_0196),
         ("F/sleeping", 0),
     ];
 

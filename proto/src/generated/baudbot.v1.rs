@@ -324,7 +324,7 @@ pub struct ChipStatus {
     /// What it is, such as ATmega328P.
     #[prost(string, tag = "1")]
     pub part: ::prost::alloc::string::String,
-    /// Cycles that it has executed.
+    /// Cycles that it has made; none in sleep modes that stop its clocks.
     #[prost(uint64, tag = "2")]
     pub cycles: u64,
     /// Times that its watchdog has reset it.

@@ -716,6 +716,7 @@ class RobotStatus(_message.Message):
     SAID_FIELD_NUMBER: _builtins.int
     THINKING_WALL_FIELD_NUMBER: _builtins.int
     THINKING_PROCESSOR_FIELD_NUMBER: _builtins.int
+    CHIP_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
     """Its name."""
     brain: _builtins.str
@@ -774,6 +775,10 @@ class RobotStatus(_message.Message):
         were started with the run.
         """
 
+    @_builtins.property
+    def chip(self) -> Global___ChipStatus:
+        """The chip that runs a program of the user's own; absent if there is none."""
+
     def __init__(
         self,
         *,
@@ -796,14 +801,93 @@ class RobotStatus(_message.Message):
         said: _builtins.str = ...,
         thinking_wall: Global___Durations | None = ...,
         thinking_processor: Global___Durations | None = ...,
+        chip: Global___ChipStatus | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["battery", b"battery", "cycles", b"cycles", "downlink", b"downlink", "thinking_processor", b"thinking_processor", "thinking_wall", b"thinking_wall", "uplink", b"uplink"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["battery", b"battery", "chip", b"chip", "cycles", b"cycles", "downlink", b"downlink", "thinking_processor", b"thinking_processor", "thinking_wall", b"thinking_wall", "uplink", b"uplink"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["attached", b"attached", "battery", b"battery", "brain", b"brain", "collisions", b"collisions", "commands", b"commands", "cycles", b"cycles", "distance_m", b"distance_m", "downlink", b"downlink", "frames_missed", b"frames_missed", "in_zone_ns", b"in_zone_ns", "lost_deliveries", b"lost_deliveries", "lost_steps", b"lost_steps", "robot", b"robot", "said", b"said", "sensors", b"sensors", "thinking_processor", b"thinking_processor", "thinking_wall", b"thinking_wall", "turns", b"turns", "uplink", b"uplink"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["attached", b"attached", "battery", b"battery", "brain", b"brain", "chip", b"chip", "collisions", b"collisions", "commands", b"commands", "cycles", b"cycles", "distance_m", b"distance_m", "downlink", b"downlink", "frames_missed", b"frames_missed", "in_zone_ns", b"in_zone_ns", "lost_deliveries", b"lost_deliveries", "lost_steps", b"lost_steps", "robot", b"robot", "said", b"said", "sensors", b"sensors", "thinking_processor", b"thinking_processor", "thinking_wall", b"thinking_wall", "turns", b"turns", "uplink", b"uplink"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
 Global___RobotStatus: _TypeAlias = RobotStatus  # noqa: Y015
+
+@_typing.final
+class ChipStatus(_message.Message):
+    """A microcontroller that runs a program of the user's own, cycle by cycle."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    PART_FIELD_NUMBER: _builtins.int
+    CYCLES_FIELD_NUMBER: _builtins.int
+    WATCHDOG_RESETS_FIELD_NUMBER: _builtins.int
+    STACK_BYTES_FIELD_NUMBER: _builtins.int
+    WARNINGS_FIELD_NUMBER: _builtins.int
+    part: _builtins.str
+    """What it is, such as ATmega328P."""
+    cycles: _builtins.int
+    """Cycles that it has made; none in sleep modes that stop its clocks."""
+    watchdog_resets: _builtins.int
+    """Times that its watchdog has reset it."""
+    stack_bytes: _builtins.int
+    """The most bytes that its stack has had."""
+    @_builtins.property
+    def warnings(self) -> _containers.RepeatedCompositeFieldContainer[Global___ChipWarning]:
+        """What its program or its wiring hardly means, in the order in which it came first."""
+
+    def __init__(
+        self,
+        *,
+        part: _builtins.str = ...,
+        cycles: _builtins.int = ...,
+        watchdog_resets: _builtins.int = ...,
+        stack_bytes: _builtins.int = ...,
+        warnings: _abc.Iterable[Global___ChipWarning] | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["cycles", b"cycles", "part", b"part", "stack_bytes", b"stack_bytes", "warnings", b"warnings", "watchdog_resets", b"watchdog_resets"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___ChipStatus: _TypeAlias = ChipStatus  # noqa: Y015
+
+@_typing.final
+class ChipWarning(_message.Message):
+    """Something that a program or a wiring hardly means."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    PROBLEM_FIELD_NUMBER: _builtins.int
+    PIN_FIELD_NUMBER: _builtins.int
+    PART_FIELD_NUMBER: _builtins.int
+    FIRST_NS_FIELD_NUMBER: _builtins.int
+    COUNT_FIELD_NUMBER: _builtins.int
+    problem: _builtins.str
+    """What, in words."""
+    pin: _builtins.str
+    """At which pin, such as PB1; empty if at none."""
+    part: _builtins.str
+    """With which part on its pins, such as motors.left; empty if with none."""
+    first_ns: _builtins.int
+    """When it came first."""
+    count: _builtins.int
+    """How often it came."""
+    def __init__(
+        self,
+        *,
+        problem: _builtins.str = ...,
+        pin: _builtins.str = ...,
+        part: _builtins.str = ...,
+        first_ns: _builtins.int = ...,
+        count: _builtins.int = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["count", b"count", "first_ns", b"first_ns", "part", b"part", "pin", b"pin", "problem", b"problem"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___ChipWarning: _TypeAlias = ChipWarning  # noqa: Y015
 
 @_typing.final
 class CycleStatus(_message.Message):
