@@ -1,11 +1,13 @@
 //! A chip: processor, memories and peripherals, as one value.
 
+mod counting;
 mod crystal;
 mod debug;
 mod events;
 mod execute;
 mod input;
 mod interrupts;
+mod lanes;
 mod memory;
 mod outputs;
 mod power;
@@ -14,6 +16,7 @@ mod registers;
 mod repeat;
 mod run;
 mod saved;
+mod step;
 
 use alloc::vec;
 use alloc::vec::Vec;

@@ -35,6 +35,9 @@ impl Chip {
         }
         self.service(board);
         self.note_read(Place::at(address));
+        if let Place::Timer(_, timer::Register::Count) = Place::at(address) {
+            self.pass_iterations(address);
+        }
         self.read_peripheral(Place::at(address), board)
     }
 
@@ -171,7 +174,7 @@ impl Chip {
     }
 
     /// Pins of a port whose digital inputs are off.
-    fn digital_off(&self, port: Port) -> u8 {
+    pub(super) fn digital_off(&self, port: Port) -> u8 {
         match port {
             Port::B => 0,
             Port::C => self.system.read(system::Register::DigitalOff(0)) & 0x3F,

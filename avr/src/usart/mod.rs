@@ -265,7 +265,7 @@ impl Usart {
         }
     }
 
-    fn status(&self) -> u8 {
+    pub(crate) fn status(&self) -> u8 {
         let mut status = self.receiver.status();
         for (set, bit) in [
             (self.sent, SENT),
