@@ -30,19 +30,28 @@ const COUNTERS: [u16; 3] = [0x46, 0x84, 0xB2];
 
 /// A timer's mode, prescaler, compare values and mask.
 fn timer() -> impl Strategy<Value = Vec<u16>> {
-    (0..3usize, any::<u8>(), any::<u8>(), any::<[u8; 4]>(), 0..4u8).prop_map(|(which, a, b, compare, mask)| {
-        let control = TIMERS[which];
-        let registers = if which == 1 { [0x89, 0x88, 0x8B, 0x8A] } else { [control + 3, control + 3, control + 4, control + 4] };
-        let mut words: Vec<u16> =
-            registers.into_iter().zip(compare).flat_map(|(address, value)| store(address, value)).collect();
-        // Half of them count up to MAX.
-        let (a, b) = if compare[0] % 2 == 0 { (a & 0xF0, b & 7) } else { (a, b & 0x1F) };
-        words.extend(store(control, a));
-        words.extend(store(control + 1, b));
-        // Mostly no interrupt, else that of the overflow.
-        words.extend(store(0x6E + which as u16, u8::from(mask == 0)));
-        words
-    })
+    (0..3usize, any::<u8>(), any::<u8>(), any::<[u8; 4]>(), 0..4u8).prop_map(
+        |(which, a, b, compare, mask)| {
+            let control = TIMERS[which];
+            let registers = if which == 1 {
+                [0x89, 0x88, 0x8B, 0x8A]
+            } else {
+                [control + 3, control + 3, control + 4, control + 4]
+            };
+            let mut words: Vec<u16> = registers
+                .into_iter()
+                .zip(compare)
+                .flat_map(|(address, value)| store(address, value))
+                .collect();
+            // Half of them count up to MAX.
+            let (a, b) = if compare[0] % 2 == 0 { (a & 0xF0, b & 7) } else { (a, b & 0x1F) };
+            words.extend(store(control, a));
+            words.extend(store(control + 1, b));
+            // Mostly no interrupt, else that of the overflow.
+            words.extend(store(0x6E + which as u16, u8::from(mask == 0)));
+            words
+        },
+    )
 }
 
 /// Reads of counters and flags of timers, of pins and of the memory.
@@ -149,10 +158,12 @@ fn piece() -> impl Strategy<Value = Vec<u16>> {
 }
 
 fn body() -> impl Strategy<Value = (Vec<Vec<u16>>, Decision, bool)> {
-    (reads(), prop::collection::vec(piece(), 0..10), decision(), any::<bool>()).prop_map(|(read, mut rest, decision, call)| {
-        rest.insert(0, read);
-        (rest, decision, call)
-    })
+    (reads(), prop::collection::vec(piece(), 0..10), decision(), any::<bool>()).prop_map(
+        |(read, mut rest, decision, call)| {
+            rest.insert(0, read);
+            (rest, decision, call)
+        },
+    )
 }
 
 fn cases() -> ProptestConfig {

@@ -268,7 +268,9 @@ impl Chip {
             (Op::Lds { address: at, .. }, _) if at == address.into() => {
                 Some(Head { pc: before(2), cycle: self.cycle - 1 })
             }
-            (_, Op::In { address: at, .. }) if at == address => Some(Head { pc: before(1), cycle: self.cycle }),
+            (_, Op::In { address: at, .. }) if at == address => {
+                Some(Head { pc: before(1), cycle: self.cycle })
+            }
             _ => None,
         }
     }

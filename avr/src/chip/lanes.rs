@@ -115,12 +115,21 @@ impl Operation {
 
     /// What a register of a peripheral is in each iteration, if nothing but a timer's clock changes it: `low`, and behind a
     /// counter its high byte. The first iteration reads it at this cycle.
-    pub(super) fn read(&mut self, chip: &Chip, place: Place, cycle: u64, period: u64, count: usize) -> Option<()> {
+    pub(super) fn read(
+        &mut self,
+        chip: &Chip,
+        place: Place,
+        cycle: u64,
+        period: u64,
+        count: usize,
+    ) -> Option<()> {
         match place {
             Place::Timer(_, timer::Register::Capture | timer::Register::CaptureHigh) => return None,
             Place::Timer(which, register) => self.read_timer(chip, which, register, cycle, period, count),
             Place::Port(port, register) => self.low.set(chip.steady_port(port, register)?),
-            Place::System(register @ system::Register::General(_)) => self.low.set(chip.system.read(register)),
+            Place::System(register @ system::Register::General(_)) => {
+                self.low.set(chip.system.read(register))
+            }
             Place::Usart(usart::Register::ControlA) => self.low.set(chip.usart.status()),
             _ => return None,
         }
@@ -137,12 +146,17 @@ impl Operation {
         count: usize,
     ) {
         let mut timer = chip.timers[which as usize].clone();
+        timer.advance(chip.timer_time(which, cycle));
+        let mut ahead = timer.ahead();
+        let mut value = timer.read(register);
         for lane in 0..count.min(LANES) {
-            if !register.is_control() {
-                timer.advance(chip.timer_time(which, cycle + period * lane as u64));
+            let now = chip.timer_time(which, cycle + period * lane as u64);
+            if now >= ahead.until {
+                timer.advance(now);
+                (ahead, value) = (timer.ahead(), timer.read(register));
             }
-            self.low.of[lane] = timer.read(register);
-            self.high.of[lane] = timer.read(timer::Register::CountHigh);
+            let counter = if register == timer::Register::Count { ahead.count(now) } else { value.into() };
+            [self.low.of[lane], self.high.of[lane]] = counter.to_le_bytes();
         }
         self.low.settle(count);
         self.high.settle(count);

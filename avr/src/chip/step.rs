@@ -27,7 +27,6 @@ impl Iterations {
     pub(super) fn step(&mut self, chip: &Chip) -> Option<()> {
         let op = chip.flash.op(self.pc);
         self.pc = (self.pc + 1) & chip.pc_mask;
-        #[cfg(test)] std::eprintln!("{:x} {:?} n={}", self.pc*2, op, self.count);
         let cycles = self
             .with_register(op)
             .or_else(|| self.with_constant(op))

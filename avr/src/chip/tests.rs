@@ -630,14 +630,3 @@ fn changes_of_pins_in_the_past_or_too_many_are_refused() {
     }
     assert_eq!(chip.set_pin(pin, External::Low, now), Err(InputError::Full));
 }
-
-#[test]
-fn debug_blink() {
-    let bytes = std::fs::read("/tmp/sk-delay/blink.hex").unwrap();
-    let program = Program::parse(Part::Atmega328P, &bytes).unwrap();
-    let mut chip = Chip::new(&program, Fuses::external_clock(Part::Atmega328P), Supply::ARDUINO);
-    for ms in 1..30 {
-        chip.run(ms * 16000, &mut Bare);
-        std::eprintln!("{} passed {} {:?}", ms, chip.repeat.passed, chip.pc());
-    }
-}
