@@ -47,11 +47,6 @@ impl Flash {
         Arc::clone(&self.code)
     }
 
-    /// The instruction at a word address.
-    pub(crate) fn op(&self, pc: u32) -> Op {
-        self.code.op(pc)
-    }
-
     /// Whether this is what is executed.
     pub(crate) fn is(&self, code: &Arc<Code>) -> bool {
         Arc::ptr_eq(&self.code, code)

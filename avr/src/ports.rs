@@ -195,16 +195,11 @@ impl Ports {
     /// Pins of a port that float although they are read by `mask`; each is told once.
     #[inline]
     pub(crate) fn floating(&mut self, port: Port, mask: u8) -> u8 {
-        let floating = self.will_float(port, mask);
-        self.states[port.index()].floating_told |= floating;
+        let state = &mut self.states[port.index()];
+        let floating =
+            mask & !(state.external | state.drives.output | state.drives.high | state.floating_told);
+        state.floating_told |= floating;
         floating
-    }
-
-    /// The same before they are told.
-    #[inline]
-    pub(crate) const fn will_float(&self, port: Port, mask: u8) -> u8 {
-        let state = &self.states[port.index()];
-        mask & !(state.external | state.drives.output | state.drives.high | state.floating_told)
     }
 }
 

@@ -1,4 +1,5 @@
-//! Loops of chance that read counters: those that are passed over end as those that are gone through.
+//! Loops of chance that read counters: however they run, they do the same. A counter changes without an event, so none of
+//! these loops comes back to where it was only because its registers and its memory do.
 //!
 //! More with `BAUDBOT_AVR_PROGRAMS`.
 
@@ -15,7 +16,7 @@ fn load(d: u16, address: u16) -> Vec<u16> {
     vec![0x9000 | d << 4, address]
 }
 
-/// Instruction with two registers from 16 to 31 but for 28 and 29, which are used for nothing else.
+/// An instruction with two registers from 16 to 31.
 fn two(opcode: u16, d: u16, r: u16) -> u16 {
     opcode | 0x0300 | (d & 15) << 4 | r & 15
 }
@@ -136,7 +137,7 @@ fn program(timers: &[Vec<u16>], loops: &[(Vec<Vec<u16>>, Decision, bool)]) -> Ve
     for (pieces, decision, call) in loops {
         let start = words.len();
         if *call {
-            // rcall over the loop's end: rjmp to the function is not needed, since the body is one that returns.
+            // rcall .+2; rjmp over the function; the function; ret
             words.extend([0xD001, 0xC000]);
             let jump = words.len() - 1;
             let body = pieces.concat();

@@ -373,7 +373,7 @@ impl Chip {
     }
 }
 
-pub(super) const fn far(high: u8, low: u16) -> u32 {
+const fn far(high: u8, low: u16) -> u32 {
     (high as u32) << 16 | low as u32
 }
 

@@ -1,13 +1,11 @@
 //! A chip: processor, memories and peripherals, as one value.
 
-mod counting;
 mod crystal;
 mod debug;
 mod events;
 mod execute;
 mod input;
 mod interrupts;
-mod lanes;
 mod memory;
 mod outputs;
 mod power;
@@ -16,7 +14,6 @@ mod registers;
 mod repeat;
 mod run;
 mod saved;
-mod step;
 
 use alloc::vec;
 use alloc::vec::Vec;

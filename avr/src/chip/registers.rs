@@ -35,9 +35,6 @@ impl Chip {
         }
         self.service(board);
         self.note_read(Place::at(address));
-        if let Place::Timer(_, timer::Register::Count) = Place::at(address) {
-            self.pass_iterations(address);
-        }
         self.read_peripheral(Place::at(address), board)
     }
 
@@ -174,7 +171,7 @@ impl Chip {
     }
 
     /// Pins of a port whose digital inputs are off.
-    pub(super) fn digital_off(&self, port: Port) -> u8 {
+    fn digital_off(&self, port: Port) -> u8 {
         match port {
             Port::B => 0,
             Port::C => self.system.read(system::Register::DigitalOff(0)) & 0x3F,

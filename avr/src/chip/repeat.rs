@@ -10,7 +10,6 @@
 use alloc::vec::Vec;
 
 use super::Chip;
-use super::counting::Counting;
 use crate::address::{Core, Place};
 use crate::ports;
 use crate::{adc, spi, system, timer, twi, usart};
@@ -36,8 +35,6 @@ pub(super) struct Repeat {
     sram: Vec<u8>,
     /// The same for the shortest loops, whose instructions are known to wait only.
     pub(super) waiting: Waiting,
-    /// The same for loops that read a counter.
-    pub(super) counting: Counting,
     /// How often a loop was passed over.
     #[cfg(test)]
     pub(super) passed: u64,
@@ -82,16 +79,13 @@ impl Default for Waiting {
 
 impl Repeat {
     pub(super) fn new(sram_bytes: u16) -> Self {
-        let mut repeat = Self { sram: Vec::with_capacity(sram_bytes.into()), ..Self::default() };
-        repeat.counting.allocate();
-        repeat
+        Self { sram: Vec::with_capacity(sram_bytes.into()), ..Self::default() }
     }
 
     /// Something has happened: what was marked before does not come again.
     #[inline]
     pub(super) const fn restart(&mut self) {
         self.phase = Phase::New;
-        self.counting.restart();
     }
 
     /// The program does something that another time may do something else.
@@ -103,7 +97,6 @@ impl Repeat {
     /// The next iteration of a loop that waits may be another, without an event.
     pub(super) const fn forget(&mut self) {
         self.waiting = Waiting::NOWHERE;
-        self.counting.give_up();
         self.give_up();
     }
 

@@ -3,26 +3,6 @@
 use super::mode::{Output, Slope, Top, Update};
 use super::{CAPTURE, MATCH_A, MATCH_B, OVERFLOW, Source, Timer};
 
-/// What a counter will be before a cycle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ahead {
-    pub(crate) until: u64,
-    count: u16,
-    down: bool,
-    zero: u64,
-    shift: u32,
-    /// The last tick that has happened.
-    tick: u64,
-}
-
-impl Ahead {
-    /// The counter at a cycle before `until`, and not before the present one.
-    pub(crate) const fn count(&self, now: u64) -> u16 {
-        let ticks = (((now - self.zero) >> self.shift) - self.tick) as u16;
-        if self.down { self.count.wrapping_sub(ticks) } else { self.count.wrapping_add(ticks) }
-    }
-}
-
 impl Timer {
     /// Brings the timer to this cycle, with the tick that happens in it.
     pub(crate) fn advance(&mut self, now: u64) {
@@ -44,27 +24,6 @@ impl Timer {
         let ticks = self.ticks_to_corner(self.watched | (wanted >> 1 & 3));
         let first = (self.at - self.zero) / division + 1;
         (self.zero + (first + u64::from(ticks) - 1) * division).min(self.noise_until)
-    }
-
-    /// How it counts on from here, until it does more than that.
-    pub(crate) fn ahead(&self) -> Ahead {
-        let still = Ahead {
-            until: self.noise_until,
-            count: self.count,
-            down: self.down,
-            zero: 0,
-            shift: 63,
-            tick: 0,
-        };
-        let Source::Divided(division) = self.source() else { return still };
-        if self.off || (self.held && division > 1) {
-            return still;
-        }
-        // All divisions are powers of two.
-        let shift = division.trailing_zeros();
-        let tick = (self.at - self.zero) >> shift;
-        let corner = self.zero + ((tick + u64::from(self.ticks_to_corner(3))) << shift);
-        Ahead { until: corner.min(self.noise_until), zero: self.zero, shift, tick, ..still }
     }
 
     fn count_to(&mut self, now: u64) {

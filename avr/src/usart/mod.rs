@@ -265,7 +265,7 @@ impl Usart {
         }
     }
 
-    pub(crate) fn status(&self) -> u8 {
+    fn status(&self) -> u8 {
         let mut status = self.receiver.status();
         for (set, bit) in [
             (self.sent, SENT),
