@@ -30,6 +30,8 @@ pub enum WarningKind {
     Overrun,
     /// Characters were sent and not taken from the board; they are lost.
     SentLost,
+    /// Characters are sent at another rate than the other end reads, so that it cannot read them.
+    OtherRate,
     /// A word that is no instruction was executed.
     IllegalInstruction,
     /// Data beyond the memory were read or written.
@@ -56,6 +58,7 @@ impl core::fmt::Display for WarningKind {
             Self::ReceiverOff => "a character came while the UART's receiver was off",
             Self::Overrun => "a character came while the receiver's buffer was full, and was lost",
             Self::SentLost => "characters were sent faster than they could be taken, and were lost",
+            Self::OtherRate => "characters are sent at a baud rate at which the laptop's end does not read",
             Self::IllegalInstruction => "a word was executed that is no instruction",
             Self::BeyondMemory => "data beyond the memory were read or written",
             Self::StackOverflow => "the stack has grown into the variables",

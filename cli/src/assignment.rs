@@ -16,7 +16,8 @@ pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec]) -> anyhow::Resu
         Refused::error(if let AssignmentError::Blind { robot } = error {
             format!(
                 "robot `{robot}` has no IR sensors, so the default brain `{}` cannot drive it; give it another \
-                 with --brain {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain)",
+                 with --brain {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain), or its microcontroller a \
+                 program of yours with --firmware {robot}=FILE (`baudbot new firmware` begins one)",
                 assignment::DEFAULT
             )
         } else {

@@ -149,7 +149,7 @@ fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
     if !robot.said.is_empty() {
         facts.push(("said", Printable(&robot.said).to_string()));
     }
-    facts.extend(robot.chip.iter().flat_map(self::chip));
+    facts.extend(robot.chip.iter().flat_map(chip));
     let [distance, speed] = [robot.distance_m, robot.distance_m / simulated_s].map(handy);
     let collisions = count(usize::try_from(robot.collisions).unwrap_or(usize::MAX), "collision");
     facts.extend([

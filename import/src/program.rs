@@ -54,6 +54,9 @@ fn table(path: &Path) -> Result<InlineTable, FileError> {
     if let Some(fuses) = program.fuses() {
         table.insert("fuses", Array::from_iter(fuses.map(i64::from)).into());
     }
+    if let Some(device) = program.device() {
+        table.insert("device", device.into());
+    }
     if let Some(end) = program.data_end() {
         table.insert("data_end", i64::from(end).into());
     }

@@ -1,10 +1,12 @@
 //! The forms in which a file may say what is on a pin, and which program runs.
 
 use alloc::collections::BTreeMap;
-use alloc::string::String;
+use alloc::format;
+use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use baudbot_fields::Path;
+use toml::Value;
 
 use crate::pins::{Inline, Options};
 
@@ -14,17 +16,40 @@ use crate::pins::{Inline, Options};
 pub(super) struct Pins(BTreeMap<String, OnPin>);
 
 #[derive(Clone, Debug, serde::Deserialize)]
-#[serde(untagged)]
-enum OnPin {
-    One(Connection),
-    Many(Vec<Connection>),
-}
+#[serde(try_from = "Value")]
+struct OnPin(Vec<Connection>);
 
-#[derive(Clone, Debug, serde::Deserialize)]
-#[serde(untagged)]
+#[derive(Clone, Debug)]
 enum Connection {
     Plain(String),
     With(Options),
+}
+
+impl TryFrom<Value> for OnPin {
+    type Error = String;
+
+    fn try_from(value: Value) -> Result<Self, String> {
+        match value {
+            Value::Array(many) => {
+                many.into_iter().map(Connection::try_from).collect::<Result<_, _>>().map(Self)
+            }
+            one => Connection::try_from(one).map(|one| Self(alloc::vec![one])),
+        }
+    }
+}
+
+impl TryFrom<Value> for Connection {
+    type Error = String;
+
+    fn try_from(value: Value) -> Result<Self, String> {
+        match value {
+            Value::String(to) => Ok(Self::Plain(to)),
+            Value::Table(table) => {
+                table.try_into().map(Self::With).map_err(|error| error.message().to_string())
+            }
+            other => Err(format!("has a text, a list, or a table with `to`, and not {}", other.type_str())),
+        }
+    }
 }
 
 impl Pins {
@@ -33,12 +58,9 @@ impl Pins {
         let mut all = Vec::new();
         for (pin, on) in &self.0 {
             let at = path.field(pin);
-            match on {
-                OnPin::One(one) => all.push((at, &**pin, one.options())),
-                OnPin::Many(many) => {
-                    let many = many.iter().enumerate();
-                    all.extend(many.map(|(i, one)| (at.index(i), &**pin, one.options())));
-                }
+            for (i, one) in on.0.iter().enumerate() {
+                let at = if on.0.len() == 1 { at.clone() } else { at.index(i) };
+                all.push((at, &**pin, one.options()));
             }
         }
         all

@@ -49,6 +49,8 @@ pub(super) struct Inline {
     pub(super) hex: String,
     /// The EEPROM as Intel HEX.
     pub(super) eeprom_hex: Option<String>,
+    /// The part that it was built for.
+    pub(super) device: Option<String>,
     /// Low, high and extended.
     pub(super) fuses: Option<[u8; 3]>,
     /// Behind the last variable.

@@ -37,6 +37,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
             too_fast_to_read(robot, &mut warnings);
         }
         too_long_for_the_port(robot, &mut warnings);
+        is_on_nothing(robot, &mut warnings);
     }
     for mover in &scenario.movers {
         let meets = |robot: &&RobotSpec| passes(mover, robot);
@@ -50,6 +51,15 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
         }
     }
     warnings
+}
+
+/// A program with nothing on its pins.
+fn is_on_nothing(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
+    let Some(chip) = &robot.chip else { return };
+    if chip.board().wiring().parts().next().is_none() {
+        let problem = "nothing is on the pins, so the program moves nothing and senses nothing; the preset `uno-rover` has pins".into();
+        warnings.push(Warning { path: format!("robots.{}.pins", robot.table_name()), problem });
+    }
 }
 
 /// A microcontroller that has more to read than time.

@@ -5,6 +5,8 @@
 //!
 //! Source: *Tool Interface Standard, Executable and Linking Format*, version 1.2; the memory map is that of `avr-ld`.
 
+use alloc::string::{String, ToString};
+
 use thiserror::Error;
 
 use super::ProgramError;
@@ -17,6 +19,11 @@ const CLASS_32: u8 = 1;
 const LITTLE_ENDIAN: u8 = 1;
 const MACHINE_AVR: u16 = 83;
 const LOAD: u32 = 1;
+const NOTE: u32 = 7;
+/// EF_AVR_MACH.
+const ARCHITECTURE: u32 = 0x7F;
+/// Where the name is in a note with one name.
+const NOTED_NAME: usize = 0x31;
 const NO_BITS: u32 = 8;
 const SECTION_ALLOCATED: u32 = 2;
 const DATA: u32 = 0x80_0000;
@@ -24,8 +31,8 @@ const EEPROM: u32 = 0x81_0000;
 const FUSES: u32 = 0x82_0000;
 const LOCK: u32 = 0x83_0000;
 
-/// Bytes are no ELF file for an AVR.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+/// Bytes are no ELF file for one of these parts.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ElfError {
     /// The first four bytes are not those of an ELF file.
     #[error("the file does not begin like an ELF file")]
@@ -38,6 +45,20 @@ pub enum ElfError {
     Machine {
         /// `e_machine` in the file.
         found: u16,
+    },
+    /// The file is for another family of AVRs.
+    #[error(
+        "the ELF file is for AVRs of architecture {found} (e_flags), and an ATmega48 to 328 is of 4 or 5"
+    )]
+    Family {
+        /// The architecture in `e_flags`.
+        found: u32,
+    },
+    /// The file is for another AVR.
+    #[error("the ELF file is for an `{name}`, and not for one of ATmega48 to 328")]
+    Device {
+        /// Its name, as the compiler noted it.
+        name: String,
     },
     /// The file says that there is something behind its end.
     #[error("the ELF file has {found} bytes, but {needed} are needed")]
@@ -57,6 +78,7 @@ pub enum ElfError {
 pub(super) struct Found {
     pub(super) fuses: Option<[u8; 3]>,
     pub(super) data_end: Option<u16>,
+    pub(super) device: Option<String>,
 }
 
 /// Reads the segments and sections of a file.
@@ -81,7 +103,26 @@ impl<'a> Elf<'a> {
             return Err(ElfError::Class);
         }
         let machine = self.half(18)?;
-        if machine == MACHINE_AVR { Ok(()) } else { Err(ElfError::Machine { found: machine }) }
+        if machine != MACHINE_AVR {
+            return Err(ElfError::Machine { found: machine });
+        }
+        match self.word(36)? & ARCHITECTURE {
+            // A linker by hand sets none.
+            0 | 4 | 5 => Ok(()),
+            found => Err(ElfError::Family { found }),
+        }
+    }
+
+    /// The name of the part that the compiler noted: `.note.gnu.avr.deviceinfo`. Behind the note's head are six numbers, the length
+    /// of a table of offsets, the table, and the names.
+    fn device(&self, offset: u32, len: u32) -> Option<String> {
+        let note = self.bytes(u64::from(offset), u64::from(len)).ok()?;
+        if note.get(12..16)? != b"AVR\0" {
+            return None;
+        }
+        let name = note.get(NOTED_NAME..)?.split(|&byte| byte == 0).next()?;
+        let name = core::str::from_utf8(name).ok()?;
+        name.starts_with("at").then(|| name.to_string())
     }
 
     fn segments(&self, flash: &mut Image, eeprom: &mut Image) -> Result<(), ProgramError> {
@@ -111,6 +152,14 @@ impl<'a> Elf<'a> {
         for at in entries(table, size, count) {
             let (kind, flags, address) = (self.word(at + 4)?, self.word(at + 8)?, self.word(at + 12)?);
             let (offset, len) = (self.word(at + 16)?, self.word(at + 20)?);
+            if kind == NOTE
+                && let Some(name) = self.device(offset, len)
+            {
+                if !is_known(&name) {
+                    return Err(ElfError::Device { name });
+                }
+                found.device = Some(name);
+            }
             if flags & SECTION_ALLOCATED == 0 || len == 0 {
                 continue;
             }
@@ -150,6 +199,13 @@ impl<'a> Elf<'a> {
         let bytes = self.bytes(offset, 4)?;
         Ok(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
     }
+}
+
+/// Whether a part is an ATmega48, 88, 168 or 328, whatever its suffix.
+fn is_known(name: &str) -> bool {
+    let Some(number) = name.strip_prefix("atmega") else { return false };
+    let digits = number.trim_end_matches(|letter: char| letter.is_ascii_lowercase());
+    ["48", "88", "168", "328"].contains(&digits)
 }
 
 /// The offsets of a table's entries.

@@ -23,6 +23,7 @@ pub struct Program {
     eeprom: Vec<u8>,
     fuses: Option<[u8; 3]>,
     data_end: Option<u16>,
+    device: Option<String>,
 }
 
 /// A file is no program for the part.
@@ -100,7 +101,7 @@ impl Program {
     pub fn from_hex(part: Part, text: &[u8]) -> Result<Self, ProgramError> {
         let mut flash = image::Image::new(part, Memory::Flash);
         hex::read(text, &mut flash)?;
-        Self::finish(part, flash, image::Image::new(part, Memory::Eeprom), None, None)
+        Self::finish(part, flash, image::Image::new(part, Memory::Eeprom), elf::Found::default())
     }
 
     /// Reads an ELF file: the flash, and the sections `.eeprom` and `.fuse` if they are there.
@@ -112,7 +113,7 @@ impl Program {
         let mut flash = image::Image::new(part, Memory::Flash);
         let mut eeprom = image::Image::new(part, Memory::Eeprom);
         let found = elf::read(file, &mut flash, &mut eeprom)?;
-        Self::finish(part, flash, eeprom, found.fuses, found.data_end)
+        Self::finish(part, flash, eeprom, found)
     }
 
     /// A program from the words of its instructions, from address 0 on.
@@ -125,7 +126,7 @@ impl Program {
         for (at, word) in words.iter().enumerate() {
             flash.put(u32::try_from(2 * at).unwrap_or(u32::MAX), &word.to_le_bytes())?;
         }
-        Self::finish(part, flash, image::Image::new(part, Memory::Eeprom), None, None)
+        Self::finish(part, flash, image::Image::new(part, Memory::Eeprom), elf::Found::default())
     }
 
     /// This program, and the flash of `other` where this one has nothing: an application and its boot loader.
@@ -196,6 +197,11 @@ impl Program {
         self.fuses
     }
 
+    /// The part that the compiler built it for, such as `atmega328p`, if the file says.
+    pub fn device(&self) -> Option<&str> {
+        self.device.as_deref()
+    }
+
     /// The data address behind the last variable (`.bss` and `.noinit`), if the file says. A stack that reaches below it
     /// overwrites variables.
     pub const fn data_end(&self) -> Option<u16> {
@@ -206,14 +212,13 @@ impl Program {
         part: Part,
         flash: image::Image,
         eeprom: image::Image,
-        fuses: Option<[u8; 3]>,
-        data_end: Option<u16>,
+        elf::Found { fuses, data_end, device }: elf::Found,
     ) -> Result<Self, ProgramError> {
         let flash = flash.into_bytes();
         if flash.is_empty() {
             return Err(ProgramError::Empty);
         }
-        Ok(Self { part, flash, eeprom: eeprom.into_bytes(), fuses, data_end })
+        Ok(Self { part, flash, eeprom: eeprom.into_bytes(), fuses, data_end, device })
     }
 }
 

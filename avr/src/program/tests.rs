@@ -183,3 +183,22 @@ fn what_is_written_as_hex_is_read_again() {
         assert_eq!(extras.eeprom_hex().unwrap(), ":0200000001FFFE\n:00000001FF\n");
     }
 }
+
+#[test]
+fn an_elf_file_for_another_avr_is_refused() {
+    let elf = include_bytes!("../../tests/programs/eeprom.elf");
+    assert_eq!(Program::from_elf(Part::Atmega328P, elf).unwrap().device(), Some("atmega328p"));
+    let mut mega = elf.to_vec();
+    mega[36] = mega[36] & 0x80 | 6;
+    assert_eq!(Program::from_elf(Part::Atmega328P, &mega), Err(ElfError::Family { found: 6 }.into()));
+    let name = elf.windows(10).position(|name| name == b"atmega328p").unwrap();
+    for other in ["atmega32u4", "attiny841a", "atmega3290"] {
+        let mut leonardo = elf.to_vec();
+        leonardo[name..name + 10].copy_from_slice(other.as_bytes());
+        let error = ElfError::Device { name: other.into() };
+        assert_eq!(Program::from_elf(Part::Atmega328P, &leonardo), Err(error.into()));
+    }
+    let mut older = elf.to_vec();
+    older[name..name + 10].copy_from_slice(b"atmega168p");
+    assert_eq!(Program::from_elf(Part::Atmega328P, &older).unwrap().device(), Some("atmega168p"));
+}

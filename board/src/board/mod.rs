@@ -165,6 +165,11 @@ impl Board {
         }
     }
 
+    /// The other end of the cable reads at another rate than the chip sends.
+    pub fn warn_of_rate(&mut self) {
+        self.warn(WarningKind::OtherRate, 1);
+    }
+
     fn warn(&mut self, kind: WarningKind, count: u64) {
         let at_ns = self.around.clock.ns(self.chip.now());
         self.around.warnings.add(kind, None, None, at_ns, count);

@@ -23,7 +23,7 @@ pub enum Net {
 const ANALOG_0: u8 = 14;
 
 impl Net {
-    /// The wire of this name: `A0` to `A7`, `0` to `19`, `PB0` to `PD7`, `GND`, `VCC`, `5V`; upper or lower case.
+    /// The wire of this name: `A0` to `A7`, `0` to `19`, `D0` to `D13`, `PB0` to `PD7`, `GND`, `VCC`, `5V`; upper or lower case.
     pub fn by_name(name: &str) -> Option<Self> {
         if ["VCC", "5V"].iter().any(|supply| name.eq_ignore_ascii_case(supply)) {
             return Some(Self::Supply);
@@ -31,7 +31,7 @@ impl Net {
         if name.eq_ignore_ascii_case("GND") {
             return Some(Self::Ground);
         }
-        if let Ok(number) = name.parse() {
+        if let Ok(number) = name.strip_prefix(['D', 'd']).unwrap_or(name).parse() {
             return Self::arduino(number);
         }
         let digit = name.as_bytes().last()?.checked_sub(b'0').filter(|digit| *digit < 8)?;

@@ -164,7 +164,8 @@ fn wires_that_nobody_would_make_are_refused_by_their_pin() {
         ("open", "9 = \"motors.left.pwm\"", "direction"),
         ("terminal", "9 = \"motors.left.speed\"", "motors.left"),
         ("wheel", "9 = \"motors.middle.pwm\"", "`middle` is no wheel"),
-        ("option", "A0 = { to = \"sensors.ir\", colour = 3 }", "pins"),
+        ("option", "A0 = { to = \"sensors.ir\", colour = 3 }", "unknown field `colour`"),
+        ("number", "A0 = 3", "has a text, a list, or a table with `to`, and not integer"),
     ] {
         let robot = scenario(name, &format!("{ROBOT}{CABLE}{sensors}[robots.pins]\n{pins}\n"));
         let (code, _, err) = baudbot(&["check", robot.to_str().unwrap()]);
@@ -184,6 +185,9 @@ fn bad_programs_are_told_of_and_the_world_goes_on() {
     // push r0 for ever.
     let stack = ran("stack", &[0x920F, 0xCFFE], "0.1");
     assert!(warned(&stack, "beyond the memory") > 0 || stack["chip"]["stack_bytes"].as_u64().unwrap() > 2000);
+    // UBRR0 = 8 on a cable of 9600 baud, and characters one behind the other.
+    let fast = ran("fast", &[0xE008, 0x9300, 0x00C4, 0x9300, 0x00C1, 0x9300, 0x00C6, 0xCFFD], "0.1");
+    assert!(warned(&fast, "baud rate") > 0);
     // Power-down for ever: nothing is wrong, and nothing is done.
     let asleep = ran("asleep", &[0xE005, 0xBF03, 0x9588, 0xCFFE], "1");
     assert!(asleep["chip"]["cycles"].as_u64().unwrap() < 1000, "{asleep}");

@@ -12,7 +12,7 @@ use baudbot_fields::{FieldError, Path};
 use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::chip::{Attached, Side};
 use baudbot_sim::motor::Motors;
-use baudbot_sim::sensor::{Device, Sensor};
+use baudbot_sim::sensor::{Component, Device, Sensor};
 use baudbot_wire::Encoding;
 
 use super::{Parts, Result};
@@ -136,11 +136,23 @@ fn sensor<'a>(
         let (wheel, terminal) = terminal.split_once('.').unwrap_or((terminal, ""));
         return wheel_of(path, sensor, wheel, terminal);
     }
+    // By its name, or by that without its unit: `left_m_s2`, `left`.
     let components = sensor.device.components();
-    if let Some(value) =
-        components.iter().position(|component| !component.name.is_empty() && component.name == terminal)
-    {
+    let is_meant = |component: &Component| {
+        let quantity = component.name.split('_').next().unwrap_or_default();
+        !terminal.is_empty() && (component.name == terminal || quantity == terminal)
+    };
+    if let Some(value) = components.iter().position(is_meant) {
         return Ok((format!("sensors.{name}.{terminal}"), Belongs::Value(place, sensor, value), ""));
+    }
+    if components.len() > 1 {
+        let names: Vec<_> = components.iter().map(|component| component.name).collect();
+        let problem = format!(
+            "sensor `{name}` has several values: name one of {}, as in sensors.{name}.{}",
+            names.join(", "),
+            names[0]
+        );
+        return Err(path.error(problem));
     }
     Ok((format!("sensors.{name}"), Belongs::Sensor(place, sensor), terminal))
 }
@@ -151,6 +163,9 @@ fn wheel_of<'a>(
     wheel: &str,
     terminal: &'a str,
 ) -> Result<(String, Belongs<'a>, &'a str)> {
+    if wheel.is_empty() {
+        return Err(path.error("encoders have a part for each wheel: encoders.left.a, encoders.right.a"));
+    }
     Ok((format!("encoders.{wheel}"), Belongs::Wheel(side(path, wheel)?, sensor), terminal))
 }
 
@@ -213,7 +228,6 @@ impl Part<'_> {
             Device::Floor(_)
             | Device::Infrared(_)
             | Device::VoltageRanger(_)
-            | Device::Photoresistor(_)
             | Device::Light(_)
             | Device::Field(_)
             | Device::Microphone(_)
@@ -221,6 +235,7 @@ impl Part<'_> {
             | Device::Accelerometer(_)
             | Device::Gyroscope(_) => self.voltage(place, sensor, 0),
             Device::Encoders(_)
+            | Device::Photoresistor(_)
             | Device::Laser(_)
             | Device::LineCamera(_)
             | Device::StepCounter(_)

@@ -55,6 +55,13 @@ pub(super) fn program(
         let file = if inline.file.is_empty() { String::new() } else { format!("{}: ", inline.file) };
         at.error(format!("{file}{what}{problem}"))
     };
+    if let Some(device) = inline.device.as_ref().filter(|device| !runs_on(device, part)) {
+        let name = part.properties().name;
+        let fix = format!(
+            "it was built for an `{device}`, and the chip is an `{name}`: build it with -mmcu={name}, or set `chip`"
+        );
+        return Err(wrong("", fix));
+    }
     let program = Program::from_hex(part, inline.hex.as_bytes());
     let program = program.map_err(|error| wrong("", error.to_string()))?;
     let eeprom = inline.eeprom_hex.as_ref();
@@ -66,6 +73,19 @@ pub(super) fn program(
         (None, None) => usual_fuses(part),
     };
     Ok((program, fuses))
+}
+
+/// Whether a part can run what was built for another one: its vectors are as long, and it has no less memory.
+fn runs_on(device: &str, part: Part) -> bool {
+    let bytes = |part: Part| part.properties().flash_bytes;
+    let digits: String = device.chars().filter(char::is_ascii_digit).collect();
+    let number = |part: &Part| {
+        part.properties().name.chars().filter(char::is_ascii_digit).collect::<String>() == digits
+    };
+    let Some(built_for) = Part::ALL.into_iter().find(number) else { return false };
+    // An ATmega48 and an ATmega88 have vectors of one word.
+    let is_small = |part: Part| bytes(part) <= 8 << 10;
+    is_small(built_for) == is_small(part) && bytes(built_for) <= bytes(part)
 }
 
 fn fuses(path: &Path, given: &[u64]) -> Result<Fuses> {

@@ -60,12 +60,19 @@ impl ChipState {
     pub(super) fn speak(&mut self, link: &Link, uplink: &mut Line) -> Option<(SimTime, SimTime, u32)> {
         let mut spoken: Option<(SimTime, SimTime, u32)> = None;
         let offset = self.world(0).as_ns();
+        let expected_ns = settings(link).character_ns() as f64;
+        let mut is_off = false;
         for sent in self.board.sent() {
             let (from_ns, until_ns) = (offset + sent.start_ns, offset + sent.end_ns);
             self.laptop.hear_frame(&sent.frame, (from_ns, until_ns));
             let (from, until) = (SimTime::from_ns(from_ns), SimTime::from_ns(until_ns));
+            let bits = f64::from(sent.frame.bits()) / settings(link).bits() as f64;
+            is_off |= ((until_ns - from_ns) as f64 / (bits * expected_ns) - 1.0).abs() > UNREADABLE;
             let (from, _, count) = spoken.unwrap_or((from, until, 0));
             spoken = Some((from, until, count + 1));
+        }
+        if is_off {
+            self.board.warn_of_rate();
         }
         self.laptop.idle(self.now().as_ns());
         while let Some(read) = self.laptop.read() {
@@ -75,3 +82,7 @@ impl ChipState {
         spoken
     }
 }
+
+/// A rate that is off by more than this is misread: the stop bit of a character of ten bits is sampled half a bit too early or
+/// late.
+const UNREADABLE: f64 = 0.055;
