@@ -1,10 +1,13 @@
 //! A chip with parts on its pins, in motion.
 
+mod analyser;
 mod outputs;
 mod pins;
 mod saved;
 mod surroundings;
 mod uart;
+mod watch;
+mod wave;
 
 use baudbot_avr::{Bare, Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, ResetCause, Stop, Timer};
 use serde::{Deserialize, Serialize};
@@ -99,6 +102,7 @@ impl Board {
                 self.warn(WarningKind::Break, 1);
             }
             self.around.look_for_shorts(self.chip.now());
+            self.around.settle(self.chip.now());
             self.count_resets();
         }
         self.around.finish(self.chip.now());
@@ -115,7 +119,7 @@ impl Board {
             {
                 return full;
             }
-            self.around.change_taken(part, pin, change);
+            self.around.change_taken(part, pin, change, self.chip.now());
         }
         until
     }
@@ -134,6 +138,7 @@ impl Board {
     /// an Arduino is opened.
     pub fn reset<P: Physics>(&mut self, physics: &mut P) {
         self.chip.reset_now(ResetCause::External, &mut View { around: &mut self.around, physics });
+        self.around.settle(self.chip.now());
     }
 
     fn count_resets(&mut self) {
