@@ -2,6 +2,7 @@
 
 mod asm;
 mod bus;
+mod edges;
 mod motion;
 mod saved;
 mod sensors;

@@ -12,7 +12,7 @@ use crate::asm::{Asm, data, io};
 use crate::world::{MS, World, board, board_with_file, register};
 
 /// Triggers again and again, and writes the level of the sensor's pin to another.
-fn restless() -> Board {
+pub(crate) fn restless() -> Board {
     let mut program = Asm::new();
     program.sbi(io::DDRD, 4);
     let again = program.here();
@@ -33,7 +33,7 @@ fn restless() -> Board {
     board(&program, wiring)
 }
 
-fn world_at(step: u64) -> World {
+pub(crate) fn world_at(step: u64) -> World {
     let wheel = Wheel { angle_rad: TAU * step as f64 / 50.0, rate_rad_s: TAU * 20.0 };
     World { echo_ns: Some(3_333_333 + 1000 * step), pressed: step / 3 % 2 == 1, wheel, ..World::default() }
 }
