@@ -14,7 +14,7 @@
 use alloc::vec::Vec;
 
 use baudbot_avr::{Chip, Fuses, Program, Supply};
-pub use baudbot_board::{Board, Kind, Net, Terminal, Warning};
+pub use baudbot_board::{Board, By, Edge, Edges, Kind, Level, Net, Role, Seen, Terminal, Warning};
 use baudbot_board::{BoardError, ChipClock, PartId, Wiring};
 
 use crate::drive::Wheels;

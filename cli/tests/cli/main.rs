@@ -17,6 +17,7 @@ mod measure;
 mod new;
 mod otel;
 mod paths;
+mod pins;
 mod plans;
 mod ports;
 mod presets;
