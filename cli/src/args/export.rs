@@ -40,7 +40,7 @@ pub(crate) struct ExportArgs {
     /// Make a film of the viewer's arena as WebM; this needs a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) webm: Option<PathBuf>,
-    /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave and PulseView; may be given several times
+    /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = super::vcd::output)]
     pub(crate) vcd: Vec<VcdOutput>,
     #[command(flatten)]

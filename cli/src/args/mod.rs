@@ -163,7 +163,7 @@ pub(crate) struct RunArgs {
     /// Write the events of robots, cables and brains as a trace for ui.perfetto.dev
     #[arg(long, value_name = "FILE")]
     pub(crate) timeline: Option<PathBuf>,
-    /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave and PulseView; may be given several times
+    /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = vcd::output)]
     pub(crate) vcd: Vec<VcdOutput>,
     /// Write the summary as one JSON object
