@@ -212,9 +212,9 @@ impl Adc {
         }
     }
 
-    /// Gives the voltage that was asked for.
-    pub(crate) fn sample(&mut self, microvolts: u32, supply: &Supply) {
-        let Some(conversion) = &mut self.conversion else { return };
+    /// Gives the voltage that was asked for; the answer is the result of the conversion.
+    pub(crate) fn sample(&mut self, microvolts: u32, supply: &Supply) -> Option<u16> {
+        let conversion = self.conversion.as_mut()?;
         let reference = match conversion.multiplexer >> 6 {
             0 => supply.aref_uv,
             1 => supply.avcc_uv,
@@ -222,6 +222,7 @@ impl Adc {
         };
         let result = u64::from(microvolts) * 1024 / u64::from(reference.max(1));
         conversion.result = u16::try_from(result).map_or(1023, |result| result.min(1023));
+        Some(conversion.result)
     }
 
     /// REFS = 2 is reserved.

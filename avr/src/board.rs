@@ -27,6 +27,11 @@ pub trait Board {
         0
     }
 
+    /// The ADC has measured one of ADC0 to ADC7 and will have this result, from 0 to 1023, at the end of its conversion.
+    fn converted(&mut self, channel: u8, result: u16, at: u64) {
+        let _ = (channel, result, at);
+    }
+
     /// The USART has begun to send a character, which will be over after all its bits.
     fn character_sent(&mut self, sent: &Sent) {
         let _ = sent;

@@ -13,6 +13,7 @@ extern crate std;
 
 mod board;
 mod clock;
+mod edges;
 pub mod far_end;
 mod parts;
 mod physics;
@@ -23,6 +24,7 @@ mod wiring;
 
 pub use board::{Board, BoardError, Debugger, Light, Motor, Next, ReceiveError, ServoOutput, Tone};
 pub use clock::{ChipClock, ClockError};
+pub use edges::{By, Edge, Edges, Level, Seen};
 pub use parts::{
     BridgeKind, Channels, Compass, Decay, Encoder, HcSr04, Kind, Led, LitBy, MotorDrive, Piezo, Ping, Pull,
     Pulse, RangeFinder, Reflectance, ServoKind, Switch, Voltage,

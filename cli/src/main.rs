@@ -63,6 +63,7 @@ mod together;
 mod trace;
 mod tune;
 mod umbmark;
+mod vcd;
 mod viewer;
 mod watch;
 mod work;

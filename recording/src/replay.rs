@@ -19,6 +19,8 @@ pub struct Replay {
     goal: u64,
     near: Option<World>,
     difference: Option<Difference>,
+    /// Robots of whose chips edges are kept.
+    watched: Vec<usize>,
 }
 
 /// Where a replay is not what was recorded.
@@ -52,8 +54,16 @@ impl Replay {
     /// # Errors
     /// If the first state cannot be used.
     pub fn start(recorded: Arc<RecordedRun>) -> Result<(Self, World)> {
+        Self::start_watching(recorded, Vec::new())
+    }
+
+    /// The same in which edges on the pins of these robots' chips are [kept](World::keep_edges), also behind a jump.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_watching(recorded: Arc<RecordedRun>, watched: Vec<usize>) -> Result<(Self, World)> {
         let mut world = recorded.first_state()?;
-        let mut replay = Self { recorded, goal: 0, near: None, difference: None };
+        let mut replay = Self { recorded, goal: 0, near: None, difference: None, watched };
         replay.begin(&mut world)?;
         Ok((replay, world))
     }
@@ -151,6 +161,9 @@ impl Replay {
 
     /// Makes manual changes, begins the tick, and compares it with the recording.
     fn begin(&mut self, world: &mut World) -> Result<()> {
+        for &robot in &self.watched {
+            world.keep_edges(robot, true);
+        }
         if world.is_begun() {
             // They were made before this state was kept.
             self.compare(world);

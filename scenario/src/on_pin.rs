@@ -29,12 +29,10 @@ impl TryFrom<Value> for OnPin {
     type Error = String;
 
     fn try_from(value: Value) -> Result<Self, String> {
-        match value {
-            Value::Array(many) => {
-                many.into_iter().map(Connection::try_from).collect::<Result<_, _>>().map(Self)
-            }
-            one => Connection::try_from(one).map(|one| Self(alloc::vec![one])),
+        if let Value::Array(many) = value {
+            return many.into_iter().map(Connection::try_from).collect::<Result<_, _>>().map(Self);
         }
+        Connection::try_from(value).map(|one| Self(alloc::vec![one]))
     }
 }
 
@@ -42,13 +40,14 @@ impl TryFrom<Value> for Connection {
     type Error = String;
 
     fn try_from(value: Value) -> Result<Self, String> {
-        match value {
-            Value::String(to) => Ok(Self::Plain(to)),
-            Value::Table(table) => {
-                table.try_into().map(Self::With).map_err(|error| error.message().to_string())
-            }
-            other => Err(format!("has a text, a list, or a table with `to`, and not {}", other.type_str())),
+        let kind = value.type_str();
+        if let Value::String(to) = value {
+            return Ok(Self::Plain(to));
         }
+        let Value::Table(table) = value else {
+            return Err(format!("has a text, a list, or a table with `to`, and not {kind}"));
+        };
+        table.try_into().map(Self::With).map_err(|error| error.message().to_string())
     }
 }
 

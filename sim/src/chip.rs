@@ -9,12 +9,12 @@
 //! scene ten times, with noise of its own each time. Switches have the state of the tick's start. Encoders turn as the wheels did
 //! in the tick before, so that their edges come one by one, and a tick late. Motors get in a substep what the pins did in it.
 //!
-//! Instants of the chip are floor(cycles · 10⁹ / f) after its start, which [`ChipClock`](baudbot_board::ChipClock) computes.
+//! Instants of the chip are floor(cycles · 10⁹ / f) after its start, which [`ChipClock`] computes.
 
 use alloc::vec::Vec;
 
 use baudbot_avr::{Chip, Fuses, Program, Supply};
-pub use baudbot_board::{Board, Kind, Net, Terminal, Warning};
+pub use baudbot_board::{Board, By, Edge, Edges, Kind, Level, Net, Role, Seen, Terminal, Warning};
 use baudbot_board::{BoardError, ChipClock, PartId, Physics, Wiring};
 
 use crate::drive::Wheels;

@@ -85,7 +85,10 @@ impl Chip {
                 0
             }
         };
-        self.adc.sample(microvolts, &self.supply);
+        let result = self.adc.sample(microvolts, &self.supply);
+        if let (Input::Outside(AnalogInput::Channel(channel)), Some(result)) = (self.adc.input(), result) {
+            board.converted(channel, result, period);
+        }
     }
 
     fn twi_step<B: Board>(&mut self, step: Step, period: u64, board: &mut B) {

@@ -25,7 +25,7 @@ impl Chip {
         let at = self.clock.period_of(now);
         for bit in (0..8).filter(|bit| (drives | contention) >> bit & 1 == 1) {
             let pin = Pin::of(port, bit);
-            if drives & pin.mask() != 0 && !self.is_shaped(pin) {
+            if drives & pin.mask() != 0 && self.pwm(pin).is_none() {
                 board.pin_changed(pin, self.ports.drive(pin), at);
             }
             if contention & pin.mask() != 0 {
@@ -121,13 +121,12 @@ impl Chip {
         }
     }
 
-    fn is_shaped(&self, pin: Pin) -> bool {
-        TIMERS.into_iter().any(|which| {
-            special::outputs(which)
-                .into_iter()
-                .zip(self.outputs.shapes[which as usize])
-                .any(|(own, shape)| own == pin && shape.is_some())
-        })
+    /// The shape of the signal that a timer makes on a pin now, if it is reported as [`PwmReport::Shape`].
+    pub fn pwm(&self, pin: Pin) -> Option<Pwm> {
+        let shapes = TIMERS
+            .into_iter()
+            .flat_map(|which| special::outputs(which).into_iter().zip(self.outputs.shapes[which as usize]));
+        shapes.filter(|(own, _)| *own == pin).find_map(|(_, shape)| shape)
     }
 
     pub(super) fn watch_timers(&mut self) {

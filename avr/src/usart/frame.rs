@@ -148,8 +148,8 @@ impl BitLength {
         (bits as u128 * self.periods as u128 / self.bits as u128) as u64
     }
 
-    /// The first period of a bit.
-    pub(super) const fn begin_of(self, bit: u64) -> u64 {
+    /// The first period of a bit, counted from the first one of bit 0.
+    pub const fn begin_of(self, bit: u64) -> u64 {
         (bit as u128 * self.periods as u128).div_ceil(self.bits as u128) as u64
     }
 }

@@ -1,11 +1,14 @@
 //! A chip with parts on its pins, in motion.
 
+mod analyser;
 mod debug;
 mod outputs;
 mod pins;
 mod saved;
 mod surroundings;
 mod uart;
+mod watch;
+mod wave;
 
 use baudbot_avr::{Channel, Chip, InputError, LATEST, Pin, Port, PwmReport, ResetCause, Stop, Timer};
 use serde::{Deserialize, Serialize};
@@ -118,6 +121,7 @@ impl Board {
             let until = self.feed(until);
             run(self, until, physics);
             self.around.look_for_shorts(self.chip.now());
+            self.around.settle(self.chip.now());
             self.count_resets();
         }
         self.around.finish(self.chip.now());
@@ -134,7 +138,7 @@ impl Board {
             {
                 return full;
             }
-            self.around.change_taken(part, pin, change);
+            self.around.change_taken(part, pin, change, self.chip.now());
         }
         until
     }
@@ -154,6 +158,7 @@ impl Board {
     pub fn reset(&mut self) {
         let mut view = View { around: &mut self.around, physics: &mut Nothing };
         self.chip.reset_now(ResetCause::External, &mut view);
+        self.around.settle(self.chip.now());
     }
 
     fn count_resets(&mut self) {

@@ -61,7 +61,7 @@ const fn place(pin: Pin) -> usize {
 }
 
 impl Sides {
-    const fn is_short(self) -> bool {
+    pub(crate) const fn is_short(self) -> bool {
         matches!((self.chip, self.part), (Drive::Low, External::High) | (Drive::High, External::Low))
     }
 

@@ -7,7 +7,8 @@ use baudbot_avr as avr;
 use baudbot_avr::{AnalogInput, Direction, Drive, Pin, Port, Pwm, usart};
 use serde::{Deserialize, Serialize};
 
-use super::pins::Pins;
+use super::analyser::Fitted;
+use super::pins::{Pins, Sides};
 use crate::clock::ChipClock;
 use crate::parts::{Change, Instant, Part, Remark, Signal};
 use crate::physics::{PartId, Physics};
@@ -27,6 +28,8 @@ pub(crate) struct Surroundings {
     supply_uv: u32,
     /// The part that was addressed on the I²C bus.
     addressed: Option<PartId>,
+    #[serde(skip)]
+    pub(super) analyser: Fitted,
 }
 
 impl Surroundings {
@@ -52,6 +55,7 @@ impl Surroundings {
             pins: Pins::new(),
             supply_uv,
             addressed: None,
+            analyser: Fitted::default(),
         }
     }
 
@@ -95,9 +99,23 @@ impl Surroundings {
         (0..).zip(&self.parts).filter_map(next)
     }
 
-    pub(crate) fn change_taken(&mut self, part: PartId, pin: Option<Pin>, change: Change) {
+    pub(super) const fn sides(&mut self, pin: Pin) -> Sides {
+        *self.pins.of(pin)
+    }
+
+    /// The analyser notes what has happened up to a cycle.
+    pub(crate) fn settle(&mut self, now: u64) {
+        if let Some(analyser) = &mut self.analyser.0 {
+            analyser.settle(now, &self.clock);
+        }
+    }
+
+    pub(crate) fn change_taken(&mut self, part: PartId, pin: Option<Pin>, change: Change, now: u64) {
         if let Some(pin) = pin {
             self.pins.of(pin).part = change.external;
+            if let Some(analyser) = &mut self.analyser.0 {
+                analyser.part(pin, change.external, change.at.max(now));
+            }
         }
         if let Some(part) = self.parts.get_mut(part.index()) {
             part.change_taken(&self.clock);
@@ -210,12 +228,18 @@ impl<P: Physics> View<'_, P> {
 impl<P: Physics> avr::Board for View<'_, P> {
     fn pin_changed(&mut self, pin: Pin, drive: Drive, at: u64) {
         self.around.pins.of(pin).chip = drive;
+        if let Some(analyser) = &mut self.around.analyser.0 {
+            analyser.chip(pin, drive, at);
+        }
         self.around.tell(pin, Signal::Steady(drive), at);
     }
 
     fn pwm_changed(&mut self, pin: Pin, pwm: Option<Pwm>, at: u64) {
         // Where the signal ends, the steady level follows.
         if let Some(pwm) = pwm {
+            if let Some(analyser) = &mut self.around.analyser.0 {
+                analyser.shape(pin, pwm, at);
+            }
             self.around.tell(pin, Signal::Pwm(pwm), at);
         }
     }
@@ -229,7 +253,16 @@ impl<P: Physics> avr::Board for View<'_, P> {
         }
     }
 
+    fn converted(&mut self, channel: u8, result: u16, at: u64) {
+        if let Some(analyser) = &mut self.around.analyser.0 {
+            analyser.converted(channel, result, at);
+        }
+    }
+
     fn character_sent(&mut self, sent: &usart::Sent) {
+        if let Some(analyser) = &mut self.around.analyser.0 {
+            analyser.sends(sent.frame, sent.start, sent.bit);
+        }
         let clock = self.around.clock;
         let sent = Sent { frame: sent.frame, start_ns: clock.ns(sent.start), end_ns: clock.ns(sent.end()) };
         if !self.around.sent.push(sent) {

@@ -44,12 +44,15 @@ impl Board {
         // A run may have ended some cycles behind the step.
         let start = clock.cycle(start_ns);
         let start = if start_ns >= self.now_ns { start.max(self.chip.now()) } else { start };
-        let taken = match self.chip.receive(frame, start, bit) {
+        let begun = match self.chip.receive(frame, start, bit) {
             Err(LineError::Occupied { start, free }) if free - start <= LATEST_START_CYCLES => {
-                self.chip.receive(frame, free, bit)
+                self.chip.receive(frame, free, bit).map(|()| free)
             }
-            taken => taken,
-        };
-        Ok(taken?)
+            taken => taken.map(|()| start),
+        }?;
+        if let Some(analyser) = &mut self.around.analyser.0 {
+            analyser.receives(frame, begun, bit);
+        }
+        Ok(())
     }
 }

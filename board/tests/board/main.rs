@@ -3,6 +3,7 @@
 mod asm;
 mod bus;
 mod debug;
+mod edges;
 mod motion;
 mod saved;
 mod sensors;

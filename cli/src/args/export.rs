@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
+use super::vcd::VcdOutput;
+
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
     /// A recording: an MCAP file made by this program. Without an output, its summary is printed
@@ -38,6 +40,9 @@ pub(crate) struct ExportArgs {
     /// Make a film of the viewer's arena as WebM; this needs a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) webm: Option<PathBuf>,
+    /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave; may be given several times
+    #[arg(long, value_name = "ROBOT=FILE", value_parser = super::vcd::output)]
+    pub(crate) vcd: Vec<VcdOutput>,
     #[command(flatten)]
     pub(crate) window: WindowArgs,
     #[command(flatten)]
@@ -113,13 +118,14 @@ impl ExportArgs {
             ("--gif", &self.gif),
             ("--webm", &self.webm),
         ];
-        all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?)))
+        let vcd = self.vcd.iter().map(|output| ("--vcd", output.file.as_path()));
+        all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).chain(vcd)
     }
 }
 
 /// What is not written beside a summary.
-const OUTPUTS: [&str; 9] =
-    ["csv", "parquet", "timeline", "events", "svg", "beliefs_csv", "utilities_svg", "gif", "webm"];
+const OUTPUTS: [&str; 10] =
+    ["csv", "parquet", "timeline", "events", "svg", "beliefs_csv", "utilities_svg", "gif", "webm", "vcd"];
 
 fn positive(text: &str) -> Result<f64, String> {
     let fits = |number: &f64| *number > 0.0 && number.is_finite();
@@ -135,6 +141,7 @@ Examples:
   baudbot export run.mcap --events - --quiet | grep collision
   baudbot export run.mcap --utilities-svg utilities.svg --with gauge.charge
   baudbot export run.mcap --gif run.gif --speed 4
+  baudbot export run.mcap --vcd robot=pins.vcd --from-s 2 --to-s 3
 
 The run is simulated again from the recorded inputs. If the replay differs from the recorded run, a warning gives the
 first difference. Films are made by a headless browser: the one named by BAUDBOT_BROWSER, or else chromium,

@@ -16,6 +16,7 @@ mod port;
 mod port_watch;
 mod record;
 mod umbmark;
+mod vcd;
 mod work;
 
 use std::path::PathBuf;
@@ -44,6 +45,7 @@ pub(crate) use self::port::{OpenPortArgs, PortCommand};
 pub(crate) use self::port_watch::WatchPortArgs;
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
 pub(crate) use self::umbmark::UmbmarkArgs;
+pub(crate) use self::vcd::VcdOutput;
 pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
 use crate::logs::{LogFilter, LogFormat};
 
@@ -169,6 +171,9 @@ pub(crate) struct RunArgs {
     /// port. docs/debugging.md has an example.
     #[arg(long = "gdb", value_name = "ROBOT=PORT")]
     pub(crate) gdb: Vec<GdbAddress>,
+    /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave; may be given several times
+    #[arg(long, value_name = "ROBOT=FILE", value_parser = vcd::output)]
+    pub(crate) vcd: Vec<VcdOutput>,
     /// Write the summary as one JSON object
     #[arg(long)]
     pub(crate) json: bool,

@@ -100,7 +100,7 @@ impl<'a> Films<'a> {
         }
         let (films, mut made) = mpsc::channel(1);
         let world = recorded.header().world.clone();
-        let replay = WorldConfig::replay(world.clone(), start(&self.args.file, recorded)?);
+        let replay = WorldConfig::replay(world.clone(), start(&self.args.file, recorded, Vec::new())?);
         let place = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
         let server = Server::builder().world(replay).viewer(place).films(films).serve().await;
         let server = server.map_err(from_builder)?;

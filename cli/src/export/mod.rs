@@ -2,7 +2,8 @@
 //!
 //! 1. This file sees what is wanted, and that no output goes into another one or into the recording.
 //! 2. [`pass`] simulates the run once more, a [`window`] of it, and shows every tick to all outputs at once: those of
-//!    `baudbot run` ([`watched`]), `rows` of Parquet, [`events`], [`trails`] for a picture, and [`beliefs`], which are in the
+//!    `baudbot run` ([`watched`]), `rows` of Parquet, [`events`], [`trails`] for a picture, the pins of chips
+//!    ([`vcd`](crate::vcd)), and [`beliefs`], which are in the
 //!    recording's frames.
 //!    [`ran`] is what pictures tell of the run.
 //! 3. [`film`] lets a [`browser`] film the viewer's page, which replays the recording.
@@ -37,6 +38,7 @@ use crate::replay::{recorded_run, refused};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::text::tell;
 use crate::trace::Trace;
+use crate::vcd::{self, Dump};
 use pass::{Output, Sink};
 use watched::Watched;
 use window::Window;
@@ -58,7 +60,8 @@ pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     let mut is_whole = true;
     if !outputs.is_empty() {
-        let replay = start(&args.file, &recorded)?;
+        let watched = vcd::robots(&args.vcd, &recorded.scenario().robots)?;
+        let replay = start(&args.file, &recorded, watched)?;
         is_whole = pass::run(replay, &window, outputs, &stop, args.quiet)?;
     }
     if is_whole {
@@ -68,8 +71,8 @@ pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// The recording at its first tick.
-fn start(path: &Path, recorded: &Arc<RecordedRun>) -> anyhow::Result<(Replay, World)> {
-    Replay::start(Arc::clone(recorded)).map_err(|error| refused(path, &error))
+fn start(path: &Path, recorded: &Arc<RecordedRun>, watched: Vec<usize>) -> anyhow::Result<(Replay, World)> {
+    Replay::start_watching(Arc::clone(recorded), watched).map_err(|error| refused(path, &error))
 }
 
 /// Refuses outputs that would be written into each other, or over the recording.
@@ -124,25 +127,33 @@ fn outputs(args: &ExportArgs, recorded: &Arc<RecordedRun>, window: &Window) -> a
     // Before any file is opened: it may be that there is nothing to write.
     let with = beliefs::columns(&args.with, robots)?;
     let beliefs = beliefs::Beliefs::wanted(args, recorded, window)?;
+    let analysed = vcd::robots(&args.vcd, robots)?;
     let mut outputs = Vec::new();
-    let mut add = |path: &Option<PathBuf>, every, make: &dyn Fn(Out) -> Box<dyn Sink>| {
+    let mut add = |path: Option<&PathBuf>, every, make: &dyn Fn(Out) -> Box<dyn Sink>| {
         let Some(path) = path else { return Ok(()) };
         let name = name(path);
         let out = output_files::open(path).with_context(|| format!("cannot write {name}"))?;
         outputs.push(Output { name, every, sink: make(out) });
         anyhow::Ok(())
     };
-    add(&args.csv, every, &|out| Box::new(Watched::new(Table::new(out, robots), Table::write)))?;
+    add(args.csv.as_ref(), every, &|out| Box::new(Watched::new(Table::new(out, robots), Table::write)))?;
     #[cfg(feature = "parquet")]
-    add(&args.parquet, every, &|out| Box::new(rows::Rows::new(out, robots)))?;
-    add(&args.timeline, 1, &|out| {
+    add(args.parquet.as_ref(), every, &|out| Box::new(rows::Rows::new(out, robots)))?;
+    add(args.timeline.as_ref(), 1, &|out| {
         let (trace, outcome) = Trace::new(out, &recorded.header().world, robots.len());
         Box::new(Watched::new((trace.since(window.from), outcome), Trace::write))
     })?;
-    add(&args.events, 1, &|out| Box::new(events::Events::new(out, recorded, window.from)))?;
-    add(&args.svg, 1, &|out| Box::new(trails::Picture::new(out, recorded)))?;
-    add(&args.beliefs_csv, 1, &|out| Box::new(beliefs::Table::new(out, &beliefs)))?;
-    add(&args.utilities_svg, 1, &|out| Box::new(beliefs::Picture::new(out, recorded, &beliefs, &with)))?;
+    add(args.events.as_ref(), 1, &|out| Box::new(events::Events::new(out, recorded, window.from)))?;
+    add(args.svg.as_ref(), 1, &|out| Box::new(trails::Picture::new(out, recorded)))?;
+    add(args.beliefs_csv.as_ref(), 1, &|out| Box::new(beliefs::Table::new(out, &beliefs)))?;
+    add(args.utilities_svg.as_ref(), 1, &|out| {
+        Box::new(beliefs::Picture::new(out, recorded, &beliefs, &with))
+    })?;
+    for (output, &robot) in args.vcd.iter().zip(&analysed) {
+        add(Some(&output.file), 1, &|out| {
+            Box::new(Watched::new(Dump::new(out, (robot, &robots[robot]), window.from), Dump::write))
+        })?;
+    }
     Ok(outputs)
 }
 

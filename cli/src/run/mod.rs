@@ -16,10 +16,10 @@ use anyhow::{Context, anyhow};
 use baudbot_launch::Output;
 use baudbot_scenario::Override;
 use baudbot_server::{OnTick, Pace, WorldConfig};
-use baudbot_sim::{Scenario, World};
+use baudbot_sim::{Scenario, SimTime, World};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::args::{ChangeArgs, Over, RunArgs};
+use crate::args::{ChangeArgs, Over, RunArgs, VcdOutput};
 use crate::assignment::{self, Assigned};
 use crate::csv::Table;
 use crate::error::Refused;
@@ -30,6 +30,7 @@ use crate::signals::{INTERRUPTED, Stop};
 use crate::summary::Summary;
 use crate::text::tell;
 use crate::trace::Trace;
+use crate::vcd::{self, Dump};
 use crate::{record, report, text};
 
 /// What is going to be run.
@@ -44,6 +45,8 @@ struct Plan {
     /// How long a frame of the recording is, if brains are to publish as often.
     frame: Option<Duration>,
     note: Option<String>,
+    /// The robots of `--vcd`.
+    analysed: Vec<usize>,
 }
 
 /// What a run writes and hears while it goes on.
@@ -91,7 +94,8 @@ fn show(args: &RunArgs, summary: &Summary) -> anyhow::Result<()> {
     if args.quiet {
         return Ok(());
     }
-    if [&args.csv, &args.timeline].into_iter().flatten().any(|path| path == Path::new(STDOUT)) {
+    let files = [&args.csv, &args.timeline].into_iter().flatten();
+    if files.chain(args.vcd.iter().map(|output| &output.file)).any(|path| path == Path::new(STDOUT)) {
         tell!("{}", report::text(summary).trim_end());
         return Ok(());
     }
@@ -132,7 +136,8 @@ impl Plan {
         }
         let (world, seed) = (source.world_name(&scenario), scenario.seed);
         let frame = record::short_frame(&args.record, scenario.step_ns);
-        Ok(Self { world, scenario: scenario.into(), assigned, pace, over, seed, frame, note })
+        let analysed = vcd::robots(&args.vcd, &scenario.robots)?;
+        Ok(Self { world, scenario: scenario.into(), assigned, pace, over, seed, frame, note, analysed })
     }
 
     /// The world, which stands until its brains are there.
@@ -143,6 +148,9 @@ impl Plan {
         if self.over == Over::Direct && args.timeline.is_none() {
             // Nobody looks at it.
             world.keep_timeline(0);
+        }
+        for &robot in &self.analysed {
+            world.keep_edges(robot, true);
         }
         let world = WorldConfig::from_state(self.world.clone(), world);
         let world = record::add(world.pace(self.pace).paused(true), &args.record);
@@ -193,8 +201,14 @@ fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
     if timeline == stdout && (args.json || csv == timeline) {
         return Err(Refused::error("--timeline - wants stdout for itself; write the trace to a file"));
     }
+    let vcd = || args.vcd.iter().map(|output| ("--vcd", output.file.as_path()));
+    let to_stdout = vcd().filter(|(_, path)| Some(*path) == stdout).count();
+    if to_stdout > 1 || to_stdout == 1 && (args.json || [csv, timeline].contains(&stdout)) {
+        return Err(Refused::error("--vcd ROBOT=- wants stdout for itself; write the pins to a file"));
+    }
     let files = [("--csv", csv), ("--timeline", timeline), ("--record", args.record.record.as_deref())];
-    output_files::check_apart(files.into_iter().filter_map(|(option, path)| Some((option, path?))))
+    let files = files.into_iter().filter_map(|(option, path)| Some((option, path?)));
+    output_files::check_apart(files.chain(vcd()))
 }
 
 /// The overrides that the arguments ask for.
@@ -234,7 +248,14 @@ fn hook(args: &RunArgs, plan: &Plan) -> anyhow::Result<(Option<OnTick>, Files)> 
         files.watch(path.display().to_string(), outcome);
         trace = Some(made);
     }
-    if table.is_none() && trace.is_none() {
+    let mut dumps = Vec::new();
+    for (VcdOutput { file: path, .. }, &robot) in args.vcd.iter().zip(&plan.analysed) {
+        let out = output_files::open(path).with_context(|| format!("cannot write {}", path.display()))?;
+        let (made, outcome) = Dump::new(out, (robot, &robots[robot]), SimTime::ZERO);
+        files.watch(path.display().to_string(), outcome);
+        dumps.push(made);
+    }
+    if table.is_none() && trace.is_none() && dumps.is_empty() {
         return Ok((None, files));
     }
     let on_tick = move |world: &World| {
@@ -244,6 +265,7 @@ fn hook(args: &RunArgs, plan: &Plan) -> anyhow::Result<(Option<OnTick>, Files)> 
         if let Some(trace) = &mut trace {
             trace.write(world);
         }
+        dumps.iter_mut().for_each(|dump| dump.write(world));
     };
     Ok((Some(Box::new(on_tick)), files))
 }

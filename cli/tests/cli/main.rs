@@ -18,6 +18,7 @@ mod measure;
 mod new;
 mod otel;
 mod paths;
+mod pins;
 mod plans;
 mod ports;
 mod presets;

@@ -165,6 +165,13 @@ impl Robot {
         own.into_iter().chain(ports).chain(dialogues).for_each(|line| line.keep_tape(bytes));
     }
 
+    /// From now on keeps what a logic analyser on the pins of its chip would see, or no longer does.
+    pub(crate) fn keep_edges(&mut self, keep: bool) {
+        if let Some(chip) = &mut self.rare.fourth {
+            chip.keep_edges(keep);
+        }
+    }
+
     /// Its microcontroller is reset at `now`: it begins anew when its bootloader has waited, which `spec` says.
     pub(crate) fn reset_board(&mut self, spec: &RobotSpec, now: SimTime) {
         self.lay_down_command(spec);

@@ -46,6 +46,15 @@ impl World {
         self.state.robots.get(robot).is_some_and(|robot| robot.uplink.is_taped())
     }
 
+    /// From now on keeps what a logic analyser on the pins of a robot's chip would see, with the world's instants, or no longer
+    /// does: see [`Board::keep_edges`](crate::chip::Board::keep_edges). It can be read [there](crate::RobotView::board). A
+    /// robot without a program of the user's own has no such chip. Makes no difference to anything else.
+    pub fn keep_edges(&mut self, robot: usize, keep: bool) {
+        if let Some(robot) = self.state.robots.get_mut(robot) {
+            robot.keep_edges(keep);
+        }
+    }
+
     /// Cables have the baud rates that robots were asked for in the tick that is over. A rate that the cable cannot have
     /// changes nothing, nor does one on a cable that has none, or after more changes than a run can have.
     pub(super) fn change_bauds(&mut self) {

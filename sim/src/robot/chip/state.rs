@@ -114,11 +114,19 @@ impl ChipState {
         &self.board
     }
 
+    /// Keeps what a logic analyser on the pins would see, with the world's instants, or no longer does.
+    pub(crate) fn keep_edges(&mut self, keep: bool) {
+        self.board.keep_edges(keep.then_some(self.offset_ns));
+    }
+
     /// The chip is reset at `now`, and starts at an instant.
     pub(crate) fn reset(&mut self, now: SimTime, start: SimTime, link: &Link) {
         self.board.reset();
         self.offset_ns = start.max(now).as_ns().saturating_sub(self.board.now_ns());
         self.laptop = uart::receiver(link);
+        if self.board.edges().is_some() {
+            self.keep_edges(true);
+        }
     }
 
     /// Runs until something may come from outside or a substep ends. Gives what the laptop's UART reads to `uplink`; the answer

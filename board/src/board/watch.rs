@@ -1,0 +1,74 @@
+//! A logic analyser is fitted to a board, and read.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use baudbot_avr::{Pin, Port};
+
+use super::Board;
+use super::analyser::{Analyser, Wire, Yields};
+use super::surroundings::Surroundings;
+use crate::edges::Edges;
+use crate::parts::Part;
+
+impl Board {
+    /// From now on keeps what a logic analyser on the pins would see, with instants that are counted from where the board's
+    /// start is at `origin_ns`; None keeps nothing, and forgets what was kept. Another origin holds for what comes.
+    ///
+    /// It begins with the levels of all pins. Nothing else changes by it: it is not in what is saved, and boards with and
+    /// without it are equal and go on alike. A board that is loaded keeps nothing.
+    ///
+    /// Where a timer's signal is simulated by its shape, its edges have the right distances but not the timer's phase: they
+    /// are drawn as if a period began when the timer took the pin. The wires of the I²C bus and of SPI do not move.
+    pub fn keep_edges(&mut self, origin_ns: Option<u64>) {
+        let Some(origin_ns) = origin_ns else {
+            self.around.analyser.0 = None;
+            return;
+        };
+        if let Some(analyser) = &mut self.around.analyser.0 {
+            analyser.origin_ns = origin_ns;
+            return;
+        }
+        let wires = self.wires();
+        let analyser = Analyser::new(wires, origin_ns, self.chip.now(), &self.around.clock);
+        self.around.analyser.0 = Some(Box::new(analyser));
+    }
+
+    /// What is [kept](Self::keep_edges).
+    pub fn edges(&self) -> Option<&Edges> {
+        self.around.analyser.0.as_deref().map(Analyser::edges)
+    }
+
+    fn wires(&mut self) -> Vec<Wire> {
+        let pins = Port::ALL.into_iter().flat_map(|port| (0..8).filter_map(move |bit| Pin::new(port, bit)));
+        let around = &mut self.around;
+        let chip = &self.chip;
+        pins.map(|pin| {
+            let (sides, yields) = (around.sides(pin), around.yields(pin));
+            Wire { pin, sides, yields, shape: chip.pwm(pin), level: None }
+        })
+        .collect()
+    }
+}
+
+impl Surroundings {
+    /// Whether what drives a pin yields to the chip.
+    fn yields(&self, pin: Pin) -> Yields {
+        match self.wiring.driver(pin).and_then(|part| self.parts.get(part.index())) {
+            Some(Part::Reflectance(_)) => Yields::Always,
+            Some(Part::Switch(_)) => Yields::High,
+            Some(
+                Part::Voltage(_)
+                | Part::Encoder(_)
+                | Part::Sonar(_)
+                | Part::Bridge(_)
+                | Part::Servo(_)
+                | Part::Led(_)
+                | Part::Piezo(_)
+                | Part::Compass(_)
+                | Part::RangeFinder(_),
+            )
+            | None => Yields::Never,
+        }
+    }
+}
