@@ -96,16 +96,6 @@ pub fn turn_gain(inertia_kg_m2: f64, half_track_m: f64, wheel_radius_m: f64, whe
     1.0 / (r / track + 2.0 * share)
 }
 
-/// What decides how the wheels roll, besides the motor signals.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rolling {
-    /// How far each wheel carries the robot for each metre that it seems to roll, if that is not a metre: on slippery ground, or if
-    /// the wheels are not those of the data sheet.
-    pub grip: Option<Wheels>,
-    /// The share of the time in which each motor is open, so that no current flows; `None` if never.
-    pub open: Option<Wheels>,
-}
-
 /// How a robot moves now.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
@@ -159,21 +149,46 @@ impl Drive {
     }
 
     /// One Euler step of `dt` seconds under these motor signals: speeds from the motors, then
-    /// (3.18)–(3.22).
-    pub fn step(&self, motion: &Motion, signals: Wheels, rolling: Rolling, dt: f64) -> Motion {
+    /// (3.18)–(3.22). `grip` is how far each wheel carries the robot for each metre that it seems to roll, if that is not a
+    /// metre: on slippery ground, or if the wheels are not those of the data sheet.
+    pub fn step(&self, motion: &Motion, signals: Wheels, grip: Option<Wheels>, dt: f64) -> Motion {
+        self.step_with(motion, signals, (None, grip), dt)
+    }
+
+    /// The same with DC motors behind bridges that leave each open for a share of the time, in which no current flows.
+    pub fn step_behind_bridges(
+        &self,
+        motion: &Motion,
+        signals: Wheels,
+        (open, grip): (Wheels, Option<Wheels>),
+        dt: f64,
+    ) -> Motion {
+        self.step_with(motion, signals, (Some(open), grip), dt)
+    }
+
+    #[inline(always)]
+    fn step_with(
+        &self,
+        motion: &Motion,
+        signals: Wheels,
+        (open, grip): (Option<Wheels>, Option<Wheels>),
+        dt: f64,
+    ) -> Motion {
         let mut next = *motion;
         let wheels = motion.wheel_speed_rad_s;
         match &self.motor {
             Motors::Dc(motor) => {
-                let torques = match rolling.open {
-                    None => [(signals.left, wheels.left), (signals.right, wheels.right)]
-                        .map(|(signal, speed)| motor.torque_nm(signal, speed)),
-                    Some(open) => {
-                        [(signals.left, wheels.left, open.left), (signals.right, wheels.right, open.right)]
-                            .map(|(signal, speed, open)| motor.torque_of_bridge_nm(signal, speed, open))
-                    }
+                let [left_nm, right_nm] = match open {
+                    None => [
+                        motor.torque_nm(signals.left, wheels.left),
+                        motor.torque_nm(signals.right, wheels.right),
+                    ],
+                    Some(open) => [
+                        motor.torque_of_bridge_nm(signals.left, wheels.left, open.left),
+                        motor.torque_of_bridge_nm(signals.right, wheels.right, open.right),
+                    ],
                 };
-                self.push(&mut next, torques[0], torques[1], dt);
+                self.push(&mut next, left_nm, right_nm, dt);
             }
             Motors::Velocity(motor) => {
                 let torque = |signal, speed| motor.torque_nm(signal, self.wheel_radius_m * speed);
@@ -193,7 +208,7 @@ impl Drive {
                 self.roll(&mut next, Wheels { left, right }, dt);
             }
         }
-        self.advance(&mut next, rolling.grip, dt);
+        self.advance(&mut next, grip, dt);
         next
     }
 

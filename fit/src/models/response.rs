@@ -10,7 +10,7 @@
 //! *Deviation.* Another half track changes B of (2.30) in proportion, as if the wheels had no inertia.
 
 use baudbot_geometry::Pose;
-use baudbot_sim::drive::{Drive, Rolling, Wheels};
+use baudbot_sim::drive::{Drive, Wheels};
 use baudbot_sim::motor::Motors;
 
 use super::commands::Commands;
@@ -120,7 +120,7 @@ impl<'a> Response<'a> {
                 let from = time + f64::from(step) * dt - dead_s;
                 let [left, right] = commands.mean(from, from + dt);
                 let signals = Wheels { left: left * (1.0 - asymmetry), right: right * (1.0 + asymmetry) };
-                motion = drive.step(&motion, signals, Rolling::default(), dt);
+                motion = drive.step(&motion, signals, None, dt);
                 place[0] += motion.speed_m_s * dt;
                 place[1] += motion.turn_rate_rad_s * dt;
             }

@@ -83,8 +83,8 @@ pub(crate) struct Tick<'a> {
     pub(crate) noise: bool,
     pub(crate) start: SimTime,
     pub(crate) end: SimTime,
-    /// Length of a substep, in nanoseconds.
-    pub(crate) substep_ns: u64,
+    /// Substeps in it.
+    pub(crate) substeps: u32,
 }
 
 /// What happened to a robot.

@@ -192,8 +192,13 @@ impl World {
             let scenario = &*self.scenario;
             parallel::each(self.is_parallel, &mut self.state.robots, &mut steps, |own, robot, step| {
                 let scene = scenario.scene(&frozen, own);
-                let substep_ns = scenario.step_ns / u64::from(scenario.substeps);
-                let tick = Tick { scene: &scene, noise: scenario.noise, start: now, end, substep_ns };
+                let tick = Tick {
+                    scene: &scene,
+                    noise: scenario.noise,
+                    start: now,
+                    end,
+                    substeps: scenario.substeps,
+                };
                 *step = robot.listen(&scenario.robots[own], &tick, ended);
             });
             let turns = steps.iter().enumerate().filter_map(|(robot, at)| Some(Turn { robot, at: (*at)? }));
@@ -242,8 +247,7 @@ impl World {
             }
             robot.send_written(spec, step.unwrap_or(start));
             let scene = scenario.scene(&frozen, own);
-            let substep_ns = scenario.step_ns / u64::from(scenario.substeps);
-            let tick = Tick { scene: &scene, noise: scenario.noise, start, end, substep_ns };
+            let tick = Tick { scene: &scene, noise: scenario.noise, start, end, substeps: scenario.substeps };
             robot.advance(spec, &tick, end, None);
             robot.lay_down_command(spec);
             robot.look_for_losses(end);

@@ -9,7 +9,7 @@ use baudbot_geometry::{Circle, Crowd, Point, Pose, polygon};
 use super::{Ending, World};
 use crate::actuator::ActuatorKind;
 use crate::collision::{Collision, CollisionPolicy, Met, Partner, Room, Step, Way, swept};
-use crate::drive::{Rolling, Wheels};
+use crate::drive::Wheels;
 use crate::model::RobotSpec;
 use crate::motor::Motors;
 use crate::movable::{self, Body, Fixed, Form, Pusher};
@@ -309,8 +309,12 @@ impl Robot {
         let signals = if powered { self.motor_noise.apply(given) } else { Wheels::default() };
         let signals = self.under_load(spec, signals);
         let grip = scenario.surroundings.grip_of(&spec.drive, &self.motion);
-        let open = self.rare.fourth.as_ref().map(|chip| chip.given().open);
-        self.motion = spec.drive.step(&self.motion, signals, Rolling { grip, open }, dt);
+        self.motion = match &self.rare.fourth {
+            None => spec.drive.step(&self.motion, signals, grip, dt),
+            Some(chip) => {
+                spec.drive.step_behind_bridges(&self.motion, signals, (chip.given().open, grip), dt)
+            }
+        };
         for (actuator, state) in spec.actuators.iter().zip(&mut self.actuators) {
             if let ActuatorKind::Turret(servo) = &actuator.kind {
                 // A pulse begins in the first substep of each frame.

@@ -32,7 +32,7 @@ impl Robot {
         let ping = &mut pings[0];
         let mut around = Around { spec, microcontroller, measurement, recorder, ping };
         let tick_ns = tick.end.since(tick.start);
-        let span = Span { tick_ns, substep_ns: tick.substep_ns, until };
+        let span = Span { tick_ns, substep_ns: tick_ns / u64::from(tick.substeps), until };
         let spoken = chip.run(chip_spec, span, &mut around, (&mut self.uplink, &mut self.downlink));
         if let Some((from, until, bytes)) = spoken {
             self.recorder.note(from, until, What::Up { bytes });
