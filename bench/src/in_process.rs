@@ -306,7 +306,7 @@ mod tests {
         ("W4s/cable", 0xf60a_7506_2396_2d3c),
         ("G", 0xb4eb_3d15_1ccd_73d7),
         ("F/spinning", 0xc3df_49c0_5251_0196),
-        ("F/sleeping", 0),
+        ("F/sleeping", 0x5b00_3d11_ecfe_7419),
     ];
 
     #[test]

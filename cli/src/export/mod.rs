@@ -2,9 +2,8 @@
 //!
 //! 1. This file sees what is wanted, and that no output goes into another one or into the recording.
 //! 2. [`pass`] simulates the run once more, a [`window`] of it, and shows every tick to all outputs at once: those of
-//!    `baudbot run` ([`watched`]), `rows` of Parquet, [`events`], [`trails`] for a picture, the pins of chips
-//!    ([`vcd`](crate::vcd)), and [`beliefs`], which are in the
-//!    recording's frames.
+//!    `baudbot run` ([`watched`]), `rows` of Parquet, [`events`], [`trails`] for a picture, the pins of chips ([`vcd`]), and
+//!    [`beliefs`], which are in the recording's frames.
 //!    [`ran`] is what pictures tell of the run.
 //! 3. [`film`] lets a [`browser`] film the viewer's page, which replays the recording.
 //! 4. [`summary`] describes a recording if no output is requested.

@@ -53,7 +53,7 @@ fn refused(scenario: &Path, firmware: &str) -> String {
 
 /// What a run with these instructions says of its robot.
 fn ran(name: &str, words: &[u16], seconds: &str) -> Value {
-    let robot = scenario(name, &format!("{ROBOT}{CABLE}"));
+    let robot = scenario(name, &format!("{ROBOT}{CABLE}pins.13 = \"leds.builtin\"\n"));
     let program = file(&format!("{name}.hex"), &hex(words));
     let firmware = format!("r={}", program.display());
     let text =
@@ -97,7 +97,7 @@ fn a_file_that_is_no_program_is_refused_by_its_name_and_line() {
     }
     let good = file("good.hex", &hex(&[0xCFFF]));
     let said = refused(&robot, &format!("other={}", good.display()));
-    assert!(said.contains("`other`") && said.contains('r'), "{said}");
+    assert!(said.contains("robots.other: there is no such element; there are: r"), "{said}");
 }
 
 #[test]
