@@ -63,6 +63,8 @@ pub enum LineError {
 
 const PS_PER_S: u64 = 1_000_000_000_000;
 const PS_PER_NS: u64 = 1000;
+/// No receiver looks back at more changes of the level: those of a second at the greatest rates.
+const MOST_CHANGES: usize = 1 << 20;
 
 impl Settings {
     /// 8 data bits, no parity, 1 stop bit.
@@ -143,6 +145,18 @@ impl Receiver {
     pub fn new(settings: Settings) -> Self {
         let changes = VecDeque::new();
         Self { settings, changes, level: true, known_ps: 0, seen_ps: 0, waits_for_high: false }
+    }
+
+    /// Whether a receiver with these settings can be in this state before an instant, in nanoseconds.
+    pub fn is_possible(&self, settings: &Settings, before_ns: u64) -> bool {
+        let before = before_ns.saturating_mul(PS_PER_NS);
+        let mut instants = self.changes.iter().map(|(from, _)| *from);
+        self.settings == *settings
+            && self.changes.len() <= MOST_CHANGES
+            && instants.clone().is_sorted()
+            && instants.next_back().is_none_or(|last| last <= before)
+            && self.known_ps <= before
+            && self.seen_ps <= before
     }
 
     /// How it is set.

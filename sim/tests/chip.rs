@@ -242,3 +242,16 @@ fn two_robots_with_one_program_do_not_disturb_each_other() {
     assert_eq!(alone.robot(0).motion(), both.robot(0).motion());
     assert_eq!(both.robot(1).motion().speed_m_s, 0.0);
 }
+
+#[test]
+fn a_rate_that_is_changed_by_hand_is_that_of_the_laptops_end() {
+    let mut world = open(&format!("step_ms = 1.0\n{}", robot(TESTER, CABLE, "")));
+    let set = |world: &mut World, baud: u32| {
+        world.intervene(&Intervention::SetBaud { robot: "r".into(), baud }).unwrap();
+    };
+    set(&mut world, 19_200);
+    assert_ne!(bytes(&ask(&mut world, b"hello", 30)), b"hello");
+    set(&mut world, 9600);
+    ask(&mut world, &[], 20);
+    assert_eq!(bytes(&ask(&mut world, b"hello", 30)), b"hello");
+}

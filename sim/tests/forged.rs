@@ -24,7 +24,10 @@ fn scenarios() -> Vec<(String, Arc<Scenario>)> {
     paths.sort();
     let parse = |path: PathBuf| {
         // Those with maps and plans are other crates' matter.
-        let scenario = baudbot_scenario::parse(&fs::read_to_string(&path).unwrap()).ok()?;
+        let text = fs::read_to_string(&path).unwrap();
+        let program = fs::read_to_string(path.with_file_name("firmware/wander.hex")).unwrap_or_default();
+        let text = text.replace("\"firmware/wander.hex\"", &format!("{{ hex = '''\n{program}''' }}"));
+        let scenario = baudbot_scenario::parse(&text).ok()?;
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
         (scenario.robots.len() <= 4).then(|| (name, scenario.into()))
     };

@@ -183,7 +183,10 @@ impl Robot {
     }
 
     /// The cable to its brain has another rate from now on.
-    pub(crate) fn begin_bursts(&mut self) {
+    pub(crate) fn begin_bursts(&mut self, link: &Link) {
+        if let Some(chip) = &mut self.rare.fourth {
+            chip.set_rate(link);
+        }
         self.uplink.begin_burst();
         self.downlink.begin_burst();
     }

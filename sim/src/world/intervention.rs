@@ -265,7 +265,8 @@ impl World {
     /// Says whether that made a difference.
     pub(super) fn set_baud(&mut self, name: &str, baud: u32) -> Result<bool> {
         let Some(own) = self.change_baud(name, baud)? else { return Ok(false) };
-        self.state_mut().robots[own].begin_bursts();
+        let model = Arc::clone(&self.scenario().robots[own].model);
+        self.state_mut().robots[own].begin_bursts(&model.link);
         Ok(true)
     }
 

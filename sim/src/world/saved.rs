@@ -131,7 +131,7 @@ impl Robot {
         same(parts.second.is_some() == others.second.is_some(), "dead times")?;
         same(parts.fourth.is_some() == others.fourth.is_some(), "chips")?;
         let chips = parts.fourth.as_ref().zip(others.fourth.as_ref());
-        sound(chips.is_none_or(|(own, other)| own.may_become(other)), "chip")?;
+        sound(chips.is_none_or(|(own, other)| own.may_become(other, &spec.link, now)), "chip")?;
         let sensors = spec.sensors.len();
         same(other.microcontroller.channels().len() == sensors, "sensors")?;
         same(other.laptop.readings.len() == sensors, "sensors")?;

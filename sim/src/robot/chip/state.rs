@@ -73,9 +73,15 @@ impl ChipState {
         }
     }
 
-    /// Whether a chip that is as this one at its start may have come to that state.
-    pub(crate) fn may_become(&self, other: &Self) -> bool {
+    /// Whether a chip that is as this one at its start may have come to that state by `now`.
+    pub(crate) fn may_become(&self, other: &Self, link: &Link, now: SimTime) -> bool {
+        // What is over has been run, or there would be years to make up for.
+        let soon = now + SOON_NS;
+        let held = other.held_until();
         other.board.is_of(self.board.wiring(), self.board.clock())
+            && (now..=soon).contains(&held)
+            && other.now <= soon
+            && other.laptop.is_possible(&uart::settings(link), soon.as_ns())
             && self.contacts.len() == other.contacts.len()
             && other.outputs.len() <= MOST_SUBSTEPS
             && other.outputs.iter().chain([&other.given]).all(Output::is_sound)
@@ -127,6 +133,11 @@ impl ChipState {
         if self.board.edges().is_some() {
             self.keep_edges(true);
         }
+    }
+
+    /// The laptop's UART has the rate of this cable from now on; a character that it was reading is lost.
+    pub(crate) fn set_rate(&mut self, link: &Link) {
+        self.laptop = uart::receiver(link);
     }
 
     /// Runs until something may come from outside or a substep ends. Gives what the laptop's UART reads to `uplink`; the answer
@@ -182,6 +193,9 @@ impl ChipState {
         }
     }
 }
+
+/// A chip is held in reset for less, and a tick and a character are shorter.
+const SOON_NS: u64 = 120 * SECOND_NS;
 
 /// No tick has more substeps.
 const MOST_SUBSTEPS: usize = 1 << 20;

@@ -12,7 +12,8 @@ pub(super) fn receiver(link: &Link) -> Receiver {
     Receiver::new(settings(link))
 }
 
-fn settings(link: &Link) -> Settings {
+/// How it is set.
+pub(super) fn settings(link: &Link) -> Settings {
     match link {
         Link::Uart(uart) => Settings::of_cable(uart.baud, u32::from(uart.bits_per_character)),
         // Scenario files refuse chips on other cables.
