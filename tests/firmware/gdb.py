@@ -15,16 +15,14 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SKETCH = ROOT / "tests/firmware/sketch.c"
-SECONDS = "1.0"
-
 
 class World:
     """A robot whose chip waits for a debugger."""
 
-    def __init__(self, baudbot: str, elf: str, *options: str):
+    def __init__(self, baudbot: str, elf: str, seconds: str = "1.0"):
         scenario = str(ROOT / "scenarios/firmware.toml")
-        command = [baudbot, "run", scenario, "--firmware", f"robot={elf}", "--seconds", SECONDS, "--gdb", "robot=0"]
-        self.process = subprocess.Popen([*command, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        command = [baudbot, "run", scenario, "--firmware", f"robot={elf}", "--seconds", seconds, "--gdb", "robot=0"]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         said = ""
         while not (found := re.search(r"target remote (127\.0\.0\.1:\d+)", said)):
             line = self.process.stderr.readline()
@@ -96,7 +94,7 @@ def watchpoints(baudbot: str, elf: str) -> None:
 
 def an_interrupt_and_a_detachment(baudbot: str, elf: str) -> None:
     """What Ctrl-C does stops a program that runs; then the world stands, and goes on when the debugger is gone."""
-    world = World(baudbot, elf, "--seconds", "100000")
+    world = World(baudbot, elf, "100000")
     words = ["avr-gdb", "-nx", "-q", "--interpreter=mi2", elf]
     debugger = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
@@ -145,8 +143,7 @@ def refusals(baudbot: str, elf: str) -> None:
         ([scenario, "--gdb", "robot=0", "--record", "never.mcap"], "--gdb and --record exclude each other"),
         ([scenario, "--gdb", f"robot={taken}"], "the port is in use"),
         ([scenario, "--gdb", "robot"], "write ROBOT=PORT"),
-        (["wander", "--gdb", "robot=0"], "there is no robot `robot`"),
-        (["arsim", "--gdb", "arsim=0"], "has no program on its microcontroller"),
+        (["wander", "--gdb", "robot=0"], "has no program on its microcontroller"),
     ]:
         done = subprocess.run([baudbot, "run", *words], capture_output=True, text=True, timeout=60)
         assert done.returncode == 2 and text in done.stderr, f"{words}: {done.returncode} {done.stderr}"
