@@ -45,15 +45,12 @@ impl ChipState {
                 downlink.counters.lost_bytes += 1;
                 continue;
             }
-            self.receive(frame(&settings, byte), start, settings.baud);
+            let local = self.local(start).max(self.board.now_ns());
+            // One that begins within the last one, as its rate was changed by hand, is lost; so are bits shorter than a cycle.
+            if self.board.receive(frame(&settings, byte), local, settings.baud).is_err() {
+                downlink.counters.lost_bytes += 1;
+            }
         }
-    }
-
-    /// A character that begins within the last one, for the rounding of cycles or because the rate was changed, begins behind it.
-    fn receive(&mut self, frame: Frame, start: SimTime, baud: u32) {
-        let local = self.local(start).max(self.board.now_ns());
-        // There is room for 16 characters, which come one behind the other; a chip cannot be sent bits shorter than its cycles.
-        let _ = self.board.receive(frame, local, baud);
     }
 
     /// What the chip has sent goes on the line, and what the laptop's UART reads of it is on its way. Says when characters were on
