@@ -135,11 +135,17 @@ impl Process {
     /// Kills all that is left of it, also what has left its process group.
     fn kill(&self) {
         self.signal(Signal::KILL);
-        // A process may fork while it is looked for.
+        // A process may fork while it is looked for, and has no environment for a moment while it becomes another program: so
+        // none is left if none is found twice.
+        let mut was_empty = false;
         for _ in 0..MOST_ROUNDS {
             let left = marked(&self.mark);
-            if left.is_empty() {
+            if left.is_empty() && was_empty {
                 return;
+            }
+            was_empty = left.is_empty();
+            if was_empty {
+                std::thread::sleep(A_MOMENT);
             }
             for process in left {
                 let _ = kill_process(process, Signal::KILL);
@@ -180,3 +186,6 @@ const PATIENCE: Duration = Duration::from_secs(2);
 const SETTLE: Duration = Duration::from_millis(100);
 
 const MOST_ROUNDS: usize = 100;
+
+/// Longer than a process takes to become another program.
+const A_MOMENT: Duration = Duration::from_millis(2);
