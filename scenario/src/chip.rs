@@ -60,16 +60,15 @@ fn speaks(path: &Path, link: &Link, protocol: raw::Protocol) -> Result<()> {
         return Err(at.error(problem));
     };
     if uart.turnaround_ns.is_some() {
-        return Err(at
-            .field("turnaround_us")
-            .error("a microcontroller with a program has no half-duplex cable yet"));
+        let problem = "must be false: a microcontroller with a program has no half-duplex cable yet";
+        return Err(at.field("half_duplex").error(problem));
     }
     if uart.bits_per_character < 10 {
         let problem = format!(
             "must be 10 (8N1) or 11 (8N2) for a microcontroller with a program, whose UART has start and stop bits; is {}",
             uart.bits_per_character
         );
-        return Err(at.field("bits_per_byte").error(problem));
+        return Err(at.field("bits_per_character").error(problem));
     }
     match protocol {
         raw::Protocol::Own | raw::Protocol::Framed | raw::Protocol::Bare => Ok(()),

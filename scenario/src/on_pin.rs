@@ -70,17 +70,7 @@ impl Connection {
     fn options(&self) -> Options {
         match self {
             Self::With(options) => options.clone(),
-            Self::Plain(to) => Options {
-                to: to.clone(),
-                volts_at_0: None,
-                volts_per_unit: None,
-                divider: None,
-                pull: None,
-                drop_v: None,
-                decay: None,
-                lit_by: None,
-                rc: None,
-            },
+            Self::Plain(to) => Options { to: to.clone(), ..Options::default() },
         }
     }
 }

@@ -3,7 +3,7 @@
 use alloc::string::String;
 
 /// A connection with numbers of its own.
-#[derive(Clone, Debug, serde::Deserialize)]
+#[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Options {
     pub(super) to: String,

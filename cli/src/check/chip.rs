@@ -23,10 +23,12 @@ pub(super) fn describe(robot: &RobotSpec, chip: &ChipSpec) -> Vec<(&'static str,
     let used =
         chip.board().chip().flash().iter().rposition(|&word| word != 0xffff).map_or(0, |last| 2 * (last + 1));
     let of = 2 * part.flash_words();
-    let speaks = match robot.firmware.protocol {
-        _ if chip.is_opaque() => "its own language; brains attach in RAW mode or through a serial port",
-        Protocol::Bare { .. } => "bare values, as the scenario says",
-        Protocol::Framed { .. } | Protocol::Khepera | Protocol::Create(_) => "frames, as the scenario says",
+    let speaks = match (chip.is_opaque(), robot.firmware.protocol) {
+        (true, _) => "its own language; brains attach in RAW mode or through a serial port",
+        (false, Protocol::Bare { .. }) => "bare values, as the scenario says",
+        (false, Protocol::Framed { .. } | Protocol::Khepera | Protocol::Create(_)) => {
+            "frames, as the scenario says"
+        }
     };
     vec![
         ("chip", format!("{name} at {mhz} MHz{off}")),

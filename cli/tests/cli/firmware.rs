@@ -124,7 +124,12 @@ fn cables_and_brains_that_a_program_cannot_have_are_refused() {
         (
             "notes",
             "link = { kind = \"uart\", baud = 9600, bits_per_character = 8 }\n",
-            "must be 10 (8N1) or 11",
+            "robots[0].link.bits_per_character: must be 10 (8N1) or 11",
+        ),
+        (
+            "shared",
+            "link = { kind = \"uart\", baud = 9600, bits_per_character = 10, half_duplex = true }\n",
+            "robots[0].link.half_duplex: must be false",
         ),
         (
             "khepera",

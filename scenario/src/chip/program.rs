@@ -70,7 +70,8 @@ pub(super) fn program(
     let fuses = match (&microcontroller.fuses, program.fuses()) {
         (Some(given), _) => fuses(path, given)?,
         (None, Some([low, high, extended])) => Fuses { low, high, extended },
-        (None, None) => usual_fuses(part),
+        // A clock that starts at once, and address 0: what a programmer leaves that writes a sketch without a boot loader.
+        (None, None) => Fuses::external_clock(part),
     };
     Ok((program, fuses))
 }
@@ -95,12 +96,6 @@ fn fuses(path: &Path, given: &[u64]) -> Result<Fuses> {
         return Err(at.error(format!("has the bytes low, high and extended, and not {}", given.len())));
     };
     Ok(Fuses { low: byte(low)?, high: byte(high)?, extended: byte(extended)? })
-}
-
-/// A crystal, no start-up time beyond what it needs, and no boot loader: a programmer that writes a sketch over the boot loader
-/// leaves a part so.
-fn usual_fuses(part: Part) -> Fuses {
-    Fuses::external_clock(part)
 }
 
 const USUAL_HZ: f64 = 16e6;

@@ -53,9 +53,7 @@ impl<'a> Around<'a> {
         self.recorder.note(at, at, What::Acquire { sensor: sensor as u16 });
         values.get(value).copied().unwrap_or(0.0)
     }
-}
 
-impl Around<'_> {
     /// Whether a switch is pressed at the start of the tick. Its contact bounces on the board.
     pub(super) fn is_pressed(&mut self, sensor: usize) -> bool {
         let start = self.tick_start();
