@@ -41,7 +41,6 @@ mod map;
 mod measure;
 mod natural;
 mod new;
-mod opened;
 mod output_files;
 mod plan;
 mod port_watch;

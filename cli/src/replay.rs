@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::Context;
+use baudbot_import::opened;
 use baudbot_recording::{RecordedRun, RecordingError, Replay, Stretch};
 use baudbot_server::{Pace, WorldConfig, pace_of};
 use baudbot_sim::{Scenario, World};
@@ -16,7 +17,7 @@ use crate::args::{PaceName, ReplayArgs, WatchdogArgs};
 use crate::error::Refused;
 use crate::serving::{Serving, Viewing};
 use crate::text::tell;
-use crate::{opened, record, text};
+use crate::{record, text};
 
 /// The outcome.
 #[derive(Debug, Serialize)]

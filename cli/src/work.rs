@@ -12,7 +12,6 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::WorkArgs;
 use crate::error::Refused;
-use crate::scenarios::{self, Source};
 use crate::signals::Stop;
 
 /// Lets work be done on threads of its own. A signal sets what the work is given; the work then ends by itself.
@@ -32,17 +31,8 @@ pub(crate) async fn until_stopped(
 
 /// The experiment that the arguments name.
 pub(crate) fn read(args: &WorkArgs) -> anyhow::Result<Experiment> {
-    let path = args.experiment.display().to_string();
-    let toml = scenarios::read(&path)?;
-    let stem = args.experiment.file_stem().and_then(|stem| stem.to_str()).unwrap_or("experiment");
-    let folder = args.experiment.parent().unwrap_or_else(|| Path::new(""));
-    let find = |name: &str| match Source::beside(folder, name) {
-        Ok(source) => Ok(source.into_text()),
-        Err(error) => Err(error.to_string()),
-    };
-    let mut experiment =
-        Experiment::parse(&toml, stem, find).map_err(|error| Refused::error(format!("{path}: {error}")))?;
-    experiment.folder = folder.to_owned();
+    let read = Experiment::read(&args.experiment);
+    let mut experiment = read.map_err(|error| Refused::error(error.to_string()))?;
     if let Some(seeds) = &args.seeds {
         experiment.seeds = Seeds::parse(seeds).map_err(|error| Refused::error(format!("--{error}")))?;
     }

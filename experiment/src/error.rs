@@ -39,6 +39,14 @@ pub enum Error {
 }
 
 impl Error {
+    /// The path of the field that is wrong, if it is one.
+    pub fn path(&self) -> Option<String> {
+        match self {
+            Self::Field { path, .. } => Some(path.clone()),
+            Self::Syntax(_) | Self::Refused(_) | Self::File { .. } | Self::Server(_) => None,
+        }
+    }
+
     pub(crate) fn field(path: impl fmt::Display, problem: impl fmt::Display) -> Self {
         Self::Field { path: Printable(path).to_string(), problem: Printable(problem).to_string() }
     }

@@ -6,7 +6,7 @@ use baudbot_brain::{Action, Belief, Body, Brain, RawCommands, Signals};
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_sim::drive::Wheels;
 use baudbot_sim::model::RobotSpec;
-use baudbot_sim::{Answer, Scenario, SimTime, World, Written};
+use baudbot_sim::{Answer, Scenario, SimTime, Turn, World, Written};
 
 use crate::assignment::Assignment;
 
@@ -28,7 +28,8 @@ pub enum InProcessError {
     Robots(usize),
 }
 
-struct Driver {
+/// A brain with its robot's data sheet, in the process of its world.
+pub struct Driver {
     body: Arc<Body>,
     brain: Box<dyn Brain + Send>,
     commands: RawCommands,
@@ -47,8 +48,14 @@ pub fn run(scenario: Scenario, assignments: &[Assignment]) -> Result<World, InPr
     Ok(local.world)
 }
 
-/// What a brain wants written.
-enum Output {
+/// What a brain wants written, and when.
+pub struct Output {
+    robot: usize,
+    at: SimTime,
+    what: What,
+}
+
+enum What {
     Bytes(Vec<u8>),
     Command { sequence: u8, wheels: Wheels },
 }
@@ -61,6 +68,51 @@ impl Driver {
         let body = Arc::new(Body::from(spec));
         let commands = RawCommands::new(&body).expect("a scenario is read only if its messages fit the wire");
         Ok(Self { brain: brain(&body)?, body, commands })
+    }
+
+    /// A brain of the catalogue for each robot that an assignment names, seeded with the scenario's seed; `None` for the others.
+    ///
+    /// # Errors
+    /// If the catalogue has no such brain for a robot.
+    pub fn all(scenario: &Scenario, assignments: &[Assignment]) -> Result<Vec<Option<Self>>, InProcessError> {
+        let driver = |spec: &RobotSpec| {
+            let assignment = assignments.iter().find(|assignment| assignment.robots.contains(&spec.name));
+            let make = |assignment: &Assignment| {
+                Self::new(spec, |body| Ok(catalogue::brain(&assignment.brain, scenario.seed, body)?))
+            };
+            assignment.map(make).transpose()
+        };
+        scenario.robots.iter().map(driver).collect()
+    }
+
+    /// The brain's step at this turn of its robot's.
+    pub fn step(&mut self, world: &World, turn: Turn) -> Output {
+        let action = self.brain.step(&world.turn_of(turn, &self.body));
+        let thinking_ns = thinking_ns(world.robot(turn.robot).spec(), &action);
+        let what = match (action.signals, action.poll) {
+            (Some(Signals { left, right }), _) => {
+                let sequence = self.commands.next_command(&action.others);
+                What::Command { sequence, wheels: Wheels { left, right } }
+            }
+            (None, true) => What::Bytes(self.commands.poll().unwrap_or_default()),
+            (None, false) => What::Bytes(self.commands.wait()),
+        };
+        Output { robot: turn.robot, at: turn.at + thinking_ns, what }
+    }
+}
+
+impl Output {
+    /// As the world takes it, with what its driver, which is one of these, last sent to the actuators besides the wheels.
+    pub fn answer<'a>(&'a self, drivers: &'a [Option<Driver>]) -> Answer<'a> {
+        let written = match &self.what {
+            What::Bytes(bytes) => Written::Bytes(bytes),
+            What::Command { sequence, wheels } => {
+                let driver = drivers[self.robot].as_ref();
+                let others = driver.map_or(&[][..], |driver| driver.commands.others());
+                Written::Command { sequence: *sequence, wheels: *wheels, others }
+            }
+        };
+        Answer { robot: self.robot, at: self.at, written }
     }
 }
 
@@ -80,14 +132,7 @@ impl InProcess {
     /// # Errors
     /// If the catalogue has no such brain for a robot.
     pub fn with_assignments(scenario: Scenario, assignments: &[Assignment]) -> Result<Self, InProcessError> {
-        let driver = |spec: &RobotSpec| {
-            let assignment = assignments.iter().find(|assignment| assignment.robots.contains(&spec.name));
-            let make = |assignment: &Assignment| {
-                Driver::new(spec, |body| Ok(catalogue::brain(&assignment.brain, scenario.seed, body)?))
-            };
-            assignment.map(make).transpose()
-        };
-        let brains = scenario.robots.iter().map(driver).collect::<Result<_, _>>()?;
+        let brains = Driver::all(&scenario, assignments)?;
         Ok(Self { world: World::new(scenario.into()), brains })
     }
 
@@ -110,36 +155,11 @@ impl InProcess {
     pub fn tick(&mut self, look: impl FnOnce(&World)) {
         let turns = self.world.begin().to_vec();
         look(&self.world);
-        let mut outputs: Vec<(usize, SimTime, Output)> = Vec::new();
+        let mut outputs: Vec<Output> = Vec::new();
         for turn in turns {
-            let Some(driver) = &mut self.brains[turn.robot] else { continue };
-            let view = self.world.robot(turn.robot);
-            let action = driver.brain.step(&self.world.turn_of(turn, &driver.body));
-            let thinking_ns = thinking_ns(view.spec(), &action);
-            let output = match (action.signals, action.poll) {
-                (Some(Signals { left, right }), _) => {
-                    let sequence = driver.commands.next_command(&action.others);
-                    Output::Command { sequence, wheels: Wheels { left, right } }
-                }
-                (None, true) => Output::Bytes(driver.commands.poll().unwrap_or_default()),
-                (None, false) => Output::Bytes(driver.commands.wait()),
-            };
-            outputs.push((turn.robot, turn.at + thinking_ns, output));
+            outputs.extend(self.brains[turn.robot].as_mut().map(|driver| driver.step(&self.world, turn)));
         }
-        let others =
-            |robot: usize| self.brains[robot].as_ref().map_or(&[][..], |driver| driver.commands.others());
-        let answers: Vec<_> = outputs
-            .iter()
-            .map(|(robot, at, output)| {
-                let written = match output {
-                    Output::Bytes(bytes) => Written::Bytes(bytes),
-                    Output::Command { sequence, wheels } => {
-                        Written::Command { sequence: *sequence, wheels: *wheels, others: others(*robot) }
-                    }
-                };
-                Answer { robot: *robot, at: *at, written }
-            })
-            .collect();
+        let answers: Vec<_> = outputs.iter().map(|output| output.answer(&self.brains)).collect();
         self.world.finish_answers(&answers);
     }
 

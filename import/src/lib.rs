@@ -19,7 +19,9 @@ mod file;
 mod lookup;
 #[cfg_attr(not(feature = "maps"), path = "no_maps.rs")]
 mod maps;
+pub mod opened;
 mod program;
+pub mod source;
 mod tables;
 
 use std::borrow::Cow;

@@ -7,14 +7,15 @@ use std::sync::Arc;
 
 use anyhow::Context;
 use baudbot_fit::log::{self, Log, Options};
+use baudbot_import::opened;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::subject::Subject;
 use crate::args::FitArgs;
 use crate::csv::Table;
 use crate::error::Refused;
+use crate::output_files;
 use crate::replay::{open, recorded_run, refused};
-use crate::{opened, output_files};
 
 pub(super) fn read(args: &FitArgs, path: &Path, subject: &Subject) -> anyhow::Result<Log> {
     let options = Options {

@@ -9,14 +9,20 @@ use std::time::{Duration, Instant};
 
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
 
-/// Opens a plain file. What is something else is an error.
-pub(crate) fn plain(path: &Path) -> io::Result<File> {
+/// Opens a plain file.
+///
+/// # Errors
+/// If it cannot be opened, or is something else.
+pub fn plain(path: &Path) -> io::Result<File> {
     let file = at_once(path)?;
     if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other("is not a file")) }
 }
 
-/// Opens a file, a pipe or a device. A pipe without a writer for two seconds is an error.
-pub(crate) fn any(path: &Path) -> io::Result<impl Read> {
+/// Opens a file, a pipe or a device.
+///
+/// # Errors
+/// If it cannot be opened; if it is a pipe that has no writer for two seconds.
+pub fn any(path: &Path) -> io::Result<impl Read> {
     let mut file = at_once(path)?;
     let first = if file.metadata()?.file_type().is_fifo() { first_byte(&mut file)? } else { Vec::new() };
     fcntl_setfl(&file, fcntl_getfl(&file)? - OFlags::NONBLOCK)?;

@@ -1,0 +1,45 @@
+//! An experiment from its file.
+
+use std::path::Path;
+
+use baudbot_import::source::{self, Source, SourceError};
+
+use crate::error::Error;
+use crate::experiment::Experiment;
+
+/// Why an experiment cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// Its file cannot be.
+    #[error(transparent)]
+    File(#[from] SourceError),
+    /// What is in it makes no sense.
+    #[error("{path}: {error}")]
+    Experiment {
+        /// The file.
+        path: String,
+        /// The problem.
+        error: Error,
+    },
+}
+
+impl Experiment {
+    /// Reads an experiment, with the scenario that it refers to and what that refers to. Programs of it are found from its folder.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or something in it makes no sense.
+    pub fn read(file: &Path) -> Result<Self, ReadError> {
+        let path = file.display().to_string();
+        let toml = source::read(&path)?;
+        let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or("experiment");
+        let folder = file.parent().unwrap_or_else(|| Path::new(""));
+        let find = |name: &str| match Source::beside(folder, name) {
+            Ok(source) => Ok(source.text),
+            Err(error) => Err(error.to_string()),
+        };
+        let parsed = Self::parse(&toml, stem, find);
+        let mut experiment = parsed.map_err(|error| ReadError::Experiment { path, error })?;
+        experiment.folder = folder.to_owned();
+        Ok(experiment)
+    }
+}

@@ -1,0 +1,105 @@
+//! Where the text of a scenario is from: a file, or the program itself.
+
+use std::fs;
+use std::io::{self, Read};
+use std::path::Path;
+
+use crate::{MAX_TEXT, inline, opened};
+
+/// The scenarios that a program can run anywhere, with their names.
+pub const EMBEDDED: [(&str, &str); 3] = [
+    ("arsim", include_str!("../../scenarios/arsim.toml")),
+    ("khepera", include_str!("../../scenarios/khepera.toml")),
+    ("wander", include_str!("../../scenarios/wander.toml")),
+];
+
+/// The text of a scenario, not yet parsed, with all that it refers to by file in it.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// The name that was given: a path, or that of an embedded scenario.
+    pub label: String,
+    /// TOML.
+    pub text: String,
+}
+
+/// Why there is no such text, on one line that begins with its name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct SourceError(String);
+
+impl Source {
+    /// Finds an embedded scenario of this name, or reads a file, and what that refers to by file.
+    ///
+    /// # Errors
+    /// If there is neither, if it is no text or too long, or if something that it refers to cannot be read.
+    pub fn find(name: &str) -> Result<Self, SourceError> {
+        let text = match EMBEDDED.iter().find(|(embedded, _)| *embedded == name) {
+            Some((_, text)) => (*text).to_owned(),
+            None => inlined(name, &read(name)?)?,
+        };
+        Ok(Self { label: name.to_owned(), text })
+    }
+
+    /// A text that a program has made. Files that it refers to are found from the present folder.
+    ///
+    /// # Errors
+    /// If something that it refers to cannot be read.
+    pub fn written(text: String) -> Result<Self, SourceError> {
+        let label = "scenario".to_owned();
+        Ok(Self { text: inlined(&label, &text)?, label })
+    }
+
+    /// As [`find`](Self::find), of a file that another file refers to, which is in `folder`.
+    ///
+    /// # Errors
+    /// As [`find`](Self::find).
+    pub fn beside(folder: &Path, name: &str) -> Result<Self, SourceError> {
+        if EMBEDDED.iter().any(|(embedded, _)| *embedded == name) {
+            return Self::find(name);
+        }
+        Self::find(&folder.join(name).display().to_string())
+    }
+}
+
+/// Reads a scenario or an experiment as it stands, without what it refers to.
+///
+/// # Errors
+/// If it cannot be read, is no text or is too long.
+pub fn read(path: &str) -> Result<String, SourceError> {
+    let unreadable = |error: io::Error| SourceError(unreadable(path, &error));
+    let metadata = fs::metadata(path).map_err(unreadable)?;
+    if metadata.is_dir() {
+        return Err(SourceError(format!("{path}: is a directory, not a scenario file")));
+    }
+    if metadata.len() > MAX_TEXT as u64 {
+        let problem = format!("{path}: has {} bytes, a scenario has at most {MAX_TEXT}", metadata.len());
+        return Err(SourceError(problem));
+    }
+    // A device or a pipe has no length, and may have no end.
+    let mut bytes = Vec::new();
+    let file = opened::any(Path::new(path)).map_err(unreadable)?;
+    file.take(MAX_TEXT as u64 + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() > MAX_TEXT {
+        let problem = format!("{path}: has more than {MAX_TEXT} bytes, the most that a scenario may have");
+        return Err(SourceError(problem));
+    }
+    String::from_utf8(bytes).map_err(|_| unreadable(io::ErrorKind::InvalidData.into()))
+}
+
+/// Puts the maps and tables that a scenario refers to into their places.
+fn inlined(path: &str, text: &str) -> Result<String, SourceError> {
+    let folder = Path::new(path).parent().unwrap_or_else(|| Path::new(""));
+    let whole = inline(text, folder);
+    whole.map(std::borrow::Cow::into_owned).map_err(|error| SourceError(format!("{path}: {error}")))
+}
+
+fn unreadable(path: &str, error: &io::Error) -> String {
+    let names: Vec<_> = EMBEDDED.iter().map(|(name, _)| *name).collect();
+    if error.kind() == io::ErrorKind::NotFound {
+        format!("{path}: there is no such file; built-in scenarios: {}", names.join(", "))
+    } else if error.kind() == io::ErrorKind::InvalidData {
+        format!("{path}: is not text in UTF-8")
+    } else {
+        format!("{path}: {error}")
+    }
+}

@@ -1,0 +1,192 @@
+//! A robot that a program drives: what its brain has, and what it was told to do.
+
+use std::sync::Arc;
+
+use baudbot_brain::{Body, RawCommands};
+use baudbot_sim::drive::Wheels;
+use baudbot_sim::firmware::Mode;
+use baudbot_sim::{Answer, SimTime, Turn, World, Written};
+
+use crate::error::LearnError;
+use crate::layout::Layout;
+
+/// An agent of an environment.
+///
+/// Its observation is what a brain at the laptop's end of the cable has: nothing of it is the truth.
+#[derive(Clone, Debug)]
+pub struct Agent {
+    pub(crate) robot: usize,
+    layout: Arc<Layout>,
+    commands: RawCommands,
+    thinking_ns: u64,
+    is_polled: bool,
+    /// Signals of the wheels and of the other actuators that are to be sent at its next turn.
+    pending: Option<Wheels>,
+    others: Vec<f64>,
+    sequence: u8,
+    /// What it writes that is no command.
+    bytes: Vec<u8>,
+    values: Vec<f64>,
+    /// When each reading was sampled, as its message says, or else when it came.
+    sampled_at: Vec<Option<SimTime>>,
+    readable: Vec<bool>,
+    /// A message has come since the step began.
+    pub(crate) has_heard: bool,
+    /// Of its last turn.
+    now: SimTime,
+}
+
+impl Agent {
+    pub(crate) fn new(world: &World, robot: usize, layout: Arc<Layout>) -> Self {
+        let spec = world.robot(robot).spec();
+        let commands = RawCommands::new(&Body::from(spec))
+            .expect("a scenario is read only if its messages fit the wire");
+        let (values, sensors) = (layout.bounds.len(), layout.sensors.len());
+        Self {
+            robot,
+            commands,
+            thinking_ns: spec.thinking_ns,
+            is_polled: spec.firmware.mode == Mode::Poll,
+            pending: None,
+            others: vec![0.0; layout.actions.len() - WHEELS],
+            sequence: 0,
+            bytes: Vec::new(),
+            values: vec![0.0; values],
+            sampled_at: vec![None; sensors],
+            readable: vec![false; sensors],
+            has_heard: false,
+            now: SimTime::ZERO,
+            layout,
+        }
+    }
+
+    /// What its numbers are.
+    pub fn layout(&self) -> &Arc<Layout> {
+        &self.layout
+    }
+
+    /// Its last readings, 0 where none has come yet. In SI units.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Whether each sensor had something new in the last step.
+    pub fn readable(&self) -> &[bool] {
+        &self.readable
+    }
+
+    /// How old each reading is by the brain's clock, in seconds: since it was sampled, if its message says when that was, and since
+    /// it came otherwise. Infinite if none has come.
+    pub fn ages_s(&self) -> impl Iterator<Item = f64> {
+        let age = |at: &Option<SimTime>| {
+            at.map_or(f64::INFINITY, |at| self.now.as_ns().saturating_sub(at.as_ns()) as f64 * 1e-9)
+        };
+        self.sampled_at.iter().map(age)
+    }
+
+    /// The instant of its last turn.
+    pub fn now(&self) -> SimTime {
+        self.now
+    }
+
+    /// Sends this at its next turn. Signals beyond ±1 are sent as ±1.
+    ///
+    /// # Errors
+    /// If there are not as many signals as the robot has, or one is no number.
+    pub fn act(&mut self, action: impl ExactSizeIterator<Item = f64>) -> Result<(), LearnError> {
+        let names = &self.layout.actions;
+        if action.len() != names.len() {
+            let problem = format!(
+                "has {} signals, robot `{}` takes {}: {}",
+                action.len(),
+                self.layout.robot,
+                names.len(),
+                names.join(", ")
+            );
+            return Err(LearnError::value("action", problem));
+        }
+        let mut wheels = [0.0; WHEELS];
+        for (i, signal) in action.enumerate() {
+            if signal.is_nan() {
+                return Err(LearnError::value(
+                    format!("action[{i}]"),
+                    format!("the signal for `{}` is NaN", names[i]),
+                ));
+            }
+            let signal = signal.clamp(-1.0, 1.0);
+            match i.checked_sub(WHEELS) {
+                None => wheels[i] = signal,
+                Some(other) => self.others[other] = signal,
+            }
+        }
+        self.pending = Some(Wheels { left: wheels[0], right: wheels[1] });
+        Ok(())
+    }
+
+    /// The step begins: nothing has been heard in it.
+    pub(crate) fn begin_step(&mut self) {
+        self.has_heard = false;
+        self.readable.fill(false);
+    }
+
+    /// Takes what has come at a turn of its robot's.
+    pub(crate) fn listen(&mut self, world: &World, turn: Turn) {
+        self.now = turn.at;
+        if world.has_message(self.robot) {
+            self.has_heard = true;
+            self.take(world);
+        }
+    }
+
+    /// Takes what has come by now.
+    pub(crate) fn take(&mut self, world: &World) {
+        let readings = world.robot(self.robot).readings().iter().zip(&self.layout.sensors).enumerate();
+        for (i, (reading, part)) in readings.filter(|(_, (reading, _))| reading.readable) {
+            self.values[part.values.clone()].copy_from_slice(&reading.values);
+            self.sampled_at[i] = Some(reading.sampled_at.unwrap_or(self.now));
+            self.readable[i] = true;
+        }
+    }
+
+    /// The run is over: its readings are those that had come by then.
+    pub(crate) fn end(&mut self, world: &World) {
+        self.now = self.now.max(world.time());
+        self.take(world);
+    }
+
+    /// Chooses what is written at this turn: the command that is to be sent, or nothing. A robot that answers only when asked is
+    /// asked if it has not been by a command.
+    pub(crate) fn choose(&mut self, asks: bool) -> Choice {
+        if let Some(wheels) = self.pending.take() {
+            self.sequence = self.commands.next_command(&self.others);
+            return Choice::Command(wheels);
+        }
+        self.bytes = if asks && self.is_polled {
+            self.commands.poll().unwrap_or_default()
+        } else {
+            self.commands.wait()
+        };
+        Choice::Bytes
+    }
+
+    pub(crate) fn answer(&self, turn: Turn, choice: Choice) -> Answer<'_> {
+        let (written, at) = match choice {
+            Choice::Bytes => (Written::Bytes(&self.bytes), turn.at),
+            Choice::Command(wheels) => {
+                let others = self.commands.others();
+                (Written::Command { sequence: self.sequence, wheels, others }, turn.at + self.thinking_ns)
+            }
+        };
+        Answer { robot: self.robot, at, written }
+    }
+}
+
+/// What an agent writes at a turn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Choice {
+    Bytes,
+    Command(Wheels),
+}
+
+/// An action begins with the signals of the wheels.
+pub(crate) const WHEELS: usize = 2;

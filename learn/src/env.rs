@@ -1,0 +1,288 @@
+//! A world that is stepped from one message of its agents' to the next.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use baudbot_experiment::in_process::{Driver, Output};
+use baudbot_sim::{Answer, Ending, Turn, World};
+use smallvec::SmallVec;
+
+use crate::agent::{Agent, Choice};
+use crate::error::LearnError;
+use crate::reward::Tally;
+use crate::task::Task;
+
+/// An environment.
+///
+/// Between two steps the world stands within a tick, at the instant at which its agents would think. A step sends what the agents
+/// were told to do, and goes on until each of them has a message again, or for a second if none comes: a control cycle of the
+/// cable.
+pub struct Env {
+    task: Arc<Task>,
+    world: World,
+    /// Brains of the robots that are no agents. The lock is never taken: it only lets others look at the world meanwhile.
+    drivers: Mutex<Vec<Option<Driver>>>,
+    outputs: Vec<Output>,
+    agents: Vec<Agent>,
+    before: Before,
+    patience_ticks: u64,
+}
+
+/// How a step went.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stepped {
+    /// The run ended, and not since its time was over.
+    pub is_terminated: bool,
+    /// The run ended since its time was over.
+    pub is_truncated: bool,
+}
+
+/// What a tally is the difference to.
+#[derive(Clone, Debug, Default)]
+struct Before {
+    ns: u64,
+    covered: f64,
+    sensed: f64,
+    zones: usize,
+    robots: Vec<[f64; 3]>,
+}
+
+impl Env {
+    /// The environment of a run with this seed, with more changes of fields than those of the task, in which a first message has
+    /// come.
+    ///
+    /// # Errors
+    /// If with what is drawn or changed the scenario makes no sense, or has other robots or other readings.
+    pub fn new(task: Arc<Task>, seed: u64, more: &[String]) -> Result<Self, LearnError> {
+        let scenario = task.scenario(seed, more)?;
+        let drivers =
+            if task.brains().is_empty() { Vec::new() } else { Driver::all(&scenario, task.brains())? };
+        let patience_ticks = PATIENCE_NS.div_ceil(scenario.step_ns).max(2);
+        let mut world = World::new(scenario);
+        world.keep_timeline(0);
+        // Several worlds at a time use the threads better.
+        world.set_parallel(false);
+        let agent = |(&robot, layout)| Agent::new(&world, robot, Arc::clone(layout));
+        let agents = task.agents.iter().zip(&task.layouts).map(agent).collect();
+        let mut env = Self {
+            task,
+            world,
+            drivers: Mutex::new(drivers),
+            outputs: Vec::new(),
+            agents,
+            before: Before::default(),
+            patience_ticks,
+        };
+        env.step();
+        Ok(env)
+    }
+
+    /// Begins another run of the same task; see [`new`](Self::new).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new). The present run stays as it is.
+    pub fn reset(&mut self, seed: u64, more: &[String]) -> Result<(), LearnError> {
+        *self = Self::new(Arc::clone(&self.task), seed, more)?;
+        Ok(())
+    }
+
+    /// Its task.
+    pub fn task(&self) -> &Arc<Task> {
+        &self.task
+    }
+
+    /// The world: the truth, for trainers and for pictures.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The same, for what makes no difference to the run, such as how much of it is kept.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// The robots that are driven from outside.
+    pub fn agents(&self) -> &[Agent] {
+        &self.agents
+    }
+
+    /// Tells an agent what to do in the next step. Without that it does what it did.
+    ///
+    /// # Errors
+    /// See [`Agent::act`].
+    ///
+    /// # Panics
+    /// If there is no such agent.
+    pub fn act(
+        &mut self,
+        agent: usize,
+        action: impl ExactSizeIterator<Item = f64>,
+    ) -> Result<(), LearnError> {
+        self.agents[agent].act(action)
+    }
+
+    /// Whether the run is over. A step then does nothing.
+    pub fn is_over(&self) -> bool {
+        self.world.ending().is_some()
+    }
+
+    /// A control cycle.
+    pub fn step(&mut self) -> Stepped {
+        self.note();
+        self.agents.iter_mut().for_each(Agent::begin_step);
+        let mut ticks = 0;
+        while !self.is_over() {
+            self.tick();
+            ticks += 1;
+            if !self.is_over()
+                && (self.agents.iter().all(|agent| agent.has_heard) || ticks >= self.patience_ticks)
+            {
+                return Stepped::default();
+            }
+        }
+        self.stepped()
+    }
+
+    /// Ticks until this instant of simulated time, in nanoseconds, or until the run is over: for worlds in which robots have brains.
+    /// Agents do what they did.
+    pub fn run_until(&mut self, ns: u64) -> Stepped {
+        self.note();
+        self.agents.iter_mut().for_each(Agent::begin_step);
+        while !self.is_over() && self.world.time().as_ns() < ns {
+            self.tick();
+        }
+        self.stepped()
+    }
+
+    fn stepped(&self) -> Stepped {
+        let is_truncated = matches!(self.world.ending(), Some(Ending::TimeIsOver));
+        Stepped { is_terminated: self.is_over() && !is_truncated, is_truncated }
+    }
+
+    /// From within a tick, or from before the first, to within the next.
+    fn tick(&mut self) {
+        if self.world.is_begun() {
+            self.finish();
+        }
+        self.world.begin();
+        if self.is_over() {
+            self.agents.iter_mut().for_each(|agent| agent.end(&self.world));
+            return;
+        }
+        let mut turns = self.world.turns().iter().copied().peekable();
+        for agent in &mut self.agents {
+            while turns.next_if(|turn| turn.robot < agent.robot).is_some() {}
+            if let Some(turn) = turns.next_if(|turn| turn.robot == agent.robot) {
+                agent.listen(&self.world, turn);
+            }
+        }
+    }
+
+    /// The brains of this tick, and its second half.
+    fn finish(&mut self) {
+        let Self { world, drivers, outputs, agents, .. } = self;
+        let drivers = drivers.get_mut().unwrap_or_else(PoisonError::into_inner);
+        outputs.clear();
+        for turn in world.turns() {
+            let driver = drivers.get_mut(turn.robot).and_then(Option::as_mut);
+            outputs.extend(driver.map(|driver| driver.step(world, *turn)));
+        }
+        // Later an agent that has to be asked is asked by its commands.
+        let asks = world.time().as_ns() == 0;
+        let mut chosen: SmallVec<[(usize, Turn, Choice); FEW]> = SmallVec::new();
+        // Agents and turns are in the order of the robots.
+        let mut turns = world.turns().iter().copied().peekable();
+        for (place, agent) in agents.iter_mut().enumerate() {
+            while turns.next_if(|turn| turn.robot < agent.robot).is_some() {}
+            if let Some(turn) = turns.next_if(|turn| turn.robot == agent.robot) {
+                chosen.push((place, turn, agent.choose(asks)));
+            }
+        }
+        let of_agents = chosen.iter().map(|&(place, turn, choice)| agents[place].answer(turn, choice));
+        let answers: SmallVec<[Answer<'_>; FEW]> =
+            of_agents.chain(outputs.iter().map(|output| output.answer(drivers))).collect();
+        world.finish_answers(&answers);
+    }
+
+    /// The instant and the counts from which on a step is told.
+    fn note(&mut self) {
+        let Self { world, agents, before, .. } = self;
+        let (rules, score) = (&world.scenario().rules, world.score());
+        before.ns = world.time().as_ns();
+        before.covered = score.covered(rules).unwrap_or(0.0);
+        before.sensed = score.sensed(rules).unwrap_or(0.0);
+        before.zones = score.visited().iter().filter(|visited| **visited).count();
+        before.robots.clear();
+        before.robots.extend(agents.iter().map(|agent| counts(world, agent.robot)));
+    }
+
+    /// What happened in the last step, for the trainer of this agent.
+    ///
+    /// # Panics
+    /// If there is no such agent.
+    pub fn tally(&self, agent: usize) -> Tally {
+        let Self { world, before, .. } = self;
+        let (rules, score) = (&world.scenario().rules, world.score());
+        let [distance_m, collisions, to_goal_m] = counts(world, self.agents[agent].robot);
+        let was = before.robots[agent];
+        let zones = score.visited().iter().filter(|visited| **visited).count();
+        Tally {
+            seconds: (world.time().as_ns() - before.ns) as f64 * 1e-9,
+            distance_m: distance_m - was[0],
+            collisions: collisions - was[1],
+            progress_m: was[2] - to_goal_m,
+            covered: score.covered(rules).unwrap_or(0.0) - before.covered,
+            sensed: score.sensed(rules).unwrap_or(0.0) - before.sensed,
+            zones: (zones - before.zones) as f64,
+            success: f64::from(u8::from(self.has_succeeded())),
+        }
+    }
+
+    fn has_succeeded(&self) -> bool {
+        match self.world.ending() {
+            Some(Ending::GoalReached(_) | Ending::AllGoals | Ending::Covered | Ending::Sensed) => true,
+            Some(
+                Ending::TimeIsOver
+                | Ending::Collision(_)
+                | Ending::Collisions(_)
+                | Ending::BatteryEmpty(_)
+                | Ending::DeadlineMissed(_),
+            )
+            | None => false,
+        }
+    }
+
+    /// A copy of the world and its agents, from which a run can go on as often as one likes.
+    ///
+    /// # Errors
+    /// If there are brains besides the agents: what they think cannot be copied.
+    pub fn snapshot(&self) -> Result<Self, LearnError> {
+        if !self.task.brains().is_empty() {
+            let problem = "brains of the catalogue think in this world, and their thoughts cannot be copied; leave `brains` out";
+            return Err(LearnError::value("snapshot", problem));
+        }
+        Ok(Self {
+            task: Arc::clone(&self.task),
+            world: self.world.clone(),
+            drivers: Mutex::default(),
+            outputs: Vec::new(),
+            agents: self.agents.clone(),
+            before: self.before.clone(),
+            patience_ticks: self.patience_ticks,
+        })
+    }
+}
+
+/// The distance that a robot has driven, how often it ran into something, and how far it is from the goal.
+fn counts(world: &World, robot: usize) -> [f64; 3] {
+    let view = world.robot(robot);
+    let counters = view.counters();
+    let goal = world.scenario().end.goal.as_ref();
+    let to_goal_m = goal.map_or(0.0, |goal| (view.motion().pose.position - goal.center).norm());
+    [counters.distance_m, counters.collisions as f64, to_goal_m]
+}
+
+/// A step waits so long for a message, in nanoseconds of simulated time: what was lost does not come.
+const PATIENCE_NS: u64 = 1_000_000_000;
+
+/// Answers of so many robots need no memory of their own.
+const FEW: usize = 4;

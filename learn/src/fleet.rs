@@ -1,0 +1,328 @@
+//! Many environments with one agent each, stepped on some threads.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::env::{Env, Stepped};
+use crate::error::LearnError;
+use crate::reward::{Reward, Tally};
+use crate::task::Task;
+
+/// When an environment whose run is over begins another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Autoreset {
+    /// In the step behind the one that ended it, which ignores the action and is worth nothing.
+    NextStep,
+    /// In the same step: the observation is the new run's first.
+    SameStep,
+    /// When it is asked to.
+    Never,
+}
+
+/// Environments.
+pub struct Fleet {
+    envs: Vec<Env>,
+    runs: Vec<Run>,
+    threads: usize,
+    pool: Option<ThreadPool>,
+    process: u32,
+    autoreset: Autoreset,
+}
+
+/// Which run an environment is in.
+#[derive(Clone, Copy, Debug, Default)]
+struct Run {
+    /// The seed that the first one was given.
+    seed: u64,
+    /// Runs since then.
+    number: u64,
+    is_over: bool,
+}
+
+/// Arrays with a row for each environment.
+#[derive(Debug)]
+pub struct Arrays<'a> {
+    /// Readings, shape (environments, values).
+    pub values: &'a mut [f32],
+    /// Ages of readings, in seconds, shape (environments, sensors).
+    pub ages_s: &'a mut [f32],
+    /// Whether readings are new, 0 or 1, shape (environments, sensors).
+    pub readable: &'a mut [i8],
+}
+
+/// What came of a step, with a row for each environment.
+#[derive(Debug)]
+pub struct Rewards<'a> {
+    /// Shape (environments).
+    pub rewards: &'a mut [f64],
+    /// Shape (environments).
+    pub terminated: &'a mut [bool],
+    /// Shape (environments).
+    pub truncated: &'a mut [bool],
+    /// The numbers of [`Tally`], shape (environments, 8).
+    pub tallies: &'a mut [f64],
+    /// The last observations of runs that ended, which are over in the same step; of others nothing is written.
+    pub finals: Option<Arrays<'a>>,
+}
+
+/// A row of arrays.
+struct Row<'a> {
+    values: &'a mut [f32],
+    ages_s: &'a mut [f32],
+    readable: &'a mut [i8],
+}
+
+/// The work of a step for one environment.
+struct Work<'a> {
+    env: &'a mut Env,
+    run: &'a mut Run,
+    action: &'a [f32],
+    row: Row<'a>,
+    last: Option<Row<'a>>,
+    reward: &'a mut f64,
+    terminated: &'a mut bool,
+    truncated: &'a mut bool,
+    tally: &'a mut [f64],
+}
+
+impl Fleet {
+    /// So many environments of a task with one agent; the seeds are `seed`, `seed + 1` and so on. They are stepped on so many
+    /// threads.
+    ///
+    /// # Errors
+    /// If the task has not one agent, if there are no environments, or if a run's scenario makes no sense.
+    pub fn new(
+        task: &Arc<Task>,
+        count: usize,
+        threads: usize,
+        seed: u64,
+        autoreset: Autoreset,
+    ) -> Result<Self, LearnError> {
+        let agents = task.agents.len();
+        if agents != 1 {
+            let problem = format!(
+                "the scenario has {agents} robots without a brain, an environment of this kind drives one; name it"
+            );
+            return Err(LearnError::value("agents", problem));
+        }
+        if count == 0 {
+            return Err(LearnError::value("num_envs", "must be 1 or more"));
+        }
+        let threads = threads.clamp(1, count);
+        let pool = pool(threads)?;
+        let mut envs: Vec<Option<Env>> = (0..count).map(|_| None).collect();
+        each(pool.as_ref(), envs.iter_mut().enumerate().collect(), |(i, env)| {
+            **env = Some(Env::new(Arc::clone(task), seed_of(seed, *i), &[])?);
+            Ok(())
+        })?;
+        let envs = envs.into_iter().flatten().collect();
+        let runs = (0..count).map(|i| Run { seed: seed_of(seed, i), ..Run::default() }).collect();
+        Ok(Self { envs, runs, threads, pool, process: std::process::id(), autoreset })
+    }
+
+    /// The environments.
+    pub fn envs(&self) -> &[Env] {
+        &self.envs
+    }
+
+    /// The fingerprints of all worlds in one.
+    pub fn hash(&self) -> u64 {
+        self.envs.iter().fold(0, |all, env| all.rotate_left(1) ^ env.world().hash())
+    }
+
+    /// Begins other runs: of environments that `which` is true of (of all without it), with seeds from `seed` on, or with the
+    /// next ones.
+    ///
+    /// # Errors
+    /// If a run's scenario makes no sense.
+    pub fn reset(
+        &mut self,
+        seed: Option<u64>,
+        which: Option<&[bool]>,
+        arrays: Arrays<'_>,
+    ) -> Result<(), LearnError> {
+        let width = self.width();
+        self.threads_are_there()?;
+        let Self { envs, runs, pool, .. } = self;
+        let work = envs.iter_mut().zip(runs).zip(arrays.rows(width)).enumerate().collect();
+        each(pool.as_ref(), work, |(i, ((env, run), row))| {
+            if which.is_none_or(|which| which[*i]) {
+                let next = match seed {
+                    Some(seed) => Run { seed: seed_of(seed, *i), ..Run::default() },
+                    None => Run { number: run.number + 1, is_over: false, ..**run },
+                };
+                env.reset(next.world_seed(), &[])?;
+                **run = next;
+            }
+            row.observe(env);
+            Ok(())
+        })
+    }
+
+    /// A step of each environment. `actions` has shape (environments, actions).
+    ///
+    /// # Errors
+    /// If an action is NaN, or a new run's scenario makes no sense.
+    ///
+    /// # Panics
+    /// If an array has another shape.
+    pub fn step(
+        &mut self,
+        actions: &[f32],
+        reward: &Reward,
+        arrays: Arrays<'_>,
+        out: Rewards<'_>,
+    ) -> Result<(), LearnError> {
+        let signals = self.envs[0].agents()[0].layout().actions.len();
+        if let Some(place) = actions.iter().position(|signal| signal.is_nan()) {
+            let path = format!("actions[{}, {}]", place / signals, place % signals);
+            return Err(LearnError::value(path, "is NaN"));
+        }
+        self.threads_are_there()?;
+        let (width, autoreset) = (self.width(), self.autoreset);
+        let Rewards { rewards, terminated, truncated, tallies, finals } = out;
+        let Self { envs, runs, pool, .. } = self;
+        let mut finals = finals.map(|arrays| arrays.rows(width));
+        let environments =
+            envs.iter_mut().zip(runs).zip(actions.chunks_exact(signals)).zip(arrays.rows(width));
+        let outcomes = rewards
+            .iter_mut()
+            .zip(terminated)
+            .zip(truncated)
+            .zip(tallies.chunks_exact_mut(Tally::NAMES.len()));
+        let work = environments.zip(outcomes).map(
+            |((((env, run), action), row), (((rewards, terminated), truncated), tally))| {
+                let last = finals.as_mut().and_then(Iterator::next);
+                Work { env, run, action, row, last, reward: rewards, terminated, truncated, tally }
+            },
+        );
+        each(pool.as_ref(), work.collect(), |work| work.step(reward, autoreset))
+    }
+
+    /// Values and sensors of a row.
+    fn width(&self) -> [usize; 2] {
+        let layout = self.envs[0].agents()[0].layout();
+        [layout.bounds.len(), layout.sensors.len()]
+    }
+
+    /// A process that was forked has none of its parent's threads.
+    fn threads_are_there(&mut self) -> Result<(), LearnError> {
+        if self.process != std::process::id() {
+            let fresh = pool(self.threads)?;
+            // To drop it would wait for threads that there are not.
+            std::mem::forget(std::mem::replace(&mut self.pool, fresh));
+            self.process = std::process::id();
+        }
+        Ok(())
+    }
+}
+
+impl Work<'_> {
+    fn step(&mut self, reward: &Reward, autoreset: Autoreset) -> Result<(), LearnError> {
+        let Self { env, run, .. } = self;
+        let mut stepped = Stepped::default();
+        if run.is_over && autoreset == Autoreset::NextStep {
+            run.begin(env)?;
+            self.tally.fill(0.0);
+            *self.reward = 0.0;
+        } else {
+            env.act(0, self.action.iter().map(|&signal| f64::from(signal)))?;
+            stepped = env.step();
+            let tally = env.tally(0);
+            self.tally.copy_from_slice(&tally.numbers());
+            *self.reward = reward.of(&tally);
+        }
+        (*self.terminated, *self.truncated) = (stepped.is_terminated, stepped.is_truncated);
+        run.is_over = env.is_over();
+        if run.is_over && autoreset == Autoreset::SameStep {
+            if let Some(last) = &mut self.last {
+                last.observe(env);
+            }
+            run.begin(env)?;
+        }
+        self.row.observe(env);
+        Ok(())
+    }
+}
+
+impl<'a> Arrays<'a> {
+    /// Row by row, with so many values and sensors each; as many as there are environments, also where a robot senses nothing.
+    fn rows(self, [values, sensors]: [usize; 2]) -> impl Iterator<Item = Row<'a>> {
+        let Self { values: mut all_values, ages_s: mut all_ages, readable: mut all_readable } = self;
+        std::iter::from_fn(move || {
+            Some(Row {
+                values: all_values.split_off_mut(..values)?,
+                ages_s: all_ages.split_off_mut(..sensors)?,
+                readable: all_readable.split_off_mut(..sensors)?,
+            })
+        })
+    }
+}
+
+impl Row<'_> {
+    fn observe(&mut self, env: &Env) {
+        let agent = &env.agents()[0];
+        for (to, value) in self.values.iter_mut().zip(agent.values()) {
+            *to = *value as f32;
+        }
+        for (to, age_s) in self.ages_s.iter_mut().zip(agent.ages_s()) {
+            *to = age_s as f32;
+        }
+        for (to, readable) in self.readable.iter_mut().zip(agent.readable()) {
+            *to = i8::from(*readable);
+        }
+    }
+}
+
+impl Run {
+    fn begin(&mut self, env: &mut Env) -> Result<(), LearnError> {
+        self.number += 1;
+        self.is_over = false;
+        env.reset(self.world_seed(), &[])
+    }
+
+    fn world_seed(&self) -> u64 {
+        episode_seed(self.seed, self.number)
+    }
+}
+
+/// The seed of a run: the first one's is `seed`, that of later ones is a function of it and the run's number.
+pub(crate) fn episode_seed(seed: u64, number: u64) -> u64 {
+    if number == 0 {
+        return seed;
+    }
+    // SplitMix64 (Steele, Lea, Flood 2014), of which 48 bits are kept, so that the seed is an integer of TOML and JSON.
+    let mut mixed = seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (mixed ^ (mixed >> 31)) >> 16
+}
+
+fn seed_of(seed: u64, place: usize) -> u64 {
+    seed.wrapping_add(place as u64)
+}
+
+/// Does all of this work, on the pool's threads if there is one. Of several errors the first one's is told.
+fn each<T: Send>(
+    pool: Option<&ThreadPool>,
+    mut work: Vec<T>,
+    each: impl Fn(&mut T) -> Result<(), LearnError> + Sync + Send,
+) -> Result<(), LearnError> {
+    match pool {
+        None => work.iter_mut().try_for_each(each),
+        Some(pool) => {
+            pool.install(|| work.par_iter_mut().map(each).find_first(Result::is_err)).unwrap_or(Ok(()))
+        }
+    }
+}
+
+fn pool(threads: usize) -> Result<Option<ThreadPool>, LearnError> {
+    if threads == 1 {
+        return Ok(None);
+    }
+    let builder = ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("worlds {i}"));
+    let failed = |error| LearnError::value("threads", format!("cannot start {threads}: {error}"));
+    builder.build().map(Some).map_err(failed)
+}

@@ -1,0 +1,78 @@
+//! Which number of an agent's readings and actions is what.
+
+use std::ops::Range;
+
+use baudbot_brain::Body;
+use baudbot_sim::model::RobotSpec;
+use baudbot_wire::Encoding;
+
+/// The readings and the actions of a robot, as arrays.
+///
+/// Readings have one number for each value of each sensor, in the order of the wire: shape (values). Ages and whether readings are
+/// new have one for each sensor: shape (sensors). An action has the signals of the left and the right wheel and those of the
+/// other actuators: shape (actions), each in [-1, 1].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    /// The name of the robot.
+    pub robot: String,
+    /// The sensors, in order.
+    pub sensors: Vec<Part>,
+    /// The least and the greatest of each value that the wire can carry; infinite if there is no such limit.
+    pub bounds: Vec<[f64; 2]>,
+    /// What each number of an action is for, such as `left`, `right`, `turret`.
+    pub actions: Vec<String>,
+}
+
+/// A sensor of a layout.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Its name.
+    pub name: String,
+    /// Its kind, as scenarios have it.
+    pub kind: &'static str,
+    /// Its values among all.
+    pub values: Range<usize>,
+    /// What each of them is, with its unit: `nearness`, `x_m`.
+    pub columns: Vec<String>,
+}
+
+impl Layout {
+    pub(crate) fn of(spec: &RobotSpec) -> Self {
+        let body = Body::from(spec);
+        let (mut sensors, mut bounds) = (Vec::new(), Vec::new());
+        for sensor in &body.sensors {
+            let start = bounds.len();
+            let mut columns = Vec::new();
+            for component in &sensor.components {
+                for i in 0..component.count {
+                    bounds.push(limits(component.encoding));
+                    let number = if component.count > 1 { format!("[{i}]") } else { String::new() };
+                    columns.push(format!("{}{number}", component.name));
+                }
+            }
+            let (name, kind) = (sensor.name.clone(), sensor.kind.name());
+            sensors.push(Part { name, kind, values: start..bounds.len(), columns });
+        }
+        let wheels = ["left", "right"].map(str::to_owned).into_iter();
+        let actions = wheels.chain(body.actuators.iter().map(|actuator| actuator.name.clone())).collect();
+        Self { robot: spec.name.clone(), sensors, bounds, actions }
+    }
+
+    /// Whether arrays for the one are arrays for the other.
+    pub fn has_shape_of(&self, other: &Self) -> bool {
+        let sensors =
+            |layout: &Self| layout.sensors.iter().map(|part| part.values.clone()).collect::<Vec<_>>();
+        sensors(self) == sensors(other) && self.actions.len() == other.actions.len()
+    }
+}
+
+/// What a value can be that crosses the wire so.
+fn limits(encoding: Encoding) -> [f64; 2] {
+    match encoding {
+        Encoding::Float64 => [f64::NEG_INFINITY, f64::INFINITY],
+        Encoding::Level { min, max, .. } => [min.min(max), min.max(max)],
+        Encoding::Signed { limit, .. } => [-limit, limit],
+        // A brain sees counts go on where the register wraps.
+        Encoding::Counter { .. } => [f64::NEG_INFINITY, f64::INFINITY],
+    }
+}

@@ -1,0 +1,172 @@
+//! A scenario with its agents: what an environment is made from, again and again.
+
+use std::sync::Arc;
+
+use baudbot_experiment::assignment::{self, Assignment, AssignmentError};
+use baudbot_import::source::Source;
+use baudbot_scenario::Override;
+use baudbot_sim::Scenario;
+use baudbot_sim::model::RobotSpec;
+
+use crate::error::LearnError;
+use crate::layout::Layout;
+use crate::vary::Varied;
+
+/// What is asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Request {
+    /// Changes of the scenario, as `--set` has them.
+    pub overrides: Vec<String>,
+    /// Brains of the catalogue for some robots, as `--brain` has them. The robots without one are the agents.
+    pub brains: Vec<String>,
+    /// Which of these are: all if there are none here. The others stand.
+    pub agents: Vec<String>,
+    /// Fields that are drawn anew for each run.
+    pub randomize: Vec<Varied>,
+}
+
+/// A task.
+#[derive(Clone, Debug)]
+pub struct Task {
+    label: String,
+    text: String,
+    request: Request,
+    /// With the overrides of the request.
+    scenario: Arc<Scenario>,
+    /// The places of the agents' robots.
+    pub(crate) agents: Vec<usize>,
+    pub(crate) layouts: Vec<Arc<Layout>>,
+    assigned: Vec<Assignment>,
+}
+
+impl Task {
+    /// A task of this scenario.
+    ///
+    /// # Errors
+    /// If the scenario or what is asked for makes no sense; if a robot is to be an agent whose microcontroller runs a program of its
+    /// own.
+    pub fn new(source: Source, request: Request) -> Result<Self, LearnError> {
+        request.randomize.iter().try_for_each(Varied::check)?;
+        let Source { label, text } = source;
+        let scenario = parse(&label, &text, &request, None, &[])?;
+        let assigned = assigned(&request.brains, &scenario.robots)?;
+        let agents = agents(&request.agents, &assigned, &scenario.robots)?;
+        let layouts = agents.iter().map(|&robot| Arc::new(Layout::of(&scenario.robots[robot]))).collect();
+        let scenario = Arc::new(scenario);
+        let task = Self { label, text, request, scenario, agents, layouts, assigned };
+        if !task.request.randomize.is_empty() {
+            task.scenario(task.scenario.seed, &[])?;
+        }
+        Ok(task)
+    }
+
+    /// The name of the scenario, or that of its file.
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// The scenario as it is without what is drawn for a run.
+    pub fn base(&self) -> &Arc<Scenario> {
+        &self.scenario
+    }
+
+    /// What the agents' numbers are, agent by agent.
+    pub fn layouts(&self) -> &[Arc<Layout>] {
+        &self.layouts
+    }
+
+    /// The brains of the robots that are no agents.
+    pub fn brains(&self) -> &[Assignment] {
+        &self.assigned
+    }
+
+    /// The scenario of a run with this seed, with more changes of fields.
+    ///
+    /// # Errors
+    /// If with what is drawn or changed the scenario makes no sense, or has other robots or other readings.
+    pub(crate) fn scenario(&self, seed: u64, more: &[String]) -> Result<Arc<Scenario>, LearnError> {
+        if self.request.randomize.is_empty() && more.is_empty() {
+            if seed == self.scenario.seed {
+                return Ok(Arc::clone(&self.scenario));
+            }
+            return Ok(Arc::new(Scenario { seed, ..(*self.scenario).clone() }));
+        }
+        let scenario = parse(&self.label, &self.text, &self.request, Some(seed), more)?;
+        let has_agents = self.agents.iter().zip(&self.layouts).all(|(&robot, layout)| {
+            let spec = scenario.robots.get(robot);
+            spec.is_some_and(|spec| spec.name == layout.robot && Layout::of(spec).has_shape_of(layout))
+        });
+        if scenario.robots.len() != self.scenario.robots.len() || !has_agents {
+            let problem = "changes which robots there are or what they sense, and with that the observations; make an environment for each";
+            return Err(LearnError::value("randomize", problem));
+        }
+        Ok(Arc::new(scenario))
+    }
+}
+
+fn parse(
+    label: &str,
+    text: &str,
+    request: &Request,
+    seed: Option<u64>,
+    more: &[String],
+) -> Result<Scenario, LearnError> {
+    let wrong = |error| LearnError::Scenario { label: label.to_owned(), error };
+    let given = request.overrides.iter().chain(more).map(|text| Override::parse(text));
+    let mut overrides = given.collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    if let Some(seed) = seed {
+        for varied in &request.randomize {
+            overrides.push(varied.of_run(seed).map_err(wrong)?);
+        }
+        overrides.push(Override::parse(&format!("seed={seed}")).map_err(wrong)?);
+    }
+    baudbot_scenario::parse_with(text, &overrides).map_err(wrong)
+}
+
+/// The brains of the catalogue. Unlike those of a command, a robot that is given none has none.
+fn assigned(brains: &[String], robots: &[RobotSpec]) -> Result<Vec<Assignment>, LearnError> {
+    let mut brains = brains.to_vec();
+    if !brains.iter().any(|brain| assignment::split(brain).0.is_none()) {
+        brains.push(assignment::NONE.to_owned());
+    }
+    let assigned = assignment::assign(&brains, robots)?;
+    if let Some(task) = assigned.programs.first() {
+        let problem =
+            format!("`{}` is a program, which attaches to a server (`baudbot serve`)", task.program);
+        return Err(LearnError::value("brains", problem));
+    }
+    Ok(assigned.brains)
+}
+
+/// The places of the robots that a program drives.
+fn agents(named: &[String], assigned: &[Assignment], robots: &[RobotSpec]) -> Result<Vec<usize>, LearnError> {
+    let has_brain =
+        |spec: &RobotSpec| assigned.iter().any(|assignment| assignment.robots.contains(&spec.name));
+    let is_own = |spec: &RobotSpec| spec.chip.as_ref().is_some_and(|chip| chip.is_opaque());
+    if named.is_empty() {
+        let free = robots.iter().enumerate().filter(|(_, spec)| !has_brain(spec) && !is_own(spec));
+        return Ok(free.map(|(place, _)| place).collect());
+    }
+    let there: Vec<_> = robots.iter().map(|spec| spec.name.clone()).collect();
+    let mut places = Vec::new();
+    for name in assignment::named(named, &there)? {
+        let known = || there.clone();
+        let place = there.iter().position(|robot| *robot == name);
+        let place = place.ok_or_else(|| AssignmentError::Robot { robot: name.clone(), known: known() })?;
+        if has_brain(&robots[place]) {
+            return Err(LearnError::value(
+                "agents",
+                format!("robot `{name}` has a brain, so nothing else can drive it"),
+            ));
+        }
+        if is_own(&robots[place]) {
+            let problem = format!(
+                "the microcontroller of robot `{name}` runs a program of its own, which takes no commands of ours"
+            );
+            return Err(LearnError::value("agents", problem));
+        }
+        places.push(place);
+    }
+    places.sort_unstable();
+    Ok(places)
+}

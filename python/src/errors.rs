@@ -1,0 +1,49 @@
+//! Errors as Python's exceptions, and panics that never cross.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use baudbot_learn::LearnError;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyType;
+
+static INVALID: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+static FAILED: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+
+/// `baudbot.Invalid`, with the path of the field that is wrong if it is one.
+pub(crate) fn invalid(py: Python<'_>, text: &str, path: Option<String>) -> PyErr {
+    match INVALID.import(py, "baudbot._errors", "Invalid").and_then(|class| class.call1((text, path))) {
+        Ok(error) => PyErr::from_value(error),
+        Err(error) => error,
+    }
+}
+
+/// `baudbot.Error`: what was asked for makes sense, and cannot be done.
+pub(crate) fn failed(py: Python<'_>, text: &str) -> PyErr {
+    match FAILED.import(py, "baudbot.errors", "Error").and_then(|class| class.call1((text,))) {
+        Ok(error) => PyErr::from_value(error),
+        Err(error) => error,
+    }
+}
+
+pub(crate) fn of_learning(py: Python<'_>, error: &LearnError) -> PyErr {
+    invalid(py, &error.to_string(), error.path())
+}
+
+/// Does this with the interpreter free for other threads. A panic becomes an exception.
+pub(crate) fn apart<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    let outcome = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
+    outcome.map_err(|panic| panicked(py, &*panic))
+}
+
+/// The same for what is so short that other threads can wait.
+pub(crate) fn at_once<T>(py: Python<'_>, work: impl FnOnce() -> T) -> PyResult<T> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| panicked(py, &*panic))
+}
+
+fn panicked(py: Python<'_>, panic: &(dyn Any + Send)) -> PyErr {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+    failed(py, &format!("baudbot panicked, which is a bug in it: {text}"))
+}

@@ -1,0 +1,171 @@
+//! Many environments, stepped on some threads while the interpreter is free.
+
+use baudbot_learn::{self as learn, Arrays, Autoreset, Reward, Rewards, Tally};
+use numpy::{PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2};
+use pyo3::prelude::*;
+
+use crate::errors::{apart, invalid, of_learning};
+use crate::task::{Task, reward};
+
+/// Environments with one agent each. The arrays are the caller's; a row is an environment's.
+#[pyclass(module = "baudbot._native")]
+pub(crate) struct Fleet {
+    fleet: learn::Fleet,
+    reward: Reward,
+    /// Environments, values, sensors, actions.
+    shape: [usize; 4],
+    max_age_s: f32,
+}
+
+type Floats<'py> = PyReadwriteArray2<'py, f32>;
+type Flags<'py> = PyReadwriteArray2<'py, i8>;
+
+#[pymethods]
+impl Fleet {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        task: &Task,
+        count: usize,
+        threads: usize,
+        seed: u64,
+        autoreset: &str,
+        weights: Vec<(String, f64)>,
+        max_age_s: f32,
+    ) -> PyResult<Self> {
+        let reward = reward(py, &weights)?;
+        let autoreset = match autoreset {
+            "next-step" => Autoreset::NextStep,
+            "same-step" => Autoreset::SameStep,
+            "never" => Autoreset::Never,
+            other => {
+                let problem =
+                    format!("autoreset: there is no `{other}`; there are: next-step, same-step, never");
+                return Err(invalid(py, &problem, Some("autoreset".to_owned())));
+            }
+        };
+        let fleet = apart(py, || learn::Fleet::new(&task.0, count, threads, seed, autoreset))?;
+        let fleet = fleet.map_err(|error| of_learning(py, &error))?;
+        let layout = &task.0.layouts()[0];
+        let shape = [count, layout.bounds.len(), layout.sensors.len(), layout.actions.len()];
+        Ok(Self { fleet, reward, shape, max_age_s })
+    }
+
+    /// Begins other runs, of environments that `which` is true of, and writes what all observe.
+    #[pyo3(signature = (seed, which, values, ages_s, readable))]
+    fn reset(
+        &mut self,
+        py: Python<'_>,
+        seed: Option<u64>,
+        which: Option<Vec<bool>>,
+        mut values: Floats<'_>,
+        mut ages_s: Floats<'_>,
+        mut readable: Flags<'_>,
+    ) -> PyResult<()> {
+        let arrays = self.arrays(py, &mut values, &mut ages_s, &mut readable)?;
+        if which.as_ref().is_some_and(|which| which.len() != self.shape[0]) {
+            return Err(invalid(
+                py,
+                "reset_mask: has not one element for each environment",
+                Some("reset_mask".to_owned()),
+            ));
+        }
+        let fleet = &mut self.fleet;
+        apart(py, || fleet.reset(seed, which.as_deref(), arrays))?
+            .map_err(|error| of_learning(py, &error))?;
+        limit(&mut ages_s, self.max_age_s);
+        Ok(())
+    }
+
+    /// A step of each environment. The last three arrays get what runs that ended observed last.
+    fn step(
+        &mut self,
+        py: Python<'_>,
+        actions: PyReadonlyArray2<'_, f32>,
+        observed: (Floats<'_>, Floats<'_>, Flags<'_>),
+        rewards: PyReadwriteArray1<'_, f64>,
+        over: (PyReadwriteArray1<'_, bool>, PyReadwriteArray1<'_, bool>),
+        tallies: PyReadwriteArray2<'_, f64>,
+        finals: (Floats<'_>, Floats<'_>, Flags<'_>),
+    ) -> PyResult<()> {
+        let [count, .., signals] = self.shape;
+        if actions.as_array().dim() != (count, signals) {
+            let (rows, columns) = actions.as_array().dim();
+            let problem = format!("actions: has shape ({rows}, {columns}), ({count}, {signals}) is needed");
+            return Err(invalid(py, &problem, Some("actions".to_owned())));
+        }
+        let (
+            (mut values, mut ages_s, mut readable),
+            (mut rewards, (mut terminated, mut truncated), mut tallies),
+        ) = (observed, (rewards, over, tallies));
+        let (mut last_values, mut last_ages_s, mut last_readable) = finals;
+        let arrays = self.arrays(py, &mut values, &mut ages_s, &mut readable)?;
+        let last = self.arrays(py, &mut last_values, &mut last_ages_s, &mut last_readable)?;
+        let whole = "must be a whole array";
+        let out = Rewards {
+            rewards: rewards.as_slice_mut()?,
+            terminated: terminated.as_slice_mut()?,
+            truncated: truncated.as_slice_mut()?,
+            tallies: tallies.as_slice_mut()?,
+            finals: Some(last),
+        };
+        let fits =
+            out.rewards.len() == count && out.terminated.len() == count && out.truncated.len() == count;
+        if !fits || out.tallies.len() != count * Tally::NAMES.len() {
+            return Err(invalid(py, whole, None));
+        }
+        let actions = actions.as_slice()?;
+        let (fleet, reward) = (&mut self.fleet, &self.reward);
+        apart(py, || fleet.step(actions, reward, arrays, out))?.map_err(|error| of_learning(py, &error))?;
+        limit(&mut ages_s, self.max_age_s);
+        limit(&mut last_ages_s, self.max_age_s);
+        Ok(())
+    }
+
+    /// The fingerprints of all worlds in one.
+    #[getter]
+    fn hash(&self, py: Python<'_>) -> PyResult<String> {
+        apart(py, || format!("{:016x}", self.fleet.hash()))
+    }
+
+    /// The seed of each environment's present run.
+    #[getter]
+    fn seeds(&self) -> Vec<u64> {
+        self.fleet.envs().iter().map(|env| env.world().scenario().seed).collect()
+    }
+
+    /// Why an environment's run ended, in words.
+    fn ending(&self, place: usize) -> Option<String> {
+        self.fleet.envs()[place].world().ending().map(ToString::to_string)
+    }
+}
+
+impl Fleet {
+    fn arrays<'a>(
+        &self,
+        py: Python<'_>,
+        values: &'a mut Floats<'_>,
+        ages_s: &'a mut Floats<'_>,
+        readable: &'a mut Flags<'_>,
+    ) -> PyResult<Arrays<'a>> {
+        let [count, wide, sensors, _] = self.shape;
+        let shapes = [values.as_array().dim(), ages_s.as_array().dim(), readable.as_array().dim()];
+        if shapes != [(count, wide), (count, sensors), (count, sensors)] {
+            return Err(invalid(
+                py,
+                "observations: the arrays have another shape than the environments' readings",
+                None,
+            ));
+        }
+        Ok(Arrays {
+            values: values.as_slice_mut()?,
+            ages_s: ages_s.as_slice_mut()?,
+            readable: readable.as_slice_mut()?,
+        })
+    }
+}
+
+/// Ages above the limit, also those of what has never come, are given as it.
+fn limit(ages_s: &mut Floats<'_>, max_age_s: f32) {
+    ages_s.as_array_mut().iter_mut().for_each(|age_s| *age_s = age_s.min(max_age_s));
+}

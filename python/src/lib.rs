@@ -1,0 +1,29 @@
+//! The native part of the Python package `baudbot`.
+//!
+//! It is glue: worlds are those of `baudbot_learn`, runs those of `baudbot_experiment`, and what is a decision is made there. The Python
+//! modules in `python/package` are what users call; `_native.pyi` has the types of what is here. While a world is stepped the
+//! interpreter is free for other threads.
+
+mod env;
+mod errors;
+mod fleet;
+mod recording;
+mod runs;
+mod task;
+
+use pyo3::prelude::*;
+
+/// See `package/baudbot/_native.pyi`.
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::env::Env;
+    #[pymodule_export]
+    use super::fleet::Fleet;
+    #[pymodule_export]
+    use super::recording::{compare, replay};
+    #[pymodule_export]
+    use super::runs::{sweep, tune};
+    #[pymodule_export]
+    use super::task::{Task, catalogue, check_reward};
+}

@@ -1,0 +1,142 @@
+//! Tasks: scenarios with the robots that a program drives.
+
+use std::sync::Arc;
+
+use baudbot_import::source::{EMBEDDED, Source};
+use baudbot_learn::{self as learn, Draw, LearnError, Request, Reward, Tally, Varied};
+use pyo3::prelude::*;
+
+use crate::errors::{apart, invalid, of_learning};
+
+/// A scenario with its agents.
+#[pyclass(frozen, module = "baudbot._native")]
+pub(crate) struct Task(pub(crate) Arc<learn::Task>);
+
+/// A field that is varied: its path, how it is drawn, the two ends of its range, and what there is to choose from.
+type Drawn = (String, String, f64, f64, Vec<String>);
+
+/// A sensor: its name, its kind, the first of its values and the one behind the last, and what each of them is.
+type Sensor = (String, &'static str, usize, usize, Vec<String>);
+
+#[pymethods]
+impl Task {
+    /// `scenario` is a file or the name of a built-in scenario; or TOML, if `text` is true.
+    #[new]
+    #[pyo3(signature = (scenario, *, is_text, overrides, brains, agents, randomize))]
+    fn new(
+        py: Python<'_>,
+        scenario: String,
+        is_text: bool,
+        overrides: Vec<String>,
+        brains: Vec<String>,
+        agents: Vec<String>,
+        randomize: Vec<Drawn>,
+    ) -> PyResult<Self> {
+        let randomize = randomize.into_iter().map(|drawn| varied(py, drawn)).collect::<PyResult<_>>()?;
+        let request = Request { overrides, brains, agents, randomize };
+        let make = || -> Result<learn::Task, LearnError> {
+            let source = if is_text { Source::written(scenario)? } else { Source::find(&scenario)? };
+            learn::Task::new(source, request)
+        };
+        let task = apart(py, make)?.map_err(|error| of_learning(py, &error))?;
+        Ok(Self(Arc::new(task)))
+    }
+
+    /// The name of the scenario.
+    #[getter]
+    fn name(&self) -> String {
+        let name = &self.0.base().name;
+        if name.is_empty() { self.0.label().to_owned() } else { name.clone() }
+    }
+
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.0.base().seed
+    }
+
+    #[getter]
+    fn step_ns(&self) -> u64 {
+        self.0.base().step_ns
+    }
+
+    /// The names of all robots.
+    #[getter]
+    fn robots(&self) -> Vec<String> {
+        self.0.base().robots.iter().map(|spec| spec.name.clone()).collect()
+    }
+
+    /// The names of those that are driven from outside.
+    #[getter]
+    fn agents(&self) -> Vec<String> {
+        self.0.layouts().iter().map(|layout| layout.robot.clone()).collect()
+    }
+
+    /// The sensors of an agent.
+    fn sensors(&self, agent: usize) -> Vec<Sensor> {
+        let parts = self.0.layouts()[agent].sensors.iter();
+        parts
+            .map(|part| {
+                (part.name.clone(), part.kind, part.values.start, part.values.end, part.columns.clone())
+            })
+            .collect()
+    }
+
+    /// The least and the greatest of each value of an agent's.
+    fn bounds(&self, agent: usize) -> Vec<[f64; 2]> {
+        self.0.layouts()[agent].bounds.clone()
+    }
+
+    /// What each number of an agent's actions is for.
+    fn actions(&self, agent: usize) -> Vec<String> {
+        self.0.layouts()[agent].actions.clone()
+    }
+
+    /// The budget of each robot, as JSON.
+    fn budget(&self, py: Python<'_>) -> PyResult<String> {
+        let base = Arc::clone(self.0.base());
+        let models = move || {
+            let robots = base.robots.iter().filter(|spec| spec.chip.is_none());
+            baudbot_budget::Budget::of_some(&base, robots)
+        };
+        let budget = apart(py, models)?;
+        serde_json::to_string(&budget).map_err(|error| invalid(py, &error.to_string(), None))
+    }
+
+    /// The scenario at its start as a picture, in SVG.
+    fn svg(&self, py: Python<'_>) -> PyResult<String> {
+        apart(py, || baudbot_plot::arena::draw(self.0.base(), self.0.label()))
+    }
+}
+
+fn varied(py: Python<'_>, (path, kind, low, high, choices): Drawn) -> PyResult<Varied> {
+    let draw = match kind.as_str() {
+        "uniform" => Draw::Uniform { low, high },
+        "log-uniform" => Draw::LogUniform { low, high },
+        "integer" => Draw::Integer { low: low as i64, high: high as i64 },
+        "choice" => Draw::Choice(choices),
+        other => {
+            let problem = format!(
+                "randomize.{path}: there is no `{other}`; there are: uniform, log-uniform, integer, choice"
+            );
+            return Err(invalid(py, &problem, Some(format!("randomize.{path}"))));
+        }
+    };
+    Ok(Varied { path, draw })
+}
+
+/// The names of the scenarios that are built in.
+#[pyfunction]
+pub(crate) fn catalogue() -> Vec<&'static str> {
+    EMBEDDED.iter().map(|(name, _)| *name).collect()
+}
+
+/// Checks the weights of a reward; gives back the names of a tally's numbers.
+#[pyfunction]
+pub(crate) fn check_reward(py: Python<'_>, weights: Vec<(String, f64)>) -> PyResult<Vec<&'static str>> {
+    reward(py, &weights).map(|_| Tally::NAMES.to_vec())
+}
+
+pub(crate) fn reward(py: Python<'_>, weights: &[(String, f64)]) -> PyResult<Reward> {
+    Reward::new(weights.iter().map(|(name, weight)| (name.as_str(), *weight)))
+        .map_err(|error| of_learning(py, &error))
+}
