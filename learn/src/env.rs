@@ -1,6 +1,6 @@
 //! A world that is stepped from one message of its agents' to the next.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use baudbot_experiment::in_process::{Driver, Output};
 use baudbot_sim::{Answer, Ending, Turn, World};
@@ -19,8 +19,8 @@ use crate::task::Task;
 pub struct Env {
     task: Arc<Task>,
     world: World,
-    /// Brains of the robots that are no agents. The lock is never taken: it only lets others look at the world meanwhile.
-    drivers: Mutex<Vec<Option<Driver>>>,
+    /// Brains of the robots that are no agents.
+    drivers: Vec<Option<Driver>>,
     outputs: Vec<Output>,
     agents: Vec<Agent>,
     before: Before,
@@ -66,7 +66,7 @@ impl Env {
         let mut env = Self {
             task,
             world,
-            drivers: Mutex::new(drivers),
+            drivers,
             outputs: Vec::new(),
             agents,
             before: Before::default(),
@@ -180,7 +180,6 @@ impl Env {
     /// The brains of this tick, and its second half.
     fn finish(&mut self) {
         let Self { world, drivers, outputs, agents, .. } = self;
-        let drivers = drivers.get_mut().unwrap_or_else(PoisonError::into_inner);
         outputs.clear();
         for turn in world.turns() {
             let driver = drivers.get_mut(turn.robot).and_then(Option::as_mut);
@@ -263,7 +262,7 @@ impl Env {
         Ok(Self {
             task: Arc::clone(&self.task),
             world: self.world.clone(),
-            drivers: Mutex::default(),
+            drivers: Vec::new(),
             outputs: Vec::new(),
             agents: self.agents.clone(),
             before: self.before.clone(),

@@ -19,6 +19,8 @@ pub struct Layout {
     pub sensors: Vec<Part>,
     /// The least and the greatest of each value that the wire can carry; infinite if there is no such limit.
     pub bounds: Vec<[f64; 2]>,
+    /// What each value is: `ir_front`, `odometer.x_m`, `laser.3`, as in tables of recordings.
+    pub columns: Vec<String>,
     /// What each number of an action is for, such as `left`, `right`, `turret`.
     pub actions: Vec<String>,
 }
@@ -32,8 +34,6 @@ pub struct Part {
     pub kind: &'static str,
     /// Its values among all.
     pub values: Range<usize>,
-    /// What each of them is, with its unit: `nearness`, `x_m`.
-    pub columns: Vec<String>,
 }
 
 impl Layout {
@@ -42,20 +42,16 @@ impl Layout {
         let (mut sensors, mut bounds) = (Vec::new(), Vec::new());
         for sensor in &body.sensors {
             let start = bounds.len();
-            let mut columns = Vec::new();
             for component in &sensor.components {
-                for i in 0..component.count {
-                    bounds.push(limits(component.encoding));
-                    let number = if component.count > 1 { format!("[{i}]") } else { String::new() };
-                    columns.push(format!("{}{number}", component.name));
-                }
+                bounds.extend((0..component.count).map(|_| limits(component.encoding)));
             }
             let (name, kind) = (sensor.name.clone(), sensor.kind.name());
-            sensors.push(Part { name, kind, values: start..bounds.len(), columns });
+            sensors.push(Part { name, kind, values: start..bounds.len() });
         }
         let wheels = ["left", "right"].map(str::to_owned).into_iter();
         let actions = wheels.chain(body.actuators.iter().map(|actuator| actuator.name.clone())).collect();
-        Self { robot: spec.name.clone(), sensors, bounds, actions }
+        let columns = baudbot_server::sensor_columns(spec);
+        Self { robot: spec.name.clone(), sensors, bounds, columns, actions }
     }
 
     /// Whether arrays for the one are arrays for the other.

@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use baudbot_learn::LearnError;
 use pyo3::prelude::*;
@@ -9,6 +10,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;
 
 static INVALID: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+static BUSY: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 static FAILED: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 
 /// `baudbot.Invalid`, with the path of the field that is wrong if it is one.
@@ -27,6 +29,22 @@ pub(crate) fn failed(py: Python<'_>, text: &str) -> PyErr {
     }
 }
 
+/// What a world is locked for. Another thread that is in it meanwhile is `baudbot.Busy`.
+pub(crate) fn locked<'a, T>(py: Python<'_>, lock: &'a Mutex<T>) -> PyResult<MutexGuard<'a, T>> {
+    match lock.try_lock() {
+        Ok(guard) => Ok(guard),
+        // What panicked has said so.
+        Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+        Err(TryLockError::WouldBlock) => {
+            let text = "another thread is stepping this world; a world is for one thread at a time, make one for each";
+            Err(match BUSY.import(py, "baudbot._errors", "Busy").and_then(|class| class.call1((text,))) {
+                Ok(error) => PyErr::from_value(error),
+                Err(error) => error,
+            })
+        }
+    }
+}
+
 pub(crate) fn of_learning(py: Python<'_>, error: &LearnError) -> PyErr {
     invalid(py, &error.to_string(), error.path())
 }
@@ -35,6 +53,15 @@ pub(crate) fn of_learning(py: Python<'_>, error: &LearnError) -> PyErr {
 pub(crate) fn apart<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let outcome = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
     outcome.map_err(|panic| panicked(py, &*panic))
+}
+
+/// The same with a world that nobody else has meanwhile.
+pub(crate) fn apart_with<S: Send, T: Send>(
+    py: Python<'_>,
+    world: &mut S,
+    work: impl FnOnce(&mut S) -> T + Send,
+) -> PyResult<T> {
+    apart(py, move || work(world))
 }
 
 /// The same for what is so short that other threads can wait.

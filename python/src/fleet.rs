@@ -1,16 +1,18 @@
 //! Many environments, stepped on some threads while the interpreter is free.
 
+use std::sync::Mutex;
+
 use baudbot_learn::{self as learn, Arrays, Autoreset, Reward, Rewards, Tally};
 use numpy::{PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2};
 use pyo3::prelude::*;
 
-use crate::errors::{apart, invalid, of_learning};
+use crate::errors::{apart, apart_with, invalid, locked, of_learning};
 use crate::task::{Task, reward};
 
 /// Environments with one agent each. The arrays are the caller's; a row is an environment's.
-#[pyclass(module = "baudbot._native")]
+#[pyclass(frozen, module = "baudbot._native")]
 pub(crate) struct Fleet {
-    fleet: learn::Fleet,
+    fleet: Mutex<learn::Fleet>,
     reward: Reward,
     /// Environments, values, sensors, actions.
     shape: [usize; 4],
@@ -48,13 +50,13 @@ impl Fleet {
         let fleet = fleet.map_err(|error| of_learning(py, &error))?;
         let layout = &task.0.layouts()[0];
         let shape = [count, layout.bounds.len(), layout.sensors.len(), layout.actions.len()];
-        Ok(Self { fleet, reward, shape, max_age_s })
+        Ok(Self { fleet: Mutex::new(fleet), reward, shape, max_age_s })
     }
 
     /// Begins other runs, of environments that `which` is true of, and writes what all observe.
     #[pyo3(signature = (seed, which, values, ages_s, readable))]
     fn reset(
-        &mut self,
+        &self,
         py: Python<'_>,
         seed: Option<u64>,
         which: Option<Vec<bool>>,
@@ -70,7 +72,8 @@ impl Fleet {
                 Some("reset_mask".to_owned()),
             ));
         }
-        let fleet = &mut self.fleet;
+        let mut fleet = locked(py, &self.fleet)?;
+        let fleet = &mut *fleet;
         apart(py, || fleet.reset(seed, which.as_deref(), arrays))?
             .map_err(|error| of_learning(py, &error))?;
         limit(&mut ages_s, self.max_age_s);
@@ -79,7 +82,7 @@ impl Fleet {
 
     /// A step of each environment. The last three arrays get what runs that ended observed last.
     fn step(
-        &mut self,
+        &self,
         py: Python<'_>,
         actions: PyReadonlyArray2<'_, f32>,
         observed: (Floats<'_>, Floats<'_>, Flags<'_>),
@@ -115,7 +118,8 @@ impl Fleet {
             return Err(invalid(py, whole, None));
         }
         let actions = actions.as_slice()?;
-        let (fleet, reward) = (&mut self.fleet, &self.reward);
+        let mut fleet = locked(py, &self.fleet)?;
+        let (fleet, reward) = (&mut *fleet, &self.reward);
         apart(py, || fleet.step(actions, reward, arrays, out))?.map_err(|error| of_learning(py, &error))?;
         limit(&mut ages_s, self.max_age_s);
         limit(&mut last_ages_s, self.max_age_s);
@@ -125,18 +129,22 @@ impl Fleet {
     /// The fingerprints of all worlds in one.
     #[getter]
     fn hash(&self, py: Python<'_>) -> PyResult<String> {
-        apart(py, || format!("{:016x}", self.fleet.hash()))
+        let mut fleet = locked(py, &self.fleet)?;
+        let fleet = &mut *fleet;
+        apart_with(py, fleet, |fleet| format!("{:016x}", fleet.hash()))
     }
 
     /// The seed of each environment's present run.
     #[getter]
-    fn seeds(&self) -> Vec<u64> {
-        self.fleet.envs().iter().map(|env| env.world().scenario().seed).collect()
+    fn seeds(&self, py: Python<'_>) -> PyResult<Vec<u64>> {
+        let fleet = locked(py, &self.fleet)?;
+        Ok(fleet.envs().iter().map(|env| env.world().scenario().seed).collect())
     }
 
     /// Why an environment's run ended, in words.
-    fn ending(&self, place: usize) -> Option<String> {
-        self.fleet.envs()[place].world().ending().map(ToString::to_string)
+    fn ending(&self, py: Python<'_>, place: usize) -> PyResult<Option<String>> {
+        let fleet = locked(py, &self.fleet)?;
+        Ok(fleet.envs().get(place).and_then(|env| env.world().ending()).map(ToString::to_string))
     }
 }
 

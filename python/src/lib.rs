@@ -7,6 +7,7 @@
 mod env;
 mod errors;
 mod fleet;
+mod picture;
 mod recording;
 mod runs;
 mod task;
@@ -20,6 +21,8 @@ mod _native {
     use super::env::Env;
     #[pymodule_export]
     use super::fleet::Fleet;
+    #[pymodule_export]
+    use super::picture::pixels;
     #[pymodule_export]
     use super::recording::{compare, replay};
     #[pymodule_export]

@@ -15,8 +15,8 @@ pub(crate) struct Task(pub(crate) Arc<learn::Task>);
 /// A field that is varied: its path, how it is drawn, the two ends of its range, and what there is to choose from.
 type Drawn = (String, String, f64, f64, Vec<String>);
 
-/// A sensor: its name, its kind, the first of its values and the one behind the last, and what each of them is.
-type Sensor = (String, &'static str, usize, usize, Vec<String>);
+/// A sensor: its name, its kind, the first of its values and the one behind the last.
+type Sensor = (String, &'static str, usize, usize);
 
 #[pymethods]
 impl Task {
@@ -74,11 +74,12 @@ impl Task {
     /// The sensors of an agent.
     fn sensors(&self, agent: usize) -> Vec<Sensor> {
         let parts = self.0.layouts()[agent].sensors.iter();
-        parts
-            .map(|part| {
-                (part.name.clone(), part.kind, part.values.start, part.values.end, part.columns.clone())
-            })
-            .collect()
+        parts.map(|part| (part.name.clone(), part.kind, part.values.start, part.values.end)).collect()
+    }
+
+    /// What each value of an agent's is.
+    fn columns(&self, agent: usize) -> Vec<String> {
+        self.0.layouts()[agent].columns.clone()
     }
 
     /// The least and the greatest of each value of an agent's.

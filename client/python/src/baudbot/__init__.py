@@ -13,7 +13,15 @@ A brain is a class with a `step`; `attach` lets it drive a robot until the run i
 
 `open` is for recordings of runs, `Client` for operators and observers, `Trainer` for programs that learn, `baudbot.aio` for
 programs with asyncio, `baudbot.v1` the bare contract.
+
+With the package `baudbot`, which has the world itself in it, there are also `World`, a world in this process, `sweep` and `tune`, runs
+of an experiment, `replay` and `compare`, `baudbot.gym` and `baudbot.pettingzoo`.
 """
+
+from __future__ import annotations
+
+import importlib.util
+from typing import TYPE_CHECKING
 
 from . import aio
 from .attach import Summary, attach
@@ -27,7 +35,41 @@ from .program import main
 from .recordings import Recording, open
 from .trainer import Result, Trainer
 from .turn import Reading, Turn
-from .world import World
+from .world import ServedWorld
+
+if TYPE_CHECKING:
+    from ._errors import Busy, Closed, Invalid
+    from .local import Picture, Readings, Snapshot, World
+    from .recorded import compare, replay
+    from ._runs import Runs, runs, sweep, tune
+
+#: What the package `baudbot` adds, and where.
+_ADDED = {
+    **dict.fromkeys(("Busy", "Closed", "Invalid"), "_errors"),
+    **dict.fromkeys(("Picture", "Readings", "Snapshot", "World"), "local"),
+    **dict.fromkeys(("compare", "replay"), "recorded"),
+    **dict.fromkeys(("Runs", "runs", "sweep", "tune"), "_runs"),
+}
+
+
+if importlib.util.find_spec(f"{__name__}._when_imported"):
+    importlib.import_module("._when_imported", __name__).register_environments()
+
+
+def __getattr__(name: str) -> object:
+    module = _ADDED.get(name)
+    if module is None:
+        raise AttributeError(f"module 'baudbot' has no attribute {name!r}")
+    try:
+        found: object = getattr(importlib.import_module(f".{module}", __name__), name)
+    except ModuleNotFoundError as error:
+        if error.name != f"{__name__}.{module}":
+            raise
+        raise AttributeError(
+            f"baudbot.{name} is in the package `baudbot`, and only `baudbot-client` is installed: pip install baudbot"
+        ) from None
+    return found
+
 
 __all__ = [
     "Belief",
@@ -51,11 +93,11 @@ __all__ = [
     "Restart",
     "Result",
     "Sensor",
+    "ServedWorld",
     "Summary",
     "Taken",
     "Trainer",
     "Turn",
-    "World",
     "aio",
     "attach",
     "drive",

@@ -20,7 +20,7 @@ from .settings import DEFAULT_CONNECT
 from .v1 import control_pb2, observe_pb2
 from .v1.control_pb2_grpc import ControlServiceStub
 from .v1.observe_pb2_grpc import ObserveServiceStub
-from .world import World
+from .world import ServedWorld
 
 Q = TypeVar("Q")
 R = TypeVar("R")
@@ -69,19 +69,19 @@ class Client:
         finally:
             frames.cancel()
 
-    def worlds(self) -> list[World]:
+    def worlds(self) -> list[ServedWorld]:
         """The worlds of the server, in the natural order of their names."""
         statuses = self.call(self.control.ListWorlds, control_pb2.ListWorldsRequest()).worlds
-        return [World(self, name) for name in sorted((status.world for status in statuses), key=natural)]
+        return [ServedWorld(self, name) for name in sorted((status.world for status in statuses), key=natural)]
 
-    def world(self, name: str | None = None) -> World:
+    def world(self, name: str | None = None) -> ServedWorld:
         """The world of this name, or the only one that the server has."""
         there = [world.name for world in self.worlds()]
         if name is None and len(there) == 1:
-            return World(self, there[0])
+            return ServedWorld(self, there[0])
         if name is None:
             raise LookupError(f"the server has {len(there)} worlds, name one: {', '.join(there)}")
-        return World(self, matching([name], there, "world")[0])
+        return ServedWorld(self, matching([name], there, "world")[0])
 
     def create_world(
         self,
@@ -92,7 +92,7 @@ class Client:
         paused: bool = False,
         set: Mapping[str, Any] | None = None,
         **fields: Any,
-    ) -> World:
+    ) -> ServedWorld:
         """Makes a world from a scenario: a built-in one (`wander`), a file, or a text.
 
         `fields` are changes of the scenario, such as `seed=7` or `baud=2400` (of every robot); `set` has any others by their
@@ -106,4 +106,4 @@ class Client:
             pace=pace_of(pace),
             paused=paused,
         )
-        return World(self, self.call(self.control.CreateWorld, request).status.world)
+        return ServedWorld(self, self.call(self.control.CreateWorld, request).status.world)

@@ -104,7 +104,7 @@ class Recording:
         return self._frames()
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """The truth: poses, speeds, signals and samples, a row for each frame and robot, with the columns of `World.rows`."""
+        """The truth: poses, speeds, signals and samples, a row for each frame and robot, with the columns of `ServedWorld.rows`."""
         return rows(self._described(), self._frames())
 
     def readings(self, robot: str, sensor: str) -> Iterator[dict[str, Any]]:

@@ -26,7 +26,7 @@ from .turn import Turn
 from .v1 import control_pb2, world_pb2
 from .v1 import trainer_pb2 as pb
 from .v1.trainer_pb2_grpc import TrainerServiceStub
-from .world import World
+from .world import ServedWorld
 
 #: What a world's robots do: an output if it has one robot, otherwise one for each robot's name.
 Commands = Union[Output, Mapping[str, Output]]
@@ -101,7 +101,7 @@ class Trainer:
         self._channel = open_channel(connect)
         self._stream: _Stream | None = None
         self._trained: dict[str, _Trained] = {}
-        self._made: list[World] = []
+        self._made: list[ServedWorld] = []
         self._text: str | None = None
 
     def __enter__(self) -> Trainer:
@@ -134,7 +134,7 @@ class Trainer:
         seeds: Iterable[int] | None = None,
         set: Mapping[str, Any] | None = None,
         **fields: Any,
-    ) -> list[World]:
+    ) -> list[ServedWorld]:
         """Makes worlds `NAME-1`, `NAME-2`, … in lockstep, and takes all their robots.
 
         There are `count` of them, or as many as `seeds`; without either, one. Other arguments are those of
@@ -160,17 +160,17 @@ class Trainer:
             raise
         return list(self._made)
 
-    def open(self, worlds: str | Iterable[str] = ("*",)) -> list[World]:
+    def open(self, worlds: str | Iterable[str] = ("*",)) -> list[ServedWorld]:
         """Takes all robots of worlds that the server has, which must be in lockstep; names may be patterns (`wander-*`)."""
         self._check_unopened()
         self._text = None
         names = matching([worlds] if isinstance(worlds, str) else worlds, [world.name for world in self.client.worlds()], "world")
         self._open(names)
-        return [World(self.client, name) for name in names]
+        return [ServedWorld(self.client, name) for name in names]
 
     def reset(
         self,
-        worlds: str | World | Iterable[str | World] | None = None,
+        worlds: str | ServedWorld | Iterable[str | ServedWorld] | None = None,
         *,
         seed: int | Iterable[int] | None = None,
         poses: Mapping[str, Pose] | Iterable[Mapping[str, Pose]] | None = None,
@@ -183,7 +183,7 @@ class Trainer:
         fields of the scenario as for `create`. What is not given is as `create` made it. Raises `Refused` or `NotFound` if a
         world refuses its reset, which then stands as before; the others are reset.
         """
-        named = [worlds] if isinstance(worlds, (str, World)) else worlds
+        named = [worlds] if isinstance(worlds, (str, ServedWorld)) else worlds
         chosen = list(self._trained.values()) if named is None else [self._find(world) for world in named]
         if "baud" in fields and self._text is None:
             raise Refused("baud: is for worlds that `create` has made; use set={\"robots.NAME.link.baud\": …}")
@@ -222,13 +222,13 @@ class Trainer:
         if self._trained:
             raise Error(f"this trainer drives {len(self._trained)} worlds already; make another Trainer for others")
 
-    def _find(self, world: str | World) -> _Trained:
-        name = world.name if isinstance(world, World) else world
+    def _find(self, world: str | ServedWorld) -> _Trained:
+        name = world.name if isinstance(world, ServedWorld) else world
         if name not in self._trained:
             raise NotFound(unknown("world of this trainer", name, list(self._trained)))
         return self._trained[name]
 
-    def _delete(self, worlds: list[World]) -> None:
+    def _delete(self, worlds: list[ServedWorld]) -> None:
         """Deletes these worlds, as far as they are still there."""
         while worlds:
             try:

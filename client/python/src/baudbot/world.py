@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _POLL_S = 0.02
 
 
-class World:
+class ServedWorld:
     """A world, by its name. Its brains are programs of their own, such as those that `baudbot.attach` makes."""
 
     def __init__(self, client: Client, name: str) -> None:
@@ -93,10 +93,10 @@ class World:
         """Takes it back to a snapshot. Brains stay attached."""
         self.client.call(self.client.control.RestoreWorld, control_pb2.RestoreWorldRequest(world=self.name, snapshot=snapshot))
 
-    def clone(self, name: str = "") -> World:
+    def clone(self, name: str = "") -> ServedWorld:
         """A new, paused world that goes on from the present state."""
         request = control_pb2.CloneWorldRequest(original=self.name, world=name)
-        return World(self.client, self.client.call(self.client.control.CloneWorld, request).status.world)
+        return ServedWorld(self.client, self.client.call(self.client.control.CloneWorld, request).status.world)
 
     def delete(self) -> None:
         """Ends it; its brains' and observers' streams end."""

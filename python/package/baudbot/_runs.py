@@ -1,0 +1,124 @@
+"""Experiments: many runs of a scenario on all cores, as tables."""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import _native
+from ._errors import Invalid
+from .errors import Error
+
+if TYPE_CHECKING:
+    import pandas
+
+Progress = Callable[[int, int], object]
+
+
+class Runs:
+    """What came of a sweep: a folder as the command `baudbot sweep` writes it, with a journal from which either goes on."""
+
+    def __init__(self, folder: Path, told: str) -> None:
+        #: The folder with the journal, the tables and the charts.
+        self.folder = folder
+        #: What was found in each combination of values, as `baudbot sweep --json` tells it.
+        self.summary: dict[str, Any] = json.loads(told)
+
+    def frame(self) -> pandas.DataFrame:
+        """A row for each run, as a DataFrame of pandas."""
+        return _frame(self.folder / "rows.csv")
+
+    def charts(self) -> list[Path]:
+        """The pictures of it, in SVG."""
+        return sorted(self.folder.glob("*.svg"))
+
+    def _repr_html_(self) -> str:
+        pictures = "".join(path.read_text(encoding="utf-8") for path in self.charts())
+        html: str = self.frame()._repr_html_()  # type: ignore[operator]
+        return html + pictures
+
+    def __repr__(self) -> str:
+        return f"<runs in {self.folder}>"
+
+
+def sweep(
+    experiment: str | os.PathLike[str],
+    *,
+    out: str | os.PathLike[str] | None = None,
+    seeds: str | None = None,
+    jobs: int | None = None,
+    fresh: bool = False,
+    progress: Progress | None = None,
+) -> pandas.DataFrame:
+    """Runs an experiment's file, or what is missing of it, and gives back a row for each run as a DataFrame.
+
+    It does what `baudbot sweep` does, with the same journal in the folder `out` (the experiment's name with `.sweep`): a sweep that was
+    stopped, by Ctrl-C too, goes on from there, here or by the command. `runs` gives back all of what came of it.
+    """
+    return runs(experiment, out=out, seeds=seeds, jobs=jobs, fresh=fresh, progress=progress).frame()
+
+
+def runs(
+    experiment: str | os.PathLike[str],
+    *,
+    out: str | os.PathLike[str] | None = None,
+    seeds: str | None = None,
+    jobs: int | None = None,
+    fresh: bool = False,
+    progress: Progress | None = None,
+) -> Runs:
+    """As `sweep`, with the summary and the charts."""
+    folder = _folder(experiment, out, "sweep")
+    told = _done(_native.sweep(experiment, folder, seeds, _jobs(jobs), fresh, progress), folder)
+    return Runs(folder, told)
+
+
+def tune(
+    experiment: str | os.PathLike[str],
+    *,
+    out: str | os.PathLike[str] | None = None,
+    seeds: str | None = None,
+    jobs: int | None = None,
+    fresh: bool = False,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Looks for the numbers with which an experiment's runs are best: what `baudbot tune --json` tells, and `frame`, a DataFrame of all
+    candidates."""
+    folder = _folder(experiment, out, "tune")
+    told: dict[str, Any] = json.loads(_done(_native.tune(experiment, folder, seeds, _jobs(jobs), fresh, progress), folder))
+    table = folder / "candidates.csv"
+    return {**told, "frame": _frame(table)} if table.exists() else told
+
+
+def _folder(experiment: str | os.PathLike[str], out: str | os.PathLike[str] | None, ending: str) -> Path:
+    return Path(out) if out is not None else Path(f"{Path(experiment).stem}.{ending}")
+
+
+def _jobs(jobs: int | None) -> int:
+    if jobs is None:
+        return os.cpu_count() or 1
+    if jobs < 1:
+        raise Invalid(f"jobs: {jobs} is not a number of runs at a time; write 1 or more", "jobs")
+    return jobs
+
+
+def _done(outcome: tuple[str, list[str], bool, list[str]], folder: Path) -> str:
+    told, _files, interrupted, notes = outcome
+    for note in notes:
+        warnings.warn(note, stacklevel=4)
+    if interrupted:
+        raise Error(f"stopped; what was run is recorded in {folder}, and the same call goes on from there")
+    return told
+
+
+def _frame(path: Path) -> pandas.DataFrame:
+    try:
+        import pandas
+    except ModuleNotFoundError:
+        raise Error(f"a DataFrame needs the package `pandas`: pip install pandas; the table is {path}") from None
+    # Fingerprints are no numbers.
+    return pandas.read_csv(path, dtype={"state_hash": str})

@@ -1,0 +1,180 @@
+"""An environment with one robot."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, SupportsFloat
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _native, _task
+from .._errors import Closed, Invalid
+from ..local import Picture, checked_seed
+from ..picture import pixels
+from .spaces import Shape, signals
+
+#: Names of the numbers of a step; see `docs/python.md`.
+TALLY: tuple[str, ...] = tuple(_native.check_reward([]))
+
+#: Weights of what happened in a step, or a function of the step.
+Reward = Mapping[str, float] | Callable[["Step"], SupportsFloat]
+
+#: How fields are drawn, by their paths; a TOML file with such a table; or a function that gives fields for a run.
+Randomize = Mapping[str, object] | str | os.PathLike[str] | Callable[[np.random.Generator], Mapping[str, object]]
+
+#: What a robot's run is worth that is told nothing else.
+DRIVE: Mapping[str, float] = {"distance_m": 1.0, "collisions": -5.0}
+
+
+@dataclass(frozen=True)
+class Step:
+    """What a reward may know of a step. `happened` is the truth, which the robot's brain does not see."""
+
+    #: What the agent observes after it.
+    observation: Any
+    #: What it did.
+    action: NDArray[np.float32]
+    #: By the names of `TALLY`: `seconds`, `distance_m`, `collisions`, `progress_m`, `covered`, `sensed`, `zones`, `success`.
+    happened: Mapping[str, Any]
+
+
+class Env(gymnasium.Env[Any, NDArray[np.float32]]):
+    """A robot of any scenario, at the laptop's end of its cable.
+
+    - `scenario`, `overrides`, `brains` and further fields are those of `baudbot.World`. `robot` is the one that is driven, if there
+      are several without a brain.
+    - `reward` has weights of what happens in a step (`{"distance_m": 1, "collisions": -5}`), or is a function of a `Step`.
+    - `end` is a function of a `Step` that says whether the run is to be terminated.
+    - `randomize` says how fields are drawn for each run: `{"robots.robot.link.baud": [1200, 9600], "robots.robot.start.x_m": {"uniform":
+      [-0.5, 0.5]}}`, a TOML file with a table of that, or a function of a random generator.
+    - `flat` makes the observation one array, `ages=False` leaves ages and readability out.
+
+    The scenario decides when a run ends: its time (`end.after_s`) truncates it, all else terminates it. `reset` takes a seed, and as
+    `options` `{"overrides": {…}}` for one run.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array", "svg"], "render_fps": 10}
+
+    def __init__(
+        self,
+        scenario: _task.Scenario = "wander",
+        *,
+        overrides: Mapping[str, object] | None = None,
+        brains: str | Mapping[str, str] | None = None,
+        robot: str | None = None,
+        reward: Reward | None = None,
+        end: Callable[[Step], bool] | None = None,
+        randomize: Randomize | None = None,
+        max_age_s: float = 1.0,
+        flat: bool = False,
+        ages: bool = True,
+        render_mode: str | None = None,
+        render_size: int = 480,
+        **fields: object,
+    ) -> None:
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise Invalid(f"render_mode: there is no {render_mode!r}; there are: rgb_array, svg", "render_mode")
+        self._draw, table = drawn(randomize)
+        chosen = [robot] if robot is not None else None
+        self._task = _task.task(scenario, _task.fields(overrides, fields), brains, chosen, table)
+        one_robot(self._task)
+        self.shape = Shape(self._task, 0, max_age_s, flat, ages)
+        self.observation_space, self.action_space = self.shape.observation, self.shape.action
+        self._weights, self._reward = rewards(reward)
+        self._end, self._max_age_s = end, max_age_s
+        self.render_mode, self._size = render_mode, render_size
+        self._env: _native.Env | None = None
+        self._is_closed = False
+
+    def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        super().reset(seed=seed)
+        if self._is_closed:
+            raise Closed("the environment is closed; make another one")
+        # Without a seed the next one is drawn from those that there were before.
+        run = checked_seed(seed) if seed is not None else int(self.np_random.integers(1 << 31))
+        more = dict(self._draw(self.np_random)) if self._draw else {}
+        more.update((options or {}).get("overrides", {}))
+        if self._env is None:
+            self._env = _native.Env(self._task, run, _task.lines(more), self._weights, self._max_age_s)
+        else:
+            self._env.reset(run, _task.lines(more))
+        return self.shape.observed(*self._env.observation(0)), self._info(self._env)
+
+    def step(self, action: NDArray[np.float32]) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
+        env = self._env or self._open
+        if type(action) is not np.ndarray or action.dtype != np.float32 or action.shape != self.action_space.shape:
+            action = signals(action, self.action_space.shape or (), "action")
+        readings, ages_s, readable, reward, terminated, truncated = env.cycle(action)
+        observation = self.shape.observed(readings, ages_s, readable)
+        info = self._info(env) if terminated or truncated else {"time_s": env.time_ns / 1e9}
+        if self._reward is not None or self._end is not None:
+            step = Step(observation, action, dict(zip(TALLY, env.tally(0), strict=True)))
+            reward = float(self._reward(step)) if self._reward is not None else reward
+            terminated = terminated or (self._end is not None and bool(self._end(step)))
+        return observation, reward, terminated, truncated, info
+
+    def render(self) -> Any:
+        if self.render_mode is None:
+            return None
+        svg = self._open.svg()
+        return Picture(svg) if self.render_mode == "svg" else pixels(svg, self._size)
+
+    @property
+    def hash(self) -> str:
+        """Fingerprint of the world's state, as `baudbot run` prints it."""
+        return self._open.hash
+
+    def close(self) -> None:
+        self._env, self._is_closed = None, True
+
+    @property
+    def _open(self) -> _native.Env:
+        if self._env is None:
+            raise Closed(f"the environment is {'closed; make another one' if self._is_closed else 'new; reset it first'}")
+        return self._env
+
+    @staticmethod
+    def _info(env: _native.Env) -> dict[str, Any]:
+        return {"time_s": env.time_ns / 1e9, "seed": env.seed, "ending": env.ending}
+
+
+def one_robot(task: _native.Task) -> None:
+    """Refuses a task with several robots that this program would drive, or none."""
+    if not task.agents:
+        raise Invalid("robot: the scenario has none that this program could drive", "robot")
+    if len(task.agents) > 1:
+        names = ", ".join(task.agents)
+        raise Invalid(f"robot: the scenario has {len(task.agents)} without a brain; name one of {names}, or give them `brains`", "robot")
+
+
+def rewards(reward: Reward | None) -> tuple[list[tuple[str, float]], Callable[[Step], SupportsFloat] | None]:
+    """Weights, or a function."""
+    if callable(reward):
+        return [], reward
+    weights = _task.weights(DRIVE if reward is None else reward)
+    _native.check_reward(weights)
+    return weights, None
+
+
+def drawn(
+    randomize: Randomize | None,
+) -> tuple[Callable[[np.random.Generator], Mapping[str, object]] | None, Mapping[str, object] | None]:
+    """A function that draws fields, or a table of how they are drawn."""
+    if randomize is None or isinstance(randomize, Mapping):
+        return None, randomize
+    if callable(randomize):
+        return randomize, None
+    path = os.fspath(randomize)
+    try:
+        with open(path, "rb") as file:
+            return None, tomllib.load(file).get("randomize", {})
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        raise Invalid(f"randomize: {path}: {error}", "randomize") from None
+
+
+__all__ = ["Env", "Randomize", "Reward", "Step"]

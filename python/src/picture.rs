@@ -1,0 +1,48 @@
+//! Pictures as pixels.
+
+use std::sync::{Arc, LazyLock};
+
+use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+use resvg::tiny_skia::{Color, Pixmap, Transform};
+use resvg::usvg::{Options, Tree, fontdb};
+
+use crate::errors::{apart, failed};
+
+/// The fonts of the system. Without any, pictures have no text.
+static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
+    let mut fonts = fontdb::Database::new();
+    fonts.load_system_fonts();
+    Arc::new(fonts)
+});
+
+/// A picture in SVG as an array of shape (height, width, 3), whose longer side has so many pixels.
+#[pyfunction]
+pub(crate) fn pixels<'py>(py: Python<'py>, svg: &str, size: u32) -> PyResult<Bound<'py, PyArray3<u8>>> {
+    let drawn = apart(py, || drawn(svg, size))?.map_err(|problem| failed(py, &problem))?;
+    let (height, width) = (drawn.height() as usize, drawn.width() as usize);
+    // It is opaque, so that colours are what they are without the share of opacity.
+    let colours: Vec<u8> =
+        drawn.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
+    colours.into_pyarray(py).reshape([height, width, 3])
+}
+
+fn drawn(svg: &str, size: u32) -> Result<Pixmap, String> {
+    if !(1..=MOST).contains(&size) {
+        return Err(format!("render_size: {size} is not a number of pixels; write one of 1 to {MOST}"));
+    }
+    let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
+    let tree =
+        Tree::from_str(svg, &options).map_err(|error| format!("the picture cannot be drawn: {error}"))?;
+    let longer = tree.size().width().max(tree.size().height());
+    let scale = size as f32 / longer;
+    let side = |length: f32| ((length * scale).round() as u32).max(1);
+    let mut pixmap = Pixmap::new(side(tree.size().width()), side(tree.size().height()))
+        .ok_or("the picture has no size")?;
+    pixmap.fill(Color::WHITE);
+    resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixmap.as_mut());
+    Ok(pixmap)
+}
+
+/// Most pixels of a side.
+const MOST: u32 = 8192;

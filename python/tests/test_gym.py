@@ -1,0 +1,259 @@
+"""Environments of Gymnasium and PettingZoo: their own checkers, the same bits on any number of threads, and bad input."""
+
+from __future__ import annotations
+
+import tempfile
+import unittest
+import warnings
+from typing import Any
+
+import baudbot
+import gymnasium
+import numpy as np
+from baudbot.gym import Env, Step, VectorEnv
+from baudbot.pettingzoo import parallel_env
+from common import nearest_steer, scenario
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from pettingzoo.test import parallel_api_test, parallel_seed_test
+
+#: Five kinds: IR over a serial cable; Khepera's protocol, which is asked; a laser of its own cable; a crowd; a brain on board.
+KINDS: dict[str, dict[str, Any]] = {
+    "wander": {"scenario": "wander", "end__after_s": 3.0},
+    "khepera": {"scenario": "khepera", "end__after_s": 3.0},
+    "laser": {"scenario": scenario("hall"), "end__after_s": 3.0},
+    "crowd": {"scenario": scenario("ecoli"), "end__after_s": 8.0},
+    "on board": {"scenario": "wander", "end__after_s": 3.0, "overrides": {"robots.robot.link": {"kind": "onboard"}}},
+}
+
+
+def one(name: str) -> dict[str, Any]:
+    """The same with one robot that is driven."""
+    return {**KINDS[name], "brains": "ecoli", "robot": "cell-1"} if name == "crowd" else KINDS[name]
+
+
+def steered(observation: Any) -> np.ndarray:
+    rows = np.atleast_2d(observation["readings"]).max(axis=1)
+    return np.asarray([nearest_steer(float(nearest)) for nearest in rows], np.float32)
+
+
+class Checkers(unittest.TestCase):
+    def test_gymnasium(self) -> None:
+        for name in KINDS:
+            with self.subTest(name), warnings.catch_warnings():
+                warnings.simplefilter("error")
+                # Counts and distances have no bounds; the names have an environment of their own below.
+                warnings.filterwarnings("ignore", message=".*(infinity|not having a spec).*")
+                options = {key: value for key, value in one(name).items()}
+                if name == "crowd":
+                    # A brain for all would leave none to drive.
+                    world = baudbot.World(KINDS[name]["scenario"])
+                    options["brains"] = {robot: "ecoli" for robot in world.robots if robot != "cell-1"}
+                check_env(Env(**options, render_mode="rgb_array"), skip_close_check=False)
+
+    def test_pettingzoo(self) -> None:
+        for name, options in KINDS.items():
+            with self.subTest(name):
+                parallel_api_test(parallel_env(**options), num_cycles=100)
+                parallel_seed_test(lambda options=options: parallel_env(**options), num_cycles=50)
+
+    def test_names_are_known_wherever_gymnasium_is_imported(self) -> None:
+        env = gymnasium.make("baudbot/Wander-v0", end__after_s=1.0)
+        env.reset(seed=1)
+        over = False
+        while not over:
+            _, _, terminated, truncated, info = env.step(env.action_space.sample() * 0)
+            over = terminated or truncated
+        self.assertEqual((terminated, truncated, info["ending"]), (False, True, "the scenario's time is over"))
+        envs = gymnasium.make_vec("baudbot/Wander-v0", num_envs=3)
+        self.assertIsInstance(envs.unwrapped, VectorEnv)
+
+    def test_a_vector_is_what_its_environments_are(self) -> None:
+        """Beside Gymnasium's own vector environment, with runs that end and begin again."""
+        options = {"scenario": "wander", "end__after_s": 0.6}
+        ours = VectorEnv(4, **options)
+        theirs = SyncVectorEnv([lambda: Env(**options) for _ in range(4)], autoreset_mode=AutoresetMode.NEXT_STEP)
+        self.assertEqual(ours.single_observation_space, theirs.single_observation_space)
+        self.assertEqual(ours.observation_space, theirs.observation_space)
+        self.assertEqual(ours.action_space, theirs.action_space)
+        observed = [envs.reset(seed=7)[0] for envs in (ours, theirs)]
+        ended = 0
+        for _ in range(29):
+            np.testing.assert_equal(*[{key: np.asarray(value) for key, value in one.items()} for one in observed])
+            actions = steered(observed[0])
+            steps = [envs.step(actions) for envs in (ours, theirs)]
+            for ours_part, their_part in zip(steps[0][1:4], steps[1][1:4], strict=True):
+                np.testing.assert_array_equal(ours_part, their_part)
+            observed = [step[0] for step in steps]
+            ended += int(steps[0][3].sum())
+        self.assertEqual(ended, 4)
+
+
+class Bits(unittest.TestCase):
+    def test_64_worlds_on_two_threads_are_64_on_one(self) -> None:
+        hashes = set()
+        for threads in (1, 2, 3):
+            envs = VectorEnv(64, "wander", threads=threads, end__after_s=2.0, autoreset_mode=AutoresetMode.SAME_STEP)
+            observation, _ = envs.reset(seed=1)
+            for _ in range(150):
+                observation, *_ = envs.step(steered(observation))
+            hashes.add(envs.hash)
+        self.assertEqual(len(hashes), 1)
+
+    def test_an_environment_is_a_world(self) -> None:
+        env = Env("wander")
+        observation, _ = env.reset(seed=9)
+        world = baudbot.World("wander", seed=9)
+        for _ in range(100):
+            action = steered(observation)[0]
+            observation, *_ = env.step(action)
+            world.step(action)
+        self.assertEqual(env.hash, world.hash)
+        np.testing.assert_array_equal(observation["readings"], world.readings.values.astype(np.float32))
+
+    def test_last_observations_of_runs_that_end_in_the_same_step(self) -> None:
+        envs = VectorEnv(3, "wander", end__after_s=0.5, autoreset_mode=AutoresetMode.SAME_STEP)
+        envs.reset(seed=1)
+        seen = 0
+        for _ in range(60):
+            *_, truncated, info = envs.step(np.zeros((3, 2), np.float32))
+            seen += int(truncated.sum())
+            self.assertEqual("final_obs" in info, bool(truncated.any()))
+        self.assertGreaterEqual(seen, 6)
+
+
+class WhatIsLearnt(unittest.TestCase):
+    def test_rewards_by_weights_and_by_functions(self) -> None:
+        def worth(step: Step) -> Any:
+            return step.happened["distance_m"] - 5.0 * step.happened["collisions"]
+
+        weighed, called = Env("wander"), Env("wander", reward=worth)
+        many = VectorEnv(2, "wander", reward=worth)
+        weighed.reset(seed=1), called.reset(seed=1), many.reset(seed=1)
+        action = np.full(2, 0.4, np.float32)
+        for _ in range(20):
+            first, second = weighed.step(action)[1], called.step(action)[1]
+            self.assertAlmostEqual(float(first), float(second), places=12)
+            self.assertAlmostEqual(float(first), many.step(np.stack([action] * 2))[1][0], places=12)
+        self.assertGreater(float(first), 0.0)
+
+    def test_an_end_of_ones_own(self) -> None:
+        env = Env("wander", end=lambda step: step.observation["readings"].max() > 0.05)
+        env.reset(seed=1)
+        for _ in range(500):
+            _, _, terminated, _, _ = env.step(np.full(2, 0.5, np.float32))
+            if terminated:
+                return
+        self.fail("it came near no wall")
+
+    def test_fields_are_drawn_for_each_run(self) -> None:
+        table = {"robots.robot.link.baud": [1200, 9600], "robots.robot.start.x_m": {"uniform": [-0.4, 0.4]}}
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write('[randomize]\n"robots.robot.link.baud" = [1200, 9600]\n"robots.robot.start.x_m" = { uniform = [-0.4, 0.4] }\n')
+            file.flush()
+            by_file = self.starts(Env("wander", randomize=file.name))
+        by_table = self.starts(Env("wander", randomize=table))
+        self.assertEqual(by_table, by_file)
+        self.assertGreater(len(set(by_table)), 15)
+        by_function = self.starts(Env("wander", randomize=lambda random: {"robots.robot.start.x_m": random.uniform(-0.1, 0.1)}))
+        self.assertTrue(all(abs(float(start)) < 0.1 for start in by_function))
+
+    def starts(self, env: Env) -> list[float]:
+        starts = []
+        for seed in range(20):
+            env.reset(seed=seed)
+            starts.append(env._open.truth(0)[0])
+        return starts
+
+    def test_ages_tell_cables_apart(self) -> None:
+        ages = []
+        for baud in (1200, 9600):
+            env = Env("wander", robots__robot__link__baud=baud)
+            env.reset(seed=1)
+            ages.append(float(env.step(np.zeros(2, np.float32))[0]["ages_s"].min()))
+        self.assertGreater(ages[0], 0.15)
+        self.assertLess(ages[1], 0.03)
+
+    def test_flat_observations(self) -> None:
+        for ages, size in ((True, 15), (False, 5)):
+            env = Env("wander", flat=True, ages=ages)
+            observation, _ = env.reset(seed=1)
+            self.assertEqual(observation.shape, (size,))
+            self.assertTrue(env.observation_space.contains(observation))
+            envs = VectorEnv(2, "wander", flat=True, ages=ages)
+            self.assertTrue(envs.observation_space.contains(envs.reset(seed=1)[0]))
+
+
+class Pictures(unittest.TestCase):
+    def test_an_image_and_a_drawing(self) -> None:
+        env = Env("wander", render_mode="rgb_array", render_size=300)
+        env.reset(seed=1)
+        image = env.render()
+        self.assertEqual((image.dtype, image.ndim, max(image.shape)), (np.uint8, 3, 300))
+        self.assertGreater(len(np.unique(image.reshape(-1, 3), axis=0)), 5)
+        env.step(np.full(2, 1.0, np.float32))
+        [env.step(np.full(2, 1.0, np.float32)) for _ in range(20)]
+        self.assertTrue((env.render() != image).any())
+
+
+class BadInput(unittest.TestCase):
+    def refused(self, words: str, call: Any) -> None:
+        with self.assertRaisesRegex(baudbot.Error, words):
+            call()
+
+    def test_options(self) -> None:
+        self.refused("there is no part|no such part", lambda: Env("wander", reward={"distance": 1.0}))
+        self.refused("name one of", lambda: Env(scenario("ecoli")))
+        self.refused("render_mode", lambda: Env("wander", render_mode="human"))
+        self.refused("num_envs", lambda: VectorEnv(0, "wander"))
+        self.refused("num_envs", lambda: VectorEnv(1 << 40, "wander"))
+        self.refused("one environment only", lambda: VectorEnv(2, "wander", randomize=lambda random: {}))
+        self.refused("two numbers", lambda: Env("wander", randomize={"seed": {"uniform": 3}}))
+        self.refused("no range", lambda: Env("wander", randomize={"seed": {"uniform": [3, 1]}}))
+        self.refused("max_age_s", lambda: Env("wander", max_age_s=0.0))
+        self.refused("nothing.toml", lambda: Env("wander", randomize="nothing.toml"))
+
+    def test_actions(self) -> None:
+        env = Env("wander")
+        self.refused("reset it first", lambda: env.step(np.zeros(2, np.float32)))
+        env.reset(seed=1)
+        before = env.hash
+        self.refused("shape", lambda: env.step(np.zeros(3, np.float32)))
+        self.refused("NaN", lambda: env.step(np.full(2, np.nan, np.float32)))
+        self.refused("no array", lambda: env.step("forward"))
+        self.assertEqual(env.hash, before)
+        envs = VectorEnv(4, "wander")
+        envs.reset(seed=1)
+        before = envs.hash
+        actions = np.zeros((4, 2), np.float32)
+        actions[2, 1] = np.nan
+        self.refused(r"actions\[2, 1\]", lambda: envs.step(actions))
+        self.refused("shape", lambda: envs.step(np.zeros((3, 2), np.float32)))
+        self.assertEqual(envs.hash, before)
+        envs.step(np.zeros((4, 4), np.float32)[:, ::2])
+        envs.step(np.zeros((4, 2), np.float64))
+
+    def test_closed(self) -> None:
+        env, envs = Env("wander"), VectorEnv(2, "wander")
+        env.reset(seed=1), envs.reset(seed=1)
+        env.close(), envs.close()
+        self.refused("closed", lambda: env.step(np.zeros(2, np.float32)))
+        self.refused("closed", env.reset)
+        self.refused("closed", lambda: envs.step(np.zeros((2, 2), np.float32)))
+
+    def test_a_run_with_other_observations(self) -> None:
+        env = Env("wander")
+        sensors = {"robots.robot.sensors.compass": {"kind": "compass"}}
+        self.refused("changes which robots|compass", lambda: env.reset(seed=1, options={"overrides": sensors}))
+        env.reset(seed=1)
+
+    def test_readings_that_never_come(self) -> None:
+        env = Env("wander", robots__robot__link__byte_error_rate=1.0)
+        observation, _ = env.reset(seed=1)
+        self.assertTrue(env.observation_space.contains(observation))
+        observation, *_ = env.step(np.zeros(2, np.float32))
+        self.assertEqual((observation["readable"].sum(), observation["ages_s"].min()), (0, 1.0))
+
+
+if __name__ == "__main__":
+    unittest.main()
