@@ -178,8 +178,14 @@ pub const WORKLOADS: &[Workload] = &[
         kind: Kind::Learner(Learner::Cycles { worlds: 1 }),
     },
     Workload {
+        name: "V/64",
+        summary: "the same with 64 worlds, one after the other in one thread",
+        unit: "control cycles/s",
+        kind: Kind::Learner(Learner::Cycles { worlds: 64 }),
+    },
+    Workload {
         name: "V/1024",
-        summary: "the same with 1,024 worlds, one after the other in one thread",
+        summary: "the same with 1,024 worlds",
         unit: "control cycles/s",
         kind: Kind::Learner(Learner::Cycles { worlds: 1024 }),
     },

@@ -6,6 +6,7 @@ use baudbot_brain::{Body, RawCommands};
 use baudbot_sim::drive::Wheels;
 use baudbot_sim::firmware::Mode;
 use baudbot_sim::{Answer, SimTime, Turn, World, Written};
+use smallvec::{SmallVec, smallvec};
 
 use crate::error::LearnError;
 use crate::layout::Layout;
@@ -22,14 +23,14 @@ pub struct Agent {
     is_polled: bool,
     /// Signals of the wheels and of the other actuators that are to be sent at its next turn.
     pending: Option<Wheels>,
-    others: Vec<f64>,
+    others: SmallVec<[f64; 2]>,
     sequence: u8,
     /// What it writes that is no command.
     bytes: Vec<u8>,
-    values: Vec<f64>,
+    values: SmallVec<[f64; FEW]>,
     /// When each reading was sampled, as its message says, or else when it came.
-    sampled_at: Vec<Option<SimTime>>,
-    readable: Vec<bool>,
+    sampled_at: SmallVec<[Option<SimTime>; FEW]>,
+    readable: SmallVec<[bool; FEW]>,
     /// A message has come since the step began.
     pub(crate) has_heard: bool,
     /// Of its last turn.
@@ -48,12 +49,12 @@ impl Agent {
             thinking_ns: spec.thinking_ns,
             is_polled: spec.firmware.mode == Mode::Poll,
             pending: None,
-            others: vec![0.0; layout.actions.len() - WHEELS],
+            others: smallvec![0.0; layout.actions.len() - WHEELS],
             sequence: 0,
             bytes: Vec::new(),
-            values: vec![0.0; values],
-            sampled_at: vec![None; sensors],
-            readable: vec![false; sensors],
+            values: smallvec![0.0; values],
+            sampled_at: smallvec![None; sensors],
+            readable: smallvec![false; sensors],
             has_heard: false,
             now: SimTime::ZERO,
             layout,
@@ -187,6 +188,9 @@ pub(crate) enum Choice {
     Bytes,
     Command(Wheels),
 }
+
+/// Readings of so few sensors need no memory of their own, which keeps those of many worlds together.
+const FEW: usize = 8;
 
 /// An action begins with the signals of the wheels.
 pub(crate) const WHEELS: usize = 2;

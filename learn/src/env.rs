@@ -22,7 +22,7 @@ pub struct Env {
     /// Brains of the robots that are no agents.
     drivers: Vec<Option<Driver>>,
     outputs: Vec<Output>,
-    agents: Vec<Agent>,
+    agents: SmallVec<[Agent; 1]>,
     before: Before,
     patience_ticks: u64,
 }
@@ -43,7 +43,7 @@ struct Before {
     covered: f64,
     sensed: f64,
     zones: usize,
-    robots: Vec<[f64; 3]>,
+    robots: SmallVec<[[f64; 3]; 1]>,
 }
 
 impl Env {

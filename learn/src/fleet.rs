@@ -113,8 +113,8 @@ impl Fleet {
         let threads = threads.clamp(1, count);
         let pool = pool(threads)?;
         let mut envs: Vec<Option<Env>> = (0..count).map(|_| None).collect();
-        each(pool.as_ref(), envs.iter_mut().enumerate().collect(), |(i, env)| {
-            **env = Some(Env::new(Arc::clone(task), seed_of(seed, *i), &[])?);
+        each(pool.as_ref(), envs.iter_mut().enumerate(), |(i, env)| {
+            *env = Some(Env::new(Arc::clone(task), seed_of(seed, i), &[])?);
             Ok(())
         })?;
         let envs = envs.into_iter().flatten().collect();
@@ -146,15 +146,15 @@ impl Fleet {
         let width = self.width();
         self.threads_are_there()?;
         let Self { envs, runs, pool, .. } = self;
-        let work = envs.iter_mut().zip(runs).zip(arrays.rows(width)).enumerate().collect();
-        each(pool.as_ref(), work, |(i, ((env, run), row))| {
-            if which.is_none_or(|which| which[*i]) {
+        let work = envs.iter_mut().zip(runs).zip(arrays.rows(width)).enumerate();
+        each(pool.as_ref(), work, |(i, ((env, run), mut row))| {
+            if which.is_none_or(|which| which[i]) {
                 let next = match seed {
-                    Some(seed) => Run { seed: seed_of(seed, *i), ..Run::default() },
-                    None => Run { number: run.number + 1, is_over: false, ..**run },
+                    Some(seed) => Run { seed: seed_of(seed, i), ..Run::default() },
+                    None => Run { number: run.number + 1, is_over: false, ..*run },
                 };
                 env.reset(next.world_seed(), &[])?;
-                **run = next;
+                *run = next;
             }
             row.observe(env);
             Ok(())
@@ -198,7 +198,7 @@ impl Fleet {
                 Work { env, run, action, row, last, reward: rewards, terminated, truncated, tally }
             },
         );
-        each(pool.as_ref(), work.collect(), |work| work.step(reward, autoreset))
+        each(pool.as_ref(), work, |mut work| work.step(reward, autoreset))
     }
 
     /// Values and sensors of a row.
@@ -307,15 +307,12 @@ fn seed_of(seed: u64, place: usize) -> u64 {
 /// Does all of this work, on the pool's threads if there is one. Of several errors the first one's is told.
 fn each<T: Send>(
     pool: Option<&ThreadPool>,
-    mut work: Vec<T>,
-    each: impl Fn(&mut T) -> Result<(), LearnError> + Sync + Send,
+    mut work: impl Iterator<Item = T>,
+    each: impl Fn(T) -> Result<(), LearnError> + Sync + Send,
 ) -> Result<(), LearnError> {
-    match pool {
-        None => work.iter_mut().try_for_each(each),
-        Some(pool) => {
-            pool.install(|| work.par_iter_mut().map(each).find_first(Result::is_err)).unwrap_or(Ok(()))
-        }
-    }
+    let Some(pool) = pool else { return work.try_for_each(each) };
+    let work: Vec<T> = work.collect();
+    pool.install(|| work.into_par_iter().map(each).find_first(Result::is_err)).unwrap_or(Ok(()))
 }
 
 fn pool(threads: usize) -> Result<Option<ThreadPool>, LearnError> {

@@ -1,7 +1,6 @@
-"""Builds the wheel: maturin's backend, with the program in it, and in a clone with the clone's own baudbot-client.
+"""Builds the wheel in a clone, as `pip install ./python` does: maturin's backend, with the program in it, and the clone's baudbot-client.
 
-The program `baudbot` is built first and becomes a script of the wheel. A wheel that is built in a clone, as `pip install ./python` does,
-depends on the `baudbot-client` of that clone; one for others (`python/build-wheel`, which sets BAUDBOT_RELEASE) on that of the same version.
+The program `baudbot` is built first and becomes a script of the wheel. `python/build-wheel` builds the wheel of a release without this.
 """
 
 from __future__ import annotations
@@ -29,11 +28,7 @@ _SCRIPTS = _HERE / "baudbot.data" / "scripts"
 
 def build_wheel(directory: str, settings: Any = None, metadata: str | None = None) -> str:
     """A wheel with the program in it."""
-    target = os.environ.get("BAUDBOT_TARGET")
-    _program(target)
-    settings = dict(settings or {})
-    if target and "build-args" not in settings:
-        settings["build-args"] = f"--target {target} --zig --compatibility manylinux2014"
+    _program()
     name: str = maturin.build_wheel(directory, settings, None)
     _rewrite(Path(directory) / name)
     return name
@@ -48,20 +43,15 @@ def prepare_metadata_for_build_wheel(directory: str, settings: Any = None) -> st
     return name
 
 
-def _program(target: str | None) -> None:
-    command = ["cargo", "zigbuild" if target else "build", "--release", "--locked", "-p", "baudbot", "--features", "maps,parquet,tune"]
-    folder = Path(os.environ.get("CARGO_TARGET_DIR", _ROOT / "target"))
-    if target:
-        command += ["--target", target]
-        folder /= target.split(".")[0] if "gnu." in target else target
+def _program() -> None:
+    command = ["cargo", "build", "--release", "--locked", "-p", "baudbot", "--features", "maps,parquet,tune"]
     subprocess.run(command, cwd=_ROOT, check=True)
+    folder = Path(os.environ.get("CARGO_TARGET_DIR", _ROOT / "target"))
     _SCRIPTS.mkdir(parents=True, exist_ok=True)
     shutil.copy2(folder / "release" / "baudbot", _SCRIPTS / "baudbot")
 
 
 def _in_a_clone(metadata: str) -> str:
-    if "BAUDBOT_RELEASE" in os.environ or not _CLIENT.exists():
-        return metadata
     lines = metadata.split("\n")
     place = f"Requires-Dist: baudbot-client @ {_CLIENT.as_uri()}"
     return "\n".join(place if line.startswith("Requires-Dist: baudbot-client") else line for line in lines)

@@ -38,8 +38,7 @@ class Runs:
 
     def _repr_html_(self) -> str:
         pictures = "".join(path.read_text(encoding="utf-8") for path in self.charts())
-        html: str = self.frame()._repr_html_()  # type: ignore[operator]
-        return html + pictures
+        return self.frame().to_html(max_rows=60) + pictures
 
     def __repr__(self) -> str:
         return f"<runs in {self.folder}>"
@@ -109,7 +108,7 @@ def _jobs(jobs: int | None) -> int:
 def _done(outcome: tuple[str, list[str], bool, list[str]], folder: Path) -> str:
     told, _files, interrupted, notes = outcome
     for note in notes:
-        warnings.warn(note, stacklevel=4)
+        warnings.warn(note, stacklevel=3)
     if interrupted:
         raise Error(f"stopped; what was run is recorded in {folder}, and the same call goes on from there")
     return told

@@ -59,7 +59,7 @@ def toml(value: object, path: str) -> str:
     if isinstance(value, float):
         return repr(value)
     if isinstance(value, (list, tuple)) or hasattr(value, "tolist"):
-        items: Any = value if isinstance(value, (list, tuple)) else value.tolist()  # type: ignore[attr-defined]
+        items: Any = value if isinstance(value, (list, tuple)) else value.tolist()
         return "[" + ", ".join(toml(item, path) for item in items) + "]"
     raise Invalid(f"{path}: a scenario has no value of the kind {type(value).__name__}", path)
 

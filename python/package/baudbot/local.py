@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,9 @@ from . import _task
 from ._errors import Closed, Invalid
 from ._native import Env, Task
 from .names import unknown
+
+
+Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 class Readings(Mapping[str, NDArray[np.float64]]):
@@ -318,7 +321,7 @@ def checked_seed(seed: object) -> int:
     raise Invalid(f"seed: {seed!r} is not a whole number of 0 to 2**63 - 1", "seed")
 
 
-def _read_only(array: Any) -> Any:
+def _read_only(array: NDArray[Scalar]) -> NDArray[Scalar]:
     view = array.view()
     view.flags.writeable = False
     return view
