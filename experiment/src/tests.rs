@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+mod shards;
+
 use crate::find::find;
 use crate::fingerprint::{build, fingerprint};
 use crate::journal::{Header, Journal};
@@ -62,6 +64,7 @@ fn options(out: &Path) -> Options<'_> {
     Options {
         out,
         fresh: false,
+        shard: None,
         place: Place::Here,
         jobs: 2,
         confirmed: true,
