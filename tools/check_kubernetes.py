@@ -23,7 +23,7 @@ def main(program):
     resources = list(yaml.safe_load_all(MANIFEST.read_text()))
     for resource in resources:
         for version in VERSIONS:
-            kubernetes_validate.validate(resource, version, strict=True)
+            validate(resource, version)
     print(f"{len(resources)} resources are valid in Kubernetes {' and '.join(VERSIONS)}")
     by_kind = {(resource["kind"], resource["metadata"]["name"]): resource for resource in resources}
     shards, merge = by_kind["Job", "baudbot-sweep"]["spec"], by_kind["Job", "baudbot-merge"]["spec"]
@@ -43,6 +43,15 @@ def main(program):
         subprocess.run([program, "sweep", place / "experiment/experiment.toml", "--quiet", "--jobs", "1"], cwd=alone)
         compare(alone / "first.sweep", place / "out/first.sweep")
     print(f"{shards['completions']} shards and their merge make what one machine makes")
+
+
+def validate(resource, version):
+    try:
+        kubernetes_validate.validate(resource, version, strict=True)
+    except kubernetes_validate.ValidationError as problem:
+        path = ".".join(str(item) for item in problem.path)
+        kind, name = resource["kind"], resource["metadata"]["name"]
+        raise ValueError(f"{kind} {name}, Kubernetes {version}: {path}: {problem.message}") from None
 
 
 def run(program, job, mounted, index):
@@ -82,5 +91,5 @@ if __name__ == "__main__":
         sys.exit("usage: check_kubernetes.py PROGRAM")
     try:
         main(str(Path(sys.argv[1]).resolve()))
-    except (ValueError, kubernetes_validate.ValidationError) as problem:
+    except ValueError as problem:
         sys.exit(f"{MANIFEST.name}: {problem}")

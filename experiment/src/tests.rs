@@ -1,9 +1,9 @@
 //! Experiments from their file to their outputs.
 
+mod shards;
+
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-
-mod shards;
 
 use crate::find::find;
 use crate::fingerprint::{build, fingerprint};

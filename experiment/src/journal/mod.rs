@@ -273,8 +273,9 @@ fn refused(path: &Path, header: &Header, refusal: Refusal) -> Error {
             found.build, header.build
         ),
         Refusal::OfAnotherShard(found) => {
-            let name =
-                |shard: Option<Shard>| shard.map_or("all runs".to_owned(), |shard| format!("shard {shard}"));
+            let name = |shard: Option<Shard>| {
+                shard.map_or_else(|| "all runs".to_owned(), |shard| format!("shard {shard}"))
+            };
             format!("{place} is for {}, not for {}; {mending}", name(found), name(header.shard))
         }
     })
