@@ -54,6 +54,7 @@ mod run;
 mod scenarios;
 mod serve;
 mod serving;
+mod shards;
 mod signals;
 mod summary;
 mod sweep;

@@ -1,39 +1,55 @@
 //! `baudbot sweep`: a scenario many times, with some of its fields varied.
 
 use std::io::IsTerminal;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
 use baudbot_experiment::find::{Limit, find};
-use baudbot_experiment::{Experiment, Swept, Workers, table, unique_name};
+use baudbot_experiment::{Experiment, Merged, Swept, Workers, merge, table, unique_name};
 use baudbot_fields::printable::Printable;
 use indicatif::ProgressBar;
 
 use crate::args::{SweepArgs, WorkArgs};
 use crate::signals::INTERRUPTED;
 use crate::text::tell;
-use crate::{text, work};
+use crate::{shards, text, work};
 
 pub(crate) async fn sweep(args: SweepArgs) -> anyhow::Result<ExitCode> {
+    shards::refuse_search(&args)?;
     let experiment = work::read(&args.work)?;
     work::until_stopped(move |stop| match &args.find {
         Some(field) => look(&experiment, &args.work, field, stop),
-        None => run(&experiment, &args.work, stop),
+        None => run(&experiment, &args, stop),
     })
     .await
 }
 
-fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
-    let out = work::out(args, experiment, "sweep");
-    let bar = work::progress(args.quiet);
+fn run(experiment: &Experiment, args: &SweepArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
+    let out = match args.shard {
+        Some(shard) => shards::folder(args, experiment, shard),
+        None => work::out(&args.work, experiment, "sweep"),
+    };
+    let bar = work::progress(args.work.quiet);
     let progress = |done, total| {
         bar.set_length(total);
         bar.set_position(done);
     };
     let tell = |text: &str| bar.suspend(|| tell!("warning: {text}"));
-    let swept = baudbot_experiment::sweep(experiment, &work::options(args, &out, stop, &progress, &tell));
+    let options = work::options(&args.work, &out, args.shard, stop, &progress, &tell);
+    let merged = match args.merge.as_slice() {
+        [] => baudbot_experiment::sweep(experiment, &options).map(Merged::Whole),
+        sources => merge(experiment, sources, &options),
+    };
     bar.finish_and_clear();
-    let swept = swept.map_err(|error| work::from_experiment(args, error))?;
+    match merged.map_err(|error| work::from_experiment(&args.work, error))? {
+        Merged::Missing(missing) => shards::tell_missing(experiment, args, &missing),
+        Merged::Whole(swept) => report(experiment, args, &out, &swept),
+    }
+}
+
+/// What came of it, and the exit code.
+fn report(experiment: &Experiment, args: &SweepArgs, out: &Path, swept: &Swept) -> anyhow::Result<ExitCode> {
     if swept.interrupted {
         tell!(
             "stopped after {} of {} runs, recorded in {}; the same command continues from there",
@@ -43,7 +59,10 @@ fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::R
         );
         return Ok(ExitCode::from(INTERRUPTED));
     }
-    show(experiment, args, &swept)?;
+    if let Some(shard) = args.shard {
+        return shards::show(args, shard, out, swept);
+    }
+    show(experiment, &args.work, swept)?;
     Ok(if swept.summary.failed > 0 { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 

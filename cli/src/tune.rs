@@ -12,10 +12,11 @@ use crate::{text, work};
 
 pub(crate) async fn tune(args: TuneArgs) -> anyhow::Result<ExitCode> {
     let experiment = work::read(&args.work)?;
-    work::until_stopped(move |stop| run(&experiment, &args.work, stop)).await
+    work::until_stopped(move |stop| run(&experiment, &args, stop)).await
 }
 
-fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
+fn run(experiment: &Experiment, args: &TuneArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
+    let (shard, args) = (args.shard, &args.work);
     let out = work::out(args, experiment, "tune");
     let bar = work::progress(args.quiet);
     let progress = |done, total| {
@@ -23,7 +24,8 @@ fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::R
         bar.set_position(done);
     };
     let tell = |text: &str| bar.suspend(|| tell!("warning: {text}"));
-    let tuned = baudbot_experiment::tune(experiment, &work::options(args, &out, stop, &progress, &tell));
+    let tuned =
+        baudbot_experiment::tune(experiment, &work::options(args, &out, shard, stop, &progress, &tell));
     bar.finish_and_clear();
     let tuned = tuned.map_err(|error| work::from_experiment(args, error))?;
     if tuned.interrupted {

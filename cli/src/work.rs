@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
-use baudbot_experiment::{Error, Experiment, Options, Place, Seeds};
+use baudbot_experiment::{Error, Experiment, Options, Place, Seeds, Shard};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::WorkArgs;
@@ -43,12 +43,13 @@ pub(crate) fn read(args: &WorkArgs) -> anyhow::Result<Experiment> {
 pub(crate) fn options<'a>(
     args: &WorkArgs,
     out: &'a Path,
+    shard: Option<Shard>,
     stop: &'a AtomicBool,
     progress: &'a (dyn Fn(u64, u64) + Sync),
     tell: &'a (dyn Fn(&str) + Sync),
 ) -> Options<'a> {
     let (place, jobs) = (place(args), jobs(args));
-    Options { out, fresh: args.fresh, place, jobs, confirmed: args.yes, stop, progress, tell }
+    Options { out, fresh: args.fresh, shard, place, jobs, confirmed: args.yes, stop, progress, tell }
 }
 
 pub(crate) fn place(args: &WorkArgs) -> Place {
@@ -62,9 +63,14 @@ pub(crate) fn jobs(args: &WorkArgs) -> usize {
 
 /// The folder for what comes of it.
 pub(crate) fn out(args: &WorkArgs, experiment: &Experiment, ending: &str) -> PathBuf {
+    args.out.clone().unwrap_or_else(|| default_out(experiment, ending))
+}
+
+/// The folder if the arguments name none.
+pub(crate) fn default_out(experiment: &Experiment, ending: &str) -> PathBuf {
     let fits = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
     let name: String = experiment.name.chars().take(64).map(|c| if fits(c) { c } else { '-' }).collect();
-    args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.{ending}")))
+    PathBuf::from(format!("{name}.{ending}"))
 }
 
 /// Errors of the file begin with its name.

@@ -8,7 +8,8 @@
 //!    [`Row`] of one run of it, `remote` of one on a server, with the [`figures`] of `metrics`. [`served`] is a run on a server that is watched tick
 //!    by tick.
 //! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
-//!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell.
+//!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell. A [`Shard`] is the share of
+//!    one of many machines; [`merge()`] makes of their journals what one machine would have made.
 //! 4. [`find`] looks for the value at which a brain just succeeds, [`mod@tune`] for the numbers with which it does best.
 //! 5. [`chart`] says what charts show, and `baudbot_plot` draws them; `columnar` writes Parquet, if the feature `parquet` is
 //!    on. The optimizers of [`mod@tune`] need the feature `tune`.
@@ -32,6 +33,7 @@ mod ids;
 pub mod in_process;
 mod journal;
 mod local_runner;
+mod merge;
 mod metrics;
 mod outputs;
 #[cfg(feature = "parquet")]
@@ -45,6 +47,7 @@ mod run_record;
 mod seeds;
 pub mod served;
 mod setup;
+mod shard;
 pub mod statistics;
 mod success;
 mod suggest;
@@ -63,11 +66,13 @@ pub use experiment::{Chart, Experiment, Find};
 pub use goal::Goal;
 pub use ids::unique_name;
 pub use local_runner::run;
+pub use merge::{Merged, Missing, MissingShard, merge};
 pub use pool::{Place, Workers};
 pub use raw::{ChartKind, Method, Wants};
 pub use read::ReadError;
 pub use run_record::{Ran, Row, Task};
 pub use seeds::Seeds;
+pub use shard::{Shard, ShardError};
 pub use success::Success;
 pub use suggest::UnknownName;
 pub use sweep::{Options, Swept, sweep};

@@ -14,6 +14,7 @@ use crate::fingerprint::{build, fingerprint};
 use crate::journal::{Header, Journal};
 use crate::outputs::{Content, Folder};
 use crate::pool::{Place, Workers};
+use crate::shard::Shard;
 use crate::summary::Summary;
 use crate::{chart, csv_table, table};
 
@@ -23,6 +24,8 @@ pub struct Options<'a> {
     pub out: &'a Path,
     /// Deletes the old results, once it is clear that this sweep is done.
     pub fresh: bool,
+    /// Which of the runs are done, and kept in a journal from which nothing else is made; `None`: all, and the outputs.
+    pub shard: Option<Shard>,
     /// Where runs are done.
     pub place: Place,
     /// How many at a time.
@@ -46,11 +49,11 @@ pub struct Swept {
     pub done: u64,
     /// Runs that were there at the start.
     pub resumed: u64,
-    /// All runs.
+    /// All runs, of the shard if it is one.
     pub total: u64,
     /// Their results; empty if it was stopped.
     pub summary: Summary,
-    /// The files that it wrote.
+    /// The files that it wrote beside the journal.
     pub files: Vec<PathBuf>,
 }
 
@@ -63,11 +66,13 @@ pub fn sweep(experiment: &Experiment, options: &Options<'_>) -> Result<Swept, Er
     let total = experiment.runs()?;
     check(experiment)?;
     let folder = Folder::take(options.out)?;
-    let header = Header::new(&experiment.name, fingerprint(experiment), build(), total);
+    let header =
+        Header::new(&experiment.name, fingerprint(experiment), build(), total).of_shard(options.shard);
     let mut journal = begin_journal(&folder, &header, options)?;
     let resumed = journal.done();
     let name = world_name(folder.id(), options.out);
-    let mut runner = Runner { experiment, options, journal: &mut journal, total, name };
+    let shard = options.shard.unwrap_or(Shard::WHOLE);
+    let mut runner = Runner { experiment, options, journal: &mut journal, total, shard, name };
     if !options.confirmed {
         let pilot = runner.pilot();
         if pilot.is_err() {
@@ -76,30 +81,60 @@ pub fn sweep(experiment: &Experiment, options: &Options<'_>) -> Result<Swept, Er
         pilot?;
     }
     if options.fresh {
-        remove_outputs(&folder)?;
-        keep_journal(&folder, runner.journal)?;
+        replace(&folder, runner.journal)?;
     }
     runner.rest()?;
-    let done = journal.done();
-    let mut swept = Swept {
-        interrupted: done < total,
-        done,
-        resumed,
-        total,
-        summary: Summary::default(),
-        files: Vec::new(),
-    };
+    match options.shard {
+        None => finish(experiment, &folder, &journal, resumed, total),
+        Some(shard) => finish_shard(experiment, &journal, resumed, shard.len(total)),
+    }
+}
+
+/// Writes the outputs if all runs are in the journal.
+pub(crate) fn finish(
+    experiment: &Experiment,
+    folder: &Folder,
+    journal: &Journal,
+    resumed: u64,
+    total: u64,
+) -> Result<Swept, Error> {
+    let mut swept = Swept::new(journal.done(), resumed, total);
     if !swept.interrupted {
-        write(experiment, &folder, &journal, &mut swept)?;
+        write(experiment, folder, journal, &mut swept)?;
     }
     Ok(swept)
+}
+
+/// Of a shard there are no outputs, as means over some of the seeds would mislead.
+fn finish_shard(
+    experiment: &Experiment,
+    journal: &Journal,
+    resumed: u64,
+    total: u64,
+) -> Result<Swept, Error> {
+    let mut swept = Swept::new(journal.done(), resumed, total);
+    if !swept.interrupted {
+        for row in journal.rows()? {
+            swept.summary.add(experiment, &row?);
+        }
+    }
+    Ok(swept)
+}
+
+impl Swept {
+    fn new(done: u64, resumed: u64, total: u64) -> Self {
+        let interrupted = done < total;
+        Self { interrupted, done, resumed, total, summary: Summary::default(), files: Vec::new() }
+    }
 }
 
 struct Runner<'a> {
     experiment: &'a Experiment,
     options: &'a Options<'a>,
     journal: &'a mut Journal,
+    /// Of the experiment.
     total: u64,
+    shard: Shard,
     name: String,
 }
 
@@ -107,7 +142,7 @@ impl Runner<'_> {
     /// A run for each worker, to see how long all will take.
     fn pilot(&mut self) -> Result<(), Error> {
         let jobs = self.options.jobs as u64;
-        let missing = self.total - self.journal.done();
+        let missing = self.missing();
         if missing <= jobs {
             return Ok(());
         }
@@ -115,8 +150,12 @@ impl Runner<'_> {
         if self.options.stop.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let missing = self.total - self.journal.done();
-        Estimate::new(missing, jobs, took, self.options.jobs).refuse_long("")
+        Estimate::new(self.missing(), jobs, took, self.options.jobs).refuse_long("")
+    }
+
+    /// How many runs are missing.
+    fn missing(&self) -> u64 {
+        self.shard.len(self.total).saturating_sub(self.journal.done())
     }
 
     fn rest(&mut self) -> Result<(), Error> {
@@ -125,9 +164,11 @@ impl Runner<'_> {
 
     /// At most so many of the missing runs, and the time that they took, one after the other.
     fn work(&mut self, most: u64) -> Result<Duration, Error> {
-        let (experiment, options, total) = (self.experiment, self.options, self.total);
+        let (experiment, options, total) = (self.experiment, self.options, self.shard.len(self.total));
         let done = self.journal.runs();
-        let missing = (0..total)
+        let missing = self
+            .shard
+            .runs(self.total)
             .filter(|run| done.binary_search(run).is_err())
             .take(usize::try_from(most).unwrap_or(usize::MAX));
         let tasks = missing.map(|run| experiment.task(run));
@@ -165,6 +206,12 @@ pub(crate) fn forget_journal(folder: &Folder, fresh: bool) -> Result<(), Error> 
 /// A fresh journal takes the place of what is there.
 pub(crate) fn keep_journal(folder: &Folder, journal: &mut Journal) -> Result<(), Error> {
     journal.move_to(&folder.file(JOURNAL))
+}
+
+/// The same once all that was made of the old one is gone.
+pub(crate) fn replace(folder: &Folder, journal: &mut Journal) -> Result<(), Error> {
+    remove_outputs(folder)?;
+    keep_journal(folder, journal)
 }
 
 /// All files that are made of the journal.
@@ -219,7 +266,8 @@ pub(crate) fn world_name(id: &str, out: &Path) -> String {
     format!("sweep-{id}-{place:08x}")
 }
 
-const JOURNAL: &str = "rows.jsonl";
+/// The journal in a folder.
+pub(crate) const JOURNAL: &str = "rows.jsonl";
 /// The journal of a sweep that is to replace another.
 const FRESH: &str = ".rows.jsonl.tmp";
 const CSV: &str = "rows.csv";

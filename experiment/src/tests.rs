@@ -1,5 +1,7 @@
 //! Experiments from their file to their outputs.
 
+mod shards;
+
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -62,6 +64,7 @@ fn options(out: &Path) -> Options<'_> {
     Options {
         out,
         fresh: false,
+        shard: None,
         place: Place::Here,
         jobs: 2,
         confirmed: true,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use baudbot_experiment::Shard;
 use clap::Args;
 
 #[derive(Debug, Args)]
@@ -11,19 +12,36 @@ pub(crate) struct SweepArgs {
     /// Search for the limit of a field, by its label or path, at which the brain still succeeds
     #[arg(long, value_name = "FIELD", conflicts_with_all = ["out", "fresh"])]
     pub(crate) find: Option<String>,
+    /// Do only share I of N of the runs, I from 0 (as Kubernetes' JOB_COMPLETION_INDEX), and write only their journal
+    ///
+    /// Each of N machines does one, in any order; --merge then makes the outputs. In Kubernetes it is
+    /// "$(JOB_COMPLETION_INDEX)/8", in a shell "$JOB_COMPLETION_INDEX/8". The default folder is NAME.shards/I-of-N.
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+    /// Run nothing: make the outputs from the journals of all shards, or say what is missing and which command does it
+    ///
+    /// Each DIR is the folder of a shard, a folder of such folders, or a journal itself. Journals are only read.
+    #[arg(
+        long, value_name = "DIR", num_args = 1..,
+        conflicts_with_all = ["shard", "jobs", "connect", "yes"],
+    )]
+    pub(crate) merge: Vec<PathBuf>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct TuneArgs {
     #[command(flatten)]
     pub(crate) work: WorkArgs,
+    /// Refused, with the reason
+    #[arg(long, value_name = "I/N", hide = true)]
+    pub(crate) shard: Option<Shard>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct WorkArgs {
     /// An experiment file (docs/experiments.md)
     pub(crate) experiment: PathBuf,
-    /// The folder for the results [default: NAME.sweep in the current folder; NAME.tune for a tuning run]
+    /// The folder for the results [default: NAME.sweep in the current folder; NAME.tune for a tuning run; NAME.shards/I-of-N for a shard]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Delete the results of an earlier experiment in that folder, and start over

@@ -27,6 +27,7 @@ mod programs;
 mod recordings;
 mod refusals;
 mod runs;
+mod shards;
 mod sweep;
 mod terminal;
 mod timelines;

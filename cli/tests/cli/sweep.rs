@@ -22,7 +22,7 @@ link = { kind = "uart", baud = 38400 }
 "#;
 
 /// Six baud rates and four sets of sensors.
-const GRID: &str = r#"
+pub(crate) const GRID: &str = r#"
 name = "grid"
 scenario = "room.toml"
 brain = "avoid:forward=0.3"
@@ -47,7 +47,7 @@ figure = "collisions"
 "#;
 
 /// A folder with the scenario and this experiment; the experiment's path.
-fn experiment(name: &str, toml: &str) -> String {
+pub(crate) fn experiment(name: &str, toml: &str) -> String {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("sweep-{name}"));
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
@@ -58,18 +58,18 @@ fn experiment(name: &str, toml: &str) -> String {
 }
 
 /// A folder for outputs, beside an experiment.
-fn out(experiment: &str, name: &str) -> String {
+pub(crate) fn out(experiment: &str, name: &str) -> String {
     Path::new(experiment).with_file_name(name).to_str().unwrap().to_owned()
 }
 
 /// Sweeps quietly to a good end; the table.
-fn table(args: &[&str], out: &str) -> String {
+pub(crate) fn table(args: &[&str], out: &str) -> String {
     assert_eq!(good(&[&["sweep", "--quiet", "--out", out], args].concat()), "");
     std::fs::read_to_string(Path::new(out).join("rows.csv")).unwrap()
 }
 
 /// Waits until a journal has so many rows.
-fn wait_for_rows(out: &str, rows: usize) {
+pub(crate) fn wait_for_rows(out: &str, rows: usize) {
     let deadline = Instant::now() + Duration::from_secs(20);
     let lines =
         || std::fs::read_to_string(Path::new(out).join("rows.jsonl")).unwrap_or_default().lines().count();

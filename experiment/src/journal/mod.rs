@@ -5,6 +5,7 @@
 //! the disk within a tenth of a second or with the next one, so that a power cut takes a few of the last runs at most.
 
 mod reader;
+mod scan;
 mod seal;
 #[cfg(test)]
 mod tests;
@@ -16,11 +17,14 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use self::reader::Entry;
 use self::reader::{Found, Refusal};
+pub(crate) use self::scan::Scan;
 use self::seal::Seal;
 use crate::error::Error;
 use crate::figures::INFOS;
 use crate::run_record::{Row, Written};
+use crate::shard::Shard;
 
 /// A journal that is open.
 #[derive(Debug)]
@@ -69,13 +73,21 @@ pub(crate) struct Header {
     /// What the build of the program that did the runs says of itself.
     build: String,
     runs: u64,
+    /// Which of the runs this journal is for, if not for all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    shard: Option<Shard>,
     figures: Vec<String>,
 }
 
 impl Header {
     pub(crate) fn new(name: &str, fingerprint: String, build: String, runs: u64) -> Self {
         let figures = INFOS.iter().map(|info| info.name.to_owned()).collect();
-        Self { sweep: name.to_owned(), fingerprint, build, runs, figures }
+        Self { sweep: name.to_owned(), fingerprint, build, runs, shard: None, figures }
+    }
+
+    /// The header of a journal for some of the runs.
+    pub(crate) fn of_shard(self, shard: Option<Shard>) -> Self {
+        Self { shard, ..self }
     }
 
     /// What checks the lines of rows below this header.
@@ -95,7 +107,9 @@ impl Journal {
         // A device or a pipe has no lines to go on with, and may have no end.
         if path.metadata().is_ok_and(|metadata| metadata.is_file()) {
             let lines = BufReader::new(File::open(path).map_err(Error::file("read", path))?);
-            let found = reader::read(lines, header).map_err(|refusal| refused(path, header, refusal))?;
+            let found = reader::read(lines, header)
+                .and_then(|found| found.of_shard(header.shard))
+                .map_err(|refusal| refused(path, header, refusal))?;
             found.damage.iter().for_each(|damage| tell(&format!("{}: {damage}", path.display())));
             journal = journal.go_on_with(&found, header)?;
         }
@@ -141,27 +155,37 @@ impl Journal {
     }
 
     /// All rows in the order of their runs.
-    pub(crate) fn rows(&self) -> Result<impl Iterator<Item = Result<Row, Error>>, Error> {
+    pub(crate) fn rows(&self) -> Result<impl Iterator<Item = Result<Row, Error>> + use<>, Error> {
         let mut rows = self.rows.clone();
         rows.sort_unstable();
-        let mut file = BufReader::new(File::open(&self.path).map_err(Error::file("read", &self.path))?);
-        let mut line = Vec::new();
-        let mut at = 0;
-        Ok(rows.into_iter().map(move |(_, start)| {
-            line.clear();
-            // Most rows stand near the one before: that needs no other look at the disk.
-            let found = file.seek_relative(start as i64 - at as i64);
-            let read = found.and_then(|()| file.read_until(b'\n', &mut line));
-            at = start + read.map_err(Error::file("read", &self.path))? as u64;
-            let row = reader::row(&self.seal, &line).map(|(row, _)| row);
-            row.ok_or_else(|| {
-                let path = self.path.display();
-                Error::Refused(format!(
-                    "{path}: a line was damaged while the experiment ran; repeat the command to repeat its run"
-                ))
-            })
-        }))
+        rows_at(&self.path, self.seal.clone(), rows.into_iter().map(|(_, start)| start).collect())
     }
+}
+
+/// The rows whose lines begin there, in this order.
+fn rows_at(
+    path: &Path,
+    seal: Seal,
+    starts: Vec<u64>,
+) -> Result<impl Iterator<Item = Result<Row, Error>> + use<>, Error> {
+    let path = path.to_owned();
+    let mut file = BufReader::new(File::open(&path).map_err(Error::file("read", &path))?);
+    let mut line = Vec::new();
+    let mut at = 0;
+    Ok(starts.into_iter().map(move |start| {
+        line.clear();
+        // Most rows stand near the one before: that needs no other look at the disk.
+        let found = file.seek_relative(start as i64 - at as i64);
+        let read = found.and_then(|()| file.read_until(b'\n', &mut line));
+        at = start + read.map_err(Error::file("read", &path))? as u64;
+        let row = reader::row(&seal, &line).map(|(row, _)| row);
+        row.ok_or_else(|| {
+            let path = path.display();
+            Error::Refused(format!(
+                "{path}: a line was damaged while the experiment ran; repeat the command to repeat its run"
+            ))
+        })
+    }))
 }
 
 impl<M: Medium> Journal<M> {
@@ -248,6 +272,12 @@ fn refused(path: &Path, header: &Header, refusal: Refusal) -> Error {
              continue with that build, {mending}",
             found.build, header.build
         ),
+        Refusal::OfAnotherShard(found) => {
+            let name = |shard: Option<Shard>| {
+                shard.map_or_else(|| "all runs".to_owned(), |shard| format!("shard {shard}"))
+            };
+            format!("{place} is for {}, not for {}; {mending}", name(found), name(header.shard))
+        }
     })
 }
 

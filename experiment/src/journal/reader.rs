@@ -7,12 +7,17 @@ use serde::Deserialize;
 use super::Header;
 use super::seal::Seal;
 use crate::run_record::{Row, Written};
+use crate::shard::Shard;
 
 /// The contents of a journal.
 #[derive(Debug, Default)]
 pub(super) struct Found {
     /// The sound rows in the order of their runs, each once.
     pub(super) rows: Vec<Entry>,
+    /// Rows of runs that panicked, which are done again if there is a chance.
+    pub(super) panicked: Vec<Entry>,
+    /// The first line, if it is sound.
+    pub(super) header: Option<Header>,
     /// A problem with a line, and its consequence.
     pub(super) damage: Vec<String>,
     /// Bytes of whole lines.
@@ -25,13 +30,14 @@ pub(super) struct Found {
 
 /// The line of a row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
-    pub(super) run: u64,
+pub(crate) struct Entry {
+    pub(crate) run: u64,
     /// Where the line begins.
-    pub(super) start: u64,
+    pub(crate) start: u64,
     /// Its number, from 1.
-    line: u64,
-    sum: u64,
+    pub(crate) line: u64,
+    /// Its checksum: equal lines of equal experiments have equal ones.
+    pub(crate) sum: u64,
 }
 
 /// The reason why a journal cannot be resumed.
@@ -45,15 +51,33 @@ pub(super) enum Refusal {
     OfAnother(Header),
     /// Another build of the program began it.
     OfAnotherBuild(Header),
+    /// It is for other runs of this experiment.
+    OfAnotherShard(Option<Shard>),
     /// It could not be read.
     Unreadable(io::Error),
 }
 
-/// Looks through a journal that should have this header. What is damaged is left out and told.
-pub(super) fn read(mut lines: impl BufRead, header: &Header) -> Result<Found, Refusal> {
+/// What becomes of damage: of a row's line, and of the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Consequence {
+    pub(super) of_row: &'static str,
+    pub(super) of_header: &'static str,
+}
+
+/// Looks through a journal that is to be resumed, and should have this header. What is damaged is left out and told.
+pub(super) fn read(lines: impl BufRead, header: &Header) -> Result<Found, Refusal> {
+    read_with(lines, header, RESUMED)
+}
+
+/// The same, of a journal with which something else is done.
+pub(super) fn read_with(
+    mut lines: impl BufRead,
+    header: &Header,
+    consequence: Consequence,
+) -> Result<Found, Refusal> {
     let seal = header.seal();
     let mut found = Found { is_whole: true, is_sound: true, ..Found::default() };
-    let (mut line, mut has_header) = (Vec::new(), false);
+    let mut line = Vec::new();
     for number in 1.. {
         line.clear();
         lines.read_until(b'\n', &mut line).map_err(Refusal::Unreadable)?;
@@ -63,38 +87,38 @@ pub(super) fn read(mut lines: impl BufRead, header: &Header) -> Result<Found, Re
         }
         if !found.is_whole {
             if number > 1 {
-                found.damage.push(format!("line {number} is incomplete; {AGAIN}"));
+                found.damage.push(format!("line {number} is incomplete; {}", consequence.of_row));
             }
             break;
         }
         if number == 1 {
-            has_header = is_header(&line, header)?;
+            found.header = own_header(&line, header)?;
         }
-        if !has_header || number > 1 {
-            found.take(&seal, &line, number, header.runs);
+        if found.header.is_none() || number > 1 {
+            found.take(&seal, &line, number, header.runs, consequence);
         }
         found.len += line.len() as u64;
     }
     let is_begun = found.len == 0 && header.line().is_ok_and(|own| own.starts_with(&line));
-    if !(has_header || is_begun) && found.rows.is_empty() {
+    if !(found.header.is_some() || is_begun) && found.rows.is_empty() {
         return Err(Refusal::Foreign);
     }
-    found.keep_each_once();
+    found.keep_each_once(consequence);
     Ok(found)
 }
 
-/// Whether the first line is the header, of this journal.
-fn is_header(line: &[u8], header: &Header) -> Result<bool, Refusal> {
+/// The first line if it is a header, of this experiment.
+fn own_header(line: &[u8], header: &Header) -> Result<Option<Header>, Refusal> {
     let Some((object, _)) = Seal::default().open(line) else {
         return match serde_json::from_slice::<HeaderBefore>(line) {
             Ok(_) => Err(Refusal::Before),
-            Err(_) => Ok(false),
+            Err(_) => Ok(None),
         };
     };
     match serde_json::from_slice::<Header>(&object) {
         Ok(other) if other.fingerprint != header.fingerprint => Err(Refusal::OfAnother(other)),
         Ok(other) if other.build != header.build => Err(Refusal::OfAnotherBuild(other)),
-        Ok(_) => Ok(true),
+        Ok(own) => Ok(Some(own)),
         Err(_) => Err(Refusal::Foreign),
     }
 }
@@ -106,23 +130,34 @@ pub(super) fn row(seal: &Seal, line: &[u8]) -> Option<(Row, u64)> {
 }
 
 impl Found {
+    /// Refuses a journal for other runs. One whose header is damaged is for those that it has.
+    pub(super) fn of_shard(self, shard: Option<Shard>) -> Result<Self, Refusal> {
+        let of_row = |row: &Entry| shard.map(|shard| Shard::of(row.run, shard.count()));
+        let other = match &self.header {
+            Some(own) => Some(own.shard).filter(|own| *own != shard),
+            None => self.rows.iter().map(of_row).find(|of_row| *of_row != shard),
+        };
+        other.map_or(Ok(self), |other| Err(Refusal::OfAnotherShard(other)))
+    }
+
     /// Takes in a row, but for one that must be done again.
-    fn take(&mut self, seal: &Seal, line: &[u8], number: u64, runs: u64) {
+    fn take(&mut self, seal: &Seal, line: &[u8], number: u64, runs: u64, consequence: Consequence) {
         let row = row(seal, line).filter(|(row, _)| row.run < runs);
         match &row {
             // Without a header the file cannot stay as it is.
-            _ if number == 1 => self.damage.push("line 1 is damaged; it is rewritten".to_owned()),
-            None => self.damage.push(format!("line {number} is damaged; {AGAIN}")),
+            _ if number == 1 => self.damage.push(format!("line 1 is damaged; {}", consequence.of_header)),
+            None => self.damage.push(format!("line {number} is damaged; {}", consequence.of_row)),
             Some(_) => {}
         }
         self.is_sound &= row.is_some() && number > 1;
-        if let Some((row, sum)) = row.filter(|(row, _)| !row.has_panicked()) {
-            self.rows.push(Entry { run: row.run, start: self.len, line: number, sum });
+        if let Some((row, sum)) = row {
+            let rows = if row.has_panicked() { &mut self.panicked } else { &mut self.rows };
+            rows.push(Entry { run: row.run, start: self.len, line: number, sum });
         }
     }
 
     /// Duplicate lines count once; lines of a run that differ are both dropped, since either may be wrong.
-    fn keep_each_once(&mut self) {
+    fn keep_each_once(&mut self, consequence: Consequence) {
         self.rows.sort_unstable_by_key(|row| (row.run, row.start));
         let (mut kept, mut told) = (Vec::with_capacity(self.rows.len()), Vec::new());
         for of_a_run in self.rows.chunk_by(|a, b| a.run == b.run) {
@@ -130,7 +165,8 @@ impl Found {
                 None => kept.push(of_a_run[0]),
                 Some(other) => {
                     let (run, line) = (other.run, of_a_run[0].line);
-                    told.push(format!("lines {line} and {} differ about run {run}; {AGAIN}", other.line));
+                    let then = consequence.of_row;
+                    told.push(format!("lines {line} and {} differ about run {run}; {then}", other.line));
                 }
             }
         }
@@ -153,4 +189,4 @@ struct HeaderBefore {
     figures: Vec<String>,
 }
 
-const AGAIN: &str = "its run is repeated";
+const RESUMED: Consequence = Consequence { of_row: "its run is repeated", of_header: "it is rewritten" };

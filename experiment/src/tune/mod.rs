@@ -43,9 +43,12 @@ use plan::Plan;
 /// range; the experiment without any of them is the untuned one, against which the result is held.
 ///
 /// # Errors
-/// If the experiment makes no sense, or has no `[tune]`; if the folder is another's, the tuning is long and not confirmed, no
+/// If the experiment makes no sense, or has no `[tune]`; if it is to be a shard; if the folder is another's, the tuning is long and not confirmed, no
 /// candidate can be run, a file cannot be written or the server fails. What was run is in the journal.
 pub fn tune(experiment: &Experiment, options: &Options<'_>) -> Result<Tuned, Error> {
+    if options.shard.is_some() {
+        return Err(Error::Refused(NO_SHARDS.to_owned()));
+    }
     optimizers::check()?;
     let plan = Plan::new(experiment)?;
     check(experiment)?;
@@ -190,3 +193,6 @@ impl Tuner<'_> {
 fn remove_outputs(folder: &Folder) -> Result<(), Error> {
     outcome::FILES.iter().try_for_each(|name| folder.remove(name))
 }
+
+const NO_SHARDS: &str = "--shard: tuning has no shards, as each generation depends on the results of the one before; --jobs and \
+                         --connect share its work";

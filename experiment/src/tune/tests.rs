@@ -74,7 +74,7 @@ fn run_and_tell(
     let (place, fresh, confirmed) = (Place::Here, false, true);
     let experiment = experiment(toml)?;
     let (stop, progress) = (&stop, &progress);
-    tune(&experiment, &Options { out, fresh, place, jobs, confirmed, stop, progress, tell })
+    tune(&experiment, &Options { out, fresh, shard: None, place, jobs, confirmed, stop, progress, tell })
 }
 
 fn run(toml: &str, name: &str) -> Tuned {
@@ -233,7 +233,8 @@ fn the_way_to_a_goal_can_be_made_short() {
     let (out, stop) = (folder("goal"), AtomicBool::new(false));
     let (place, fresh, confirmed) = (Place::Here, false, true);
     let (progress, tell) = (&|_, _| {}, &|_: &str| {});
-    let options = Options { out: &out, fresh, place, jobs: 2, confirmed, stop: &stop, progress, tell };
+    let options =
+        Options { out: &out, fresh, shard: None, place, jobs: 2, confirmed, stop: &stop, progress, tell };
     let tuned = tune(&experiment, &options).unwrap();
     assert_eq!(tuned.untuned.as_ref().unwrap().outcome.score(), None, "it stands");
     assert!(

@@ -1,0 +1,228 @@
+//! The journals of many machines become what one machine would have made of the experiment.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use crate::check::check;
+use crate::error::Error;
+use crate::experiment::Experiment;
+use crate::fingerprint::{build, fingerprint};
+use crate::journal::{Entry, Header, Scan};
+use crate::outputs::Folder;
+use crate::shard::Shard;
+use crate::sweep::{self, JOURNAL, Options, Swept};
+
+/// What comes of a merge.
+#[derive(Debug)]
+pub enum Merged {
+    /// All runs are there, and so are the outputs.
+    Whole(Swept),
+    /// Some are not; nothing was written.
+    Missing(Missing),
+}
+
+/// Runs that no journal has.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// How many.
+    pub runs: u64,
+    /// All runs of the experiment.
+    pub total: u64,
+    /// Whose they are; never empty.
+    pub shards: Vec<MissingShard>,
+}
+
+/// Runs of a shard that no journal has.
+#[derive(Debug, PartialEq, Eq)]
+pub struct MissingShard {
+    /// `None`: no journal is of a shard.
+    pub shard: Option<Shard>,
+    /// How many.
+    pub runs: u64,
+    /// The first few.
+    pub first: Vec<u64>,
+    /// Where its journal is, or would be beside the others, if that can be said.
+    pub folder: Option<PathBuf>,
+}
+
+/// Makes the outputs of an experiment from journals of its shards. Each source is a journal, a folder with one, or a folder of
+/// such folders. The journals are only read. Of the options, those about runs do not matter.
+///
+/// # Errors
+/// If a source has no journal, or one of another experiment or build, or two differ about a run; if the folder for the outputs
+/// is another's, or a file cannot be read or written.
+pub fn merge(experiment: &Experiment, sources: &[PathBuf], options: &Options<'_>) -> Result<Merged, Error> {
+    let total = experiment.runs()?;
+    check(experiment)?;
+    let header = Header::new(&experiment.name, fingerprint(experiment), build(), total);
+    let scan = |path: &PathBuf| Scan::read(path, &header, options.tell);
+    let mut scans = journals(sources)?.iter().map(scan).collect::<Result<Vec<_>, _>>()?;
+    let chosen = Chosen::new(&scans)?;
+    if chosen.runs.len() as u64 != total {
+        return Ok(Merged::Missing(chosen.missing(&scans, total)));
+    }
+    let folder = Folder::take(options.out)?;
+    let mut journal = sweep::begin_journal(&folder, &header, options)?;
+    let resumed = journal.done();
+    let done = journal.runs();
+    if !options.fresh {
+        // What an earlier merge made must not differ either.
+        scans.push(Scan::read(&folder.file(JOURNAL), &header, options.tell)?);
+        Chosen::new(&scans)?;
+    }
+    (options.progress)(resumed, total);
+    for (scan, rows) in scans.iter().zip(&chosen.rows) {
+        let missing = rows.iter().filter(|row| done.binary_search(&row.run).is_err());
+        for row in scan.rows_at(missing.map(|row| row.start).collect())? {
+            if options.stop.load(Ordering::Relaxed) {
+                break;
+            }
+            journal.append(&row?)?;
+            (options.progress)(journal.done(), total);
+        }
+    }
+    journal.sync()?;
+    if options.fresh {
+        sweep::replace(&folder, &mut journal)?;
+    }
+    sweep::finish(experiment, &folder, &journal, resumed, total).map(Merged::Whole)
+}
+
+/// All journals of the sources, in their order.
+fn journals(sources: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    let mut all = Vec::new();
+    for source in sources {
+        if source.is_dir() && !source.join(JOURNAL).exists() {
+            all.append(&mut journals_in(source)?);
+        } else if source.is_dir() {
+            all.push(source.join(JOURNAL));
+        } else {
+            all.push(source.clone());
+        }
+    }
+    Ok(all)
+}
+
+/// The journals in the folders of a folder, by their names.
+fn journals_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let entries = fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+    let entries = entries.map_err(Error::file("read", folder))?;
+    let mut paths: Vec<_> = entries.iter().map(|entry| entry.path().join(JOURNAL)).collect();
+    paths.retain(|path| path.exists());
+    paths.sort();
+    if paths.is_empty() {
+        let place = folder.display();
+        return Err(Error::Refused(format!(
+            "{place} has no {JOURNAL}, nor has a folder in it; give the folders of the shards, or the one that they are in"
+        )));
+    }
+    Ok(paths)
+}
+
+/// A row for each run that there is.
+#[derive(Debug, Default)]
+struct Chosen {
+    /// The runs, sorted.
+    runs: Vec<u64>,
+    /// Those of each journal.
+    rows: Vec<Vec<Entry>>,
+}
+
+impl Chosen {
+    /// Of rows that are the same, the first; refuses those that are not. A run that panicked everywhere is one that did.
+    fn new(scans: &[Scan]) -> Result<Self, Error> {
+        let mut chosen = Self { runs: Vec::new(), rows: vec![Vec::new(); scans.len()] };
+        for of_a_run in sorted(scans, |scan| &scan.rows).chunk_by(|a, b| a.1.run == b.1.run) {
+            let (first, row) = of_a_run[0];
+            if let Some((other, entry)) = of_a_run.iter().find(|(_, entry)| entry.sum != row.sum) {
+                return Err(differ(
+                    row.run,
+                    (&scans[first].path, row.line),
+                    (&scans[*other].path, entry.line),
+                ));
+            }
+            chosen.take(first, row);
+        }
+        let done = chosen.runs.clone();
+        for of_a_run in sorted(scans, |scan| &scan.panicked).chunk_by(|a, b| a.1.run == b.1.run) {
+            let (first, row) = of_a_run[0];
+            if done.binary_search(&row.run).is_err() {
+                chosen.take(first, row);
+            }
+        }
+        chosen.runs.sort_unstable();
+        Ok(chosen)
+    }
+
+    fn take(&mut self, journal: usize, row: Entry) {
+        self.runs.push(row.run);
+        self.rows[journal].push(row);
+    }
+
+    /// What is not there of so many runs.
+    fn missing(&self, scans: &[Scan], total: u64) -> Missing {
+        let runs = total - self.runs.len() as u64;
+        let shards = match count(scans) {
+            None => vec![self.missing_of(None, runs, scans, total)],
+            Some(count) => {
+                let mut done: BTreeMap<Shard, u64> = BTreeMap::new();
+                self.runs.iter().for_each(|run| *done.entry(Shard::of(*run, count)).or_default() += 1);
+                let missing = |shard: Shard| shard.len(total) - done.get(&shard).copied().unwrap_or(0);
+                let lacking = Shard::all(count).filter(|shard| missing(*shard) > 0);
+                lacking.map(|shard| self.missing_of(Some(shard), missing(shard), scans, total)).collect()
+            }
+        };
+        Missing { runs, total, shards }
+    }
+
+    fn missing_of(&self, shard: Option<Shard>, runs: u64, scans: &[Scan], total: u64) -> MissingShard {
+        let all = shard.unwrap_or(Shard::WHOLE).runs(total);
+        let first = all.filter(|run| self.runs.binary_search(run).is_err()).take(FIRST).collect();
+        MissingShard { shard, runs, first, folder: folder(shard, scans) }
+    }
+}
+
+/// The rows of all journals with the numbers of these, by run.
+fn sorted(scans: &[Scan], rows: impl Fn(&Scan) -> &Vec<Entry>) -> Vec<(usize, Entry)> {
+    let of_one = |(number, scan)| rows(scan).iter().map(move |row| (number, *row));
+    let mut all: Vec<_> = scans.iter().enumerate().flat_map(of_one).collect();
+    all.sort_by_key(|(number, row)| (row.run, *number));
+    all
+}
+
+/// Of how many shards the most journals are.
+fn count(scans: &[Scan]) -> Option<u32> {
+    let mut journals: BTreeMap<u32, usize> = BTreeMap::new();
+    let counts = scans.iter().filter_map(|scan| scan.shard).map(Shard::count);
+    counts.for_each(|count| *journals.entry(count).or_default() += 1);
+    journals.into_iter().max_by_key(|(_, journals)| *journals).map(|(count, _)| count)
+}
+
+/// Where the journal of a shard is, or would be beside the others.
+fn folder(shard: Option<Shard>, scans: &[Scan]) -> Option<PathBuf> {
+    let folder =
+        |scan: &Scan| scan.path.parent().filter(|_| scan.path.ends_with(JOURNAL)).map(Path::to_owned);
+    let own = scans.iter().find(|scan| scan.shard == shard).and_then(folder);
+    own.or_else(|| {
+        let by_name = scans.iter().find_map(|scan| {
+            let of = folder(scan)?;
+            of.ends_with(scan.shard?.folder()).then_some(of)
+        });
+        Some(by_name?.with_file_name(shard?.folder()))
+    })
+}
+
+fn differ(run: u64, a: (&Path, u64), b: (&Path, u64)) -> Error {
+    let place = |(path, line): (&Path, u64)| format!("line {line} of {}", path.display());
+    Error::Refused(format!(
+        "run {run} has different results in {} and {}; they should be the same on every machine: delete the wrong journal, and do \
+         its shard again (if a brain is a program of your own: was it changed, or does it not do the same each time?)",
+        place(a),
+        place(b)
+    ))
+}
+
+/// How many missing runs of a shard are named.
+const FIRST: usize = 3;
