@@ -28,8 +28,8 @@ pub struct Agent {
     /// What it writes that is no command.
     bytes: Vec<u8>,
     values: SmallVec<[f64; FEW]>,
-    /// When each reading was sampled, as its message says, or else when it came.
-    sampled_at: SmallVec<[Option<SimTime>; FEW]>,
+    /// When each reading was sampled, as its message says, or else when it came; `NEVER` if none has.
+    sampled_at: SmallVec<[SimTime; FEW]>,
     readable: SmallVec<[bool; FEW]>,
     /// A message has come since the step began.
     pub(crate) has_heard: bool,
@@ -53,7 +53,7 @@ impl Agent {
             sequence: 0,
             bytes: Vec::new(),
             values: smallvec![0.0; values],
-            sampled_at: smallvec![None; sensors],
+            sampled_at: smallvec![SimTime::NEVER; sensors],
             readable: smallvec![false; sensors],
             has_heard: false,
             now: SimTime::ZERO,
@@ -79,10 +79,10 @@ impl Agent {
     /// How old each reading is by the brain's clock, in seconds: since it was sampled, if its message says when that was, and since
     /// it came otherwise. Infinite if none has come.
     pub fn ages_s(&self) -> impl Iterator<Item = f64> {
-        let age = |at: &Option<SimTime>| {
-            at.map_or(f64::INFINITY, |at| self.now.as_ns().saturating_sub(at.as_ns()) as f64 * 1e-9)
+        let age_s = |at: &SimTime| {
+            if *at == SimTime::NEVER { f64::INFINITY } else { self.now.since(*at) as f64 * 1e-9 }
         };
-        self.sampled_at.iter().map(age)
+        self.sampled_at.iter().map(age_s)
     }
 
     /// The instant of its last turn.
@@ -141,11 +141,17 @@ impl Agent {
 
     /// Takes what has come by now.
     pub(crate) fn take(&mut self, world: &World) {
-        let readings = world.robot(self.robot).readings().iter().zip(&self.layout.sensors).enumerate();
-        for (i, (reading, part)) in readings.filter(|(_, (reading, _))| reading.readable) {
-            self.values[part.values.clone()].copy_from_slice(&reading.values);
-            self.sampled_at[i] = Some(reading.sampled_at.unwrap_or(self.now));
-            self.readable[i] = true;
+        let Self { values, sampled_at, readable, .. } = self;
+        let (values, sampled_at, readable) = (&mut values[..], &mut sampled_at[..], &mut readable[..]);
+        let parts = world.robot(self.robot).readings().iter().zip(&self.layout.sensors);
+        for ((reading, part), (sampled_at, is_readable)) in parts.zip(sampled_at.iter_mut().zip(readable)) {
+            if reading.readable {
+                *is_readable = true;
+                *sampled_at = reading.sampled_at.unwrap_or(self.now);
+                for (to, value) in values[part.values.clone()].iter_mut().zip(&*reading.values) {
+                    *to = *value;
+                }
+            }
         }
     }
 
@@ -171,14 +177,13 @@ impl Agent {
     }
 
     pub(crate) fn answer(&self, turn: Turn, choice: Choice) -> Answer<'_> {
-        let (written, at) = match choice {
-            Choice::Bytes => (Written::Bytes(&self.bytes), turn.at),
+        let written = match choice {
+            Choice::Bytes => Written::Bytes(&self.bytes),
             Choice::Command(wheels) => {
-                let others = self.commands.others();
-                (Written::Command { sequence: self.sequence, wheels, others }, turn.at + self.thinking_ns)
+                Written::Command { sequence: self.sequence, wheels, others: self.commands.others() }
             }
         };
-        Answer { robot: self.robot, at, written }
+        Answer { robot: self.robot, at: turn.at + self.thinking_ns, written }
     }
 }
 

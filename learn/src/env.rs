@@ -36,14 +36,35 @@ pub struct Stepped {
     pub is_truncated: bool,
 }
 
-/// What a tally is the difference to.
+/// What a tally is the difference to: how it was at the end of the last step.
 #[derive(Clone, Debug, Default)]
 struct Before {
     ns: u64,
+    score: Score,
+    robots: SmallVec<[[f64; 3]; 1]>,
+    tallies: SmallVec<[Tally; 1]>,
+}
+
+/// What is counted of all robots together.
+#[derive(Clone, Copy, Debug, Default)]
+struct Score {
     covered: f64,
     sensed: f64,
-    zones: usize,
-    robots: SmallVec<[[f64; 3]; 1]>,
+    zones: f64,
+}
+
+impl Score {
+    fn of(world: &World) -> Self {
+        let (rules, score) = (&world.scenario().rules, world.score());
+        if rules.floor.is_none() && score.visited().is_empty() {
+            return Self::default();
+        }
+        Self {
+            covered: score.covered(rules).unwrap_or(0.0),
+            sensed: score.sensed(rules).unwrap_or(0.0),
+            zones: score.visited().iter().filter(|visited| **visited).count() as f64,
+        }
+    }
 }
 
 impl Env {
@@ -127,7 +148,6 @@ impl Env {
 
     /// A control cycle.
     pub fn step(&mut self) -> Stepped {
-        self.note();
         self.agents.iter_mut().for_each(Agent::begin_step);
         let mut ticks = 0;
         while !self.is_over() {
@@ -136,7 +156,7 @@ impl Env {
             if !self.is_over()
                 && (self.agents.iter().all(|agent| agent.has_heard) || ticks >= self.patience_ticks)
             {
-                return Stepped::default();
+                break;
             }
         }
         self.stepped()
@@ -145,7 +165,6 @@ impl Env {
     /// Ticks until this instant of simulated time, in nanoseconds, or until the run is over: for worlds in which robots have brains.
     /// Agents do what they did.
     pub fn run_until(&mut self, ns: u64) -> Stepped {
-        self.note();
         self.agents.iter_mut().for_each(Agent::begin_step);
         while !self.is_over() && self.world.time().as_ns() < ns {
             self.tick();
@@ -153,7 +172,8 @@ impl Env {
         self.stepped()
     }
 
-    fn stepped(&self) -> Stepped {
+    fn stepped(&mut self) -> Stepped {
+        self.count();
         let is_truncated = matches!(self.world.ending(), Some(Ending::TimeIsOver));
         Stepped { is_terminated: self.is_over() && !is_truncated, is_truncated }
     }
@@ -168,72 +188,76 @@ impl Env {
             self.agents.iter_mut().for_each(|agent| agent.end(&self.world));
             return;
         }
-        let mut turns = self.world.turns().iter().copied().peekable();
-        for agent in &mut self.agents {
-            while turns.next_if(|turn| turn.robot < agent.robot).is_some() {}
-            if let Some(turn) = turns.next_if(|turn| turn.robot == agent.robot) {
-                agent.listen(&self.world, turn);
+        let Self { world, agents, .. } = self;
+        if let [agent] = &mut agents[..] {
+            if let Some(turn) = world.turns().iter().find(|turn| turn.robot == agent.robot) {
+                agent.listen(world, *turn);
             }
+            return;
+        }
+        for (place, turn) in turns_of(world, agents) {
+            agents[place].listen(world, turn);
         }
     }
 
     /// The brains of this tick, and its second half.
     fn finish(&mut self) {
         let Self { world, drivers, outputs, agents, .. } = self;
+        // Later an agent that has to be asked is asked by its commands.
+        let asks = world.time().as_ns() == 0;
+        if let ([agent], []) = (&mut agents[..], &drivers[..]) {
+            let turn = world.turns().iter().find(|turn| turn.robot == agent.robot).copied();
+            let chosen = turn.map(|turn| (turn, agent.choose(asks)));
+            let answer = chosen.map(|(turn, choice)| agent.answer(turn, choice));
+            return world.finish_answers(answer.as_slice());
+        }
         outputs.clear();
         for turn in world.turns() {
             let driver = drivers.get_mut(turn.robot).and_then(Option::as_mut);
             outputs.extend(driver.map(|driver| driver.step(world, *turn)));
         }
-        // Later an agent that has to be asked is asked by its commands.
-        let asks = world.time().as_ns() == 0;
         let mut chosen: SmallVec<[(usize, Turn, Choice); FEW]> = SmallVec::new();
-        // Agents and turns are in the order of the robots.
-        let mut turns = world.turns().iter().copied().peekable();
-        for (place, agent) in agents.iter_mut().enumerate() {
-            while turns.next_if(|turn| turn.robot < agent.robot).is_some() {}
-            if let Some(turn) = turns.next_if(|turn| turn.robot == agent.robot) {
-                chosen.push((place, turn, agent.choose(asks)));
-            }
+        for (place, turn) in turns_of(world, agents) {
+            chosen.push((place, turn, agents[place].choose(asks)));
         }
-        let of_agents = chosen.iter().map(|&(place, turn, choice)| agents[place].answer(turn, choice));
-        let answers: SmallVec<[Answer<'_>; FEW]> =
-            of_agents.chain(outputs.iter().map(|output| output.answer(drivers))).collect();
+        let mut answers: SmallVec<[Answer<'_>; FEW]> = SmallVec::new();
+        for (place, turn, choice) in &chosen {
+            answers.push(agents[*place].answer(*turn, *choice));
+        }
+        answers.extend(outputs.iter().map(|output| output.answer(drivers)));
         world.finish_answers(&answers);
-    }
-
-    /// The instant and the counts from which on a step is told.
-    fn note(&mut self) {
-        let Self { world, agents, before, .. } = self;
-        let (rules, score) = (&world.scenario().rules, world.score());
-        before.ns = world.time().as_ns();
-        before.covered = score.covered(rules).unwrap_or(0.0);
-        before.sensed = score.sensed(rules).unwrap_or(0.0);
-        before.zones = score.visited().iter().filter(|visited| **visited).count();
-        before.robots.clear();
-        before.robots.extend(agents.iter().map(|agent| counts(world, agent.robot)));
     }
 
     /// What happened in the last step, for the trainer of this agent.
     ///
     /// # Panics
     /// If there is no such agent.
-    pub fn tally(&self, agent: usize) -> Tally {
-        let Self { world, before, .. } = self;
-        let (rules, score) = (&world.scenario().rules, world.score());
-        let [distance_m, collisions, to_goal_m] = counts(world, self.agents[agent].robot);
-        let was = before.robots[agent];
-        let zones = score.visited().iter().filter(|visited| **visited).count();
-        Tally {
-            seconds: (world.time().as_ns() - before.ns) as f64 * 1e-9,
-            distance_m: distance_m - was[0],
-            collisions: collisions - was[1],
-            progress_m: was[2] - to_goal_m,
-            covered: score.covered(rules).unwrap_or(0.0) - before.covered,
-            sensed: score.sensed(rules).unwrap_or(0.0) - before.sensed,
-            zones: (zones - before.zones) as f64,
-            success: f64::from(u8::from(self.has_succeeded())),
+    pub fn tally(&self, agent: usize) -> &Tally {
+        &self.before.tallies[agent]
+    }
+
+    /// Counts what happened in the step that is over. A step begins where the last one ended.
+    fn count(&mut self) {
+        let success = f64::from(u8::from(self.has_succeeded()));
+        let Self { world, agents, before, .. } = self;
+        let (ns, score) = (world.time().as_ns(), Score::of(world));
+        before.robots.resize(agents.len(), [0.0; 3]);
+        before.tallies.clear();
+        for (agent, was) in agents.iter().zip(&mut before.robots) {
+            let now = counts(world, agent.robot);
+            before.tallies.push(Tally {
+                seconds: (ns - before.ns) as f64 * 1e-9,
+                distance_m: now[0] - was[0],
+                collisions: now[1] - was[1],
+                progress_m: was[2] - now[2],
+                covered: score.covered - before.score.covered,
+                sensed: score.sensed - before.score.sensed,
+                zones: score.zones - before.score.zones,
+                success,
+            });
+            *was = now;
         }
+        (before.ns, before.score) = (ns, score);
     }
 
     fn has_succeeded(&self) -> bool {
@@ -271,6 +295,21 @@ impl Env {
     }
 }
 
+/// The agents whose turn it is in this tick, by their places. Agents and turns are in the order of the robots.
+fn turns_of(world: &World, agents: &[Agent]) -> SmallVec<[(usize, Turn); FEW]> {
+    let mut found = SmallVec::new();
+    let mut place = 0;
+    for turn in world.turns() {
+        while agents.get(place).is_some_and(|agent| agent.robot < turn.robot) {
+            place += 1;
+        }
+        if agents.get(place).is_some_and(|agent| agent.robot == turn.robot) {
+            found.push((place, *turn));
+        }
+    }
+    found
+}
+
 /// The distance that a robot has driven, how often it ran into something, and how far it is from the goal.
 fn counts(world: &World, robot: usize) -> [f64; 3] {
     let view = world.robot(robot);
@@ -284,4 +323,4 @@ fn counts(world: &World, robot: usize) -> [f64; 3] {
 const PATIENCE_NS: u64 = 1_000_000_000;
 
 /// Answers of so many robots need no memory of their own.
-const FEW: usize = 4;
+const FEW: usize = 1;

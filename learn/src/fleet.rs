@@ -232,7 +232,7 @@ impl Work<'_> {
             stepped = env.step();
             let tally = env.tally(0);
             self.tally.copy_from_slice(&tally.numbers());
-            *self.reward = reward.of(&tally);
+            *self.reward = reward.of(tally);
         }
         (*self.terminated, *self.truncated) = (stepped.is_terminated, stepped.is_truncated);
         run.is_over = env.is_over();

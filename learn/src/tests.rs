@@ -44,8 +44,14 @@ fn act(env: &mut Env) {
 
 #[test]
 fn a_robot_does_what_it_does_with_a_brain_in_its_process() {
-    for overrides in [&["end.after_s=20.0"][..], &["end.after_s=20.0", "robots.robot.link.baud=1200"]] {
-        let task = wander(overrides);
+    for change in [
+        "seed=1",
+        "robots.robot.link.baud=1200",
+        "robots.robot.brain.thinking_us=7000.0",
+        "robots.robot.brain.thinking_us=35000.0",
+    ] {
+        let overrides = ["end.after_s=20.0", change];
+        let task = wander(&overrides);
         let mut env = Env::new(Arc::clone(&task), 3, &[]).unwrap();
         while !env.is_over() {
             act(&mut env);

@@ -10,7 +10,10 @@ use baudbot_plot::quantity::duration;
 use baudbot_plot::timing::{self, Diagram};
 use baudbot_sim::World;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadwriteArray1};
+use pyo3::intern;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use smallvec::SmallVec;
 
 use crate::errors::{apart, apart_with, at_once, failed, invalid, locked, of_learning};
 use crate::task::{Task, reward};
@@ -64,8 +67,27 @@ impl Env {
             apart(py, || env.step())?
         };
         let (values, ages_s, readable) = self.observed(py, env, 0)?;
-        let reward = self.reward.of(&env.tally(0));
+        let reward = self.reward.of(env.tally(0));
         Ok((values, ages_s, readable, reward, stepped.is_terminated, stepped.is_truncated))
+    }
+
+    /// The same, as Gymnasium wants it: an observation as a mapping, the reward, whether the run was terminated or truncated, and
+    /// the time in a mapping. An action that is no array of such numbers is a TypeError.
+    fn gymnasium_step<'py>(
+        &self,
+        py: Python<'py>,
+        action: PyReadonlyArray1<'py, f32>,
+        with_ages: bool,
+    ) -> PyResult<(Bound<'py, PyDict>, f64, bool, bool, Bound<'py, PyDict>)> {
+        let (values, ages_s, readable, reward, is_terminated, is_truncated) = self.cycle(py, action)?;
+        let (observation, info) = (PyDict::new(py), PyDict::new(py));
+        observation.set_item(intern!(py, "readings"), values)?;
+        if with_ages {
+            observation.set_item(intern!(py, "ages_s"), ages_s)?;
+            observation.set_item(intern!(py, "readable"), readable)?;
+        }
+        info.set_item(intern!(py, "time_s"), self.time_ns(py)? as f64 * 1e-9)?;
+        Ok((observation, reward, is_terminated, is_truncated, info))
     }
 
     /// New arrays of what an agent has at its laptop's end.
@@ -127,7 +149,7 @@ impl Env {
     /// What that is worth.
     fn reward(&self, py: Python<'_>, agent: usize) -> PyResult<f64> {
         let env = locked(py, &self.env)?;
-        of(py, &env, agent).map(|_| self.reward.of(&env.tally(agent)))
+        of(py, &env, agent).map(|_| self.reward.of(env.tally(agent)))
     }
 
     #[getter]
@@ -223,9 +245,14 @@ impl Env {
 impl Env {
     fn observed<'py>(&self, py: Python<'py>, env: &learn::Env, agent: usize) -> PyResult<Observation<'py>> {
         let agent = of(py, env, agent)?;
-        let values = PyArray1::from_iter(py, agent.values().iter().map(|&value| value as f32));
-        let ages_s = PyArray1::from_iter(py, agent.ages_s().map(|age_s| age_s.min(self.max_age_s) as f32));
-        let readable = PyArray1::from_iter(py, agent.readable().iter().map(|&readable| i8::from(readable)));
+        // An array of NumPy's own is made faster than one that keeps a vector.
+        let values: SmallVec<[f32; FEW]> = agent.values().iter().map(|&value| value as f32).collect();
+        let ages_s: SmallVec<[f32; FEW]> =
+            agent.ages_s().map(|age_s| age_s.min(self.max_age_s) as f32).collect();
+        let readable: SmallVec<[i8; FEW]> =
+            agent.readable().iter().map(|&readable| i8::from(readable)).collect();
+        let (values, ages_s) = (PyArray1::from_slice(py, &values), PyArray1::from_slice(py, &ages_s));
+        let readable = PyArray1::from_slice(py, &readable);
         Ok((values, ages_s, readable))
     }
 }
@@ -268,7 +295,7 @@ fn diagram(world: &World, label: &str, robot: usize, from_ns: u64, until_ns: u64
     Some(picture.draw())
 }
 
-/// A step of a world with fewer robots is so short that other threads of the interpreter can wait.
+/// So few readings need no memory of their own; and a step of a world with fewer robots is so short that other threads of the interpreter can wait.
 const FEW: usize = 8;
 
 /// So many ticks are done between two looks for a signal.

@@ -83,6 +83,7 @@ fn work(
         place: Place::Here,
         jobs: asked.jobs,
         confirmed: true,
+        shard: None,
         stop: &stop,
         progress: &count,
         tell: &tell,

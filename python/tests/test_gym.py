@@ -218,7 +218,7 @@ class BadInput(unittest.TestCase):
         self.refused("reset it first", lambda: env.step(np.zeros(2, np.float32)))
         env.reset(seed=1)
         before = env.hash
-        self.refused("shape", lambda: env.step(np.zeros(3, np.float32)))
+        self.refused("takes 2", lambda: env.step(np.zeros(3, np.float32)))
         self.refused("NaN", lambda: env.step(np.full(2, np.nan, np.float32)))
         self.refused("no array", lambda: env.step("forward"))
         self.assertEqual(env.hash, before)

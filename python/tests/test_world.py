@@ -140,8 +140,9 @@ class BadInput(unittest.TestCase):
         ]:
             with self.assertRaisesRegex(baudbot.Invalid, words):
                 world.step(action)
-        with self.assertRaises((ValueError, TypeError)):
-            world.step(["left", "right"])
+        for action in (["left", "right"], 0.5, [[0.1, 0.2]]):
+            with self.assertRaisesRegex(baudbot.Invalid, "no list of numbers"):
+                world.step(action)
         self.assertEqual(world.hash, before)
         world.step([7.0, -7.0])
 

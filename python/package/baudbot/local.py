@@ -170,8 +170,13 @@ class World:
         Says whether the run goes on.
         """
         env = self._open
-        for place, signals in self._commands(command):
-            env.act(place, [float(signal) for signal in np.asarray(signals, dtype=np.float64).ravel()])
+        if command is not None:
+            commands = command.items() if isinstance(command, Mapping) else ((None, command),)
+            for robot, signals in commands:
+                try:
+                    env.act(self._place(robot), signals)
+                except TypeError:
+                    raise Invalid(f"action: {signals!r} is no list of numbers", "action") from None
         env.step()
         self._observe()
         return env.ending is None
@@ -293,13 +298,6 @@ class World:
         if robot not in names:
             raise Invalid(unknown("driven robot", robot, names), "robot")
         return names.index(robot)
-
-    def _commands(self, command: ArrayLike | Mapping[str, ArrayLike] | None) -> list[tuple[int, ArrayLike]]:
-        if command is None:
-            return []
-        if isinstance(command, Mapping):
-            return [(self._place(robot), signals) for robot, signals in command.items()]
-        return [(self._place(None), command)]
 
 
 class Picture(str):

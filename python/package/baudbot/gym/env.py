@@ -87,6 +87,7 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
         self.observation_space, self.action_space = self.shape.observation, self.shape.action
         self._weights, self._reward = rewards(reward)
         self._end, self._max_age_s = end, max_age_s
+        self._is_plain = self._reward is None and end is None and not flat
         self.render_mode, self._size = render_mode, render_size
         self._env: _native.Env | None = None
         self._is_closed = False
@@ -106,17 +107,31 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
         return self.shape.observed(*self._env.observation(0)), self._info(self._env)
 
     def step(self, action: NDArray[np.float32]) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
-        env = self._env or self._open
-        if type(action) is not np.ndarray or action.dtype != np.float32 or action.shape != self.action_space.shape:
-            action = signals(action, self.action_space.shape or (), "action")
-        readings, ages_s, readable, reward, terminated, truncated = env.cycle(action)
-        observation = self.shape.observed(readings, ages_s, readable)
-        info = self._info(env) if terminated or truncated else {"time_s": env.time_ns / 1e9}
+        env = self._env
+        if env is None or not self._is_plain:
+            return self._step(self._open, action)
+        try:
+            stepped = env.gymnasium_step(action, self.shape.with_ages)
+        except TypeError:
+            stepped = env.gymnasium_step(self._signals(action), self.shape.with_ages)
+        if stepped[2] or stepped[3]:
+            stepped[4].update(self._info(env))
+        return stepped
+
+    def _step(self, env: _native.Env, action: object) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
+        """A step with an observation, a reward or an end of one's own."""
+        array = self._signals(action)
+        readings, ages_s, readable, weighed, terminated, truncated = env.cycle(array)
+        observation, reward = self.shape.observed(readings, ages_s, readable), weighed
         if self._reward is not None or self._end is not None:
-            step = Step(observation, action, dict(zip(TALLY, env.tally(0), strict=True)))
-            reward = float(self._reward(step)) if self._reward is not None else reward
+            step = Step(observation, array, dict(zip(TALLY, env.tally(0), strict=True)))
+            reward = float(self._reward(step)) if self._reward is not None else weighed
             terminated = terminated or (self._end is not None and bool(self._end(step)))
+        info = self._info(env) if terminated or truncated else {"time_s": env.time_ns / 1e9}
         return observation, reward, terminated, truncated, info
+
+    def _signals(self, action: object) -> NDArray[np.float32]:
+        return signals(action, self.action_space.shape or (), "action")
 
     def render(self) -> Any:
         if self.render_mode is None:
