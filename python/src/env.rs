@@ -72,7 +72,7 @@ impl Env {
     }
 
     /// The same, as Gymnasium wants it: an observation as a mapping, the reward, whether the run was terminated or truncated, and
-    /// the time in a mapping. An action that is no array of such numbers is a TypeError.
+    /// an empty mapping. An action that is no array of such numbers is a TypeError.
     fn gymnasium_step<'py>(
         &self,
         py: Python<'py>,
@@ -80,14 +80,13 @@ impl Env {
         with_ages: bool,
     ) -> PyResult<(Bound<'py, PyDict>, f64, bool, bool, Bound<'py, PyDict>)> {
         let (values, ages_s, readable, reward, is_terminated, is_truncated) = self.cycle(py, action)?;
-        let (observation, info) = (PyDict::new(py), PyDict::new(py));
+        let observation = PyDict::new(py);
         observation.set_item(intern!(py, "readings"), values)?;
         if with_ages {
             observation.set_item(intern!(py, "ages_s"), ages_s)?;
             observation.set_item(intern!(py, "readable"), readable)?;
         }
-        info.set_item(intern!(py, "time_s"), self.time_ns(py)? as f64 * 1e-9)?;
-        Ok((observation, reward, is_terminated, is_truncated, info))
+        Ok((observation, reward, is_terminated, is_truncated, PyDict::new(py)))
     }
 
     /// New arrays of what an agent has at its laptop's end.

@@ -127,7 +127,7 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
             step = Step(observation, array, dict(zip(TALLY, env.tally(0), strict=True)))
             reward = float(self._reward(step)) if self._reward is not None else weighed
             terminated = terminated or (self._end is not None and bool(self._end(step)))
-        info = self._info(env) if terminated or truncated else {"time_s": env.time_ns / 1e9}
+        info = self._info(env) if terminated or truncated else {}
         return observation, reward, terminated, truncated, info
 
     def _signals(self, action: object) -> NDArray[np.float32]:
@@ -138,6 +138,11 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
             return None
         svg = self._open.svg()
         return Picture(svg) if self.render_mode == "svg" else pixels(svg, self._size)
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time since the start of the run, in seconds."""
+        return self._open.time_ns / 1e9
 
     @property
     def hash(self) -> str:
