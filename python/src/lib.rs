@@ -26,7 +26,7 @@ mod _native {
     #[pymodule_export]
     use super::recording::{compare, replay};
     #[pymodule_export]
-    use super::runs::{sweep, tune};
+    use super::runs::{merge, pack, sweep, tune};
     #[pymodule_export]
     use super::task::{Task, catalogue, check_reward};
 }

@@ -108,21 +108,30 @@ class Fleet:
 def pixels(svg: str, size: int) -> NDArray[np.uint8]: ...
 def catalogue() -> list[str]: ...
 def check_reward(weights: Sequence[tuple[str, float]]) -> list[str]: ...
+
+#: An experiment without files: its text, its name, and the text of its scenario.
+Packed = tuple[str, str, str]
+_Done = tuple[str, list[str], bool, list[str]]
+_Path = str | os.PathLike[str]
+
 def sweep(
-    experiment: str | os.PathLike[str],
-    out: str | os.PathLike[str],
+    experiment: _Path | Packed,
+    out: _Path,
     seeds: str | None,
     jobs: int,
     fresh: bool,
     progress: Callable[[int, int], object] | None,
-) -> tuple[str, list[str], bool, list[str]]: ...
+    shard: str | None,
+) -> _Done: ...
+def merge(experiment: _Path | Packed, sources: Sequence[_Path], out: _Path, seeds: str | None, fresh: bool) -> _Done: ...
 def tune(
-    experiment: str | os.PathLike[str],
-    out: str | os.PathLike[str],
+    experiment: _Path | Packed,
+    out: _Path,
     seeds: str | None,
     jobs: int,
     fresh: bool,
     progress: Callable[[int, int], object] | None,
-) -> tuple[str, list[str], bool, list[str]]: ...
+) -> _Done: ...
+def pack(file: _Path, seeds: str | None) -> tuple[Packed, int]: ...
 def replay(path: str | os.PathLike[str]) -> tuple[int, str, str | None]: ...
 def compare(one: str | os.PathLike[str], other: str | os.PathLike[str]) -> int | None: ...

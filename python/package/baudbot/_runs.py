@@ -71,8 +71,8 @@ def runs(
     progress: Progress | None = None,
 ) -> Runs:
     """As `sweep`, with the summary and the charts."""
-    folder = _folder(experiment, out, "sweep")
-    told = _done(_native.sweep(experiment, folder, seeds, _jobs(jobs), fresh, progress), folder)
+    folder = folder_of(experiment, out, "sweep")
+    told = done(_native.sweep(experiment, folder, seeds, _jobs(jobs), fresh, progress, None), folder)
     return Runs(folder, told)
 
 
@@ -87,13 +87,14 @@ def tune(
 ) -> dict[str, Any]:
     """Looks for the numbers with which an experiment's runs are best: what `baudbot tune --json` tells, and `frame`, a DataFrame of all
     candidates."""
-    folder = _folder(experiment, out, "tune")
-    told: dict[str, Any] = json.loads(_done(_native.tune(experiment, folder, seeds, _jobs(jobs), fresh, progress), folder))
+    folder = folder_of(experiment, out, "tune")
+    told: dict[str, Any] = json.loads(done(_native.tune(experiment, folder, seeds, _jobs(jobs), fresh, progress), folder))
     table = folder / "candidates.csv"
     return {**told, "frame": _frame(table)} if table.exists() else told
 
 
-def _folder(experiment: str | os.PathLike[str], out: str | os.PathLike[str] | None, ending: str) -> Path:
+def folder_of(experiment: str | os.PathLike[str], out: str | os.PathLike[str] | None, ending: str) -> Path:
+    """The folder for what comes of an experiment."""
     return Path(out) if out is not None else Path(f"{Path(experiment).stem}.{ending}")
 
 
@@ -105,7 +106,8 @@ def _jobs(jobs: int | None) -> int:
     return jobs
 
 
-def _done(outcome: tuple[str, list[str], bool, list[str]], folder: Path) -> str:
+def done(outcome: tuple[str, list[str], bool, list[str]], folder: Path) -> str:
+    """What a run of all told; warnings are passed on."""
     told, _files, interrupted, notes = outcome
     for note in notes:
         warnings.warn(note, stacklevel=3)
