@@ -47,13 +47,16 @@ impl PartialEq for Watched {
 pub(super) struct Loops {
     /// The outer ones first: none has a higher stack pointer than the one before.
     open: Vec<Loop>,
+    /// The place of the main loop.
+    main: Option<usize>,
     /// Loops that were left: those that took the most time.
     left: Vec<Loop>,
     /// Head and stack pointer of the main loop before the last reset.
     at_reset: Option<(u32, u16)>,
     /// Arrivals at heads since the state was marked with which the repeating state is compared.
     arrivals: Vec<Arrival>,
-    /// Periods in sleep.
+    /// The period in which this began, and how many there were in sleep.
+    since: u64,
     asleep: u64,
 }
 
@@ -65,6 +68,8 @@ struct Loop {
     sp: u16,
     /// The last arrival at its head, in periods.
     since: u64,
+    /// Where the return address of its last call was on the stack.
+    called_at: u16,
     rounds: Rounds,
 }
 
@@ -101,12 +106,16 @@ impl Loops {
         if let Some(place) = self.open.iter().rposition(|open| open.sp == jump.sp && open.head == jump.to) {
             self.close_from(place + 1);
             let open = &mut self.open[place];
-            open.end = open.end.max(jump.from);
-            if open.rounds.count() == 0 {
+            let is_first = open.rounds.count() == 0;
+            if is_first {
                 open.end = memory.last_jump_to(open.head, open.end);
             }
             open.arrive(jump.at);
-            return self.main() == Some(place);
+            if is_first || jump.from > open.end {
+                open.end = open.end.max(jump.from);
+                self.find_main();
+            }
+            return self.main == Some(place);
         }
         if !self.is_part_of_main(jump, memory) {
             self.open_loop(jump);
@@ -117,15 +126,18 @@ impl Loops {
     /// Whether a jump is within the main loop, or in what that calls, or interrupts it.
     fn is_part_of_main(&mut self, jump: Jump, memory: &Memory<'_>) -> bool {
         if self.open.last().is_some_and(|open| open.sp > jump.sp) {
-            return self.open.iter().any(|open| open.rounds.count() > 0 && open.has_called(jump.sp, memory));
+            let mut came_round = self.open.iter_mut().rev().filter(|open| open.rounds.count() > 0);
+            return came_round.any(|open| open.has_called(jump.sp, memory));
         }
-        for open in self.open.iter_mut().filter(|open| open.sp == jump.sp) {
+        for place in 0..self.open.len() {
+            let open = &mut self.open[place];
             // What is not needed often may lie behind the loop, and jumps back into it.
-            if (open.head..=open.end).contains(&jump.to) {
-                open.end = open.end.max(jump.from);
+            if open.sp == jump.sp && (open.head..=open.end).contains(&jump.to) && jump.from > open.end {
+                open.end = jump.from;
+                self.find_main();
             }
         }
-        let Some(main) = self.main().map(|main| &self.open[main]) else { return false };
+        let Some(main) = self.main.map(|main| &self.open[main]) else { return false };
         main.sp == jump.sp && main.head < jump.to && jump.from <= main.end
     }
 
@@ -144,7 +156,8 @@ impl Loops {
         }
         let known = self.left.iter().position(|left| left.head == to && left.sp == sp);
         let rounds = known.map_or_else(|| Rounds::new(to), |known| self.left.remove(known).rounds);
-        self.open.push(Loop { head: to, end, sp, since: at, rounds });
+        self.open.push(Loop { head: to, end, sp, since: at, called_at: sp, rounds });
+        self.find_main();
     }
 
     fn close_from(&mut self, place: usize) {
@@ -155,6 +168,7 @@ impl Loops {
 
     fn close(&mut self, place: usize) {
         let closed = self.open.remove(place);
+        self.find_main();
         if closed.rounds.count() == 0 {
             return;
         }
@@ -168,20 +182,20 @@ impl Loops {
         }
     }
 
-    /// The place of the main loop.
-    fn main(&self) -> Option<usize> {
+    /// The main loop may be another now.
+    fn find_main(&mut self) {
         let is_main = |place: &usize| {
             let (open, inner) = (&self.open[*place], &self.open[place + 1..]);
             let is_within =
                 |inner: &Loop| inner.sp == open.sp && inner.head >= open.head && inner.end <= open.end;
             open.rounds.count() > 0 && inner.iter().all(is_within)
         };
-        (0..self.open.len()).find(is_main)
+        self.main = (0..self.open.len()).find(is_main);
     }
 
     /// The main loop, or the one before the last reset if that took more time.
     fn found(&self) -> Option<&Loop> {
-        let main = self.main().map(|main| &self.open[main]);
+        let main = self.main.map(|main| &self.open[main]);
         let before = self.at_reset.and_then(|at| self.left.iter().find(|left| (left.head, left.sp) == at));
         main.into_iter().chain(before).max_by_key(|found| found.rounds.total())
     }
@@ -189,7 +203,6 @@ impl Loops {
     /// What has come since the arrivals began comes again so many times, each time after so many periods. Gives each round of
     /// the main loop that begins to `begins`.
     fn repeat(&mut self, period: u64, times: u64, mut begins: impl FnMut(u64)) {
-        let main = self.main();
         for (place, open) in self.open.iter_mut().enumerate() {
             let of_it = |arrival: &&Arrival| arrival.head == open.head && arrival.sp == open.sp;
             let at: Vec<u64> = self.arrivals.iter().filter(of_it).map(|arrival| arrival.at).collect();
@@ -197,7 +210,7 @@ impl Loops {
             open.rounds.add(first + period - last, times);
             at.windows(2).for_each(|pair| open.rounds.add(pair[1] - pair[0], times));
             open.since = last + period * times;
-            if main == Some(place) {
+            if self.main == Some(place) {
                 (1..=times).for_each(|time| at.iter().for_each(|at| begins(at + time * period)));
             }
         }
@@ -212,24 +225,30 @@ impl Loop {
 
     /// Whether what has this lower stack pointer was called, or interrupts, in the loop: a return address below the loop's stack
     /// pointer says so. Right at the stack pointer is that of a call elsewhere, or arguments are, and the address is below them.
-    fn has_called(&self, sp: u16, memory: &Memory<'_>) -> bool {
-        let lowest = sp.max(self.sp.saturating_sub(MOST_ARGUMENTS));
-        for low in (lowest.saturating_add(2)..=self.sp).rev() {
-            let address = u32::from(memory.byte(low)) | u32::from(memory.byte(low - 1)) << 8;
-            if (self.head..=self.end).contains(&address) {
-                return true;
-            }
-            if low == self.sp && memory.is_behind_call(address) {
-                return false;
-            }
+    fn has_called(&mut self, sp: u16, memory: &Memory<'_>) -> bool {
+        let lowest = sp.max(self.sp.saturating_sub(MOST_ARGUMENTS)).saturating_add(2);
+        let (head, end) = (self.head, self.end);
+        let is_here = |low: &u16| (head..=end).contains(&memory.address(*low));
+        if self.called_at >= lowest && is_here(&self.called_at) {
+            return true;
         }
-        false
+        if !is_here(&self.sp) && memory.is_behind_call(memory.address(self.sp)) {
+            return false;
+        }
+        let found = (lowest..=self.sp).rev().find(is_here);
+        self.called_at = found.unwrap_or(self.called_at);
+        found.is_some()
     }
 }
 
 impl Memory<'_> {
-    fn byte(&self, address: u16) -> u8 {
-        self.sram.get(usize::from(address.wrapping_sub(SRAM_START))).copied().unwrap_or(0)
+    /// A return address on the stack, by the place of its lower byte.
+    fn address(&self, low: u16) -> u32 {
+        let place = usize::from(low.wrapping_sub(SRAM_START));
+        match self.sram.get(place.wrapping_sub(1)..=place) {
+            Some(&[high, low]) => u32::from(high) << 8 | u32::from(low),
+            Some(_) | None => 0,
+        }
     }
 
     /// The last jump or branch back to an address, if it is behind another: what is seldom done in a loop may have a jump of its own.
@@ -282,7 +301,13 @@ impl Chip {
     /// Nothing else changes by it: it is not in what is saved, and chips with and without it are equal and go on alike. A chip
     /// that is loaded watches nothing.
     pub fn watch_rounds(&mut self, watch: bool) {
-        self.watched.0 = watch.then(Box::default);
+        let since = self.now();
+        self.watched.0 = watch.then(|| Box::new(Loops { since, ..Loops::default() }));
+    }
+
+    /// Whether rounds are [watched](Self::watch_rounds).
+    pub const fn watches_rounds(&self) -> bool {
+        self.watched.0.is_some()
     }
 
     /// Rounds of the main loop since they are [watched](Self::watch_rounds). Behind a reset it is the one before it, until the
@@ -291,9 +316,11 @@ impl Chip {
         Some(&self.watched.0.as_deref()?.found()?.rounds)
     }
 
-    /// Periods of the clock source in which the processor slept since rounds are [watched](Self::watch_rounds).
-    pub fn asleep(&self) -> u64 {
-        self.watched.0.as_deref().map_or(0, |loops| loops.asleep)
+    /// The share of the time in which the processor slept, since rounds are [watched](Self::watch_rounds); None if they are not.
+    pub fn share_asleep(&self) -> Option<f64> {
+        let loops = self.watched.0.as_deref()?;
+        let all = self.now().saturating_sub(loops.since);
+        (all > 0).then(|| loops.asleep as f64 / all as f64)
     }
 
     /// A jump back was made by the instruction before this address, and ends with this cycle.
