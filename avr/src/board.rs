@@ -66,6 +66,12 @@ pub trait Board {
         let _ = at;
     }
 
+    /// A round of the program's main loop begins, if [they are watched](crate::Chip::watch_rounds). Those that are passed over come
+    /// together, each with its instant.
+    fn round_begins(&mut self, at: u64) {
+        let _ = at;
+    }
+
     /// The program does something that it hardly means, or that is not simulated.
     fn warn(&mut self, warning: Warning, at: u64) {
         let _ = (warning, at);

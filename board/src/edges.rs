@@ -2,8 +2,8 @@
 
 use alloc::collections::VecDeque;
 
-use baudbot_avr::Pin;
 use baudbot_avr::usart::Frame;
+use baudbot_avr::{Pin, Pwm};
 
 /// Something that a logic analyser would see, at its instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +37,15 @@ pub enum Seen {
     Sends(Option<Frame>),
     /// A character begins at RXD; None: the last one is over.
     Receives(Option<Frame>),
+    /// A round of the program's main loop begins. Rounds of less than 1000 cycles are one, until they are so long together.
+    Round,
+    /// A signal that a timer makes on a pin, of which only the shape is simulated, has another shape.
+    Shape {
+        /// The pin.
+        pin: Pin,
+        /// The shape.
+        shape: Pwm,
+    },
 }
 
 /// The level of a wire.

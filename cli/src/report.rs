@@ -8,8 +8,8 @@ use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 use crate::args::Over;
 use crate::natural;
 use crate::summary::{
-    Battery, Blocked, Chip, ChipWarning, Clock, Cycles, Durations, Lateness, Line, Recording, Robot, Score,
-    Sensor, Summary, Thinking, Zone,
+    Battery, Blocked, Chip, ChipWarning, Clock, Cycles, Durations, Lateness, Line, Recording, Robot, Rounds,
+    Score, Sensor, Summary, Thinking, Zone,
 };
 use crate::text::{pairs, percent, table};
 
@@ -188,7 +188,23 @@ fn chip(chip: &Chip) -> impl Iterator<Item = (&'static str, String)> {
         let first = handy(warning.first_s);
         ("warning", format!("{at}{} ({} times, first at {first} s)", warning.problem, warning.count))
     };
-    core::iter::once(("chip", text)).chain(chip.warnings.iter().map(warning).collect::<Vec<_>>())
+    let rounds = chip.rounds.iter().map(|rounds| ("main loop", self::rounds(rounds, chip.asleep_percent)));
+    core::iter::once(("chip", text))
+        .chain(rounds.collect::<Vec<_>>())
+        .chain(chip.warnings.iter().map(warning).collect::<Vec<_>>())
+}
+
+/// How long the rounds of a main loop took.
+fn rounds(rounds: &Rounds, asleep_percent: Option<f64>) -> String {
+    let Rounds { count, least_cycles, mean_cycles, most_cycles, least_ms, mean_ms, most_ms } = *rounds;
+    let [least, mean, most] = [least_ms, mean_ms, most_ms].map(|ms| duration(ms * 1e6));
+    let asleep = asleep_percent.filter(|percent| *percent > 0.0);
+    let asleep =
+        asleep.map_or_else(String::new, |share| format!("; asleep {} of the time", percent(share / 100.0)));
+    format!(
+        "{count} rounds of {least_cycles} cycles at least, {} on average, {most_cycles} at most ({least}, {mean}, {most}){asleep}",
+        handy(mean_cycles)
+    )
 }
 
 /// What was left out as there was too much of it: of turns, of steps and of frames.

@@ -13,6 +13,7 @@
 
 use alloc::vec::Vec;
 
+pub use baudbot_avr::Rounds;
 use baudbot_avr::{Chip, Fuses, Program, Supply};
 pub use baudbot_board::{Board, By, Edge, Edges, Kind, Level, Net, Role, Seen, Terminal, Warning};
 use baudbot_board::{BoardError, ChipClock, PartId, Physics, Wiring};

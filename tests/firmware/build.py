@@ -95,6 +95,16 @@ def build_all(folder, target):
         list(pool.map(lambda sketch: build_sketch(sketch, folder, target, archive, libraries), sketches))
         list(pool.map(lambda program: build_program(program, folder, target), sorted(SKETCHES.glob("*.c"))))
     build_boot_loader(folder, target)
+    build_without_lto(SKETCHES / "rounds.ino", folder / "no_lto", target)
+
+
+def build_without_lto(sketch, folder, target):
+    """`loop` is a function of its own then."""
+    folder.mkdir()
+    source = folder / f"{sketch.stem}_no_lto.ino.cpp"
+    source.write_text(f'#include <Arduino.h>\n{sketch.read_text()}')
+    inputs = [compile_one(file, folder, [*includes([]), "-fno-lto"]) for file in [source, *sources(CORE)]]
+    link(target, folder, source.name.split(".")[0], [*inputs, "-lm", "-fno-lto"])
 
 
 def sources(folder):

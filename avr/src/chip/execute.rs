@@ -59,8 +59,9 @@ impl Chip {
             Op::Fmuls { d, r } => self.multiply_fraction(signed_product(self.register(d), self.register(r))),
             Op::Fmulsu { d, r } => self.multiply_fraction(mixed_product(self.register(d), self.register(r))),
             Op::Rjmp { offset } => {
+                let behind = self.pc;
                 self.jump_by(offset);
-                if offset < 0 { 2 + self.jumped_back(self.cycle + 2) } else { 2 }
+                if offset < 0 { 2 + self.jumped_back(behind, self.cycle + 2, board) } else { 2 }
             }
             Op::Rcall { offset } => {
                 self.push_pc(self.pc, board);
@@ -68,8 +69,9 @@ impl Chip {
                 1 + u64::from(self.return_bytes)
             }
             Op::Jmp { high, low } => {
+                let behind = self.pc;
                 self.pc = far(high, low) & self.pc_mask;
-                3
+                if self.pc < behind { 3 + self.jumped_back(behind, self.cycle + 3, board) } else { 3 }
             }
             Op::Call { high, low } => {
                 self.push_pc(self.pc + 1, board);
@@ -90,8 +92,8 @@ impl Chip {
                 self.set_sreg(self.sreg | alu::I);
                 self.return_from_call(board)
             }
-            Op::Brbs { mask, offset } => self.branch(self.sreg & mask != 0, offset),
-            Op::Brbc { mask, offset } => self.branch(self.sreg & mask == 0, offset),
+            Op::Brbs { mask, offset } => self.branch(self.sreg & mask != 0, offset, board),
+            Op::Brbc { mask, offset } => self.branch(self.sreg & mask == 0, offset, board),
             Op::Sbrc { r, mask } => self.skip(self.register(r) & mask == 0, code),
             Op::Sbrs { r, mask } => self.skip(self.register(r) & mask != 0, code),
             Op::Sbic { address, mask } => {
@@ -204,13 +206,15 @@ impl Chip {
                 1
             }
             Op::WaitJump { offset, cycles } => {
+                let behind = self.pc;
                 self.jump_by(offset.into());
-                self.wait(cycles)
+                self.wait(behind, cycles, board)
             }
             Op::WaitBranch { flag, offset, cycles } => {
                 if self.sreg >> (flag & 7) & 1 == flag >> 3 {
+                    let behind = self.pc;
                     self.jump_by(offset.into());
-                    self.wait(cycles)
+                    self.wait(behind, cycles, board)
                 } else {
                     1
                 }
@@ -312,10 +316,11 @@ impl Chip {
     }
 
     #[inline(always)]
-    fn branch(&mut self, taken: bool, offset: i8) -> u64 {
+    fn branch<B: Board>(&mut self, taken: bool, offset: i8, board: &mut B) -> u64 {
         if taken {
+            let behind = self.pc;
             self.jump_by(i16::from(offset));
-            if offset < 0 { 2 + self.jumped_back(self.cycle + 2) } else { 2 }
+            if offset < 0 { 2 + self.jumped_back(behind, self.cycle + 2, board) } else { 2 }
         } else {
             1
         }

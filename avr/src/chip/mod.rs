@@ -6,6 +6,7 @@ mod events;
 mod execute;
 mod input;
 mod interrupts;
+mod main_loop;
 mod memory;
 mod outputs;
 mod power;
@@ -44,6 +45,7 @@ pub use input::InputError;
 pub use run::Stop;
 
 use input::Inputs;
+use main_loop::Watched;
 use repeat::Repeat;
 
 /// A chip with its whole state. A clone that goes on does the same as the original, bit for bit.
@@ -72,6 +74,8 @@ pub struct Chip {
     state: State,
     #[serde(skip)]
     repeat: Repeat,
+    #[serde(skip)]
+    watched: Watched,
     /// What follows the instruction that has just been executed.
     pending: Pending,
     watchdog_resets: u32,
@@ -123,6 +127,7 @@ impl Chip {
             inhibited: false,
             state: State::Awake,
             repeat: Repeat::new(properties.sram_bytes),
+            watched: Watched::default(),
             pending: Pending::Nothing,
             watchdog_resets: 0,
             clock: Clock::new(0),

@@ -40,6 +40,7 @@ impl Chip {
 
     /// The state after a reset; `status` is MCUSR.
     pub(super) fn begin(&mut self, status: u8) {
+        self.watch_reset();
         let now = self.cycle;
         let prescaler = if self.fuses.divides_clock() { DIVIDE_BY_8 } else { 0 };
         self.clock.set_shift(now, prescaler);

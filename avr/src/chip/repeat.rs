@@ -11,13 +11,14 @@ use alloc::vec::Vec;
 
 use super::Chip;
 use crate::address::{Core, Place};
+use crate::board::Board;
 use crate::ports;
 use crate::{adc, spi, system, timer, twi, usart};
 
 /// After so many jumps without the state that was marked, nothing is looked for until the next event.
 const LONGEST_SPAN: u16 = 256;
 /// Cycles of a jump that is taken.
-const JUMP: u64 = 2;
+pub(super) const JUMP: u64 = 2;
 /// With fewer cycles until the next event there is nothing to win.
 const WORTH_CYCLES: u64 = 256;
 
@@ -25,6 +26,8 @@ const WORTH_CYCLES: u64 = 256;
 #[derive(Debug, Default)]
 pub(super) struct Repeat {
     phase: Phase,
+    /// The phase in which nothing is looked for.
+    over: Over,
     /// Jumps since the mark, and with how many it is renewed.
     jumps: u16,
     span: u16,
@@ -48,6 +51,18 @@ enum Phase {
     Looking,
     /// Not before the next event.
     Over,
+    /// Neither, but jumps are watched.
+    Watched,
+}
+
+/// What a jump back is for when nothing is looked for: [`Phase::Over`] unless jumps are watched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Over(Phase);
+
+impl Default for Over {
+    fn default() -> Self {
+        Self(Phase::Over)
+    }
 }
 
 /// What an instruction finds, but for the memory.
@@ -91,7 +106,22 @@ impl Repeat {
     /// The program does something that another time may do something else.
     #[inline]
     pub(super) const fn give_up(&mut self) {
-        self.phase = Phase::Over;
+        self.phase = self.over.0;
+    }
+
+    /// Jumps back are watched from now on, or no longer.
+    pub(super) const fn watch(&mut self, watch: bool) {
+        self.over = Over(if watch { Phase::Watched } else { Phase::Over });
+    }
+
+    /// Whether what is done now may be found to repeat.
+    pub(super) fn is_looking(&self) -> bool {
+        self.phase == Phase::Looking
+    }
+
+    /// Whether the last jump has set a mark.
+    fn has_marked(&self) -> bool {
+        self.phase == Phase::Looking && self.jumps == 0
     }
 
     /// The next iteration of a loop that waits may be another, without an event.
@@ -112,7 +142,7 @@ impl Repeat {
         }
         self.jumps += 1;
         if self.jumps == LONGEST_SPAN {
-            self.phase = Phase::Over;
+            self.give_up();
         } else if self.jumps == self.span {
             self.span *= 2;
             self.mark(now, sram, cycle);
@@ -144,36 +174,59 @@ impl PartialEq for Repeat {
 }
 
 impl Chip {
-    /// A jump back has been made, and ends with this cycle. The answer is how many cycles the same can go on.
+    /// A jump back has been made by the instruction before `behind`, and ends with this cycle. The answer is how many cycles the same can
+    /// go on.
     #[inline(always)]
-    pub(super) fn jumped_back(&mut self, now: u64) -> u64 {
-        if self.repeat.phase == Phase::Over { 0 } else { self.look_for_repeat(now) }
+    pub(super) fn jumped_back<B: Board>(&mut self, behind: u32, now: u64, board: &mut B) -> u64 {
+        if self.repeat.phase == Phase::Over { 0 } else { self.look_at_jump(behind, now, board) }
     }
 
     #[inline(never)]
-    fn look_for_repeat(&mut self, now: u64) -> u64 {
-        let left = self.limit.saturating_sub(now);
-        if left < WORTH_CYCLES {
+    fn look_at_jump<B: Board>(&mut self, behind: u32, now: u64, board: &mut B) -> u64 {
+        if self.watched.0.is_none() {
+            return self.look_for_repeat(now).map_or(0, |(period, times)| period * times);
+        }
+        self.watch_jump(behind, now, board);
+        if self.repeat.phase == Phase::Watched {
             return 0;
         }
+        let repeat = self.look_for_repeat(now);
+        if self.repeat.has_marked() {
+            self.forget_arrivals();
+        }
+        let Some((period, times)) = repeat else { return 0 };
+        self.watch_repeats(now, period, times, board);
+        period * times
+    }
+
+    /// How many cycles are repeated, and how often.
+    fn look_for_repeat(&mut self, now: u64) -> Option<(u64, u64)> {
+        let left = self.limit.saturating_sub(now);
+        if left < WORTH_CYCLES {
+            return None;
+        }
         let processor = Processor { pc: self.pc, sp: self.sp, sreg: self.sreg, registers: self.registers };
-        let Some(period) = self.repeat.period(processor, &self.sram, now) else { return 0 };
+        let period = self.repeat.period(processor, &self.sram, now)?;
         self.repeat.give_up();
         #[cfg(test)]
         {
             self.repeat.passed += 1;
         }
-        left - left % period
+        Some((period, left / period))
     }
 
     /// A jump back to the start of a loop that only waits. If the last one was an iteration ago and nothing else has happened
     /// since, the loop is gone through until something happens: all these iterations are the same.
     #[inline(always)]
-    pub(super) fn wait(&mut self, cycles: u8) -> u64 {
+    pub(super) fn wait<B: Board>(&mut self, behind: u32, cycles: u8, board: &mut B) -> u64 {
         let period = u64::from(cycles);
         let now = self.cycle + JUMP;
         let left = if self.was_here(now.wrapping_sub(period)) { self.limit.saturating_sub(now) } else { 0 };
-        self.pass(now, left - left % period)
+        let passed = left - left % period;
+        if self.watched.0.is_some() {
+            self.watch_wait(behind, period, passed, board);
+        }
+        self.pass(now, passed)
     }
 
     /// A jump back to the start of a loop that counts two or three registers down by one, the low one first. All iterations

@@ -67,6 +67,7 @@ impl Chip {
         mut instructions: impl FnMut(&mut Self, &Code, &mut B) -> bool,
     ) -> Stop {
         let until = until.min(LATEST);
+        self.repeat.watch(self.watched.0.is_some());
         self.repeat.forget();
         self.repeat.restart();
         let mut code = self.flash.code();
@@ -123,6 +124,7 @@ impl Chip {
             }
             State::Asleep(sleep) => sleep,
         };
+        let since = self.now();
         if self.can_wake(sleep) {
             self.wake(sleep, board);
             return true;
@@ -133,6 +135,7 @@ impl Chip {
         } else {
             self.cycle = self.next_event.min(self.clock.cycle_from(until)).max(self.cycle);
         }
+        self.watch_sleep(since);
         true
     }
 

@@ -31,6 +31,10 @@ PROGRAMS = {
     "peripherals": ("peripherals.c", []),
     "conversions": ("conversions.c", []),
     **{
+        f"rounds_{program.lower()}": ("rounds.c", [f"-DPROGRAM={program}"])
+        for program in ("NESTED", "ASLEEP", "ARGUMENTS", "FAR", "FOREVER", "WATCHDOG")
+    },
+    **{
         f"timer{timer}_{program.lower()}": ("timer.c", [f"-DNUMBER={timer}", f"-DPROGRAM={program}"])
         for timer in (0, 1, 2)
         for program in ("COUNTERS", "OUTPUTS", "INTERRUPTS")

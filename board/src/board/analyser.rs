@@ -37,7 +37,12 @@ pub(super) struct Analyser {
     waves: Vec<Wave>,
     /// The level that the cable gives RXD; the other end makes it high while nothing is sent.
     cable: bool,
+    /// The begin of the last round that was drawn.
+    round: Option<u64>,
 }
+
+/// Cycles of a round of the main loop that is drawn by itself: shorter ones would leave no room for other edges.
+const SHORTEST_ROUND: u64 = 1000;
 
 /// A pin as it was when the analyser was fitted.
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +76,7 @@ enum Told {
     Converted(u8, u16),
     Out(Character),
     In(Character),
+    Round,
 }
 
 /// What becomes of a character.
@@ -89,7 +95,7 @@ impl Analyser {
     pub(super) fn new(wires: Vec<Wire>, origin_ns: u64, now: u64, clock: &ChipClock) -> Self {
         let waves = wires.iter().filter_map(|wire| Some(Wave::new(wire.pin, wire.shape?, now))).collect();
         let (edges, waiting) = (Edges::default(), Vec::new());
-        let mut analyser = Self { origin_ns, edges, wires, waiting, waves, cable: true };
+        let mut analyser = Self { origin_ns, edges, wires, waiting, waves, cable: true, round: None };
         for place in 0..analyser.wires.len() {
             analyser.look(place, By::Chip, now, clock);
         }
@@ -126,6 +132,13 @@ impl Analyser {
 
     pub(super) fn converted(&mut self, channel: u8, result: u16, at: u64) {
         self.waiting.push((at, Told::Converted(channel, result)));
+    }
+
+    pub(super) fn round(&mut self, at: u64) {
+        if self.round.is_none_or(|before| at >= before + SHORTEST_ROUND) {
+            self.round = Some(at);
+            self.waiting.push((at, Told::Round));
+        }
     }
 
     pub(super) fn sends(&mut self, frame: Frame, start: u64, bit_cycles: u64) {
@@ -172,12 +185,16 @@ impl Analyser {
                 self.waves.retain(|wave| wave.pin() != pin);
                 self.change(pin, By::Chip, at, clock, |sides| sides.chip = drive);
             }
-            Told::Shape(pin, pwm) => match self.waves.iter_mut().find(|wave| wave.pin() == pin) {
-                Some(wave) => wave.change(pwm, at),
-                None => self.waves.push(Wave::new(pin, pwm, at)),
-            },
+            Told::Shape(pin, shape) => {
+                self.note(Seen::Shape { pin, shape }, at, clock);
+                match self.waves.iter_mut().find(|wave| wave.pin() == pin) {
+                    Some(wave) => wave.change(shape, at),
+                    None => self.waves.push(Wave::new(pin, shape, at)),
+                }
+            }
             Told::Part(pin, external) => self.change(pin, By::Part, at, clock, |sides| sides.part = external),
             Told::Converted(channel, result) => self.note(Seen::Converted { channel, result }, at, clock),
+            Told::Round => self.note(Seen::Round, at, clock),
             Told::Out(Character::Begins(frame)) => self.note(Seen::Sends(Some(frame)), at, clock),
             Told::Out(Character::Ends) => self.note(Seen::Sends(None), at, clock),
             Told::Out(Character::Bit(high)) => {

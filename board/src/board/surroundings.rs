@@ -259,6 +259,12 @@ impl<P: Physics> avr::Board for View<'_, P> {
         }
     }
 
+    fn round_begins(&mut self, at: u64) {
+        if let Some(analyser) = &mut self.around.analyser.0 {
+            analyser.round(at);
+        }
+    }
+
     fn character_sent(&mut self, sent: &usart::Sent) {
         if let Some(analyser) = &mut self.around.analyser.0 {
             analyser.sends(sent.frame, sent.start, sent.bit);

@@ -3,7 +3,7 @@
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-use baudbot_avr::{Pin, Port};
+use baudbot_avr::{Pin, Port, Rounds};
 
 use super::Board;
 use super::analyser::{Analyser, Wire, Yields};
@@ -19,7 +19,8 @@ impl Board {
     /// without it are equal and go on alike. A board that is loaded keeps nothing.
     ///
     /// Where a timer's signal is simulated by its shape, its edges have the right distances but not the timer's phase: they
-    /// are drawn as if a period began when the timer took the pin. The wires of the I²C bus and of SPI do not move.
+    /// are drawn as if a period began when the timer took the pin. The wires of the I²C bus and of SPI do not move. With edges,
+    /// [rounds](Self::keep_rounds) are kept.
     pub fn keep_edges(&mut self, origin_ns: Option<u64>) {
         let Some(origin_ns) = origin_ns else {
             self.around.analyser.0 = None;
@@ -29,6 +30,9 @@ impl Board {
             analyser.origin_ns = origin_ns;
             return;
         }
+        if !self.chip.watches_rounds() {
+            self.keep_rounds(true);
+        }
         let wires = self.wires();
         let analyser = Analyser::new(wires, origin_ns, self.chip.now(), &self.around.clock);
         self.around.analyser.0 = Some(Box::new(analyser));
@@ -37,6 +41,22 @@ impl Board {
     /// What is [kept](Self::keep_edges).
     pub fn edges(&self) -> Option<&Edges> {
         self.around.analyser.0.as_deref().map(Analyser::edges)
+    }
+
+    /// From now on counts the rounds of the program's main loop, as [`Chip::watch_rounds`](baudbot_avr::Chip::watch_rounds) says, or no longer does, and forgets
+    /// them. Nothing else changes by it: they are not in what is saved, and a board that is loaded counts none.
+    pub fn keep_rounds(&mut self, keep: bool) {
+        self.chip.watch_rounds(keep);
+    }
+
+    /// The rounds that were [counted](Self::keep_rounds), in cycles of the clock source; None if there were none.
+    pub fn rounds(&self) -> Option<&Rounds> {
+        self.chip.rounds()
+    }
+
+    /// The share of the time in which the processor slept, since rounds are [counted](Self::keep_rounds); None if they are not.
+    pub fn share_asleep(&self) -> Option<f64> {
+        self.chip.share_asleep()
     }
 
     fn wires(&mut self) -> Vec<Wire> {

@@ -29,7 +29,12 @@ fn edges(board: &Board) -> Vec<Edge> {
 fn levels(board: &Board, of: Pin) -> Vec<(u64, Level, By)> {
     let of_pin = |edge: Edge| match edge.seen {
         Seen::Level { pin, level, by } if pin == of => Some((edge.at_ns, level, by)),
-        Seen::Level { .. } | Seen::Converted { .. } | Seen::Sends(_) | Seen::Receives(_) => None,
+        Seen::Level { .. }
+        | Seen::Converted { .. }
+        | Seen::Sends(_)
+        | Seen::Receives(_)
+        | Seen::Round
+        | Seen::Shape { .. } => None,
     };
     edges(board).into_iter().filter_map(of_pin).collect()
 }
@@ -149,7 +154,12 @@ fn characters_are_bits_on_their_pins() {
     assert_eq!(decode(&sent, 104_000, board.now_ns()), (b'b'..=b'{').collect::<Vec<_>>());
     let begun = |edge: &Edge| match edge.seen {
         Seen::Sends(Some(frame)) => Some(frame.data() as u8),
-        Seen::Level { .. } | Seen::Converted { .. } | Seen::Sends(None) | Seen::Receives(_) => None,
+        Seen::Level { .. }
+        | Seen::Converted { .. }
+        | Seen::Sends(None)
+        | Seen::Receives(_)
+        | Seen::Round
+        | Seen::Shape { .. } => None,
     };
     assert_eq!(edges(&board).iter().filter_map(begun).collect::<Vec<_>>(), (b'b'..=b'{').collect::<Vec<_>>());
     let ends = |edge: &&Edge| matches!(edge.seen, Seen::Sends(None));
@@ -243,4 +253,42 @@ fn conversions_have_their_channel_and_result() {
     assert_eq!(seen, Seen::Converted { channel: 2, result: 512 });
     // The first sample is 13.5 cycles of 8 µs behind its start.
     assert!(at_ns.abs_diff(108_000) < 10_000, "{at_ns}");
+}
+
+#[test]
+fn rounds_of_the_main_loop_are_edges_at_their_cycles() {
+    let mut program = Asm::new();
+    program.sbi(io::DDRB, 5);
+    let again = program.here();
+    program.sbi(io::PINB, 5).delay(300).rjmp(again);
+    let mut board = board(&program, Wiring::builder());
+    board.keep_edges(Some(0));
+    board.run_until(10 * MS, &mut World::default());
+    let moved: Vec<u64> = levels(&board, pin(Port::B, 5)).iter().skip(3).map(|level| level.0).collect();
+    let begun: Vec<u64> =
+        edges(&board).iter().filter(|edge| edge.seen == Seen::Round).map(|edge| edge.at_ns).collect();
+    assert!(begun.len() > 60, "{}", begun.len());
+    // `SBI` inverts the pin in two cycles of 62.5 ns; the first jump back has made the loop, and the second ends a round of it.
+    for (begun, moved) in begun.iter().zip(&moved[1..]) {
+        assert!(moved - begun == 125, "{begun} {moved}");
+    }
+    assert!(begun.windows(2).all(|pair| pair[1] - pair[0] > 62_500));
+    let rounds = board.rounds().unwrap();
+    assert_eq!((rounds.count(), rounds.least()), (begun.len() as u64, rounds.most()));
+    assert_eq!(board.share_asleep(), Some(0.0));
+    board.keep_rounds(false);
+    assert_eq!((board.rounds(), board.share_asleep()), (None, None));
+}
+
+#[test]
+fn short_rounds_leave_room_for_other_edges() {
+    let mut program = Asm::new();
+    program.stay();
+    let mut board = board(&program, Wiring::builder());
+    board.keep_edges(Some(0));
+    board.run_until(10 * MS, &mut World::default());
+    let begun = edges(&board).iter().filter(|edge| edge.seen == Seen::Round).count();
+    assert!((150..=160).contains(&begun), "{begun} of 80,000 rounds are drawn");
+    let rounds = board.rounds().unwrap();
+    assert!(rounds.most() == 2 && rounds.count() > 79_000, "{rounds:?}");
 }

@@ -9,6 +9,7 @@ mod buses;
 mod firmata;
 mod lines;
 mod motion;
+mod rounds;
 mod sensors;
 mod steps;
 mod text;

@@ -102,7 +102,8 @@ Examples:
   baudbot budget wander --set robots.robot.link.baud=38400 --check
   baudbot budget my.toml --robot alice --json
   baudbot budget wander --svg budget.svg         the timing diagram of a typical cycle
-  baudbot budget wander --measured run.mcap      with thinking times as measured in a run";
+  baudbot budget wander --measured run.mcap      with thinking times as measured in a run
+  baudbot budget rover/robot.toml --seconds 30   a program on a chip is measured in a run of 30 s";
 
 pub(super) const PRESET_EXAMPLES: &str = "\
 Examples:

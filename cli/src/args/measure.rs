@@ -162,7 +162,7 @@ fn positive(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|number| *number > 0.0).ok_or_else(|| format!("must be above 0, is {text}"))
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     let fits = |seconds: &f64| *seconds > 0.0 && *seconds <= MOST_S;
     finite(text).ok().filter(fits).ok_or_else(|| format!("must be above 0 and at most {MOST_S}, is {text}"))
 }

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod brain;
+mod budget;
 mod export;
 mod fit;
 mod gdb;
@@ -26,6 +27,7 @@ use baudbot_server::Address;
 use clap::{Args, Parser, Subcommand};
 
 pub(crate) use self::brain::BrainArgs;
+pub(crate) use self::budget::BudgetArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 pub(crate) use self::fit::FitArgs;
 pub(crate) use self::gdb::GdbAddress;
@@ -273,32 +275,6 @@ pub(crate) struct DiagramArgs {
     /// Draw an SVG picture; `-` is stdout [default: a table as text]
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) changes: ChangeArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct BudgetArgs {
-    /// A scenario file, or a built-in scenario: arsim, khepera, wander
-    pub(crate) scenario: String,
-    /// Only this robot; may be given several times [default: all]
-    #[arg(long = "robot", value_name = "ROBOT")]
-    pub(crate) robots: Vec<String>,
-    /// Write JSON, with units in the names
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// Draw the typical cycle of a robot as a timing diagram in SVG; `-` is stdout
-    #[arg(long, value_name = "FILE", conflicts_with = "json")]
-    pub(crate) svg: Option<PathBuf>,
-    /// Take the thinking times that were measured in a recorded run instead of the scenario's
-    ///
-    /// They are measured in real time, and in lockstep of brains that are programs (`baudbot run --brain 'exec:…' --record FILE`).
-    /// The longest that was measured stands for the worst case.
-    #[arg(long, value_name = "RUN.mcap")]
-    pub(crate) measured: Option<PathBuf>,
-    /// Exit with 1 if a robot misses its deadline
-    #[arg(long)]
-    pub(crate) check: bool,
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
 }

@@ -2,15 +2,20 @@
 
 mod lanes;
 mod measured;
+mod program;
 mod table;
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use baudbot_budget::{Budget, Verdict};
+use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
+use serde::Serialize;
 
 use self::measured::Measured;
+use self::program::ProgramBudget;
 use crate::args::BudgetArgs;
 use crate::error::Refused;
 use crate::robot_groups;
@@ -30,33 +35,58 @@ pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
     }
     let wanted = |name: &String| args.robots.is_empty() || args.robots.contains(name);
     let wanted: Vec<_> = scenario.robots.iter().filter(|robot| wanted(&robot.name)).collect();
-    if let Some(robot) = wanted.iter().find(|robot| robot.chip.is_some()) {
+    let measured = args.measured.as_deref().map(Measured::of_recording).transpose()?.unwrap_or_default();
+    measured.check(args.measured.as_deref(), wanted.iter().copied())?;
+    let models = || wanted.iter().copied().filter(|robot| robot.chip.is_none());
+    let computed = Budget::of_measured(&scenario, models(), |robot| measured.of(robot));
+    if let Some(path) = &args.svg {
+        return draw(&source.world_name(&scenario), (&wanted, &computed), path)
+            .map(|()| code(args, &computed, &[]));
+    }
+    let programs = programs(&scenario, &wanted, args.seconds);
+    if args.json {
+        text::print_json(&Budgets { computed: &computed, programs: &programs })?;
+    } else {
+        text::print(&told(&source, &wanted, (&computed, &programs), &measured))?;
+    }
+    Ok(code(args, &computed, &programs))
+}
+
+/// The budgets of all robots: those that were computed, and those of programs, which were measured.
+#[derive(Serialize)]
+struct Budgets<'a> {
+    #[serde(flatten)]
+    computed: &'a Budget,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    programs: &'a [ProgramBudget],
+}
+
+/// The budgets of robots with programs of their own, one of each table.
+fn programs(scenario: &Scenario, wanted: &[&RobotSpec], seconds: f64) -> Vec<ProgramBudget> {
+    let firsts = robot_groups::first_of_each(wanted.iter().copied()).into_iter();
+    let firsts = firsts
+        .filter(|(spec, _)| spec.chip.is_some())
+        .filter_map(|(spec, _)| scenario.robots.iter().position(|robot| robot.name == spec.name));
+    program::of(&Arc::new(scenario.clone()), &firsts.collect::<Vec<_>>(), seconds)
+}
+
+fn code(args: &BudgetArgs, computed: &Budget, programs: &[ProgramBudget]) -> ExitCode {
+    let mut verdicts =
+        computed.robots.iter().map(|robot| robot.verdict).chain(programs.iter().map(|it| it.verdict));
+    let missed = verdicts.any(|verdict| verdict == Verdict::Misses);
+    if args.check && missed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+fn draw(world: &str, (wanted, budget): (&[&RobotSpec], &Budget), path: &Path) -> anyhow::Result<()> {
+    if let [robot] = wanted
+        && robot.chip.is_some()
+    {
         return Err(Refused::error(format!(
-            "robot `{0}`: its microcontroller runs a program of its own, and what that costs is found by running it (`baudbot run`); \
-             name other robots with --robot, or leave microcontroller.program out for the model",
+            "--svg draws the cycle of a robot without a program of its own, and `{0}` has one; draw its pins and its main loop in \
+             a run: baudbot run … --vcd {0}=FILE",
             robot.name
         )));
     }
-    let measured = args.measured.as_deref().map(Measured::of_recording).transpose()?.unwrap_or_default();
-    measured.check(args.measured.as_deref(), wanted.iter().copied())?;
-    let budget = Budget::of_measured(&scenario, wanted.iter().copied(), |robot| measured.of(robot));
-    if let Some(path) = &args.svg {
-        return draw(&source.world_name(&scenario), &budget, path).map(|()| code(args, &budget));
-    }
-    if args.json {
-        text::print_json(&budget)?;
-    } else {
-        text::print(&told(&source, &wanted, &budget, &measured))?;
-    }
-    Ok(code(args, &budget))
-}
-
-fn code(args: &BudgetArgs, budget: &Budget) -> ExitCode {
-    let kept = budget.robots.iter().all(|robot| robot.verdict != Verdict::Misses);
-    if args.check && !kept { ExitCode::FAILURE } else { ExitCode::SUCCESS }
-}
-
-fn draw(world: &str, budget: &Budget, path: &Path) -> anyhow::Result<()> {
     let [robot] = &budget.robots[..] else {
         let names: Vec<_> = budget.robots.iter().map(|robot| robot.robot.as_str()).collect();
         return Err(Refused::error(format!(
@@ -71,11 +101,19 @@ fn draw(world: &str, budget: &Budget, path: &Path) -> anyhow::Result<()> {
     text::write(path, &picture)
 }
 
-fn told(source: &Source, specs: &[&RobotSpec], budget: &Budget, measured: &Measured) -> String {
-    if budget.robots.is_empty() {
+fn told(
+    source: &Source,
+    specs: &[&RobotSpec],
+    (budget, programs): (&Budget, &[ProgramBudget]),
+    measured: &Measured,
+) -> String {
+    if specs.is_empty() {
         return format!("{}: no robots\n", source.label());
     }
     let told = |(spec, count): (&RobotSpec, usize)| {
+        if let Some(program) = programs.iter().find(|program| program.robot == spec.name) {
+            return Some(program::told(program) + &robot_groups::others(spec, count));
+        }
         let robot = budget.robots.iter().find(|robot| robot.robot == spec.name);
         robot.map(|robot| {
             let warnings = together::warnings(spec, robot);

@@ -149,6 +149,9 @@ impl Plan {
             // Nobody looks at it.
             world.keep_timeline(0);
         }
+        for robot in 0..self.scenario.robots.len() {
+            world.keep_rounds(robot, true);
+        }
         for &robot in &self.analysed {
             world.keep_edges(robot, true);
         }

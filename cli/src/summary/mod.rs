@@ -11,7 +11,7 @@ use crate::assignment::Assigned;
 mod chip;
 mod robot;
 
-pub(crate) use chip::{Chip, ChipWarning};
+pub(crate) use chip::{Chip, ChipWarning, Rounds};
 pub(crate) use robot::{Battery, Cycles, Durations, Line, Robot, Sensor, Thinking, Zone};
 
 /// A run.

@@ -2,7 +2,7 @@
 //!
 //! All pins of an Arduino are there, as a program may move one on which no wire is. `D9_PB1_motors_left_pwm` is a pin with
 //! both of its names and what is on it; `adc0_sensors_ir_left` has the results of the ADC; `uart_sent` and `uart_received`
-//! have the characters at TXD and RXD while they last.
+//! have the characters at TXD and RXD while they last. `loop` changes when a round of the program's main loop begins.
 
 use std::io::{self, Write};
 
@@ -16,6 +16,8 @@ pub(super) struct Signals {
     channels: Vec<(u8, Vector)>,
     sent: Vector,
     received: Vector,
+    /// It changes when a round of the main loop begins.
+    rounds: (IdCode, bool),
 }
 
 /// A number, or nothing.
@@ -56,8 +58,9 @@ impl Signals {
         }
         let sent = vector("uart_sent", CHARACTER_BITS, Value::Z)?;
         let received = vector("uart_received", CHARACTER_BITS, Value::Z)?;
+        let rounds = (writer.add_wire(1, "loop")?, false);
         writer.upscope()?;
-        Ok(Self { wires, channels, sent, received })
+        Ok(Self { wires, channels, sent, received, rounds })
     }
 
     /// Something was seen. What it changes, if it is among the signals.
@@ -79,6 +82,13 @@ impl Signals {
             }
             Seen::Sends(frame) => Some(self.sent.set(frame.map(|frame| frame.data()))),
             Seen::Receives(frame) => Some(self.received.set(frame.map(|frame| frame.data()))),
+            Seen::Round => {
+                let (code, level) = &mut self.rounds;
+                *level = !*level;
+                Some(Change::Wire(*code, (*level).into()))
+            }
+            // Its edges are drawn.
+            Seen::Shape { .. } => None,
         }
     }
 
@@ -90,7 +100,11 @@ impl Signals {
     pub(super) fn write_all<W: Write>(&self, writer: &mut Writer<W>) -> io::Result<()> {
         let wires = self.wires.iter().map(|&(_, code, value)| Change::Wire(code, value));
         let vectors = self.channels.iter().map(|(_, vector)| vector).chain([&self.sent, &self.received]);
-        wires.chain(vectors.map(|&vector| Change::Vector(vector))).try_for_each(|change| change.write(writer))
+        let rounds = Change::Wire(self.rounds.0, self.rounds.1.into());
+        wires
+            .chain([rounds])
+            .chain(vectors.map(|&vector| Change::Vector(vector)))
+            .try_for_each(|change| change.write(writer))
     }
 }
 

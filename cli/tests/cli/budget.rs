@@ -65,3 +65,60 @@ fn one_robot_can_be_asked_for_and_one_that_there_is_not_is_refused() {
     assert_eq!(err, "error: --robot: there is no robot `bob`; there are: `khepera`\n");
     assert_eq!(baudbot(&["budget", "no-such-file.toml"]).0, 2);
 }
+
+const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/firmware.toml");
+
+#[test]
+fn a_program_is_measured_in_a_run_that_is_always_the_same() {
+    let measured = ["budget", FIRMWARE, "--seconds", "4", "--json"];
+    let text = good(&measured);
+    assert_eq!(text, good(&measured));
+    let json: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["robots"].as_array().unwrap().len(), 0);
+    let program = &json["programs"][0];
+    assert_eq!(program["round_cycles"]["best"], 11, "{program}");
+    // 11 cycles of 62.5 ns.
+    assert_eq!(program["round"]["best_ns"], 687);
+    let rate = |what: &str| {
+        let rates = program["rates"].as_array().unwrap();
+        let found = rates.iter().find(|rate| rate["what"] == what);
+        found.unwrap_or_else(|| panic!("{what}: {program}"))["per_s"].as_f64().unwrap()
+    };
+    // Every 20 ms it reads five sensors.
+    for sensor in ["sensor ir_left", "sensor ir_front", "sensor ir_right"] {
+        assert!((rate(sensor) - 50.0).abs() < 1.0, "{program}");
+    }
+    assert!((rate("conversions of the ADC") - 250.0).abs() < 5.0, "{program}");
+    // 13 periods of 128 cycles for each voltage, and what it computes.
+    let way = &program["readings_to_motors"];
+    let [best, typical] = ["best_ns", "typical_ns"].map(|key| way[key].as_f64().unwrap() / 1e6);
+    assert!(best > 0.4 && typical < 1.5, "{way}");
+    let uplink = &program["loads"][0];
+    let [bytes, most] = ["bytes_per_s", "most_bytes_per_s"].map(|key| uplink[key].as_f64().unwrap());
+    assert!((most - 960.0).abs() < 1.0 && bytes > 100.0 && bytes < 300.0, "{uplink}");
+    assert!((uplink["share"].as_f64().unwrap() - bytes / most).abs() < 1e-12);
+}
+
+#[test]
+fn the_text_about_a_program_has_its_rounds_its_way_to_the_motors_and_its_cable() {
+    let out = good(&["budget", FIRMWARE, "--seconds", "2"]);
+    assert!(out.starts_with("robot robot: mostly meets its deadline of "), "{out}");
+    for part in [
+        "round of the main loop",
+        "from the readings to the motors",
+        "sensor ir_front",
+        "age of readings when the motors change",
+        " of 960 bytes a second",
+        "processor",
+    ] {
+        assert!(out.contains(part), "no `{part}` in\n{out}");
+    }
+}
+
+#[test]
+fn what_is_not_there_for_programs_is_refused_with_what_is() {
+    let (code, _, err) = baudbot(&["budget", FIRMWARE, "--svg", "-"]);
+    assert!(code == 2 && err.contains("--vcd robot=FILE"), "{err}");
+    let (code, _, err) = baudbot(&["budget", FIRMWARE, "--seconds", "0"]);
+    assert!(code == 2 && err.contains("above 0"), "{err}");
+}

@@ -123,6 +123,10 @@ fn a_run_shows_pwm_the_uart_the_adc_and_the_lamp() {
             assert!(results.contains(&line[place]), "{name}: {line:?}");
         }
     }
+    // Each 20 ms it measures in a long round, and between these the short ones are drawn together.
+    let rounds = &seen.wires["loop"];
+    assert!(rounds[1..].windows(2).all(|pair| pair[1].0 - pair[0].0 >= 62_500 && pair[0].1 != pair[1].1));
+    assert!((20_000..32_000).contains(&rounds.len()), "{}", rounds.len());
     // Nothing is near at first, and the lamp is off.
     let lamp = &seen.wires["D13_PB5_leds_builtin"];
     assert_eq!(seen.level("D13_PB5_leds_builtin", 10_000_000), Value::V0, "{lamp:?}");

@@ -336,6 +336,31 @@ pub struct ChipStatus {
     /// What its program or its wiring hardly means, in the order in which it came first.
     #[prost(message, repeated, tag = "5")]
     pub warnings: ::prost::alloc::vec::Vec<ChipWarning>,
+    /// Rounds of its program's main loop; absent if they are not counted, or if none was found.
+    #[prost(message, optional, tag = "6")]
+    pub rounds: ::core::option::Option<ChipRounds>,
+    /// The share of the time in which its processor slept; absent if rounds are not counted.
+    #[prost(double, optional, tag = "7")]
+    pub share_asleep: ::core::option::Option<f64>,
+}
+/// Rounds of a program's main loop, from one arrival at its beginning to the next. `run` counts them; a server does not.
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct ChipRounds {
+    /// How many were completed.
+    #[prost(uint64, tag = "1")]
+    pub count: u64,
+    /// Cycles of the clock source in the shortest one.
+    #[prost(uint64, tag = "2")]
+    pub least_cycles: u64,
+    /// Their mean.
+    #[prost(double, tag = "3")]
+    pub mean_cycles: f64,
+    /// Their median, but for a thirty-second.
+    #[prost(uint64, tag = "4")]
+    pub typical_cycles: u64,
+    /// Cycles in the longest one.
+    #[prost(uint64, tag = "5")]
+    pub most_cycles: u64,
 }
 /// Something that a program or a wiring hardly means.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]

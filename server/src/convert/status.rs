@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use baudbot_proto::v1;
-use baudbot_sim::chip::{Board, Warning};
+use baudbot_sim::chip::{Board, Rounds, Warning};
 use baudbot_sim::link::LineCounters;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::robot::Cycles;
@@ -140,6 +140,18 @@ fn chip_status(robot: &RobotView<'_>, board: &Board) -> v1::ChipStatus {
         watchdog_resets: chip.watchdog_resets(),
         stack_bytes: u32::from(chip.part().ram_end().saturating_sub(chip.lowest_sp())),
         warnings: robot.board_warnings().map(warning).collect(),
+        rounds: board.rounds().map(chip_rounds),
+        share_asleep: board.share_asleep(),
+    }
+}
+
+fn chip_rounds(rounds: &Rounds) -> v1::ChipRounds {
+    v1::ChipRounds {
+        count: rounds.count(),
+        least_cycles: rounds.least(),
+        mean_cycles: rounds.total() as f64 / rounds.count().max(1) as f64,
+        typical_cycles: rounds.typical(),
+        most_cycles: rounds.most(),
     }
 }
 

@@ -172,6 +172,13 @@ impl Robot {
         }
     }
 
+    /// From now on counts the rounds of the main loop of its chip's program, or no longer does.
+    pub(crate) fn keep_rounds(&mut self, keep: bool) {
+        if let Some(chip) = &mut self.rare.fourth {
+            chip.keep_rounds(keep);
+        }
+    }
+
     /// Its microcontroller is reset at `now`: it begins anew when its bootloader has waited, which `spec` says.
     pub(crate) fn reset_board(&mut self, spec: &RobotSpec, now: SimTime) {
         self.lay_down_command(spec);

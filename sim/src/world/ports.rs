@@ -55,6 +55,14 @@ impl World {
         }
     }
 
+    /// From now on counts the rounds of the main loop of the program on a robot's chip, or no longer does: see
+    /// [`Board::keep_rounds`](crate::chip::Board::keep_rounds). Makes no difference to anything else.
+    pub fn keep_rounds(&mut self, robot: usize, keep: bool) {
+        if let Some(robot) = self.state.robots.get_mut(robot) {
+            robot.keep_rounds(keep);
+        }
+    }
+
     /// Cables have the baud rates that robots were asked for in the tick that is over. A rate that the cable cannot have
     /// changes nothing, nor does one on a cable that has none, or after more changes than a run can have.
     pub(super) fn change_bauds(&mut self) {

@@ -125,6 +125,11 @@ impl ChipState {
         self.board.keep_edges(keep.then_some(self.offset_ns));
     }
 
+    /// Counts the rounds of the program's main loop, or no longer does.
+    pub(crate) fn keep_rounds(&mut self, keep: bool) {
+        self.board.keep_rounds(keep);
+    }
+
     /// The chip is reset at `now`, and starts at an instant.
     pub(crate) fn reset(&mut self, now: SimTime, start: SimTime, link: &Link) {
         self.board.reset();

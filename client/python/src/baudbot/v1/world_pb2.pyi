@@ -822,6 +822,8 @@ class ChipStatus(_message.Message):
     WATCHDOG_RESETS_FIELD_NUMBER: _builtins.int
     STACK_BYTES_FIELD_NUMBER: _builtins.int
     WARNINGS_FIELD_NUMBER: _builtins.int
+    ROUNDS_FIELD_NUMBER: _builtins.int
+    SHARE_ASLEEP_FIELD_NUMBER: _builtins.int
     part: _builtins.str
     """What it is, such as ATmega328P."""
     cycles: _builtins.int
@@ -830,9 +832,15 @@ class ChipStatus(_message.Message):
     """Times that its watchdog has reset it."""
     stack_bytes: _builtins.int
     """The most bytes that its stack has had."""
+    share_asleep: _builtins.float
+    """The share of the time in which its processor slept; absent if rounds are not counted."""
     @_builtins.property
     def warnings(self) -> _containers.RepeatedCompositeFieldContainer[Global___ChipWarning]:
         """What its program or its wiring hardly means, in the order in which it came first."""
+
+    @_builtins.property
+    def rounds(self) -> Global___ChipRounds:
+        """Rounds of its program's main loop; absent if they are not counted, or if none was found."""
 
     def __init__(
         self,
@@ -842,14 +850,56 @@ class ChipStatus(_message.Message):
         watchdog_resets: _builtins.int = ...,
         stack_bytes: _builtins.int = ...,
         warnings: _abc.Iterable[Global___ChipWarning] | None = ...,
+        rounds: Global___ChipRounds | None = ...,
+        share_asleep: _builtins.float | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_share_asleep", b"_share_asleep", "rounds", b"rounds", "share_asleep", b"share_asleep"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_share_asleep", b"_share_asleep", "cycles", b"cycles", "part", b"part", "rounds", b"rounds", "share_asleep", b"share_asleep", "stack_bytes", b"stack_bytes", "warnings", b"warnings", "watchdog_resets", b"watchdog_resets"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__share_asleep: _TypeAlias = _typing.Literal["share_asleep"]  # noqa: Y015
+    _WhichOneofArgType__share_asleep: _TypeAlias = _typing.Literal["_share_asleep", b"_share_asleep"]  # noqa: Y015
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__share_asleep) -> _WhichOneofReturnType__share_asleep | None: ...
+
+Global___ChipStatus: _TypeAlias = ChipStatus  # noqa: Y015
+
+@_typing.final
+class ChipRounds(_message.Message):
+    """Rounds of a program's main loop, from one arrival at its beginning to the next. `run` counts them; a server does not."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    COUNT_FIELD_NUMBER: _builtins.int
+    LEAST_CYCLES_FIELD_NUMBER: _builtins.int
+    MEAN_CYCLES_FIELD_NUMBER: _builtins.int
+    TYPICAL_CYCLES_FIELD_NUMBER: _builtins.int
+    MOST_CYCLES_FIELD_NUMBER: _builtins.int
+    count: _builtins.int
+    """How many were completed."""
+    least_cycles: _builtins.int
+    """Cycles of the clock source in the shortest one."""
+    mean_cycles: _builtins.float
+    """Their mean."""
+    typical_cycles: _builtins.int
+    """Their median, but for a thirty-second."""
+    most_cycles: _builtins.int
+    """Cycles in the longest one."""
+    def __init__(
+        self,
+        *,
+        count: _builtins.int = ...,
+        least_cycles: _builtins.int = ...,
+        mean_cycles: _builtins.float = ...,
+        typical_cycles: _builtins.int = ...,
+        most_cycles: _builtins.int = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["cycles", b"cycles", "part", b"part", "stack_bytes", b"stack_bytes", "warnings", b"warnings", "watchdog_resets", b"watchdog_resets"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["count", b"count", "least_cycles", b"least_cycles", "mean_cycles", b"mean_cycles", "most_cycles", b"most_cycles", "typical_cycles", b"typical_cycles"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
-Global___ChipStatus: _TypeAlias = ChipStatus  # noqa: Y015
+Global___ChipRounds: _TypeAlias = ChipRounds  # noqa: Y015
 
 @_typing.final
 class ChipWarning(_message.Message):

@@ -1,0 +1,36 @@
+//! `baudbot budget`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{ChangeArgs, measure};
+
+#[derive(Debug, Args)]
+pub(crate) struct BudgetArgs {
+    /// A scenario file, or a built-in scenario: arsim, khepera, wander
+    pub(crate) scenario: String,
+    /// Only this robot; may be given several times [default: all]
+    #[arg(long = "robot", value_name = "ROBOT")]
+    pub(crate) robots: Vec<String>,
+    /// Write JSON, with units in the names
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Draw the typical cycle of a robot as a timing diagram in SVG; `-` is stdout
+    #[arg(long, value_name = "FILE", conflicts_with = "json")]
+    pub(crate) svg: Option<PathBuf>,
+    /// Take the thinking times that were measured in a recorded run instead of the scenario's
+    ///
+    /// They are measured in real time, and in lockstep of brains that are programs (`baudbot run --brain 'exec:…' --record FILE`).
+    /// The longest that was measured stands for the worst case.
+    #[arg(long, value_name = "RUN.mcap")]
+    pub(crate) measured: Option<PathBuf>,
+    /// How many simulated seconds a program on a robot's chip runs to be measured; other robots are computed without a run
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = measure::seconds)]
+    pub(crate) seconds: f64,
+    /// Exit with 1 if a robot misses its deadline
+    #[arg(long)]
+    pub(crate) check: bool,
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+}
