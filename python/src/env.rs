@@ -34,6 +34,9 @@ type Observation<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>, B
 type Cycle<'py> =
     (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<i8>>, f64, bool, bool);
 
+/// An observation as a mapping, the reward, whether the run was terminated or truncated, and an empty mapping.
+type Step<'py> = (Bound<'py, PyDict>, f64, bool, bool, Bound<'py, PyDict>);
+
 #[pymethods]
 impl Env {
     #[new]
@@ -78,7 +81,7 @@ impl Env {
         py: Python<'py>,
         action: PyReadonlyArray1<'py, f32>,
         with_ages: bool,
-    ) -> PyResult<(Bound<'py, PyDict>, f64, bool, bool, Bound<'py, PyDict>)> {
+    ) -> PyResult<Step<'py>> {
         let (values, ages_s, readable, reward, is_terminated, is_truncated) = self.cycle(py, action)?;
         let observation = PyDict::new(py);
         observation.set_item(intern!(py, "readings"), values)?;

@@ -25,6 +25,10 @@ type Flags<'py> = PyReadwriteArray2<'py, i8>;
 #[pymethods]
 impl Fleet {
     #[new]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the interpreter is one of them, and a Python module passes the others"
+    )]
     fn new(
         py: Python<'_>,
         task: &Task,
@@ -81,6 +85,10 @@ impl Fleet {
     }
 
     /// A step of each environment. The last three arrays get what runs that ended observed last.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the interpreter is one of them, and a Python module passes the others"
+    )]
     fn step(
         &self,
         py: Python<'_>,

@@ -1,5 +1,6 @@
 //! Experiments: many runs on all cores, as the commands `sweep` and `tune` do them.
 
+use std::cell::Cell;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Mutex;
@@ -38,6 +39,10 @@ struct Asked {
 /// Runs an experiment, or a shard of it. `progress`, if it is not None, is called with the numbers of runs done and of all.
 #[pyfunction]
 #[pyo3(signature = (experiment, out, seeds, jobs, fresh, progress, shard))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the interpreter is one of them, and a Python module passes the others"
+)]
 pub(crate) fn sweep(
     py: Python<'_>,
     experiment: Given,
@@ -121,7 +126,7 @@ pub(crate) fn pack(py: Python<'_>, file: PathBuf, seeds: Option<String>) -> PyRe
 
 type Outcome = Result<(String, Vec<PathBuf>, bool), Error>;
 
-/// Does it on another thread, so that this one can look for Ctrl-C and tell how far it is.
+/// Does it, and tells how far it is.
 fn work(
     py: Python<'_>,
     asked: Asked,
@@ -148,33 +153,45 @@ fn work(
         progress: &count,
         tell: &tell,
     };
-    let (experiment, options, stop, done, total) = (&experiment, &options, &stop, &done, &total);
-    let outcome = std::thread::scope(|scope| -> PyResult<Outcome> {
-        let worker = scope.spawn(move || what(experiment, options));
-        let mut told = None;
+    let counted = || (done.load(Ordering::Relaxed), total.load(Ordering::Relaxed));
+    let outcome = watched(
+        py,
+        || what(&experiment, &options),
+        &stop,
+        || match progress {
+            Some(progress) => progress.call1(py, counted()).map(|_| ()),
+            None => Ok(()),
+        },
+    )?;
+    let (json, files, interrupted) = outcome
+        .map_err(|error| invalid(py, &format!("{}: {error}", name(&asked.experiment)), error.path()))?;
+    let warnings = warnings.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    Ok((json, files.iter().map(|file| file.display().to_string()).collect(), interrupted, warnings))
+}
+
+/// Does it on another thread, while this one looks for Ctrl-C and calls `tell`. If either raises an exception, the work is told to stop.
+fn watched(
+    py: Python<'_>,
+    work: impl FnOnce() -> Outcome + Send,
+    stop: &AtomicBool,
+    tell: impl Fn() -> PyResult<()>,
+) -> PyResult<Outcome> {
+    std::thread::scope(|scope| {
+        let worker = scope.spawn(work);
         loop {
-            if worker.is_finished() {
-                return worker.join().map_err(|_| failed(py, "baudbot panicked, which is a bug in it"));
-            }
-            py.detach(|| std::thread::sleep(INTERVAL));
-            let now = (done.load(Ordering::Relaxed), total.load(Ordering::Relaxed));
-            let told_all = match progress {
-                Some(progress) if told != Some(now) => progress.call1(py, now).map(|_| ()),
-                Some(_) | None => Ok(()),
-            };
-            told = Some(now);
-            if let Err(error) = told_all.and_then(|()| py.check_signals()) {
+            let is_done = worker.is_finished();
+            if let Err(error) = tell().and_then(|()| py.check_signals()) {
                 stop.store(true, Ordering::Relaxed);
                 // What was begun is finished, and is in the journal.
                 let _ = py.detach(|| worker.join());
                 return Err(error);
             }
+            if is_done {
+                return worker.join().map_err(|_| failed(py, "baudbot panicked, which is a bug in it"));
+            }
+            py.detach(|| std::thread::sleep(INTERVAL));
         }
-    })?;
-    let (json, files, interrupted) = outcome
-        .map_err(|error| invalid(py, &format!("{}: {error}", name(&asked.experiment)), error.path()))?;
-    let warnings = warnings.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    Ok((json, files.iter().map(|file| file.display().to_string()).collect(), interrupted, warnings))
+    })
 }
 
 fn read(py: Python<'_>, given: &Given, seeds: Option<&str>) -> PyResult<Experiment> {
