@@ -154,15 +154,14 @@ fn work(
         tell: &tell,
     };
     let counted = || (done.load(Ordering::Relaxed), total.load(Ordering::Relaxed));
-    let outcome = watched(
-        py,
-        || what(&experiment, &options),
-        &stop,
-        || match progress {
-            Some(progress) => progress.call1(py, counted()).map(|_| ()),
-            None => Ok(()),
-        },
-    )?;
+    let told = Cell::new(None);
+    let tell = || match progress {
+        Some(progress) if told.replace(Some(counted())) != Some(counted()) => {
+            progress.call1(py, counted()).map(|_| ())
+        }
+        Some(_) | None => Ok(()),
+    };
+    let outcome = watched(py, || what(&experiment, &options), &stop, tell)?;
     let (json, files, interrupted) = outcome
         .map_err(|error| invalid(py, &format!("{}: {error}", name(&asked.experiment)), error.path()))?;
     let warnings = warnings.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
