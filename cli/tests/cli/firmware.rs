@@ -171,11 +171,36 @@ fn wires_that_nobody_would_make_are_refused_by_their_pin() {
         ("wheel", "9 = \"motors.middle.pwm\"", "`middle` is no wheel"),
         ("option", "A0 = { to = \"sensors.ir\", colour = 3 }", "unknown field `colour`"),
         ("number", "A0 = 3", "has a text, a list, or a table with `to`, and not integer"),
+        (
+            "meaningless-option",
+            "A0 = { to = \"sensors.ir\", pull = \"external\" }",
+            "robots[0].pins.A0.pull: means nothing for `sensors.ir`, which has the options volts_at_0, volts_per_unit and divider",
+        ),
+        (
+            "one-option",
+            "5 = { to = \"sensors.whisker\", divider = 0.5 }",
+            "robots[0].pins.5.divider: means nothing for `sensors.whisker`, which has the option pull",
+        ),
+        (
+            "no-options",
+            "5 = [\"leds.a\", { to = \"buzzers.b\", lit_by = \"low\" }]",
+            "robots[0].pins.5[1].lit_by: means nothing for `buzzers.b`, which has no options",
+        ),
+        ("crystal", "PB6 = \"leds.x\"", "robots[0].pins.PB6: is a pin of the clock source"),
+        ("reset", "PC6 = \"leds.x\"", "robots[0].pins.PC6: is the pin of the reset"),
     ] {
         let robot = scenario(name, &format!("{ROBOT}{CABLE}{sensors}[robots.pins]\n{pins}\n"));
         let (code, _, err) = baudbot(&["check", robot.to_str().unwrap()]);
         assert!(code == 2 && err.contains("robots[0].pins") && err.contains(expected), "{name}: {err}");
     }
+}
+
+#[test]
+fn pins_of_the_crystal_and_of_the_reset_are_free_if_the_fuses_say_so() {
+    let fuses = "microcontroller.fuses = [0xe2, 0x59, 0xff]\n";
+    let pins = "PB6 = \"leds.a\"\nPB7 = \"leds.b\"\nPC6 = \"leds.c\"\n";
+    let robot = scenario("free-pins", &format!("{ROBOT}{CABLE}{fuses}[robots.pins]\n{pins}"));
+    good(&["check", robot.to_str().unwrap()]);
 }
 
 #[test]
