@@ -15,6 +15,9 @@ pub(crate) struct Chip {
     pub(crate) watchdog_resets: u32,
     /// The most that its stack has had.
     pub(crate) stack_bytes: u32,
+    /// The last line that it has sent, if that is text.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) last_line: Option<String>,
     pub(crate) warnings: Vec<ChipWarning>,
 }
 
@@ -45,6 +48,7 @@ impl Chip {
             cycles: status.cycles,
             watchdog_resets: status.watchdog_resets,
             stack_bytes: status.stack_bytes,
+            last_line: None,
             warnings: status.warnings.iter().map(warning).collect(),
         }
     }

@@ -30,6 +30,7 @@ mod runs;
 mod sweep;
 mod terminal;
 mod timelines;
+mod transcripts;
 mod tune;
 mod umbmark;
 
