@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
+use baudbot_experiment::factor::{Choice, Setting};
 use baudbot_experiment::{Error, Experiment, Options, Place, Seeds};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -42,12 +43,31 @@ pub(crate) fn read(args: &WorkArgs) -> anyhow::Result<Experiment> {
     };
     let mut experiment =
         Experiment::parse(&toml, stem, find).map_err(|error| Refused::error(format!("{path}: {error}")))?;
+    put_programs(&mut experiment, folder).map_err(|error| Refused::error(format!("{path}: {error}")))?;
     experiment.folder = folder.to_owned();
     if let Some(seeds) = &args.seeds {
         experiment.seeds = Seeds::parse(seeds).map_err(|error| Refused::error(format!("--{error}")))?;
     }
     Ok(experiment)
 }
+
+/// Puts programs of microcontrollers into the places of their files' names, which are beside the experiment.
+fn put_programs(experiment: &mut Experiment, folder: &Path) -> Result<(), String> {
+    for (i, field) in experiment.fields.iter_mut().enumerate() {
+        let Choice::Levels(levels) = &mut field.choice else { continue };
+        for setting in levels.iter_mut().flat_map(|level| &mut level.settings) {
+            let Setting::Scenario { path, value } = setting else { continue };
+            if path.ends_with(PROGRAM) && !value.starts_with('{') {
+                let file = folder.join(value.trim_matches(['"', '\'']));
+                *value = baudbot_import::program(&file).map_err(|error| format!("fields[{i}]: {error}"))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The field that names a file which only a scenario's reader would read.
+const PROGRAM: &str = ".microcontroller.program";
 
 /// Where it is done, and how.
 pub(crate) fn options<'a>(

@@ -238,6 +238,43 @@ fn check_lists_the_pins_and_draws_them() {
 }
 
 #[test]
+fn programs_are_varied_by_a_sweep_under_the_names_of_their_files() {
+    // Sends `A`, or twice: sts UCSR0B, TXEN0; sts UDR0, r17.
+    let sends = |times: usize| {
+        let start = [0xE008, 0x9300, 0x00C1, 0xE411];
+        let ends = [0xCFFF];
+        hex(&[&start[..], &[0x9310, 0x00C6].repeat(times), &ends].concat())
+    };
+    let [once, twice] = [("once.hex", 1), ("twice.hex", 2)].map(|(name, times)| file(name, &sends(times)));
+    let names = [&once, &twice].map(|path| path.file_name().unwrap().to_str().unwrap());
+    let robot = scenario("swept", &format!("{ROBOT}{CABLE}pins.13 = \"leds.builtin\"\n"));
+    let text = |programs: [&str; 2]| {
+        format!(
+            "name = \"programs\"\nscenario = {robot:?}\nbrain = \"none\"\nseconds = 0.1\nseeds = 1\n[[fields]]\nlabel = \"program\"\n\
+             field = \"robots.r.microcontroller.program\"\nvalues = {programs:?}\n"
+        )
+    };
+    let experiment = file("swept-experiment.toml", text(names).as_bytes());
+    let out = place("firmware-swept");
+    let _ = fs::remove_dir_all(&out);
+    good(&["sweep", experiment.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    let table = fs::read_to_string(out.join("rows.csv")).unwrap();
+    let rows: Vec<_> = table.lines().skip(1).collect();
+    assert_eq!(rows.len(), 2, "{table}");
+    for (row, program) in rows.into_iter().zip([&once, &twice]) {
+        let firmware = format!("r={}", program.display());
+        let run = ["run", robot.to_str().unwrap(), "--firmware", &firmware, "--seconds", "0.1", "--json"];
+        let summary: Value = serde_json::from_str(&good(&run)).unwrap();
+        let [name, hash] =
+            [program.file_name().unwrap().to_str(), summary["state_hash"].as_str()].map(Option::unwrap);
+        assert!(row.contains(name) && row.contains(hash), "{name} {hash}: {row}");
+    }
+    let experiment = file("swept-wrong.toml", text([names[0], "no.hex"]).as_bytes());
+    let (code, _, err) = baudbot(&["sweep", experiment.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    assert!(code == 2 && err.contains("fields[0]") && err.contains("no.hex: there is no such file"), "{err}");
+}
+
+#[test]
 fn a_project_for_a_microcontroller_is_what_its_readme_says() {
     for (language, sketch) in [("arduino", "rover.ino"), ("c", "rover.c")] {
         let folder = place(&format!("firmware-{language}")).join("rover");
