@@ -257,7 +257,7 @@ fn programs_are_varied_by_a_sweep_under_the_names_of_their_files() {
     let experiment = file("swept-experiment.toml", text(names).as_bytes());
     let out = place("firmware-swept");
     let _ = fs::remove_dir_all(&out);
-    good(&["sweep", experiment.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    good(&["sweep", experiment.to_str().unwrap(), "--out", out.to_str().unwrap(), "--quiet"]);
     let table = fs::read_to_string(out.join("rows.csv")).unwrap();
     let rows: Vec<_> = table.lines().skip(1).collect();
     assert_eq!(rows.len(), 2, "{table}");
