@@ -131,8 +131,9 @@ pub enum Warning {
         /// The mark.
         mark: u16,
     },
-    /// An input pin was read by `SBIS` or `SBIC` that nothing drives and that has no pull-up; it read as 0. Said once for each
-    /// pin. Instructions that read a whole port say nothing, as nobody knows which of its pins the program looks at.
+    /// An input pin was read that nothing drives and that has no pull-up; it read as 0. Said once for each pin between two
+    /// resets, and only if the program looked at that pin alone: by `SBIS` or `SBIC`, or by an instruction that takes one bit of
+    /// a port behind the one that read the port. Nobody knows which of its pins a program means that looks at several.
     FloatingInput {
         /// The pin.
         pin: Pin,

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::part::Part;
+use crate::pin::{Pin, Port};
 
 /// The three fuse bytes. A bit that is programmed reads as 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -25,6 +26,15 @@ pub struct StartUp {
     pub cycles: u32,
     /// What a reset adds to them, in tenths of a millisecond.
     pub reset_100us: u32,
+}
+
+/// What takes a pin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taken {
+    /// The clock source: a crystal, a resonator or an external clock.
+    Clock,
+    /// The reset.
+    Reset,
 }
 
 impl Fuses {
@@ -76,6 +86,18 @@ impl Fuses {
         matches!(self.low & 0x0F, 2 | 3)
     }
 
+    /// What takes a pin from its port for good: XTAL1 and XTAL2 belong to the clock source (CKSEL), PC6 is the reset unless
+    /// RSTDISBL is programmed. Data sheet, section *Alternate Functions of Port B* and *of Port C*.
+    pub const fn takes(self, pin: Pin) -> Option<Taken> {
+        match (pin.port(), pin.bit(), self.low & 0x0F) {
+            (Port::C, 6, _) if self.high & 0x80 != 0 => Some(Taken::Reset),
+            (Port::B, 6, _) if !self.clocks_internally() => Some(Taken::Clock),
+            // An external clock leaves XTAL2 free.
+            (Port::B, 7, 4..) => Some(Taken::Clock),
+            _ => None,
+        }
+    }
+
     /// CKSEL and SUT: how long the clock takes to start.
     pub const fn start_up(self) -> StartUp {
         let sut = self.low >> 4 & 3;
@@ -109,6 +131,19 @@ impl Fuses {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_crystal_takes_two_pins_an_external_clock_one_and_the_reset_one() {
+        let taken = |low, high| {
+            let fuses = Fuses { low, high, extended: 0xFD };
+            [(Port::B, 6), (Port::B, 7), (Port::C, 6), (Port::B, 5)]
+                .map(|(port, bit)| fuses.takes(Pin::new(port, bit).unwrap()))
+        };
+        let (clock, reset) = (Some(Taken::Clock), Some(Taken::Reset));
+        assert_eq!(taken(0xFF, 0xDE), [clock, clock, reset, None]);
+        assert_eq!(taken(0xC0, 0xD9), [clock, None, reset, None]);
+        assert_eq!(taken(0x62, 0x59), [None; 4], "the internal oscillator, and RSTDISBL");
+    }
 
     #[test]
     fn an_arduino_starts_in_its_boot_section_of_512_bytes() {

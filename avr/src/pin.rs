@@ -82,6 +82,16 @@ pub enum Drive {
     HighImpedance,
 }
 
+impl Drive {
+    /// Whether it drives its wire.
+    pub const fn is_output(self) -> bool {
+        match self {
+            Self::Low | Self::High => true,
+            Self::PullUp | Self::HighImpedance => false,
+        }
+    }
+}
+
 /// What another part does to the wire on a pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum External {

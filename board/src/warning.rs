@@ -44,6 +44,8 @@ pub enum WarningKind {
     WatchdogReset,
     /// The program switched something on that is not simulated.
     Unsupported(Unsupported),
+    /// The chip drives a pin on which the voltage of an analog part is.
+    AgainstVoltage,
 }
 
 impl core::fmt::Display for WarningKind {
@@ -64,6 +66,7 @@ impl core::fmt::Display for WarningKind {
             Self::StackOverflow => "the stack has grown into the variables",
             Self::Break => "BREAK was executed, for which only a debugger stops",
             Self::WatchdogReset => "the watchdog has reset the chip",
+            Self::AgainstVoltage => "an output drives against a voltage",
             Self::Unsupported(what) => return write!(f, "the program uses what is not simulated: {what}"),
         })
     }

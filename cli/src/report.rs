@@ -35,9 +35,11 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
         summary.wall_s,
         handy(summary.simulated_per_wall)
     );
-    let path = match summary.over {
-        Over::Direct => "direct: the world and its brains on one thread",
-        Over::Grpc => "over gRPC: the world on a server, the brains attached to it",
+    let path = match (summary.over, has_brains(summary)) {
+        (Over::Direct, true) => "direct: the world and its brains on one thread",
+        (Over::Direct, false) => "direct: the world on one thread",
+        (Over::Grpc, true) => "over gRPC: the world on a server, the brains attached to it",
+        (Over::Grpc, false) => "over gRPC: the world on a server",
     };
     let mut head = vec![
         ("scenario", format!("{name}, seed {}", summary.seed)),
@@ -58,10 +60,15 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
     head
 }
 
+/// Whether robots may have brains, and not only programs.
+fn has_brains(summary: &Summary) -> bool {
+    summary.robots.is_empty() || !summary.robots.iter().all(Robot::has_program_only)
+}
+
 /// How well the pace was kept.
 fn pacing(summary: &Summary) -> Vec<(&'static str, String)> {
     let mut facts = Vec::new();
-    if let Some(lockstep) = &summary.lockstep {
+    if let Some(lockstep) = summary.lockstep.as_ref().filter(|_| has_brains(summary)) {
         let share = percent(lockstep.waiting_s / summary.wall_s);
         let timeouts = usize::try_from(lockstep.watchdog_timeouts).unwrap_or(usize::MAX);
         let timeouts = count(timeouts, "timeout");
@@ -129,6 +136,14 @@ fn histogram(clock: &Clock) -> String {
 fn of_robot(robot: &Robot, simulated_s: f64) -> String {
     let mut text = format!("robot {}\n", robot.robot);
     text += &pairs("  ", &robot_facts(robot, simulated_s));
+    if robot.has_program_only() {
+        text += &table("    ", &program_lines(robot));
+        if !robot.sensors.is_empty() {
+            let _ = writeln!(text, "  sensors, and how often they were read");
+            text += &table("    ", &program_sensors(robot));
+        }
+        return text;
+    }
     text += &table("    ", &lines(robot));
     if !robot.sensors.is_empty() {
         let _ = writeln!(text, "  sensors, and how old their readings were when the brain got them");
@@ -138,25 +153,27 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
 }
 
 fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
-    let brain = match (robot.brain.as_str(), robot.turns) {
-        ("", _) if robot.chip.is_some() => "none but the chip's program",
-        ("", 0) => "none",
-        ("", _) => "one that has left",
-        (brain, _) => brain,
-    };
-    let mut facts =
-        vec![("brain", format!("{brain}, {} turns, {} commands obeyed", robot.turns, robot.commands))];
+    let mut facts = Vec::new();
+    if !robot.has_program_only() {
+        let brain = match (robot.brain.as_str(), robot.turns) {
+            ("", 0) => "none",
+            ("", _) => "one that has left",
+            (brain, _) => brain,
+        };
+        let text = format!("{brain}, {} turns, {} commands obeyed", robot.turns, robot.commands);
+        facts.push(("brain", text));
+    }
     if !robot.said.is_empty() {
         facts.push(("said", Printable(&robot.said).to_string()));
     }
-    facts.extend(robot.chip.iter().flat_map(chip));
+    facts.extend(robot.chip.iter().flat_map(|chip| self::chip(chip, robot.uplink.bytes)));
     let [distance, speed] = [robot.distance_m, robot.distance_m / simulated_s].map(handy);
     let collisions = count(usize::try_from(robot.collisions).unwrap_or(usize::MAX), "collision");
-    facts.extend([
-        ("driven", format!("{distance} m, {speed} m/s on average, {collisions}")),
-        ("link", link(robot)),
-        ("cycles", cycles(&robot.cycles)),
-    ]);
+    facts.push(("driven", format!("{distance} m, {speed} m/s on average, {collisions}")));
+    facts.push(("link", link(robot)));
+    if !robot.has_program_only() {
+        facts.push(("cycles", cycles(&robot.cycles)));
+    }
     let clocks = [(&robot.thinking_wall, "the wall clock"), (&robot.thinking_processor, "processor time")];
     let thinking = clocks.into_iter().filter_map(|(thinking, clock)| Some((thinking.as_ref()?, clock)));
     facts.extend(thinking.map(|(thinking, clock)| ("thinking", self::thinking(thinking, clock))));
@@ -170,8 +187,8 @@ fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// What a chip did, and what its program or its wiring hardly means.
-fn chip(chip: &Chip) -> impl Iterator<Item = (&'static str, String)> {
+/// What a chip did, what it sent, and what its program or its wiring hardly means.
+fn chip(chip: &Chip, sent_bytes: u64) -> impl Iterator<Item = (&'static str, String)> {
     let mhz = f64::from(chip.clock_hz) / 1e6;
     let resets = match chip.watchdog_resets {
         0 => String::new(),
@@ -188,8 +205,14 @@ fn chip(chip: &Chip) -> impl Iterator<Item = (&'static str, String)> {
         let first = handy(warning.first_s);
         ("warning", format!("{at}{} ({} times, first at {first} s)", warning.problem, warning.count))
     };
+    let sent = count(usize::try_from(sent_bytes).unwrap_or(usize::MAX), "byte");
+    let sent = match &chip.last_line {
+        Some(line) => format!("{sent}; the last line is \"{}\"", Printable(line)),
+        None => sent,
+    };
     let rounds = chip.rounds.iter().map(|rounds| ("main loop", self::rounds(rounds, chip.asleep_percent)));
-    core::iter::once(("chip", text))
+    [("chip", text), ("sent", sent)]
+        .into_iter()
         .chain(rounds.collect::<Vec<_>>())
         .chain(chip.warnings.iter().map(warning).collect::<Vec<_>>())
 }
@@ -315,6 +338,19 @@ fn lines(robot: &Robot) -> Vec<[String; 8]> {
     let ports = robot.sensors.iter().filter_map(|sensor| Some((&sensor.sensor, sensor.port.as_ref()?)));
     rows.extend(ports.map(|(sensor, line)| row(sensor, line)));
     rows
+}
+
+/// The cable of a program whose bytes are messages to nobody here.
+fn program_lines(robot: &Robot) -> Vec<[String; 5]> {
+    let head = ["", "bytes", "used", "lost", "corrupted"].map(str::to_owned);
+    let row = |[name, bytes, _, used, lost, corrupted, ..]: [String; 8]| [name, bytes, used, lost, corrupted];
+    core::iter::once(head).chain(lines(robot).into_iter().skip(1).map(row)).collect()
+}
+
+fn program_sensors(robot: &Robot) -> Vec<[String; 2]> {
+    let head = ["", "samples"].map(str::to_owned);
+    let rows = robot.sensors.iter().map(|sensor| [sensor.sensor.clone(), sensor.samples.to_string()]);
+    core::iter::once(head).chain(rows).collect()
 }
 
 fn sensors(robot: &Robot) -> Vec<[String; 9]> {

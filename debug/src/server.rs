@@ -39,7 +39,8 @@ struct Attached {
 impl GdbServer {
     /// Listens at a port of this machine, which nobody else can reach; 0 is any free one.
     ///
-    /// `gives_up` is asked again and again while the world stands: once it says so, the world goes on without a debugger.
+    /// `gives_up` is asked again and again while the world stands: once it says so, the world goes on without a debugger, and
+    /// slowly, so that it can be ended before much has happened.
     ///
     /// # Errors
     /// A port that is taken.
@@ -87,6 +88,11 @@ impl GdbServer {
             });
         }
         state.heard = Some(Instant::now());
+        if (self.gives_up)() {
+            // Whoever wants to end the world is to find it where it stood, and not at its end.
+            thread::sleep(PAUSE);
+            state.heard = None;
+        }
     }
 }
 

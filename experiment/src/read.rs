@@ -6,6 +6,7 @@ use baudbot_import::source::{self, Source, SourceError};
 
 use crate::error::Error;
 use crate::experiment::Experiment;
+use crate::factor::{Choice, Setting};
 
 /// Why an experiment cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -38,8 +39,29 @@ impl Experiment {
             Err(error) => Err(error.to_string()),
         };
         let parsed = Self::parse(&toml, stem, find);
-        let mut experiment = parsed.map_err(|error| ReadError::Experiment { path, error })?;
+        let wrong = |error| ReadError::Experiment { path: path.clone(), error };
+        let mut experiment = parsed.map_err(wrong)?;
+        put_programs(&mut experiment, folder).map_err(wrong)?;
         experiment.folder = folder.to_owned();
         Ok(experiment)
     }
 }
+
+/// Puts programs of microcontrollers into the places of their files' names, which are beside the experiment.
+fn put_programs(experiment: &mut Experiment, folder: &Path) -> Result<(), Error> {
+    for (i, field) in experiment.fields.iter_mut().enumerate() {
+        let Choice::Levels(levels) = &mut field.choice else { continue };
+        for setting in levels.iter_mut().flat_map(|level| &mut level.settings) {
+            let Setting::Scenario { path, value } = setting else { continue };
+            if path.ends_with(PROGRAM) && !value.starts_with('{') {
+                let file = folder.join(value.trim_matches(['"', '\'']));
+                *value = baudbot_import::program(&file)
+                    .map_err(|error| Error::field(format!("fields[{i}]"), error))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The field that names a file which only a scenario's reader would read.
+const PROGRAM: &str = ".microcontroller.program";

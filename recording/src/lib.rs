@@ -25,7 +25,7 @@ pub use error::{Packing, RecordingError, WriteError};
 pub use file::RecordingFile;
 pub use frames::Frames;
 pub use recorded_run::{RecordedRun, Stretch};
-pub use replay::{Difference, Replay};
+pub use replay::{Difference, Replay, Watched};
 pub use writer::{Writer, checksum, header};
 
 /// Version of the format. A reader refuses a newer one.

@@ -19,8 +19,18 @@ pub struct Replay {
     goal: u64,
     near: Option<World>,
     difference: Option<Difference>,
-    /// Robots of whose chips edges are kept.
-    watched: Vec<usize>,
+    watched: Watched,
+}
+
+/// What is kept of robots while a run is replayed.
+#[derive(Clone, Debug, Default)]
+pub struct Watched {
+    /// Those of whose chips' pins edges are [kept](World::keep_edges).
+    pub pins: Vec<usize>,
+    /// Those of whose cables the last bytes are [kept](World::keep_tape).
+    pub cables: Vec<usize>,
+    /// How many bytes.
+    pub bytes: usize,
 }
 
 /// Where a replay is not what was recorded.
@@ -54,14 +64,14 @@ impl Replay {
     /// # Errors
     /// If the first state cannot be used.
     pub fn start(recorded: Arc<RecordedRun>) -> Result<(Self, World)> {
-        Self::start_watching(recorded, Vec::new())
+        Self::start_watching(recorded, Watched::default())
     }
 
-    /// The same in which edges on the pins of these robots' chips are [kept](World::keep_edges), also behind a jump.
+    /// The same in which more is kept of robots, also behind a jump.
     ///
     /// # Errors
     /// As [`start`](Self::start).
-    pub fn start_watching(recorded: Arc<RecordedRun>, watched: Vec<usize>) -> Result<(Self, World)> {
+    pub fn start_watching(recorded: Arc<RecordedRun>, watched: Watched) -> Result<(Self, World)> {
         let mut world = recorded.first_state()?;
         let mut replay = Self { recorded, goal: 0, near: None, difference: None, watched };
         replay.begin(&mut world)?;
@@ -161,8 +171,13 @@ impl Replay {
 
     /// Makes manual changes, begins the tick, and compares it with the recording.
     fn begin(&mut self, world: &mut World) -> Result<()> {
-        for &robot in &self.watched {
+        for &robot in &self.watched.pins {
             world.keep_edges(robot, true);
+        }
+        for &robot in &self.watched.cables {
+            if !world.keeps_tape(robot) {
+                world.keep_tape(robot, self.watched.bytes);
+            }
         }
         if world.is_begun() {
             // They were made before this state was kept.

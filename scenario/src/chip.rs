@@ -3,6 +3,7 @@
 //! A pin has what is connected to it: `A0 = "sensors.ir_left"`, or a list of such, or a table with options. What is connected
 //! is a terminal of a part; which part it is follows from what it belongs to and from the terminals that are used of it.
 
+mod options;
 mod parts;
 mod program;
 
@@ -10,6 +11,7 @@ use alloc::format;
 use alloc::string::ToString;
 use alloc::sync::Arc;
 
+use baudbot_avr::Fuses;
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::chip::ChipSpec;
@@ -33,8 +35,13 @@ pub(super) struct Parts<'a> {
 /// The chip, if it has a program. Its pins are checked in any case.
 pub(super) fn chip(path: &Path, raw: &raw::Robot, robot: &Parts<'_>) -> Result<Option<Arc<ChipSpec>>> {
     let at = path.field("pins");
-    let Wires { wiring, attached } = parts::wires(&at, &raw.pins.connections(&at), robot)?;
+    let connections = raw.pins.connections(&at);
+    let Wires { wiring, attached } = parts::wires(&at, &connections, robot)?;
     let (at, microcontroller) = (path.field("microcontroller"), &raw.microcontroller);
+    let fuses = program::fuses(&at, microcontroller)?;
+    for (at, pin, _) in &connections {
+        program::check_pin(at, pin, fuses)?;
+    }
     let part = program::part(&at, microcontroller)?;
     let clock = program::clock(&at, microcontroller)?;
     let protocol = raw.firmware.protocol(microcontroller);
@@ -45,7 +52,9 @@ pub(super) fn chip(path: &Path, raw: &raw::Robot, robot: &Parts<'_>) -> Result<O
         return if own { Err(path.field("firmware").field("protocol").error(problem)) } else { Ok(None) };
     };
     speaks(path, robot.link, protocol)?;
-    let (program, fuses) = program::program(&at, given, part, microcontroller)?;
+    let program = program::program(&at, given, part)?;
+    // A clock that starts at once, and address 0: what a programmer leaves that writes a sketch without a boot loader.
+    let fuses = fuses.unwrap_or_else(|| Fuses::external_clock(part));
     let is_opaque = protocol == raw::Protocol::Own;
     let chip = ChipSpec::new(&program, (fuses, clock), wiring, attached, is_opaque);
     Ok(Some(Arc::new(chip.map_err(|error| at.error(error.to_string()))?)))

@@ -2,6 +2,8 @@
 
 use alloc::string::String;
 
+use baudbot_board::{Decay, LitBy, Pull};
+
 /// A connection with numbers of its own.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -15,27 +17,6 @@ pub(super) struct Options {
     pub(super) decay: Option<Decay>,
     pub(super) lit_by: Option<LitBy>,
     pub(super) rc: Option<bool>,
-}
-
-#[derive(Clone, Copy, Debug, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Pull {
-    External,
-    Internal,
-}
-
-#[derive(Clone, Copy, Debug, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Decay {
-    Brake,
-    Coast,
-}
-
-#[derive(Clone, Copy, Debug, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum LitBy {
-    High,
-    Low,
 }
 
 /// What is put in place of a file's name.

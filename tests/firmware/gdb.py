@@ -19,9 +19,9 @@ SKETCH = ROOT / "tests/firmware/sketch.c"
 class World:
     """A robot whose chip waits for a debugger."""
 
-    def __init__(self, baudbot: str, elf: str, seconds: str = "1.0"):
+    def __init__(self, baudbot: str, elf: str, seconds: str = "1.0", options: tuple[str, ...] = ()):
         scenario = str(ROOT / "scenarios/firmware.toml")
-        command = [baudbot, "run", scenario, "--firmware", f"robot={elf}", "--seconds", seconds, "--gdb", "robot=0"]
+        command = [baudbot, "run", scenario, "--firmware", f"robot={elf}", "--seconds", seconds, "--gdb", "robot=0", *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         said = ""
         while not (found := re.search(r"target remote (127\.0\.0\.1:\d+)", said)):
@@ -48,9 +48,9 @@ def found(pattern: str, text: str) -> re.Match:
     return match
 
 
-def breakpoints_and_steps(baudbot: str, elf: str) -> None:
+def breakpoints_and_steps(baudbot: str, elf: str, *options: str) -> None:
     """Breaks in a function, steps, looks at variables and the stack, finishes, and lets the run end."""
-    world = World(baudbot, elf)
+    world = World(baudbot, elf, options=options)
     said, _ = gdb(
         world, elf,
         "print/x $pc",
@@ -75,9 +75,9 @@ def breakpoints_and_steps(baudbot: str, elf: str) -> None:
     found(r"\b1(\.0+)? s\b", summary)
 
 
-def watchpoints(baudbot: str, elf: str) -> None:
+def watchpoints(baudbot: str, elf: str, *options: str) -> None:
     """Watches a variable, and writes it."""
-    world = World(baudbot, elf)
+    world = World(baudbot, elf, options=options)
     said, _ = gdb(
         world, elf,
         "watch total", "continue", "continue", "continue",
@@ -92,9 +92,9 @@ def watchpoints(baudbot: str, elf: str) -> None:
     assert code == 0, summary
 
 
-def an_interrupt_and_a_detachment(baudbot: str, elf: str) -> None:
+def an_interrupt_and_a_detachment(baudbot: str, elf: str, *options: str) -> None:
     """What Ctrl-C does stops a program that runs; then the world stands, and goes on when the debugger is gone."""
-    world = World(baudbot, elf, "100000")
+    world = World(baudbot, elf, "100000", options)
     words = ["avr-gdb", "-nx", "-q", "--interpreter=mi2", elf]
     debugger = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
@@ -126,10 +126,12 @@ def an_interrupt_and_a_detachment(baudbot: str, elf: str) -> None:
     assert world.end()[0] == 130
 
 
-def a_signal_ends_a_world_that_waits(baudbot: str, elf: str) -> None:
-    world = World(baudbot, elf)
-    world.process.send_signal(signal.SIGINT)
-    assert world.end()[0] == 130
+def a_signal_ends_a_world_that_waits(baudbot: str, elf: str, *options: str) -> None:
+    """The world goes on without a debugger then, and is ended before it comes to the end of its run."""
+    for _ in range(3):
+        world = World(baudbot, elf, options=options)
+        world.process.send_signal(signal.SIGINT)
+        assert world.end()[0] == 130
 
 
 def refusals(baudbot: str, elf: str) -> None:
@@ -161,10 +163,14 @@ def main() -> None:
         elf = str(pathlib.Path(folder, "sketch.elf"))
         subprocess.run(["avr-gcc", "-mmcu=atmega328p", "-Os", "-g", "-Wall", str(SKETCH), "-o", elf], check=True)
         for check in (
-            breakpoints_and_steps, watchpoints, an_interrupt_and_a_detachment, a_signal_ends_a_world_that_waits, refusals,
+            breakpoints_and_steps, watchpoints, an_interrupt_and_a_detachment, a_signal_ends_a_world_that_waits,
         ):
-            check(baudbot, elf)
-            print(f"debugging: {check.__name__.replace('_', ' ')}: ok", flush=True)
+            for options in ((), ("--over", "grpc"), ("--pace", "real-time")):
+                check(baudbot, elf, *options)
+                print(f"debugging: {' '.join((check.__name__.replace('_', ' '), *options))}: ok", flush=True)
+        refusals(baudbot, elf)
+        print("debugging: refusals: ok", flush=True)
+
 
 
 if __name__ == "__main__":

@@ -109,6 +109,7 @@ impl Chip {
             Op::In { d, address } => {
                 let value = self.read_io(address, board);
                 self.set_register(d, value);
+                self.note_pins(address, d, code, board);
                 1
             }
             Op::Out { address, r } => {
@@ -117,17 +118,17 @@ impl Chip {
                 0
             }
             Op::Load { d, pointer, offset } => {
-                self.load_into(d, self.pair(pointer).wrapping_add(u16::from(offset)), board)
+                self.load_into(d, self.pair(pointer).wrapping_add(u16::from(offset)), code, board)
             }
             Op::LoadIncrement { d, pointer } => {
                 let address = self.pair(pointer);
                 self.set_pair(pointer, address.wrapping_add(1));
-                self.load_into(d, address, board)
+                self.load_into(d, address, code, board)
             }
             Op::LoadDecrement { d, pointer } => {
                 let address = self.pair(pointer).wrapping_sub(1);
                 self.set_pair(pointer, address);
-                self.load_into(d, address, board)
+                self.load_into(d, address, code, board)
             }
             Op::Store { r, pointer, offset } => {
                 self.store_from(r, self.pair(pointer).wrapping_add(u16::from(offset)), board)
@@ -146,7 +147,7 @@ impl Chip {
             }
             Op::Lds { d, address } => {
                 self.pc = (self.pc + 1) & self.pc_mask;
-                self.load_into(d, address, board)
+                self.load_into(d, address, code, board)
             }
             Op::Sts { r, address } => {
                 self.pc = (self.pc + 1) & self.pc_mask;
@@ -337,10 +338,12 @@ impl Chip {
     }
 
     #[inline(always)]
-    fn load_into<B: Board>(&mut self, d: u8, address: u16, board: &mut B) -> u64 {
+    fn load_into<B: Board>(&mut self, d: u8, address: u16, code: &Code, board: &mut B) -> u64 {
         self.cycle += 1;
-        let value = self.load(address, board);
-        self.set_register(d, value);
+        match self.in_sram(address) {
+            Some(byte) => self.set_register(d, byte),
+            None => self.load_other_into(d, address, code, board),
+        }
         1
     }
 

@@ -2,6 +2,7 @@
 
 use super::Chip;
 use crate::board::{Board, Warning};
+use crate::flash::Code;
 use crate::part::SRAM_START;
 
 /// Illegal instructions and accesses beyond the memory that are told between two resets.
@@ -11,10 +12,15 @@ impl Chip {
     /// Reads a byte of the data space.
     #[inline(always)]
     pub(super) fn load<B: Board>(&mut self, address: u16, board: &mut B) -> u8 {
-        match self.sram.get(usize::from(address.wrapping_sub(SRAM_START))) {
-            Some(&byte) => byte,
+        match self.in_sram(address) {
+            Some(byte) => byte,
             None => self.load_other(address, board),
         }
+    }
+
+    #[inline(always)]
+    pub(super) fn in_sram(&self, address: u16) -> Option<u8> {
+        self.sram.get(usize::from(address.wrapping_sub(SRAM_START))).copied()
     }
 
     /// Writes a byte of the data space.
@@ -35,6 +41,16 @@ impl Chip {
                 self.beyond_memory(address, board);
                 0
             }
+        }
+    }
+
+    /// Loads a register from a place that is not in the SRAM.
+    #[inline(never)]
+    pub(super) fn load_other_into<B: Board>(&mut self, d: u8, address: u16, code: &Code, board: &mut B) {
+        let value = self.load_other(address, board);
+        self.set_register(d, value);
+        if let Ok(address) = u8::try_from(address) {
+            self.note_pins(address, d, code, board);
         }
     }
 

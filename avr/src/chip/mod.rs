@@ -4,6 +4,7 @@ mod crystal;
 mod debug;
 mod events;
 mod execute;
+mod floating;
 mod input;
 mod interrupts;
 mod main_loop;

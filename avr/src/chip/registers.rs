@@ -4,7 +4,7 @@ use super::Chip;
 use crate::adc;
 use crate::address::{Core, Place};
 use crate::board::{Board, Unsupported, Warning};
-use crate::pin::{Pin, Port};
+use crate::pin::Port;
 use crate::ports;
 use crate::system::{self, Effect, power};
 use crate::timer::{self, Which};
@@ -43,11 +43,7 @@ impl Chip {
     pub(super) fn read_bit<B: Board>(&mut self, address: u8, mask: u8, board: &mut B) -> bool {
         let value = self.read_io(address, board);
         if let Place::Port(port, ports::Register::Pin) = Place::at(address) {
-            let floating = self.ports.floating(port, mask);
-            if floating != 0 {
-                let pin = Pin::of(port, floating.trailing_zeros() as u8);
-                self.warn(Warning::FloatingInput { pin }, board);
-            }
+            self.note_look(port, mask, board);
         }
         value & mask != 0
     }

@@ -531,6 +531,59 @@ fn two_outputs_on_one_wire_and_a_floating_input_are_told() {
     assert_eq!(told.warnings, [Warning::FloatingInput { pin }, Warning::Contention { pin }]);
 }
 
+/// What is told when this is executed, with registers 30 and 31 at PIND and 17 as given.
+fn told_by(words: &[u16], mask: u8) -> Vec<Warning> {
+    let [low, high] = [0xE010 | u16::from(mask & 0xF0) << 4 | u16::from(mask & 0xF), 0xE0F0];
+    // ldi r17, mask; ldi r30, PIND; ldi r31, 0; …; rjmp .-2
+    let program: Vec<_> = [&[low, 0xE2E9, high], words, &[0xCFFF]].concat();
+    let mut told = Told::default();
+    run(&mut chip(&program), 30, &mut told);
+    told.warnings
+}
+
+#[test]
+fn a_floating_input_that_is_read_with_its_port_and_then_looked_at_alone_is_told() {
+    for (words, pin) in [
+        // in r24, PIND; andi r24, 4
+        (&[0xB189, 0x7084][..], 2),
+        // in r24, PIND; sbrs r24, 3; and sbrc
+        (&[0xB189, 0xFF83, 0x0000], 3),
+        (&[0xB189, 0xFD83, 0x0000], 3),
+        // in r24, PIND; bst r24, 5
+        (&[0xB189, 0xFB85], 5),
+        // in r24, PIND; com r24; andi r24, 0x40
+        (&[0xB189, 0x9580, 0x7480], 6),
+        // lds r24, PIND; andi r24, 0x10
+        (&[0x9180, 0x0029, 0x7180], 4),
+        // ld r24, Z; and r17, r24, as Arduino's digitalRead has it; and r24, r17
+        (&[0x8180, 0x2318], 7),
+        (&[0x8180, 0x2381], 7),
+    ] {
+        let pin = Pin::of(Port::D, pin);
+        assert_eq!(told_by(words, 0x80), [Warning::FloatingInput { pin }], "{words:x?}");
+    }
+}
+
+#[test]
+fn nobody_knows_which_pins_of_a_port_a_program_means_that_looks_at_several() {
+    for words in [
+        // in r24, PIND; andi r24, 0x0C
+        &[0xB189, 0x708C][..],
+        // in r24, PIND; and r24, r24; andi r25, 4; mov r25, r24
+        &[0xB189, 0x2388],
+        &[0xB189, 0x7094],
+        &[0xB189, 0x2F98],
+        // ld r24, Z; and r24, r17, where r17 is 0x81
+        &[0x8180, 0x2381],
+        // in r24, PORTD; andi r24, 4
+        &[0xB18B, 0x7084],
+    ] {
+        assert_eq!(told_by(words, 0x81), [], "{words:x?}");
+    }
+    // ldi r16, 4; out PORTD, r16; in r24, PIND; andi r24, 4
+    assert_eq!(told_by(&[0xE004, 0xB90B, 0xB189, 0x7084], 0), [], "it is pulled up");
+}
+
 #[test]
 fn waking_from_power_down_takes_the_start_up_time_of_the_oscillator() {
     // sei; sleep; nop; rjmp .-2 with PCINT16 awaited

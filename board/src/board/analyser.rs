@@ -239,7 +239,7 @@ impl Analyser {
 impl Wire {
     fn level_now(&self, cable: bool) -> Level {
         let Sides { chip, part } = self.sides;
-        let is_driven = matches!(chip, Drive::Low | Drive::High);
+        let is_driven = chip.is_output();
         let is_short = is_driven
             && self.sides.is_short()
             && match self.yields {

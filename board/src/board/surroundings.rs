@@ -152,6 +152,14 @@ impl Surroundings {
         }
     }
 
+    /// Tells a pin that has become an output although a voltage is on it.
+    fn look_for_voltage(&mut self, pin: Pin, at: u64) {
+        let part = self.wiring.driver(pin);
+        if let Some(Part::Voltage(_)) = part.and_then(|part| self.parts.get(part.index())) {
+            self.warnings.add(WarningKind::AgainstVoltage, Some(pin), part, self.clock.ns(at), 1);
+        }
+    }
+
     /// The voltage of a digital signal, in microvolts.
     fn digital(&mut self, pin: Option<Pin>, at: u64) -> u32 {
         let level = pin.and_then(|pin| self.pins.of(pin).level());
@@ -227,7 +235,10 @@ impl<P: Physics> View<'_, P> {
 
 impl<P: Physics> avr::Board for View<'_, P> {
     fn pin_changed(&mut self, pin: Pin, drive: Drive, at: u64) {
-        self.around.pins.of(pin).chip = drive;
+        let before = core::mem::replace(&mut self.around.pins.of(pin).chip, drive);
+        if drive.is_output() && !before.is_output() {
+            self.around.look_for_voltage(pin, at);
+        }
         if let Some(analyser) = &mut self.around.analyser.0 {
             analyser.chip(pin, drive, at);
         }

@@ -87,6 +87,42 @@ fn a_voltage_that_is_read_as_a_digital_input_is_told() {
 }
 
 #[test]
+fn a_port_that_is_read_for_one_floating_button_is_told_by_that() {
+    let two = || {
+        let wiring = Wiring::builder().part("left", BUTTON).part("right", BUTTON);
+        wiring.connect("4", "left").connect("5", "right")
+    };
+    // in r24, PIND; andi r24, mask
+    for (mask, expected) in
+        [(0x7280, vec![(WarningKind::FloatingInput, Pin::new(Port::D, 5), "right")]), (0x7380, vec![])]
+    {
+        let mut program = Asm::new();
+        program.word(0xB189).word(mask).stay();
+        let mut board = board(&program, two());
+        board.run_until(MS, &mut World::default());
+        assert_eq!(told(&board), expected, "{mask:x}");
+    }
+}
+
+#[test]
+fn an_output_against_a_voltage_is_told_once_each_time_it_becomes_one() {
+    let wiring = || Wiring::builder().part("ir", Kind::Voltage(Voltage::DIRECT)).connect("A0", "ir");
+    let warning = (WarningKind::AgainstVoltage, Pin::new(Port::C, 0), "ir");
+    let mut program = Asm::new();
+    program.sbi(io::DDRC, 0).sbi(io::PORTC, 0).cbi(io::PORTC, 0).cbi(io::DDRC, 0).delay(100);
+    program.sbi(io::DDRC, 0).stay();
+    let mut driven = board(&program, wiring());
+    driven.run_until(MS, &mut World { volts: 1.5, ..World::default() });
+    assert_eq!(told(&driven), [warning]);
+    assert_eq!(driven.warnings()[0].count, 2);
+    let mut pulled_up = Asm::new();
+    pulled_up.sbi(io::PORTC, 0).sbi(io::DDRC, 1).stay();
+    let mut pulled_up = board(&pulled_up, wiring());
+    pulled_up.run_until(MS, &mut World { volts: 1.5, ..World::default() });
+    assert_eq!(told(&pulled_up), [], "a resistor, and another pin");
+}
+
+#[test]
 fn a_character_for_a_program_without_a_uart_is_told() {
     let mut board = board_with_file("blink.hex", Wiring::builder());
     board.run_until(MS, &mut World::default());

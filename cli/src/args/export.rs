@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::vcd::VcdOutput;
+use super::chips::ChipOutput;
 
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
@@ -41,8 +41,11 @@ pub(crate) struct ExportArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) webm: Option<PathBuf>,
     /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave; may be given several times
-    #[arg(long, value_name = "ROBOT=FILE", value_parser = super::vcd::output)]
-    pub(crate) vcd: Vec<VcdOutput>,
+    #[arg(long, value_name = "ROBOT=FILE", value_parser = super::chips::output)]
+    pub(crate) vcd: Vec<ChipOutput>,
+    /// Write what the program of a robot's microcontroller sent, as it came to the laptop; may be given several times
+    #[arg(long, value_name = "ROBOT=FILE", value_parser = super::chips::output)]
+    pub(crate) serial: Vec<ChipOutput>,
     #[command(flatten)]
     pub(crate) window: WindowArgs,
     #[command(flatten)]
@@ -119,13 +122,25 @@ impl ExportArgs {
             ("--webm", &self.webm),
         ];
         let vcd = self.vcd.iter().map(|output| ("--vcd", output.file.as_path()));
-        all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).chain(vcd)
+        let serial = self.serial.iter().map(|output| ("--serial", output.file.as_path()));
+        all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).chain(vcd).chain(serial)
     }
 }
 
 /// What is not written beside a summary.
-const OUTPUTS: [&str; 10] =
-    ["csv", "parquet", "timeline", "events", "svg", "beliefs_csv", "utilities_svg", "gif", "webm", "vcd"];
+const OUTPUTS: [&str; 11] = [
+    "csv",
+    "parquet",
+    "timeline",
+    "events",
+    "svg",
+    "beliefs_csv",
+    "utilities_svg",
+    "gif",
+    "webm",
+    "vcd",
+    "serial",
+];
 
 fn positive(text: &str) -> Result<f64, String> {
     let fits = |number: &f64| *number > 0.0 && number.is_finite();
@@ -142,6 +157,7 @@ Examples:
   baudbot export run.mcap --utilities-svg utilities.svg --with gauge.charge
   baudbot export run.mcap --gif run.gif --speed 4
   baudbot export run.mcap --vcd robot=pins.vcd --from-s 2 --to-s 3
+  baudbot export run.mcap --serial robot=-
 
 The run is simulated again from the recorded inputs. If the replay differs from the recorded run, a warning gives the
 first difference. Films are made by a headless browser: the one named by BAUDBOT_BROWSER, or else chromium,

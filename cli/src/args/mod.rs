@@ -2,6 +2,7 @@
 
 mod brain;
 mod budget;
+mod chips;
 mod export;
 mod fit;
 mod gdb;
@@ -17,7 +18,6 @@ mod port;
 mod port_watch;
 mod record;
 mod umbmark;
-mod vcd;
 mod work;
 
 use std::path::PathBuf;
@@ -28,6 +28,7 @@ use clap::{Args, Parser, Subcommand};
 
 pub(crate) use self::brain::BrainArgs;
 pub(crate) use self::budget::BudgetArgs;
+pub(crate) use self::chips::{ChipArgs, ChipOutput};
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 pub(crate) use self::fit::FitArgs;
 pub(crate) use self::gdb::GdbAddress;
@@ -47,7 +48,6 @@ pub(crate) use self::port::{OpenPortArgs, PortCommand};
 pub(crate) use self::port_watch::WatchPortArgs;
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
 pub(crate) use self::umbmark::UmbmarkArgs;
-pub(crate) use self::vcd::VcdOutput;
 pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
 use crate::logs::{LogFilter, LogFormat};
 
@@ -167,15 +167,8 @@ pub(crate) struct RunArgs {
     /// Write the events of robots, cables and brains as a trace for ui.perfetto.dev
     #[arg(long, value_name = "FILE")]
     pub(crate) timeline: Option<PathBuf>,
-    /// Let avr-gdb debug the program of a robot's microcontroller, at a port of this machine; may be given several times
-    ///
-    /// The world waits at the chip's reset until a debugger has connected, and stands whenever the chip is stopped. 0 is any free
-    /// port. docs/debugging.md has an example.
-    #[arg(long = "gdb", value_name = "ROBOT=PORT")]
-    pub(crate) gdb: Vec<GdbAddress>,
-    /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave; may be given several times
-    #[arg(long, value_name = "ROBOT=FILE", value_parser = vcd::output)]
-    pub(crate) vcd: Vec<VcdOutput>,
+    #[command(flatten)]
+    pub(crate) chips: ChipArgs,
     /// Write the summary as one JSON object
     #[arg(long)]
     pub(crate) json: bool,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
-use baudbot_recording::RecordedRun;
+use baudbot_recording::{RecordedRun, Watched};
 use baudbot_server::{Film, Server, WorldConfig};
 use indicatif::ProgressBar;
 use tokio::sync::mpsc;
@@ -100,7 +100,8 @@ impl<'a> Films<'a> {
         }
         let (films, mut made) = mpsc::channel(1);
         let world = recorded.header().world.clone();
-        let replay = WorldConfig::replay(world.clone(), start(&self.args.file, recorded, Vec::new())?);
+        let replay =
+            WorldConfig::replay(world.clone(), start(&self.args.file, recorded, Watched::default())?);
         let place = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
         let server = Server::builder().world(replay).viewer(place).films(films).serve().await;
         let server = server.map_err(from_builder)?;

@@ -2,7 +2,7 @@
 //!
 //! 1. This file sees what is wanted, and that no output goes into another one or into the recording.
 //! 2. [`pass`] simulates the run once more, a [`window`] of it, and shows every tick to all outputs at once: those of
-//!    `baudbot run` ([`watched`]), `rows` of Parquet, [`events`], [`trails`] for a picture, the pins of chips ([`vcd`]), and
+//!    `baudbot run` ([`watched`]), `rows` of Parquet, [`events`], [`trails`] for a picture, the pins of chips ([`vcd`]) and what they sent ([`serial`]), and
 //!    [`beliefs`], which are in the recording's frames.
 //!    [`ran`] is what pictures tell of the run.
 //! 3. [`film`] lets a [`browser`] film the viewer's page, which replays the recording.
@@ -26,18 +26,20 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::Context;
-use baudbot_recording::{RecordedRun, Replay};
+use baudbot_recording::{self as recording, RecordedRun, Replay};
 use baudbot_sim::World;
 
 use crate::args::ExportArgs;
+use crate::chips::{SERIAL, VCD};
 use crate::csv::Table;
 use crate::error::Refused;
 use crate::output_files::{self, STDOUT};
 use crate::replay::{recorded_run, refused};
+use crate::serial::{self, Transcript};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::text::tell;
 use crate::trace::Trace;
-use crate::vcd::{self, Dump};
+use crate::vcd::Dump;
 use pass::{Output, Sink};
 use watched::Watched;
 use window::Window;
@@ -59,8 +61,10 @@ pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     let mut is_whole = true;
     if !outputs.is_empty() {
-        let watched = vcd::robots(&args.vcd, &recorded.scenario().robots)?;
-        let replay = start(&args.file, &recorded, watched)?;
+        let robots = &recorded.scenario().robots;
+        let (pins, cables) = (VCD.robots(&args.vcd, robots)?, SERIAL.robots(&args.serial, robots)?);
+        let replay =
+            start(&args.file, &recorded, recording::Watched { pins, cables, bytes: serial::MOST_BYTES })?;
         is_whole = pass::run(replay, &window, outputs, &stop, args.quiet)?;
     }
     if is_whole {
@@ -70,7 +74,11 @@ pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// The recording at its first tick.
-fn start(path: &Path, recorded: &Arc<RecordedRun>, watched: Vec<usize>) -> anyhow::Result<(Replay, World)> {
+fn start(
+    path: &Path,
+    recorded: &Arc<RecordedRun>,
+    watched: recording::Watched,
+) -> anyhow::Result<(Replay, World)> {
     Replay::start_watching(Arc::clone(recorded), watched).map_err(|error| refused(path, &error))
 }
 
@@ -126,7 +134,7 @@ fn outputs(args: &ExportArgs, recorded: &Arc<RecordedRun>, window: &Window) -> a
     // Before any file is opened: it may be that there is nothing to write.
     let with = beliefs::columns(&args.with, robots)?;
     let beliefs = beliefs::Beliefs::wanted(args, recorded, window)?;
-    let analysed = vcd::robots(&args.vcd, robots)?;
+    let (analysed, heard) = (VCD.robots(&args.vcd, robots)?, SERIAL.robots(&args.serial, robots)?);
     let mut outputs = Vec::new();
     let mut add = |path: Option<&PathBuf>, every, make: &dyn Fn(Out) -> Box<dyn Sink>| {
         let Some(path) = path else { return Ok(()) };
@@ -152,6 +160,10 @@ fn outputs(args: &ExportArgs, recorded: &Arc<RecordedRun>, window: &Window) -> a
         add(Some(&output.file), 1, &|out| {
             Box::new(Watched::new(Dump::new(out, (robot, &robots[robot]), window.from), Dump::write))
         })?;
+    }
+    for (output, &robot) in args.serial.iter().zip(&heard) {
+        let made = |out| Transcript::new(out, (robot, &robots[robot].name), window.from);
+        add(Some(&output.file), 1, &|out| Box::new(Watched::new(made(out), Transcript::write)))?;
     }
     Ok(outputs)
 }

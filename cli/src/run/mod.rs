@@ -19,18 +19,21 @@ use baudbot_server::{OnTick, Pace, WorldConfig};
 use baudbot_sim::{Scenario, SimTime, World};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::args::{ChangeArgs, Over, RunArgs, VcdOutput};
+use crate::args::{ChangeArgs, ChipOutput, Over, RunArgs};
 use crate::assignment::{self, Assigned};
+use crate::chips::{SERIAL, VCD};
 use crate::csv::Table;
 use crate::error::Refused;
 use crate::gdb::Debuggers;
 use crate::output_files::{self, Files, STDOUT};
 use crate::scenarios::{self, Source};
+use crate::serial::tails::Tails;
+use crate::serial::{self, Transcript};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::summary::Summary;
 use crate::text::tell;
 use crate::trace::Trace;
-use crate::vcd::{self, Dump};
+use crate::vcd::Dump;
 use crate::{record, report, text};
 
 /// What is going to be run.
@@ -47,6 +50,10 @@ struct Plan {
     note: Option<String>,
     /// The robots of `--vcd`.
     analysed: Vec<usize>,
+    /// Those of `--serial`.
+    heard: Vec<usize>,
+    /// What the chips have sent last.
+    tails: Tails,
 }
 
 /// What a run writes and hears while it goes on.
@@ -66,7 +73,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let (on_tick, files) = hook(args, &plan)?;
     // A FIFO may have kept us waiting until here; there a single signal is to end the program.
     let stop = Stop::listen().context("cannot listen for Ctrl-C")?;
-    let debuggers = Debuggers::listen(&args.gdb, &plan.scenario, &stop)?;
+    let debuggers = Debuggers::listen(&args.chips.gdb, &plan.scenario, &stop)?;
     if !args.quiet {
         debuggers.tell(&plan.scenario);
     }
@@ -77,7 +84,8 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     };
     // The world has closed the files, or its thread will at once.
     let status = outside.files.finish().await.and(status)?;
-    let summary = Summary::new(&plan.scenario, &status, outside.interrupted, &plan.assigned, plan.over);
+    let mut summary = Summary::new(&plan.scenario, &status, outside.interrupted, &plan.assigned, plan.over);
+    summary.add_last_lines(|robot| plan.tails.last_line(robot));
     show(args, &summary)?;
     let unwritten = summary.recording.as_ref().and_then(|recording| recording.problem.as_ref());
     if let Some(problem) = unwritten {
@@ -95,7 +103,8 @@ fn show(args: &RunArgs, summary: &Summary) -> anyhow::Result<()> {
         return Ok(());
     }
     let files = [&args.csv, &args.timeline].into_iter().flatten();
-    if files.chain(args.vcd.iter().map(|output| &output.file)).any(|path| path == Path::new(STDOUT)) {
+    let of_chips = args.chips.vcd.iter().chain(&args.chips.serial).map(|output| &output.file);
+    if files.chain(of_chips).any(|path| path == Path::new(STDOUT)) {
         tell!("{}", report::text(summary).trim_end());
         return Ok(());
     }
@@ -136,8 +145,11 @@ impl Plan {
         }
         let (world, seed) = (source.world_name(&scenario), scenario.seed);
         let frame = record::short_frame(&args.record, scenario.step_ns);
-        let analysed = vcd::robots(&args.vcd, &scenario.robots)?;
-        Ok(Self { world, scenario: scenario.into(), assigned, pace, over, seed, frame, note, analysed })
+        let analysed = VCD.robots(&args.chips.vcd, &scenario.robots)?;
+        let heard = SERIAL.robots(&args.chips.serial, &scenario.robots)?;
+        let tails = Tails::new(&scenario.robots);
+        let scenario = Arc::new(scenario);
+        Ok(Self { world, scenario, assigned, pace, over, seed, frame, note, analysed, heard, tails })
     }
 
     /// The world, which stands until its brains are there.
@@ -154,6 +166,11 @@ impl Plan {
         }
         for &robot in &self.analysed {
             world.keep_edges(robot, true);
+        }
+        for robot in
+            (0..self.scenario.robots.len()).filter(|&robot| self.scenario.robots[robot].chip.is_some())
+        {
+            world.keep_tape(robot, serial::MOST_BYTES);
         }
         let world = WorldConfig::from_state(self.world.clone(), world);
         let world = record::add(world.pace(self.pace).paused(true), &args.record);
@@ -192,7 +209,7 @@ fn assigned(args: &RunArgs, scenario: &Scenario) -> anyhow::Result<Assigned> {
 fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
     let stdout = Some(Path::new(STDOUT));
     let (csv, timeline) = (args.csv.as_deref(), args.timeline.as_deref());
-    if !args.gdb.is_empty() && args.record.record.is_some() {
+    if !args.chips.gdb.is_empty() && args.record.record.is_some() {
         return Err(Refused::error(
             "--gdb and --record exclude each other: a run in which a debugger writes into a chip cannot be replayed; leave \
              out one of the two",
@@ -204,14 +221,22 @@ fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
     if timeline == stdout && (args.json || csv == timeline) {
         return Err(Refused::error("--timeline - wants stdout for itself; write the trace to a file"));
     }
-    let vcd = || args.vcd.iter().map(|output| ("--vcd", output.file.as_path()));
-    let to_stdout = vcd().filter(|(_, path)| Some(*path) == stdout).count();
-    if to_stdout > 1 || to_stdout == 1 && (args.json || [csv, timeline].contains(&stdout)) {
-        return Err(Refused::error("--vcd ROBOT=- wants stdout for itself; write the pins to a file"));
+    let vcd = args.chips.vcd.iter().map(|output| ("--vcd", "the pins", output.file.as_path()));
+    let serial = args.chips.serial.iter().map(|output| ("--serial", "what is sent", output.file.as_path()));
+    let of_chips: Vec<_> = vcd.chain(serial).collect();
+    let mut to_stdout = of_chips.iter().filter(|(.., path)| Some(*path) == stdout);
+    let is_wanted = args.json || [csv, timeline].contains(&stdout);
+    if let Some((option, what, _)) = to_stdout.next()
+        && (is_wanted || to_stdout.next().is_some())
+    {
+        return Err(Refused::error(format!(
+            "{option} ROBOT=- wants stdout for itself; write {what} to a file"
+        )));
     }
     let files = [("--csv", csv), ("--timeline", timeline), ("--record", args.record.record.as_deref())];
     let files = files.into_iter().filter_map(|(option, path)| Some((option, path?)));
-    output_files::check_apart(files.chain(vcd()))
+    let of_chips = of_chips.iter().map(|&(option, _, path)| (option, path));
+    output_files::check_apart(files.chain(of_chips))
 }
 
 /// The overrides that the arguments ask for.
@@ -251,14 +276,11 @@ fn hook(args: &RunArgs, plan: &Plan) -> anyhow::Result<(Option<OnTick>, Files)> 
         files.watch(path.display().to_string(), outcome);
         trace = Some(made);
     }
-    let mut dumps = Vec::new();
-    for (VcdOutput { file: path, .. }, &robot) in args.vcd.iter().zip(&plan.analysed) {
-        let out = output_files::open(path).with_context(|| format!("cannot write {}", path.display()))?;
-        let (made, outcome) = Dump::new(out, (robot, &robots[robot]), SimTime::ZERO);
-        files.watch(path.display().to_string(), outcome);
-        dumps.push(made);
-    }
-    if table.is_none() && trace.is_none() && dumps.is_empty() {
+    let mut dumps = dumps(args, plan, &mut files)?;
+    let mut transcripts = transcripts(args, plan, &mut files)?;
+    let tails = plan.tails.clone();
+    if table.is_none() && trace.is_none() && tails.is_empty() {
+        // Only chips have pins, and send.
         return Ok((None, files));
     }
     let on_tick = move |world: &World| {
@@ -269,8 +291,35 @@ fn hook(args: &RunArgs, plan: &Plan) -> anyhow::Result<(Option<OnTick>, Files)> 
             trace.write(world);
         }
         dumps.iter_mut().for_each(|dump| dump.write(world));
+        transcripts.iter_mut().for_each(|transcript| transcript.write(world));
+        tails.look(world);
     };
     Ok((Some(Box::new(on_tick)), files))
+}
+
+/// What is written of the pins of chips.
+fn dumps(args: &RunArgs, plan: &Plan, files: &mut Files) -> anyhow::Result<Vec<Dump>> {
+    let mut dumps = Vec::new();
+    for (ChipOutput { file: path, .. }, &robot) in args.chips.vcd.iter().zip(&plan.analysed) {
+        let out = output_files::open(path).with_context(|| format!("cannot write {}", path.display()))?;
+        let (made, outcome) = Dump::new(out, (robot, &plan.scenario.robots[robot]), SimTime::ZERO);
+        files.watch(path.display().to_string(), outcome);
+        dumps.push(made);
+    }
+    Ok(dumps)
+}
+
+/// What is written of that which chips send.
+fn transcripts(args: &RunArgs, plan: &Plan, files: &mut Files) -> anyhow::Result<Vec<Transcript>> {
+    let mut transcripts = Vec::new();
+    for (ChipOutput { file: path, .. }, &robot) in args.chips.serial.iter().zip(&plan.heard) {
+        let out = output_files::open(path).with_context(|| format!("cannot write {}", path.display()))?;
+        let name = &plan.scenario.robots[robot].name;
+        let (made, outcome) = Transcript::new(out, (robot, name), SimTime::ZERO);
+        files.watch(path.display().to_string(), outcome);
+        transcripts.push(made);
+    }
+    Ok(transcripts)
 }
 
 /// A bar for so many ticks, for people who look; none otherwise.

@@ -21,6 +21,9 @@ pub(crate) struct Chip {
     /// Rounds of its program's main loop, if one was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rounds: Option<Rounds>,
+    /// The last line that it has sent, if that is text.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) last_line: Option<String>,
     pub(crate) warnings: Vec<ChipWarning>,
 }
 
@@ -85,6 +88,7 @@ impl Chip {
                 .as_ref()
                 .zip(clock)
                 .map(|(rounds, clock)| Rounds::new(rounds, clock.frequency())),
+            last_line: None,
             warnings: status.warnings.iter().map(warning).collect(),
         }
     }

@@ -156,6 +156,17 @@ impl Summary {
     }
 }
 
+impl Summary {
+    /// Adds the last line that each chip has sent, by the robot's place.
+    pub(crate) fn add_last_lines(&mut self, last_line: impl Fn(usize) -> Option<String>) {
+        for (place, robot) in self.robots.iter_mut().enumerate() {
+            if let Some(chip) = &mut robot.chip {
+                chip.last_line = last_line(place);
+            }
+        }
+    }
+}
+
 impl Score {
     fn new(score: &v1::Score) -> Self {
         let visited = score.zones.iter().filter(|zone| zone.visited);

@@ -138,6 +138,11 @@ pub(crate) struct Sensor {
 }
 
 impl Robot {
+    /// Whether it did what the program of its chip says, and no brain has to do with it.
+    pub(crate) fn has_program_only(&self) -> bool {
+        self.chip.is_some() && self.brain.is_empty() && self.commands == 0
+    }
+
     pub(super) fn new(
         spec: &RobotSpec,
         status: &v1::RobotStatus,

@@ -12,32 +12,11 @@ use baudbot_sim::{SimTime, World};
 use tokio::sync::oneshot;
 use vcd::{SimulationCommand, TimescaleUnit, Writer};
 
-use crate::args::VcdOutput;
-use crate::error::Refused;
 use crate::text::tell;
 use crate::trace::unseen;
 use signals::Signals;
 
 type Out = BufWriter<Box<dyn Write + Send>>;
-
-/// The robots of `--vcd`, in the order of the arguments: each must have a chip with a program.
-pub(crate) fn robots(outputs: &[VcdOutput], specs: &[RobotSpec]) -> anyhow::Result<Vec<usize>> {
-    outputs.iter().map(|output| robot(output, specs)).collect()
-}
-
-fn robot(VcdOutput { robot: name, .. }: &VcdOutput, specs: &[RobotSpec]) -> anyhow::Result<usize> {
-    let Some(place) = specs.iter().position(|spec| spec.name == *name) else {
-        let names = specs.iter().map(|spec| format!("`{}`", spec.name)).collect::<Vec<_>>().join(", ");
-        return Err(Refused::error(format!("--vcd: there is no robot `{name}`; there are: {names}")));
-    };
-    if specs[place].chip.is_none() {
-        return Err(Refused::error(format!(
-            "--vcd: `{name}` has no program on its microcontroller, so it has no pins to look at; give it one \
-             (`microcontroller.program`, docs/firmware.md)"
-        )));
-    }
-    Ok(place)
-}
 
 /// A file that is being written, on its world's thread.
 pub(crate) struct Dump {

@@ -169,11 +169,36 @@ fn wires_that_nobody_would_make_are_refused_by_their_pin() {
         ("wheel", "9 = \"motors.middle.pwm\"", "`middle` is no wheel"),
         ("option", "A0 = { to = \"sensors.ir\", colour = 3 }", "unknown field `colour`"),
         ("number", "A0 = 3", "has a text, a list, or a table with `to`, and not integer"),
+        (
+            "meaningless-option",
+            "A0 = { to = \"sensors.ir\", pull = \"external\" }",
+            "robots[0].pins.A0.pull: means nothing for `sensors.ir`, which has the options volts_at_0, volts_per_unit and divider",
+        ),
+        (
+            "one-option",
+            "5 = { to = \"sensors.whisker\", divider = 0.5 }",
+            "robots[0].pins.5.divider: means nothing for `sensors.whisker`, which has the option pull",
+        ),
+        (
+            "no-options",
+            "5 = [\"leds.a\", { to = \"buzzers.b\", lit_by = \"low\" }]",
+            "robots[0].pins.5[1].lit_by: means nothing for `buzzers.b`, which has no options",
+        ),
+        ("crystal", "PB6 = \"leds.x\"", "robots[0].pins.PB6: is a pin of the clock source"),
+        ("reset", "PC6 = \"leds.x\"", "robots[0].pins.PC6: is the pin of the reset"),
     ] {
         let robot = scenario(name, &format!("{ROBOT}{CABLE}{sensors}[robots.pins]\n{pins}\n"));
         let (code, _, err) = baudbot(&["check", robot.to_str().unwrap()]);
         assert!(code == 2 && err.contains("robots[0].pins") && err.contains(expected), "{name}: {err}");
     }
+}
+
+#[test]
+fn pins_of_the_crystal_and_of_the_reset_are_free_if_the_fuses_say_so() {
+    let fuses = "microcontroller.fuses = [0xe2, 0x59, 0xff]\n";
+    let pins = "PB6 = \"leds.a\"\nPB7 = \"leds.b\"\nPC6 = \"leds.c\"\n";
+    let robot = scenario("free-pins", &format!("{ROBOT}{CABLE}{fuses}[robots.pins]\n{pins}"));
+    good(&["check", robot.to_str().unwrap()]);
 }
 
 #[test]
@@ -228,6 +253,43 @@ fn check_lists_the_pins_and_draws_them() {
     }
     let picture = good(&["check", &robot, "--svg", "-"]);
     assert!(picture.contains(">motors.left.pwm<") && picture.contains(">A0<"), "no pins in the picture");
+}
+
+#[test]
+fn programs_are_varied_by_a_sweep_under_the_names_of_their_files() {
+    // Sends `A`, or twice: sts UCSR0B, TXEN0; sts UDR0, r17.
+    let sends = |times: usize| {
+        let start = [0xE008, 0x9300, 0x00C1, 0xE411];
+        let ends = [0xCFFF];
+        hex(&[&start[..], &[0x9310, 0x00C6].repeat(times), &ends].concat())
+    };
+    let [once, twice] = [("once.hex", 1), ("twice.hex", 2)].map(|(name, times)| file(name, &sends(times)));
+    let names = [&once, &twice].map(|path| path.file_name().unwrap().to_str().unwrap());
+    let robot = scenario("swept", &format!("{ROBOT}{CABLE}pins.13 = \"leds.builtin\"\n"));
+    let text = |programs: [&str; 2]| {
+        format!(
+            "name = \"programs\"\nscenario = {robot:?}\nbrain = \"none\"\nseconds = 0.1\nseeds = 1\n[[fields]]\nlabel = \"program\"\n\
+             field = \"robots.r.microcontroller.program\"\nvalues = {programs:?}\n"
+        )
+    };
+    let experiment = file("swept-experiment.toml", text(names).as_bytes());
+    let out = place("firmware-swept");
+    let _ = fs::remove_dir_all(&out);
+    good(&["sweep", experiment.to_str().unwrap(), "--out", out.to_str().unwrap(), "--quiet"]);
+    let table = fs::read_to_string(out.join("rows.csv")).unwrap();
+    let rows: Vec<_> = table.lines().skip(1).collect();
+    assert_eq!(rows.len(), 2, "{table}");
+    for (row, program) in rows.into_iter().zip([&once, &twice]) {
+        let firmware = format!("r={}", program.display());
+        let run = ["run", robot.to_str().unwrap(), "--firmware", &firmware, "--seconds", "0.1", "--json"];
+        let summary: Value = serde_json::from_str(&good(&run)).unwrap();
+        let [name, hash] =
+            [program.file_name().unwrap().to_str(), summary["state_hash"].as_str()].map(Option::unwrap);
+        assert!(row.contains(name) && row.contains(hash), "{name} {hash}: {row}");
+    }
+    let experiment = file("swept-wrong.toml", text([names[0], "no.hex"]).as_bytes());
+    let (code, _, err) = baudbot(&["sweep", experiment.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    assert!(code == 2 && err.contains("fields[0]") && err.contains("no.hex: there is no such file"), "{err}");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! What a debugger can do with a chip.
 
+use std::time::{Duration, Instant};
+
 use crate::client::Client;
 use crate::running::Running;
 
@@ -219,8 +221,11 @@ fn who_debugs_is_told_when_the_world_is_over() {
 fn nobody_is_waited_for_when_the_program_is_to_end() {
     let running = Running::start(&PROGRAM);
     running.stands();
+    let begun = Instant::now();
     running.give_up();
     running.goes_on();
+    // Whoever ends the world finds it about where it stood: each millisecond takes ten.
+    assert!(begun.elapsed() >= Duration::from_millis(90), "{:?}", begun.elapsed());
 
     let running = Running::start(&PROGRAM);
     let client = Client::connect(running.address);

@@ -1,6 +1,7 @@
 //! What is tried.
 
 mod files;
+mod programs;
 mod wire;
 mod worlds;
 
@@ -22,6 +23,7 @@ pub(crate) struct Target {
 pub(crate) fn all() -> anyhow::Result<Vec<Target>> {
     let mut targets = wire::targets();
     targets.extend(files::targets()?);
+    targets.extend(programs::targets()?);
     targets.extend(worlds::targets()?);
     Ok(targets)
 }

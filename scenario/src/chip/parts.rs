@@ -15,8 +15,8 @@ use baudbot_sim::motor::Motors;
 use baudbot_sim::sensor::{Component, Device, Sensor};
 use baudbot_wire::Encoding;
 
-use super::{Parts, Result};
-use crate::pins::{self, Options};
+use super::{Parts, Result, options};
+use crate::pins::Options;
 
 /// What is on the pins.
 pub(super) struct Wires {
@@ -30,8 +30,16 @@ struct Part<'a> {
     /// Where it was named first.
     path: &'a Path,
     belongs: Belongs<'a>,
-    /// The terminals that are used, and the options of each.
-    terminals: Vec<(&'a str, &'a str, &'a Options)>,
+    /// The terminals that are used.
+    terminals: Vec<Used<'a>>,
+}
+
+/// A terminal that is used.
+struct Used<'a> {
+    path: &'a Path,
+    pin: &'a str,
+    terminal: &'a str,
+    options: &'a Options,
 }
 
 #[derive(Clone, Copy)]
@@ -55,7 +63,7 @@ pub(super) fn wires(path: &Path, connections: &[(Path, &str, Options)], robot: &
             parts.push(Part { name, path: at, belongs, terminals: Vec::new() });
             parts.len() - 1
         });
-        parts[place].terminals.push((*pin, terminal, options));
+        parts[place].terminals.push(Used { path: at, pin, terminal, options });
     }
     let mut builder = Wiring::builder();
     let mut attached = Vec::new();
@@ -63,7 +71,8 @@ pub(super) fn wires(path: &Path, connections: &[(Path, &str, Options)], robot: &
         let (kind, belongs) = part.kind(robot)?;
         builder = builder.part(&*part.name, kind);
         attached.push(belongs);
-        for (pin, terminal, _) in &part.terminals {
+        for Used { path, pin, terminal, options } in &part.terminals {
+            options::check(path, options, &kind, part.is_floor())?;
             let full =
                 if terminal.is_empty() { part.name.clone() } else { format!("{}.{terminal}", part.name) };
             builder = builder.connect(*pin, full);
@@ -171,12 +180,16 @@ fn wheel_of<'a>(
 
 impl Part<'_> {
     fn uses(&self, terminal: &str) -> bool {
-        self.terminals.iter().any(|(_, used, _)| *used == terminal)
+        self.terminals.iter().any(|used| used.terminal == terminal)
     }
 
     /// An option that any of its connections has.
     fn option<T: Copy>(&self, get: impl Fn(&Options) -> Option<T>) -> Option<T> {
-        self.terminals.iter().find_map(|(_, _, options)| get(options))
+        self.terminals.iter().find_map(|used| get(used.options))
+    }
+
+    fn is_floor(&self) -> bool {
+        matches!(self.belongs, Belongs::Sensor(_, Sensor { device: Device::Floor(_), .. }))
     }
 
     /// What it is, and where it belongs.
@@ -200,11 +213,7 @@ impl Part<'_> {
     }
 
     fn led(&self) -> Led {
-        let lit_by = match self.option(|options| options.lit_by) {
-            Some(pins::LitBy::Low) => LitBy::Low,
-            Some(pins::LitBy::High) | None => LitBy::High,
-        };
-        Led { lit_by }
+        Led { lit_by: self.option(|options| options.lit_by).unwrap_or(LitBy::High) }
     }
 
     fn sensor(&self, place: usize, sensor: &Sensor) -> Result<(Kind, Attached)> {
@@ -250,17 +259,13 @@ impl Part<'_> {
 
     /// Whether it is a reflectance sensor that discharges a capacitor: on a pin without an ADC it can be nothing else.
     fn is_timed(&self) -> bool {
-        let on_adc =
-            |(pin, ..): &(&str, &str, &Options)| Net::by_name(pin).and_then(Net::adc_channel).is_some();
+        let on_adc = |used: &Used<'_>| Net::by_name(used.pin).and_then(Net::adc_channel).is_some();
         self.option(|options| options.rc).unwrap_or_else(|| !self.terminals.iter().all(on_adc))
     }
 
     /// A switch to ground, which bounces as its sensor does.
     fn switch(&self, name: &str, bounce_us: u32) -> Switch {
-        let pull = match self.option(|options| options.pull) {
-            Some(pins::Pull::External) => Pull::External,
-            Some(pins::Pull::Internal) | None => Pull::Internal,
-        };
+        let pull = self.option(|options| options.pull).unwrap_or(Pull::Internal);
         let seed = name.bytes().fold(1, |seed: u64, byte| seed.wrapping_mul(31).wrapping_add(byte.into()));
         Switch { pull, bounce_us, seed }
     }
@@ -332,10 +337,7 @@ impl Part<'_> {
             (true, false, None) => BridgeKind::L298N,
             (true, false, Some(drop_v)) => BridgeKind::L298N { drop_v },
             (false, _, drop_v) => {
-                let decay = match self.option(|options| options.decay) {
-                    Some(pins::Decay::Coast) => Decay::Coast,
-                    Some(pins::Decay::Brake) | None => Decay::Brake,
-                };
+                let decay = self.option(|options| options.decay).unwrap_or(Decay::Brake);
                 BridgeKind::Directed { decay, drop_v: drop_v.unwrap_or(0.0) }
             }
         })

@@ -3,8 +3,9 @@
 use alloc::format;
 use alloc::string::{String, ToString};
 
+use baudbot_avr::fuses::Taken;
 use baudbot_avr::{Fuses, Part, Program};
-use baudbot_board::ChipClock;
+use baudbot_board::{ChipClock, Net};
 use baudbot_fields::Path;
 use baudbot_geometry::math;
 
@@ -33,13 +34,8 @@ pub(super) fn clock(path: &Path, raw: &raw::Microcontroller) -> Result<ChipClock
     clock.map_err(|error| path.field("clock_ppm").error(error.to_string()))
 }
 
-/// The program, and the fuses.
-pub(super) fn program(
-    path: &Path,
-    raw: &RawProgram,
-    part: Part,
-    microcontroller: &raw::Microcontroller,
-) -> Result<(Program, Fuses)> {
+/// The program.
+pub(super) fn program(path: &Path, raw: &RawProgram, part: Part) -> Result<Program> {
     let at = path.field("program");
     let inline = match raw {
         RawProgram::Inline(inline) => inline,
@@ -66,14 +62,7 @@ pub(super) fn program(
     let program = program.map_err(|error| wrong("", error.to_string()))?;
     let eeprom = inline.eeprom_hex.as_ref();
     let program = program.with_extras(eeprom.map(|hex| hex.as_bytes()), inline.fuses, inline.data_end);
-    let program = program.map_err(|error| wrong("EEPROM: ", error.to_string()))?;
-    let fuses = match (&microcontroller.fuses, program.fuses()) {
-        (Some(given), _) => fuses(path, given)?,
-        (None, Some([low, high, extended])) => Fuses { low, high, extended },
-        // A clock that starts at once, and address 0: what a programmer leaves that writes a sketch without a boot loader.
-        (None, None) => Fuses::external_clock(part),
-    };
-    Ok((program, fuses))
+    program.map_err(|error| wrong("EEPROM: ", error.to_string()))
 }
 
 /// Whether a part can run what was built for another one: its vectors are as long, and it has no less memory.
@@ -89,13 +78,34 @@ fn runs_on(device: &str, part: Part) -> bool {
     is_small(built_for) == is_small(part) && bytes(built_for) <= bytes(part)
 }
 
-fn fuses(path: &Path, given: &[u64]) -> Result<Fuses> {
+/// The fuses, as the scenario or else the program's file has them.
+pub(super) fn fuses(path: &Path, microcontroller: &raw::Microcontroller) -> Result<Option<Fuses>> {
+    let Some(given) = &microcontroller.fuses else {
+        let Some(RawProgram::Inline(inline)) = &microcontroller.program else { return Ok(None) };
+        return Ok(inline.fuses.map(|[low, high, extended]| Fuses { low, high, extended }));
+    };
     let at = path.field("fuses");
     let byte = |byte: u64| u8::try_from(byte).map_err(|_| at.error(format!("{byte} is no byte")));
-    let [low, high, extended] = *given else {
+    let [low, high, extended] = given[..] else {
         return Err(at.error(format!("has the bytes low, high and extended, and not {}", given.len())));
     };
-    Ok(Fuses { low: byte(low)?, high: byte(high)?, extended: byte(extended)? })
+    Ok(Some(Fuses { low: byte(low)?, high: byte(high)?, extended: byte(extended)? }))
+}
+
+/// Whether nothing else has a pin for good. A board whose fuses nobody has named has a crystal.
+pub(super) fn check_pin(path: &Path, pin: &str, fuses: Option<Fuses>) -> Result<()> {
+    let taken = Net::by_name(pin).and_then(Net::pin);
+    let problem = match taken.and_then(|pin| fuses.unwrap_or(Fuses::ARDUINO_UNO).takes(pin)) {
+        None => return Ok(()),
+        Some(Taken::Clock) => {
+            "is a pin of the clock source: on a board with a crystal take another pin; it is free if \
+             microcontroller.fuses choose an internal oscillator"
+        }
+        Some(Taken::Reset) => {
+            "is the pin of the reset: take another pin; it is free if microcontroller.fuses have RSTDISBL"
+        }
+    };
+    Err(path.error(problem))
 }
 
 const USUAL_HZ: f64 = 16e6;

@@ -1,0 +1,40 @@
+//! What a run shows of chips: `--gdb ROBOT=PORT`, `--vcd ROBOT=FILE` and `--serial ROBOT=FILE`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::GdbAddress;
+
+#[derive(Debug, Args)]
+pub(crate) struct ChipArgs {
+    /// Let avr-gdb debug the program of a robot's microcontroller, at a port of this machine; may be given several times
+    ///
+    /// The world waits at the chip's reset until a debugger has connected, and stands whenever the chip is stopped. 0 is any free
+    /// port. docs/debugging.md has an example.
+    #[arg(long = "gdb", value_name = "ROBOT=PORT")]
+    pub(crate) gdb: Vec<GdbAddress>,
+    /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave; may be given several times
+    #[arg(long, value_name = "ROBOT=FILE", value_parser = output)]
+    pub(crate) vcd: Vec<ChipOutput>,
+    /// Write what the program of a robot's microcontroller sends, as it comes to the laptop; `-` is stdout; may be given several times
+    #[arg(long, value_name = "ROBOT=FILE", value_parser = output)]
+    pub(crate) serial: Vec<ChipOutput>,
+}
+
+/// A robot, and the file for what is seen of its chip.
+#[derive(Clone, Debug)]
+pub(crate) struct ChipOutput {
+    pub(crate) robot: String,
+    pub(crate) file: PathBuf,
+}
+
+/// Parses `ROBOT=FILE`. Names of robots have no `=`.
+pub(super) fn output(text: &str) -> Result<ChipOutput, String> {
+    match text.split_once('=') {
+        Some((robot, file)) if !robot.is_empty() && !file.is_empty() => {
+            Ok(ChipOutput { robot: robot.to_owned(), file: file.into() })
+        }
+        Some(_) | None => Err("write ROBOT=FILE".to_owned()),
+    }
+}

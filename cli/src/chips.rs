@@ -1,0 +1,42 @@
+//! Robots whose microcontrollers run a program of the user's own, as options name them.
+
+use baudbot_sim::model::RobotSpec;
+
+use crate::args::ChipOutput;
+use crate::error::Refused;
+
+/// An option that is about the chips of robots.
+pub(crate) struct ChipOption {
+    name: &'static str,
+    /// What a robot without a program has not.
+    nothing: &'static str,
+}
+
+/// What a logic analyser on the pins sees.
+pub(crate) const VCD: ChipOption = ChipOption { name: "--vcd", nothing: "it has no pins to look at" };
+
+/// What the program sends.
+pub(crate) const SERIAL: ChipOption =
+    ChipOption { name: "--serial", nothing: "nothing is on its cable but messages to and from a brain" };
+
+impl ChipOption {
+    /// The robots that are named, in the order of the arguments: each must have a chip with a program.
+    pub(crate) fn robots(&self, outputs: &[ChipOutput], specs: &[RobotSpec]) -> anyhow::Result<Vec<usize>> {
+        outputs.iter().map(|output| self.robot(&output.robot, specs)).collect()
+    }
+
+    fn robot(&self, robot: &str, specs: &[RobotSpec]) -> anyhow::Result<usize> {
+        let Self { name, nothing } = self;
+        let Some(place) = specs.iter().position(|spec| spec.name == *robot) else {
+            let names = specs.iter().map(|spec| format!("`{}`", spec.name)).collect::<Vec<_>>().join(", ");
+            return Err(Refused::error(format!("{name}: there is no robot `{robot}`; there are: {names}")));
+        };
+        if specs[place].chip.is_none() {
+            return Err(Refused::error(format!(
+                "{name}: `{robot}` has no program on its microcontroller, so {nothing}; give it one \
+                 (`microcontroller.program`, docs/firmware.md)"
+            )));
+        }
+        Ok(place)
+    }
+}

@@ -1,0 +1,61 @@
+//! Options of what is on a pin: which mean something for which part.
+
+use alloc::format;
+
+use baudbot_board::{BridgeKind, Kind};
+use baudbot_fields::Path;
+
+use super::Result;
+use crate::pins::Options;
+
+/// Refuses options of a connection that mean nothing for its part; `is_floor`: it is a reflectance sensor.
+pub(super) fn check(path: &Path, options: &Options, kind: &Kind, is_floor: bool) -> Result<()> {
+    let known = known(kind, is_floor);
+    let Some(other) = options.given().find(|name| !known.contains(name)) else { return Ok(()) };
+    let what = &options.to;
+    let problem = match known {
+        [] => format!("means nothing for `{what}`, which has no options"),
+        [one] => format!("means nothing for `{what}`, which has the option {one}"),
+        [many @ .., last] => {
+            format!("means nothing for `{what}`, which has the options {} and {last}", many.join(", "))
+        }
+    };
+    Err(path.field(other).error(problem))
+}
+
+const fn known(kind: &Kind, is_floor: bool) -> &'static [&'static str] {
+    match kind {
+        Kind::Voltage(_) if is_floor => &["volts_at_0", "volts_per_unit", "divider", "rc"],
+        Kind::Voltage(_) => &["volts_at_0", "volts_per_unit", "divider"],
+        Kind::Reflectance(_) => &["rc"],
+        Kind::Switch(_) => &["pull"],
+        Kind::Bridge(BridgeKind::Directed { .. }) => &["decay", "drop_v"],
+        Kind::Bridge(BridgeKind::L298N { .. } | BridgeKind::Tb6612 { .. }) => &["drop_v"],
+        Kind::Led(_) => &["lit_by"],
+        Kind::Encoder(_)
+        | Kind::Ping(_)
+        | Kind::HcSr04(_)
+        | Kind::Servo(_)
+        | Kind::Piezo(_)
+        | Kind::Compass(_)
+        | Kind::RangeFinder(_) => &[],
+    }
+}
+
+impl Options {
+    /// The names of those that are given.
+    fn given(&self) -> impl Iterator<Item = &'static str> + use<> {
+        let Self { to: _, volts_at_0, volts_per_unit, divider, pull, drop_v, decay, lit_by, rc } = self;
+        let given = [
+            ("volts_at_0", volts_at_0.is_some()),
+            ("volts_per_unit", volts_per_unit.is_some()),
+            ("divider", divider.is_some()),
+            ("pull", pull.is_some()),
+            ("drop_v", drop_v.is_some()),
+            ("decay", decay.is_some()),
+            ("lit_by", lit_by.is_some()),
+            ("rc", rc.is_some()),
+        ];
+        given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name)
+    }
+}
