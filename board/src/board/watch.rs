@@ -8,7 +8,7 @@ use baudbot_avr::{Pin, Port};
 use super::Board;
 use super::analyser::{Analyser, Wire, Yields};
 use super::surroundings::Surroundings;
-use crate::edges::Edges;
+use crate::edges::{Edges, Level};
 use crate::parts::Part;
 
 impl Board {
@@ -37,6 +37,11 @@ impl Board {
     /// What is [kept](Self::keep_edges).
     pub fn edges(&self) -> Option<&Edges> {
         self.around.analyser.0.as_deref().map(Analyser::edges)
+    }
+
+    /// The levels of all pins as they were noted last, if edges are [kept](Self::keep_edges).
+    pub fn levels(&self) -> impl Iterator<Item = (Pin, Level)> {
+        self.around.analyser.0.iter().flat_map(|analyser| analyser.levels())
     }
 
     fn wires(&mut self) -> Vec<Wire> {

@@ -34,7 +34,12 @@ pub fn lanes(
             lanes.entry(who).or_default();
         }
     }
-    let lane = |(who, bars): (Who, Vec<Bar>)| Lane { label: who.name(robot), group: group(who), bars };
+    let lane = |(who, bars): (Who, Vec<Bar>)| Lane {
+        label: who.name(robot),
+        group: group(who),
+        bars,
+        wave: Vec::new(),
+    };
     lanes.into_iter().map(lane).collect()
 }
 
@@ -117,7 +122,7 @@ fn group(who: Who) -> Group {
 }
 
 /// Milliseconds to the nanosecond, and no zeros at their end.
-fn handy_ms(ns: u64) -> String {
+pub(super) fn handy_ms(ns: u64) -> String {
     let text = ms(ns, 6);
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

@@ -21,7 +21,7 @@ fn bar(start_ns: u64, end_ns: u64, label: &str, class: Class) -> Bar {
 }
 
 fn lane(bars: Vec<Bar>) -> Lane {
-    Lane { label: "lane".to_owned(), group: Group::Brain, bars }
+    Lane { label: "lane".to_owned(), group: Group::Brain, bars, wave: Vec::new() }
 }
 
 fn diagram(lanes: Vec<Lane>, (from_ns, until_ns): (u64, u64)) -> Diagram {
