@@ -13,6 +13,7 @@ use tokio::sync::oneshot;
 use vcd::{SimulationCommand, TimescaleUnit, Writer};
 
 use crate::args::VcdOutput;
+use crate::diagram::without_program;
 use crate::error::Refused;
 use crate::text::tell;
 use crate::trace::unseen;
@@ -31,10 +32,7 @@ fn robot(VcdOutput { robot: name, .. }: &VcdOutput, specs: &[RobotSpec]) -> anyh
         return Err(Refused::error(format!("--vcd: there is no robot `{name}`; there are: {names}")));
     };
     if specs[place].chip.is_none() {
-        return Err(Refused::error(format!(
-            "--vcd: `{name}` has no program on its microcontroller, so it has no pins to look at; give it one \
-             (`microcontroller.program`, docs/firmware.md)"
-        )));
+        return Err(Refused::error(format!("--vcd: {}", without_program(&specs[place]))));
     }
     Ok(place)
 }

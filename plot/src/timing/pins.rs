@@ -27,9 +27,14 @@ pub fn finest_ns(span_ns: u64) -> u64 {
 /// The lanes of signals in a window, which ends before `until_ns`. Without a choice of wires these are all that have something on
 /// them or that the program moves, but for those of the UART; with it they are those, with their channels of the ADC. A wire with
 /// a voltage that never is a level has no lane of its own.
-pub fn pin_lanes(shots: &[Shot], (from_ns, until_ns): (u64, u64), chosen: Option<&[Net]>) -> Vec<Lane> {
-    let window = Window { from_ns, until_ns };
+pub fn pin_lanes(shots: &[Shot], span: (u64, u64), chosen: Option<&[Net]>) -> Vec<Lane> {
+    let window = Window { from_ns: span.0, until_ns: span.1 };
     shots.iter().filter(|shot| window.has_lane(shot, shots, chosen)).map(|shot| window.lane(shot)).collect()
+}
+
+/// Whether a signal among others has a [lane](pin_lanes).
+pub fn has_lane(shot: &Shot, shots: &[Shot], (from_ns, until_ns): (u64, u64), chosen: Option<&[Net]>) -> bool {
+    Window { from_ns, until_ns }.has_lane(shot, shots, chosen)
 }
 
 /// The duty and the frequency of pulses that are alike, else how many there are.
