@@ -68,6 +68,12 @@ impl Replay {
         Ok((replay, world))
     }
 
+    /// From now on keeps edges on the pins of these robots' chips, also behind a jump.
+    pub fn watch(&mut self, robots: impl IntoIterator<Item = usize>) {
+        self.watched.clear();
+        self.watched.extend(robots);
+    }
+
     /// The recording that is replayed.
     pub fn recorded(&self) -> &Arc<RecordedRun> {
         &self.recorded

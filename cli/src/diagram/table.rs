@@ -45,9 +45,15 @@ pub(super) fn rows(
 pub(super) fn text(rows: &[Row]) -> String {
     let head = ["start ms", "duration ms", "who", "what"].map(str::to_owned);
     let line = |row: &Row| {
-        let meaning = if row.meaning.is_empty() { String::new() } else { format!(": {}", shortened(&row.meaning)) };
+        let meaning =
+            if row.meaning.is_empty() { String::new() } else { format!(": {}", shortened(&row.meaning)) };
         let what = row.what.clone() + &meaning;
-        [ms(row.start_ns, DECIMALS), ms(row.end_ns.saturating_sub(row.start_ns), DECIMALS), row.who.clone(), what]
+        [
+            ms(row.start_ns, DECIMALS),
+            ms(row.end_ns.saturating_sub(row.start_ns), DECIMALS),
+            row.who.clone(),
+            what,
+        ]
     };
     let lines: Vec<_> = std::iter::once(head).chain(rows.iter().map(line)).collect();
     columns("", &lines, |i| i >= 2)
@@ -66,7 +72,11 @@ pub(super) fn csv(rows: &[Row]) -> String {
 
 /// A cell of a table, in quotes if it needs them.
 fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
 }
 
 fn row(robot: &RobotSpec, event: &Event, is_of_cycle: bool, meaning: Option<&String>) -> Row {
@@ -90,7 +100,9 @@ fn of_pin(shot: &Shot, window: &Window) -> impl Iterator<Item = Row> {
         let (end_ns, what) = match *shown {
             Shown::Stretch(Stretch::Level { level, .. }) => (next_ns, level_in_words(level).to_owned()),
             Shown::Stretch(Stretch::Pulses(pulses)) => (pulses.until_ns, pulses_of(&pulses)),
-            Shown::Number { at_ns, number } if matches!(shot.signal.line, Line::Adc(_)) => (at_ns, number.to_string()),
+            Shown::Number { at_ns, number } if matches!(shot.signal.line, Line::Adc(_)) => {
+                (at_ns, number.to_string())
+            }
             Shown::Number { number, .. } => (next_ns, printable(number)),
             Shown::Over { .. } => return None,
         };

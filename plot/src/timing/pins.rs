@@ -33,7 +33,12 @@ pub fn pin_lanes(shots: &[Shot], span: (u64, u64), chosen: Option<&[Net]>) -> Ve
 }
 
 /// Whether a signal among others has a [lane](pin_lanes).
-pub fn has_lane(shot: &Shot, shots: &[Shot], (from_ns, until_ns): (u64, u64), chosen: Option<&[Net]>) -> bool {
+pub fn has_lane(
+    shot: &Shot,
+    shots: &[Shot],
+    (from_ns, until_ns): (u64, u64),
+    chosen: Option<&[Net]>,
+) -> bool {
     Window { from_ns, until_ns }.has_lane(shot, shots, chosen)
 }
 
