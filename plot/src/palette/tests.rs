@@ -81,7 +81,10 @@ fn the_page_has_these_colors_and_words_for_timing_diagrams() {
         let row =
             format!("color: \"{}\", ink: {ink}, words: \"{}\"{trouble} }},", class.color(), class.words());
         let words = format!("{class:?}").replace("Down", "_Down").trim_start_matches('_').to_uppercase();
-        let name = format!("[TimelineKind.{words}]");
+        let name = match class {
+            Class::Convert | Class::Sent | Class::Received => words.to_lowercase(),
+            _ => format!("[TimelineKind.{words}]"),
+        };
         assert!(lines.contains(&format!("  {name}: {{ {row}").as_str()), "{name}: {row}");
     }
 }

@@ -35,6 +35,7 @@ export class Watcher {
     private readonly store: Store,
   ) {
     store.on("robot", () => store.description && this.watch());
+    store.on("pins", () => this.again());
     // What is leapt over is no speed.
     store.on("leap", () => (this.isSettling = true));
     store.on("restart", () => {
@@ -97,7 +98,8 @@ export class Watcher {
     this.isFirst = this.isSettling = true;
     this.store.setStride(this.every);
     const details = robot === "" ? [] : [robot];
-    const request = { world, everyTicks: BigInt(this.every), details };
+    const pins = this.store.hasChip && this.store.showsPins;
+    const request = { world, everyTicks: BigInt(this.every), details, pins };
     const call = this.connection.begin(ObserveService.method.watch, request, {
       message: (bytes) => this.take(decodeFrame(bytes)),
       over: (error) => this.over(call, error),
