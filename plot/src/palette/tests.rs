@@ -81,10 +81,8 @@ fn the_page_has_these_colors_and_words_for_timing_diagrams() {
         let row =
             format!("color: \"{}\", ink: {ink}, words: \"{}\"{trouble} }},", class.color(), class.words());
         let words = format!("{class:?}").replace("Down", "_Down").trim_start_matches('_').to_uppercase();
-        let name = match class {
-            Class::Convert | Class::Sent | Class::Received => words.to_lowercase(),
-            _ => format!("[TimelineKind.{words}]"),
-        };
+        let is_of_chip = matches!(class, Class::Convert | Class::Sent | Class::Received);
+        let name = if is_of_chip { words.to_lowercase() } else { format!("[TimelineKind.{words}]") };
         assert!(lines.contains(&format!("  {name}: {{ {row}").as_str()), "{name}: {row}");
     }
 }
