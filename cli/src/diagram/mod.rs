@@ -149,7 +149,8 @@ fn picture(
 
 /// The lanes of a robot with a chip: those on which something is, and those of its pins behind the sensors'.
 fn with_pins(lanes: Vec<Lane>, pins: Vec<Lane>) -> Vec<Lane> {
-    let there = lanes.into_iter().filter(|lane| !lane.bars.is_empty());
+    let there =
+        lanes.into_iter().filter(|lane| !lane.bars.is_empty() && lane.group != Group::Microcontroller);
     let (mut all, rest): (Vec<_>, Vec<_>) = there.partition(|lane| lane.group == Group::Sensors);
     all.extend(pins);
     all.extend(rest);

@@ -35,6 +35,12 @@ impl Pins {
     pub(super) fn take(&mut self, chip: &ChipSpec, fresh: Vec<(usize, Shown)>, from_ns: u64) {
         for (place, shown) in fresh {
             let Some(shot) = self.shots.get_mut(place) else { continue };
+            if let (Some(Shown::Stretch(Stretch::Pulses(last))), Shown::Stretch(Stretch::Pulses(next))) =
+                (shot.shown.last_mut(), &shown)
+                && last.join(next)
+            {
+                continue;
+            }
             shot.shown.push(shown);
             if let Some(what) = deed(chip, shot, &shown)
                 && self.begins.as_ref().is_none_or(|begins| shown.at_ns() < begins.at_ns)

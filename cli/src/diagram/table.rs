@@ -103,7 +103,7 @@ fn of_pin(shot: &Shot, window: &Window) -> impl Iterator<Item = Row> {
             Shown::Number { at_ns, number } if matches!(shot.signal.line, Line::Adc(_)) => {
                 (at_ns, number.to_string())
             }
-            Shown::Number { number, .. } => (next_ns, printable(number)),
+            Shown::Number { number, .. } => (next_ns, format!("'{}'", printable(number))),
             Shown::Over { .. } => return None,
         };
         let start_ns = shown.at_ns();

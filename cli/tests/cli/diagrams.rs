@@ -79,6 +79,16 @@ fn without_an_instant_a_diagram_of_a_chip_is_of_what_its_program_does_first() {
 }
 
 #[test]
+fn the_picture_of_the_manual_is_what_the_program_draws() {
+    let drawn = good(&["diagram", FIRMWARE, "--at", "0.595", "--span", "30", "--svg", "-"]);
+    assert!(
+        drawn == include_str!("../../../docs/pictures/pins.svg"),
+        "look at the new one, which this makes:\n\
+         cargo run -- diagram scenarios/firmware.toml --at 0.595 --span 30 --svg docs/pictures/pins.svg"
+    );
+}
+
+#[test]
 fn a_table_has_pulses_in_words_and_comma_separated_values_have_each_edge() {
     let window = ["--at", "0.5", "--span", "12"];
     let of = |more: &[&str]| good(&[&["diagram", FIRMWARE], &window[..], more].concat());

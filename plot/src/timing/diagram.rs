@@ -150,7 +150,7 @@ impl Diagram {
     /// Where the plot begins: beside the longest label.
     fn left(&self) -> f64 {
         let widest = self.lanes.iter().map(|lane| width(&lane.label, LABEL)).fold(0.0, f64::max);
-        MARGIN + widest.clamp(80.0, 170.0) + 22.0
+        MARGIN + widest.clamp(80.0, 210.0) + 22.0
     }
 
     fn place(&self, top: f64) -> Vec<Placed<'_>> {

@@ -91,6 +91,8 @@ fn bar(robot: &RobotSpec, (event, meaning): (&Event, Option<&String>), who: Who,
 fn label(robot: &RobotSpec, event: &Event, who: Who) -> String {
     let bytes = |bytes: u32| count(bytes as usize, "byte");
     match event.what {
+        // A chip's program reads sensors in no time of their own.
+        What::Acquire { .. } if event.end == event.start => String::new(),
         What::Acquire { .. } if matches!(who, Who::Sensor(_)) => {
             duration(event.end.since(event.start) as f64)
         }

@@ -63,7 +63,7 @@ pub(super) fn draw(canvas: &mut Canvas, axis: &Axis, wave: &[Stretch], middle: f
     for (i, stretch) in wave.iter().enumerate() {
         let end_ns = match (stretch, wave.get(i + 1)) {
             (Stretch::Pulses(pulses), _) => pulses.until_ns,
-            (Stretch::Level { .. }, next) => next.map_or(axis.until_ns, Stretch::at_ns),
+            (Stretch::Level { .. }, next) => next.map_or(u64::MAX, Stretch::at_ns),
         };
         let (left, right) = (near(stretch.at_ns()), near(end_ns));
         if end_ns < axis.from_ns || stretch.at_ns() > axis.until_ns {
@@ -86,8 +86,11 @@ pub(super) fn draw(canvas: &mut Canvas, axis: &Axis, wave: &[Stretch], middle: f
                 pen = Some(middle);
             }
             Stretch::Level { level: Level::Short, at_ns } => {
-                let title =
-                    format!("driven against each other: {} to {} ms", handy_ms(*at_ns), handy_ms(end_ns));
+                let title = format!(
+                    "driven against each other: {} to {} ms",
+                    handy_ms(*at_ns),
+                    handy_ms(end_ns.min(axis.until_ns))
+                );
                 canvas.put(hatched((left, middle), right - left).titled(&title));
                 pen = None;
             }
