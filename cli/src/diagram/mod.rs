@@ -36,8 +36,6 @@ use crate::error::Refused;
 use crate::signals::INTERRUPTED;
 use crate::{text, work};
 
-pub(crate) use pins::without_program;
-
 pub(crate) async fn diagram(args: DiagramArgs) -> anyhow::Result<ExitCode> {
     work::until_stopped(move |stop| show(&args, stop)).await
 }

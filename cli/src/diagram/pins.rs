@@ -7,6 +7,7 @@ use baudbot_sim::chip::{Level, Scope};
 use baudbot_sim::model::RobotSpec;
 
 use crate::error::Refused;
+use crate::vcd::without_program;
 
 /// What has been seen of each signal since an instant, and of the time before it what holds there.
 #[derive(Debug, Default)]
@@ -81,15 +82,6 @@ pub(super) fn chosen(robot: &RobotSpec, pins: &[String]) -> anyhow::Result<Optio
     };
     let nets = pins.iter().map(|name| net(robot, chip, name)).collect::<anyhow::Result<_>>()?;
     Ok(Some(nets))
-}
-
-/// Why there is nothing to be seen of a robot's pins.
-pub(crate) fn without_program(robot: &RobotSpec) -> String {
-    format!(
-        "`{}` has no program on its microcontroller, so it has no pins to look at; give it one \
-         (`microcontroller.program`, docs/firmware.md)",
-        robot.name
-    )
 }
 
 fn net(robot: &RobotSpec, chip: &ChipSpec, name: &str) -> anyhow::Result<Net> {

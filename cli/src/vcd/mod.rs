@@ -13,7 +13,6 @@ use tokio::sync::oneshot;
 use vcd::{SimulationCommand, TimescaleUnit, Writer};
 
 use crate::args::VcdOutput;
-use crate::diagram::without_program;
 use crate::error::Refused;
 use crate::text::tell;
 use crate::trace::unseen;
@@ -35,6 +34,15 @@ fn robot(VcdOutput { robot: name, .. }: &VcdOutput, specs: &[RobotSpec]) -> anyh
         return Err(Refused::error(format!("--vcd: {}", without_program(&specs[place]))));
     }
     Ok(place)
+}
+
+/// Why there is nothing to be seen of a robot's pins.
+pub(crate) fn without_program(robot: &RobotSpec) -> String {
+    format!(
+        "`{}` has no program on its microcontroller, so it has no pins to look at; give it one \
+         (`microcontroller.program`, docs/firmware.md)",
+        robot.name
+    )
 }
 
 /// A file that is being written, on its world's thread.

@@ -56,57 +56,74 @@ pub(super) fn looks(wave: &[Stretch], from_ns: u64, until_ns: u64) -> impl Itera
 
 /// Draws a signal around a height, in pixels. Before its first stretch nothing is known of it.
 pub(super) fn draw(canvas: &mut Canvas, axis: &Axis, wave: &[Stretch], middle: f64) {
-    let near = |at_ns| axis.x(at_ns).clamp(axis.left - 20.0, axis.right() + 20.0);
-    let (mut line, mut open) = (String::new(), String::new());
-    // Where the line has come to.
-    let mut pen: Option<f64> = None;
+    let mut trace = Trace { middle, line: String::new(), open: String::new(), pen: None };
     for (i, stretch) in wave.iter().enumerate() {
         let end_ns = match (stretch, wave.get(i + 1)) {
             (Stretch::Pulses(pulses), _) => pulses.until_ns,
             (Stretch::Level { .. }, next) => next.map_or(u64::MAX, Stretch::at_ns),
         };
-        let (left, right) = (near(stretch.at_ns()), near(end_ns));
         if end_ns < axis.from_ns || stretch.at_ns() > axis.until_ns {
-            pen = None;
-            continue;
+            trace.pen = None;
+        } else {
+            trace.go_on(canvas, axis, stretch, end_ns);
         }
+    }
+    for (data, color, dash) in [(trace.open, FRAME, "2 3"), (trace.line, ROBOT, "none")] {
+        if !data.is_empty() {
+            canvas.put(line(&data, color, dash));
+        }
+    }
+}
+
+/// A signal as far as it is drawn.
+struct Trace {
+    middle: f64,
+    /// Where it is driven, and where it is not, as paths.
+    line: String,
+    open: String,
+    /// The height that it has come to.
+    pen: Option<f64>,
+}
+
+impl Trace {
+    fn go_on(&mut self, canvas: &mut Canvas, axis: &Axis, stretch: &Stretch, end_ns: u64) {
+        let near = |at_ns| axis.x(at_ns).clamp(axis.left - 20.0, axis.right() + 20.0);
+        let (left, right) = (near(stretch.at_ns()), near(end_ns));
         match stretch {
-            Stretch::Level { level: Level::Low | Level::High, .. } => {
-                let is_high = matches!(stretch, Stretch::Level { level: Level::High, .. });
-                let y = if is_high { middle - HALF } else { middle + HALF };
-                let from = pen.filter(|from| from.total_cmp(&y).is_ne());
-                let _ = match from {
-                    Some(from) => write!(line, "M{} {}V{}H{}", px(left), px(from), px(y), px(right)),
-                    None => write!(line, "M{} {}H{}", px(left), px(y), px(right)),
-                };
-                pen = Some(y);
-            }
+            Stretch::Level { level: Level::Low, .. } => self.drive(self.middle + HALF, left, right),
+            Stretch::Level { level: Level::High, .. } => self.drive(self.middle - HALF, left, right),
             Stretch::Level { level: Level::Open, .. } => {
-                let _ = write!(open, "M{} {}H{}", px(left), px(middle), px(right));
-                pen = Some(middle);
+                let _ = write!(self.open, "M{} {}H{}", px(left), px(self.middle), px(right));
+                self.pen = Some(self.middle);
             }
             Stretch::Level { level: Level::Short, at_ns } => {
-                let title = format!(
-                    "driven against each other: {} to {} ms",
-                    handy_ms(*at_ns),
-                    handy_ms(end_ns.min(axis.until_ns))
-                );
-                canvas.put(hatched((left, middle), right - left).titled(&title));
-                pen = None;
+                let span = [*at_ns, end_ns.min(axis.until_ns)].map(handy_ms);
+                let title = format!("driven against each other: {} to {} ms", span[0], span[1]);
+                canvas.put(hatched((left, self.middle), right - left).titled(&title));
+                self.pen = None;
             }
             Stretch::Pulses(pulses) => {
-                draw_pulses(canvas, pulses, (left, right), axis, middle);
+                draw_pulses(canvas, pulses, (left, right), axis, self.middle);
                 // They end where the wire rises.
-                pen = Some(middle + HALF);
+                self.pen = Some(self.middle + HALF);
             }
         }
     }
-    for (data, color, dash) in [(open, FRAME, "2 3"), (line, ROBOT, "none")] {
-        if !data.is_empty() {
-            let path = Element::new("path").set("d", &data).set("fill", "none").set("stroke", color);
-            canvas.put(path.set("stroke-width", "1.4").set("stroke-dasharray", dash));
-        }
+
+    /// Goes to a height, and on to the right.
+    fn drive(&mut self, y: f64, left: f64, right: f64) {
+        let from = self.pen.filter(|from| from.total_cmp(&y).is_ne());
+        let _ = match from {
+            Some(from) => write!(self.line, "M{} {}V{}H{}", px(left), px(from), px(y), px(right)),
+            None => write!(self.line, "M{} {}H{}", px(left), px(y), px(right)),
+        };
+        self.pen = Some(y);
     }
+}
+
+fn line(data: &str, color: &str, dash: &str) -> Element {
+    let path = Element::new("path").set("d", data).set("fill", "none").set("stroke", color);
+    path.set("stroke-width", "1.4").set("stroke-dasharray", dash)
 }
 
 /// Pulses as a block, with their duty and frequency in it if there is room.
@@ -151,13 +168,9 @@ fn hatched((left, middle): (f64, f64), wide: f64) -> Element {
 
 /// A sample for the key.
 pub(super) fn sample(x: f64, y: f64, look: Look) -> Element {
-    let line = |data: String, color: &str, dash: &str| {
-        let path = Element::new("path").set("d", &data).set("fill", "none").set("stroke", color);
-        path.set("stroke-width", "1.4").set("stroke-dasharray", dash)
-    };
     match look {
-        Look::Driven => line(format!("M{} {}h5v-9h5v9h5", px(x), px(y + 4.5)), ROBOT, "none"),
-        Look::Open => line(format!("M{} {}h15", px(x), px(y)), FRAME, "2 3"),
+        Look::Driven => line(&format!("M{} {}h5v-9h5v9h5", px(x), px(y + 4.5)), ROBOT, "none"),
+        Look::Open => line(&format!("M{} {}h15", px(x), px(y)), FRAME, "2 3"),
         Look::Short => Element::group()
             .set("transform", &format!("translate({} {}) scale(0.7)", px(x), px(y)))
             .with(hatched((0.0, 0.0), 20.0)),
