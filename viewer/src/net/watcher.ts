@@ -14,6 +14,9 @@ const RETRY_MS = 1000;
 /** A world that is reset again and again, as by a trainer, is described no more often. */
 const DESCRIBE_MS = 1000;
 
+/** Pulses whose period is shorter than this part of Δt are told together. */
+const PULSES_A_STEP = 32n;
+
 export class Watcher {
   /** Frames that came in the last second. */
   frames_per_s = 0;
@@ -99,7 +102,9 @@ export class Watcher {
     this.store.setStride(this.every);
     const details = robot === "" ? [] : [robot];
     const pins = this.store.hasChip && this.store.showsPins;
-    const request = { world, everyTicks: BigInt(this.every), details, pins };
+    // Of three Δt, nearer pulses could not be told apart.
+    const pinsFinestNs = (this.store.description?.stepNs ?? 0n) / PULSES_A_STEP;
+    const request = { world, everyTicks: BigInt(this.every), details, pins, pinsFinestNs };
     const call = this.connection.begin(ObserveService.method.watch, request, {
       message: (bytes) => this.take(decodeFrame(bytes)),
       over: (error) => this.over(call, error),
