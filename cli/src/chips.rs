@@ -15,6 +15,9 @@ pub(crate) struct ChipOption {
 /// What a logic analyser on the pins sees.
 pub(crate) const VCD: ChipOption = ChipOption { name: "--vcd", nothing: "it has no pins to look at" };
 
+/// The same in a diagram.
+pub(crate) const PINS: ChipOption = ChipOption { name: "--pins", ..VCD };
+
 /// What the program sends.
 pub(crate) const SERIAL: ChipOption =
     ChipOption { name: "--serial", nothing: "nothing is on its cable but messages to and from a brain" };
@@ -26,17 +29,23 @@ impl ChipOption {
     }
 
     fn robot(&self, robot: &str, specs: &[RobotSpec]) -> anyhow::Result<usize> {
-        let Self { name, nothing } = self;
+        let name = self.name;
         let Some(place) = specs.iter().position(|spec| spec.name == *robot) else {
             let names = specs.iter().map(|spec| format!("`{}`", spec.name)).collect::<Vec<_>>().join(", ");
             return Err(Refused::error(format!("{name}: there is no robot `{robot}`; there are: {names}")));
         };
         if specs[place].chip.is_none() {
-            return Err(Refused::error(format!(
-                "{name}: `{robot}` has no program on its microcontroller, so {nothing}; give it one \
-                 (`microcontroller.program`, docs/firmware.md)"
-            )));
+            return Err(self.without_program(robot));
         }
         Ok(place)
+    }
+
+    /// Why there is nothing to be told of this robot.
+    pub(crate) fn without_program(&self, robot: &str) -> anyhow::Error {
+        let Self { name, nothing } = self;
+        Refused::error(format!(
+            "{name}: `{robot}` has no program on its microcontroller, so {nothing}; give it one \
+             (`microcontroller.program`, docs/firmware.md)"
+        ))
     }
 }

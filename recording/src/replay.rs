@@ -78,6 +78,12 @@ impl Replay {
         Ok((replay, world))
     }
 
+    /// From now on keeps edges on the pins of these robots' chips, also behind a jump.
+    pub fn watch(&mut self, robots: impl IntoIterator<Item = usize>) {
+        self.watched.pins.clear();
+        self.watched.pins.extend(robots);
+    }
+
     /// The recording that is replayed.
     pub fn recorded(&self) -> &Arc<RecordedRun> {
         &self.recorded

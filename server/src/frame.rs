@@ -5,6 +5,7 @@ use std::sync::Arc;
 use baudbot_proto::v1;
 use baudbot_sim::actuator::ActuatorState;
 use baudbot_sim::battery::BatteryState;
+use baudbot_sim::chip::Shown;
 use baudbot_sim::collision::Collision;
 use baudbot_sim::drive::{Motion, Wheels};
 use baudbot_sim::link::LineCounters;
@@ -115,6 +116,10 @@ pub(crate) struct RobotDetail {
     pub(crate) events: Vec<Event>,
     /// Events since then that the timeline did not keep.
     pub(crate) missed_events: u64,
+    /// What was seen on the pins of its chip since the last frame, each with the place of its signal.
+    pub(crate) pin_events: Vec<(usize, Shown)>,
+    /// How much is not told of that.
+    pub(crate) missed_pin_events: u64,
     /// The name of its brain; `None` if it has none.
     pub(crate) brain: Option<String>,
     pub(crate) cable_pulled: bool,

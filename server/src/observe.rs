@@ -28,6 +28,9 @@ const NEWS_AHEAD: usize = 8;
 /// Frames a simulated second for an observer that asks for no rate.
 const DEFAULT_RATE_HZ: u64 = 20;
 
+/// Pulses with a shorter period are told together to an observer that does not say which, in nanoseconds.
+const DEFAULT_FINEST_NS: u64 = 100_000;
+
 pub(crate) struct Observe {
     pub(crate) registry: Registry,
 }
@@ -61,7 +64,7 @@ impl ObserveService for Observe {
     type WatchStream = Pin<Box<dyn Stream<Item = Result<v1::WatchResponse, Status>> + Send>>;
 
     async fn watch(&self, request: Request<v1::WatchRequest>) -> Result<Response<Self::WatchStream>, Status> {
-        let v1::WatchRequest { world, every_ticks, details } = request.into_inner();
+        let v1::WatchRequest { world, every_ticks, details, pins, pins_finest_ns } = request.into_inner();
         let world = self.registry.find("world", &world)?;
         let scenario = world.ask(Message::Describe).await?;
         let every_ticks = match every_ticks {
@@ -69,8 +72,10 @@ impl ObserveService for Observe {
             ticks => ticks,
         };
         let details = detailed(&scenario, &details)?;
+        let finest_ns = if pins_finest_ns == 0 { DEFAULT_FINEST_NS } else { pins_finest_ns };
+        let pins_finest_ns = pins.then_some(finest_ns);
         let (frames, stream) = mpsc::channel(FRAMES_AHEAD);
-        world.send(Message::Watch(Watch { every_ticks, details, frames }))?;
+        world.send(Message::Watch(Watch { every_ticks, details, pins_finest_ns, frames }))?;
         let stream = ReceiverStream::new(stream).map(|frame| Ok(convert::frame(frame)));
         Ok(Response::new(Box::pin(stream)))
     }

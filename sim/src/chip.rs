@@ -11,12 +11,19 @@
 //!
 //! Instants of the chip are floor(cycles · 10⁹ / f) after its start, which [`ChipClock`] computes.
 
+mod pulses;
+mod scope;
+mod signals;
+
 use alloc::vec::Vec;
 
 pub use baudbot_avr::Rounds;
 use baudbot_avr::{Chip, Fuses, Program, Supply};
 pub use baudbot_board::{Board, By, Edge, Edges, Kind, Level, Net, Role, Seen, Terminal, Warning};
 use baudbot_board::{BoardError, ChipClock, PartId, Physics, Wiring};
+pub use pulses::{Condenser, Pulses, Stretch, add};
+pub use scope::{News, Scope, Shown};
+pub use signals::{Line, Signal, identifier};
 
 use crate::drive::Wheels;
 

@@ -54,7 +54,8 @@ async fn a_robot_that_drives_covers_the_cells_that_its_score_counts() {
     assert_eq!((before.tick, shares(&before)), (0, (0.0, 0.0)));
 
     let mut frames = observer(&server).await;
-    let watch = v1::WatchRequest { world: "w".into(), every_ticks: 300, details: Vec::new() };
+    let watch =
+        v1::WatchRequest { world: "w".into(), every_ticks: 300, details: Vec::new(), ..Default::default() };
     let mut frames = frames.watch(watch).await.unwrap().into_inner();
     drive(&client(&server).await, "robot", "avoid", 1).await;
     let mut last = frames.message().await.unwrap().unwrap();

@@ -196,7 +196,8 @@ async fn a_turned_head_looks_elsewhere_and_the_scan_has_nothing_where_nothing_is
 async fn signals_that_are_left_out_stay_in_force_and_the_truth_shows_them() {
     let (server, client) = scout().await;
     let mut observer = ObserveServiceClient::new(server.channel().await.unwrap());
-    let watch = v1::WatchRequest { world: "w".into(), every_ticks: 100, details: Vec::new() };
+    let watch =
+        v1::WatchRequest { world: "w".into(), every_ticks: 100, details: Vec::new(), ..Default::default() };
     let mut frames = observer.watch(watch).await.unwrap().into_inner();
     run(&mut client.attach("w", "scout").await.unwrap(), &mut Look).await.unwrap();
     let first = frames.message().await.unwrap().unwrap();
@@ -451,7 +452,8 @@ async fn what_was_last_sent_goes_back_in_time_with_the_world() {
 /// Those in force on the scout's actuators.
 async fn signals(server: &Server) -> Vec<f64> {
     let mut observer = ObserveServiceClient::new(server.channel().await.unwrap());
-    let watch = v1::WatchRequest { world: "w".into(), every_ticks: 1, details: Vec::new() };
+    let watch =
+        v1::WatchRequest { world: "w".into(), every_ticks: 1, details: Vec::new(), ..Default::default() };
     let frame = observer.watch(watch).await.unwrap().into_inner().message().await.unwrap().unwrap();
     frame.robots[0].actuators.iter().map(|actuator| actuator.signal).collect()
 }

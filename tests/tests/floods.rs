@@ -59,7 +59,12 @@ async fn a_client_that_never_reads_loses_its_turns_and_slows_nobody() {
     let server = serve(scenario(&crowd(&names), &["end.after_s=300.0"]), pace).await;
     let mute = Stream::open(&server, hello(&["r0"], v1::PortMode::Messages)).await.unwrap();
     let watcher = ObserveServiceClient::new(server.channel().await.unwrap())
-        .watch(v1::WatchRequest { world: "w".into(), every_ticks: 1, details: Vec::new() })
+        .watch(v1::WatchRequest {
+            world: "w".into(),
+            every_ticks: 1,
+            details: Vec::new(),
+            ..Default::default()
+        })
         .await
         .unwrap();
     drive(&client(&server).await, "r1", "avoid", 1).await;

@@ -24,6 +24,7 @@ mod lookahead;
 mod metrics;
 mod navigation;
 mod page;
+mod pins;
 mod potential;
 mod readme;
 mod recipes;

@@ -238,7 +238,12 @@ async fn a_brain_that_does_not_answer_is_seen_while_it_does_not() {
 async fn observers_and_what_they_miss_are_counted_also_when_they_are_gone() {
     let server = serve(Pace::Free).await;
     let mut observer = ObserveServiceClient::new(server.channel().await.unwrap());
-    let request = v1::WatchRequest { world: "w".into(), every_ticks: 1, details: vec!["robot".into()] };
+    let request = v1::WatchRequest {
+        world: "w".into(),
+        every_ticks: 1,
+        details: vec!["robot".into()],
+        ..Default::default()
+    };
     let unread = observer.watch(request).await.unwrap();
     let frames_missed = "baudbot_world_observer_frames_missed_total";
     let mut metrics = Metrics::of(&server).await;

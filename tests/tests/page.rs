@@ -141,7 +141,10 @@ fn pause_world() -> Request {
 
 fn watch(details: &[&str]) -> Request {
     let details = details.iter().map(ToString::to_string).collect();
-    begin("ObserveService/Watch", &v1::WatchRequest { world: "w".into(), every_ticks: 2, details })
+    begin(
+        "ObserveService/Watch",
+        &v1::WatchRequest { world: "w".into(), every_ticks: 2, details, ..Default::default() },
+    )
 }
 
 /// A request as a browser would write it; the answer with its headers.

@@ -116,7 +116,12 @@ async fn a_replay_is_an_ordinary_world_for_observers_and_goes_both_ways() {
     assert!(texts.contains(&"`brain` drives `robot`"), "{texts:?}");
     assert!(texts.contains(&"the run has ended: the scenario's time is over"), "{texts:?}");
     let mut observe = ObserveServiceClient::new(server.channel().await.unwrap());
-    let watch = v1::WatchRequest { world: "w".into(), every_ticks: 10, details: vec!["robot".into()] };
+    let watch = v1::WatchRequest {
+        world: "w".into(),
+        every_ticks: 10,
+        details: vec!["robot".into()],
+        ..Default::default()
+    };
     let mut frames = observe.watch(watch).await.unwrap().into_inner();
     assert_eq!(frames.message().await.unwrap().unwrap().tick, 0);
     let mut hashes = Vec::new();

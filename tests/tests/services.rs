@@ -120,7 +120,8 @@ async fn an_observer_sees_the_truth_at_its_rate() {
         observer.describe_world(v1::DescribeWorldRequest { world: "w".into() }).await.unwrap().into_inner();
     assert_eq!((world.polygons.len(), world.circles.len()), (6, 0));
     assert_eq!(world.robots[0].sensor_columns[2], "ir_front");
-    let watch = v1::WatchRequest { world: "w".into(), every_ticks: 10, details: Vec::new() };
+    let watch =
+        v1::WatchRequest { world: "w".into(), every_ticks: 10, details: Vec::new(), ..Default::default() };
     let mut frames = observer.watch(watch).await.unwrap().into_inner();
     let first = frames.message().await.unwrap().unwrap();
     assert_eq!((first.tick, first.robots[0].x_m), (0, 1.0));

@@ -168,7 +168,12 @@ async fn the_truth_is_that_of_the_world_at_the_start_of_the_turns_tick() {
     let changes = ["end.after_s=6.0", "collision=\"stop-robot\"", "robots.robot.start.x_m=0.6"];
     let server = serve([world("strict", strict(), &changes), world("ahead", lockstep(), &changes)]).await;
     let mut observer = ObserveServiceClient::new(server.channel().await.unwrap());
-    let watch = || v1::WatchRequest { world: "strict".into(), every_ticks: 1, details: Vec::new() };
+    let watch = || v1::WatchRequest {
+        world: "strict".into(),
+        every_ticks: 1,
+        details: Vec::new(),
+        ..Default::default()
+    };
     let (mut trainer, mut results) = Trainer::open(&server, &["strict", "ahead"]).await;
     assert_eq!(results[0].welcome.as_ref().unwrap().robots[0].robot, "robot");
     let (mut ticks, mut collided) = (0, 0);

@@ -6,7 +6,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Page } from "playwright-core";
 import { beforeTheMock } from "./browser_kit";
-import { settled } from "./settled";
+import { other, settled } from "./settled";
 
 const { options, shots, open, mock } = beforeTheMock();
 
@@ -37,6 +37,32 @@ test("what the address chooses is shown, and its readings have ages", options, a
   );
   if (shots) await page.screenshot({ path: `${shots}/bob-light.png` });
   await page.close();
+});
+
+test("the pins of a chip are in the timing diagram until they are put away", options, async () => {
+  const page = await open("#world=arena&robot=carol", { width: 1280, height: 900 });
+  const canvas = page.getByTestId("timing-canvas");
+  const height = async () => (await canvas.boundingBox())?.height ?? 0;
+  const pins = page.getByTestId("pins");
+  await page.waitForFunction(() => document.querySelector(".verdict")?.textContent === "a program of its own");
+  const asked = async () => mock().worlds.get("arena")!.pinsAsked;
+  assert.ok(await asked());
+  const full = await settled(height);
+  if (shots) await page.screenshot({ path: `${shots}/pins-light.png` });
+  await pins.click();
+  await other(true, asked, "they are sent for nobody");
+  await page.waitForFunction(
+    (full) => document.querySelector("[data-testid=timing-canvas]")!.getBoundingClientRect().height !== full,
+    full,
+  );
+  await pins.click();
+  await other(false, asked, "they are not asked for again");
+  await page.close();
+  if (!shots) return;
+  const dark = await open("#world=arena&robot=carol", { width: 1280, height: 900 }, "dark");
+  await dark.waitForTimeout(1500);
+  await dark.screenshot({ path: `${shots}/pins-dark.png` });
+  await dark.close();
 });
 
 test("a world is paused, stepped and run", options, async () => {

@@ -8,7 +8,7 @@ import { createServer } from "node:http";
 import type { AddressInfo } from "node:net";
 import { WebSocketServer, type WebSocket } from "ws";
 import type { AttachRequest } from "../src/gen/baudbot/v1/brain_link_pb";
-import { CableDirection } from "../src/gen/baudbot/v1/observe_pb";
+import { CableDirection, type WatchRequest } from "../src/gen/baudbot/v1/observe_pb";
 import { WorldState } from "../src/gen/baudbot/v1/world_pb";
 import { requestFrom, responseTo, type Asked, type Reply } from "./calls";
 import { STEP_NS } from "./mock_scene";
@@ -34,6 +34,7 @@ interface Watch {
   world: MockWorld;
   every: bigint;
   details: number[];
+  pins: boolean;
   shown: bigint;
 }
 
@@ -100,7 +101,7 @@ class Session {
       case "getCoverage":
         return this.map(this.find(request.value.world));
       case "watch":
-        return this.watch(call, this.find(request.value.world), request.value.everyTicks, request.value.details);
+        return this.watch(call, this.find(request.value.world), request.value.everyTicks, request.value);
       case "watchCable":
         return this.watchCable(call, this.find(request.value.world));
       case "attach":
@@ -233,13 +234,14 @@ class Session {
     return { case: "createWorld", value: { status: world.status() } } as Reply;
   }
 
-  private watch(call: number, world: MockWorld, every: bigint, names: string[]): undefined {
-    const details = names
+  private watch(call: number, world: MockWorld, every: bigint, wanted: WatchRequest): undefined {
+    const details = wanted.details
       .map((name) => world.description.robots.findIndex(({ robot }) => robot === name))
       .filter((i) => i >= 0);
     const since = world.tick > 200n ? world.tick - 200n : 0n;
-    this.reply(call, { case: "watch", value: world.frame(details, since) });
-    this.watches.push({ call, world, every: every || 5n, details, shown: world.tick });
+    world.pinsAsked = wanted.pins;
+    this.reply(call, { case: "watch", value: world.frame(details, since, wanted.pins) });
+    this.watches.push({ call, world, every: every || 5n, details, pins: wanted.pins, shown: world.tick });
   }
 
   /** An exchange that is over, and a line that nobody understands. */
@@ -317,7 +319,7 @@ class Session {
   leapt(world: MockWorld): void {
     for (const watch of this.watches.filter((one) => one.world === world)) {
       const since = world.tick > 200n ? world.tick - 200n : 0n;
-      this.reply(watch.call, { case: "watch", value: world.frame(watch.details, since) });
+      this.reply(watch.call, { case: "watch", value: world.frame(watch.details, since, watch.pins) });
       watch.shown = world.tick;
     }
   }
@@ -328,7 +330,7 @@ class Session {
       if (watch.world !== world || (world.tick % watch.every !== 0n && world.tick > watch.shown)) continue;
       this.reply(watch.call, {
         case: "watch",
-        value: world.frame(watch.details, watch.shown < world.tick ? watch.shown : 0n),
+        value: world.frame(watch.details, watch.shown < world.tick ? watch.shown : 0n, watch.pins),
       });
       watch.shown = world.tick;
     }

@@ -2,6 +2,7 @@
 import { create } from "@bufbuild/protobuf";
 import { BeliefSchema, SensorKind, type Belief } from "../src/gen/baudbot/v1/brain_link_pb";
 import {
+  PinSignalSchema,
   RobotDetailSchema,
   RobotTruthSchema,
   TimelineKind as K,
@@ -12,6 +13,7 @@ import {
 } from "../src/gen/baudbot/v1/observe_pb";
 import { PaceSchema, WorldState, WorldStatusSchema, type Pace, type WorldStatus } from "../src/gen/baudbot/v1/world_pb";
 import { MockFloor, SENSED_M } from "./mock_floor";
+import { pinEvents, PINS } from "./mock_pins";
 import { describe, IRS, LASER, PILLAR, ROOM, STEP_NS, WHEELS } from "./mock_scene";
 
 interface Body {
@@ -41,6 +43,8 @@ export class MockWorld {
   recording: { recording: string; bytes: bigint; ticks: bigint; problem: string } | undefined;
   baud = 9600;
   readonly floor = new MockFloor();
+  /** Whether the last Watch asked for what is on pins. */
+  pinsAsked = false;
   /** How often the map of its floor was asked for. */
   mapsAsked = 0;
   readonly snapshots = new Map<bigint, { tick: bigint; bodies: Body[] }>();
@@ -52,6 +56,8 @@ export class MockWorld {
     readonly counts = true,
   ) {
     this.description = describe(robots);
+    const carol = this.description.robots.find(({ robot }) => robot === "carol");
+    if (carol) carol.pins = PINS.map((signal) => create(PinSignalSchema, signal));
     this.reset();
   }
 
@@ -172,7 +178,7 @@ export class MockWorld {
     });
   }
 
-  detail(i: number, since: bigint): RobotDetail {
+  detail(i: number, since: bigint, pins: boolean): RobotDetail {
     const body = this.bodies[i] as Body;
     const cycles = this.tick / 2n;
     const sensors = this.description.robots[i]?.description?.sensors ?? [];
@@ -209,6 +215,7 @@ export class MockWorld {
         durations: { count: cycles, p50Ns: 28_805_000n, p95Ns: 28_805_000n },
       },
       events: body.brain === "" ? [] : this.events(since, sensors.length),
+      pinEvents: pins && this.description.robots[i]?.pins.length ? pinEvents(since, this.tick) : [],
     });
   }
 
@@ -293,7 +300,7 @@ export class MockWorld {
     });
   }
 
-  frame(details: number[], since: bigint): WatchResponse {
+  frame(details: number[], since: bigint, pins = false): WatchResponse {
     const collisions = this.bodies.flatMap((body, i) =>
       body.collided ? [{ robot: this.description.robots[i]?.robot ?? "", with: "wall" }] : [],
     );
@@ -312,7 +319,7 @@ export class MockWorld {
         goalsReached: 0,
         zones: [{ zone: "goal", goal: true }, { zone: "dock" }],
       },
-      details: details.map((i) => this.detail(i, since)),
+      details: details.map((i) => this.detail(i, since, pins)),
       annotations: this.robots === 3 ? [{ robot: 0, belief: this.belief() }] : [],
     });
   }

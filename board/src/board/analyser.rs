@@ -106,6 +106,10 @@ impl Analyser {
         &self.edges
     }
 
+    pub(super) fn levels(&self) -> impl Iterator<Item = (Pin, Level)> {
+        self.wires.iter().filter_map(|wire| Some((wire.pin, wire.level?)))
+    }
+
     pub(super) fn chip(&mut self, pin: Pin, drive: Drive, at: u64) {
         if Some(pin) == TXD {
             self.break_off(at);

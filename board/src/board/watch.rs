@@ -8,7 +8,7 @@ use baudbot_avr::{Pin, Port, Rounds};
 use super::Board;
 use super::analyser::{Analyser, Wire, Yields};
 use super::surroundings::Surroundings;
-use crate::edges::Edges;
+use crate::edges::{Edges, Level};
 use crate::parts::Part;
 
 impl Board {
@@ -57,6 +57,11 @@ impl Board {
     /// The share of the time in which the processor slept, since rounds are [counted](Self::keep_rounds); None if they are not.
     pub fn share_asleep(&self) -> Option<f64> {
         self.chip.share_asleep()
+    }
+
+    /// The levels of all pins as they were noted last, if edges are [kept](Self::keep_edges).
+    pub fn levels(&self) -> impl Iterator<Item = (Pin, Level)> {
+        self.around.analyser.0.iter().flat_map(|analyser| analyser.levels())
     }
 
     fn wires(&mut self) -> Vec<Wire> {

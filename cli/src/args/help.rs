@@ -94,7 +94,9 @@ Examples:
   baudbot diagram wander                         a table of the events around the third control cycle
   baudbot diagram wander --svg timing.svg        the same as a picture
   baudbot diagram khepera --cycle 5 --svg -      one control cycle, red where it takes longer than Δt
-  baudbot diagram my.toml --robot alice --brain avoid --at 12.5 --span 100";
+  baudbot diagram my.toml --robot alice --brain avoid --at 12.5 --span 100
+  baudbot diagram run.mcap --at 12.5             the same of a recorded run
+  baudbot diagram firmware.toml --pins D9,A0 --svg -    what is on the pins of a chip with a program of your own";
 
 pub(super) const BUDGET_EXAMPLES: &str = "\
 Examples:

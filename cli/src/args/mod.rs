@@ -3,6 +3,7 @@
 mod brain;
 mod budget;
 mod chips;
+mod diagram;
 mod export;
 mod fit;
 mod gdb;
@@ -29,6 +30,7 @@ use clap::{Args, Parser, Subcommand};
 pub(crate) use self::brain::BrainArgs;
 pub(crate) use self::budget::BudgetArgs;
 pub(crate) use self::chips::{ChipArgs, ChipOutput};
+pub(crate) use self::diagram::DiagramArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 pub(crate) use self::fit::FitArgs;
 pub(crate) use self::gdb::GdbAddress;
@@ -235,37 +237,6 @@ pub(crate) struct CheckArgs {
     /// A scenario file, or a built-in scenario: arsim, khepera, wander
     pub(crate) scenario: String,
     /// Draw the arena from above as an SVG picture; `-` is stdout, and nothing else is then written there
-    #[arg(long, value_name = "FILE")]
-    pub(crate) svg: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) changes: ChangeArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct DiagramArgs {
-    /// A scenario file, or a built-in scenario: arsim, khepera, wander
-    pub(crate) scenario: String,
-    /// A brain for one robot, or for all robots that no other --brain names, as in `baudbot run`; `none` leaves a robot without
-    /// a brain
-    #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
-    pub(crate) brains: Vec<String>,
-    /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
-    #[arg(long = "parameter", value_name = "NAME=VALUE")]
-    pub(crate) parameters: Vec<String>,
-    /// The robot to show [default: the first]
-    #[arg(long, value_name = "ROBOT")]
-    pub(crate) robot: Option<String>,
-    /// Show what happens from this simulated time on
-    #[arg(long, value_name = "S", conflicts_with = "cycle", allow_negative_numbers = true, value_parser = instant)]
-    pub(crate) at: Option<f64>,
-    /// Show the N-th control cycle, from reading its sensors to its command; beyond Δt it is red [default: a window
-    /// around the third]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub(crate) cycle: Option<u32>,
-    /// Length of the window, in simulated milliseconds [default: 3 Δt, or the whole cycle]
-    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = span)]
-    pub(crate) span: Option<f64>,
-    /// Draw an SVG picture; `-` is stdout [default: a table as text]
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
     #[command(flatten)]

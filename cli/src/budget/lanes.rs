@@ -56,7 +56,10 @@ fn lanes(budget: &RobotBudget) -> Option<Vec<Lane>> {
         let bars = (ns > 0).then_some(bar);
         match lanes.iter_mut().find(|lane| lane.label == label) {
             Some(lane) => lane.bars.extend(bars),
-            None => lanes.push(Lane { label: label.to_owned(), group, bars: bars.into_iter().collect() }),
+            None => {
+                let bars = bars.into_iter().collect();
+                lanes.push(Lane { label: label.to_owned(), group, bars, wave: Vec::new() });
+            }
         }
         now += ns;
     }

@@ -1,7 +1,11 @@
 //! Events of a robot that does as the scenario `wander` says, made up for tests.
 
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
 use baudbot_sim::{Scenario, SimTime};
+
+use super::pins::Pins;
+use super::record::Kept;
 
 /// The scenario and so many cycles of 20 ms from an instant on, in the order of their ends. In each the five sensors
 /// are read, 19 bytes go up at 9600 baud, the brain thinks for 15 ms, and 7 bytes come down.
@@ -11,6 +15,11 @@ pub(super) fn wander(start_ns: u64, cycles: u64) -> (Scenario, Vec<Event>) {
         (0..cycles).flat_map(|cycle| one(start_ns.saturating_add(cycle * 20_000_000))).collect();
     events.sort_by_key(|event| event.end);
     (scenario, events)
+}
+
+/// These events as they are kept of a run.
+pub(super) fn kept(robot: &RobotSpec, events: Vec<Event>) -> Kept {
+    Kept { events, said: Vec::new(), pins: Pins::new(robot) }
 }
 
 /// A cycle that begins at an instant.

@@ -2,39 +2,37 @@
 //!
 //! From the command inwards:
 //!
-//! This file is the command. `record` says which part of a run is wanted, and runs a world for it, whose `ticks` are done in
-//! this thread or, if a brain is a program, on a server of its own; `cycle` finds a control
-//! cycle among the events; `meaning` knows what was said in those on cables; `table` writes events as text, and [`baudbot_plot::timing`] draws them.
+//! This file is the command. `source` is the scenario or the recording. `record` says which part of a run is wanted, and runs a
+//! world for it, whose `ticks` are done in this thread or, if a brain is a program, on a server of its own; `cycle` finds a control
+//! cycle among the events; `meaning` knows what was said in those on cables, and `pins` what is on the pins of a chip; `table`
+//! writes all that as text, and [`baudbot_plot::timing`] draws it.
 
 mod cycle;
 #[cfg(test)]
 mod demo;
 mod meaning;
+mod pins;
 mod record;
+mod source;
 mod table;
 #[cfg(test)]
 mod tests;
 mod ticks;
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use baudbot_sim::Scenario;
-use baudbot_sim::model::RobotSpec;
-use baudbot_sim::timeline::Event;
-
-use baudbot_plot::caption;
 use baudbot_plot::quantity::duration;
-use baudbot_plot::timing::{self, Diagram, Mark};
+use baudbot_plot::timing::{self, Diagram, Group, Lane, Mark};
+use baudbot_sim::chip::Net;
+use baudbot_sim::model::RobotSpec;
 
-use self::record::{Place, Recorded, Wanted, Window};
-use self::ticks::ticks;
+use self::record::{Kept, Place, Wanted, Window};
+use self::source::Run;
 use crate::args::DiagramArgs;
-use crate::assignment::{self, Assigned};
 use crate::error::Refused;
-use crate::run::overrides;
-use crate::scenarios::{self, Source};
 use crate::signals::INTERRUPTED;
 use crate::{text, work};
 
@@ -43,40 +41,37 @@ pub(crate) async fn diagram(args: DiagramArgs) -> anyhow::Result<ExitCode> {
 }
 
 fn show(args: &DiagramArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
-    let source = Source::find(&args.scenario)?;
-    let scenario = source.parse(&overrides(&args.changes)?)?;
-    scenarios::warn(&scenario);
-    let mut assigned = assignment::assign(&args.brains, &scenario.robots)?;
-    assignment::set_parameters(&mut assigned, &args.parameters)?;
+    let run = Run::find(args)?;
+    let (scenario, step_ns) = (&run.scenario, run.scenario.step_ns);
     let place = place(args.robot.as_deref(), &scenario.robots)?;
     let robot = &scenario.robots[place];
-    let wanted = wanted(args);
-    let events = wanted.record(scenario.step_ns, ticks(scenario.clone(), &assigned, place, stop)?);
+    let chosen = pins::chosen(robot, &args.pins)?;
+    let wanted = wanted(args, robot)?;
+    // A table for other programs has each edge.
+    let finest_ns = if args.csv.is_some() { 0 } else { timing::finest_ns(wanted.span(step_ns)) };
+    let kept = wanted.record(robot, step_ns, run.ticks(place, finest_ns, stop)?);
     if stop.load(Ordering::Relaxed) {
         return Ok(ExitCode::from(INTERRUPTED));
     }
-    let Recorded { events, said } = events?;
-    let window = wanted.window(robot, &events, scenario.step_ns);
-    let meanings = meaning::meanings(&events, &said);
-    let shown = match &args.svg {
-        None => text::print(&table::table(robot, &events, &window, &meanings)),
-        Some(path) => {
-            let name = source.world_name(&scenario);
-            let mut picture = picture(&name, (scenario.step_ns, robot), (&events, &meanings), &window);
-            picture.ran = ran(&scenario, robot, &assigned);
-            text::write(path, &picture.draw())
+    let kept = kept?;
+    let window = wanted.window(robot, &kept, step_ns);
+    let meanings = meaning::meanings(&kept.events, &kept.said);
+    let write = |path: &Path, written: &str| text::write(path, written);
+    let rows = || table::rows(robot, (&kept, chosen.as_deref()), &window, &meanings);
+    let shown = match (&args.svg, &args.csv) {
+        (Some(path), _) => {
+            let shown = (&kept, chosen.as_deref(), &meanings);
+            let mut picture = picture(&run.name, (step_ns, robot), shown, &window);
+            if wanted.place == Place::Program {
+                picture.ran.push(pins::place_in_words(kept.pins.begins.as_ref()));
+            }
+            picture.ran.extend(run.facts(robot));
+            write(path, &picture.draw())
         }
+        (None, Some(path)) => write(path, &table::csv(&rows())),
+        (None, None) => text::print(&table::text(&rows())),
     };
     shown.map(|()| ExitCode::SUCCESS)
-}
-
-/// The title: the robot's brain, its link and the seed, and the changes of the scenario.
-fn ran(scenario: &Scenario, robot: &RobotSpec, assigned: &Assigned) -> Vec<String> {
-    let brains: Vec<_> = assigned.brain_of(&robot.name).into_iter().collect();
-    let facts = caption::facts(&brains, &[caption::link(&robot.link)], scenario.seed);
-    let about = caption::about(scenario, false);
-    let changed = (about != scenario.description).then_some(about);
-    [Some(facts), changed].into_iter().flatten().collect()
 }
 
 /// The place of the robot that is asked for.
@@ -91,35 +86,49 @@ fn place(name: Option<&str>, robots: &[RobotSpec]) -> anyhow::Result<usize> {
     }
 }
 
-fn wanted(args: &DiagramArgs) -> Wanted {
+fn wanted(args: &DiagramArgs, robot: &RobotSpec) -> anyhow::Result<Wanted> {
     let place = match (args.at, args.cycle) {
         (Some(at_s), _) => Place::At((at_s * 1e9).round() as u64),
+        (None, Some(_)) if robot.chip.is_some() => {
+            return Err(Refused::error(format!(
+                "--cycle: `{}` runs a program of its own, whose control cycles are not known; --at S shows any part of \
+                 the run",
+                robot.name
+            )));
+        }
         (None, Some(number)) => Place::Cycle(number),
+        (None, None) if robot.chip.is_some() => Place::Program,
         (None, None) => Place::Usual,
     };
-    Wanted { place, span_ns: args.span.map(|ms| (ms * 1e6).round().max(1.0) as u64) }
+    Ok(Wanted { place, span_ns: args.span.map(|ms| (ms * 1e6).round().max(1.0) as u64) })
 }
 
 /// The diagram of a part of a robot's run.
 fn picture(
     world: &str,
     (step_ns, robot): (u64, &RobotSpec),
-    (events, meanings): (&[Event], &BTreeMap<usize, String>),
+    (kept, chosen, meanings): (&Kept, Option<&[Net]>, &BTreeMap<usize, String>),
     window: &Window,
 ) -> Diagram {
     let Window { from_ns, until_ns, cycle } = window;
+    let events = &kept.events[..];
     let of_cycle = cycle.as_ref().map(|cycle| &cycle.events);
     let late_from_ns = cycle.as_ref().map(|cycle| cycle.late_from_ns(robot));
     let late_from_ns =
         late_from_ns.filter(|late| cycle.as_ref().is_some_and(|it| it.end(events).as_ns() > *late));
+    let step = duration(step_ns as f64);
     let (subtitle, marks) = match cycle {
+        None if robot.chip.is_some() => {
+            (format!("What happened when, on the pins of the chip and around it. Δt = {step}."), Vec::new())
+        }
         None => {
-            let step = duration(step_ns as f64);
             let told = format!("What happened when, from the sensors to the brain and back. Δt = {step}.");
             (told, Vec::new())
         }
         Some(cycle) => about(cycle, late_from_ns, robot),
     };
+    let lanes = timing::lanes(robot, events, (*from_ns, *until_ns), of_cycle, meanings);
+    let pins = timing::pin_lanes(&kept.pins.shots, (*from_ns, *until_ns), chosen);
     Diagram {
         title: match cycle {
             None => format!("{} in {world}", robot.name),
@@ -127,13 +136,23 @@ fn picture(
         },
         subtitle,
         ran: Vec::new(),
-        lanes: timing::lanes(robot, events, (*from_ns, *until_ns), of_cycle, meanings),
+        lanes: if robot.chip.is_some() { with_pins(lanes, pins) } else { lanes },
         from_ns: *from_ns,
         until_ns: *until_ns,
         step_ns,
         marks,
         late_from_ns,
     }
+}
+
+/// The lanes of a robot with a chip: those on which something is, and those of its pins behind the sensors'.
+fn with_pins(lanes: Vec<Lane>, pins: Vec<Lane>) -> Vec<Lane> {
+    let there =
+        lanes.into_iter().filter(|lane| !lane.bars.is_empty() && lane.group != Group::Microcontroller);
+    let (mut all, rest): (Vec<_>, Vec<_>) = there.partition(|lane| lane.group == Group::Sensors);
+    all.extend(pins);
+    all.extend(rest);
+    all
 }
 
 /// The description of a cycle, and its marks.

@@ -4,11 +4,13 @@ use std::collections::VecDeque;
 
 use baudbot_plot::quantity::{count, handy};
 use baudbot_sim::SimTime;
+use baudbot_sim::chip::Shown;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::Event;
 
 use super::cycle::{Cycle, is_anchor};
 use super::meaning::Said;
+use super::pins::{self, Begins, Pins};
 use crate::error::Refused;
 
 /// The part of a run that is requested.
@@ -27,13 +29,25 @@ pub(super) enum Place {
     Cycle(u32),
     /// What goes on about an early cycle.
     Usual,
+    /// What a program of the user's own does first.
+    Program,
 }
 
-/// What is known of a run.
+/// What is new in a run.
 #[derive(Debug, Default)]
 pub(super) struct Recorded {
     pub(super) events: Vec<Event>,
     pub(super) said: Vec<Said>,
+    /// What is new on the pins of its chip, each with the place of its signal.
+    pub(super) shown: Vec<(usize, Shown)>,
+}
+
+/// What may be wanted of a run.
+#[derive(Debug)]
+pub(super) struct Kept {
+    pub(super) events: Vec<Event>,
+    pub(super) said: Vec<Said>,
+    pub(super) pins: Pins,
 }
 
 /// A part of a run.
@@ -46,26 +60,33 @@ pub(super) struct Window {
 }
 
 impl Wanted {
-    /// Runs a world for as long as needed: `tick` does one tick, adds the robot's new events and what was said on its cables,
-    /// and says the time after it, in nanoseconds, or nothing if the run was over before. Gives back all events that may be
-    /// wanted, in the order in which they came, and the last of what was said.
+    /// Runs a world for as long as needed: `tick` does one tick, adds what is new of the robot, and says the time after it, in
+    /// nanoseconds, or nothing if the run was over before. Gives back all events that may be wanted, in the order in which they
+    /// came, the last of what was said, and what is on the pins.
     pub(super) fn record(
         &self,
+        robot: &RobotSpec,
         step_ns: u64,
         mut tick: impl FnMut(&mut Recorded) -> anyhow::Result<Option<u64>>,
-    ) -> anyhow::Result<Recorded> {
+    ) -> anyhow::Result<Kept> {
         let (mut events, mut said, mut fresh) = (Vec::new(), VecDeque::new(), Recorded::default());
+        let mut pins = Pins::new(robot);
         let (mut cycles, mut now_ns) = (0, 0);
-        let mut until_ns = match self.place {
-            Place::At(from_ns) => from_ns.saturating_add(self.span(step_ns)).saturating_add(SLACK_NS),
-            Place::Cycle(_) | Place::Usual => PATIENCE_NS,
-        };
-        while now_ns < until_ns && events.len() < MOST_EVENTS {
+        let mut until_ns = self.patience(step_ns);
+        while now_ns < until_ns && events.len() + pins.count() < MOST_EVENTS {
             let Some(now) = tick(&mut fresh)? else { break };
             now_ns = now;
             said.extend(fresh.said.drain(..).filter(|one| self.may_tell(one)));
             let gone = said.len().saturating_sub(MOST_SAID);
             said.drain(..gone);
+            let is_waiting = pins.begins.is_none();
+            let shown = std::mem::take(&mut fresh.shown);
+            if let Some(chip) = robot.chip.as_ref().filter(|_| now <= self.pins_until(&pins, step_ns, now)) {
+                pins.take(chip, shown, self.pins_from(&pins, step_ns, now));
+            }
+            if self.place == Place::Program && is_waiting && pins.begins.is_some() {
+                until_ns = now.saturating_add(self.span(step_ns)).saturating_add(SLACK_NS);
+            }
             for event in fresh.events.drain(..) {
                 if is_anchor(event.what) {
                     cycles += 1;
@@ -80,11 +101,50 @@ impl Wanted {
             }
         }
         self.refuse(cycles, now_ns)?;
-        Ok(Recorded { events, said: said.into() })
+        Ok(Kept { events, said: said.into(), pins })
+    }
+
+    /// How long the run goes on at most, in nanoseconds, unless what is wanted comes.
+    fn patience(&self, step_ns: u64) -> u64 {
+        match self.place {
+            Place::At(from_ns) => from_ns.saturating_add(self.span(step_ns)).saturating_add(SLACK_NS),
+            Place::Cycle(_) | Place::Usual => PATIENCE_NS,
+            Place::Program => pins::PATIENCE_NS,
+        }
+    }
+
+    /// Since when what is on the pins is wanted, as far as it is known now.
+    fn pins_from(&self, pins: &Pins, step_ns: u64, now: u64) -> u64 {
+        let far = || now.saturating_sub(self.span(step_ns).saturating_mul(2));
+        match (self.place, &pins.begins) {
+            (Place::At(from_ns), _) => from_ns,
+            (Place::Program, Some(begins)) => self.program_from(begins, step_ns),
+            // The start is shown if nothing comes.
+            (Place::Program, None) if now > self.span(step_ns).saturating_mul(4) => far(),
+            (Place::Program, None) => 0,
+            (Place::Cycle(_) | Place::Usual, _) => far(),
+        }
+    }
+
+    /// Until when it is wanted, as far as it is known now.
+    fn pins_until(&self, pins: &Pins, step_ns: u64, now: u64) -> u64 {
+        let from = match (self.place, &pins.begins) {
+            (Place::At(from_ns), _) => from_ns,
+            (Place::Program, Some(begins)) => self.program_from(begins, step_ns),
+            (Place::Program, None) | (Place::Cycle(_) | Place::Usual, _) => now,
+        };
+        // Pulses that go on are told late.
+        from.saturating_add(self.span(step_ns).saturating_mul(2)).saturating_add(step_ns.saturating_mul(2))
+    }
+
+    /// A bit before what the program does first.
+    fn program_from(&self, begins: &Begins, step_ns: u64) -> u64 {
+        begins.at_ns.saturating_sub(self.span(step_ns) / 10)
     }
 
     /// The part that is wanted, of a robot with these events.
-    pub(super) fn window(&self, robot: &RobotSpec, events: &[Event], step_ns: u64) -> Window {
+    pub(super) fn window(&self, robot: &RobotSpec, kept: &Kept, step_ns: u64) -> Window {
+        let events = &kept.events[..];
         let span_ns = self.span(step_ns);
         let cycle = self.cycle().and_then(|number| Cycle::find(robot, events, number));
         match (self.place, cycle) {
@@ -102,6 +162,10 @@ impl Wanted {
                 let from_ns = boundary(cycle.start, step_ns).saturating_sub(step_ns);
                 Window::new(from_ns, span_ns, None)
             }
+            (Place::Program, _) => {
+                let begins = kept.pins.begins.as_ref();
+                Window::new(begins.map_or(0, |begins| self.program_from(begins, step_ns)), span_ns, None)
+            }
             // It was not found out why: there is nothing to show.
             (Place::Cycle(_) | Place::Usual, None) => Window::new(0, span_ns, None),
         }
@@ -110,21 +174,23 @@ impl Wanted {
     /// The cycle that it goes by.
     fn cycle(&self) -> Option<u32> {
         match self.place {
-            Place::At(_) => None,
+            Place::At(_) | Place::Program => None,
             Place::Cycle(number) => Some(number),
             Place::Usual => Some(USUAL),
         }
     }
 
-    fn span(&self, step_ns: u64) -> u64 {
-        self.span_ns.unwrap_or_else(|| step_ns.saturating_mul(3))
+    /// The length of the window, unless it is that of a cycle.
+    pub(super) fn span(&self, step_ns: u64) -> u64 {
+        let least_ns = if self.place == Place::Program { LEAST_PROGRAM_NS } else { 0 };
+        self.span_ns.unwrap_or_else(|| step_ns.saturating_mul(3).max(least_ns))
     }
 
     /// Cycles are counted from the start; all else is wanted only if it reaches into the window.
     fn may_show(&self, event: &Event) -> bool {
         match self.place {
             Place::At(from_ns) => event.end.as_ns() >= from_ns,
-            Place::Cycle(_) | Place::Usual => true,
+            Place::Cycle(_) | Place::Usual | Place::Program => true,
         }
     }
 
@@ -132,7 +198,7 @@ impl Wanted {
     fn may_tell(&self, said: &Said) -> bool {
         match self.place {
             Place::At(from_ns) => said.at.as_ns() >= from_ns,
-            Place::Cycle(_) | Place::Usual => true,
+            Place::Cycle(_) | Place::Usual | Place::Program => true,
         }
     }
 
@@ -151,7 +217,7 @@ impl Wanted {
                 "the run had {} in {now_s} s; --at S shows any part of a run",
                 count(cycles as usize, "cycle")
             ))),
-            Place::At(_) | Place::Cycle(_) | Place::Usual => Ok(()),
+            Place::At(_) | Place::Cycle(_) | Place::Usual | Place::Program => Ok(()),
         }
     }
 }
@@ -173,6 +239,8 @@ const USUAL: u32 = 3;
 const SLACK_NS: u64 = 5_000_000_000;
 /// So long a cycle is waited for, in nanoseconds.
 const PATIENCE_NS: u64 = 3_600_000_000_000;
+/// A window on what a program does is so long, in nanoseconds: a line of text takes as long at 9600 baud.
+const LEAST_PROGRAM_NS: u64 = 20_000_000;
 /// Most events of a diagram.
 const MOST_EVENTS: usize = 4_000_000;
 /// Of what was said, the last so much is kept, which is more than is said in the time that a run goes on behind its window.
@@ -191,7 +259,7 @@ mod tests {
 
     /// What is recorded of a run of so many cycles of 20 ms, and when that stopped, in ms.
     fn recorded(wanted: Wanted, cycles: u64) -> (anyhow::Result<Vec<Event>>, u64) {
-        let (_, events) = demo::wander(0, cycles);
+        let (scenario, events) = demo::wander(0, cycles);
         let mut events = events.into_iter().peekable();
         let mut now_ns = 0;
         let tick = |fresh: &mut Recorded| {
@@ -204,7 +272,7 @@ mod tests {
             }
             Ok(Some(now_ns))
         };
-        let events = wanted.record(STEP_NS, tick).map(|recorded| recorded.events);
+        let events = wanted.record(&scenario.robots[0], STEP_NS, tick).map(|recorded| recorded.events);
         (events, now_ns / 1_000_000)
     }
 
@@ -234,13 +302,15 @@ mod tests {
     #[test]
     fn a_cycle_is_shown_from_the_boundary_before_it_to_one_behind_it() {
         let (scenario, events) = demo::wander(0, 6);
-        let window = |place| wanted(place).window(&scenario.robots[0], &events, STEP_NS);
+        let robot = &scenario.robots[0];
+        let kept = demo::kept(robot, events);
+        let window = |place| wanted(place).window(robot, &kept, STEP_NS);
         let cycle = window(Place::Cycle(3));
-        let end = cycle.cycle.as_ref().unwrap().end(&events).as_ns();
+        let end = cycle.cycle.as_ref().unwrap().end(&kept.events).as_ns();
         assert_eq!((end, cycle.from_ns, cycle.until_ns), (83_000_000, 38_000_000, 92_000_000));
         let usual = window(Place::Usual);
         assert_eq!((usual.from_ns, usual.until_ns, usual.cycle), (30_000_000, 60_000_000, None));
         let at = Wanted { place: Place::At(u64::MAX), span_ns: Some(7) };
-        assert_eq!(at.window(&scenario.robots[0], &events, STEP_NS).until_ns, u64::MAX);
+        assert_eq!(at.window(robot, &kept, STEP_NS).until_ns, u64::MAX);
     }
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use baudbot_plot::timing::Class;
 
-use super::record::{Place, Recorded, Wanted};
+use super::record::{Place, Wanted};
 use super::ticks::ticks;
 use super::{demo, meaning, picture, table};
 
@@ -37,8 +37,9 @@ fn of_wander(place: Place) -> String {
     let (scenario, events) = demo::wander(0, 8);
     let robot = &scenario.robots[0];
     let wanted = Wanted { place, span_ns: None };
-    let window = wanted.window(robot, &events, scenario.step_ns);
-    picture("wander", (scenario.step_ns, robot), (&events, &BTreeMap::new()), &window).draw()
+    let kept = demo::kept(robot, events);
+    let window = wanted.window(robot, &kept, scenario.step_ns);
+    picture("wander", (scenario.step_ns, robot), (&kept, None, &BTreeMap::new()), &window).draw()
 }
 
 #[test]
@@ -76,8 +77,9 @@ fn the_table_has_a_line_for_each_event_and_a_star_for_those_of_the_cycle() {
     let (scenario, events) = demo::wander(0, 8);
     let robot = &scenario.robots[0];
     let wanted = Wanted { place: Place::Cycle(3), span_ns: Some(3_000_000) };
-    let window = wanted.window(robot, &events, STEP_NS);
-    let table = table::table(robot, &events, &window, &BTreeMap::new());
+    let kept = demo::kept(robot, events);
+    let window = wanted.window(robot, &kept, STEP_NS);
+    let table = table::text(&table::rows(robot, (&kept, None), &window, &BTreeMap::new()));
     let expected = "\
 start ms  duration ms  who              what
   20.600       19.792  cable up         readings, 19 bytes
@@ -100,8 +102,9 @@ fn an_adapter_a_port_and_a_device_with_a_clock_have_lanes() {
     let (scenario, events) = demo::scout(6);
     let robot = &scenario.robots[0];
     let wanted = Wanted { place: Place::Cycle(2), span_ns: None };
-    let window = wanted.window(robot, &events, STEP_NS);
-    let svg = picture("lab", (STEP_NS, robot), (&events, &BTreeMap::new()), &window).draw();
+    let kept = demo::kept(robot, events);
+    let window = wanted.window(robot, &kept, STEP_NS);
+    let svg = picture("lab", (STEP_NS, robot), (&kept, None, &BTreeMap::new()), &window).draw();
     let texts = texts(&svg);
     for part in ["laser", "adapter", "port of laser", "late, missed, lost", "missed frame", "2137 bytes"] {
         assert!(texts.iter().any(|text| text == part), "no `{part}` in {texts:?}");
@@ -113,15 +116,16 @@ fn what_was_said_is_in_the_title_of_its_bar_and_in_the_table() {
     let (scenario, events) = demo::wander(0, 8);
     let robot = &scenario.robots[0];
     let wanted = Wanted { place: Place::Cycle(3), span_ns: None };
-    let window = wanted.window(robot, &events, STEP_NS);
-    let up = events.iter().position(|event| event.start.as_ns() == 40_600_000).unwrap();
+    let kept = demo::kept(robot, events);
+    let window = wanted.window(robot, &kept, STEP_NS);
+    let up = kept.events.iter().position(|event| event.start.as_ns() == 40_600_000).unwrap();
     let meanings = BTreeMap::from([(up, "readings #2".to_owned() + &" 1".repeat(100))]);
-    let svg = picture("wander", (STEP_NS, robot), (&events, &meanings), &window).draw();
+    let svg = picture("wander", (STEP_NS, robot), (&kept, None, &meanings), &window).draw();
     assert!(
         svg.contains("<title>readings, 19 bytes: 40.6 to 60.392 ms, 19.792 ms; readings #2 1 1"),
         "{svg}"
     );
-    let table = table::table(robot, &events, &window, &meanings);
+    let table = table::text(&table::rows(robot, (&kept, None), &window, &meanings));
     assert!(table.contains("  readings, 19 bytes *: readings #2 1 1 1"), "{table}");
     assert!(table.lines().any(|line| line.ends_with('…')), "{table}");
 }
@@ -133,10 +137,11 @@ fn a_diagram_tells_what_a_range_finder_was_asked_and_answered() {
     let stop = AtomicBool::new(false);
     let wanted = Wanted { place: Place::At(0), span_ns: Some(300_000_000) };
     let brains = crate::assignment::assign(&["scout=constant".to_owned()], &scenario.robots).unwrap();
-    let tick = ticks(scenario, &brains, 0, &stop).unwrap();
-    let Recorded { events, said } = wanted.record(STEP_NS, tick).unwrap();
-    let window = wanted.window(&robot, &events, STEP_NS);
-    let table = table::table(&robot, &events, &window, &meaning::meanings(&events, &said));
+    let tick = ticks(scenario, &brains, (0, 0), &stop).unwrap();
+    let kept = wanted.record(&robot, STEP_NS, tick).unwrap();
+    let window = wanted.window(&robot, &kept, STEP_NS);
+    let meanings = meaning::meanings(&kept.events, &kept.said);
+    let table = table::text(&table::rows(&robot, (&kept, None), &window, &meanings));
     for line in [
         "to port of laser  message to laser, 3 bytes: BM: laser on",
         "port of laser     message of laser, 8 bytes: BM: status 00 (accepted)",

@@ -126,7 +126,7 @@ pub(super) fn sample(x: f64, y: f64, color: &str, is_mark: bool) -> Element {
 /// Height of a bar, in pixels.
 const HEIGHT: f64 = ROW - 7.0;
 /// Size of the labels.
-const SIZE: f64 = 10.5;
+pub(super) const SIZE: f64 = 10.5;
 /// No bar is narrower than this, in pixels.
 const LEAST: f64 = 1.5;
 /// From the middle of a mark to its corners, in pixels.

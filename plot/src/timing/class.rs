@@ -39,11 +39,17 @@ pub enum Class {
     Lost,
     /// A fault of the scenario.
     Fault,
+    /// A chip's ADC holds a voltage.
+    Convert,
+    /// A chip sends a character.
+    Sent,
+    /// A chip receives a character.
+    Received,
 }
 
 impl Class {
     /// All classes, in the order of the key.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 19] = [
         Self::Acquire,
         Self::Measure,
         Self::Frame,
@@ -60,6 +66,9 @@ impl Class {
         Self::Missed,
         Self::Lost,
         Self::Fault,
+        Self::Convert,
+        Self::Sent,
+        Self::Received,
     ];
 
     /// The class of an event.
@@ -99,7 +108,10 @@ impl Class {
             | Self::Down
             | Self::PortDown
             | Self::Obey
-            | Self::Act => false,
+            | Self::Act
+            | Self::Convert
+            | Self::Sent
+            | Self::Received => false,
         }
     }
 
@@ -122,6 +134,9 @@ impl Class {
             Self::Missed => "left out",
             Self::Lost => "bytes lost",
             Self::Fault => "a fault",
+            Self::Convert => "the ADC holds a voltage",
+            Self::Sent => "the program sends",
+            Self::Received => "the program is sent",
         }
     }
 
@@ -144,6 +159,9 @@ impl Class {
             Self::Missed => "#882255",
             Self::Lost => "#b5651d",
             Self::Fault => "#999933",
+            Self::Convert => "#ddaa33",
+            Self::Sent => "#117733",
+            Self::Received => "#aa4499",
         }
     }
 
@@ -157,7 +175,8 @@ impl Class {
             | Self::Port
             | Self::Think
             | Self::Down
-            | Self::PortDown => "#10151f",
+            | Self::PortDown
+            | Self::Convert => "#10151f",
             Self::Frame
             | Self::Up
             | Self::Obey
@@ -165,7 +184,9 @@ impl Class {
             | Self::Late
             | Self::Missed
             | Self::Lost
-            | Self::Fault => WHITE,
+            | Self::Fault
+            | Self::Sent
+            | Self::Received => WHITE,
         }
     }
 }

@@ -1,9 +1,12 @@
 //! A timing diagram (Fig. 3.2): lanes of bars over one axis of time.
 
+use baudbot_sim::chip::Stretch;
+
 use super::axis::{Axis, SIZE};
 use super::class::Class;
 use super::rows::rows;
-use super::{bars, key};
+use super::wave::Look;
+use super::{bars, key, wave};
 use crate::palette::{FRAME, GRID, INK, LATE, PALE_INK, WHITE};
 use crate::quantity::duration;
 use crate::svg::{self, Canvas, Element, px, text};
@@ -41,6 +44,8 @@ pub struct Lane {
     pub group: Group,
     /// The bars, in any order. Those that overlap are below each other.
     pub bars: Vec<Bar>,
+    /// The signal of a wire, in the order of time; none for a lane that is none.
+    pub wave: Vec<Stretch>,
 }
 
 /// A part of the path from the sensors to the motors.
@@ -48,6 +53,10 @@ pub struct Lane {
 pub enum Group {
     /// Sensors and their devices.
     Sensors,
+    /// The pins of a chip.
+    Pins,
+    /// The ADC and the UART of a chip.
+    Chip,
     /// The microcontroller.
     Microcontroller,
     /// Cables and adapters to the brain.
@@ -133,14 +142,15 @@ impl Diagram {
         self.draw_marks(&mut canvas, &axis, (head + 10.0, bottom));
         self.draw_bars(&mut canvas, &placed, &axis);
         let is_late = self.late_from_ns.is_some();
-        let height = key::draw(&mut canvas, &self.classes(), is_late, (left, bottom + BELOW), PLOT);
+        let (classes, looks) = (self.classes(), self.looks());
+        let height = key::draw(&mut canvas, (&classes, &looks), is_late, (left, bottom + BELOW), PLOT);
         self.document((left + PLOT + MARGIN, bottom + BELOW + height + 12.0), &canvas)
     }
 
     /// Where the plot begins: beside the longest label.
     fn left(&self) -> f64 {
         let widest = self.lanes.iter().map(|lane| width(&lane.label, LABEL)).fold(0.0, f64::max);
-        MARGIN + widest.clamp(80.0, 170.0) + 22.0
+        MARGIN + widest.clamp(80.0, 210.0) + 22.0
     }
 
     fn place(&self, top: f64) -> Vec<Placed<'_>> {
@@ -162,6 +172,14 @@ impl Diagram {
         classes.sort_unstable();
         classes.dedup();
         classes
+    }
+
+    fn looks(&self) -> Vec<Look> {
+        let mut looks: Vec<_> =
+            self.lanes.iter().flat_map(|lane| wave::looks(&lane.wave, self.from_ns, self.until_ns)).collect();
+        looks.sort_unstable();
+        looks.dedup();
+        looks
     }
 
     fn write_head(&self, canvas: &mut Canvas, lines: &[String], room: f64) {
@@ -236,6 +254,7 @@ impl Diagram {
                 let middle = lane.top + (i as f64 + 0.5) * ROW;
                 bars::draw(canvas, axis, row, middle, self.late_from_ns);
             }
+            wave::draw(canvas, axis, &lane.lane.wave, lane.top + 0.5 * ROW);
         }
         canvas.close("g");
     }
@@ -319,7 +338,7 @@ fn stroke(data: &str, color: &str, width: &str) -> Element {
 
 const FONT: &str = "system-ui, 'DejaVu Sans', Helvetica, Arial, sans-serif";
 /// Width of the plot, in pixels.
-const PLOT: f64 = 920.0;
+pub(super) const PLOT: f64 = 920.0;
 /// Around all, in pixels.
 const MARGIN: f64 = 24.0;
 /// Height of a row of bars, in pixels.

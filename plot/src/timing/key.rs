@@ -2,6 +2,7 @@
 
 use super::bars::sample;
 use super::class::Class;
+use super::wave::{self, Look};
 use crate::palette::{LATE, PALE_INK};
 use crate::svg::{Canvas, text};
 use crate::text::width;
@@ -9,30 +10,41 @@ use crate::text::width;
 /// Writes the key from a corner on, in lines that fit into a width, and returns its height. All are pixels.
 pub(super) fn draw(
     canvas: &mut Canvas,
-    classes: &[Class],
+    (classes, looks): (&[Class], &[Look]),
     is_late: bool,
     (left, top): (f64, f64),
     room: f64,
 ) -> f64 {
+    let bars = classes.iter().map(|class| (Sample::Bar(class.color(), is_mark(*class)), class.words()));
+    let late = is_late.then_some((Sample::Bar(LATE, false), "longer than Δt"));
+    let waves = looks.iter().map(|look| (Sample::Wave(*look), look.words()));
     let (mut x, mut y) = (left, top);
-    let entries = classes.iter().map(|class| (class.color(), class.words(), is_mark(*class)));
-    let late = is_late.then_some((LATE, "longer than Δt", false));
-    for (color, words, is_mark) in entries.chain(late) {
+    for (shown, words) in bars.chain(late).chain(waves) {
         let wide = 20.0 + width(words, SIZE) + 14.0;
         if x + wide > left + room && x > left {
             (x, y) = (left, y + LINE);
         }
-        canvas.put(sample(x, y, color, is_mark));
+        canvas.put(match shown {
+            Sample::Bar(color, is_mark) => sample(x, y, color, is_mark),
+            Sample::Wave(look) => wave::sample(x, y, look),
+        });
         canvas.put(text((x + 20.0, y + 4.0), SIZE, PALE_INK, words));
         x += wide;
     }
     y + LINE - top
 }
 
+/// What stands before the words.
+enum Sample {
+    /// A colour, and whether it is that of a mark.
+    Bar(&'static str, bool),
+    Wave(Look),
+}
+
 /// Whether bars of a class have no duration.
 fn is_mark(class: Class) -> bool {
     match class {
-        Class::Act | Class::Late | Class::Missed | Class::Lost => true,
+        Class::Act | Class::Late | Class::Missed | Class::Lost | Class::Convert => true,
         Class::Acquire
         | Class::Measure
         | Class::Frame
@@ -44,7 +56,9 @@ fn is_mark(class: Class) -> bool {
         | Class::Down
         | Class::PortDown
         | Class::Obey
-        | Class::Fault => false,
+        | Class::Fault
+        | Class::Sent
+        | Class::Received => false,
     }
 }
 

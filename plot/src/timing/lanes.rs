@@ -34,7 +34,12 @@ pub fn lanes(
             lanes.entry(who).or_default();
         }
     }
-    let lane = |(who, bars): (Who, Vec<Bar>)| Lane { label: who.name(robot), group: group(who), bars };
+    let lane = |(who, bars): (Who, Vec<Bar>)| Lane {
+        label: who.name(robot),
+        group: group(who),
+        bars,
+        wave: Vec::new(),
+    };
     lanes.into_iter().map(lane).collect()
 }
 
@@ -86,6 +91,8 @@ fn bar(robot: &RobotSpec, (event, meaning): (&Event, Option<&String>), who: Who,
 fn label(robot: &RobotSpec, event: &Event, who: Who) -> String {
     let bytes = |bytes: u32| count(bytes as usize, "byte");
     match event.what {
+        // A chip's program reads sensors in no time of their own.
+        What::Acquire { .. } if event.end == event.start => String::new(),
         What::Acquire { .. } if matches!(who, Who::Sensor(_)) => {
             duration(event.end.since(event.start) as f64)
         }
@@ -117,7 +124,7 @@ fn group(who: Who) -> Group {
 }
 
 /// Milliseconds to the nanosecond, and no zeros at their end.
-fn handy_ms(ns: u64) -> String {
+pub(super) fn handy_ms(ns: u64) -> String {
     let text = ms(ns, 6);
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

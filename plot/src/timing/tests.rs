@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use baudbot_sim::SimTime;
+use baudbot_sim::chip::{Level, Line, Net, Pulses, Shown, Signal, Stretch};
 use baudbot_sim::timeline::{Event, What};
 
 use super::*;
@@ -21,7 +22,7 @@ fn bar(start_ns: u64, end_ns: u64, label: &str, class: Class) -> Bar {
 }
 
 fn lane(bars: Vec<Bar>) -> Lane {
-    Lane { label: "lane".to_owned(), group: Group::Brain, bars }
+    Lane { label: "lane".to_owned(), group: Group::Brain, bars, wave: Vec::new() }
 }
 
 fn diagram(lanes: Vec<Lane>, (from_ns, until_ns): (u64, u64)) -> Diagram {
@@ -129,4 +130,102 @@ fn what_was_missed_and_lost_has_lanes_of_its_own_if_there_is_any() {
         event(7, 7, What::Lost { bytes: 1 }),
     ];
     assert_eq!(labels(&trouble)[without.len()..], ["late, missed, lost", "fault 4"]);
+}
+
+fn level(at_ns: u64, level: Level) -> Shown {
+    Shown::Stretch(Stretch::Level { at_ns, level })
+}
+
+fn pulses(from_ns: u64, until_ns: u64, count: u32, high_ns: u64, is_even: bool) -> Shown {
+    Shown::Stretch(Stretch::Pulses(Pulses { from_ns, until_ns, count, high_ns, is_even }))
+}
+
+fn shot(line: Line, on: &[&str], shown: Vec<Shown>) -> Shot {
+    let on = on.iter().map(|terminal| (*terminal).to_owned()).collect();
+    Shot { signal: Signal { line, on }, shown }
+}
+
+fn wire(pin: u8, on: &[&str], shown: Vec<Shown>) -> Shot {
+    shot(Line::Wire(Net::arduino(pin).unwrap()), on, shown)
+}
+
+const MS: u64 = 1_000_000;
+
+/// A motor, a wire that two drive, an analog input, and a line of text.
+fn shots() -> Vec<Shot> {
+    let character = |i: usize, byte: u8| Shown::Number { at_ns: (2 + i as u64) * MS, number: byte.into() };
+    let mut text: Vec<_> = b"Hi\n".iter().enumerate().map(|(i, byte)| character(i, *byte)).collect();
+    text.push(Shown::Over { at_ns: 5 * MS });
+    vec![
+        wire(1, &[], vec![level(0, Level::High), level(2 * MS, Level::Low)]),
+        wire(2, &[], vec![level(0, Level::Open)]),
+        wire(
+            7,
+            &["whisker"],
+            vec![level(0, Level::High), level(4 * MS, Level::Short), level(6 * MS, Level::Low)],
+        ),
+        wire(
+            9,
+            &["motors.left.pwm"],
+            vec![
+                level(0, Level::Low),
+                pulses(MS, 9 * MS, 1000, 2 * MS, true),
+                pulses(9 * MS, 17 * MS, 1000, 2 * MS, true),
+                level(17 * MS, Level::High),
+            ],
+        ),
+        wire(12, &[], vec![level(0, Level::Open), level(3 * MS, Level::High)]),
+        wire(14, &["ir"], vec![level(0, Level::Open)]),
+        shot(Line::Adc(0), &["ir"], vec![Shown::Number { at_ns: 3 * MS, number: 512 }]),
+        shot(Line::Sent, &[], text),
+        shot(Line::Received, &[], Vec::new()),
+    ]
+}
+
+#[test]
+fn pins_with_something_on_them_have_lanes_and_others_if_the_program_moves_them() {
+    let labels = |chosen: Option<&[Net]>| -> Vec<_> {
+        pin_lanes(&shots(), (0, 20 * MS), chosen).into_iter().map(|lane| lane.label).collect()
+    };
+    assert_eq!(labels(None), ["D7 whisker", "D9 motors.left.pwm", "D12", "adc0 ir", "uart sent"]);
+    let net = |pin| Net::arduino(pin).unwrap();
+    assert_eq!(labels(Some(&[net(2), net(1)])), ["D1", "D2", "uart sent"]);
+    assert_eq!(labels(Some(&[net(14)])), ["adc0 ir", "uart sent"], "its level is never one");
+    let later: Vec<_> =
+        pin_lanes(&shots(), (6 * MS, 20 * MS), None).into_iter().map(|lane| lane.label).collect();
+    assert_eq!(later, ["D7 whisker", "D9 motors.left.pwm", "adc0 ir"]);
+}
+
+#[test]
+fn a_pin_is_a_wave_and_fast_pulses_are_a_block_with_their_duty() {
+    let lanes = pin_lanes(&shots(), (0, 20 * MS), None);
+    let svg = diagram(lanes, (0, 20 * MS)).draw();
+    let texts = texts(&svg);
+    for text in ["25 %, 125 kHz", "512", "H", "i", "\\n", "high, low", "driven against each other"] {
+        assert!(texts.iter().any(|other| other == text), "no `{text}` in {texts:?}");
+    }
+    assert!(svg.contains("<title>2000 pulses, 25 %, 125 kHz: 1 to 17 ms</title>"), "they go on: {svg}");
+    assert!(svg.contains("<title>driven against each other: 4 to 6 ms</title>"), "{svg}");
+    // The lines of D7, D9 and D12, and the dashes of D12 before it is driven.
+    let lines =
+        |dash: &str| svg.matches(&format!("stroke-width=\"1.4\" stroke-dasharray=\"{dash}\"")).count();
+    assert_eq!((lines("none"), lines("2 3")), (3 + 1, 1 + 1), "with those of the key: {svg}");
+    let narrow = pin_lanes(&shots(), (0, 200 * MS), None);
+    let sent = narrow.iter().find(|lane| lane.label == "uart sent").unwrap();
+    assert_eq!((sent.bars.len(), sent.bars[0].end_ns), (1, 5 * MS), "characters without room are together");
+    assert!(sent.bars[0].title.starts_with("Hi\\n: 2"), "{}", sent.bars[0].title);
+}
+
+#[test]
+fn no_instant_of_a_pin_is_too_much() {
+    let far = [0, 1, STEP_NS, u64::MAX - 1, u64::MAX];
+    let levels = [Level::Low, Level::High, Level::Open, Level::Short];
+    for (from, until) in far.iter().flat_map(|from| far.map(|until| (*from, until))) {
+        let mut shown: Vec<_> = far.iter().flat_map(|at| levels.map(|one| level(*at, one))).collect();
+        shown.push(pulses(0, u64::MAX, 7, 3, false));
+        let lanes = pin_lanes(&[wire(9, &["motor"], shown)], (from, until), None);
+        let svg = diagram(lanes, (from, until)).draw();
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{from} to {until}: {svg}");
+        texts(&svg);
+    }
 }

@@ -4891,6 +4891,25 @@ pub struct ObservedRobot {
     /// When a command must answer the readings, after its control cycle began.
     #[prost(uint64, tag = "8")]
     pub deadline_ns: u64,
+    /// The signals on the pins of its microcontroller, if that runs a program of the user's own.
+    #[prost(message, repeated, tag = "9")]
+    pub pins: ::prost::alloc::vec::Vec<PinSignal>,
+}
+/// A signal that a logic analyser on a chip's pins shows.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct PinSignal {
+    /// Its name: `D9`, `A0` or `PB6` of a pin, `adc0`, `uart sent`, `uart received`.
+    #[prost(string, tag = "1")]
+    pub signal: ::prost::alloc::string::String,
+    /// What is on it, such as `motors.left.pwm`.
+    #[prost(string, repeated, tag = "2")]
+    pub on: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+    /// What it is.
+    #[prost(enumeration = "PinSignalKind", tag = "3")]
+    pub kind: i32,
+    /// Of an ADC's channel: the place of its pin among these signals, if that is one of them.
+    #[prost(uint32, optional, tag = "4")]
+    pub pin: ::core::option::Option<u32>,
 }
 /// Asks for a world's truth.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
@@ -4904,6 +4923,12 @@ pub struct WatchRequest {
     /// Names of the robots that frames tell more about: their rays, readings, cables and timelines. At most 64.
     #[prost(string, repeated, tag = "3")]
     pub details: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+    /// Whether details also have what a logic analyser on the pins of a robot's chip sees. It is kept only while somebody asks for it.
+    #[prost(bool, tag = "4")]
+    pub pins: bool,
+    /// Pulses with a shorter period are told together, with their number and duty; 0 means 0.1 ms.
+    #[prost(uint64, tag = "5")]
+    pub pins_finest_ns: u64,
 }
 /// The truth at the start of a tick.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -5078,6 +5103,41 @@ pub struct RobotDetail {
     /// Baud rate of that cable as it is now; absent if it has none.
     #[prost(uint32, optional, tag = "13")]
     pub baud: ::core::option::Option<u32>,
+    /// What was seen on the pins of its chip since the last frame that was made for this observer, if that was asked for: of each
+    /// signal in the order of time. The first frame has what is kept of the time before. At most 8192, the last ones.
+    #[prost(message, repeated, tag = "14")]
+    pub pin_events: ::prost::alloc::vec::Vec<PinEvent>,
+    /// Events on pins since the last frame that are not told: until a signal is told again, nothing is known of it.
+    #[prost(uint64, tag = "15")]
+    pub missed_pin_events: u64,
+}
+/// Something on a signal of a chip's pins: see docs/firmware.md.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct PinEvent {
+    /// The signal's place in DescribeWorld.
+    #[prost(uint32, tag = "1")]
+    pub signal: u32,
+    /// Simulated instant from which on it holds.
+    #[prost(uint64, tag = "2")]
+    pub at_ns: u64,
+    /// What it is.
+    #[prost(enumeration = "PinEventKind", tag = "3")]
+    pub kind: i32,
+    /// A result of the ADC, from 0 to 1023, or a character.
+    #[prost(uint32, tag = "4")]
+    pub number: u32,
+    /// Of pulses: the rise behind the last of them.
+    #[prost(uint64, tag = "5")]
+    pub until_ns: u64,
+    /// Of pulses: how many there are.
+    #[prost(uint32, tag = "6")]
+    pub pulses: u32,
+    /// Of pulses: for how long the wire was high in all.
+    #[prost(uint64, tag = "7")]
+    pub high_ns: u64,
+    /// Of pulses: whether they are alike, so that they have a frequency and a duty.
+    #[prost(bool, tag = "8")]
+    pub even: bool,
 }
 /// More about a sensor.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -5234,6 +5294,51 @@ pub struct Collision {
     #[prost(string, tag = "2")]
     pub with: ::prost::alloc::string::String,
 }
+/// What a signal on a chip's pins is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum PinSignalKind {
+    /// Never sent.
+    Unspecified = 0,
+    /// The level of a pin.
+    Pin = 1,
+    /// The results of a channel of the ADC.
+    Adc = 2,
+    /// The characters that the program sends.
+    Sent = 3,
+    /// The characters that come to the program.
+    Received = 4,
+    /// The level of the pin on which the UART is.
+    UartPin = 5,
+}
+impl PinSignalKind {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "PIN_SIGNAL_KIND_UNSPECIFIED",
+            Self::Pin => "PIN_SIGNAL_KIND_PIN",
+            Self::Adc => "PIN_SIGNAL_KIND_ADC",
+            Self::Sent => "PIN_SIGNAL_KIND_SENT",
+            Self::Received => "PIN_SIGNAL_KIND_RECEIVED",
+            Self::UartPin => "PIN_SIGNAL_KIND_UART_PIN",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "PIN_SIGNAL_KIND_UNSPECIFIED" => Some(Self::Unspecified),
+            "PIN_SIGNAL_KIND_PIN" => Some(Self::Pin),
+            "PIN_SIGNAL_KIND_ADC" => Some(Self::Adc),
+            "PIN_SIGNAL_KIND_SENT" => Some(Self::Sent),
+            "PIN_SIGNAL_KIND_RECEIVED" => Some(Self::Received),
+            "PIN_SIGNAL_KIND_UART_PIN" => Some(Self::UartPin),
+            _ => None,
+        }
+    }
+}
 /// Which way bytes go on a cable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
@@ -5263,6 +5368,59 @@ impl CableDirection {
             "CABLE_DIRECTION_UNSPECIFIED" => Some(Self::Unspecified),
             "CABLE_DIRECTION_UP" => Some(Self::Up),
             "CABLE_DIRECTION_DOWN" => Some(Self::Down),
+            _ => None,
+        }
+    }
+}
+/// What can be on a signal of a chip's pins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum PinEventKind {
+    /// Never sent.
+    Unspecified = 0,
+    /// The wire is low.
+    Low = 1,
+    /// The wire is high.
+    High = 2,
+    /// Nothing drives the wire, or it has a voltage that is no digital signal.
+    Open = 3,
+    /// The chip and a part drive the wire against each other.
+    Short = 4,
+    /// Pulses that are too short to be told one by one.
+    Pulses = 5,
+    /// The ADC holds a voltage, and the conversion will have this result; or a character begins.
+    Number = 6,
+    /// The character is over.
+    Over = 7,
+}
+impl PinEventKind {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "PIN_EVENT_KIND_UNSPECIFIED",
+            Self::Low => "PIN_EVENT_KIND_LOW",
+            Self::High => "PIN_EVENT_KIND_HIGH",
+            Self::Open => "PIN_EVENT_KIND_OPEN",
+            Self::Short => "PIN_EVENT_KIND_SHORT",
+            Self::Pulses => "PIN_EVENT_KIND_PULSES",
+            Self::Number => "PIN_EVENT_KIND_NUMBER",
+            Self::Over => "PIN_EVENT_KIND_OVER",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "PIN_EVENT_KIND_UNSPECIFIED" => Some(Self::Unspecified),
+            "PIN_EVENT_KIND_LOW" => Some(Self::Low),
+            "PIN_EVENT_KIND_HIGH" => Some(Self::High),
+            "PIN_EVENT_KIND_OPEN" => Some(Self::Open),
+            "PIN_EVENT_KIND_SHORT" => Some(Self::Short),
+            "PIN_EVENT_KIND_PULSES" => Some(Self::Pulses),
+            "PIN_EVENT_KIND_NUMBER" => Some(Self::Number),
+            "PIN_EVENT_KIND_OVER" => Some(Self::Over),
             _ => None,
         }
     }

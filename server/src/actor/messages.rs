@@ -28,6 +28,7 @@ impl WorldActor {
             Message::Measure(reply) => drop(reply.send(self.measure())),
             Message::Cover(reply) => drop(reply.send(CoverageReport::of(&self.world))),
             Message::Watch(watch) => {
+                self.observers.keep_pins(Some(&watch), &mut self.world);
                 self.observers.add(watch, view!(self));
                 self.fit_timeline();
             }

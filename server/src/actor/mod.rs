@@ -303,12 +303,13 @@ impl WorldActor {
             progress.tell(&self.world);
         }
         self.observers.show(view!(self));
+        self.observers.keep_pins(None, &mut self.world);
         self.cables.listen(&mut self.world);
     }
 
     /// The world is at another time: what observers and watchers of cables have seen is no past of it.
     fn forget_seen(&mut self) {
-        self.observers.reset(&self.world);
+        self.observers.reset(&mut self.world);
         self.cables.reset(&mut self.world);
     }
 

@@ -124,6 +124,7 @@ impl WorldActor {
     /// Does a tick, or goes on towards the one that is sought.
     pub(super) fn replay(&mut self, now: Instant) {
         let Some(mut replaying) = self.replaying.take() else { return };
+        replaying.replay.watch(self.observers.pinned());
         let result = match &replaying.seek {
             Some(seek) => self.approach(&mut replaying.replay, seek.tick, now),
             None => self.replay_tick(&mut replaying.replay, now),
@@ -183,6 +184,7 @@ impl WorldActor {
             drop(former.reply.send(Ok(report)));
         }
         self.pacer.clock = None;
+        replaying.replay.watch(self.observers.pinned());
         let recorded = replaying.replay.recorded();
         let tick = recorded.nearest(tick);
         match replaying.replay.approach(&mut self.world, tick) {

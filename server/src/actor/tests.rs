@@ -96,7 +96,7 @@ fn a_world_keeps_a_short_timeline_until_somebody_looks_at_it() {
     let kept = |actor: &WorldActor| actor.world.robot(0).timeline().events().count();
     assert_eq!(kept(&actor), 512);
     let (frames, mut seen) = mpsc::channel(8);
-    actor.handle(Message::Watch(Watch { every_ticks: 1, details: vec![0], frames }));
+    actor.handle(Message::Watch(Watch { every_ticks: 1, details: vec![0], pins_finest_ns: None, frames }));
     assert_eq!(seen.try_recv().unwrap().details[0].events.len(), 512, "the first picture has a past");
     let until = now + minute;
     go_on(&mut actor, &mut now, until);

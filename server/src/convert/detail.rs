@@ -3,6 +3,7 @@
 use baudbot_proto::v1;
 use baudbot_sim::timeline::{Event, What};
 
+use super::pins;
 use super::status::{cycle_status, line_status};
 use crate::frame::{RayFan, RobotDetail, SensorDetail};
 
@@ -18,6 +19,8 @@ pub(super) fn detail(detail: RobotDetail) -> v1::RobotDetail {
         cycles: Some(cycle_status(&detail.cycles, detail.deadline_ns)),
         events: detail.events.iter().map(event).collect(),
         missed_events: detail.missed_events,
+        pin_events: detail.pin_events.iter().map(pins::event).collect(),
+        missed_pin_events: detail.missed_pin_events,
         attached: detail.brain.is_some(),
         brain: detail.brain.unwrap_or_default(),
         cable_pulled: detail.cable_pulled,

@@ -1,6 +1,6 @@
 //! Conversions between the contract's types and the domain's: the only folder that names both.
 //!
-//! `brain` and `turn` are for brains; `observe`, `detail`, `cable` and `coverage` are for observers; `status`, `budget`, `intervention`, `pace` and
+//! `brain` and `turn` are for brains; `observe`, `detail`, `pins`, `cable` and `coverage` are for observers; `status`, `budget`, `intervention`, `pace` and
 //! `replay` are for operators; `trainer` is for trainers. This file has what they share.
 
 mod brain;
@@ -11,6 +11,7 @@ mod detail;
 mod intervention;
 mod observe;
 mod pace;
+mod pins;
 mod replay;
 mod status;
 mod trainer;

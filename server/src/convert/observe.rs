@@ -13,7 +13,7 @@ use baudbot_sim::surroundings::{Field, Light, Region, Source, Zone};
 
 use super::brain::description;
 use super::detail::detail;
-use super::{battery, score};
+use super::{battery, pins, score};
 use crate::columns::sensor_columns;
 use crate::frame::{Frame, RobotTruth, Thing};
 
@@ -74,6 +74,7 @@ fn robot(spec: &RobotSpec) -> v1::ObservedRobot {
         actuators: spec.actuators.iter().map(|actuator| actuator.name.clone()).collect(),
         description: Some(description(spec)),
         deadline_ns: spec.deadline.within_ns,
+        pins: spec.chip.iter().flat_map(|chip| pins::signals(chip)).collect(),
     }
 }
 

@@ -60,5 +60,7 @@ pub(crate) struct Watch {
     pub(crate) every_ticks: u64,
     /// The robots of which it wants details.
     pub(crate) details: Vec<usize>,
+    /// Whether details have what is on the pins of their chips; pulses with a shorter period, in nanoseconds, are told together.
+    pub(crate) pins_finest_ns: Option<u64>,
     pub(crate) frames: mpsc::Sender<Frame>,
 }

@@ -4,6 +4,7 @@ use baudbot_sim::model::RobotSpec;
 use baudbot_sim::raycast::{CastRay, RayCaster};
 use baudbot_sim::{RobotView, SensorView, SimTime, World};
 
+use super::pins::Pins;
 use crate::frame::{RayFan, RobotDetail, SensorDetail};
 use crate::sessions::Sessions;
 
@@ -17,16 +18,31 @@ pub(super) struct Detailed {
     events: u64,
     /// When the last reading of each sensor was truly sampled.
     sampled: Vec<Option<SimTime>>,
+    /// What is on the pins of its chip, if the observer wants that.
+    pins: Option<Pins>,
+    /// Whether the observer has had a frame.
+    is_known: bool,
 }
 
 impl Detailed {
-    pub(super) fn new(robot: usize, world: &World) -> Self {
-        Self { robot, events: 0, sampled: vec![None; world.robot(robot).spec().sensors.len()] }
+    pub(super) fn new(robot: usize, pins_finest_ns: Option<u64>, world: &World) -> Self {
+        let sampled = vec![None; world.robot(robot).spec().sensors.len()];
+        let pins = pins_finest_ns.and_then(|finest_ns| Pins::new(robot, finest_ns, world));
+        Self { robot, events: 0, sampled, pins, is_known: false }
+    }
+
+    /// The robot, if the observer looks at its pins.
+    pub(super) fn pinned(&self) -> Option<usize> {
+        self.pins.as_ref().map(|_| self.robot)
     }
 
     /// Forgets what the observer knows: the world is at another time.
     pub(super) fn reset(&mut self, world: &World) {
-        *self = Self::new(self.robot, world);
+        let mut pins = self.pins.take();
+        if let Some(pins) = &mut pins {
+            pins.reset(self.robot, world);
+        }
+        *self = Self { pins, ..Self::new(self.robot, None, world) };
     }
 
     /// At the start of each tick: when a reading was sampled is known only until the brain has been given it.
@@ -34,6 +50,9 @@ impl Detailed {
         let robot = world.robot(self.robot);
         for (i, sampled) in self.sampled.iter_mut().enumerate() {
             *sampled = robot.sampled_at(i).or(*sampled);
+        }
+        if let Some(pins) = &mut self.pins {
+            pins.look(self.robot, world);
         }
     }
 
@@ -46,6 +65,12 @@ impl Detailed {
         let missed_events = if self.events == 0 { 0 } else { missed_events };
         let events = events.copied().collect();
         self.events = view.timeline().total();
+        let is_first = std::mem::replace(&mut self.is_known, true);
+        let (pin_events, missed) = self.pins.as_mut().map_or_else(Default::default, |pins| {
+            pins.look(self.robot, world);
+            pins.take()
+        });
+        let missed_pin_events = if is_first { 0 } else { missed };
         let sensors = view.sensors().enumerate();
         let sensors = sensors.map(|(i, sensor)| self.sensor(&view, (i, &sensor), caster)).collect();
         RobotDetail {
@@ -58,6 +83,8 @@ impl Detailed {
             deadline_ns: spec.deadline.within_ns,
             events,
             missed_events,
+            pin_events,
+            missed_pin_events,
             brain: sessions.brain(self.robot).map(str::to_owned),
             cable_pulled: spec.link.is_pulled(),
             baud: spec.link.baud(),

@@ -1,6 +1,9 @@
 //! Observers of one world. A slow observer misses frames and never slows the world.
 
 mod details;
+mod pins;
+
+use std::collections::BTreeSet;
 
 use baudbot_sim::collision::Collision;
 use baudbot_sim::raycast::RayCaster;
@@ -14,6 +17,7 @@ use crate::message::Watch;
 use crate::sessions::Sessions;
 use details::Detailed;
 pub(crate) use details::MAX_DETAILS;
+use pins::Kept;
 
 /// Collisions that are kept for an observer between two of its frames; a crowd in a heap makes no more.
 const MAX_COLLISIONS: usize = 1000;
@@ -26,6 +30,7 @@ pub(crate) struct Observers {
     last_number: u64,
     /// Frames that were missed by observers that are gone.
     missed_frames: u64,
+    kept: Kept,
 }
 
 struct Observer {
@@ -61,14 +66,14 @@ impl Observers {
     pub(crate) fn add(&mut self, watch: Watch, view: View<'_>) {
         self.each(view, |_| true);
         self.last_number += 1;
-        let Watch { every_ticks, details, frames } = watch;
+        let Watch { every_ticks, details, pins_finest_ns, frames } = watch;
         let mut observer = Observer {
             number: self.last_number,
             every_ticks: every_ticks.max(1),
             frames,
             missed_frames: 0,
             misses: false,
-            eye: Eye::new(details, view.world),
+            eye: Eye::new(details, pins_finest_ns, view.world),
         };
         if observer.show(view) {
             event!(
@@ -80,6 +85,22 @@ impl Observers {
             );
             self.present.push(observer);
         }
+    }
+
+    /// The world keeps what is on the pins of robots for those who look at them, one who is about to come among them.
+    pub(crate) fn keep_pins(&mut self, coming: Option<&Watch>, world: &mut World) {
+        let mut wanted = self.pinned();
+        let coming = coming.filter(|watch| watch.pins_finest_ns.is_some());
+        wanted.extend(coming.into_iter().flat_map(|watch| &watch.details));
+        let robots = &world.scenario().robots;
+        wanted.retain(|robot| robots.get(*robot).is_some_and(|spec| spec.chip.is_some()));
+        self.kept.fit(&wanted, world);
+    }
+
+    /// The robots at whose pins somebody looks.
+    pub(crate) fn pinned(&self) -> BTreeSet<usize> {
+        let present = self.present.iter().filter(|observer| !observer.frames.is_closed());
+        present.flat_map(|observer| observer.eye.detailed.iter().filter_map(Detailed::pinned)).collect()
     }
 
     /// Whether there are no observers.
@@ -113,7 +134,8 @@ impl Observers {
     }
 
     /// Forgets what observers have seen: the world is at another time.
-    pub(crate) fn reset(&mut self, world: &World) {
+    pub(crate) fn reset(&mut self, world: &mut World) {
+        self.keep_pins(None, world);
         self.present.iter_mut().for_each(|observer| observer.eye.reset(world));
     }
 
@@ -159,15 +181,16 @@ impl Observer {
 }
 
 impl Eye {
-    /// An eye that has details of these robots.
-    fn new(details: impl IntoIterator<Item = usize>, world: &World) -> Self {
-        let detailed = details.into_iter().map(|robot| Detailed::new(robot, world)).collect();
+    /// An eye that has details of these robots, and of their pins if pulses with a shorter period are told together.
+    fn new(details: impl IntoIterator<Item = usize>, pins_finest_ns: Option<u64>, world: &World) -> Self {
+        let detailed = |robot| Detailed::new(robot, pins_finest_ns, world);
+        let detailed = details.into_iter().map(detailed).collect();
         Self { collisions: Vec::new(), detailed, published: 0 }
     }
 
     /// An eye that has details of all robots, or of as many as it may.
     pub(crate) fn of_all(world: &World) -> Self {
-        Self::new(0..world.robots().len().min(MAX_DETAILS), world)
+        Self::new(0..world.robots().len().min(MAX_DETAILS), None, world)
     }
 
     /// At the start of each tick: collects the data of past ticks for the next frame.

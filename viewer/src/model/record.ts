@@ -6,6 +6,7 @@ import { DeadReckoning, wheelSensor, type Reckoned } from "./odometry";
 import type { Pose } from "./pose";
 import { quantities, sentBy, type Sent, type Snapshot, type Values } from "./quantities";
 import { Ring, SeriesTable } from "./ring";
+import { PinLog } from "./pins";
 import { Timeline } from "./timeline";
 import { Trail } from "./trail";
 import { numberOf, secondsOf } from "./units";
@@ -28,6 +29,7 @@ const MOST_RECKONED = 1024;
 export class RobotRecord {
   readonly series = new SeriesTable(FRAMES, COLUMNS);
   readonly timeline = new Timeline();
+  readonly pins = new PinLog();
   readonly strips: Ring[];
   private readonly stripTimes = new Ring(STRIP);
   readonly ghostTrail = new Trail(900);
@@ -66,6 +68,7 @@ export class RobotRecord {
     this.values = quantities(this.description, now, this.sent[0]);
     this.now = now;
     if (detail) this.timeline.take(detail.events, first);
+    if (detail) this.pins.take(detail.pinEvents, detail.missedPinEvents, Number(frame.timeNs));
     if (isNew) {
       this.series.push(secondsOf(now.time_ns), this.values, near_s);
       if (now.truth) this.remember(now.time_ns, now.truth);
@@ -83,6 +86,7 @@ export class RobotRecord {
     let seen = 0;
     this.series.cut(time_ns / 1e9, time_ns > -Infinity);
     this.timeline.cut(time_ns);
+    this.pins.cut(time_ns);
     this.ghostTrail.cut(tick);
     while (seen < this.reckoned.length && (this.reckoned[seen]?.tick ?? 0) <= tick) seen++;
     this.reckoned = this.reckoned.slice(0, seen);

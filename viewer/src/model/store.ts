@@ -30,6 +30,8 @@ type Events = {
   /** Another robot, or none. */
   robot: void;
   frame: Frame;
+  /** The pins of chips are looked at, or no longer. */
+  pins: void;
   /** The next frame is of quite another tick. */
   leap: void;
   /** The world was reset or restored: another run goes on, perhaps in another arena. */
@@ -48,6 +50,8 @@ export class Store extends Emitter<Events> {
   /** Names of the chosen world and robot; empty if there is none. */
   world = "";
   robot = "";
+  /** Whether the pins of the chosen robot's chip are looked at, if it has one. */
+  showsPins = true;
   description: DescribeWorldResponse | undefined;
   frame: Frame | undefined;
   record: RobotRecord | undefined;
@@ -125,6 +129,16 @@ export class Store extends Emitter<Events> {
     this.makeRecord();
     this.emit("world", undefined);
     this.emit("robot", undefined);
+  }
+
+  /** Whether the chosen robot's microcontroller runs a program of the user's own. */
+  get hasChip(): boolean {
+    return (this.description?.robots[this.robotIndex]?.pins.length ?? 0) > 0;
+  }
+
+  showPins(on: boolean): void {
+    this.showsPins = on;
+    this.emit("pins", undefined);
   }
 
   chooseRobot(robot: string): void {

@@ -14,6 +14,9 @@ const RETRY_MS = 1000;
 /** A world that is reset again and again, as by a trainer, is described no more often. */
 const DESCRIBE_MS = 1000;
 
+/** Pulses whose period is shorter than this part of Δt are told together. */
+const PULSES_A_STEP = 32n;
+
 export class Watcher {
   /** Frames that came in the last second. */
   frames_per_s = 0;
@@ -35,6 +38,7 @@ export class Watcher {
     private readonly store: Store,
   ) {
     store.on("robot", () => store.description && this.watch());
+    store.on("pins", () => this.again());
     // What is leapt over is no speed.
     store.on("leap", () => (this.isSettling = true));
     store.on("restart", () => {
@@ -97,7 +101,10 @@ export class Watcher {
     this.isFirst = this.isSettling = true;
     this.store.setStride(this.every);
     const details = robot === "" ? [] : [robot];
-    const request = { world, everyTicks: BigInt(this.every), details };
+    const pins = this.store.hasChip && this.store.showsPins;
+    // Of three Δt, nearer pulses could not be told apart.
+    const pinsFinestNs = (this.store.description?.stepNs ?? 0n) / PULSES_A_STEP;
+    const request = { world, everyTicks: BigInt(this.every), details, pins, pinsFinestNs };
     const call = this.connection.begin(ObserveService.method.watch, request, {
       message: (bytes) => this.take(decodeFrame(bytes)),
       over: (error) => this.over(call, error),

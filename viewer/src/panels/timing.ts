@@ -5,7 +5,8 @@ import type { Store } from "../model/store";
 import { duration, exactMs, numberOf } from "../model/units";
 import { lastCycle, type Cycle } from "../timing/cycle";
 import { draw, heightOf, rowFor, type Spot } from "../timing/draw";
-import { lanes, MOST_STEPS, what, windowFor } from "../timing/layout";
+import { lanes, MOST_STEPS, what, windowFor, type Lane, type Window } from "../timing/layout";
+import { pinLanes } from "../timing/pins";
 import type { CablePanel } from "./cable";
 
 /** Pictures per second: more could not be read. */
@@ -23,6 +24,7 @@ export class TimingPanel {
   private readonly verdict = el("span", { class: "verdict" });
   private readonly span = el("span", { class: "span" });
   private readonly hold: HTMLButtonElement;
+  private readonly pins: HTMLButtonElement;
   private readonly scroller: HTMLElement;
   private spots: Spot[] = [];
   /** Δt that are shown; 0: as many as the cycle needs. */
@@ -45,7 +47,11 @@ export class TimingPanel {
     this.hold = button("Hold", "Keep this picture (it also stays while the mouse is on it)", () =>
       this.setHeld(!this.isHeld),
     );
+    this.pins = button("Pins", "What is on the pins of the chip", () => store.showPins(!store.showsPins), {
+      test: "pins",
+    });
     const tools = [
+      this.pins,
       button("−", "Longer: more Δt", () => this.setSteps(1), { label: "Longer" }),
       this.span,
       button("+", "Shorter: fewer Δt", () => this.setSteps(-1), { label: "Shorter" }),
@@ -67,6 +73,7 @@ export class TimingPanel {
     new ResizeObserver(() => this.refresh(true)).observe(this.scroller);
     store.on("frame", () => this.refresh(false));
     store.on("robot", () => this.refresh(true));
+    store.on("pins", () => this.refresh(true));
     setPressed(this.hold, false);
   }
 
@@ -112,8 +119,11 @@ export class TimingPanel {
     const cycle = lastCycle(all);
     const window = windowFor(cycle, numberOf(store.frame?.timeNs ?? 0n), step_ns, this.steps);
     const room = this.scroller.clientHeight;
-    const full = lanes(robot, all, window, cycle);
-    const shown = heightOf(full) <= room ? full : lanes(robot, all, window, cycle, 1);
+    this.pins.hidden = !store.hasChip;
+    setPressed(this.pins, store.showsPins);
+    const pins = store.hasChip && store.showsPins ? this.pinLanes(window, width) : undefined;
+    const full = lanes(robot, all, window, cycle, undefined, pins);
+    const shown = heightOf(full) <= room ? full : lanes(robot, all, window, cycle, 1, pins);
     const row = rowFor(shown, room);
     const height = heightOf(shown, row);
     this.canvas.style.height = `${height}px`;
@@ -125,11 +135,25 @@ export class TimingPanel {
     this.judge(cycle, deadline_ns);
   }
 
+  private pinLanes(window: Window, width: number): Lane[] {
+    const { record, description, frame } = this.store;
+    const signals = record && description?.robots[record.robot]?.pins;
+    if (!record || !signals) return [];
+    const now_ns = Math.min(numberOf(frame?.timeNs ?? 0n), window.until_ns);
+    // Names take about a fifth of the picture.
+    const px_ns = (window.until_ns - window.from_ns) / (0.8 * width);
+    return pinLanes(signals, record.pins, window, now_ns, px_ns);
+  }
+
   private judge(cycle: Cycle | undefined, deadline_ns: number): void {
     if (!cycle) {
       setText(
         this.verdict,
-        this.store.record?.now?.detail?.attached ? "no answered cycle yet" : "no brain is attached",
+        this.store.hasChip
+          ? "a program of its own"
+          : this.store.record?.now?.detail?.attached
+            ? "no answered cycle yet"
+            : "no brain is attached",
       );
       this.verdict.className = "verdict";
       return;
@@ -156,7 +180,7 @@ export class TimingPanel {
       end_ns === start_ns
         ? `at ${exactMs(start_ns)} ms`
         : `${exactMs(start_ns)} to ${exactMs(end_ns)} ms, ${duration(end_ns - start_ns)}`;
-    setText(this.tip, `${what(robot, spot.bar.event)}: ${times}`);
+    setText(this.tip, `${spot.bar.tip ?? what(robot, spot.bar.event)}: ${times}`);
     const left = Math.min(x + 12, Math.max(0, this.scroller.clientWidth - this.tip.offsetWidth - 4));
     this.tip.style.left = `${left}px`;
     this.tip.style.top = `${y + 34 > this.canvas.clientHeight ? y - 30 : y + 14}px`;

@@ -1,10 +1,13 @@
 /** The picture of a timing diagram: lanes of bars over one axis of time. */
+import { TimelineKind } from "../gen/baudbot/v1/observe_pb";
 import type { Theme } from "../arena/palette";
 import { withAlpha } from "../arena/palette";
 import { duration, roundStep } from "../model/units";
 import type { Cycle } from "./cycle";
-import { isIdle, kindOf } from "./kinds";
+import { isIdle, kindOf, type Kind } from "./kinds";
 import type { Bar, Lane, Window } from "./layout";
+import { partInWords, type WavePart } from "./pins";
+import { drawWave } from "./wave";
 
 export interface Picture {
   context: CanvasRenderingContext2D;
@@ -203,11 +206,24 @@ function drawLanes(picture: Sheet): Spot[] {
   context.clip();
   lanes.forEach((lane, i) => {
     const topOf = (row: number) => (starts[i] ?? 0) + GAP / 2 + row * picture.row;
+    if (lane.wave) spots.push(...drawPin(picture, lane.wave, topOf(0)));
     spots.push(...lane.bars.map((bar) => drawBar(picture, bar, topOf(bar.row))));
     for (let row = 0; row < lane.rows; row++) nameMarks(picture, lane, row, topOf(row));
   });
   context.restore();
   return spots;
+}
+
+/** A pin's signal, and where its parts are. */
+function drawPin(picture: Sheet, wave: WavePart[], top: number): Spot[] {
+  const { context, theme, left, row } = picture;
+  const x = (at_ns: number) => xOf(picture, at_ns);
+  drawWave({ context, theme, left, right: picture.width - RIGHT, top, row, x }, wave);
+  return wave.map(({ part, until_ns }) => {
+    const event = { start_ns: part.at_ns, end_ns: until_ns, kind: TimelineKind.UNSPECIFIED, part: undefined, bytes: 0 };
+    const bar = { event, row: 0, label: "", pale: false, tip: partInWords(part) };
+    return { x: x(part.at_ns), y: top, width: Math.max(1, x(until_ns) - x(part.at_ns)), height: row, bar };
+  });
 }
 
 /** The labels of a row's marks: beside them, where there is room before what comes next. A crowd has one. */
@@ -244,7 +260,7 @@ function isOneCrowd(picture: Sheet, bar: Bar, next: Bar): boolean {
 function drawBar(picture: Sheet, bar: Bar, top: number): Spot {
   const { context, row } = picture;
   const { event } = bar;
-  const kind = kindOf(event.kind);
+  const kind = styleOf(bar);
   const [from, until] = [xOf(picture, event.start_ns), xOf(picture, event.end_ns)];
   context.globalAlpha = bar.pale ? PALE : 1;
   if (isMark(bar)) {
@@ -266,6 +282,10 @@ function drawBar(picture: Sheet, bar: Bar, top: number): Spot {
   return { x: from - 2, y: top, width: wide + 4, height: row, bar };
 }
 
+function styleOf(bar: Bar): Kind {
+  return bar.style ?? kindOf(bar.event.kind);
+}
+
 /** From when on a bar is red: its cycle's deadline. */
 function lateFrom(picture: Sheet, bar: Bar): number | undefined {
   const { cycle, deadline_ns } = picture;
@@ -274,7 +294,7 @@ function lateFrom(picture: Sheet, bar: Bar): number | undefined {
 
 function colorOf(picture: Sheet, bar: Bar, at_ns: number): string {
   const late_ns = lateFrom(picture, bar);
-  return late_ns !== undefined && at_ns > late_ns ? picture.theme.late : kindOf(bar.event.kind).color;
+  return late_ns !== undefined && at_ns > late_ns ? picture.theme.late : styleOf(bar).color;
 }
 
 /** What takes no time is a diamond, and one that is hollow is without news. */
@@ -312,7 +332,7 @@ function inkOf(picture: Sheet, bar: Bar): string {
   if (bar.pale && theme.dark) return theme.ink;
   const late_ns = lateFrom(picture, bar) ?? Infinity;
   const isRed = late_ns < (bar.event.start_ns + bar.event.end_ns) / 2;
-  return isRed ? (theme.dark ? "#10151f" : "#ffffff") : kindOf(bar.event.kind).ink;
+  return isRed ? (theme.dark ? "#10151f" : "#ffffff") : styleOf(bar).ink;
 }
 
 function drawAxis(picture: Sheet): void {

@@ -34,6 +34,13 @@ const KINDS: Record<TimelineKind, Kind> = {
   [TimelineKind.FAULT]: { color: "#999933", ink: WHITE, words: "a fault", trouble: true },
 };
 
+/** What is on the lines of a chip's ADC and UART. */
+export const LINES = {
+  convert: { color: "#ddaa33", ink: DARK_INK, words: "the ADC holds a voltage" },
+  sent: { color: "#117733", ink: WHITE, words: "the program sends" },
+  received: { color: "#aa4499", ink: WHITE, words: "the program is sent" },
+} satisfies Record<string, Kind>;
+
 /** Whether the brain had no news, so that nothing came of it. */
 export function isIdle(event: Happening): boolean {
   return event.kind === TimelineKind.THINK && event.part !== 1;

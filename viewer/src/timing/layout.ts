@@ -3,7 +3,8 @@ import type { RobotDescription } from "../gen/baudbot/v1/brain_link_pb";
 import { TimelineKind } from "../gen/baudbot/v1/observe_pb";
 import type { Happening } from "../model/timeline";
 import type { Cycle } from "./cycle";
-import { isIdle, kindOf } from "./kinds";
+import { isIdle, kindOf, type Kind } from "./kinds";
+import type { WavePart } from "./pins";
 
 export interface Bar {
   event: Happening;
@@ -13,6 +14,9 @@ export interface Bar {
   label: string;
   /** Not of the cycle that is looked at. */
   pale: boolean;
+  /** What it looks like and what it is in words, if its event does not say so. */
+  style?: Kind;
+  tip?: string;
 }
 
 export interface Lane {
@@ -21,6 +25,8 @@ export interface Lane {
   group: number;
   rows: number;
   bars: Bar[];
+  /** Of a pin: its signal. */
+  wave?: WavePart[];
 }
 
 /** A part of the time axis. */
@@ -43,14 +49,17 @@ export function lanes(
   window: Window,
   cycle: Cycle | undefined,
   most = MOST_SENSOR_LANES,
+  pins?: Lane[],
 ): Lane[] {
   const shown = all.filter((event) => isIn(event, window));
   const ofKind = (...kinds: TimelineKind[]) => shown.filter((event) => kinds.includes(event.kind));
-  const lane = (label: string, group: number, events: Happening[], always = true) =>
+  // A program of the user's own has no steps that are known; its pins say what it does.
+  const lane = (label: string, group: number, events: Happening[], always = pins === undefined) =>
     always || events.length > 0 ? [makeLane(robot, label, group, events, cycle)] : [];
   const K = TimelineKind;
   return [
     ...sensorLanes(robot, ofKind(K.ACQUIRE, K.MEASURE), cycle, most),
+    ...(pins ?? []),
     ...lane("framing", 1, ofKind(K.FRAME, K.BLOCK)),
     ...lane("transfer up", 2, ofKind(K.UP)),
     ...lane("adapter", 2, ofKind(K.ADAPTER), false),

@@ -21,6 +21,42 @@ else:
 
 DESCRIPTOR: _descriptor.FileDescriptor
 
+class _PinSignalKind:
+    ValueType = _typing.NewType("ValueType", _builtins.int)
+    V: _TypeAlias = ValueType  # noqa: Y015
+
+class _PinSignalKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_PinSignalKind.ValueType], _builtins.type):
+    DESCRIPTOR: _descriptor.EnumDescriptor
+    PIN_SIGNAL_KIND_UNSPECIFIED: _PinSignalKind.ValueType  # 0
+    """Never sent."""
+    PIN_SIGNAL_KIND_PIN: _PinSignalKind.ValueType  # 1
+    """The level of a pin."""
+    PIN_SIGNAL_KIND_ADC: _PinSignalKind.ValueType  # 2
+    """The results of a channel of the ADC."""
+    PIN_SIGNAL_KIND_SENT: _PinSignalKind.ValueType  # 3
+    """The characters that the program sends."""
+    PIN_SIGNAL_KIND_RECEIVED: _PinSignalKind.ValueType  # 4
+    """The characters that come to the program."""
+    PIN_SIGNAL_KIND_UART_PIN: _PinSignalKind.ValueType  # 5
+    """The level of the pin on which the UART is."""
+
+class PinSignalKind(_PinSignalKind, metaclass=_PinSignalKindEnumTypeWrapper):
+    """What a signal on a chip's pins is."""
+
+PIN_SIGNAL_KIND_UNSPECIFIED: PinSignalKind.ValueType  # 0
+"""Never sent."""
+PIN_SIGNAL_KIND_PIN: PinSignalKind.ValueType  # 1
+"""The level of a pin."""
+PIN_SIGNAL_KIND_ADC: PinSignalKind.ValueType  # 2
+"""The results of a channel of the ADC."""
+PIN_SIGNAL_KIND_SENT: PinSignalKind.ValueType  # 3
+"""The characters that the program sends."""
+PIN_SIGNAL_KIND_RECEIVED: PinSignalKind.ValueType  # 4
+"""The characters that come to the program."""
+PIN_SIGNAL_KIND_UART_PIN: PinSignalKind.ValueType  # 5
+"""The level of the pin on which the UART is."""
+Global___PinSignalKind: _TypeAlias = PinSignalKind  # noqa: Y015
+
 class _CableDirection:
     ValueType = _typing.NewType("ValueType", _builtins.int)
     V: _TypeAlias = ValueType  # noqa: Y015
@@ -44,6 +80,50 @@ CABLE_DIRECTION_UP: CableDirection.ValueType  # 1
 CABLE_DIRECTION_DOWN: CableDirection.ValueType  # 2
 """From the laptop to the robot or the device."""
 Global___CableDirection: _TypeAlias = CableDirection  # noqa: Y015
+
+class _PinEventKind:
+    ValueType = _typing.NewType("ValueType", _builtins.int)
+    V: _TypeAlias = ValueType  # noqa: Y015
+
+class _PinEventKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_PinEventKind.ValueType], _builtins.type):
+    DESCRIPTOR: _descriptor.EnumDescriptor
+    PIN_EVENT_KIND_UNSPECIFIED: _PinEventKind.ValueType  # 0
+    """Never sent."""
+    PIN_EVENT_KIND_LOW: _PinEventKind.ValueType  # 1
+    """The wire is low."""
+    PIN_EVENT_KIND_HIGH: _PinEventKind.ValueType  # 2
+    """The wire is high."""
+    PIN_EVENT_KIND_OPEN: _PinEventKind.ValueType  # 3
+    """Nothing drives the wire, or it has a voltage that is no digital signal."""
+    PIN_EVENT_KIND_SHORT: _PinEventKind.ValueType  # 4
+    """The chip and a part drive the wire against each other."""
+    PIN_EVENT_KIND_PULSES: _PinEventKind.ValueType  # 5
+    """Pulses that are too short to be told one by one."""
+    PIN_EVENT_KIND_NUMBER: _PinEventKind.ValueType  # 6
+    """The ADC holds a voltage, and the conversion will have this result; or a character begins."""
+    PIN_EVENT_KIND_OVER: _PinEventKind.ValueType  # 7
+    """The character is over."""
+
+class PinEventKind(_PinEventKind, metaclass=_PinEventKindEnumTypeWrapper):
+    """What can be on a signal of a chip's pins."""
+
+PIN_EVENT_KIND_UNSPECIFIED: PinEventKind.ValueType  # 0
+"""Never sent."""
+PIN_EVENT_KIND_LOW: PinEventKind.ValueType  # 1
+"""The wire is low."""
+PIN_EVENT_KIND_HIGH: PinEventKind.ValueType  # 2
+"""The wire is high."""
+PIN_EVENT_KIND_OPEN: PinEventKind.ValueType  # 3
+"""Nothing drives the wire, or it has a voltage that is no digital signal."""
+PIN_EVENT_KIND_SHORT: PinEventKind.ValueType  # 4
+"""The chip and a part drive the wire against each other."""
+PIN_EVENT_KIND_PULSES: PinEventKind.ValueType  # 5
+"""Pulses that are too short to be told one by one."""
+PIN_EVENT_KIND_NUMBER: PinEventKind.ValueType  # 6
+"""The ADC holds a voltage, and the conversion will have this result; or a character begins."""
+PIN_EVENT_KIND_OVER: PinEventKind.ValueType  # 7
+"""The character is over."""
+Global___PinEventKind: _TypeAlias = PinEventKind  # noqa: Y015
 
 class _TimelineKind:
     ValueType = _typing.NewType("ValueType", _builtins.int)
@@ -594,6 +674,7 @@ class ObservedRobot(_message.Message):
     ACTUATORS_FIELD_NUMBER: _builtins.int
     DESCRIPTION_FIELD_NUMBER: _builtins.int
     DEADLINE_NS_FIELD_NUMBER: _builtins.int
+    PINS_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
     """Its name."""
     radius_m: _builtins.float
@@ -620,6 +701,10 @@ class ObservedRobot(_message.Message):
     def description(self) -> _brain_link_pb2.RobotDescription:
         """Its data sheet, as its brain gets it."""
 
+    @_builtins.property
+    def pins(self) -> _containers.RepeatedCompositeFieldContainer[Global___PinSignal]:
+        """The signals on the pins of its microcontroller, if that runs a program of the user's own."""
+
     def __init__(
         self,
         *,
@@ -631,14 +716,53 @@ class ObservedRobot(_message.Message):
         actuators: _abc.Iterable[_builtins.str] | None = ...,
         description: _brain_link_pb2.RobotDescription | None = ...,
         deadline_ns: _builtins.int = ...,
+        pins: _abc.Iterable[Global___PinSignal] | None = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["description", b"description", "look", b"look"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["actuators", b"actuators", "deadline_ns", b"deadline_ns", "description", b"description", "look", b"look", "outline", b"outline", "radius_m", b"radius_m", "robot", b"robot", "sensor_columns", b"sensor_columns"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["actuators", b"actuators", "deadline_ns", b"deadline_ns", "description", b"description", "look", b"look", "outline", b"outline", "pins", b"pins", "radius_m", b"radius_m", "robot", b"robot", "sensor_columns", b"sensor_columns"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
 Global___ObservedRobot: _TypeAlias = ObservedRobot  # noqa: Y015
+
+@_typing.final
+class PinSignal(_message.Message):
+    """A signal that a logic analyser on a chip's pins shows."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    SIGNAL_FIELD_NUMBER: _builtins.int
+    ON_FIELD_NUMBER: _builtins.int
+    KIND_FIELD_NUMBER: _builtins.int
+    PIN_FIELD_NUMBER: _builtins.int
+    signal: _builtins.str
+    """Its name: `D9`, `A0` or `PB6` of a pin, `adc0`, `uart sent`, `uart received`."""
+    kind: Global___PinSignalKind.ValueType
+    """What it is."""
+    pin: _builtins.int
+    """Of an ADC's channel: the place of its pin among these signals, if that is one of them."""
+    @_builtins.property
+    def on(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
+        """What is on it, such as `motors.left.pwm`."""
+
+    def __init__(
+        self,
+        *,
+        signal: _builtins.str = ...,
+        on: _abc.Iterable[_builtins.str] | None = ...,
+        kind: Global___PinSignalKind.ValueType = ...,
+        pin: _builtins.int | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_pin", b"_pin", "pin", b"pin"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_pin", b"_pin", "kind", b"kind", "on", b"on", "pin", b"pin", "signal", b"signal"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__pin: _TypeAlias = _typing.Literal["pin"]  # noqa: Y015
+    _WhichOneofArgType__pin: _TypeAlias = _typing.Literal["_pin", b"_pin"]  # noqa: Y015
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__pin) -> _WhichOneofReturnType__pin | None: ...
+
+Global___PinSignal: _TypeAlias = PinSignal  # noqa: Y015
 
 @_typing.final
 class WatchRequest(_message.Message):
@@ -649,10 +773,16 @@ class WatchRequest(_message.Message):
     WORLD_FIELD_NUMBER: _builtins.int
     EVERY_TICKS_FIELD_NUMBER: _builtins.int
     DETAILS_FIELD_NUMBER: _builtins.int
+    PINS_FIELD_NUMBER: _builtins.int
+    PINS_FINEST_NS_FIELD_NUMBER: _builtins.int
     world: _builtins.str
     """Its name."""
     every_ticks: _builtins.int
     """Ticks from one frame to the next; 0 means about 20 frames a simulated second."""
+    pins: _builtins.bool
+    """Whether details also have what a logic analyser on the pins of a robot's chip sees. It is kept only while somebody asks for it."""
+    pins_finest_ns: _builtins.int
+    """Pulses with a shorter period are told together, with their number and duty; 0 means 0.1 ms."""
     @_builtins.property
     def details(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
         """Names of the robots that frames tell more about: their rays, readings, cables and timelines. At most 64."""
@@ -663,10 +793,12 @@ class WatchRequest(_message.Message):
         world: _builtins.str = ...,
         every_ticks: _builtins.int = ...,
         details: _abc.Iterable[_builtins.str] | None = ...,
+        pins: _builtins.bool = ...,
+        pins_finest_ns: _builtins.int = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["details", b"details", "every_ticks", b"every_ticks", "world", b"world"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["details", b"details", "every_ticks", b"every_ticks", "pins", b"pins", "pins_finest_ns", b"pins_finest_ns", "world", b"world"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
@@ -962,6 +1094,8 @@ class RobotDetail(_message.Message):
     BRAIN_FIELD_NUMBER: _builtins.int
     CABLE_PULLED_FIELD_NUMBER: _builtins.int
     BAUD_FIELD_NUMBER: _builtins.int
+    PIN_EVENTS_FIELD_NUMBER: _builtins.int
+    MISSED_PIN_EVENTS_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
     """Its place in DescribeWorld."""
     uplink_waiting_bytes: _builtins.int
@@ -978,6 +1112,8 @@ class RobotDetail(_message.Message):
     """An operator has pulled the cable to its brain, and not plugged it in again."""
     baud: _builtins.int
     """Baud rate of that cable as it is now; absent if it has none."""
+    missed_pin_events: _builtins.int
+    """Events on pins since the last frame that are not told: until a signal is told again, nothing is known of it."""
     @_builtins.property
     def sensors(self) -> _containers.RepeatedCompositeFieldContainer[Global___SensorDetail]:
         """In the order of its data sheet."""
@@ -1000,6 +1136,12 @@ class RobotDetail(_message.Message):
         The first frame has what is kept of the time before.
         """
 
+    @_builtins.property
+    def pin_events(self) -> _containers.RepeatedCompositeFieldContainer[Global___PinEvent]:
+        """What was seen on the pins of its chip since the last frame that was made for this observer, if that was asked for: of each
+        signal in the order of time. The first frame has what is kept of the time before. At most 8192, the last ones.
+        """
+
     def __init__(
         self,
         *,
@@ -1016,16 +1158,68 @@ class RobotDetail(_message.Message):
         brain: _builtins.str = ...,
         cable_pulled: _builtins.bool = ...,
         baud: _builtins.int | None = ...,
+        pin_events: _abc.Iterable[Global___PinEvent] | None = ...,
+        missed_pin_events: _builtins.int = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "baud", b"baud", "cycles", b"cycles", "downlink", b"downlink", "uplink", b"uplink"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "attached", b"attached", "baud", b"baud", "brain", b"brain", "cable_pulled", b"cable_pulled", "cycles", b"cycles", "downlink", b"downlink", "downlink_waiting_bytes", b"downlink_waiting_bytes", "events", b"events", "missed_events", b"missed_events", "robot", b"robot", "sensors", b"sensors", "uplink", b"uplink", "uplink_waiting_bytes", b"uplink_waiting_bytes"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "attached", b"attached", "baud", b"baud", "brain", b"brain", "cable_pulled", b"cable_pulled", "cycles", b"cycles", "downlink", b"downlink", "downlink_waiting_bytes", b"downlink_waiting_bytes", "events", b"events", "missed_events", b"missed_events", "missed_pin_events", b"missed_pin_events", "pin_events", b"pin_events", "robot", b"robot", "sensors", b"sensors", "uplink", b"uplink", "uplink_waiting_bytes", b"uplink_waiting_bytes"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__baud: _TypeAlias = _typing.Literal["baud"]  # noqa: Y015
     _WhichOneofArgType__baud: _TypeAlias = _typing.Literal["_baud", b"_baud"]  # noqa: Y015
     def WhichOneof(self, oneof_group: _WhichOneofArgType__baud) -> _WhichOneofReturnType__baud | None: ...
 
 Global___RobotDetail: _TypeAlias = RobotDetail  # noqa: Y015
+
+@_typing.final
+class PinEvent(_message.Message):
+    """Something on a signal of a chip's pins: see docs/firmware.md."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    SIGNAL_FIELD_NUMBER: _builtins.int
+    AT_NS_FIELD_NUMBER: _builtins.int
+    KIND_FIELD_NUMBER: _builtins.int
+    NUMBER_FIELD_NUMBER: _builtins.int
+    UNTIL_NS_FIELD_NUMBER: _builtins.int
+    PULSES_FIELD_NUMBER: _builtins.int
+    HIGH_NS_FIELD_NUMBER: _builtins.int
+    EVEN_FIELD_NUMBER: _builtins.int
+    signal: _builtins.int
+    """The signal's place in DescribeWorld."""
+    at_ns: _builtins.int
+    """Simulated instant from which on it holds."""
+    kind: Global___PinEventKind.ValueType
+    """What it is."""
+    number: _builtins.int
+    """A result of the ADC, from 0 to 1023, or a character."""
+    until_ns: _builtins.int
+    """Of pulses: the rise behind the last of them."""
+    pulses: _builtins.int
+    """Of pulses: how many there are."""
+    high_ns: _builtins.int
+    """Of pulses: for how long the wire was high in all."""
+    even: _builtins.bool
+    """Of pulses: whether they are alike, so that they have a frequency and a duty."""
+    def __init__(
+        self,
+        *,
+        signal: _builtins.int = ...,
+        at_ns: _builtins.int = ...,
+        kind: Global___PinEventKind.ValueType = ...,
+        number: _builtins.int = ...,
+        until_ns: _builtins.int = ...,
+        pulses: _builtins.int = ...,
+        high_ns: _builtins.int = ...,
+        even: _builtins.bool = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["at_ns", b"at_ns", "even", b"even", "high_ns", b"high_ns", "kind", b"kind", "number", b"number", "pulses", b"pulses", "signal", b"signal", "until_ns", b"until_ns"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___PinEvent: _TypeAlias = PinEvent  # noqa: Y015
 
 @_typing.final
 class SensorDetail(_message.Message):

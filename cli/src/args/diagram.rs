@@ -1,0 +1,45 @@
+//! `baudbot diagram`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{ChangeArgs, instant, span};
+
+#[derive(Debug, Args)]
+pub(crate) struct DiagramArgs {
+    /// A scenario file, a built-in scenario (arsim, khepera, wander), or a recording (`.mcap`)
+    #[arg(value_name = "SCENARIO|RUN.mcap")]
+    pub(crate) scenario: String,
+    /// A brain for one robot, or for all robots that no other --brain names, as in `baudbot run`; `none` leaves a robot without
+    /// a brain
+    #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
+    pub(crate) brains: Vec<String>,
+    /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
+    #[arg(long = "parameter", value_name = "NAME=VALUE")]
+    pub(crate) parameters: Vec<String>,
+    /// The robot to show [default: the first]
+    #[arg(long, value_name = "ROBOT")]
+    pub(crate) robot: Option<String>,
+    /// Show what happens from this simulated time on
+    #[arg(long, value_name = "S", conflicts_with = "cycle", allow_negative_numbers = true, value_parser = instant)]
+    pub(crate) at: Option<f64>,
+    /// Show the N-th control cycle, from reading its sensors to its command; beyond Δt it is red [default: a window
+    /// around the third; of a robot with a program of your own, where that first sends a character or drives a wheel]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) cycle: Option<u32>,
+    /// Length of the window, in simulated milliseconds [default: 3 Δt, or the whole cycle]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = span)]
+    pub(crate) span: Option<f64>,
+    /// Show these pins of the robot's chip, such as D9,A0 or PB1 [default: those with something on them, and those that move]
+    #[arg(long, value_name = "PIN,…", value_delimiter = ',')]
+    pub(crate) pins: Vec<String>,
+    /// Draw an SVG picture; `-` is stdout [default: a table as text]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
+    /// Write the table as comma-separated values, with each edge of the pins; `-` is stdout
+    #[arg(long, value_name = "FILE", conflicts_with = "svg")]
+    pub(crate) csv: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+}

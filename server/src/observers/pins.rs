@@ -1,0 +1,89 @@
+//! What an observer is told of the pins of a robot's chip.
+
+use std::collections::BTreeSet;
+
+use baudbot_sim::World;
+use baudbot_sim::chip::{Board, News, Scope, Shown};
+
+/// Events on a robot's pins that a frame has at most: the last ones.
+const MOST_EVENTS: usize = 8192;
+
+/// What an observer knows of the pins of a robot's chip.
+pub(super) struct Pins {
+    finest_ns: u64,
+    scope: Scope,
+    /// What is told with the next frame.
+    waiting: Vec<(usize, Shown)>,
+    missed: u64,
+}
+
+impl Pins {
+    /// The pins of a robot, if it has a chip. Pulses with a shorter period are told together.
+    pub(super) fn new(robot: usize, finest_ns: u64, world: &World) -> Option<Self> {
+        let chip = world.scenario().robots.get(robot)?.chip.as_ref()?;
+        Some(Self { finest_ns, scope: Scope::new(chip, finest_ns), waiting: Vec::new(), missed: 0 })
+    }
+
+    /// Forgets what the observer knows.
+    pub(super) fn reset(&mut self, robot: usize, world: &World) {
+        if let Some(anew) = Self::new(robot, self.finest_ns, world) {
+            *self = anew;
+        }
+    }
+
+    /// Looks at what is new.
+    pub(super) fn look(&mut self, robot: usize, world: &World) {
+        let view = world.robot(robot);
+        let Some(board) = view.board() else { return };
+        let News { lost, shown } = self.scope.look(board, world.time().as_ns());
+        self.missed += lost;
+        self.waiting.extend(shown);
+        let gone = self.waiting.len().saturating_sub(MOST_EVENTS);
+        if gone > 0 {
+            self.missed += gone as u64;
+            self.drop_oldest(gone);
+        }
+    }
+
+    /// What is to be told, and how much is not.
+    pub(super) fn take(&mut self) -> (Vec<(usize, Shown)>, u64) {
+        (std::mem::take(&mut self.waiting), std::mem::take(&mut self.missed))
+    }
+
+    /// Drops what is oldest, but for the last of signals that are not told again: it still holds.
+    fn drop_oldest(&mut self, gone: usize) {
+        let later = self.waiting.split_off(gone);
+        let mut told: BTreeSet<usize> = later.iter().map(|(signal, _)| *signal).collect();
+        let dropped = std::mem::replace(&mut self.waiting, later);
+        let last: Vec<_> = dropped.into_iter().rev().filter(|(signal, _)| told.insert(*signal)).collect();
+        self.waiting.splice(0..0, last.into_iter().rev());
+    }
+}
+
+/// The robots whose edges a world keeps for its observers.
+#[derive(Default)]
+pub(super) struct Kept(BTreeSet<usize>);
+
+impl Kept {
+    /// The world keeps the edges of these robots, and no longer those of others, unless somebody else wants them.
+    pub(super) fn fit(&mut self, wanted: &BTreeSet<usize>, world: &mut World) {
+        if self.0.is_empty() && wanted.is_empty() {
+            return;
+        }
+        for &robot in wanted {
+            let is_kept = world.robot(robot).board().and_then(Board::edges).is_some();
+            if !is_kept {
+                world.keep_edges(robot, true);
+                self.0.insert(robot);
+            }
+        }
+        let robots = world.robots().len();
+        self.0.retain(|robot| {
+            let stays = wanted.contains(robot);
+            if !stays && *robot < robots {
+                world.keep_edges(*robot, false);
+            }
+            stays
+        });
+    }
+}

@@ -1,0 +1,176 @@
+//! What is on the pins of a robot's chip, for observers.
+
+use std::path::{Path, PathBuf};
+
+use baudbot_proto::v1;
+use baudbot_proto::v1::PinEventKind as Kind;
+use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
+use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
+use baudbot_sim::Scenario;
+use baudbot_tests::system::{operator, serve, serve_on_ports, status};
+use baudbot_tests::{WANDER, scenario};
+use tonic::Streaming;
+use tonic::transport::Channel;
+
+const STEPPED: fn() -> Pace = || Pace::Stepped(Lockstep::default());
+
+/// A robot whose program sends what it sees, and drives its motors by PWM.
+fn firmware() -> Scenario {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios"));
+    let text = baudbot_import::inline(include_str!("../../scenarios/firmware.toml"), folder);
+    scenario(&text.unwrap(), &[])
+}
+
+/// A connection to the server's TCP port.
+async fn socket(server: &Server) -> Channel {
+    let address = format!("http://{}", server.addresses()[1]);
+    tonic::transport::Endpoint::from_shared(address).unwrap().connect().await.unwrap()
+}
+
+async fn watch(channel: Channel, pins: bool) -> Streaming<v1::WatchResponse> {
+    let details = vec!["robot".into()];
+    let request = v1::WatchRequest { world: "w".into(), every_ticks: 5, details, pins, ..Default::default() };
+    ObserveServiceClient::new(channel).watch(request).await.unwrap().into_inner()
+}
+
+async fn step(server: &Server, ticks: u64) {
+    let request = v1::StepWorldRequest { world: "w".into(), ticks };
+    operator(server).await.step_world(request).await.unwrap();
+}
+
+/// The events on pins of the frames up to this tick.
+async fn events(frames: &mut Streaming<v1::WatchResponse>, tick: u64) -> Vec<v1::PinEvent> {
+    let mut events = Vec::new();
+    loop {
+        let frame = frames.message().await.unwrap().unwrap();
+        let detail = &frame.details[0];
+        assert_eq!(detail.missed_pin_events, 0);
+        events.extend(detail.pin_events.iter().copied());
+        if frame.tick >= tick {
+            return events;
+        }
+    }
+}
+
+async fn signals(server: &Server) -> Vec<v1::PinSignal> {
+    let mut observer = ObserveServiceClient::new(server.channel().await.unwrap());
+    let world = v1::DescribeWorldRequest { world: "w".into() };
+    observer.describe_world(world).await.unwrap().into_inner().robots[0].pins.clone()
+}
+
+fn place(signals: &[v1::PinSignal], name: &str) -> u32 {
+    signals.iter().position(|signal| signal.signal == name).unwrap() as u32
+}
+
+#[tokio::test]
+async fn who_asks_for_pins_is_told_what_is_on_them_and_changes_no_bit() {
+    let alone = serve(firmware(), STEPPED()).await;
+    step(&alone, 60).await;
+    let server = serve_on_ports(firmware(), STEPPED()).await;
+    let signals = signals(&server).await;
+    let mut with = watch(socket(&server).await, true).await;
+    let mut without = watch(socket(&server).await, false).await;
+    for _ in 0..6 {
+        step(&server, 10).await;
+    }
+    let told = events(&mut with, 60).await;
+    assert!(events(&mut without, 60).await.is_empty());
+    assert_eq!(status(&server).await.state_hash, status(&alone).await.state_hash);
+
+    let of = |name: &str| {
+        let place = place(&signals, name);
+        let all: Vec<_> = told.iter().filter(|event| event.signal == place).collect();
+        assert!(all.is_sorted_by_key(|event| event.at_ns), "{name}: {all:?}");
+        all
+    };
+    // Fast PWM with counts of 0.5 µs, 256 in a period: high for 71 of them when it goes ahead.
+    let pulses: Vec<_> = of("D9").into_iter().filter(|event| event.kind() == Kind::Pulses).collect();
+    let is_ahead = |event: &&&v1::PinEvent| {
+        let (long_ns, count) = (event.until_ns - event.at_ns, u64::from(event.pulses));
+        event.even && long_ns == count * 128_000 && event.high_ns == count * 71 * 500
+    };
+    assert!(pulses.iter().filter(is_ahead).count() > 2, "{pulses:?}");
+    let numbers =
+        |name| of(name).into_iter().filter(|event| event.kind() == Kind::Number).map(|event| event.number);
+    let text: String = numbers("uart sent").filter_map(char::from_u32).collect();
+    let line = text.lines().next().unwrap();
+    let results: Vec<u32> = line.split(' ').map(|number| number.parse().unwrap()).collect();
+    assert_eq!(results.len(), 5, "{text}");
+    assert!(numbers("adc0").any(|result| result == results[0]), "{line}");
+    let led = &signals[place(&signals, "D13") as usize];
+    assert_eq!((led.on.as_slice(), led.kind()), (&["leds.builtin".to_owned()][..], v1::PinSignalKind::Pin));
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn one_who_comes_later_is_told_what_holds() {
+    let server = serve_on_ports(firmware(), STEPPED()).await;
+    let signals = signals(&server).await;
+    step(&server, 30).await;
+    let mut frames = watch(socket(&server).await, true).await;
+    let told = events(&mut frames, 30).await;
+    let first = told.iter().filter(|event| event.signal == place(&signals, "D9")).count();
+    assert_eq!(first, 1, "nobody has looked before: {told:?}");
+    let pins = signals
+        .iter()
+        .filter(|signal| [v1::PinSignalKind::Pin, v1::PinSignalKind::UartPin].contains(&signal.kind()));
+    assert_eq!(told.len(), pins.count(), "{told:?}");
+    step(&server, 10).await;
+    events(&mut frames, 40).await;
+    // Another one has what is kept by now.
+    let mut frames = watch(socket(&server).await, true).await;
+    assert!(events(&mut frames, 40).await.len() > told.len());
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_robot_without_a_program_has_no_pins() {
+    let server = serve(scenario(WANDER, &[]), STEPPED()).await;
+    assert!(signals(&server).await.is_empty());
+    let mut frames = watch(server.channel().await.unwrap(), true).await;
+    assert!(frames.message().await.unwrap().unwrap().details[0].pin_events.is_empty());
+    server.shutdown().await;
+}
+
+fn folder() -> PathBuf {
+    let path = std::env::temp_dir().join(format!("baudbot-pins-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+#[tokio::test]
+async fn behind_a_jump_in_a_replay_the_time_before_is_told() {
+    let folder = folder();
+    let world = WorldConfig::new("w", firmware()).pace(STEPPED());
+    let first = Server::builder().world(world).recordings(folder.clone()).in_process().await.unwrap();
+    let request = v1::StartRecordingRequest { world: "w".into(), recording: "run".into(), look_hz: 0.0 };
+    operator(&first).await.start_recording(request).await.unwrap();
+    step(&first, 400).await;
+    let stop = v1::StopRecordingRequest { world: "w".into() };
+    operator(&first).await.stop_recording(stop).await.unwrap();
+    first.shutdown().await;
+
+    let server = Server::builder().recordings(folder).in_process().await.unwrap();
+    let open = v1::OpenRecordingRequest { recording: "run".into(), world: "w".into() };
+    operator(&server).await.open_recording(open).await.unwrap();
+    let signals = signals(&server).await;
+    let mut frames = watch(server.channel().await.unwrap(), true).await;
+    events(&mut frames, 0).await;
+    for tick in [350, 150] {
+        let seek = v1::SeekReplayRequest { world: "w".into(), tick };
+        let status = operator(&server).await.seek_replay(seek).await.unwrap().into_inner().status.unwrap();
+        assert_eq!(status.replay.unwrap().differs, "");
+        let told = loop {
+            let frame = frames.message().await.unwrap().unwrap();
+            if frame.tick == tick {
+                break frame.details[0].pin_events.clone();
+            }
+        };
+        let step_ns = 10_000_000;
+        let sent: Vec<_> = told.iter().filter(|event| event.signal == place(&signals, "uart sent")).collect();
+        let from = sent.first().unwrap().at_ns;
+        assert!(from < (tick - 50) * step_ns && sent.last().unwrap().at_ns > (tick - 10) * step_ns, "{from}");
+    }
+    server.shutdown().await;
+}
