@@ -9,7 +9,8 @@
 //! 3. Brains of many processes: [`process`] says what motor behaviours and cognitive processes are, [`description`] reads
 //!    such a brain from TOML with the kinds of a [`registry`], [`composed`] is one at work. By [`senses`] and
 //!    [`decision`] it chooses.
-//! 4. Pieces: [`behavior`] and [`cognition`] have processes; [`odometry`], [`scanner`], [`localization`],
+//! 4. [`policy`] is a network that has been learnt, from readings to signals.
+//! 5. Pieces: [`behavior`] and [`cognition`] have processes; [`odometry`], [`scanner`], [`localization`],
 //!    [`mapping`], [`slam`], [`exploration`], [`planning`], [`navigation`], [`coverage`], [`vfh`] and [`potential`] are
 //!    what these think with.
 //!
@@ -43,9 +44,11 @@ pub mod localization;
 pub mod mapping;
 pub mod navigate;
 pub mod navigation;
+pub mod network;
 pub mod odometry;
 pub mod parameter;
 pub mod planning;
+pub mod policy;
 pub mod potential;
 pub mod process;
 #[cfg(feature = "program")]

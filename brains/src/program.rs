@@ -94,7 +94,7 @@ fn ended(name: &str, driven: anyhow::Result<()>) -> ExitCode {
 fn run_file(file: &str, arguments: &ArgMatches, registry: &Registry) -> anyhow::Result<()> {
     let given = Given::of_environment(seed(arguments))?;
     let description = Description::with_settings(&text_of(Path::new(file))?, &given.settings())?;
-    drive(&attachment(name_of(file), arguments), |body| description.clone().brain(given.seed, body, registry))
+    drive(&attachment(name_of(file), arguments), |body| description.any_brain(given.seed, body, registry))
 }
 
 /// Attaches, and drives until the run is over.

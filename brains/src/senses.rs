@@ -2,7 +2,8 @@
 //! variables** z, by which a brain decides: weighted sums (8.1), minima (8.2), maxima (8.3), and small neural networks.
 
 use baudbot_brain::{Body, SensorKind, Turn};
-use baudbot_geometry::math;
+
+pub use crate::network::Network;
 
 /// How state variables are made of readings.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,13 +47,6 @@ pub enum Mapping {
     Max,
     /// A neural network, whose last layer has one neuron.
     Network(Network),
-}
-
-/// A feedforward network of neurons whose answer is tanh of the weighted sum of what comes in.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Network {
-    /// Layer by layer, neuron by neuron: a weight for each input, and the bias last.
-    pub layers: Vec<Vec<Vec<f64>>>,
 }
 
 /// Why something cannot be a source of a body's.
@@ -179,45 +173,6 @@ impl Mapping {
     }
 }
 
-impl Network {
-    /// What the first neuron of the last layer answers.
-    pub fn answer(&self, inputs: Vec<f64>) -> f64 {
-        let last = self
-            .layers
-            .iter()
-            .fold(inputs, |inputs, layer| layer.iter().map(|weights| neuron(weights, &inputs)).collect());
-        last.first().copied().unwrap_or(0.0)
-    }
-
-    /// Why it is no network of so many inputs with one answer, if it is none.
-    pub fn problem(&self, inputs: usize) -> Option<String> {
-        let mut comes_in = inputs;
-        for (i, layer) in self.layers.iter().enumerate() {
-            if let Some((j, weights)) =
-                layer.iter().enumerate().find(|(_, weights)| weights.len() != comes_in + 1)
-            {
-                let (has, needs) = (weights.len(), comes_in + 1);
-                return Some(format!(
-                    "network[{i}][{j}]: has {has} numbers, and needs {needs}: {comes_in} weights and the bias"
-                ));
-            }
-            comes_in = layer.len();
-        }
-        match self.layers.last() {
-            None => Some("network: has no layer".to_owned()),
-            Some(last) if last.len() != 1 => {
-                Some(format!("network: its last layer must have one neuron, and has {}", last.len()))
-            }
-            Some(_) => None,
-        }
-    }
-}
-
-fn neuron(weights: &[f64], inputs: &[f64]) -> f64 {
-    let Some((bias, weights)) = weights.split_last() else { return 0.0 };
-    math::tanh(bias + weights.iter().zip(inputs).map(|(weight, input)| weight * input).sum::<f64>())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -241,22 +196,6 @@ mod tests {
         assert!((value(Mapping::Sum(vec![1.0, 2.0, -3.0]), readings) - 0.9).abs() < 1e-12);
         assert_eq!(value(Mapping::Min, readings), 0.1);
         assert_eq!(value(Mapping::Max, readings), 0.5);
-    }
-
-    #[test]
-    fn a_network_can_do_what_no_sum_can() {
-        // One of two, and not both: -1 and 1 stand for no and yes.
-        let either = vec![2.0, 2.0, 2.0];
-        let both = vec![2.0, 2.0, -2.0];
-        let network = Network { layers: vec![vec![either, both], vec![vec![2.0, -2.0, -2.0]]] };
-        assert_eq!(network.problem(2), None);
-        for (a, b, is) in [(-1.0, -1.0, false), (-1.0, 1.0, true), (1.0, -1.0, true), (1.0, 1.0, false)] {
-            assert_eq!(network.answer(vec![a, b]) > 0.0, is, "{a} {b}");
-        }
-        assert_eq!(
-            network.problem(3).unwrap(),
-            "network[0][0]: has 3 numbers, and needs 4: 3 weights and the bias"
-        );
     }
 
     #[test]

@@ -33,7 +33,10 @@ async fn watch(channel: Channel, pins: bool) -> Streaming<v1::WatchResponse> {
     ObserveServiceClient::new(channel).watch(request).await.unwrap().into_inner()
 }
 
+/// A robot that drives itself needs no brain.
 async fn step(server: &Server, ticks: u64) {
+    let start = v1::StartWorldRequest { world: "w".into() };
+    operator(server).await.start_world(start).await.unwrap();
     let request = v1::StepWorldRequest { world: "w".into(), ticks };
     operator(server).await.step_world(request).await.unwrap();
 }

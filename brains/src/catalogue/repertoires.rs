@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use baudbot_brain::Body;
+use baudbot_brain::{Body, Brain};
 
-use crate::composed::Composed;
 use crate::description::{Description, DescriptionError, edited};
 use crate::kinds::{CatalogueError, Entry, PLACED_SCANS};
 use crate::registry::Registry;
@@ -91,8 +90,8 @@ impl Text {
         description: &Description,
         seed: u64,
         body: &Body,
-    ) -> Result<Composed, CatalogueError> {
-        description.brain(seed, body, &Registry::standard()).map_err(|error| self.error(error))
+    ) -> Result<Box<dyn Brain + Send>, CatalogueError> {
+        description.any_brain(seed, body, &Registry::standard()).map_err(|error| self.error(error))
     }
 
     fn error(&self, error: DescriptionError) -> CatalogueError {

@@ -15,15 +15,18 @@
 //! utility = { bias = -0.3, weights = { front = 3.0 } }
 //! ```
 //!
-//! A description is read in two steps: [`Description::parse`] needs nothing but the text, [`Description::brain`] a robot's body
-//! and a [`Registry`]. Each error names its path: `motor.turn_away.utility.weights.frnt: there is no state
+//! A description may have a table `[policy]` instead: a [network](crate::policy) from readings to signals.
+//!
+//! A description is read in two steps: [`Description::parse`] needs nothing but the text, [`Description::any_brain`] a robot's
+//! body and a [`Registry`]. Each error names its path: `motor.turn_away.utility.weights.frnt: there is no state
 //! variable `frnt`; there are: front`.
 
 mod build;
 mod edited;
+mod policy;
 mod raw;
 
-use baudbot_brain::Body;
+use baudbot_brain::{Body, Brain};
 use baudbot_fields::Cause;
 use toml::{Table, Value};
 
@@ -95,12 +98,33 @@ impl Description {
         self.raw.motor.values().chain(self.raw.cognitive.values()).map(|process| process.kind.as_str())
     }
 
-    /// The brain, for a robot with this body. `seed` chooses its random numbers. It does not notice when its world is reset, as
-    /// those of the [catalogue](crate::catalogue) and of programs (feature `program`) do, which start over then.
+    /// The brain, for a robot with this body: one of processes, or a [policy](crate::policy). `seed` chooses its random numbers.
+    /// It does not notice when its world is reset, as those of the [catalogue](crate::catalogue) and of programs (feature
+    /// `program`) do, which start over then.
     ///
     /// # Errors
-    /// If it names sensors or kinds of processes that are not there, or parameters that these do not have.
+    /// If it names sensors or kinds of processes that are not there, or parameters that these do not have, or if a policy does
+    /// not fit the robot.
+    pub fn any_brain(
+        &self,
+        seed: u64,
+        body: &Body,
+        registry: &Registry,
+    ) -> Result<Box<dyn Brain + Send>, DescriptionError> {
+        match &self.raw.policy {
+            Some(policy) => Ok(Box::new(policy.policy(body)?)),
+            None => Ok(Box::new(build::brain(&self.raw, seed, body, registry)?)),
+        }
+    }
+
+    /// The same of a description of processes.
+    ///
+    /// # Errors
+    /// As [`any_brain`](Self::any_brain), and if it is that of a policy.
     pub fn brain(&self, seed: u64, body: &Body, registry: &Registry) -> Result<Composed, DescriptionError> {
+        if self.raw.policy.is_some() {
+            return Err(DescriptionError::new("policy", "is no brain of processes, which is needed here"));
+        }
         build::brain(&self.raw, seed, body, registry)
     }
 }

@@ -6,6 +6,7 @@ use serde::Deserialize;
 use toml::Table;
 
 use super::DescriptionError;
+use super::policy::RawPolicy;
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -20,6 +21,7 @@ pub(super) struct Raw {
     pub(super) cognitive: BTreeMap<String, RawProcess>,
     #[serde(default)]
     pub(super) decision: RawDecision,
+    pub(super) policy: Option<RawPolicy>,
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -117,6 +119,9 @@ pub(super) enum RawNode {
 impl Raw {
     /// What can be said without a robot.
     pub(super) fn check(&self) -> Result<(), DescriptionError> {
+        if let Some(policy) = &self.policy {
+            return policy.check(self);
+        }
         if self.motor.is_empty() {
             return Err(DescriptionError::new(
                 "motor",

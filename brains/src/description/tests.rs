@@ -286,7 +286,7 @@ mod docs {
             decisions += u32::from(is_decision);
             let toml = if is_decision { format!("{first}\n{block}") } else { block.to_owned() };
             let brain =
-                Description::parse(&toml).and_then(|description| description.brain(1, &body, &registry));
+                Description::parse(&toml).and_then(|description| description.any_brain(1, &body, &registry));
             assert!(brain.is_ok(), "{toml}\n{:?}", brain.err());
         }
         assert_eq!(decisions, 3);

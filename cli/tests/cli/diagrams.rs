@@ -63,7 +63,6 @@ fn without_an_instant_a_diagram_of_a_chip_is_of_what_its_program_does_first() {
         "D9 motors.left.pwm",
         "D13 leds.builtin",
         "adc0 sensors.ir_left",
-        "uart sent",
     ] {
         assert!(has(lane), "no `{lane}` in {texts:?}");
     }

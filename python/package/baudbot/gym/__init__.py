@@ -10,11 +10,13 @@ a message again. The observation is what a brain has: readings, how old they are
     observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
 
 `baudbot.gym.Env` is an environment of any scenario, `baudbot.gym.VectorEnv` many of them on some threads.
+`Network` is a policy for them, which `save_policy` writes as a brain of the program.
 """
 
 from .env import Env, Step
+from .policy import Network, save_policy
 from .register import register
 from .spaces import Shape
 from .vector import VectorEnv
 
-__all__ = ["Env", "Shape", "Step", "VectorEnv", "register"]
+__all__ = ["Env", "Network", "Shape", "Step", "VectorEnv", "register", "save_policy"]

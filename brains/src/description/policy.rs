@@ -1,0 +1,87 @@
+//! The table `[policy]` of a description: a network that is the whole brain.
+
+use baudbot_brain::Body;
+use serde::Deserialize;
+
+use super::DescriptionError;
+use super::raw::{Raw, RawDecision};
+use crate::network::Network;
+use crate::policy::{Policy, input_names};
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPolicy {
+    layers: Vec<Vec<Vec<f64>>>,
+    offset: Option<Vec<f64>>,
+    scale: Option<Vec<f64>>,
+    #[serde(default)]
+    ages: bool,
+    max_age_s: Option<f64>,
+}
+
+impl RawPolicy {
+    /// What can be said without a robot.
+    pub(super) fn check(&self, whole: &Raw) -> Result<(), DescriptionError> {
+        let others = [
+            ("motor", whole.motor.is_empty()),
+            ("cognitive", whole.cognitive.is_empty()),
+            ("state_variables", whole.state_variables.is_empty()),
+            ("decision", whole.decision == RawDecision::Utility),
+        ];
+        if let Some((table, _)) = others.into_iter().find(|(_, is_empty)| !is_empty) {
+            return Err(DescriptionError::new(table, "beside a policy there are no processes; leave it out"));
+        }
+        match self.max_age_s {
+            Some(_) if !self.ages => Err(problem("max_age_s", "counts only with ages = true")),
+            Some(max_s) if !(max_s > 0.0 && max_s < 1e9) => {
+                Err(problem("max_age_s", format!("must be above 0 and below 1e9, is {max_s}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The policy for a robot with this body.
+    pub(super) fn policy(&self, body: &Body) -> Result<Policy, DescriptionError> {
+        let names = input_names(body, self.ages);
+        let per_input = |field: &str, given: &Option<Vec<f64>>, default: f64| match given {
+            Some(numbers) if numbers.len() != names.len() => {
+                Err(problem(field, format!("has {} numbers, and {}", numbers.len(), inputs(body, &names))))
+            }
+            given => Ok(given.clone().unwrap_or_else(|| vec![default; names.len()])),
+        };
+        let (offset, scale) =
+            (per_input("offset", &self.offset, 0.0)?, per_input("scale", &self.scale, 1.0)?);
+        let network = Network { layers: self.layers.clone() };
+        if let Some(misfit) = network.misfit(names.len()) {
+            let more = misfit.place.starts_with("[0]").then(|| format!("; {}", inputs(body, &names)));
+            let field = format!("layers{}", misfit.place);
+            return Err(problem(&field, misfit.problem + &more.unwrap_or_default()));
+        }
+        let wheels = ["left", "right"].into_iter();
+        let signals: Vec<_> = wheels.chain(body.actuators.iter().map(|other| other.name.as_str())).collect();
+        let answers = self.layers.last().map_or(0, Vec::len);
+        if answers != signals.len() {
+            let (robot, count, names) = (&body.name, signals.len(), signals.join(", "));
+            let said = format!("has {answers} neurons, and robot `{robot}` takes {count} signals: {names}");
+            return Err(problem(&format!("layers[{}]", self.layers.len() - 1), said));
+        }
+        Ok(Policy::new(body, network, offset, scale, self.ages.then(|| self.max_age_s.unwrap_or(MAX_AGE_S))))
+    }
+}
+
+/// How many inputs there are, and what they are: the first of many.
+fn inputs(body: &Body, names: &[String]) -> String {
+    let (shown, count) = (names[..names.len().min(SHOWN)].join(", "), names.len());
+    let more = if count > SHOWN { ", …" } else { "" };
+    format!("robot `{}` gives {count} inputs: {shown}{more}", body.name)
+}
+
+fn problem(field: &str, problem: impl Into<String>) -> DescriptionError {
+    DescriptionError::new(format!("policy.{field}"), problem)
+}
+
+/// Ages above it are given as it, unless the description has another, in seconds. That of environments.
+const MAX_AGE_S: f64 = 1.0;
+
+/// So many inputs are named in an error: a laser has hundreds.
+const SHOWN: usize = 32;
