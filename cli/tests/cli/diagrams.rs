@@ -58,12 +58,8 @@ fn without_an_instant_a_diagram_of_a_chip_is_of_what_its_program_does_first() {
         .filter_map(|node| node.text().map(str::to_owned))
         .collect();
     let has = |text: &str| texts.iter().any(|other| other == text);
-    for lane in [
-        "D8 motors.left.direction",
-        "D9 motors.left.pwm",
-        "D13 leds.builtin",
-        "adc0 sensors.ir_left",
-    ] {
+    for lane in ["D8 motors.left.direction", "D9 motors.left.pwm", "D13 leds.builtin", "adc0 sensors.ir_left"]
+    {
         assert!(has(lane), "no `{lane}` in {texts:?}");
     }
     assert!(!texts.iter().any(|text| text.starts_with("D2")), "nothing is on it: {texts:?}");
