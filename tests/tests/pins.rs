@@ -29,14 +29,8 @@ async fn socket(server: &Server) -> Channel {
 
 async fn watch(channel: Channel, pins: bool) -> Streaming<v1::WatchResponse> {
     let details = vec!["robot".into()];
-    let request = v1::WatchRequest {
-        world: "w".into(),
-        every_ticks: 5,
-        details,
-        pins,
-        pins_finest_ns: 1_000_000,
-        ..Default::default()
-    };
+    let request =
+        v1::WatchRequest { world: "w".into(), every_ticks: 5, details, pins, pins_finest_ns: 1_000_000 };
     ObserveServiceClient::new(channel).watch(request).await.unwrap().into_inner()
 }
 
