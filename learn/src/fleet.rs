@@ -1,8 +1,7 @@
 //! Many environments with one agent each, stepped on some threads.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::env::{Env, Stepped};
@@ -235,7 +234,8 @@ impl Work<'_> {
             *self.reward = reward.of(tally);
         }
         (*self.terminated, *self.truncated) = (stepped.is_terminated, stepped.is_truncated);
-        run.is_over = env.is_over();
+        // A run that is over as soon as it begins has a step in which that is told.
+        run.is_over = stepped.is_terminated || stepped.is_truncated;
         if run.is_over && autoreset == Autoreset::SameStep {
             if let Some(last) = &mut self.last {
                 last.observe(env);
@@ -304,7 +304,7 @@ fn seed_of(seed: u64, place: usize) -> u64 {
     seed.wrapping_add(place as u64)
 }
 
-/// Does all of this work, on the pool's threads if there is one. Of several errors the first one's is told.
+/// Does all of this work, on the pool's threads besides this one if there is a pool. Of several errors the first one's is told.
 fn each<T: Send>(
     pool: Option<&ThreadPool>,
     mut work: impl Iterator<Item = T>,
@@ -312,14 +312,49 @@ fn each<T: Send>(
 ) -> Result<(), LearnError> {
     let Some(pool) = pool else { return work.try_for_each(each) };
     let work: Vec<T> = work.collect();
-    pool.install(|| work.into_par_iter().map(each).find_first(Result::is_err)).unwrap_or(Ok(()))
+    let batch = (work.len() / BATCHES).clamp(1, MOST_A_BATCH);
+    let queue = Mutex::new(work.into_iter().enumerate());
+    let failed: Mutex<Option<(usize, LearnError)>> = Mutex::new(None);
+    // This thread begins at once; the others take what is left when they have woken up.
+    let run = || {
+        loop {
+            let taken: Vec<_> = lock(&queue).by_ref().take(batch).collect();
+            if taken.is_empty() {
+                return;
+            }
+            for (place, one) in taken {
+                if let Err(error) = each(one) {
+                    let mut failed = lock(&failed);
+                    if failed.as_ref().is_none_or(|(other, _)| place < *other) {
+                        *failed = Some((place, error));
+                    }
+                }
+            }
+        }
+    };
+    pool.in_place_scope(|scope| {
+        (0..pool.current_num_threads()).for_each(|_| scope.spawn(|_| run()));
+        run();
+    });
+    failed.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), |(_, error)| Err(error))
 }
+
+/// What another thread panicked with is told by the scope.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// So many batches are taken by all threads, if there are enough environments.
+const BATCHES: usize = 32;
+
+/// Environments of a batch, so that no thread waits long for the last one.
+const MOST_A_BATCH: usize = 16;
 
 fn pool(threads: usize) -> Result<Option<ThreadPool>, LearnError> {
     if threads == 1 {
         return Ok(None);
     }
-    let builder = ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("worlds {i}"));
+    let builder = ThreadPoolBuilder::new().num_threads(threads - 1).thread_name(|i| format!("worlds {i}"));
     let failed = |error| LearnError::value("threads", format!("cannot start {threads}: {error}"));
     builder.build().map(Some).map_err(failed)
 }

@@ -1,5 +1,7 @@
 //! What a trainer may know of a step, and what it is worth.
 
+use baudbot_sim::Scenario;
+
 use crate::error::LearnError;
 
 /// What happened in a step: the truth, for rewards, never for brains.
@@ -60,6 +62,31 @@ impl Reward {
             all[place] = weight;
         }
         Ok(Self(all))
+    }
+
+    /// Checks that this scenario counts what is worth something.
+    ///
+    /// # Errors
+    /// If it has no goal, no zones or no grid of the floor, and that is weighed.
+    pub fn check(&self, scenario: &Scenario) -> Result<(), LearnError> {
+        let missing = [
+            (scenario.end.goal.is_none(), "progress_m", "the scenario has no `end.goal` to come nearer to"),
+            (scenario.rules.floor.is_none(), "covered", "the scenario counts no floor; set metrics.cell_m"),
+            (
+                !scenario.rules.count_sensed(),
+                "sensed",
+                "the scenario does not count what is sensed; see metrics in docs/scenario.md",
+            ),
+            (scenario.surroundings.zones.is_empty(), "zones", "the scenario has no zones"),
+        ];
+        for (is_missing, name, problem) in missing {
+            let weight =
+                Tally::NAMES.iter().position(|known| *known == name).map_or(0.0, |place| self.0[place]);
+            if is_missing && weight != 0.0 {
+                return Err(LearnError::value(format!("reward.{name}"), problem));
+            }
+        }
+        Ok(())
     }
 
     /// What a step is worth.

@@ -92,6 +92,11 @@ impl Task {
         self.0.layouts()[agent].actions.clone()
     }
 
+    /// Checks that the scenario counts what a reward weighs.
+    fn check_reward(&self, py: Python<'_>, weights: Vec<(String, f64)>) -> PyResult<()> {
+        reward(py, &weights)?.check(self.0.base()).map_err(|error| of_learning(py, &error))
+    }
+
     /// The budget of each robot, as JSON.
     fn budget(&self, py: Python<'_>) -> PyResult<String> {
         let base = Arc::clone(self.0.base());

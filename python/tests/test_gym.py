@@ -111,6 +111,26 @@ class Bits(unittest.TestCase):
         self.assertEqual(env.hash, world.hash)
         np.testing.assert_array_equal(observation["readings"], world.readings.values.astype(np.float32))
 
+    def test_a_run_that_is_over_as_soon_as_it_begins_says_so_each_time(self) -> None:
+        options: dict[str, Any] = {"randomize": {"robots.robot.start.x_m": [2.0]}, "reward": {"success": 1}}
+        ours = VectorEnv(2, scenario("wedge"), **options)
+        theirs = SyncVectorEnv([lambda: Env(scenario("wedge"), **options)] * 2)
+        told = []
+        for envs in (ours, theirs):
+            envs.reset(seed=1)
+            told.append([envs.step(np.zeros((2, 2), np.float32))[2].tolist() for _ in range(6)])
+        self.assertEqual(*told)
+        self.assertIn([True, True], told[0])
+
+    def test_a_robot_without_sensors_has_an_environment(self) -> None:
+        env = Env(scenario("grid-wall"))
+        observation, _ = env.reset(seed=1)
+        self.assertTrue(env.observation_space.contains(observation))
+        env.step(np.zeros(2, np.float32))
+        envs = VectorEnv(2, scenario("grid-wall"))
+        self.assertTrue(envs.observation_space.contains(envs.reset(seed=1)[0]))
+        envs.step(np.zeros((2, 2), np.float32))
+
     def test_last_observations_of_runs_that_end_in_the_same_step(self) -> None:
         envs = VectorEnv(3, "wander", end__after_s=0.5, autoreset_mode=AutoresetMode.SAME_STEP)
         envs.reset(seed=1)
@@ -212,6 +232,27 @@ class BadInput(unittest.TestCase):
         self.refused("no range", lambda: Env("wander", randomize={"seed": {"uniform": [3, 1]}}))
         self.refused("max_age_s", lambda: Env("wander", max_age_s=0.0))
         self.refused("nothing.toml", lambda: Env("wander", randomize="nothing.toml"))
+        self.refused("no mapping", lambda: Env("wander", randomize=3))
+        self.refused("end.goal", lambda: Env("wander", reward={"progress_m": 1.0}))
+        self.refused("metrics.cell_m", lambda: VectorEnv(2, "wander", reward={"covered": 1.0}))
+        self.refused("no zones", lambda: parallel_env("wander", reward={"zones": 1.0}))
+        self.refused("VectorEnv has no such option", lambda: VectorEnv(2, "wander", end=lambda step: True))
+        self.refused("threads", lambda: VectorEnv(2, "wander", threads=-1))
+        self.refused("there is no `overrides`", lambda: VectorEnv(2, "wander").reset(options={"overrides": {}}))
+        self.refused("there is no `nix`", lambda: Env("wander").reset(options={"nix": 1}))
+        self.refused("has shape", lambda: VectorEnv(2, "wander", reward=lambda step: 1.0).step(np.zeros((2, 2))))
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write("[randomise]\n")
+            file.flush()
+            self.refused("no table", lambda: Env("wander", randomize=file.name))
+
+    def test_a_table_of_fields_may_be_nested(self) -> None:
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write("[randomize.robots.robot]\nlink.baud = [1200, 2400]\nstart.x_m = { uniform = [-0.1, 0.1] }\n")
+            file.flush()
+            env = Env("wander", randomize=file.name)
+        starts = [(env.reset(seed=seed), env._open.truth(0)[0])[1] for seed in range(5)]
+        self.assertTrue(len(set(starts)) == 5 and max(map(abs, starts)) <= 0.1, starts)
 
     def test_actions(self) -> None:
         env = Env("wander")

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], object]
 
+#: Each has a thread.
+MOST_JOBS = 1024
+
 
 class Runs:
     """What came of a sweep: a folder as the command `baudbot sweep` writes it, with a journal from which either goes on."""
@@ -48,7 +51,7 @@ def sweep(
     experiment: str | os.PathLike[str],
     *,
     out: str | os.PathLike[str] | None = None,
-    seeds: str | None = None,
+    seeds: str | int | None = None,
     jobs: int | None = None,
     fresh: bool = False,
     progress: Progress | None = None,
@@ -65,14 +68,14 @@ def runs(
     experiment: str | os.PathLike[str],
     *,
     out: str | os.PathLike[str] | None = None,
-    seeds: str | None = None,
+    seeds: str | int | None = None,
     jobs: int | None = None,
     fresh: bool = False,
     progress: Progress | None = None,
 ) -> Runs:
     """As `sweep`, with the summary and the charts."""
     folder = folder_of(experiment, out, "sweep")
-    told = done(_native.sweep(experiment, folder, seeds, _jobs(jobs), fresh, progress, None), folder)
+    told = done(_native.sweep(experiment, folder, _seeds(seeds), _jobs(jobs), fresh, progress, None), folder)
     return Runs(folder, told)
 
 
@@ -80,7 +83,7 @@ def tune(
     experiment: str | os.PathLike[str],
     *,
     out: str | os.PathLike[str] | None = None,
-    seeds: str | None = None,
+    seeds: str | int | None = None,
     jobs: int | None = None,
     fresh: bool = False,
     progress: Progress | None = None,
@@ -88,7 +91,7 @@ def tune(
     """Looks for the numbers with which an experiment's runs are best: what `baudbot tune --json` tells, and `frame`, a DataFrame of all
     candidates."""
     folder = folder_of(experiment, out, "tune")
-    told: dict[str, Any] = json.loads(done(_native.tune(experiment, folder, seeds, _jobs(jobs), fresh, progress), folder))
+    told: dict[str, Any] = json.loads(done(_native.tune(experiment, folder, _seeds(seeds), _jobs(jobs), fresh, progress), folder))
     table = folder / "candidates.csv"
     return {**told, "frame": _frame(table)} if table.exists() else told
 
@@ -98,11 +101,15 @@ def folder_of(experiment: str | os.PathLike[str], out: str | os.PathLike[str] | 
     return Path(out) if out is not None else Path(f"{Path(experiment).stem}.{ending}")
 
 
+def _seeds(seeds: str | int | None) -> str | None:
+    return None if seeds is None else str(seeds)
+
+
 def _jobs(jobs: int | None) -> int:
     if jobs is None:
         return os.cpu_count() or 1
-    if jobs < 1:
-        raise Invalid(f"jobs: {jobs} is not a number of runs at a time; write 1 or more", "jobs")
+    if not 1 <= jobs <= MOST_JOBS:
+        raise Invalid(f"jobs: {jobs} is not a number of runs at a time; write one of 1 to {MOST_JOBS}", "jobs")
     return jobs
 
 

@@ -48,7 +48,7 @@ def toml(value: object, path: str) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
+        return quoted(value)
     if isinstance(value, Mapping):
         pairs = (f"{json.dumps(str(key))} = {toml(item, f'{path}.{key}')}" for key, item in value.items())
         return "{ " + ", ".join(pairs) + " }"
@@ -62,6 +62,16 @@ def toml(value: object, path: str) -> str:
         items: Any = value if isinstance(value, (list, tuple)) else value.tolist()
         return "[" + ", ".join(toml(item, path) for item in items) + "]"
     raise Invalid(f"{path}: a scenario has no value of the kind {type(value).__name__}", path)
+
+
+def quoted(text: str) -> str:
+    """A text in TOML, which unlike JSON has no bare DEL."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def says_how(table: Mapping[str, object]) -> bool:
+    """Whether a table says how a field is drawn."""
+    return len(table) == 1 and next(iter(table)) in (*_RANGES, "choice")
 
 
 def weights(reward: Mapping[str, float] | None) -> list[tuple[str, float]]:

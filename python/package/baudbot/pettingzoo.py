@@ -59,6 +59,7 @@ class Parallel(ParallelEnv[str, Any, NDArray[np.float32]]):
         self.observation_spaces = {name: shape.observation for name, shape in self.shapes.items()}
         self.action_spaces = {name: shape.action for name, shape in self.shapes.items()}
         self._weights, self._reward = rewards(reward)
+        self._task.check_reward(self._weights)
         self._max_age_s, self.render_mode, self._size = max_age_s, render_mode, render_size
         self._env: _native.Env | None = None
         self._is_closed = False
@@ -79,6 +80,7 @@ class Parallel(ParallelEnv[str, Any, NDArray[np.float32]]):
             self._random, _ = seeding.np_random(checked_seed(seed))
         run = checked_seed(seed) if seed is not None else int(self._random.integers(1 << 31))
         more = dict(self._draw(self._random)) if self._draw else {}
+        # PettingZoo's own test gives options that mean nothing.
         more.update((options or {}).get("overrides", {}))
         if self._env is None:
             self._env = _native.Env(self._task, run, _task.lines(more), self._weights, self._max_age_s)

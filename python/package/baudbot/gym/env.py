@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, SupportsFloat
 
@@ -79,6 +79,7 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
     ) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise Invalid(f"render_mode: there is no {render_mode!r}; there are: rgb_array, svg", "render_mode")
+        without(fields, "Env", ("agents", "num_envs", "threads"))
         self._draw, table = drawn(randomize)
         chosen = [robot] if robot is not None else None
         self._task = _task.task(scenario, _task.fields(overrides, fields), brains, chosen, table)
@@ -86,6 +87,7 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
         self.shape = Shape(self._task, 0, max_age_s, flat, ages)
         self.observation_space, self.action_space = self.shape.observation, self.shape.action
         self._weights, self._reward = rewards(reward)
+        self._task.check_reward(self._weights)
         self._end, self._max_age_s = end, max_age_s
         self._is_plain = self._reward is None and end is None and not flat
         self.render_mode, self._size = render_mode, render_size
@@ -99,7 +101,7 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
         # Without a seed the next one is drawn from those that there were before.
         run = checked_seed(seed) if seed is not None else int(self.np_random.integers(1 << 31))
         more = dict(self._draw(self.np_random)) if self._draw else {}
-        more.update((options or {}).get("overrides", {}))
+        more.update(asked(options, "overrides").get("overrides", {}))
         if self._env is None:
             self._env = _native.Env(self._task, run, _task.lines(more), self._weights, self._max_age_s)
         else:
@@ -176,6 +178,8 @@ def rewards(reward: Reward | None) -> tuple[list[tuple[str, float]], Callable[[S
     """Weights, or a function."""
     if callable(reward):
         return [], reward
+    if reward is not None and not isinstance(reward, Mapping):
+        raise Invalid(f"reward: {reward!r} is neither a mapping of weights nor a function", "reward")
     weights = _task.weights(DRIVE if reward is None else reward)
     _native.check_reward(weights)
     return weights, None
@@ -189,12 +193,45 @@ def drawn(
         return None, randomize
     if callable(randomize):
         return randomize, None
+    if not isinstance(randomize, (str, os.PathLike)):
+        raise Invalid(f"randomize: {randomize!r} is no mapping, no file and no function", "randomize")
     path = os.fspath(randomize)
     try:
         with open(path, "rb") as file:
-            return None, tomllib.load(file).get("randomize", {})
-    except (OSError, tomllib.TOMLDecodeError) as error:
+            table = tomllib.load(file).get("randomize")
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise Invalid(f"randomize: {path}: {error}", "randomize") from None
+    if not isinstance(table, Mapping):
+        raise Invalid(f"randomize: {path}: has no table [randomize]", "randomize")
+    return None, dict(_paths(table, ""))
+
+
+def _paths(table: Mapping[str, object], before: str) -> Iterator[tuple[str, object]]:
+    """The fields of a table by their paths; tables in it are parts of these, unless they say how a field is drawn."""
+    for name, how in table.items():
+        if isinstance(how, Mapping) and not _task.says_how(how):
+            yield from _paths(how, f"{before}{name}.")
+        else:
+            yield f"{before}{name}", how
+
+
+def asked(options: object, *known: str) -> Mapping[str, Any]:
+    """The options of a reset, of which others are refused."""
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise Invalid(f"options: {options!r} is no mapping", "options")
+    for name in options:
+        if name not in known:
+            raise Invalid(f"options: there is no `{name}` here; there are: {', '.join(known)}", "options")
+    return options
+
+
+def without(fields: Mapping[str, object], what: str, names: tuple[str, ...]) -> None:
+    """Refuses options of other environments, which would be taken for fields of the scenario."""
+    for name in names:
+        if name in fields:
+            raise Invalid(f"{name}: {what} has no such option", name)
 
 
 __all__ = ["Env", "Randomize", "Reward", "Step"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Protocol
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._errors import Invalid
+from .._task import quoted
 from .spaces import Shape
 
 #: The weights of a layer, a row for each neuron, and its biases.
@@ -91,7 +91,7 @@ def _lines(network: Network, shape: Shape, description: str) -> Iterator[str]:
     if outputs != len(shape.signals):
         path, signals = f"layers[{len(network.layers) - 1}]", ", ".join(shape.signals)
         raise Invalid(f"{path}: has {outputs} neurons, an action has {len(shape.signals)} signals: {signals}", path)
-    yield f"description = {json.dumps(description, ensure_ascii=False)}"
+    yield f"description = {quoted(description)}"
     yield ""
     yield "# Inputs: " + ", ".join(names) + "."
     yield "[policy]"

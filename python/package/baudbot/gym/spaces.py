@@ -28,6 +28,8 @@ class Shape:
             raise Invalid(f"max_age_s: {max_age_s!r} is not a time; write one of 0 to 1e9 seconds", "max_age_s")
         bounds = np.asarray(task.bounds(agent), dtype=np.float32).reshape(-1, 2)
         sensors = task.sensors(agent)
+        # A robot without sensors has neither ages nor news.
+        with_ages = with_ages and len(sensors) > 0
         self.flat, self.with_ages, self.max_age_s = flat, with_ages, max_age_s
         #: What each of the readings is, such as `ir_front` or `odometer.x_m`.
         self.columns = tuple(task.columns(agent))

@@ -12,9 +12,9 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from .. import _native, _task
-from .._errors import Closed, Invalid
+from .._errors import Busy, Closed, Invalid
 from ..local import checked_seed
-from .env import TALLY, Randomize, Reward, Step, drawn, one_robot, rewards
+from .env import TALLY, Randomize, Reward, Step, asked, drawn, one_robot, rewards, without
 from .spaces import Shape, signals
 
 _AUTORESET = {
@@ -27,7 +27,7 @@ _AUTORESET = {
 class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
     """So many robots of a scenario, each in a world of its own, on `threads` threads (as many as there are processors).
 
-    Options are those of `baudbot.gym.Env`; a function as `reward` gets a `Step` whose numbers are arrays with an element for each
+    Options are those of `baudbot.gym.Env` but `end`, `render_mode` and a function as `randomize`; a function as `reward` gets a `Step` whose numbers are arrays with an element for each
     environment. World `i` has the seed `seed + i`, and what it does depends neither on the threads nor on the other worlds. With
     `copy=False` each step writes to the same arrays.
     """
@@ -52,14 +52,17 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
         autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP,
         **fields: object,
     ) -> None:
-        if not isinstance(num_envs, int) or not 1 <= num_envs <= MOST:
+        without(fields, "VectorEnv", ("agents", "end", "max_episode_steps", "render_mode", "render_size"))
+        if threads is not None and (not isinstance(threads, int) or threads < 1):
+            raise Invalid(f"threads: {threads!r} is not a number of threads; write 1 or more", "threads")
+        if isinstance(num_envs, bool) or not isinstance(num_envs, (int, np.integer)) or not 1 <= num_envs <= MOST:
             raise Invalid(f"num_envs: {num_envs!r} is not a number of environments; write one of 1 to {MOST}", "num_envs")
         draw, table = drawn(randomize)
         if draw is not None:
             raise Invalid("randomize: a function draws for one environment only; write a table of fields", "randomize")
         mode = AutoresetMode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": mode}
-        self.num_envs = num_envs
+        self.num_envs = num_envs = int(num_envs)
         chosen = [robot] if robot is not None else None
         self._task = _task.task(scenario, _task.fields(overrides, fields), brains, chosen, table)
         one_robot(self._task)
@@ -68,6 +71,7 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         weights, self._reward = rewards(reward)
+        self._task.check_reward(weights)
         threads = threads or len(os.sched_getaffinity(0))
         self._fleet: _native.Fleet | None = _native.Fleet(
             self._task, num_envs, threads, self._task.seed, _AUTORESET[mode], weights, max_age_s
@@ -84,8 +88,8 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
         if seed is not None and not isinstance(seed, (int, np.integer)):
             raise Invalid("seed: write one number; world i gets the seed that is i larger", "seed")
         super().reset(seed=None if seed is None else int(seed))
-        which = (options or {}).get("reset_mask")
-        mask = None if which is None else [bool(one) for one in which]
+        which = asked(options, "reset_mask").get("reset_mask")
+        mask = None if which is None else [bool(one) for one in np.asarray(which).ravel()]
         self._open.reset(None if seed is None else checked_seed(seed), mask, *self._observed)
         return self._observation(self._observed), {}
 
@@ -93,19 +97,21 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
         self, actions: NDArray[np.float32]
     ) -> tuple[Any, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         array = signals(actions, self.action_space.shape or (), "actions")
-        self._open.step(
-            np.ascontiguousarray(array),
-            self._observed,
-            self._rewards,
-            self._over,
-            self._tallies,
-            self._finals,
-        )
+        try:
+            self._open.step(
+                np.ascontiguousarray(array), self._observed, self._rewards, self._over, self._tallies, self._finals
+            )
+        except TypeError as error:
+            if "borrowed" not in str(error):
+                raise
+            raise Busy("another thread is stepping these environments; make others for it") from None
         observation = self._observation(self._observed)
         rewards: Any = self._rewards
         if self._reward is not None:
             happened = dict(zip(TALLY, self._tallies.T, strict=True))
             rewards = np.asarray(self._reward(Step(observation, array, happened)), dtype=np.float64)
+            if rewards.shape != (self.num_envs,):
+                raise Invalid(f"reward: has shape {rewards.shape}, ({self.num_envs},) is needed", "reward")
         terminated, truncated = self._over
         info = self._info(terminated | truncated)
         if self._copy:
