@@ -31,6 +31,8 @@ pub struct Agent {
     /// When each reading was sampled, as its message says, or else when it came; `NEVER` if none has.
     sampled_at: SmallVec<[SimTime; FEW]>,
     readable: SmallVec<[bool; FEW]>,
+    /// It is asked at its next turn, unless a command does that.
+    asks: bool,
     /// A message has come since the step began.
     pub(crate) has_heard: bool,
     /// Of its last turn.
@@ -55,6 +57,7 @@ impl Agent {
             values: smallvec![0.0; values],
             sampled_at: smallvec![SimTime::NEVER; sensors],
             readable: smallvec![false; sensors],
+            asks: false,
             has_heard: false,
             now: SimTime::ZERO,
             layout,
@@ -126,6 +129,12 @@ impl Agent {
 
     /// The step begins: nothing has been heard in it.
     pub(crate) fn begin_step(&mut self) {
+        self.asks = self.is_polled;
+        self.begin_stretch();
+    }
+
+    /// The same of a stretch of time in which nobody asks.
+    pub(crate) fn begin_stretch(&mut self) {
         self.has_heard = false;
         self.readable.fill(false);
     }
@@ -162,17 +171,14 @@ impl Agent {
     }
 
     /// Chooses what is written at this turn: the command that is to be sent, or nothing. A robot that answers only when asked is
-    /// asked if it has not been by a command.
-    pub(crate) fn choose(&mut self, asks: bool) -> Choice {
+    /// asked once a step if it has not been by a command.
+    pub(crate) fn choose(&mut self) -> Choice {
+        let asks = std::mem::take(&mut self.asks);
         if let Some(wheels) = self.pending.take() {
             self.sequence = self.commands.next_command(&self.others);
             return Choice::Command(wheels);
         }
-        self.bytes = if asks && self.is_polled {
-            self.commands.poll().unwrap_or_default()
-        } else {
-            self.commands.wait()
-        };
+        self.bytes = if asks { self.commands.poll().unwrap_or_default() } else { self.commands.wait() };
         Choice::Bytes
     }
 

@@ -165,7 +165,7 @@ impl Env {
     /// Ticks until this instant of simulated time, in nanoseconds, or until the run is over: for worlds in which robots have brains.
     /// Agents do what they did.
     pub fn run_until(&mut self, ns: u64) -> Stepped {
-        self.agents.iter_mut().for_each(Agent::begin_step);
+        self.agents.iter_mut().for_each(Agent::begin_stretch);
         while !self.is_over() && self.world.time().as_ns() < ns {
             self.tick();
         }
@@ -203,11 +203,9 @@ impl Env {
     /// The brains of this tick, and its second half.
     fn finish(&mut self) {
         let Self { world, drivers, outputs, agents, .. } = self;
-        // Later an agent that has to be asked is asked by its commands.
-        let asks = world.time().as_ns() == 0;
         if let ([agent], []) = (&mut agents[..], &drivers[..]) {
             let turn = world.turns().iter().find(|turn| turn.robot == agent.robot).copied();
-            let chosen = turn.map(|turn| (turn, agent.choose(asks)));
+            let chosen = turn.map(|turn| (turn, agent.choose()));
             let answer = chosen.map(|(turn, choice)| agent.answer(turn, choice));
             return world.finish_answers(answer.as_slice());
         }
@@ -218,7 +216,7 @@ impl Env {
         }
         let mut chosen: SmallVec<[(usize, Turn, Choice); FEW]> = SmallVec::new();
         for (place, turn) in turns_of(world, agents) {
-            chosen.push((place, turn, agents[place].choose(asks)));
+            chosen.push((place, turn, agents[place].choose()));
         }
         let mut answers: SmallVec<[Answer<'_>; FEW]> = SmallVec::new();
         for (place, turn, choice) in &chosen {

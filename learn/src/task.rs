@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use baudbot_experiment::assignment::{self, Assignment, AssignmentError};
+use baudbot_experiment::assignment::{self, Assignment};
 use baudbot_import::source::Source;
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
@@ -148,25 +148,20 @@ fn agents(named: &[String], assigned: &[Assignment], robots: &[RobotSpec]) -> Re
         return Ok(free.map(|(place, _)| place).collect());
     }
     let there: Vec<_> = robots.iter().map(|spec| spec.name.clone()).collect();
+    let named = assignment::named(named, &there)?;
+    let wrong = |problem: String| Err(LearnError::value("agents", problem));
     let mut places = Vec::new();
-    for name in assignment::named(named, &there)? {
-        let known = || there.clone();
-        let place = there.iter().position(|robot| *robot == name);
-        let place = place.ok_or_else(|| AssignmentError::Robot { robot: name.clone(), known: known() })?;
-        if has_brain(&robots[place]) {
-            return Err(LearnError::value(
-                "agents",
-                format!("robot `{name}` has a brain, so nothing else can drive it"),
-            ));
+    for (place, spec) in robots.iter().enumerate().filter(|(_, spec)| named.contains(&spec.name)) {
+        let name = &spec.name;
+        if has_brain(spec) {
+            return wrong(format!("robot `{name}` has a brain, so nothing else can drive it"));
         }
-        if is_own(&robots[place]) {
-            let problem = format!(
+        if is_own(spec) {
+            return wrong(format!(
                 "the microcontroller of robot `{name}` runs a program of its own, which takes no commands of ours"
-            );
-            return Err(LearnError::value("agents", problem));
+            ));
         }
         places.push(place);
     }
-    places.sort_unstable();
     Ok(places)
 }

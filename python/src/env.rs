@@ -64,7 +64,7 @@ impl Env {
         let action = action.as_array();
         env.act(0, action.iter().map(|&signal| f64::from(signal)))
             .map_err(|error| of_learning(py, &error))?;
-        let stepped = if env.world().robots().len() < FEW {
+        let stepped = if env.world().robots().len() < CROWD {
             at_once(py, || env.step())?
         } else {
             apart(py, || env.step())?
@@ -297,8 +297,11 @@ fn diagram(world: &World, label: &str, robot: usize, from_ns: u64, until_ns: u64
     Some(picture.draw())
 }
 
-/// So few readings need no memory of their own; and a step of a world with fewer robots is so short that other threads of the interpreter can wait.
+/// So few readings need no memory of their own.
 const FEW: usize = 8;
+
+/// A step of a world with fewer robots is so short that other threads of the interpreter can wait.
+const CROWD: usize = 8;
 
 /// So many ticks are done between two looks for a signal.
 const SLICE_TICKS: u64 = 200;

@@ -28,5 +28,5 @@ mod _native {
     #[pymodule_export]
     use super::runs::{merge, pack, sweep, tune};
     #[pymodule_export]
-    use super::task::{Task, catalogue, check_reward};
+    use super::task::{Task, check_reward};
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use baudbot_import::source::{EMBEDDED, Source};
+use baudbot_import::source::Source;
 use baudbot_learn::{self as learn, Draw, LearnError, Request, Reward, Tally, Varied};
 use pyo3::prelude::*;
 
@@ -97,20 +97,18 @@ impl Task {
         reward(py, &weights)?.check(self.0.base()).map_err(|error| of_learning(py, &error))
     }
 
-    /// The budget of each robot, as JSON.
+    /// The budget of each robot, as JSON. What a program of the user's own costs is found by running it, and refused here.
     fn budget(&self, py: Python<'_>) -> PyResult<String> {
-        let base = Arc::clone(self.0.base());
-        let models = move || {
-            let robots = base.robots.iter().filter(|spec| spec.chip.is_none());
-            baudbot_budget::Budget::of_some(&base, robots)
-        };
-        let budget = apart(py, models)?;
+        let base = self.0.base();
+        if let Some(spec) = base.robots.iter().find(|spec| spec.chip.is_some()) {
+            let problem = format!(
+                "robot `{}`: its microcontroller runs a program of its own, which the command `baudbot budget` measures in a run",
+                spec.name
+            );
+            return Err(invalid(py, &problem, None));
+        }
+        let budget = apart(py, || baudbot_budget::Budget::of(base))?;
         serde_json::to_string(&budget).map_err(|error| invalid(py, &error.to_string(), None))
-    }
-
-    /// The scenario at its start as a picture, in SVG.
-    fn svg(&self, py: Python<'_>) -> PyResult<String> {
-        apart(py, || baudbot_plot::arena::draw(self.0.base(), self.0.label()))
     }
 }
 
@@ -128,12 +126,6 @@ fn varied(py: Python<'_>, (path, kind, low, high, choices): Drawn) -> PyResult<V
         }
     };
     Ok(Varied { path, draw })
-}
-
-/// The names of the scenarios that are built in.
-#[pyfunction]
-pub(crate) fn catalogue() -> Vec<&'static str> {
-    EMBEDDED.iter().map(|(name, _)| *name).collect()
 }
 
 /// Checks the weights of a reward; gives back the names of a tally's numbers.

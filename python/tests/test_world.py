@@ -71,6 +71,14 @@ class WhatABrainHas(unittest.TestCase):
         with self.assertRaisesRegex(KeyError, "ir_frnt"):
             world.readings["ir_frnt"]
 
+    def test_a_robot_that_answers_only_when_asked_is_asked_in_each_step(self) -> None:
+        world = baudbot.World("khepera", seed=1)
+        for _ in range(5):
+            before = world.time_s
+            world.step()
+            self.assertLess(world.time_s - before, 0.5)
+            self.assertTrue(world.readings.readable.any())
+
     def test_ages_are_those_of_the_cable(self) -> None:
         ages = {}
         for baud in (1200, 9600):
@@ -129,6 +137,10 @@ class BadInput(unittest.TestCase):
         self.invalid("agents", "program of its own", scenario=scenario("firmware"), agents=["robot"])
         self.invalid(None, "robot", scenario="wander", agents=["robt"])
         self.invalid(None, "expected", scenario="[[robots]\n")
+
+    def test_a_budget_leaves_no_robot_out(self) -> None:
+        with self.assertRaisesRegex(baudbot.Invalid, "robot.*baudbot budget"):
+            baudbot.World(scenario("firmware")).budget()
 
     def test_actions_are_checked_and_change_nothing(self) -> None:
         world = baudbot.World("wander", seed=1)

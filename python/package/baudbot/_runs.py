@@ -75,7 +75,7 @@ def runs(
 ) -> Runs:
     """As `sweep`, with the summary and the charts."""
     folder = folder_of(experiment, out, "sweep")
-    told = done(_native.sweep(experiment, folder, _seeds(seeds), _jobs(jobs), fresh, progress, None), folder)
+    told = done(_native.sweep(experiment, folder, seeds_text(seeds), _jobs(jobs), fresh, progress, None), folder)
     return Runs(folder, told)
 
 
@@ -91,7 +91,7 @@ def tune(
     """Looks for the numbers with which an experiment's runs are best: what `baudbot tune --json` tells, and `frame`, a DataFrame of all
     candidates."""
     folder = folder_of(experiment, out, "tune")
-    told: dict[str, Any] = json.loads(done(_native.tune(experiment, folder, _seeds(seeds), _jobs(jobs), fresh, progress), folder))
+    told: dict[str, Any] = json.loads(done(_native.tune(experiment, folder, seeds_text(seeds), _jobs(jobs), fresh, progress), folder))
     table = folder / "candidates.csv"
     return {**told, "frame": _frame(table)} if table.exists() else told
 
@@ -101,7 +101,8 @@ def folder_of(experiment: str | os.PathLike[str], out: str | os.PathLike[str] | 
     return Path(out) if out is not None else Path(f"{Path(experiment).stem}.{ending}")
 
 
-def _seeds(seeds: str | int | None) -> str | None:
+def seeds_text(seeds: str | int | None) -> str | None:
+    """As `--seeds` has them."""
     return None if seeds is None else str(seeds)
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
 
+from . import scenarios
 from ._errors import Invalid
 from ._native import Task
 
@@ -45,28 +44,10 @@ def lines(overrides: Mapping[str, object] | None) -> list[str]:
 
 def toml(value: object, path: str) -> str:
     """A value in TOML."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return quoted(value)
-    if isinstance(value, Mapping):
-        pairs = (f"{json.dumps(str(key))} = {toml(item, f'{path}.{key}')}" for key, item in value.items())
-        return "{ " + ", ".join(pairs) + " }"
-    if hasattr(value, "item") and getattr(value, "ndim", 0) == 0:
-        return toml(value.item(), path)
-    if isinstance(value, int):
-        return str(value)
-    if isinstance(value, float):
-        return repr(value)
-    if isinstance(value, (list, tuple)) or hasattr(value, "tolist"):
-        items: Any = value if isinstance(value, (list, tuple)) else value.tolist()
-        return "[" + ", ".join(toml(item, path) for item in items) + "]"
-    raise Invalid(f"{path}: a scenario has no value of the kind {type(value).__name__}", path)
-
-
-def quoted(text: str) -> str:
-    """A text in TOML, which unlike JSON has no bare DEL."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    try:
+        return scenarios.toml(value)
+    except TypeError:
+        raise Invalid(f"{path}: a scenario has no value of the kind {type(value).__name__}", path) from None
 
 
 def says_how(table: Mapping[str, object]) -> bool:

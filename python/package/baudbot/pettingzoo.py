@@ -16,7 +16,6 @@ from ._errors import Closed, Invalid
 from .gym.env import TALLY, Randomize, Reward, Step, drawn, rewards
 from .gym.spaces import Shape, signals
 from .local import Picture, checked_seed
-from .picture import pixels
 
 
 class Parallel(ParallelEnv[str, Any, NDArray[np.float32]]):
@@ -110,7 +109,7 @@ class Parallel(ParallelEnv[str, Any, NDArray[np.float32]]):
         if self.render_mode is None:
             return None
         svg = self._open.svg()
-        return Picture(svg) if self.render_mode == "svg" else pixels(svg, self._size)
+        return Picture(svg) if self.render_mode == "svg" else _native.pixels(svg, self._size)
 
     @property
     def hash(self) -> str:

@@ -18,7 +18,7 @@ import ray
 
 from . import _native
 from ._errors import Invalid
-from ._runs import Progress, Runs, done, folder_of
+from ._runs import Progress, Runs, done, folder_of, seeds_text
 
 if TYPE_CHECKING:
     import pandas
@@ -28,7 +28,7 @@ def sweep(
     experiment: str | os.PathLike[str],
     *,
     out: str | os.PathLike[str] | None = None,
-    seeds: str | None = None,
+    seeds: str | int | None = None,
     shards: int | None = None,
     retries: int = 10,
     fresh: bool = False,
@@ -37,13 +37,14 @@ def sweep(
     """Runs an experiment's file on all processors of the cluster that Ray is connected to, and gives back a row for each run.
 
     The runs are cut into `shards` (four for each processor), each a task of Ray's on one processor. A task whose node dies is
-    done again elsewhere, up to so many `retries`. The journals of the shards come to the folder `out` + `.shards` as they are done; a
+    done again elsewhere, up to so many `retries`. The journals of the shards come to the folder `out` + `.shards-N` as they are done; a
     sweep that was stopped goes on from there. The tables in `out` are those of `baudbot.sweep`, to the byte.
 
     The package `baudbot` must be installed on all nodes in the same version. `ray.init()` is called if nobody has.
     """
     if not ray.is_initialized():
         ray.init()
+    seeds = seeds_text(seeds)
     packed, runs = _native.pack(experiment, seeds)
     count = shards if shards is not None else 4 * max(1, int(ray.cluster_resources().get("CPU", 1)))
     if count < 1:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-import tomllib
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, SupportsFloat
@@ -15,8 +15,12 @@ from numpy.typing import NDArray
 from .. import _native, _task
 from .._errors import Closed, Invalid
 from ..local import Picture, checked_seed
-from ..picture import pixels
 from .spaces import Shape, signals
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 #: Names of the numbers of a step; see `docs/python.md`.
 TALLY: tuple[str, ...] = tuple(_native.check_reward([]))
@@ -139,7 +143,7 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
         if self.render_mode is None:
             return None
         svg = self._open.svg()
-        return Picture(svg) if self.render_mode == "svg" else pixels(svg, self._size)
+        return Picture(svg) if self.render_mode == "svg" else _native.pixels(svg, self._size)
 
     @property
     def time_s(self) -> float:

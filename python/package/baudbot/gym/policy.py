@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._errors import Invalid
-from .._task import quoted
+from ..scenarios import quoted
 from .spaces import Shape
 
 #: The weights of a layer, a row for each neuron, and its biases.

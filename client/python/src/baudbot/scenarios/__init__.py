@@ -44,13 +44,13 @@ def read(scenario: str | Path) -> str:
 def overrides(text: str, fields: Mapping[str, Any], keywords: Mapping[str, Any]) -> list[str]:
     """Changes of single fields, as `--set` has them: by path, and by keyword (`baud` of all robots; else a field of the
     scenario itself, such as `seed`)."""
-    changes = [f"{path}={_toml(value)}" for path, value in fields.items()]
+    changes = [f"{path}={toml(value)}" for path, value in fields.items()]
     for name, value in keywords.items():
         field = _OF_EACH_ROBOT.get(name)
         if field is None:
-            changes.append(f"{name}={_toml(value)}")
+            changes.append(f"{name}={toml(value)}")
         else:
-            changes.extend(f"robots.{i}.{field}={_toml(value)}" for i in range(_robots(text)))
+            changes.extend(f"robots.{i}.{field}={toml(value)}" for i in range(_robots(text)))
     return changes
 
 
@@ -61,11 +61,24 @@ def _robots(text: str) -> int:
         raise Refused(f"the scenario is not TOML: {error}") from None
 
 
-def _toml(value: Any) -> str:
-    """A value as TOML has it."""
+def toml(value: Any) -> str:
+    """A value as TOML has it.
+
+    Raises `TypeError` if TOML has none of its kind.
+    """
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{json.dumps(str(key))} = {_toml(item)}" for key, item in value.items()) + " }"
+        return "{ " + ", ".join(f"{quoted(str(key))} = {toml(item)}" for key, item in value.items()) + " }"
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(_toml, value)) + "]"
-    # Numbers, truth values and texts are as in JSON; other number types (of NumPy) give up their own.
-    return json.dumps(value.item() if hasattr(value, "item") else value, allow_nan=True)
+        return "[" + ", ".join(map(toml, value)) + "]"
+    # Numbers and arrays of NumPy give up Python's own.
+    if hasattr(value, "tolist"):
+        return toml(value.tolist())
+    if isinstance(value, str):
+        return quoted(value)
+    # JSON writes the infinities in another way.
+    return repr(value) if isinstance(value, float) else json.dumps(value)
+
+
+def quoted(text: str) -> str:
+    """A text in TOML, which unlike JSON has no bare DEL, and no halves of characters."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
