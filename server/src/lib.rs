@@ -36,6 +36,7 @@
 //! # }
 //! ```
 
+mod access;
 mod actor;
 mod address;
 mod annotate;
@@ -74,6 +75,7 @@ mod truth;
 
 pub use actor::{DirectWorld, OnTick, Progress};
 pub use address::{Address, BadAddress};
+pub use gate::{Tls, TlsError};
 pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, state_values};
 pub use convert::pace_of;
 pub use descriptors::raise_descriptor_limit;

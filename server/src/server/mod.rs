@@ -1,5 +1,6 @@
 //! The server: its listeners, its services, and its end.
 
+mod access_config;
 mod builder;
 mod listeners;
 mod router;
@@ -8,6 +9,8 @@ use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
+use baudbot_access::Token;
+use baudbot_access::local::{self, LocalFiles};
 use baudbot_proto::v1;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
@@ -16,12 +19,13 @@ use tonic::Status;
 use tonic::transport::Channel;
 use tonic::transport::server::Connected;
 
+use crate::access::{Access, Caller};
 use crate::address::Address;
 use crate::control::{Control, status_of, stop_recording};
 use crate::gate::{Gate, GatedListener, connections};
 use crate::message::Message;
 use crate::metrics::Metrics;
-use crate::page::{self, Film};
+use crate::page::{self, Film, Guard};
 use crate::pipe::Pipes;
 use crate::registry::Registry;
 use crate::report::Report;
@@ -40,9 +44,10 @@ pub enum ServerError {
         /// Why.
         source: io::Error,
     },
-    /// An address that other machines can reach, although the builder does not allow it.
+    /// An address that other machines can reach, without tokens and TLS.
     #[error(
-        "{address} can be reached from other machines, and this server has no authentication; listen on 127.0.0.1, or allow it with --insecure"
+        "{address} can be reached from other machines: that takes --tokens FILE (see `baudbot token`) and --tls CERTIFICATE,KEY (see \
+         `baudbot cert`), or a proxy that does TLS (--behind-proxy); or listen on 127.0.0.1"
     )]
     NotLoopback {
         /// The address.
@@ -59,6 +64,12 @@ pub enum ServerError {
     /// The server takes no trainers.
     #[error("this server takes no trainers; give its builder an address for them")]
     NoTrainers,
+    /// The tokens could not be read.
+    #[error(transparent)]
+    Tokens(#[from] baudbot_access::FileError),
+    /// The token for this user's own programs could not be written.
+    #[error("the token for your own programs: {0}")]
+    LocalToken(#[from] baudbot_access::PrivateError),
     /// A world could not be made.
     #[error("{}", .0.message())]
     World(Box<Status>),
@@ -77,11 +88,24 @@ pub struct Server {
     trainers: Vec<Address>,
     viewers: Vec<SocketAddr>,
     sockets: Vec<SocketFile>,
+    /// The files in which programs of this user find the token.
+    local: Option<LocalFiles>,
     pipes: Pipes,
     /// To what trainers reach.
     trainers_pipes: Option<Pipes>,
     stop: watch::Sender<bool>,
     tasks: JoinSet<()>,
+}
+
+/// What stands between the clients of a server and its services.
+struct Guards {
+    access: Access,
+    gate: Gate,
+    /// The token that this user's own programs find.
+    local: Option<Token>,
+    /// Names under which pages reach it.
+    hosts: Vec<String>,
+    behind_proxy: bool,
 }
 
 impl Server {
@@ -92,13 +116,13 @@ impl Server {
 
     async fn start(
         control: Control,
-        gate: Gate,
+        Guards { access, gate, local, hosts, behind_proxy }: Guards,
         listeners: Listeners,
         films: Option<mpsc::Sender<Film>>,
     ) -> Result<Self, ServerError> {
         let registry = control.registry.clone();
         let control = Arc::new(control);
-        let router = router::ordinary(&control, gate.patience()).await?;
+        let router = router::ordinary(&control, &access, gate.patience()).await?;
         let (stop, stopped) = watch::channel(false);
         let (pipes, incoming) = Pipes::new();
         let mut server = Self {
@@ -107,6 +131,7 @@ impl Server {
             trainers: Vec::new(),
             viewers: Vec::new(),
             sockets: Vec::new(),
+            local: None,
             pipes,
             trainers_pipes: None,
             stop,
@@ -117,7 +142,7 @@ impl Server {
         }
         server.tasks.spawn(run(router, incoming, stopped.clone()));
         if let Some(trainers) = listeners.trainers {
-            let router = router::trainers(&control, gate.patience(), stopped.clone()).await?;
+            let router = router::trainers(&control, &access, gate.patience(), stopped.clone()).await?;
             for listener in trainers {
                 server.trainers.push(listener.address().clone());
                 server.listen(listener, &router, &gate, &stopped);
@@ -128,10 +153,17 @@ impl Server {
         }
         let metrics = Metrics::new(server.registry.clone());
         for page in listeners.pages {
-            server.viewers.extend(page.local_addr());
-            let (page, pipes) = (GatedListener::new(page, gate.clone()), server.pipes.clone());
-            server.tasks.spawn(page::serve(page, pipes, metrics.clone(), films.clone(), stopped.clone()));
+            server.viewers.extend(page.listener.local_addr());
+            let guard = Guard::new(&page, &hosts, behind_proxy);
+            let page = GatedListener::new(page, gate.clone());
+            let services = page::Services { pipes: server.pipes.clone(), access: access.clone(), metrics: metrics.clone() };
+            server.tasks.spawn(page::serve(page, guard, services, films.clone(), stopped.clone()));
         }
+        if let Some(token) = local {
+            let addresses: Vec<_> = server.addresses.iter().chain(&server.trainers).map(Address::to_string).collect();
+            server.local = Some(local::publish(addresses.iter().map(String::as_str), &token)?);
+        }
+        server.tasks.spawn(access.renew());
         Ok(server)
     }
 
@@ -171,7 +203,7 @@ impl Server {
     /// # Errors
     /// If the server is stopping.
     pub async fn channel(&self) -> Result<Channel, ServerError> {
-        Ok(self.pipes.channel().await?)
+        Ok(self.pipes.channel(Caller::Trusted).await?)
     }
 
     /// A new connection to what trainers reach, the trainers' and the operator's service, through a pipe in memory.
@@ -180,7 +212,7 @@ impl Server {
     /// If the builder was given no address for trainers, or the server is stopping.
     pub async fn trainers_channel(&self) -> Result<Channel, ServerError> {
         let pipes = self.trainers_pipes.as_ref().ok_or(ServerError::NoTrainers)?;
-        Ok(pipes.channel().await?)
+        Ok(pipes.channel(Caller::Trusted).await?)
     }
 
     /// Ends a world's recording, and gives the status of the world in the very state that the file ends with. Two calls, one
