@@ -28,7 +28,7 @@ pub(crate) async fn brain(args: BrainArgs) -> anyhow::Result<()> {
 /// Drives until the run is over, and comes back to a server that it has lost. That a world, and a robot, need no name if there
 /// is only one, is for the person at the keyboard; the brain itself sees its cable only.
 async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
-    let channel = connect::channel(&args.server.connect).await?;
+    let channel = connect::channel(&args.server).await?;
     let world = connect::world(channel, &args.server).await?;
     let there: Vec<_> = world.robots.iter().map(|robot| robot.robot.clone()).collect();
     let robots = match args.robots.as_slice() {

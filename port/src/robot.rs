@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use baudbot_fields::endpoint::Endpoint;
+use baudbot_client::Channel;
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request;
 use baudbot_proto::v1::attach_response::Response;
@@ -10,7 +11,6 @@ use baudbot_proto::v1::brain_link_service_client::BrainLinkServiceClient;
 use tokio::sync::mpsc::{Sender, UnboundedReceiver, UnboundedSender, channel, unbounded_channel};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::Streaming;
-use tonic::transport::Channel;
 
 use crate::clock::{Ahead, Clock, now_unix_ns};
 use crate::driver::{Order, Told};

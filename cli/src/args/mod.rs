@@ -1,5 +1,6 @@
 //! The command line.
 
+mod access;
 mod brain;
 mod budget;
 mod chips;
@@ -182,8 +183,8 @@ pub(crate) struct RunArgs {
     pub(crate) pace: PaceName,
     /// How the brains are joined to their world; the run is the same [default: direct, or grpc where a server is needed]
     ///
-    /// A server is needed for paces other than lockstep, for --listen, --viewer, --insecure, --max-connections,
-    /// --watchdog-ms, --on-timeout and --lookahead, and to export traces. `direct` is many times as fast.
+    /// A server is needed for paces other than lockstep, for --listen, --viewer, --max-connections and who may
+    /// connect, for --watchdog-ms, --on-timeout and --lookahead, and to export traces. `direct` is many times as fast.
     #[arg(long, value_name = "PATH")]
     pub(crate) over: Option<Over>,
     #[command(flatten)]
@@ -217,7 +218,7 @@ pub(crate) struct ServeArgs {
     pub(crate) recordings: Option<PathBuf>,
     /// Listen for trainers, which drive robots and are told the truth: 127.0.0.1:PORT or unix:/PATH
     ///
-    /// A trainer also creates worlds here (docs/training.md). Only this machine can reach the address, also with --insecure.
+    /// A trainer also creates worlds here (docs/training.md). Only this machine can reach the address.
     #[arg(long, value_name = "ADDR")]
     pub(crate) trainer: Option<Address>,
     /// Open a serial port at a robot's cable, or at that of one of its sensors, for programs that know nothing of baudbot

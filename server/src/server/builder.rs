@@ -262,6 +262,7 @@ impl Builder {
             local: self.access.local.filter(|_| listens),
             hosts: self.access.hosts,
             behind_proxy: self.access.behind_proxy,
+            is_encrypted: self.access.tls.is_some(),
         };
         Server::start(control, guards, listeners, self.films).await
     }

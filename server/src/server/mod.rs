@@ -88,8 +88,9 @@ pub struct Server {
     trainers: Vec<Address>,
     viewers: Vec<SocketAddr>,
     sockets: Vec<SocketFile>,
-    /// The files in which programs of this user find the token.
-    local: Option<LocalFiles>,
+    /// The token of this user's own programs, and the files in which they find it.
+    local: Option<(Token, LocalFiles)>,
+    is_encrypted: bool,
     pipes: Pipes,
     /// To what trainers reach.
     trainers_pipes: Option<Pipes>,
@@ -106,6 +107,7 @@ struct Guards {
     /// Names under which pages reach it.
     hosts: Vec<String>,
     behind_proxy: bool,
+    is_encrypted: bool,
 }
 
 impl Server {
@@ -116,7 +118,7 @@ impl Server {
 
     async fn start(
         control: Control,
-        Guards { access, gate, local, hosts, behind_proxy }: Guards,
+        Guards { access, gate, local, hosts, behind_proxy, is_encrypted }: Guards,
         listeners: Listeners,
         films: Option<mpsc::Sender<Film>>,
     ) -> Result<Self, ServerError> {
@@ -132,6 +134,7 @@ impl Server {
             viewers: Vec::new(),
             sockets: Vec::new(),
             local: None,
+            is_encrypted,
             pipes,
             trainers_pipes: None,
             stop,
@@ -161,7 +164,8 @@ impl Server {
         }
         if let Some(token) = local {
             let addresses: Vec<_> = server.addresses.iter().chain(&server.trainers).map(Address::to_string).collect();
-            server.local = Some(local::publish(addresses.iter().map(String::as_str), &token)?);
+            let files = local::publish(addresses.iter().map(String::as_str), &token)?;
+            server.local = Some((token, files));
         }
         server.tasks.spawn(access.renew());
         Ok(server)
@@ -196,6 +200,15 @@ impl Server {
     /// The addresses of the viewer, with the ports that it got.
     pub fn viewers(&self) -> &[SocketAddr] {
         &self.viewers
+    }
+
+    /// Links to the viewer for this user's own browser. What they end with is the token, which a browser sends to nobody but the
+    /// page.
+    pub fn viewer_links(&self) -> Vec<String> {
+        let scheme = if self.is_encrypted { "https" } else { "http" };
+        let token = self.local.as_ref().map(|(token, _)| format!("#token={}", &*token.reveal()));
+        let token = token.unwrap_or_default();
+        self.viewers.iter().map(|address| format!("{scheme}://{address}/{token}")).collect()
     }
 
     /// A new connection to it, through a pipe in memory.
