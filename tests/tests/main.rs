@@ -35,6 +35,7 @@ mod services;
 mod slow_cables;
 mod sweeper;
 mod training;
+mod trust;
 mod wayfinding;
 mod worlds;
 

@@ -69,7 +69,7 @@ impl Sessions {
         open.insert(key.hash(), Session { caller, until: now + LASTS });
         let secure = if self.secure { "; Secure" } else { "" };
         let seconds = LASTS.as_secs();
-        Ok(format!("{NAME}={}; HttpOnly; SameSite=Strict; Path=/; Max-Age={seconds}{secure}", &*key.reveal()))
+        Ok(format!("{NAME}={}; HttpOnly; SameSite=Strict; Path=/; Max-Age={seconds}{secure}", key.reveal()))
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<TokenHash, Session>> {
@@ -115,7 +115,7 @@ mod tests {
         assert_eq!(sessions.caller(&bearer).unwrap().name(), "local");
         let set = sessions.begin(&bearer).unwrap();
         assert!(set.contains("; HttpOnly; SameSite=Strict; ") && !set.contains("Secure"), "{set}");
-        assert!(!set.contains(&*token.reveal()), "a cookie is not the token");
+        assert!(!set.contains(token.reveal()), "a cookie is not the token");
         let pair = set.split(';').next().unwrap();
         let back = headers(header::COOKIE, &format!("theme=dark; {pair}"));
         assert_eq!(sessions.caller(&back).unwrap().name(), "local");

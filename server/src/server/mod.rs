@@ -167,7 +167,13 @@ impl Server {
             let files = local::publish(addresses.iter().map(String::as_str), &token)?;
             server.local = Some((token, files));
         }
-        server.tasks.spawn(access.renew());
+        let mut stopped = stopped;
+        server.tasks.spawn(async move {
+            tokio::select! {
+                () = access.renew() => {}
+                _ = stopped.wait_for(|stopped| *stopped) => {}
+            }
+        });
         Ok(server)
     }
 
@@ -206,7 +212,7 @@ impl Server {
     /// page.
     pub fn viewer_links(&self) -> Vec<String> {
         let scheme = if self.is_encrypted { "https" } else { "http" };
-        let token = self.local.as_ref().map(|(token, _)| format!("#token={}", &*token.reveal()));
+        let token = self.local.as_ref().map(|(token, _)| format!("#token={}", token.reveal()));
         let token = token.unwrap_or_default();
         self.viewers.iter().map(|address| format!("{scheme}://{address}/{token}")).collect()
     }
