@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::Context;
 use baudbot_client::Channel;
 use baudbot_fields::endpoint::Endpoint;
-use baudbot_port::{News, PortAddress, PortError, Report, RobotPorts};
+use baudbot_port::{News, PortAddress, PortError, Reach, Report, RobotPorts};
 use baudbot_sim::scenario::SerialPort;
 use tokio::sync::watch;
 use tokio::task::JoinSet;
@@ -26,7 +26,7 @@ pub(crate) async fn open(args: &OpenPortArgs) -> anyhow::Result<()> {
     let world = connect::world(channel.clone(), &args.server).await?;
     let names: Vec<_> = world.robots.iter().map(|robot| robot.robot.clone()).collect();
     let ports = by_robot(&args.ports, &names, args.open)?;
-    let mut open = OpenPorts::open(channel, &[(world.world, ports)]).await?;
+    let mut open = OpenPorts::open(channel, &[(world.world, ports)], reach(args.open)).await?;
     text::print(&open.greeting())?;
     tokio::select! {
         gone = open.gone() => gone?,
@@ -86,6 +86,11 @@ pub(crate) fn with_those_of_scenario(
     Ok(all)
 }
 
+/// Whose programs may open ports.
+pub(crate) fn reach(open: bool) -> Reach {
+    if open { Reach::Anyone } else { Reach::OwnUser }
+}
+
 fn is_allowed(place: &Endpoint, open: bool) -> anyhow::Result<()> {
     if place.is_local() || open {
         return Ok(());
@@ -105,12 +110,16 @@ pub(crate) struct OpenPorts {
 
 impl OpenPorts {
     /// Opens the ports of robots of these worlds.
-    pub(crate) async fn open(channel: Channel, worlds: &[(String, PortsByRobot)]) -> anyhow::Result<Self> {
+    pub(crate) async fn open(
+        channel: Channel,
+        worlds: &[(String, PortsByRobot)],
+        reach: Reach,
+    ) -> anyhow::Result<Self> {
         let (stop, _) = watch::channel(false);
         let mut open = Self { tasks: JoinSet::new(), stop, greeting: String::new() };
         let robots = worlds.iter().flat_map(|(world, ports)| ports.iter().map(move |robot| (world, robot)));
         for (world, (robot, ports)) in robots {
-            let opened = RobotPorts::open(channel.clone(), world, robot, ports).await.map_err(refused);
+            let opened = RobotPorts::open(channel.clone(), world, robot, ports, reach).await.map_err(refused);
             let opened = opened.with_context(|| format!("the serial ports of {robot}"))?;
             open.greet(ports, &opened);
             let mut stopped = open.stop.subscribe();

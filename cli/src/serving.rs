@@ -108,7 +108,7 @@ impl<'a> Serving<'a> {
         let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
         let server = builder.serve().await.map_err(from_builder)?;
         text::print(&greeting(&server, &worlds))?;
-        let mut open = OpenPorts::open(server.channel().await?.into(), &ports).await?;
+        let mut open = OpenPorts::open(server.channel().await?.into(), &ports, ports::reach(listen.access.open)).await?;
         text::print(&open.greeting())?;
         loop {
             tokio::select! {

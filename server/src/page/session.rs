@@ -115,7 +115,7 @@ mod tests {
         assert_eq!(sessions.caller(&bearer).unwrap().name(), "local");
         let set = sessions.begin(&bearer).unwrap();
         assert!(set.contains("; HttpOnly; SameSite=Strict; ") && !set.contains("Secure"), "{set}");
-        assert!(!set.contains(token.reveal()), "a cookie is not the token");
+        assert!(!set.contains(&token.reveal()), "a cookie is not the token");
         let pair = set.split(';').next().unwrap();
         let back = headers(header::COOKIE, &format!("theme=dark; {pair}"));
         assert_eq!(sessions.caller(&back).unwrap().name(), "local");
