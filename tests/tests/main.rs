@@ -34,6 +34,7 @@ mod room;
 mod services;
 mod slow_cables;
 mod sweeper;
+mod tls;
 mod training;
 mod trust;
 mod wayfinding;
