@@ -17,14 +17,16 @@ mod edit;
 mod parse;
 
 use std::env;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use baudbot_fields::FieldError;
 
 use crate::date;
-use crate::grant::{Grant, GrantName};
-use crate::private::{self, Lock, PrivateError, Stamp, shown};
+use crate::grant::{Grant, GrantName, words};
+use crate::lock::Lock;
+use crate::private::{self, PrivateError, Stamp, shown};
 use crate::right::Right;
 use crate::token::{NoRandomness, Token};
 
@@ -125,10 +127,18 @@ impl TokenFile {
         Ok(self.read_stamped()?.0)
     }
 
-    /// The same, and what tells whether the file is still the one that was read.
+    /// The grants that the file would have with this text.
+    ///
+    /// # Errors
+    /// If something in it is wrong.
+    pub fn parse(&self, text: &str) -> Result<Vec<Grant>, FileError> {
+        parse::grants(&self.path, text)
+    }
+
+    /// The same as [`read`](Self::read), and what tells whether the file is still the one that was read.
     pub(crate) fn read_stamped(&self) -> Result<(Vec<Grant>, Stamp), FileError> {
         let (text, stamp) = private::read(&self.path, MOST_BYTES)?;
-        Ok((parse::grants(&self.path, &text)?, stamp))
+        Ok((self.parse(&text)?, stamp))
     }
 
     /// Makes a token, adds its grant, and gives the token, which is kept nowhere. The file and its folder are made if they are
@@ -140,7 +150,7 @@ impl TokenFile {
         private::make_folder_of(&self.path)?;
         let _lock = Lock::take(&self.path)?;
         let text = self.text_or_new()?;
-        let grants = parse::grants(&self.path, &text)?;
+        let grants = self.parse(&text)?;
         if grants.iter().any(|grant| grant.name == new.name) {
             return Err(FileError::Taken { path: self.path.clone(), name: new.name });
         }
@@ -162,7 +172,7 @@ impl TokenFile {
         self.read()?;
         let _lock = Lock::take(&self.path)?;
         let (text, _) = private::read(&self.path, MOST_BYTES)?;
-        let mut grants = parse::grants(&self.path, &text)?;
+        let mut grants = self.parse(&text)?;
         let Some(place) = grants.iter().position(|grant| grant.name == *name) else {
             let names = grants.into_iter().map(|grant| grant.name).collect();
             return Err(FileError::Absent { path: self.path.clone(), name: name.clone(), names });
@@ -192,8 +202,15 @@ impl TokenFile {
         if bytes > MOST_BYTES {
             return Err(PrivateError::TooLong { path, bytes, most: MOST_BYTES }.into());
         }
-        parse::grants(&self.path, text)?;
+        self.parse(text)?;
         Ok(private::write(&self.path, text)?)
+    }
+}
+
+/// In words: `operate, drive */*, until 2027-01-31T12:00:00Z`.
+impl fmt::Display for NewGrant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&words(&self.rights, self.expires_at))
     }
 }
 

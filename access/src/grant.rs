@@ -68,10 +68,13 @@ pub enum Denied {
 /// Characters of the longest name.
 const MAX_LENGTH: usize = 64;
 
+/// The name of the grant that is no file's.
+pub(crate) const LOCAL: &str = "local";
+
 impl Grant {
-    /// That of the user who runs the server, with all rights and no end. Its name is `local`.
+    /// That of the user who runs the server, with all rights and no end. Its name is `local`, which no file has.
     pub fn local(hash: TokenHash, now: SystemTime) -> Self {
-        let name = GrantName("local".to_owned());
+        let name = GrantName(LOCAL.to_owned());
         Self { name, hash, rights: Right::all(), created_at: now, expires_at: None }
     }
 
@@ -146,13 +149,15 @@ const MOST_SHOWN: usize = 8;
 /// In words, for lists and logs: `operate, drive */*, until 2027-01-31T12:00:00Z`.
 impl fmt::Display for Grant {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rights: Vec<_> = self.rights.iter().map(ToString::to_string).collect();
-        f.write_str(&rights.join(", "))?;
-        match self.expires_at {
-            Some(end) => write!(f, ", until {}", date::print(end)),
-            None => Ok(()),
-        }
+        f.write_str(&words(&self.rights, self.expires_at))
     }
+}
+
+/// Rights and their end in words.
+pub(crate) fn words(rights: &[Right], expires_at: Option<SystemTime>) -> String {
+    let rights: Vec<_> = rights.iter().map(ToString::to_string).collect();
+    let end = expires_at.map(|end| format!(", until {}", date::print(end)));
+    rights.join(", ") + &end.unwrap_or_default()
 }
 
 #[cfg(test)]

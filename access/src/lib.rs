@@ -9,6 +9,8 @@
 //! - [`local`] is the token of the user who runs the server, for programs of the same user on the same machine.
 //! - `certificates`, with the feature of that name, makes a certificate authority and its certificates.
 //!
+//! Clients need tokens and [`local`] only; all the rest is the feature `grants`, which is a default.
+//!
 //! A server has one [`Watched`], and does this for each call:
 //!
 //! ```
@@ -36,26 +38,47 @@
 //! # }
 //! ```
 
+#[cfg(feature = "certificates")]
+pub mod certificates;
+#[cfg(feature = "grants")]
 pub mod date;
+#[cfg(feature = "grants")]
 mod file;
+#[cfg(feature = "grants")]
 mod grant;
+#[cfg(feature = "grants")]
 mod lifetime;
 pub mod local;
+#[cfg(feature = "grants")]
+mod lock;
+#[cfg(feature = "grants")]
 mod need;
+#[cfg(feature = "grants")]
 mod pattern;
 mod private;
+#[cfg(feature = "grants")]
 mod right;
 mod token;
+#[cfg(feature = "grants")]
 mod tokens;
+#[cfg(feature = "grants")]
 mod watched;
 
+#[cfg(feature = "grants")]
 pub use file::{FileError, NewGrant, TokenFile};
+#[cfg(feature = "grants")]
 pub use grant::{BadName, Denied, Grant, GrantName};
+#[cfg(feature = "grants")]
 pub use lifetime::{BadLifetime, Lifetime};
+#[cfg(feature = "grants")]
 pub use need::{Door, Need, RPCS, Service, needs, needs_at};
+#[cfg(feature = "grants")]
 pub use pattern::{BadPattern, DrivePattern, Half, PatternProblem};
 pub use private::PrivateError;
+#[cfg(feature = "grants")]
 pub use right::{BadRight, Right};
 pub use token::{BadHash, BadToken, NoRandomness, PREFIX, Token, TokenHash};
+#[cfg(feature = "grants")]
 pub use tokens::{Refused, Tokens, bearer};
+#[cfg(feature = "grants")]
 pub use watched::{News, Watched};

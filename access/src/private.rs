@@ -1,10 +1,9 @@
-//! Files that are their owner's alone: how they are read, written and locked.
+//! Files that are their owner's alone: how they are read and written.
 
-use std::fs::{self, DirBuilder, File, Metadata, OpenOptions, TryLockError};
+use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Read, Write};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use baudbot_fields::printable::Printable;
 use rustix::fs::OFlags;
@@ -73,10 +72,15 @@ pub enum PrivateError {
         path: PathBuf,
     },
     /// Another program holds its lock.
-    #[error("{}: another program has been changing it for {} s; try again when that has ended", shown(path), LOCK_PATIENCE.as_secs())]
+    #[error(
+        "{}: another program has been changing it for {seconds} s; try again when that has ended",
+        shown(path)
+    )]
     Locked {
         /// The file.
         path: PathBuf,
+        /// For how long this program has waited.
+        seconds: u64,
     },
 }
 
@@ -90,38 +94,11 @@ pub(crate) struct Stamp {
     changed_ns: (i64, i64),
 }
 
-/// The lock of a file that is changed by more than one program. It is another file beside it, as the file itself is replaced; and
-/// one that is written, as network file systems lock no others. It stays there: whoever removed it could take it away from under
-/// a program that waits for it.
-pub(crate) struct Lock {
-    _file: File,
-}
-
-/// How long a program waits for another one that changes the same file.
-const LOCK_PATIENCE: Duration = Duration::from_secs(10);
-
-/// Between two attempts.
-const LOCK_PAUSE: Duration = Duration::from_millis(20);
-
 /// Reads a text that only its owner, who is this user or root, may read and write.
 pub(crate) fn read(path: &Path, most: u64) -> Result<(String, Stamp), PrivateError> {
-    let failed = |source| PrivateError::Io { action: "read", path: path.to_owned(), source };
-    // Without waiting for somebody to write, if this is a pipe.
-    let flags = OFlags::NONBLOCK.bits().cast_signed();
-    let file = OpenOptions::new().read(true).custom_flags(flags).open(path).map_err(failed)?;
-    let metadata = file.metadata().map_err(failed)?;
+    let (file, metadata) = open(path)?;
     check_file(path, &metadata)?;
-    let too_long = |bytes| PrivateError::TooLong { path: path.to_owned(), bytes, most };
-    if metadata.len() > most {
-        return Err(too_long(metadata.len()));
-    }
-    let mut bytes = Vec::new();
-    file.take(most + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > most {
-        return Err(too_long(bytes.len() as u64));
-    }
-    let text = String::from_utf8(bytes).map_err(|_| PrivateError::NotText { path: path.to_owned() })?;
-    Ok((text, Stamp::of(&metadata)))
+    Ok((text_of(path, file, &metadata, most)?, Stamp::of(&metadata)))
 }
 
 /// Writes a file that only this user may read and write, in place of one that may be there. Whenever this is interrupted, there
@@ -140,10 +117,36 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), PrivateError> {
     Ok(())
 }
 
+/// Reads a text that others may read, too.
+#[cfg(feature = "certificates")]
+pub(crate) fn read_public(path: &Path, most: u64) -> Result<String, PrivateError> {
+    let (file, metadata) = open(path)?;
+    if !metadata.is_file() {
+        return Err(PrivateError::Kind { path: path.to_owned(), wanted: "a file" });
+    }
+    text_of(path, file, &metadata, most)
+}
+
+/// Makes a file that is not there yet, with this mode.
+#[cfg(feature = "certificates")]
+pub(crate) fn create(path: &Path, text: &str, mode: u32) -> Result<(), PrivateError> {
+    use std::os::unix::fs::PermissionsExt;
+
+    let failed = |source| PrivateError::Io { action: "write", path: path.to_owned(), source };
+    let mut file = NamedTempFile::new_in(folder_of(path)).map_err(failed)?;
+    let written = file.write_all(text.as_bytes()).and_then(|()| file.as_file().sync_all());
+    written.map_err(failed)?;
+    file.as_file().set_permissions(fs::Permissions::from_mode(mode)).map_err(failed)?;
+    file.persist_noclobber(path).map(|_| ()).map_err(|error| failed(error.error))
+}
+
 /// Makes the folder of a file, for this user only, if it is not there.
+#[cfg(feature = "grants")]
 pub(crate) fn make_folder_of(path: &Path) -> Result<(), PrivateError> {
+    use std::os::unix::fs::DirBuilderExt;
+
     let folder = folder_of(path);
-    let made = DirBuilder::new().recursive(true).mode(0o700).create(folder);
+    let made = fs::DirBuilder::new().recursive(true).mode(0o700).create(folder);
     made.map_err(|source| PrivateError::Io { action: "make the folder", path: folder.to_owned(), source })
 }
 
@@ -167,6 +170,7 @@ pub(crate) fn user() -> u32 {
 
 impl Stamp {
     /// That of the file as it is now.
+    #[cfg(feature = "grants")]
     pub(crate) fn at(path: &Path) -> Option<Self> {
         fs::metadata(path).ok().map(|metadata| Self::of(&metadata))
     }
@@ -181,28 +185,26 @@ impl Stamp {
     }
 }
 
-impl Lock {
-    /// Waits for the lock of a file, which need not be there. It is released when this is dropped, or the program ends.
-    pub(crate) fn take(path: &Path) -> Result<Self, PrivateError> {
-        let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let name = real.file_name().unwrap_or_default().to_string_lossy();
-        let beside = folder_of(&real).join(format!(".{name}.lock"));
-        let failed = |source| PrivateError::Io { action: "lock", path: beside.clone(), source };
-        let mut options = OpenOptions::new();
-        let file =
-            options.write(true).create(true).truncate(false).mode(0o600).open(&beside).map_err(failed)?;
-        let begin = Instant::now();
-        loop {
-            match file.try_lock() {
-                Ok(()) => return Ok(Self { _file: file }),
-                Err(TryLockError::Error(source)) => return Err(failed(source)),
-                Err(TryLockError::WouldBlock) if begin.elapsed() >= LOCK_PATIENCE => {
-                    return Err(PrivateError::Locked { path: path.to_owned() });
-                }
-                Err(TryLockError::WouldBlock) => std::thread::sleep(LOCK_PAUSE),
-            }
-        }
+fn open(path: &Path) -> Result<(File, Metadata), PrivateError> {
+    // Without waiting for somebody to write, if this is a pipe.
+    let flags = OFlags::NONBLOCK.bits().cast_signed();
+    let file = OpenOptions::new().read(true).custom_flags(flags).open(path);
+    let opened = file.and_then(|file| file.metadata().map(|metadata| (file, metadata)));
+    opened.map_err(|source| PrivateError::Io { action: "read", path: path.to_owned(), source })
+}
+
+fn text_of(path: &Path, file: File, metadata: &Metadata, most: u64) -> Result<String, PrivateError> {
+    let too_long = |bytes| PrivateError::TooLong { path: path.to_owned(), bytes, most };
+    if metadata.len() > most {
+        return Err(too_long(metadata.len()));
     }
+    let mut bytes = Vec::new();
+    let read = file.take(most + 1).read_to_end(&mut bytes);
+    read.map_err(|source| PrivateError::Io { action: "read", path: path.to_owned(), source })?;
+    if bytes.len() as u64 > most {
+        return Err(too_long(bytes.len() as u64));
+    }
+    String::from_utf8(bytes).map_err(|_| PrivateError::NotText { path: path.to_owned() })
 }
 
 fn check_file(path: &Path, metadata: &Metadata) -> Result<(), PrivateError> {
@@ -224,7 +226,7 @@ fn check_mode(path: &Path, metadata: &Metadata, wanted: &'static str) -> Result<
     Err(PrivateError::Exposed { path: path.to_owned(), mode, wanted })
 }
 
-fn folder_of(path: &Path) -> &Path {
+pub(crate) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
 }
 
@@ -333,28 +335,8 @@ mod tests {
         write(&path, "two").unwrap();
         let two = Stamp::at(&path);
         assert_ne!(two, Some(one), "another file of the same length");
-        std::thread::sleep(Duration::from_millis(20));
+        std::thread::sleep(std::time::Duration::from_millis(20));
         mode(&path, 0o400);
         assert_ne!(Stamp::at(&path), two, "another mode");
-    }
-
-    #[test]
-    fn a_lock_is_held_by_one_at_a_time() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("file");
-        let counted = folder.path().join("count");
-        fs::write(&counted, "0").unwrap();
-        std::thread::scope(|scope| {
-            for _ in 0..4 {
-                scope.spawn(|| {
-                    for _ in 0..10 {
-                        let _lock = Lock::take(&path).unwrap();
-                        let count: u32 = fs::read_to_string(&counted).unwrap().parse().unwrap();
-                        fs::write(&counted, (count + 1).to_string()).unwrap();
-                    }
-                });
-            }
-        });
-        assert_eq!(fs::read_to_string(&counted).unwrap(), "40");
     }
 }

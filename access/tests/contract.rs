@@ -78,3 +78,23 @@ fn without_a_token_there_are_the_probe_and_the_files_of_the_page() {
     let free: Vec<_> = Door::ALL.into_iter().filter(|door| door.needs() == Need::Nothing).collect();
     assert_eq!(free, [Door::PageFiles]);
 }
+
+#[test]
+fn the_documentation_has_the_same_table() {
+    let documented = include_str!("../../docs/trust.md");
+    let mut rows = String::new();
+    for (service, methods) in RPCS {
+        for need in [Need::Nothing, Need::AnyToken, Need::Observe, Need::Operate, Need::Train, Need::Drive] {
+            let these = methods.iter().filter(|(_, needed)| *needed == need);
+            let calls: Vec<_> = these.map(|(method, _)| format!("`{method}`")).collect();
+            let words = match need {
+                Need::Nothing | Need::AnyToken => need.to_string(),
+                Need::Observe | Need::Operate | Need::Train | Need::Drive => format!("`{need}`"),
+            };
+            if !calls.is_empty() {
+                rows += &format!("| `{service}` | {words} | {} |\n", calls.join(", "));
+            }
+        }
+    }
+    assert!(documented.contains(&rows), "docs/trust.md lacks:\n{rows}");
+}

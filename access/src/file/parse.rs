@@ -9,7 +9,7 @@ use toml::{Table, Value};
 
 use super::FileError;
 use crate::date;
-use crate::grant::{Grant, GrantName};
+use crate::grant::{Grant, GrantName, LOCAL};
 
 /// The version of files that this program reads and writes.
 pub(super) const VERSION: i64 = 1;
@@ -111,7 +111,11 @@ fn check_version(table: &Table) -> Result<(), FieldError> {
 
 fn grant(entry: Table, path: &Path) -> Result<Grant, FieldError> {
     let raw: RawGrant = read(entry, path)?;
-    let name = raw.name.parse().map_err(|problem| in_field(path, "name", &problem))?;
+    let name: GrantName = raw.name.parse().map_err(|problem| in_field(path, "name", &problem))?;
+    if name.as_str() == LOCAL {
+        let problem = format!("`{LOCAL}` is the name of a server's own token; choose another");
+        return Err(path.field("name").error(problem));
+    }
     let hash = raw.hash.parse().map_err(|problem| in_field(path, "hash", &problem))?;
     let created_at =
         date::parse(&raw.created_at).map_err(|problem| in_field(path, "created_at", &problem))?;

@@ -3,6 +3,7 @@
 mod access;
 mod brain;
 mod budget;
+mod cert;
 mod chips;
 mod diagram;
 mod export;
@@ -19,6 +20,7 @@ mod plan;
 mod port;
 mod port_watch;
 mod record;
+mod token;
 mod umbmark;
 mod work;
 
@@ -30,6 +32,9 @@ use clap::{Args, Parser, Subcommand};
 
 pub(crate) use self::brain::BrainArgs;
 pub(crate) use self::budget::BudgetArgs;
+pub(crate) use self::cert::CertCommand;
+#[cfg(feature = "certificates")]
+pub(crate) use self::cert::{AuthorityArgs, ClientCertificateArgs, ServerCertificateArgs};
 pub(crate) use self::chips::{ChipArgs, ChipOutput};
 pub(crate) use self::diagram::DiagramArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
@@ -50,6 +55,7 @@ pub(crate) use self::plan::{Method, PlanArgs};
 pub(crate) use self::port::{OpenPortArgs, PortCommand};
 pub(crate) use self::port_watch::WatchPortArgs;
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
+pub(crate) use self::token::{ListTokensArgs, NewTokenArgs, RevokeTokenArgs, TokenCommand, TokenFileArgs};
 pub(crate) use self::umbmark::UmbmarkArgs;
 pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
 use crate::logs::{LogFilter, LogFormat};
@@ -136,6 +142,12 @@ pub(crate) enum Command {
     /// Opens serial ports at the far side of a connection to a server
     #[command(subcommand)]
     Port(PortCommand),
+    /// Makes tokens, which say what clients may do on a server, lists and revokes them
+    #[command(subcommand)]
+    Token(TokenCommand),
+    /// Makes certificates for servers and clients, and an authority for them
+    #[command(subcommand)]
+    Cert(CertCommand),
 }
 
 #[derive(Debug, Args)]

@@ -31,6 +31,7 @@ mod shards;
 mod sweep;
 mod terminal;
 mod timelines;
+mod tokens;
 mod transcripts;
 mod tune;
 mod umbmark;
