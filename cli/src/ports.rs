@@ -39,11 +39,7 @@ pub(crate) async fn open(args: &OpenPortArgs) -> anyhow::Result<()> {
 pub(crate) type PortsByRobot = BTreeMap<String, Vec<(Option<String>, Endpoint)>>;
 
 /// Which ports are to be opened at which of these robots.
-pub(crate) fn by_robot(
-    ports: &[PortAddress],
-    robots: &[String],
-    open: bool,
-) -> anyhow::Result<PortsByRobot> {
+pub(crate) fn by_robot(ports: &[PortAddress], robots: &[String], open: bool) -> anyhow::Result<PortsByRobot> {
     let mut by_robot = PortsByRobot::new();
     for PortAddress { robot, device, endpoint: place } in ports {
         is_allowed(place, open)?;

@@ -108,7 +108,8 @@ impl<'a> Serving<'a> {
         let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
         let server = builder.serve().await.map_err(from_builder)?;
         text::print(&greeting(&server, &worlds))?;
-        let mut open = OpenPorts::open(server.channel().await?.into(), &ports, ports::reach(listen.access.open)).await?;
+        let mut open =
+            OpenPorts::open(server.channel().await?.into(), &ports, ports::reach(listen.access.open)).await?;
         text::print(&open.greeting())?;
         loop {
             tokio::select! {
@@ -174,9 +175,14 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
     }
     let robot = worlds.iter().find_map(|(world, _, robot)| Some((world, robot.as_ref()?)));
     if let (Some(address), Some((world, (robot, brain)))) = (server.addresses().first(), robot) {
+        let scheme =
+            if server.is_encrypted() && matches!(address, Address::Tcp(_)) { "https://" } else { "" };
         let _ = writeln!(text, "\nIn a second terminal:");
-        let _ = writeln!(text, "  baudbot brain {brain} --connect {address} --world {world} --robot {robot}");
-        let _ = writeln!(text, "  baudbot watch --connect {address} --world {world}");
+        let _ = writeln!(
+            text,
+            "  baudbot brain {brain} --connect {scheme}{address} --world {world} --robot {robot}"
+        );
+        let _ = writeln!(text, "  baudbot watch --connect {scheme}{address} --world {world}");
         let _ = writeln!(text, "Ctrl-C stops the server.");
     }
     text

@@ -3,7 +3,7 @@
 use std::time::SystemTime;
 
 use anyhow::Context;
-use baudbot_access::{FileError, Grant, NewGrant, PrivateError, Right, TokenFile, date};
+use baudbot_access::{FileError, Grant, NewGrant, PrivateError, Right, TokenFile, date, local};
 use baudbot_plot::text::columns;
 use serde::Serialize;
 
@@ -17,7 +17,20 @@ pub(crate) fn token(command: TokenCommand) -> anyhow::Result<()> {
         TokenCommand::New(args) => new(args),
         TokenCommand::List(args) => list(&args),
         TokenCommand::Revoke(args) => revoke(&args),
+        TokenCommand::Local(args) => own(&args.connect),
     }
+}
+
+/// The token of the user's own server.
+fn own(address: &str) -> anyhow::Result<()> {
+    let token = local::find(address).map_err(|error| Refused::error(error.to_string()))?;
+    let Some(token) = token else {
+        let text = format!(
+            "there is no token of yours for {address}; is `baudbot serve` running there, without --open?"
+        );
+        return Err(anyhow::anyhow!(text));
+    };
+    text::print(&format!("{}\n", token.reveal()))
 }
 
 fn new(args: NewTokenArgs) -> anyhow::Result<()> {

@@ -5,9 +5,9 @@ use std::io::IsTerminal;
 use std::time::Duration;
 
 use anyhow::{Context, bail};
+use baudbot_client::Channel;
 use baudbot_fields::printable::PrintableLines;
 use baudbot_plot::quantity::NOTHING;
-use baudbot_client::Channel;
 use baudbot_proto::v1;
 use tonic::Streaming;
 

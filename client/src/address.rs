@@ -2,10 +2,11 @@
 
 use std::io;
 use std::pin::Pin;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::task::{Context, Poll};
 use std::time::Duration;
 
+use baudbot_fields::printable::Printable;
 use hyper_util::rt::TokioIo;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::{TcpStream, UnixStream, lookup_host};
@@ -34,7 +35,7 @@ async fn connect_within(
     let (place, endpoint) = place(address).ok_or_else(|| Error::Address { address: address.to_owned() })?;
     let tls = if place.is_encrypted() { Some(TlsConnector::from(credentials.tls()?)) } else { None };
     let token = credentials.token_for(address)?;
-    let heard = Arc::new(Notify::new());
+    let heard = Arc::new(Heard::default());
     // Also makes the connections that take the place of one that is lost.
     let connector = service_fn({
         let heard = Arc::clone(&heard);
@@ -53,7 +54,10 @@ async fn connect_within(
         address: address.to_owned(),
         cause: format!("something accepts connections there, but has not answered for {patience:?}"),
     };
-    timeout(patience, heard.notified()).await.map_err(silent)?;
+    timeout(patience, heard.first.notified()).await.map_err(silent)?;
+    if let Some(words) = heard.words.get() {
+        return Err(Error::Connect { address: address.to_owned(), cause: words.clone() });
+    }
     Ok(Channel::new(channel, token.as_deref()))
 }
 
@@ -117,11 +121,20 @@ trait Pipe: AsyncRead + AsyncWrite + Send + Unpin {}
 
 impl<IO: AsyncRead + AsyncWrite + Send + Unpin> Pipe for IO {}
 
+/// What a server says first.
+#[derive(Default)]
+struct Heard {
+    /// It has said something, or is gone.
+    first: Notify,
+    /// It speaks HTTP/1, as a server does to those who speak without TLS where it is wanted.
+    words: OnceLock<String>,
+}
+
 /// A connection that tells when the first bytes have come, or its end.
 struct Line {
     pipe: Box<dyn Pipe>,
     /// The recipient.
-    heard: Option<Arc<Notify>>,
+    heard: Option<Arc<Heard>>,
 }
 
 impl AsyncRead for Line {
@@ -130,11 +143,15 @@ impl AsyncRead for Line {
         context: &mut Context<'_>,
         buffer: &mut ReadBuf<'_>,
     ) -> Poll<io::Result<()>> {
+        let before = buffer.filled().len();
         let result = Pin::new(&mut self.pipe).poll_read(context, buffer);
         if result.is_ready()
             && let Some(heard) = self.heard.take()
         {
-            heard.notify_one();
+            if let Some(words) = words_of_http_1(&buffer.filled()[before..]) {
+                let _ = heard.words.set(words);
+            }
+            heard.first.notify_one();
         }
         result
     }
@@ -168,6 +185,18 @@ impl AsyncWrite for Line {
     fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         Pin::new(&mut self.pipe).poll_shutdown(context)
     }
+}
+
+/// What an answer of HTTP/1 says for people, if this is one.
+fn words_of_http_1(bytes: &[u8]) -> Option<String> {
+    let answer = bytes.starts_with(b"HTTP/1.").then(|| String::from_utf8_lossy(bytes))?;
+    let words =
+        answer.split_once("\r\n\r\n").map_or("", |(_, words)| words).lines().next().unwrap_or_default();
+    Some(if words.is_empty() {
+        "what answers there is no gRPC server".to_owned()
+    } else {
+        Printable(words).to_string()
+    })
 }
 
 fn place(address: &str) -> Option<(Place, Endpoint)> {
@@ -247,7 +276,10 @@ mod tests {
     async fn a_port_that_takes_connections_and_says_nothing_is_given_up() {
         let silent = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = silent.local_addr().unwrap().to_string();
-        let text = connect_within(&address, &Credentials::default(), Duration::from_millis(100)).await.unwrap_err().to_string();
+        let text = connect_within(&address, &Credentials::default(), Duration::from_millis(100))
+            .await
+            .unwrap_err()
+            .to_string();
         let words = "something accepts connections there, but has not answered for 100ms";
         let expected = format!("no server answers at {address} ({words}); is `baudbot serve` running there?");
         assert_eq!(text, expected);

@@ -22,7 +22,8 @@ impl Channel {
     pub(crate) fn new(inner: transport::Channel, token: Option<&Token>) -> Self {
         let authorization = token.map(|token| {
             let text = format!("Bearer {}", token.reveal());
-            let mut value = HeaderValue::try_from(text).expect("a token has no other characters than headers");
+            let mut value =
+                HeaderValue::try_from(text).expect("a token has no other characters than headers");
             value.set_sensitive(true);
             value
         });

@@ -80,7 +80,8 @@ impl Credentials {
         if let Some(token) = &self.token {
             return Ok(Some(Arc::clone(token)));
         }
-        let found = local::find(address).map_err(|error| bad("the token of your own server", error.to_string()))?;
+        let found =
+            local::find(address).map_err(|error| bad("the token of your own server", error.to_string()))?;
         Ok(found.map(Arc::new))
     }
 
@@ -95,7 +96,8 @@ impl Credentials {
             Some((certificate, key)) => {
                 let chain = certificates(certificate)?;
                 let place = key.display().to_string();
-                let key = PrivateKeyDer::from_pem_file(key).map_err(|error| bad(&place, error.to_string()))?;
+                let key =
+                    PrivateKeyDer::from_pem_file(key).map_err(|error| bad(&place, error.to_string()))?;
                 builder.with_client_auth_cert(chain, key).map_err(|error| bad(&place, error.to_string()))?
             }
         };

@@ -94,7 +94,11 @@ impl Error {
         match self {
             Self::Connect { .. } | Self::Lost { .. } => true,
             Self::Status { code, .. } => matches!(code, Code::Unavailable | Code::AlreadyExists),
-            Self::Address { .. } | Self::Credentials { .. } | Self::Restart | Self::Protocol(_) | Self::Brains { .. } => false,
+            Self::Address { .. }
+            | Self::Credentials { .. }
+            | Self::Restart
+            | Self::Protocol(_)
+            | Self::Brains { .. } => false,
         }
     }
 

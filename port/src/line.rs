@@ -17,8 +17,8 @@ use crate::driver::{Driver, Order, Told};
 use crate::error::PortError;
 use crate::hold::Hold;
 use crate::medium::Medium;
-use crate::report::Report;
 use crate::reach::Reach;
+use crate::report::Report;
 use baudbot_board::far_end::Settings;
 
 /// A port that is open for programs.
@@ -120,7 +120,9 @@ mod tests {
     fn slow(hold: Hold, number: usize, tell: UnboundedSender<(usize, Told)>) -> (Line, TcpStream) {
         let place = Endpoint::Rfc2217(([127, 0, 0, 1], 0).into());
         let settings = Some(Settings::new_8n1(300));
-        let line = Line::open((None, &place, Reach::OwnUser), hold, settings, 100_000_000_000, (number, tell)).unwrap();
+        let line =
+            Line::open((None, &place, Reach::OwnUser), hold, settings, 100_000_000_000, (number, tell))
+                .unwrap();
         let clock = Clock { sim_ns: 0, unix_ns: now_unix_ns(), factor: 1.0 };
         line.order(Order::Bytes { clock, baud: None, bytes: Vec::new() });
         let program = TcpStream::connect(line.place.strip_prefix("rfc2217:").unwrap()).unwrap();

@@ -10,8 +10,8 @@ use crate::happened::Happened;
 use crate::hold::Hold;
 use crate::program::Program;
 use crate::pty::Pty;
-use crate::socket::Listener;
 use crate::reach::Reach;
+use crate::socket::Listener;
 use baudbot_board::far_end::{Read, Settings};
 
 /// The program's end of a port.
@@ -40,7 +40,11 @@ pub(crate) enum Used {
 
 impl Medium {
     /// A port at a place, for a robot whose UART is set so, if it has one.
-    pub(crate) fn open(place: &Endpoint, reach: Reach, settings: Option<&Settings>) -> Result<Self, PortError> {
+    pub(crate) fn open(
+        place: &Endpoint,
+        reach: Reach,
+        settings: Option<&Settings>,
+    ) -> Result<Self, PortError> {
         let usual = settings.copied().unwrap_or(Settings::new_8n1(9600));
         let socket = |listener, telnet| Self::Socket { listener, program: None, telnet };
         Ok(match place {

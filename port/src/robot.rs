@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use baudbot_fields::endpoint::Endpoint;
 use baudbot_client::Channel;
+use baudbot_fields::endpoint::Endpoint;
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request;
 use baudbot_proto::v1::attach_response::Response;

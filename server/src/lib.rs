@@ -75,11 +75,11 @@ mod truth;
 
 pub use actor::{DirectWorld, OnTick, Progress};
 pub use address::{Address, BadAddress};
-pub use gate::{Tls, TlsError};
 pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, state_values};
 pub use convert::pace_of;
 pub use descriptors::raise_descriptor_limit;
 pub use drive::{Drive, DriveCollision, DriveError, PathPoint, drive, drive_each};
+pub use gate::{Tls, TlsError};
 pub use pace::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 pub use page::{Film, NoFilm};
 pub use registry::MAX_WORLDS;

@@ -22,7 +22,8 @@ struct Lab {
 
 impl Lab {
     fn new() -> Self {
-        let authority = Authority::new(&"lab".parse().unwrap(), "1w".parse().unwrap(), SystemTime::now()).unwrap();
+        let authority =
+            Authority::new(&"lab".parse().unwrap(), "1w".parse().unwrap(), SystemTime::now()).unwrap();
         let folder = tempfile::tempdir().unwrap();
         authority.write(folder.path()).unwrap();
         Self { folder, authority }
@@ -102,7 +103,8 @@ async fn who_speaks_without_tls_where_it_is_wanted_is_told() {
     }
     let began = Instant::now();
     let address = format!("127.0.0.1:{}", port(&server));
-    assert!(connect_with(&address, &Credentials::default()).await.is_err());
+    let text = connect_with(&address, &Credentials::default()).await.err().expect("refused").to_string();
+    assert!(text.contains("this server speaks TLS: use https://"), "{text}");
     assert!(began.elapsed() < Duration::from_secs(20), "it does not hang");
     server.shutdown().await;
 }

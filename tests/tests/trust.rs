@@ -47,7 +47,9 @@ impl Class {
             (name, file.add(new, SystemTime::now()).unwrap())
         };
         let tokens = HOLDERS.into_iter().map(add).collect();
-        let robots = crowd(&["r0".to_owned(), "r1".to_owned()]).replace("\"r0\"", "\"alice\"").replace("\"r1\"", "\"bob\"");
+        let robots = crowd(&["r0".to_owned(), "r1".to_owned()])
+            .replace("\"r0\"", "\"alice\"")
+            .replace("\"r1\"", "\"bob\"");
         let robots = scenario(&robots, &[]);
         let world = WorldConfig::new("w", robots).pace(lockstep()).paused(true);
         let free = SocketAddr::from(([127, 0, 0, 1], 0));
@@ -66,7 +68,8 @@ impl Class {
 
     /// A connection to where trainers are.
     async fn trainers(&self, token: Option<Token>) -> Channel {
-        let credentials = token.map_or_else(Credentials::default, |token| Credentials::default().token(token));
+        let credentials =
+            token.map_or_else(Credentials::default, |token| Credentials::default().token(token));
         connect_with(&self.server.trainers()[0].to_string(), &credentials).await.unwrap().channel()
     }
 
@@ -253,7 +256,8 @@ async fn a_page_shows_its_token_once_and_its_cookie_from_then_on() {
     let bearer = |holder| format!("Authorization: Bearer {}", class.tokens[holder].reveal());
     begins(&ask(page, &format!("GET /metrics HTTP/1.1\r\n{}", bearer("alice"))).await, "HTTP/1.1 403");
     begins(&ask(page, &format!("GET /metrics HTTP/1.1\r\n{}", bearer("observer"))).await, "HTTP/1.1 200");
-    let entered = ask(page, &format!("POST /session HTTP/1.1\r\nContent-Length: 0\r\n{}", bearer("observer"))).await;
+    let entered =
+        ask(page, &format!("POST /session HTTP/1.1\r\nContent-Length: 0\r\n{}", bearer("observer"))).await;
     begins(&entered, "HTTP/1.1 204");
     let cookie = entered.lines().find_map(|line| line.strip_prefix("set-cookie: ")).unwrap();
     let cookie = format!("Cookie: {}", cookie.split(';').next().unwrap());
@@ -271,12 +275,17 @@ async fn a_page_shows_its_token_once_and_its_cookie_from_then_on() {
 async fn other_machines_reach_a_server_only_with_tokens_and_tls() {
     let folder = tempfile::tempdir().unwrap();
     let file = TokenFile::at(folder.path().join("tokens.toml"));
-    let new = NewGrant { name: "a".parse().unwrap(), rights: vec!["observe".parse().unwrap()], expires_at: None };
+    let new =
+        NewGrant { name: "a".parse().unwrap(), rights: vec!["observe".parse().unwrap()], expires_at: None };
     file.add(new, SystemTime::now()).unwrap();
     let world = || WorldConfig::new("w", scenario(WANDER, &[])).paused(true);
     let everywhere = || Server::builder().world(world()).listen("0.0.0.0:0".parse().unwrap());
     let local = || Token::random().unwrap();
-    for refused in [everywhere(), everywhere().tokens(file.clone()), everywhere().behind_proxy(true).local_token(local())] {
+    for refused in [
+        everywhere(),
+        everywhere().tokens(file.clone()),
+        everywhere().behind_proxy(true).local_token(local()),
+    ] {
         let text = refused.serve().await.err().expect("it does not start").to_string();
         assert!(text.contains("--tokens FILE") && text.contains("--tls CERTIFICATE,KEY"), "{text}");
     }

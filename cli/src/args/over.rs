@@ -57,7 +57,8 @@ impl RunArgs {
             (watchdog.lookahead.is_some(), "--lookahead"),
             (exports, logs::ENDPOINT),
         ];
-        pace.or_else(|| listen.given()).or_else(|| options.into_iter().find(|(is_asked, _)| *is_asked).map(|(_, option)| option))
+        pace.or_else(|| listen.given())
+            .or_else(|| options.into_iter().find(|(is_asked, _)| *is_asked).map(|(_, option)| option))
     }
 }
 

@@ -14,6 +14,15 @@ pub(crate) enum TokenCommand {
     List(ListTokensArgs),
     /// Revokes a token
     Revoke(RevokeTokenArgs),
+    /// Prints the token of your own server on this machine, for programs that do not find it by themselves
+    Local(LocalTokenArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LocalTokenArgs {
+    /// The server: HOST:PORT or unix:/PATH
+    #[arg(long, value_name = "ADDR", default_value = super::DEFAULT_ADDRESS)]
+    pub(crate) connect: String,
 }
 
 #[derive(Debug, Args)]

@@ -4,11 +4,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow};
+use baudbot_client::Channel;
 use baudbot_client::Client;
 use baudbot_experiment::assignment::START_PATIENCE;
 use baudbot_launch::{Crew, Held, ProcessorClock};
 use baudbot_plot::quantity::count;
-use baudbot_client::Channel;
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_server::{Address, OnTick, Pace, ProcessorTime, Progress, Server, WorldConfig};

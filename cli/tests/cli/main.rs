@@ -33,6 +33,7 @@ mod terminal;
 mod timelines;
 mod tokens;
 mod transcripts;
+mod trust;
 mod tune;
 mod umbmark;
 

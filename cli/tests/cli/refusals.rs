@@ -91,7 +91,9 @@ fn a_server_that_is_not_there_can_be_started() {
 #[test]
 fn an_address_that_others_reach_needs_tokens_and_tls() {
     for command in ["serve", "run"] {
-        assert!(refusal(2, &[command, "--listen", "0.0.0.0:0"]).contains("--tokens FILE (see `baudbot token`)"));
+        assert!(
+            refusal(2, &[command, "--listen", "0.0.0.0:0"]).contains("--tokens FILE (see `baudbot token`)")
+        );
     }
 }
 

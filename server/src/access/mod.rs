@@ -181,7 +181,8 @@ impl Shared {
 /// `INTERNAL` if it has not been.
 pub(crate) fn caller_of<T>(request: &Request<T>) -> Result<Caller, Status> {
     let caller = request.extensions().get().cloned();
-    caller.ok_or_else(|| Status::internal("the call has come past the check of its caller; please report this"))
+    caller
+        .ok_or_else(|| Status::internal("the call has come past the check of its caller; please report this"))
 }
 
 /// The header by which a caller shows its token.

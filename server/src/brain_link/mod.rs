@@ -65,7 +65,13 @@ impl BrainLink {
         let told = what_it_is_told(&caller, &hello);
         let world = self.registry.find("hello.world", &hello.world).map_err(&told)?;
         let (deliveries, stream) = mpsc::channel(TURNS_AHEAD + RESERVED);
-        let span = tracing::info_span!("brain", world = world.name(), brain = hello.brain, ?mode);
+        let span = tracing::info_span!(
+            "brain",
+            world = world.name(),
+            brain = hello.brain,
+            by = caller.name(),
+            ?mode
+        );
         let recipient = Recipient::Brain(deliveries.clone());
         let attached = take_robots(&world, hello, mode, recipient).instrument(span.clone()).await;
         let attached = attached.map_err(told)?;

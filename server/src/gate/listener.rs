@@ -114,9 +114,7 @@ impl Listener for GatedListener<TcpEntry> {
 #[derive(Clone)]
 pub(crate) struct PageConnection(pub(crate) Arc<Admission>);
 
-impl axum::extract::connect_info::Connected<IncomingStream<'_, GatedListener<TcpEntry>>>
-    for PageConnection
-{
+impl axum::extract::connect_info::Connected<IncomingStream<'_, GatedListener<TcpEntry>>> for PageConnection {
     fn connect_info(stream: IncomingStream<'_, GatedListener<TcpEntry>>) -> Self {
         Self(stream.io().admission())
     }

@@ -81,7 +81,8 @@ impl Tls {
             .map_err(|source| TlsError::File { path: key.to_owned(), source })?;
         let builder = ServerConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
             .with_safe_default_protocol_versions();
-        let pair = |source| TlsError::Pair { certificate: certificate.to_owned(), key: key.to_owned(), source };
+        let pair =
+            |source| TlsError::Pair { certificate: certificate.to_owned(), key: key.to_owned(), source };
         let builder = builder.map_err(pair)?;
         let builder = match clients {
             Some(path) => builder.with_client_cert_verifier(verifier(path)?),

@@ -22,7 +22,10 @@ impl Guard {
     pub(crate) fn new(entry: &TcpEntry, names: &[String], behind_proxy: bool) -> Self {
         let own = entry.listener.local_addr().ok().map(|address| address.ip());
         let own = own.filter(|ip| !ip.is_loopback() && !ip.is_unspecified()).map(|ip| ip.to_string());
-        Self { hosts: names.iter().cloned().chain(own).collect(), secure: behind_proxy || entry.tls.is_some() }
+        Self {
+            hosts: names.iter().cloned().chain(own).collect(),
+            secure: behind_proxy || entry.tls.is_some(),
+        }
     }
 
     /// Whether it is reached by TLS.
@@ -34,8 +37,8 @@ impl Guard {
     pub(super) fn check_host(&self, headers: &HeaderMap) -> Result<(), String> {
         let host = text(headers, header::HOST).ok_or("Host: is missing\n")?;
         let name = without_port(host).trim_matches(['[', ']']);
-        let is_loopback = name.eq_ignore_ascii_case("localhost")
-            || name.parse().is_ok_and(|ip: IpAddr| ip.is_loopback());
+        let is_loopback =
+            name.eq_ignore_ascii_case("localhost") || name.parse().is_ok_and(|ip: IpAddr| ip.is_loopback());
         if is_loopback || self.hosts.iter().any(|own| own.eq_ignore_ascii_case(name)) {
             return Ok(());
         }

@@ -121,7 +121,9 @@ impl Page {
     /// What it is answered.
     fn admit(&self, headers: &HeaderMap, door: Door) -> Result<Caller, Response> {
         let answer = |status, text: String| (status, text + "\n").into_response();
-        self.guard.check_origin(headers).map_err(|problem| answer(StatusCode::FORBIDDEN, problem.to_owned()))?;
+        self.guard
+            .check_origin(headers)
+            .map_err(|problem| answer(StatusCode::FORBIDDEN, problem.to_owned()))?;
         let caller = self.sessions.caller(headers);
         let caller = caller.map_err(|refused| answer(StatusCode::UNAUTHORIZED, refused.to_string()))?;
         if let Caller::Holder(grant) = &caller {

@@ -40,7 +40,8 @@ impl Sessions {
         let shown = authorization(headers);
         match (shown, cookie(headers)) {
             (None, Some(key)) if !self.access.is_open() => {
-                let session = self.lock().get(&key.hash()).map(|session| (session.caller.clone(), session.until));
+                let session =
+                    self.lock().get(&key.hash()).map(|session| (session.caller.clone(), session.until));
                 match session {
                     Some((caller, until)) if Instant::now() < until => self.access.still(&caller),
                     Some(_) | None => Err(Refused::Missing),

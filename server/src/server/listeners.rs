@@ -9,6 +9,9 @@ use std::time::Duration;
 
 use tokio::net::{TcpListener, UnixListener, UnixStream};
 
+use baudbot_access::Token;
+use baudbot_access::local::{self, LocalFiles};
+
 use super::ServerError;
 use crate::address::Address;
 use crate::gate::{TcpEntry, Tls};
@@ -37,6 +40,19 @@ pub(super) struct Listeners {
     /// For trainers; `None` if the server takes none.
     pub(super) trainers: Option<Vec<Listener>>,
     pub(super) pages: Vec<TcpEntry>,
+}
+
+impl Listeners {
+    /// Writes the token for programs of this user where they look for it.
+    ///
+    /// # Errors
+    /// If that cannot be written.
+    pub(super) fn publish(&self, token: Token) -> Result<(Token, LocalFiles), ServerError> {
+        let all = self.ordinary.iter().chain(self.trainers.iter().flatten());
+        let addresses: Vec<_> = all.map(|listener| listener.address().to_string()).collect();
+        let files = local::publish(addresses.iter().map(String::as_str), &token)?;
+        Ok((token, files))
+    }
 }
 
 /// A listener for gRPC.

@@ -10,7 +10,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 
 use baudbot_access::Token;
-use baudbot_access::local::{self, LocalFiles};
+use baudbot_access::local::LocalFiles;
 use baudbot_proto::v1;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
@@ -122,6 +122,8 @@ impl Server {
         listeners: Listeners,
         films: Option<mpsc::Sender<Film>>,
     ) -> Result<Self, ServerError> {
+        // Clients that come as soon as they can find the token of this server, and not of the one before.
+        let local = local.map(|token| listeners.publish(token)).transpose()?;
         let registry = control.registry.clone();
         let control = Arc::new(control);
         let router = router::ordinary(&control, &access, gate.patience()).await?;
@@ -133,7 +135,7 @@ impl Server {
             trainers: Vec::new(),
             viewers: Vec::new(),
             sockets: Vec::new(),
-            local: None,
+            local,
             is_encrypted,
             pipes,
             trainers_pipes: None,
@@ -159,13 +161,12 @@ impl Server {
             server.viewers.extend(page.listener.local_addr());
             let guard = Guard::new(&page, &hosts, behind_proxy);
             let page = GatedListener::new(page, gate.clone());
-            let services = page::Services { pipes: server.pipes.clone(), access: access.clone(), metrics: metrics.clone() };
+            let services = page::Services {
+                pipes: server.pipes.clone(),
+                access: access.clone(),
+                metrics: metrics.clone(),
+            };
             server.tasks.spawn(page::serve(page, guard, services, films.clone(), stopped.clone()));
-        }
-        if let Some(token) = local {
-            let addresses: Vec<_> = server.addresses.iter().chain(&server.trainers).map(Address::to_string).collect();
-            let files = local::publish(addresses.iter().map(String::as_str), &token)?;
-            server.local = Some((token, files));
         }
         let mut stopped = stopped;
         server.tasks.spawn(async move {
@@ -206,6 +207,11 @@ impl Server {
     /// The addresses of the viewer, with the ports that it got.
     pub fn viewers(&self) -> &[SocketAddr] {
         &self.viewers
+    }
+
+    /// Whether connections over TCP are by TLS.
+    pub fn is_encrypted(&self) -> bool {
+        self.is_encrypted
     }
 
     /// Links to the viewer for this user's own browser. What they end with is the token, which a browser sends to nobody but the
