@@ -114,6 +114,7 @@ fn drive<B: Brain, E: Display>(
 fn attachment(brain: String, arguments: &ArgMatches) -> Attachment {
     let robots = arguments.get_many("robot").unwrap_or_default();
     Attachment {
+        credentials: None,
         connect: text(arguments, "connect").to_owned(),
         world: text(arguments, "world").to_owned(),
         robots: robots.cloned().collect(),

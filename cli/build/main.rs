@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The folders of the crates, in the order of what they need.
-const CRATES: &[&str] = &["fields", "geometry", "wire", "brain", "proto", "client", "brains"];
+const CRATES: &[&str] = &["fields", "access", "geometry", "wire", "brain", "proto", "client", "brains"];
 
 /// Files that go with the crates as they are.
 const BESIDE: &[&str] = &["LICENSE-APACHE", "LICENSE-MIT", "docs/brains.md"];

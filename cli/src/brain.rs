@@ -28,16 +28,16 @@ pub(crate) async fn brain(args: BrainArgs) -> anyhow::Result<()> {
 /// Drives until the run is over, and comes back to a server that it has lost. That a world, and a robot, need no name if there
 /// is only one, is for the person at the keyboard; the brain itself sees its cable only.
 async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
-    let channel = connect::channel(&args.server.connect).await?;
-    let world = connect::world(channel, &args.server).await?;
-    let there: Vec<_> = world.robots.iter().map(|robot| robot.robot.clone()).collect();
-    let robots = match args.robots.as_slice() {
-        [] => vec![only_robot(&world)?],
-        patterns => assignment::named(patterns, &there)?,
+    let credentials = args.server.credentials.read()?;
+    let (world, robots) = match named(&args) {
+        // A token to drive need not be one to look.
+        Some(named) => named,
+        None => found(&args).await?,
     };
     let attachment = Attachment {
         connect: args.server.connect,
-        world: world.world,
+        credentials: Some(credentials),
+        world,
         robots,
         brain: catalogue::shown_name(&brain),
         // No brain of the catalogue says how long it thought.
@@ -53,6 +53,23 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
     })?;
     let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
     text::print(&format!("the run is over after {}\n", count(turns, "turn")))
+}
+
+/// The world and the robots, if the arguments name them in full.
+fn named(args: &BrainArgs) -> Option<(String, Vec<String>)> {
+    let are_names = !args.robots.is_empty() && args.robots.iter().all(|robot| !robot.contains('*'));
+    Some((args.server.world.clone().filter(|_| are_names)?, args.robots.clone()))
+}
+
+/// The world and the robots, as the server has them.
+async fn found(args: &BrainArgs) -> anyhow::Result<(String, Vec<String>)> {
+    let world = connect::world(connect::channel(&args.server).await?, &args.server).await?;
+    let there: Vec<_> = world.robots.iter().map(|robot| robot.robot.clone()).collect();
+    let robots = match args.robots.as_slice() {
+        [] => vec![only_robot(&world)?],
+        patterns => assignment::named(patterns, &there)?,
+    };
+    Ok((world.world, robots))
 }
 
 fn only_robot(world: &v1::WorldStatus) -> anyhow::Result<String> {

@@ -1,18 +1,18 @@
 //! Finding a server, and a world on it.
 
 use anyhow::bail;
+use baudbot_client::Channel;
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
-use tonic::transport::Channel;
 
 use crate::args::ConnectArgs;
 use crate::error::from_server;
 use crate::natural;
 
 /// A connection to the server.
-pub(crate) async fn channel(address: &str) -> anyhow::Result<Channel> {
-    Ok(baudbot_client::connect(address).await?.channel())
+pub(crate) async fn channel(server: &ConnectArgs) -> anyhow::Result<Channel> {
+    Ok(baudbot_client::connect_with(&server.connect, &server.credentials.read()?).await?.channel())
 }
 
 /// A client of an operator's service.

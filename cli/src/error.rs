@@ -46,9 +46,12 @@ pub(crate) fn text(error: &anyhow::Error) -> String {
 /// Why a server did not start: what the command asks for cannot be, or something went wrong.
 pub(crate) fn from_builder(error: ServerError) -> anyhow::Error {
     let refused = match &error {
-        ServerError::NotLoopback { .. } | ServerError::TrainerNotLocal { .. } => true,
+        ServerError::NotLoopback { .. } | ServerError::TrainerNotLocal { .. } | ServerError::Tokens(_) => {
+            true
+        }
         ServerError::World(status) => matches!(status.code(), Code::AlreadyExists | Code::InvalidArgument),
         ServerError::Bind { .. }
+        | ServerError::LocalToken(_)
         | ServerError::NoTrainers
         | ServerError::Reflection(_)
         | ServerError::Pipe(_) => false,

@@ -4,8 +4,8 @@
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
 //! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
-//!    `preset`, `evidence`, `fit`, `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune`
-//!    share.
+//!    `preset`, `evidence`, `fit`, `export`, `watch`, `new`, `token` and `cert` are the commands, one a file or folder; `work` is
+//!    what `sweep` and `tune` share.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
 //! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
@@ -23,6 +23,7 @@ mod args;
 mod assignment;
 mod brain;
 mod budget;
+mod cert;
 mod check;
 mod chips;
 mod connect;
@@ -62,6 +63,7 @@ mod summary;
 mod sweep;
 mod text;
 mod together;
+mod token;
 mod trace;
 mod tune;
 mod umbmark;
@@ -133,6 +135,8 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
         Command::Port(PortCommand::Open(args)) => runtime.block_on(ports::open(&args)),
         Command::Port(PortCommand::Watch(args)) => runtime.block_on(port_watch::watch(&args)),
+        Command::Token(command) => token::token(command),
+        Command::Cert(command) => cert::cert(&command),
     }?;
     Ok(ExitCode::SUCCESS)
 }

@@ -21,7 +21,7 @@ pub(crate) async fn watch(args: &WatchPortArgs) -> anyhow::Result<()> {
 }
 
 async fn show(args: &WatchPortArgs) -> anyhow::Result<()> {
-    let channel = connect::channel(&args.server.connect).await?;
+    let channel = connect::channel(&args.server).await?;
     let world = connect::world(channel.clone(), &args.server).await?.world;
     let (robot, sensor) = args.cable.split_once('/').unwrap_or((&args.cable, ""));
     let (robot, sensor) = (robot.to_owned(), sensor.to_owned());

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use anyhow::Context;
+use baudbot_client::Channel;
 use baudbot_fields::endpoint::Endpoint;
-use baudbot_port::{News, PortAddress, PortError, Report, RobotPorts};
+use baudbot_port::{News, PortAddress, PortError, Reach, Report, RobotPorts};
 use baudbot_sim::scenario::SerialPort;
 use tokio::sync::watch;
 use tokio::task::JoinSet;
-use tonic::transport::Channel;
 
 use crate::args::OpenPortArgs;
 use crate::connect;
@@ -22,11 +22,11 @@ const LONG_STEP_NS: u64 = 1_000_000;
 /// `baudbot port open`.
 pub(crate) async fn open(args: &OpenPortArgs) -> anyhow::Result<()> {
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
-    let channel = connect::channel(&args.server.connect).await?;
+    let channel = connect::channel(&args.server).await?;
     let world = connect::world(channel.clone(), &args.server).await?;
     let names: Vec<_> = world.robots.iter().map(|robot| robot.robot.clone()).collect();
-    let ports = by_robot(&args.ports, &names, args.insecure)?;
-    let mut open = OpenPorts::open(channel, &[(world.world, ports)]).await?;
+    let ports = by_robot(&args.ports, &names, args.open)?;
+    let mut open = OpenPorts::open(channel, &[(world.world, ports)], reach(args.open)).await?;
     text::print(&open.greeting())?;
     tokio::select! {
         gone = open.gone() => gone?,
@@ -39,14 +39,10 @@ pub(crate) async fn open(args: &OpenPortArgs) -> anyhow::Result<()> {
 pub(crate) type PortsByRobot = BTreeMap<String, Vec<(Option<String>, Endpoint)>>;
 
 /// Which ports are to be opened at which of these robots.
-pub(crate) fn by_robot(
-    ports: &[PortAddress],
-    robots: &[String],
-    insecure: bool,
-) -> anyhow::Result<PortsByRobot> {
+pub(crate) fn by_robot(ports: &[PortAddress], robots: &[String], open: bool) -> anyhow::Result<PortsByRobot> {
     let mut by_robot = PortsByRobot::new();
     for PortAddress { robot, device, endpoint: place } in ports {
-        is_allowed(place, insecure)?;
+        is_allowed(place, open)?;
         let robot = match (robot, robots) {
             (Some(robot), _) if robots.contains(robot) => robot,
             (None, [only]) => only,
@@ -73,7 +69,6 @@ pub(crate) fn by_robot(
 pub(crate) fn with_those_of_scenario(
     given: &PortsByRobot,
     scenario: &[SerialPort],
-    insecure: bool,
 ) -> anyhow::Result<PortsByRobot> {
     let mut all = given.clone();
     for SerialPort { robot, sensor, endpoint } in scenario {
@@ -81,14 +76,19 @@ pub(crate) fn with_those_of_scenario(
         if given.get(robot).is_some_and(|ports| ports.iter().any(is_its_cable)) {
             continue;
         }
-        is_allowed(endpoint, insecure)?;
+        is_allowed(endpoint, false)?;
         all.entry(robot.clone()).or_default().push((sensor.clone(), endpoint.clone()));
     }
     Ok(all)
 }
 
-fn is_allowed(place: &Endpoint, insecure: bool) -> anyhow::Result<()> {
-    if place.is_local() || insecure {
+/// Whose programs may open ports.
+pub(crate) fn reach(open: bool) -> Reach {
+    if open { Reach::Anyone } else { Reach::OwnUser }
+}
+
+fn is_allowed(place: &Endpoint, open: bool) -> anyhow::Result<()> {
+    if place.is_local() || open {
         return Ok(());
     }
     Err(Refused::error(PortError::NotLocal { place: place.clone() }.to_string()))
@@ -106,12 +106,16 @@ pub(crate) struct OpenPorts {
 
 impl OpenPorts {
     /// Opens the ports of robots of these worlds.
-    pub(crate) async fn open(channel: Channel, worlds: &[(String, PortsByRobot)]) -> anyhow::Result<Self> {
+    pub(crate) async fn open(
+        channel: Channel,
+        worlds: &[(String, PortsByRobot)],
+        reach: Reach,
+    ) -> anyhow::Result<Self> {
         let (stop, _) = watch::channel(false);
         let mut open = Self { tasks: JoinSet::new(), stop, greeting: String::new() };
         let robots = worlds.iter().flat_map(|(world, ports)| ports.iter().map(move |robot| (world, robot)));
         for (world, (robot, ports)) in robots {
-            let opened = RobotPorts::open(channel.clone(), world, robot, ports).await.map_err(refused);
+            let opened = RobotPorts::open(channel.clone(), world, robot, ports, reach).await.map_err(refused);
             let opened = opened.with_context(|| format!("the serial ports of {robot}"))?;
             open.greet(ports, &opened);
             let mut stopped = open.stop.subscribe();

@@ -99,10 +99,7 @@ fn note(file: &Path, recorded: &RecordedRun) {
 /// Refuses options that would be of no use.
 fn check(args: &ReplayArgs) -> anyhow::Result<()> {
     let (listen, watchdog) = (&args.listen, &args.watchdog);
-    let listens = !listen.listen.is_empty()
-        || listen.viewer.is_some()
-        || listen.insecure
-        || listen.max_connections.is_some();
+    let listens = listen.viewer.is_some() || listen.given().is_some();
     let waits =
         watchdog.watchdog_ms.is_some() || watchdog.on_timeout.is_some() || watchdog.lookahead.is_some();
     let lags = watchdog.max_lag_ms.is_some();
@@ -112,7 +109,7 @@ fn check(args: &ReplayArgs) -> anyhow::Result<()> {
     }
     if listens && !args.fork && !args.view {
         return refused(
-            "--listen, --viewer, --insecure and --max-connections need --view or --fork: else nothing is served",
+            "--listen, --viewer, --max-connections and what says who may connect need --view or --fork: else nothing is served",
         );
     }
     if waits && !args.fork {
@@ -193,14 +190,14 @@ fn to(args: &ReplayArgs, replay: &mut Replay, world: &mut World) -> anyhow::Resu
 }
 
 async fn live(args: &ReplayArgs, name: String, world: World, pace: Pace) -> anyhow::Result<()> {
-    let mut serving = Serving::new(&args.listen);
+    let mut serving = Serving::new(&args.listen)?;
     let config = record::add(WorldConfig::from_state(name.clone(), world.clone()).pace(pace), &args.again);
     serving.add(&name, world.scenario(), config);
     serving.until_stopped(Viewing::IfOpen).await
 }
 
 async fn view(args: &ReplayArgs, replay: Replay, world: World) -> anyhow::Result<()> {
-    let mut serving = Serving::new(&args.listen);
+    let mut serving = Serving::new(&args.listen)?;
     let name = replay.recorded().header().world.clone();
     serving.add_replay(&name, WorldConfig::replay(name.clone(), (replay, world)));
     serving.until_stopped(Viewing::Always).await

@@ -16,7 +16,7 @@ use crate::text::tell;
 use crate::{record, replay};
 
 pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
-    let mut serving = Serving::new(&args.listen);
+    let mut serving = Serving::new(&args.listen)?;
     if let Some(folder) = &args.recordings {
         make_folder(folder)?;
         serving.keep_recordings(folder);

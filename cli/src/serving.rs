@@ -44,8 +44,11 @@ pub(crate) struct Serving<'a> {
 type Described = (String, String, Option<(String, &'static str)>);
 
 impl<'a> Serving<'a> {
-    pub(crate) fn new(listen: &'a ListenArgs) -> Self {
-        Self { builder: listen.builder(), listen, worlds: Vec::new(), live: Vec::new(), ports: Vec::new() }
+    /// # Errors
+    /// If what the server is to be guarded with cannot be used.
+    pub(crate) fn new(listen: &'a ListenArgs) -> anyhow::Result<Self> {
+        let builder = listen.builder()?;
+        Ok(Self { builder, listen, worlds: Vec::new(), live: Vec::new(), ports: Vec::new() })
     }
 
     /// Lets operators record into a folder.
@@ -68,12 +71,11 @@ impl<'a> Serving<'a> {
 
     /// Opens the serial ports that scenarios ask for, and these at robots of the only world.
     pub(crate) fn open_ports(&mut self, ports: &[PortAddress]) -> anyhow::Result<()> {
-        let insecure = self.listen.insecure;
         let given = match self.live.as_slice() {
             _ if ports.is_empty() => PortsByRobot::new(),
             [(_, scenario)] => {
                 let robots: Vec<_> = scenario.robots.iter().map(|spec| spec.name.clone()).collect();
-                ports::by_robot(ports, &robots, insecure)?
+                ports::by_robot(ports, &robots, false)?
             }
             _ => {
                 let text = "--port: takes a single world, and these are several; use `baudbot port open --world WORLD`";
@@ -81,7 +83,7 @@ impl<'a> Serving<'a> {
             }
         };
         for (world, scenario) in &self.live {
-            let ports = ports::with_those_of_scenario(&given, &scenario.serial_ports, insecure)?;
+            let ports = ports::with_those_of_scenario(&given, &scenario.serial_ports)?;
             self.ports.push((world.clone(), ports));
         }
         Ok(())
@@ -106,7 +108,8 @@ impl<'a> Serving<'a> {
         let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
         let server = builder.serve().await.map_err(from_builder)?;
         text::print(&greeting(&server, &worlds))?;
-        let mut open = OpenPorts::open(server.channel().await?, &ports).await?;
+        let mut open =
+            OpenPorts::open(server.channel().await?.into(), &ports, ports::reach(listen.access.open)).await?;
         text::print(&open.greeting())?;
         loop {
             tokio::select! {
@@ -133,7 +136,7 @@ impl<'a> Serving<'a> {
 
 /// What has happened in the worlds that are still there and have begun.
 async fn summaries(server: &Server, worlds: &[(String, Arc<Scenario>)]) -> anyhow::Result<String> {
-    let mut control = connect::control(server.channel().await?);
+    let mut control = connect::control(server.channel().await?.into());
     let mut text = String::new();
     for (name, scenario) in worlds {
         let request = v1::GetWorldRequest { world: name.clone() };
@@ -172,9 +175,14 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
     }
     let robot = worlds.iter().find_map(|(world, _, robot)| Some((world, robot.as_ref()?)));
     if let (Some(address), Some((world, (robot, brain)))) = (server.addresses().first(), robot) {
+        let scheme =
+            if server.is_encrypted() && matches!(address, Address::Tcp(_)) { "https://" } else { "" };
         let _ = writeln!(text, "\nIn a second terminal:");
-        let _ = writeln!(text, "  baudbot brain {brain} --connect {address} --world {world} --robot {robot}");
-        let _ = writeln!(text, "  baudbot watch --connect {address} --world {world}");
+        let _ = writeln!(
+            text,
+            "  baudbot brain {brain} --connect {scheme}{address} --world {world} --robot {robot}"
+        );
+        let _ = writeln!(text, "  baudbot watch --connect {scheme}{address} --world {world}");
         let _ = writeln!(text, "Ctrl-C stops the server.");
     }
     text

@@ -1,6 +1,5 @@
 //! The address of the viewer, a page for browsers.
 
-use std::fmt;
 use std::net::SocketAddr;
 use std::str::FromStr;
 
@@ -41,17 +40,8 @@ pub(crate) fn add(builder: Builder, asked: Option<Viewer>, usually: bool) -> Bui
 }
 
 /// A line that leads people there; none if there is no viewer.
-pub(crate) fn link(server: &Server) -> Option<Link> {
-    server.viewers().first().copied().map(Link)
-}
-
-/// For people to click on.
-pub(crate) struct Link(SocketAddr);
-
-impl fmt::Display for Link {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "look at it: http://{}/", self.0)
-    }
+pub(crate) fn link(server: &Server) -> Option<String> {
+    server.viewer_links().first().map(|link| format!("look at it: {link}"))
 }
 
 /// Beside the place that servers listen at.

@@ -5,11 +5,11 @@ use std::io::IsTerminal;
 use std::time::Duration;
 
 use anyhow::{Context, bail};
+use baudbot_client::Channel;
 use baudbot_fields::printable::PrintableLines;
 use baudbot_plot::quantity::NOTHING;
 use baudbot_proto::v1;
 use tonic::Streaming;
-use tonic::transport::Channel;
 
 use crate::args::WatchArgs;
 use crate::error::from_server;
@@ -38,7 +38,7 @@ pub(crate) async fn watch(args: &WatchArgs) -> anyhow::Result<()> {
 }
 
 async fn show(args: &WatchArgs, in_place: bool) -> anyhow::Result<()> {
-    let channel = connect::channel(&args.server.connect).await?;
+    let channel = connect::channel(&args.server).await?;
     let world = connect::world(channel.clone(), &args.server).await?.world;
     let mut observe = connect::observe(channel.clone());
     let described = observe.describe_world(v1::DescribeWorldRequest { world: world.clone() }).await;

@@ -2,35 +2,49 @@
 
 use std::io;
 use std::pin::Pin;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::task::{Context, Poll};
 use std::time::Duration;
 
+use baudbot_fields::printable::Printable;
 use hyper_util::rt::TokioIo;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::{TcpStream, UnixStream, lookup_host};
 use tokio::sync::Notify;
 use tokio::task::JoinSet;
 use tokio::time::timeout;
-use tonic::transport::{Channel, Endpoint};
+use tokio_rustls::TlsConnector;
+use tokio_rustls::rustls::pki_types::ServerName;
+use tonic::transport::Endpoint;
 use tower::service_fn;
 
+use crate::channel::Channel;
+use crate::credentials::Credentials;
 use crate::error::Error;
 
-/// Connects to the server at `HOST:PORT`, `http://HOST:PORT` or `unix:/PATH`.
-pub(crate) async fn connect(address: &str) -> Result<Channel, Error> {
-    connect_within(address, PATIENCE).await
+/// Connects to the server at `HOST:PORT`, `http://HOST:PORT`, `https://HOST:PORT` or `unix:/PATH`.
+pub(crate) async fn connect(address: &str, credentials: &Credentials) -> Result<Channel, Error> {
+    connect_within(address, credentials, PATIENCE).await
 }
 
-async fn connect_within(address: &str, patience: Duration) -> Result<Channel, Error> {
+async fn connect_within(
+    address: &str,
+    credentials: &Credentials,
+    patience: Duration,
+) -> Result<Channel, Error> {
     let (place, endpoint) = place(address).ok_or_else(|| Error::Address { address: address.to_owned() })?;
-    let heard = Arc::new(Notify::new());
+    let tls = if place.is_encrypted() { Some(TlsConnector::from(credentials.tls()?)) } else { None };
+    let token = credentials.token_for(address)?;
+    let heard = Arc::new(Heard::default());
     // Also makes the connections that take the place of one that is lost.
     let connector = service_fn({
         let heard = Arc::clone(&heard);
         move |_| {
-            let (place, heard) = (place.clone(), Arc::clone(&heard));
-            async move { Ok::<_, io::Error>(TokioIo::new(Line { pipe: place.open().await?, heard: Some(heard) })) }
+            let (place, tls, heard) = (place.clone(), tls.clone(), Arc::clone(&heard));
+            async move {
+                let pipe = place.open(tls.as_ref()).await?;
+                Ok::<_, io::Error>(TokioIo::new(Line { pipe, heard: Some(heard) }))
+            }
         }
     });
     let channel = endpoint.connect_timeout(patience).connect_with_connector(connector).await;
@@ -40,8 +54,11 @@ async fn connect_within(address: &str, patience: Duration) -> Result<Channel, Er
         address: address.to_owned(),
         cause: format!("something accepts connections there, but has not answered for {patience:?}"),
     };
-    timeout(patience, heard.notified()).await.map_err(silent)?;
-    Ok(channel)
+    timeout(patience, heard.first.notified()).await.map_err(silent)?;
+    if let Some(words) = heard.words.get() {
+        return Err(Error::Connect { address: address.to_owned(), cause: words.clone() });
+    }
+    Ok(Channel::new(channel, token.as_deref()))
 }
 
 /// Where a server listens.
@@ -49,20 +66,24 @@ async fn connect_within(address: &str, patience: Duration) -> Result<Channel, Er
 enum Place {
     /// `HOST:PORT`.
     Tcp(String),
+    /// The same by TLS, with the name that the server's certificate must have.
+    Tls(String, ServerName<'static>),
     /// A path.
     Unix(String),
 }
 
 impl Place {
-    async fn open(&self) -> io::Result<Box<dyn Pipe>> {
-        Ok(match self {
-            Self::Tcp(authority) => {
-                let stream = connect_to_any(authority).await?;
-                // A step is a small message that must go at once: waiting for more to send along would cost 40 ms.
-                stream.set_nodelay(true)?;
-                Box::new(stream)
+    fn is_encrypted(&self) -> bool {
+        matches!(self, Self::Tls(..))
+    }
+
+    async fn open(&self, tls: Option<&TlsConnector>) -> io::Result<Box<dyn Pipe>> {
+        Ok(match (self, tls) {
+            (Self::Tls(authority, name), Some(tls)) => {
+                Box::new(tls.connect(name.clone(), connect_to_any(authority).await?).await?)
             }
-            Self::Unix(path) => Box::new(UnixStream::connect(path).await?),
+            (Self::Tcp(authority) | Self::Tls(authority, _), _) => Box::new(connect_to_any(authority).await?),
+            (Self::Unix(path), _) => Box::new(UnixStream::connect(path).await?),
         })
     }
 }
@@ -80,7 +101,11 @@ async fn connect_to_any(authority: &str) -> io::Result<TcpStream> {
             None => {}
         }
         match timeout(HEAD_START, tries.join_next()).await {
-            Ok(Some(Ok(Ok(stream)))) => return Ok(stream),
+            Ok(Some(Ok(Ok(stream)))) => {
+                // A step is a small message that must go at once: waiting for more to send along would cost 40 ms.
+                stream.set_nodelay(true)?;
+                return Ok(stream);
+            }
             Ok(Some(Ok(Err(error)))) => failed = error,
             Ok(Some(Err(error))) => failed = io::Error::other(error),
             Ok(None) | Err(_) => {}
@@ -96,11 +121,20 @@ trait Pipe: AsyncRead + AsyncWrite + Send + Unpin {}
 
 impl<IO: AsyncRead + AsyncWrite + Send + Unpin> Pipe for IO {}
 
+/// What a server says first.
+#[derive(Default)]
+struct Heard {
+    /// It has said something, or is gone.
+    first: Notify,
+    /// It speaks HTTP/1, as a server does to those who speak without TLS where it is wanted.
+    words: OnceLock<String>,
+}
+
 /// A connection that tells when the first bytes have come, or its end.
 struct Line {
     pipe: Box<dyn Pipe>,
     /// The recipient.
-    heard: Option<Arc<Notify>>,
+    heard: Option<Arc<Heard>>,
 }
 
 impl AsyncRead for Line {
@@ -109,11 +143,15 @@ impl AsyncRead for Line {
         context: &mut Context<'_>,
         buffer: &mut ReadBuf<'_>,
     ) -> Poll<io::Result<()>> {
+        let before = buffer.filled().len();
         let result = Pin::new(&mut self.pipe).poll_read(context, buffer);
         if result.is_ready()
             && let Some(heard) = self.heard.take()
         {
-            heard.notify_one();
+            if let Some(words) = words_of_http_1(&buffer.filled()[before..]) {
+                let _ = heard.words.set(words);
+            }
+            heard.first.notify_one();
         }
         result
     }
@@ -149,12 +187,25 @@ impl AsyncWrite for Line {
     }
 }
 
+/// What an answer of HTTP/1 says for people, if this is one.
+fn words_of_http_1(bytes: &[u8]) -> Option<String> {
+    let answer = bytes.starts_with(b"HTTP/1.").then(|| String::from_utf8_lossy(bytes))?;
+    let words =
+        answer.split_once("\r\n\r\n").map_or("", |(_, words)| words).lines().next().unwrap_or_default();
+    Some(if words.is_empty() {
+        "what answers there is no gRPC server".to_owned()
+    } else {
+        Printable(words).to_string()
+    })
+}
+
 fn place(address: &str) -> Option<(Place, Endpoint)> {
     let (place, uri) = match address.split_once(':')? {
         // The name is never looked up; it has to be some authority.
         ("unix", "") => return None,
         ("unix", path) => (Place::Unix(path.to_owned()), "http://localhost".to_owned()),
         ("http", _) => tcp(address.strip_prefix("http://")?)?,
+        ("https", _) => tls(address.strip_prefix("https://")?)?,
         _ => tcp(address)?,
     };
     // A brain that waits for its turn hears nothing for long, and would not notice that nobody is there any more.
@@ -169,6 +220,15 @@ fn tcp(authority: &str) -> Option<(Place, String)> {
     let (host, port) = authority.rsplit_once(':')?;
     let fits = !host.is_empty() && !host.contains('/') && port.parse::<u16>().is_ok();
     fits.then(|| (Place::Tcp(authority.to_owned()), format!("http://{authority}")))
+}
+
+/// The scheme of the URI stays `http`: the connector encrypts, and tonic would else do it once more.
+fn tls(authority: &str) -> Option<(Place, String)> {
+    let (place, uri) = tcp(authority)?;
+    let Place::Tcp(authority) = place else { return None };
+    let (host, _) = authority.rsplit_once(':')?;
+    let name = ServerName::try_from(host.trim_matches(['[', ']']).to_owned()).ok()?;
+    Some((Place::Tls(authority, name), uri))
 }
 
 /// How long a server may take to be reached, and then to say the first word.
@@ -189,6 +249,8 @@ mod tests {
             "[::1]:7400",
             "http://127.0.0.1:7400",
             "http://box:1/",
+            "https://box:7400",
+            "https://[::1]:7400/",
             "unix:/run/b",
         ] {
             assert!(place(good).is_some(), "{good}");
@@ -200,7 +262,8 @@ mod tests {
             "box",
             "box:",
             "box:http",
-            "https://box:7400",
+            "https://box",
+            "https://a b:7400",
             "unix:",
             "a b:7400",
             "http://box",
@@ -213,7 +276,10 @@ mod tests {
     async fn a_port_that_takes_connections_and_says_nothing_is_given_up() {
         let silent = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = silent.local_addr().unwrap().to_string();
-        let text = connect_within(&address, Duration::from_millis(100)).await.unwrap_err().to_string();
+        let text = connect_within(&address, &Credentials::default(), Duration::from_millis(100))
+            .await
+            .unwrap_err()
+            .to_string();
         let words = "something accepts connections there, but has not answered for 100ms";
         let expected = format!("no server answers at {address} ({words}); is `baudbot serve` running there?");
         assert_eq!(text, expected);
@@ -222,10 +288,10 @@ mod tests {
     #[tokio::test]
     async fn a_silent_address_is_named_with_the_fix() {
         // Port 1 needs a privileged server, of which a test machine has none.
-        let text = connect("127.0.0.1:1").await.unwrap_err().to_string();
+        let text = connect("127.0.0.1:1", &Credentials::default()).await.unwrap_err().to_string();
         assert!(text.starts_with("no server answers at 127.0.0.1:1 ("), "{text}");
         assert!(text.ends_with("is `baudbot serve` running there?"), "{text}");
-        let text = connect("nowhere").await.unwrap_err().to_string();
+        let text = connect("nowhere", &Credentials::default()).await.unwrap_err().to_string();
         assert!(text.starts_with("`nowhere` is not a server address"), "{text}");
     }
 }

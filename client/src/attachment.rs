@@ -7,8 +7,9 @@ use baudbot_brain::{Body, Brain};
 use thiserror::Error as ThisError;
 use tokio::time::Instant;
 
-use crate::client::connect;
+use crate::client::{connect, connect_with};
 use crate::comeback::come_back;
+use crate::credentials::Credentials;
 use crate::error::Error;
 use crate::fleet::Fleet;
 use crate::reconnect::{Hope, Reconnect};
@@ -19,6 +20,8 @@ use crate::run::{Summary, run_fleet};
 pub struct Attachment {
     /// The server, as [`connect()`] takes it.
     pub connect: String,
+    /// What is shown to it; `None` for the [credentials of the environment](Credentials::from_environment).
+    pub credentials: Option<Credentials>,
     /// Name of the world.
     pub world: String,
     /// Names of the robots, which get a brain each, over one stream.
@@ -125,7 +128,11 @@ impl Attachment {
         &self,
         make: impl Fn(&Body) -> Result<B, E>,
     ) -> Result<Attached<B>, AttachmentError<E>> {
-        let mut client = connect(&self.connect).await?.brain(&self.brain);
+        let client = match &self.credentials {
+            Some(credentials) => connect_with(&self.connect, credentials).await?,
+            None => connect(&self.connect).await?,
+        };
+        let mut client = client.brain(&self.brain);
         if self.thinks_as_scenario {
             client = client.thinks_as_scenario();
         }

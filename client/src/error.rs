@@ -12,7 +12,7 @@ use tonic::Code;
 #[derive(Debug, Error)]
 pub enum Error {
     /// The address is none.
-    #[error("`{address}` is not a server address; write HOST:PORT, http://HOST:PORT or unix:/PATH")]
+    #[error("`{address}` is not a server address; write HOST:PORT, https://HOST:PORT or unix:/PATH")]
     Address {
         /// As it was given.
         address: String,
@@ -24,6 +24,14 @@ pub enum Error {
         address: String,
         /// The network's message.
         cause: String,
+    },
+    /// A token, a certificate or a key is unsound.
+    #[error("{place}: {problem}")]
+    Credentials {
+        /// The file or the variable.
+        place: String,
+        /// What is wrong with it.
+        problem: String,
     },
     /// The server refused, or ended the stream with an error.
     #[error("the server says: {message} ({code:?})")]
@@ -86,7 +94,11 @@ impl Error {
         match self {
             Self::Connect { .. } | Self::Lost { .. } => true,
             Self::Status { code, .. } => matches!(code, Code::Unavailable | Code::AlreadyExists),
-            Self::Address { .. } | Self::Restart | Self::Protocol(_) | Self::Brains { .. } => false,
+            Self::Address { .. }
+            | Self::Credentials { .. }
+            | Self::Restart
+            | Self::Protocol(_)
+            | Self::Brains { .. } => false,
         }
     }
 

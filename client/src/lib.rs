@@ -50,8 +50,10 @@
 
 mod address;
 mod attachment;
+mod channel;
 mod client;
 mod comeback;
+mod credentials;
 mod error;
 mod fleet;
 mod protocol;
@@ -70,8 +72,10 @@ pub use baudbot_brain::{
 
 pub use attachment::{Attachment, AttachmentError};
 pub use baudbot_proto::convert::Breach;
-pub use client::{Client, connect};
+pub use channel::Channel;
+pub use client::{Client, connect, connect_with};
 pub use comeback::come_back;
+pub use credentials::Credentials;
 pub use error::Error;
 pub use fleet::Fleet;
 pub use raw::RawRobot;

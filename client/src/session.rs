@@ -2,8 +2,8 @@
 
 use baudbot_brain::{Belief, Until};
 use baudbot_proto::v1;
-use tonic::transport::Channel;
 
+use crate::channel::Channel;
 use crate::error::Error;
 use crate::protocol::{self, Answer, Event, Part, Welcome};
 use crate::stream::Stream;

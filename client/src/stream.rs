@@ -4,8 +4,9 @@ use baudbot_proto::v1::brain_link_service_client::BrainLinkServiceClient;
 use baudbot_proto::v1::{AttachRequest, AttachResponse};
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
-use tonic::transport::Channel;
 use tonic::{Status, Streaming};
+
+use crate::channel::Channel;
 
 /// An Attach call.
 #[derive(Debug)]

@@ -1,7 +1,8 @@
 // A brain in TypeScript that follows the wall at its right. It attaches where BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT say,
 // which `baudbot run --brain 'exec:npx tsx follow.ts'` sets, and drives until the run is over.
 import { create, fromBinary, toBinary, type MessageInitShape } from "@bufbuild/protobuf";
-import { Client, credentials } from "@grpc/grpc-js";
+import { existsSync, readFileSync } from "node:fs";
+import { Client, Metadata, credentials } from "@grpc/grpc-js";
 import * as pb from "./gen/baudbot/v1/brain_link_pb";
 
 const { BAUDBOT_CONNECT = "127.0.0.1:7400", BAUDBOT_WORLD = "wander", BAUDBOT_ROBOT = "robot" } = process.env;
@@ -21,6 +22,18 @@ function withParameters<T extends Record<string, number>>(defaults: T): T {
   return { ...defaults, ...given };
 }
 
+/** The token of one's own server on this machine (docs/trust.md). */
+function ownToken(): string | undefined {
+  const { XDG_RUNTIME_DIR } = process.env;
+  const folders = [XDG_RUNTIME_DIR && `${XDG_RUNTIME_DIR}/baudbot`, `/tmp/baudbot-${process.getuid?.()}`];
+  const files = folders.map((folder) => `${folder}/${BAUDBOT_CONNECT.replace("localhost:", "127.0.0.1:")}.token`);
+  return tokenOf(files.find((file) => existsSync(file)));
+}
+
+function tokenOf(file: string | undefined): string | undefined {
+  return file ? readFileSync(file, "utf8").trim() : undefined;
+}
+
 /** What the brain does in a step. `value` gives a sensor's last reading, or the other value if none has arrived yet. */
 function step(value: (sensor: string, unread: number) => number): MessageInitShape<typeof pb.CommandSchema> {
   const ahead = Math.max(value("ir_front", 1), value("ir_front_left", 1));
@@ -33,10 +46,14 @@ function step(value: (sensor: string, unread: number) => number): MessageInitSha
 }
 
 const server = new Client(BAUDBOT_CONNECT, credentials.createInsecure());
+const metadata = new Metadata();
+const token = process.env.BAUDBOT_TOKEN ?? tokenOf(process.env.BAUDBOT_TOKEN_FILE) ?? ownToken();
+if (token) metadata.set("authorization", `Bearer ${token}`);
 const stream = server.makeBidiStreamRequest(
   "/baudbot.v1.BrainLinkService/Attach",
   (request: pb.AttachRequest) => Buffer.from(toBinary(pb.AttachRequestSchema, request)),
   (bytes) => fromBinary(pb.AttachResponseSchema, bytes),
+  metadata,
 );
 const send = (request: MessageInitShape<typeof pb.AttachRequestSchema>["request"]) =>
   stream.write(create(pb.AttachRequestSchema, { request }));

@@ -3,12 +3,11 @@
 use std::cell::{Cell, RefCell};
 use std::time::Duration;
 
-use baudbot_client::{Client, Error as ClientError, connect};
+use baudbot_client::{Channel, Client, Error as ClientError, connect};
 use baudbot_launch::{Crew, Failure as Broken, Held, Idle, Lifetime, Problem};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use tokio::runtime::Runtime;
-use tonic::transport::Channel;
 use tonic::{Code, Status};
 
 use crate::assignment::{Assigned, Assignment, AssignmentError, AttachedBrains, START_PATIENCE};

@@ -27,7 +27,7 @@ pub enum PortError {
     },
     /// Other machines could reach it.
     #[error(
-        "{place}: other machines could reach this port and drive the robot; use an address of this machine, or --insecure"
+        "{place}: other machines could reach this port and drive the robot; use an address of this machine, or `baudbot port open --open`"
     )]
     NotLocal {
         /// Which port.

@@ -19,6 +19,7 @@ mod line;
 mod medium;
 mod program;
 mod pty;
+mod reach;
 mod report;
 mod robot;
 mod socket;
@@ -27,5 +28,6 @@ mod watch;
 
 pub use address::{BadPort, PortAddress};
 pub use error::PortError;
+pub use reach::Reach;
 pub use report::Report;
 pub use robot::{News, RobotPorts};

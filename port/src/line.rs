@@ -17,6 +17,7 @@ use crate::driver::{Driver, Order, Told};
 use crate::error::PortError;
 use crate::hold::Hold;
 use crate::medium::Medium;
+use crate::reach::Reach;
 use crate::report::Report;
 use baudbot_board::far_end::Settings;
 
@@ -37,13 +38,13 @@ impl Line {
     /// Opens a port at a place, at a cable whose UART at the robot's end is set so, if it has one. `number` is told with all that
     /// happens.
     pub(crate) fn open(
-        (sensor, place): (Option<u32>, &Endpoint),
+        (sensor, place, reach): (Option<u32>, &Endpoint, Reach),
         hold: Hold,
         settings: Option<Settings>,
         step_ns: u64,
         (number, told): (usize, UnboundedSender<(usize, Told)>),
     ) -> Result<Self, PortError> {
-        let medium = Medium::open(place, settings.as_ref())?;
+        let medium = Medium::open(place, reach, settings.as_ref())?;
         let failed = |source: io::Error| PortError::Open { place: place.clone(), source };
         let where_it_is = medium.where_it_is(place);
         let wake = eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)
@@ -119,7 +120,9 @@ mod tests {
     fn slow(hold: Hold, number: usize, tell: UnboundedSender<(usize, Told)>) -> (Line, TcpStream) {
         let place = Endpoint::Rfc2217(([127, 0, 0, 1], 0).into());
         let settings = Some(Settings::new_8n1(300));
-        let line = Line::open((None, &place), hold, settings, 100_000_000_000, (number, tell)).unwrap();
+        let line =
+            Line::open((None, &place, Reach::OwnUser), hold, settings, 100_000_000_000, (number, tell))
+                .unwrap();
         let clock = Clock { sim_ns: 0, unix_ns: now_unix_ns(), factor: 1.0 };
         line.order(Order::Bytes { clock, baud: None, bytes: Vec::new() });
         let program = TcpStream::connect(line.place.strip_prefix("rfc2217:").unwrap()).unwrap();

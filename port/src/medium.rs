@@ -10,6 +10,7 @@ use crate::happened::Happened;
 use crate::hold::Hold;
 use crate::program::Program;
 use crate::pty::Pty;
+use crate::reach::Reach;
 use crate::socket::Listener;
 use baudbot_board::far_end::{Read, Settings};
 
@@ -39,15 +40,19 @@ pub(crate) enum Used {
 
 impl Medium {
     /// A port at a place, for a robot whose UART is set so, if it has one.
-    pub(crate) fn open(place: &Endpoint, settings: Option<&Settings>) -> Result<Self, PortError> {
+    pub(crate) fn open(
+        place: &Endpoint,
+        reach: Reach,
+        settings: Option<&Settings>,
+    ) -> Result<Self, PortError> {
         let usual = settings.copied().unwrap_or(Settings::new_8n1(9600));
         let socket = |listener, telnet| Self::Socket { listener, program: None, telnet };
         Ok(match place {
             Endpoint::Pty(link) => {
                 Self::Pty { pty: Pty::open(Path::new(link), settings)?, used: Used::Closed }
             }
-            Endpoint::Tcp(address) => socket(Listener::tcp(*address, place)?, None),
-            Endpoint::Rfc2217(address) => socket(Listener::tcp(*address, place)?, Some(usual)),
+            Endpoint::Tcp(address) => socket(Listener::tcp(*address, reach, place)?, None),
+            Endpoint::Rfc2217(address) => socket(Listener::tcp(*address, reach, place)?, Some(usual)),
             Endpoint::Unix(path) => socket(Listener::unix(Path::new(path), place)?, None),
         })
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use baudbot_client::Channel;
 use baudbot_fields::endpoint::Endpoint;
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request;
@@ -10,13 +11,13 @@ use baudbot_proto::v1::brain_link_service_client::BrainLinkServiceClient;
 use tokio::sync::mpsc::{Sender, UnboundedReceiver, UnboundedSender, channel, unbounded_channel};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::Streaming;
-use tonic::transport::Channel;
 
 use crate::clock::{Ahead, Clock, now_unix_ns};
 use crate::driver::{Order, Told};
 use crate::error::PortError;
 use crate::hold::Hold;
 use crate::line::Line;
+use crate::reach::Reach;
 use crate::report::Report;
 use baudbot_board::far_end::Settings;
 
@@ -50,7 +51,8 @@ pub enum News {
 }
 
 impl RobotPorts {
-    /// Takes hold of a robot, and opens ports at its cables: that of the microcontroller, or those of sensors' own.
+    /// Takes hold of a robot, and opens ports at its cables: that of the microcontroller, or those of sensors' own. `reach` is about
+    /// those over TCP; the files of others are this user's.
     ///
     /// # Errors
     /// If a port cannot be opened, the robot cannot be had, or its world does not follow the wall clock.
@@ -59,6 +61,7 @@ impl RobotPorts {
         world: &str,
         robot: &str,
         ports: &[(Option<String>, Endpoint)],
+        reach: Reach,
     ) -> Result<Self, PortError> {
         let (requests, stream) = channel(MOST_STEPS);
         let hello = v1::Hello {
@@ -83,7 +86,7 @@ impl RobotPorts {
             return Err(PortError::Contract("a Welcome without robots"));
         };
         let (tell, told) = unbounded_channel();
-        let lines = lines(&description, ports, welcome.step_ns, &tell)?;
+        let lines = lines(&description, ports, reach, welcome.step_ns, &tell)?;
         Ok(Self {
             robot: robot.to_owned(),
             step_ns: welcome.step_ns,
@@ -227,6 +230,7 @@ impl RobotPorts {
 fn lines(
     robot: &v1::RobotDescription,
     ports: &[(Option<String>, Endpoint)],
+    reach: Reach,
     step_ns: u64,
     tell: &UnboundedSender<(usize, Told)>,
 ) -> Result<Vec<Line>, PortError> {
@@ -234,7 +238,7 @@ fn lines(
     let open = |(number, (device, place)): (usize, &(Option<String>, Endpoint))| {
         let (sensor, settings) = cable(robot, device.as_deref())?;
         let hold = holds.entry(sensor).or_insert_with(|| Hold::new(number)).beside(number);
-        Line::open((sensor, place), hold, settings, step_ns, (number, tell.clone()))
+        Line::open((sensor, place, reach), hold, settings, step_ns, (number, tell.clone()))
     };
     ports.iter().enumerate().map(open).collect()
 }

@@ -11,11 +11,12 @@ use std::path::{Path, PathBuf};
 use baudbot_fields::endpoint::Endpoint;
 
 use crate::error::PortError;
+use crate::reach::Reach;
 
 /// A socket that waits for programs.
 #[derive(Debug)]
 pub(crate) enum Listener {
-    Tcp(TcpListener),
+    Tcp(TcpListener, Reach),
     /// With its file, and which one that is: another server may have taken the name since.
     Unix(UnixListener, PathBuf, FileId),
 }
@@ -31,10 +32,10 @@ pub(crate) enum Connection {
 }
 
 impl Listener {
-    pub(crate) fn tcp(address: SocketAddr, place: &Endpoint) -> Result<Self, PortError> {
+    pub(crate) fn tcp(address: SocketAddr, reach: Reach, place: &Endpoint) -> Result<Self, PortError> {
         let bound = TcpListener::bind(address).and_then(|listener| {
             listener.set_nonblocking(true)?;
-            Ok(Self::Tcp(listener))
+            Ok(Self::Tcp(listener, reach))
         });
         bound.map_err(|source| PortError::Open { place: place.clone(), source })
     }
@@ -53,14 +54,14 @@ impl Listener {
     /// Where it listens: port 0 has become another.
     pub(crate) fn local_addr(&self) -> Option<SocketAddr> {
         match self {
-            Self::Tcp(listener) => listener.local_addr().ok(),
+            Self::Tcp(listener, _) => listener.local_addr().ok(),
             Self::Unix(..) => None,
         }
     }
 
     pub(crate) fn fd(&self) -> BorrowedFd<'_> {
         match self {
-            Self::Tcp(listener) => listener.as_fd(),
+            Self::Tcp(listener, _) => listener.as_fd(),
             Self::Unix(listener, ..) => listener.as_fd(),
         }
     }
@@ -68,8 +69,14 @@ impl Listener {
     /// The next program that wants to connect.
     pub(crate) fn accept(&self) -> Option<Connection> {
         let connection = match self {
-            Self::Tcp(listener) => {
-                let (stream, _) = listener.accept().ok()?;
+            Self::Tcp(listener, reach) => {
+                // Programs that may not have it are sent away.
+                let stream = loop {
+                    let (stream, _) = listener.accept().ok()?;
+                    if reach.allows(&stream) {
+                        break stream;
+                    }
+                };
                 // Each byte leaves at its own instant.
                 stream.set_nodelay(true).ok()?;
                 Connection::Tcp(stream)

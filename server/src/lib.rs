@@ -36,6 +36,7 @@
 //! # }
 //! ```
 
+mod access;
 mod actor;
 mod address;
 mod annotate;
@@ -78,6 +79,7 @@ pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, stat
 pub use convert::pace_of;
 pub use descriptors::raise_descriptor_limit;
 pub use drive::{Drive, DriveCollision, DriveError, PathPoint, drive, drive_each};
+pub use gate::{Tls, TlsError};
 pub use pace::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 pub use page::{Film, NoFilm};
 pub use registry::MAX_WORLDS;

@@ -29,6 +29,7 @@ fn attachment(name: &str, reconnect: Reconnect) -> (Address, Attachment) {
     let socket = std::env::temp_dir().join(format!("baudbot-{name}-{}.sock", std::process::id()));
     let address = Address::Unix(socket);
     let attachment = Attachment {
+        credentials: None,
         connect: address.to_string(),
         world: "w".to_owned(),
         robots: vec!["robot".to_owned()],

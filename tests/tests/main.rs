@@ -34,7 +34,9 @@ mod room;
 mod services;
 mod slow_cables;
 mod sweeper;
+mod tls;
 mod training;
+mod trust;
 mod wayfinding;
 mod worlds;
 

@@ -580,7 +580,7 @@ async fn truth_is_on_a_listener_of_its_own_only() {
 
 #[tokio::test]
 async fn trainers_are_of_this_machine_and_only_where_they_are_asked_for() {
-    let elsewhere = Server::builder().insecure(true).trainer("0.0.0.0:0".parse().unwrap());
+    let elsewhere = Server::builder().trainer("0.0.0.0:0".parse().unwrap());
     let refused = elsewhere.serve().await.err().expect("refused");
     assert!(matches!(refused, ServerError::TrainerNotLocal { .. }), "{refused}");
     assert_eq!(

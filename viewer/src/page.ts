@@ -14,6 +14,7 @@ import { Drive } from "./net/drive";
 import { Orders } from "./net/orders";
 import { Recordings } from "./net/recordings";
 import { Replayer } from "./net/replayer";
+import { showToken, takeToken, wantsToken } from "./net/session";
 import { Surveyor } from "./net/surveyor";
 import { Watcher } from "./net/watcher";
 import { CablePanel } from "./panels/cable";
@@ -30,6 +31,7 @@ import { ReplayBar } from "./panels/replay_bar";
 import { RobotPanel } from "./panels/robot";
 import { StatusBar } from "./panels/status_bar";
 import { TimingPanel } from "./panels/timing";
+import { TokenDialog } from "./panels/token";
 import { Toolbar } from "./panels/toolbar";
 import { WorldsPanel } from "./panels/worlds";
 import { ThemeSwitch } from "./theme";
@@ -78,6 +80,7 @@ const film = new FilmDialog({ store, connection, watcher, surveyor, orders, repl
 const replay = new ReplayBar(store, orders, replayer, () => film.show(), themes.theme);
 const status = new StatusBar(store, connection, watcher);
 const pad = new Pad(drive);
+const token = new TokenDialog(() => connection.open());
 
 lay();
 store.on("worlds", () => toolbar.allowMove(!replayer.isOn));
@@ -94,8 +97,9 @@ keepAddress();
 connection.changed = () => {
   status.refresh();
   if (connection.link.state === "open") void arrive();
+  if (connection.link.state === "waiting") void askForToken();
 };
-connection.open();
+void begin();
 setTimeout(() => void poll(), LIST_MS);
 setInterval(() => {
   if (!document.hidden && recordings.hasFolder) void recordings.list();
@@ -113,7 +117,15 @@ function lay(): void {
   find("robot").append(robot.element);
   find("timing").append(timing.element);
   find("chart").append(chart.element);
-  find("page").append(status.element, status.notes, status.banner, help, create_dialog.element, film.element);
+  find("page").append(
+    status.element,
+    status.notes,
+    status.banner,
+    help,
+    create_dialog.element,
+    film.element,
+    token.element,
+  );
   const sheets = ["robot", "timing", "chart", "worlds"];
   const tabs = sheets.map((name) => {
     const click = () => showSheet(name);
@@ -136,6 +148,19 @@ function showSheet(name: string): void {
   dataset.ready = "yes";
   for (const tab of find("tabs").children)
     setPressed(tab as HTMLElement, (tab as HTMLElement).dataset.sheet === dataset.sheet);
+}
+
+/** With the token of the page's address, if there is one. */
+async function begin(): Promise<void> {
+  const given = takeToken();
+  const problem = given === "" ? "" : await showToken(given);
+  if (problem === "") connection.open();
+  else token.show(problem);
+}
+
+/** A browser does not say why a socket was refused. */
+async function askForToken(): Promise<void> {
+  if (await wantsToken()) token.show();
 }
 
 /** The connection is there, perhaps again: what the address says is looked at, or else the first world. */

@@ -64,7 +64,8 @@ async function open(hash: string, colorScheme: "light" | "dark" = "light"): Prom
   const page = await context.newPage();
   page.on("console", (message) => message.type() === "error" && assert.fail(message.text()));
   page.on("pageerror", (error) => assert.fail(error));
-  await page.goto(link + hash);
+  // The link ends with the token.
+  await page.goto(`${link}&${hash.slice(1)}`);
   await page.waitForFunction(() => window.baudbotViewer?.frames > 5);
   return page;
 }

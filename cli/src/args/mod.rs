@@ -1,7 +1,9 @@
 //! The command line.
 
+mod access;
 mod brain;
 mod budget;
+mod cert;
 mod chips;
 mod diagram;
 mod export;
@@ -18,6 +20,7 @@ mod plan;
 mod port;
 mod port_watch;
 mod record;
+mod token;
 mod umbmark;
 mod work;
 
@@ -29,6 +32,9 @@ use clap::{Args, Parser, Subcommand};
 
 pub(crate) use self::brain::BrainArgs;
 pub(crate) use self::budget::BudgetArgs;
+pub(crate) use self::cert::CertCommand;
+#[cfg(feature = "certificates")]
+pub(crate) use self::cert::{AuthorityArgs, ClientCertificateArgs, ServerCertificateArgs};
 pub(crate) use self::chips::{ChipArgs, ChipOutput};
 pub(crate) use self::diagram::DiagramArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
@@ -49,6 +55,7 @@ pub(crate) use self::plan::{Method, PlanArgs};
 pub(crate) use self::port::{OpenPortArgs, PortCommand};
 pub(crate) use self::port_watch::WatchPortArgs;
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
+pub(crate) use self::token::{ListTokensArgs, NewTokenArgs, RevokeTokenArgs, TokenCommand, TokenFileArgs};
 pub(crate) use self::umbmark::UmbmarkArgs;
 pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
 use crate::logs::{LogFilter, LogFormat};
@@ -135,6 +142,12 @@ pub(crate) enum Command {
     /// Opens serial ports at the far side of a connection to a server
     #[command(subcommand)]
     Port(PortCommand),
+    /// Makes tokens, which say what clients may do on a server, lists and revokes them
+    #[command(subcommand)]
+    Token(TokenCommand),
+    /// Makes certificates for servers and clients, and an authority for them
+    #[command(subcommand)]
+    Cert(CertCommand),
 }
 
 #[derive(Debug, Args)]
@@ -182,8 +195,8 @@ pub(crate) struct RunArgs {
     pub(crate) pace: PaceName,
     /// How the brains are joined to their world; the run is the same [default: direct, or grpc where a server is needed]
     ///
-    /// A server is needed for paces other than lockstep, for --listen, --viewer, --insecure, --max-connections,
-    /// --watchdog-ms, --on-timeout and --lookahead, and to export traces. `direct` is many times as fast.
+    /// A server is needed for paces other than lockstep, for --listen, --viewer, --max-connections and who may
+    /// connect, for --watchdog-ms, --on-timeout and --lookahead, and to export traces. `direct` is many times as fast.
     #[arg(long, value_name = "PATH")]
     pub(crate) over: Option<Over>,
     #[command(flatten)]
@@ -217,7 +230,7 @@ pub(crate) struct ServeArgs {
     pub(crate) recordings: Option<PathBuf>,
     /// Listen for trainers, which drive robots and are told the truth: 127.0.0.1:PORT or unix:/PATH
     ///
-    /// A trainer also creates worlds here (docs/training.md). Only this machine can reach the address, also with --insecure.
+    /// A trainer also creates worlds here (docs/training.md). Only this machine can reach the address.
     #[arg(long, value_name = "ADDR")]
     pub(crate) trainer: Option<Address>,
     /// Open a serial port at a robot's cable, or at that of one of its sensors, for programs that know nothing of baudbot

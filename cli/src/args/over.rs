@@ -9,7 +9,6 @@ use baudbot_launch::EXEC;
 use super::{PaceName, RunArgs};
 use crate::error::Refused;
 use crate::logs;
-use crate::viewer::Viewer;
 
 /// How brains are joined to their world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
@@ -50,19 +49,16 @@ impl RunArgs {
             PaceName::Free => Some("--pace free"),
         };
         let options = [
-            (!listen.listen.is_empty(), "--listen"),
-            (matches!(listen.viewer, Some(Viewer::At(_))), "--viewer"),
-            (listen.insecure, "--insecure"),
             (self.external.is_some(), "--external"),
             (self.brains.iter().any(|brain| assignment::split(brain).1.starts_with(EXEC)), "--brain exec:"),
-            (listen.max_connections.is_some(), "--max-connections"),
             // Nobody can interrupt a brain on the same thread, and the world cannot run ahead of it.
             (watchdog.watchdog_ms.is_some(), "--watchdog-ms"),
             (watchdog.on_timeout.is_some(), "--on-timeout"),
             (watchdog.lookahead.is_some(), "--lookahead"),
             (exports, logs::ENDPOINT),
         ];
-        pace.or_else(|| options.into_iter().find(|(is_asked, _)| *is_asked).map(|(_, option)| option))
+        pace.or_else(|| listen.given())
+            .or_else(|| options.into_iter().find(|(is_asked, _)| *is_asked).map(|(_, option)| option))
     }
 }
 
@@ -93,7 +89,8 @@ mod tests {
             "--pace free",
             "--listen 127.0.0.1:0",
             "--viewer 127.0.0.1:0",
-            "--insecure",
+            "--open",
+            "--tokens tokens.toml",
             "--max-connections 3",
             "--watchdog-ms 5",
             "--on-timeout wait",

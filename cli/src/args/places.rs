@@ -1,8 +1,12 @@
 //! Where servers listen, and where they are looked for.
 
+use std::path::PathBuf;
+
+use baudbot_client::Credentials;
 use baudbot_server::{Address, Builder, Server, raise_descriptor_limit};
 use clap::Args;
 
+use super::access::AccessArgs;
 use crate::viewer::Viewer;
 
 #[derive(Debug, Args)]
@@ -15,9 +19,6 @@ pub(crate) struct ListenArgs {
     /// Metrics for Prometheus are at http://IP:PORT/metrics (docs/metrics.md).
     #[arg(long, value_name = "IP:PORT|off")]
     pub(crate) viewer: Option<Viewer>,
-    /// Allow addresses that other machines can reach; anyone who reaches them has full control of this server
-    #[arg(long)]
-    pub(crate) insecure: bool,
     /// Maximum number of connections at a time, including pages
     ///
     /// At the limit, a new connection replaces one that has made no request yet; if there is none, the new one is refused.
@@ -25,28 +26,74 @@ pub(crate) struct ListenArgs {
     /// free, and at most 16,384.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_connections: Option<u32>,
+    #[command(flatten)]
+    pub(crate) access: AccessArgs,
 }
 
 impl ListenArgs {
     /// A server that listens so, but for its addresses.
-    pub(crate) fn builder(&self) -> Builder {
+    ///
+    /// # Errors
+    /// If what it is to be guarded with cannot be used.
+    pub(crate) fn builder(&self) -> anyhow::Result<Builder> {
         raise_descriptor_limit();
-        let builder = Server::builder().insecure(self.insecure);
-        match self.max_connections {
+        let builder = self.access.guard(Server::builder())?;
+        Ok(match self.max_connections {
             Some(connections) => builder.connections(connections as usize),
             None => builder,
-        }
+        })
+    }
+
+    /// An option that was given and means nothing without a server, if there is one.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        let own = [
+            (!self.listen.is_empty(), "--listen"),
+            (matches!(self.viewer, Some(Viewer::At(_))), "--viewer"),
+            (self.max_connections.is_some(), "--max-connections"),
+        ];
+        let own = own.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option);
+        own.or_else(|| self.access.given())
     }
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ConnectArgs {
-    /// The server: HOST:PORT or unix:/PATH
+    /// The server: HOST:PORT, https://HOST:PORT or unix:/PATH
     #[arg(long, value_name = "ADDR", default_value = DEFAULT_ADDRESS)]
     pub(crate) connect: String,
+    #[command(flatten)]
+    pub(crate) credentials: CredentialArgs,
     /// Name of the world [default: the server's only world]
     #[arg(long)]
     pub(crate) world: Option<String>,
+}
+
+/// What is shown to a server. In the environment it is `BAUDBOT_TOKEN_FILE` and `BAUDBOT_CA`.
+#[derive(Debug, Default, Args)]
+pub(crate) struct CredentialArgs {
+    /// A file with the token to show [default: that of your own server on this machine]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) token_file: Option<PathBuf>,
+    /// Trust servers with certificates of these authorities, in PEM [default: those of the system]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) ca: Option<PathBuf>,
+}
+
+impl CredentialArgs {
+    /// These in place of those of the environment.
+    ///
+    /// # Errors
+    /// If there are unsound ones.
+    pub(crate) fn read(&self) -> Result<Credentials, baudbot_client::Error> {
+        let mut credentials = Credentials::from_environment()?;
+        if let Some(file) = &self.token_file {
+            credentials = credentials.token_file(file)?;
+        }
+        if let Some(file) = &self.ca {
+            credentials = credentials.authorities(file);
+        }
+        Ok(credentials)
+    }
 }
 
 /// Where a server listens, and where one is looked for.

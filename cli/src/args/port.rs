@@ -34,9 +34,9 @@ pub(crate) struct OpenPortArgs {
     /// The ports
     #[arg(value_name = "ROBOT[/SENSOR]=KIND:WHERE", required = true, long_help = PORT_HELP)]
     pub(crate) ports: Vec<PortAddress>,
-    /// Allow addresses that other machines can reach; anyone who reaches them can drive the robot
+    /// Allow other users and addresses that other machines can reach; anyone who reaches them can drive the robot
     #[arg(long)]
-    pub(crate) insecure: bool,
+    pub(crate) open: bool,
 }
 
 const EXAMPLES: &str = "\

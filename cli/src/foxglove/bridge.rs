@@ -17,7 +17,7 @@ use crate::{connect, text};
 
 /// Passes a world on until the server is gone.
 pub(super) async fn serve(server: &ConnectArgs, at: SocketAddr) -> anyhow::Result<()> {
-    let channel = connect::channel(&server.connect).await?;
+    let channel = connect::channel(server).await?;
     let v1::WorldStatus { world, time_ns, .. } = connect::world(channel.clone(), server).await?;
     let mut observe = connect::observe(channel);
     let described = observe.describe_world(v1::DescribeWorldRequest { world: world.clone() }).await;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow};
+use baudbot_client::Channel;
 use baudbot_client::Client;
 use baudbot_experiment::assignment::START_PATIENCE;
 use baudbot_launch::{Crew, Held, ProcessorClock};
@@ -14,7 +15,6 @@ use baudbot_server::{Address, OnTick, Pace, ProcessorTime, Progress, Server, Wor
 use indicatif::ProgressBar;
 use tempfile::TempDir;
 use tokio::task::JoinSet;
-use tonic::transport::Channel;
 
 use super::{Outside, Plan, progress};
 use crate::args::{DEFAULT_ADDRESS, RunArgs};
@@ -49,7 +49,7 @@ async fn serve(
     world: WorldConfig,
     private: Option<&Private>,
 ) -> anyhow::Result<Server> {
-    let mut builder = args.listen.builder().world(world);
+    let mut builder = args.listen.builder()?.world(world);
     let default = args.external.filter(|_| args.listen.listen.is_empty()).map(|_| DEFAULT_ADDRESS.parse());
     for address in args.listen.listen.iter().cloned().chain(default.transpose()?) {
         builder = builder.listen(address);
@@ -104,7 +104,7 @@ struct Running<'a, 'b> {
 
 impl Running<'_, '_> {
     async fn until_over(&mut self) -> anyhow::Result<v1::WorldStatus> {
-        let channel = self.server.channel().await?;
+        let channel = Channel::from(self.server.channel().await?);
         let mut control = connect::control(channel.clone());
         let mut brains = JoinSet::new();
         for assignment in &self.plan.assigned.brains {

@@ -2,11 +2,10 @@
 
 use std::time::Duration;
 
-use baudbot_client::connect;
+use baudbot_client::{Channel, connect};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use serde_json::Value;
-use tonic::transport::Channel;
 
 use crate::processes::serve;
 use crate::{Running, command, said};

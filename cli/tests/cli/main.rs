@@ -31,7 +31,9 @@ mod shards;
 mod sweep;
 mod terminal;
 mod timelines;
+mod tokens;
 mod transcripts;
+mod trust;
 mod tune;
 mod umbmark;
 

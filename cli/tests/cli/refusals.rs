@@ -89,9 +89,11 @@ fn a_server_that_is_not_there_can_be_started() {
 }
 
 #[test]
-fn an_open_address_needs_leave() {
+fn an_address_that_others_reach_needs_tokens_and_tls() {
     for command in ["serve", "run"] {
-        assert!(refusal(2, &[command, "--listen", "0.0.0.0:0"]).contains("allow it with --insecure"));
+        assert!(
+            refusal(2, &[command, "--listen", "0.0.0.0:0"]).contains("--tokens FILE (see `baudbot token`)")
+        );
     }
 }
 

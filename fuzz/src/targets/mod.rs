@@ -1,5 +1,6 @@
 //! What is tried.
 
+mod access;
 mod files;
 mod programs;
 mod wire;
@@ -22,6 +23,7 @@ pub(crate) struct Target {
 /// All targets.
 pub(crate) fn all() -> anyhow::Result<Vec<Target>> {
     let mut targets = wire::targets();
+    targets.extend(access::targets());
     targets.extend(files::targets()?);
     targets.extend(programs::targets()?);
     targets.extend(worlds::targets()?);

@@ -12,9 +12,10 @@ use baudbot_proto::v1::attach_request::Request as Content;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
-use tonic::{Request, Response, Status, Streaming};
+use tonic::{Code, Request, Response, Status, Streaming};
 use tracing::Instrument;
 
+use crate::access::{Caller, caller_of};
 use crate::annotate::checked;
 use crate::beliefs::Beliefs;
 use crate::convert::{self, AttachResponse};
@@ -45,6 +46,7 @@ impl BrainLink {
         &self,
         request: Request<Streaming<v1::AttachRequest>>,
     ) -> Result<Response<Responses>, Status> {
+        let caller = caller_of(&request)?;
         let mut requests = request.into_inner();
         let patience = self.patience;
         let first = tokio::time::timeout(patience, requests.message());
@@ -57,16 +59,40 @@ impl BrainLink {
             None => return Err(Status::invalid_argument("request: the first request must be a Hello")),
         };
         let mode = check(&hello)?;
-        let world = self.registry.find("hello.world", &hello.world)?;
+        for robot in &hello.robots {
+            caller.may_drive(&hello.world, robot)?;
+        }
+        let told = what_it_is_told(&caller, &hello);
+        let world = self.registry.find("hello.world", &hello.world).map_err(&told)?;
         let (deliveries, stream) = mpsc::channel(TURNS_AHEAD + RESERVED);
-        let span = tracing::info_span!("brain", world = world.name(), brain = hello.brain, ?mode);
+        let span = tracing::info_span!(
+            "brain",
+            world = world.name(),
+            brain = hello.brain,
+            by = caller.name(),
+            ?mode
+        );
         let recipient = Recipient::Brain(deliveries.clone());
-        let attached = take_robots(&world, hello, mode, recipient).instrument(span.clone()).await?;
+        let attached = take_robots(&world, hello, mode, recipient).instrument(span.clone()).await;
+        let attached = attached.map_err(told)?;
         let welcome = convert::first_response(&attached);
         // The task lives as long as the brain stays.
         tokio::spawn(listen(requests, attached, mode, deliveries).instrument(span));
         let turns = ReceiverStream::new(stream).map(convert::delivery);
         Ok(Response::new(Box::pin(tokio_stream::once(Ok(welcome)).chain(turns))))
+    }
+}
+
+/// Of what is not there, a caller who is not to observe is told that it is not there, and not what is.
+fn what_it_is_told(caller: &Caller, hello: &v1::Hello) -> impl Fn(Status) -> Status + use<> {
+    let hidden = (!caller.may_observe()).then(|| {
+        let robots = hello.robots.join(", ");
+        let (robots, world) = (Printable(&robots).to_string(), Printable(&hello.world).to_string());
+        format!("hello: there is no robot `{robots}` in a world `{world}`")
+    });
+    move |status| match &hidden {
+        Some(text) if status.code() == Code::NotFound => Status::not_found(text.clone()),
+        Some(_) | None => status,
     }
 }
 
@@ -205,7 +231,7 @@ mod tests {
         assert!(check(&hello("移动 µ: left=0.5")).is_ok());
         for hostile in ["\u{1b}[2J", "\u{9b}31m", "a\nb", "a\rb", "\u{202e}txt", "\u{2066}", "\u{7f}"] {
             let status = check(&hello(hostile)).unwrap_err();
-            assert_eq!(status.code(), tonic::Code::InvalidArgument);
+            assert_eq!(status.code(), Code::InvalidArgument);
             assert!(status.message().chars().all(is_printable), "{status:?}");
         }
     }

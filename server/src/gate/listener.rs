@@ -8,9 +8,11 @@ use std::time::{Duration, Instant};
 use axum::serve::{IncomingStream, Listener};
 use futures_util::stream::{self, Stream};
 use tokio::io::{AsyncRead, AsyncWrite};
-use tokio::net::{TcpListener, TcpStream, UnixListener, UnixStream};
+use tokio::net::{TcpListener, UnixListener, UnixStream};
 
+use super::tls::{Secured, Tls};
 use super::{Admission, Connection, Gate};
+use crate::access::Caller;
 
 /// How long a listener rests that cannot take connections.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -19,25 +21,34 @@ const PAUSE: Duration = Duration::from_millis(100);
 pub(crate) trait Accept: Send + 'static {
     type Io: AsyncRead + AsyncWrite + Unpin + Send + 'static;
 
-    fn accept(&self) -> impl Future<Output = io::Result<Self::Io>> + Send;
+    /// The next connection, with who is at its other end if the system says so.
+    fn accept(&self) -> impl Future<Output = io::Result<(Self::Io, Option<Caller>)>> + Send;
 }
 
-impl Accept for TcpListener {
-    type Io = TcpStream;
+/// A listener for TCP, with TLS or without.
+pub(crate) struct TcpEntry {
+    pub(crate) listener: TcpListener,
+    pub(crate) tls: Option<Tls>,
+}
 
-    async fn accept(&self) -> io::Result<TcpStream> {
-        let (stream, _) = Self::accept(self).await?;
+impl Accept for TcpEntry {
+    type Io = Secured;
+
+    async fn accept(&self) -> io::Result<(Secured, Option<Caller>)> {
+        let (stream, _) = self.listener.accept().await?;
         // Without this, small messages wait for an acknowledgement that the peer delays by 40 ms.
         let _ = stream.set_nodelay(true);
-        Ok(stream)
+        Ok((Secured::new(stream, self.tls.as_ref()), None))
     }
 }
 
 impl Accept for UnixListener {
     type Io = UnixStream;
 
-    async fn accept(&self) -> io::Result<UnixStream> {
-        Ok(Self::accept(self).await?.0)
+    async fn accept(&self) -> io::Result<(UnixStream, Option<Caller>)> {
+        let (stream, _) = Self::accept(self).await?;
+        let is_own = stream.peer_cred().is_ok_and(|peer| peer.uid() == rustix::process::geteuid().as_raw());
+        Ok((stream, is_own.then_some(Caller::Trusted)))
     }
 }
 
@@ -55,7 +66,7 @@ impl<L: Accept> GatedListener<L> {
     async fn next(&self) -> Connection<L::Io> {
         loop {
             match self.listener.accept().await {
-                Ok(io) => return Connection::new(io, self.gate.admit()),
+                Ok((io, caller)) => return Connection::new(io, self.gate.admit(caller)),
                 Err(error) if is_of_one(&error) => {}
                 Err(error) => {
                     // Such as too many open files. Connections wait in the kernel meanwhile; accepting again at once is of no use.
@@ -82,19 +93,20 @@ fn is_of_one(error: &io::Error) -> bool {
     matches!(error.kind(), ConnectionAborted | ConnectionRefused | ConnectionReset | Interrupted)
 }
 
-impl Listener for GatedListener<TcpListener> {
-    type Io = Connection<TcpStream>;
+impl Listener for GatedListener<TcpEntry> {
+    type Io = Connection<Secured>;
     type Addr = SocketAddr;
 
     async fn accept(&mut self) -> (Self::Io, SocketAddr) {
         let connection = self.next().await;
         // The address of a connection that is gone already is not used.
-        let address = connection.io().peer_addr().unwrap_or_else(|_| SocketAddr::from(([0; 4], 0)));
+        let address = connection.io().stream().and_then(|stream| stream.peer_addr().ok());
+        let address = address.unwrap_or_else(|| SocketAddr::from(([0; 4], 0)));
         (connection, address)
     }
 
     fn local_addr(&self) -> io::Result<SocketAddr> {
-        self.listener.local_addr()
+        self.listener.listener.local_addr()
     }
 }
 
@@ -102,10 +114,8 @@ impl Listener for GatedListener<TcpListener> {
 #[derive(Clone)]
 pub(crate) struct PageConnection(pub(crate) Arc<Admission>);
 
-impl axum::extract::connect_info::Connected<IncomingStream<'_, GatedListener<TcpListener>>>
-    for PageConnection
-{
-    fn connect_info(stream: IncomingStream<'_, GatedListener<TcpListener>>) -> Self {
+impl axum::extract::connect_info::Connected<IncomingStream<'_, GatedListener<TcpEntry>>> for PageConnection {
+    fn connect_info(stream: IncomingStream<'_, GatedListener<TcpEntry>>) -> Self {
         Self(stream.io().admission())
     }
 }
@@ -122,7 +132,7 @@ mod tests {
     impl Accept for Exhausted {
         type Io = UnixStream;
 
-        async fn accept(&self) -> io::Result<UnixStream> {
+        async fn accept(&self) -> io::Result<(UnixStream, Option<Caller>)> {
             self.0.fetch_add(1, Ordering::Relaxed);
             Err(io::Error::other("too many open files"))
         }

@@ -26,6 +26,7 @@
 
 mod connection;
 mod listener;
+mod tls;
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -33,11 +34,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use futures_util::task::AtomicWaker;
-use tonic::{Request, Status};
 
 pub(crate) use connection::Connection;
-pub(crate) use listener::{GatedListener, PageConnection, connections};
+pub(crate) use listener::{GatedListener, PageConnection, TcpEntry, connections};
+pub use tls::{Tls, TlsError};
 
+use crate::access::Caller;
 use crate::log::Throttle;
 
 /// The error of a connection without a place.
@@ -82,6 +84,8 @@ struct Occupancy {
 pub(crate) struct Admission {
     gate: Gate,
     number: u64,
+    /// Who is at the other end, if the system says so.
+    caller: Option<Caller>,
     /// Changes only while the occupancy is locked.
     has_place: AtomicBool,
     /// Whether it has made a call, and stays.
@@ -105,7 +109,7 @@ impl Gate {
     }
 
     /// Admits a new connection, with or without a place.
-    fn admit(&self) -> Arc<Admission> {
+    fn admit(&self, caller: Option<Caller>) -> Arc<Admission> {
         let mut occupancy = self.occupancy();
         let has_place = occupancy.find_place(self.0.places);
         occupancy.last_number += 1;
@@ -113,6 +117,7 @@ impl Gate {
         let admission = Arc::new(Admission {
             gate: self.clone(),
             number,
+            caller,
             has_place: has_place.into(),
             has_called: false.into(),
             is_evicted: false.into(),
@@ -161,6 +166,11 @@ impl Occupancy {
 }
 
 impl Admission {
+    /// Who is at the other end, if the system says so.
+    pub(crate) fn caller(&self) -> Option<&Caller> {
+        self.caller.as_ref()
+    }
+
     /// The connection makes a call: from its first one on it stays.
     ///
     /// # Errors
@@ -189,16 +199,6 @@ impl Admission {
     }
 }
 
-/// Lets a call pass, unless its connection has no place. Calls through pipes in memory need none.
-pub(crate) fn check_call(request: Request<()>) -> Result<Request<()>, Status> {
-    match request.extensions().get::<Arc<Admission>>() {
-        Some(admission) => {
-            admission.note_call().map(|()| request).map_err(|error| Status::unavailable(error.to_string()))
-        }
-        None => Ok(request),
-    }
-}
-
 /// Connections without a place at a time. Few where there are few descriptors, for these are what was left for files.
 fn max_refused(places: usize) -> usize {
     (places / 8).clamp(8, 64)
@@ -215,14 +215,14 @@ mod tests {
     #[test]
     fn the_connection_that_has_been_silent_for_longest_gives_its_place_to_a_new_one() {
         let gate = Gate::new(2, Duration::from_secs(10));
-        let [first, second, third] = [(); 3].map(|()| gate.admit());
+        let [first, second, third] = [(); 3].map(|()| gate.admit(None));
         assert_eq!([&first, &second, &third].map(|one| is_evicted(one)), [true, false, false]);
         assert!(first.note_call().is_err(), "its place is gone");
         // It leaves late, and takes no place along.
         gate.leave(&first);
         assert_eq!(gate.occupancy().taken, 2);
         second.note_call().unwrap();
-        let fourth = gate.admit();
+        let fourth = gate.admit(None);
         assert!(is_evicted(&third) && !is_evicted(&second), "a connection that has made a call stays");
         fourth.note_call().unwrap();
     }
@@ -230,23 +230,23 @@ mod tests {
     #[test]
     fn where_all_places_are_in_use_a_new_connection_is_refused_until_one_leaves() {
         let gate = Gate::new(2, Duration::from_secs(10));
-        let both = [gate.admit(), gate.admit()];
+        let both = [gate.admit(None), gate.admit(None)];
         both.iter().for_each(|one| one.note_call().unwrap());
-        let late = gate.admit();
+        let late = gate.admit(None);
         let refused = late.note_call().unwrap_err().to_string();
         assert!(refused.starts_with("the server has 2 connections, which is its limit; "), "{refused}");
         gate.leave(&both[0]);
         assert!(late.note_call().is_err(), "a refused connection stays refused");
         gate.leave(&late);
-        gate.admit().note_call().unwrap();
+        gate.admit(None).note_call().unwrap();
         assert_eq!(gate.occupancy().taken, 2);
     }
 
     #[test]
     fn connections_without_a_place_are_few() {
         let gate = Gate::new(1, Duration::from_secs(10));
-        gate.admit().note_call().unwrap();
-        let away: Vec<_> = (0..=max_refused(1)).map(|_| gate.admit()).collect();
+        gate.admit(None).note_call().unwrap();
+        let away: Vec<_> = (0..=max_refused(1)).map(|_| gate.admit(None)).collect();
         assert!(is_evicted(&away[0]) && !away[1..].iter().any(|one| is_evicted(one)));
         away.iter().for_each(|one| gate.leave(one));
         let occupancy = gate.occupancy();

@@ -1,14 +1,14 @@
 //! Films that a page posts: `POST /film` with the film's bytes, or `POST /film?failed=1` with why there is none.
 
-use axum::Router;
 use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, RawQuery, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
-use axum::routing::post;
+use axum::routing::{MethodRouter, post};
+use baudbot_access::Door;
 use tokio::sync::mpsc;
 
-use super::guard::Guard;
+use super::Page;
 
 /// The film of a page: its bytes, or why there is none.
 pub type Film = Result<Vec<u8>, NoFilm>;
@@ -18,15 +18,15 @@ pub type Film = Result<Vec<u8>, NoFilm>;
 #[error("{0}")]
 pub struct NoFilm(pub String);
 
-/// The routes for films.
-pub(super) fn router<S: Clone + Send + Sync + 'static>(films: mpsc::Sender<Film>, guard: Guard) -> Router<S> {
-    let hand_in = move |headers: HeaderMap, query: RawQuery, State(_): State<S>, body: Bytes| async move {
-        match guard.check_origin(&headers) {
-            Ok(()) => take(&films, query, body).await,
-            Err(problem) => (StatusCode::FORBIDDEN, problem).into_response(),
+/// The route for films.
+pub(super) fn route(films: mpsc::Sender<Film>) -> MethodRouter<Page> {
+    let hand_in = move |headers: HeaderMap, query: RawQuery, State(page): State<Page>, body: Bytes| async move {
+        match page.admit(&headers, Door::Film) {
+            Ok(_) => take(&films, query, body).await,
+            Err(answer) => answer,
         }
     };
-    Router::new().route("/film", post(hand_in).layer(DefaultBodyLimit::max(MAX_BYTES)))
+    post(hand_in).layer(DefaultBodyLimit::max(MAX_BYTES))
 }
 
 async fn take(films: &mpsc::Sender<Film>, RawQuery(query): RawQuery, body: Bytes) -> Response {

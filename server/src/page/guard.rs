@@ -1,30 +1,55 @@
 //! Which requests may reach the page's server.
 
+use std::net::IpAddr;
+use std::sync::Arc;
+
 use axum::http::{HeaderMap, header};
 
+use crate::gate::TcpEntry;
+
 /// The rules of a listener for its callers.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Guard {
-    /// Whether the listener is on loopback. A name that is not one of loopback's was then made to lead there from outside (DNS
-    /// rebinding).
-    pub(super) loopback_only: bool,
+#[derive(Clone, Debug)]
+pub(crate) struct Guard {
+    /// Names and addresses by which it is reached besides those of loopback. A request for any other was made by a name that
+    /// somebody made lead here (DNS rebinding).
+    hosts: Arc<[String]>,
+    /// Whether it is reached by TLS.
+    secure: bool,
 }
 
 impl Guard {
-    /// Checks that the request is for this host.
-    pub(super) fn check_host(self, headers: &HeaderMap) -> Result<(), &'static str> {
-        let host = text(headers, header::HOST).ok_or("Host: is missing\n")?;
-        let name = without_port(host);
-        let is_loopback = name.eq_ignore_ascii_case("localhost")
-            || name.trim_matches(['[', ']']).parse().is_ok_and(|ip: std::net::IpAddr| ip.is_loopback());
-        if self.loopback_only && !is_loopback {
-            return Err("Host: must be localhost, 127.0.0.1 or [::1]\n");
+    /// That of a listener, which has these names.
+    pub(crate) fn new(entry: &TcpEntry, names: &[String], behind_proxy: bool) -> Self {
+        let own = entry.listener.local_addr().ok().map(|address| address.ip());
+        let own = own.filter(|ip| !ip.is_loopback() && !ip.is_unspecified()).map(|ip| ip.to_string());
+        Self {
+            hosts: names.iter().cloned().chain(own).collect(),
+            secure: behind_proxy || entry.tls.is_some(),
         }
-        Ok(())
+    }
+
+    /// Whether it is reached by TLS.
+    pub(super) fn is_secure(&self) -> bool {
+        self.secure
+    }
+
+    /// Checks that the request is for this host.
+    pub(super) fn check_host(&self, headers: &HeaderMap) -> Result<(), String> {
+        let host = text(headers, header::HOST).ok_or("Host: is missing\n")?;
+        let name = without_port(host).trim_matches(['[', ']']);
+        let is_loopback =
+            name.eq_ignore_ascii_case("localhost") || name.parse().is_ok_and(|ip: IpAddr| ip.is_loopback());
+        if is_loopback || self.hosts.iter().any(|own| own.eq_ignore_ascii_case(name)) {
+            return Ok(());
+        }
+        let own: String = self.hosts.iter().map(|own| format!(", {own}")).collect();
+        Err(format!(
+            "Host: must be localhost, 127.0.0.1, [::1]{own}; if the server is to have another name, start it with --host NAME\n"
+        ))
     }
 
     /// Checks that the page of the request came from here. A request without an origin is not a browser's.
-    pub(super) fn check_origin(self, headers: &HeaderMap) -> Result<(), &'static str> {
+    pub(super) fn check_origin(&self, headers: &HeaderMap) -> Result<(), &'static str> {
         let Some(origin) = text(headers, header::ORIGIN) else { return Ok(()) };
         let host = text(headers, header::HOST).unwrap_or_default();
         let asks_for = origin.split_once("://").map(|(_, rest)| rest);
@@ -61,24 +86,29 @@ mod tests {
         headers
     }
 
+    fn guard(hosts: &[&str]) -> Guard {
+        Guard { hosts: hosts.iter().map(|&host| host.to_owned()).collect(), secure: false }
+    }
+
     #[test]
-    fn on_loopback_the_host_is_called_by_its_name() {
-        let loopback = Guard { loopback_only: true };
+    fn the_host_is_called_by_its_name() {
         for host in ["localhost:50052", "127.0.0.1:50052", "[::1]:50052", "LOCALHOST", "127.0.0.1"] {
-            assert_eq!(loopback.check_host(&headers(host, None)), Ok(()), "{host}");
+            assert_eq!(guard(&[]).check_host(&headers(host, None)), Ok(()), "{host}");
         }
         for host in ["evil.example:50052", "localhost.evil.example", "10.0.0.7:1", "127.0.0.1.evil:1", ""] {
-            assert!(loopback.check_host(&headers(host, None)).is_err(), "{host}");
+            assert!(guard(&[]).check_host(&headers(host, None)).is_err(), "{host}");
+            assert!(guard(&["lab.example"]).check_host(&headers(host, None)).is_err(), "{host}");
         }
-        let anywhere = Guard { loopback_only: false };
-        assert_eq!(anywhere.check_host(&headers("lab.example:50052", None)), Ok(()));
-        assert!(anywhere.check_host(&HeaderMap::new()).is_err());
+        let lab = guard(&["lab.example", "10.0.0.7", "fe80::7"]);
+        for host in ["lab.example:50052", "Lab.Example", "10.0.0.7:1", "[fe80::7]:80", "localhost:1"] {
+            assert_eq!(lab.check_host(&headers(host, None)), Ok(()), "{host}");
+        }
+        assert!(lab.check_host(&HeaderMap::new()).is_err());
     }
 
     #[test]
     fn pages_of_strangers_are_refused() {
-        let guard = Guard { loopback_only: true };
-        let ok = |host, origin| guard.check_origin(&headers(host, origin)).is_ok();
+        let ok = |host, origin| guard(&[]).check_origin(&headers(host, origin)).is_ok();
         assert!(ok("localhost:50052", Some("http://localhost:50052")));
         assert!(ok("localhost:50052", None), "a program");
         assert!(!ok("localhost:50052", Some("http://evil.example")));

@@ -4,9 +4,11 @@
 //! ([`socket`]) to the same gRPC services that all other clients use ([`method`]), over a pipe in memory: a page can do what
 //! any program can that reaches the server, and not more.
 //!
-//! A browser also runs the pages of strangers. So that none of these can reach a server on the same machine, the socket is
-//! opened only to pages that came from here: their origin must be the host of the request, and on loopback that host must
-//! be a name of loopback ([`guard`]).
+//! A page is the holder of a token, which it shows once for a [`session`].
+//!
+//! A browser also runs the pages of strangers. So that none of these can reach a server that its user can reach, the socket is
+//! opened only to pages that came from here: their origin must be the host of the request, and that host one of the server's
+//! own names ([`guard`]).
 //!
 //! Beside the page there is `/metrics`, for monitoring, with the same guard.
 //!
@@ -17,9 +19,11 @@ mod film;
 mod guard;
 mod method;
 mod requests;
+mod session;
 mod socket;
 
-use crate::gate::{GatedListener, PageConnection};
+use crate::access::{Access, Caller};
+use crate::gate::{GatedListener, PageConnection, TcpEntry};
 use crate::metrics::{self, Metrics};
 use crate::pipe::Pipes;
 use axum::Router;
@@ -27,15 +31,23 @@ use axum::extract::{ConnectInfo, Request, State, WebSocketUpgrade};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
-use axum::serve::Listener;
+use axum::routing::{get, post};
+use baudbot_access::Door;
 pub use film::{Film, NoFilm};
-use guard::Guard;
-use tokio::net::TcpListener;
+pub(crate) use guard::Guard;
+use session::Sessions;
 use tokio::sync::{mpsc, watch};
 
 /// Bytes of the longest message of the socket: a scenario, and a little around it.
 const MAX_MESSAGE: usize = baudbot_scenario::MAX_BYTES + (1 << 16);
+
+/// What pages are served with.
+pub(crate) struct Services {
+    /// To the server's own services.
+    pub(crate) pipes: Pipes,
+    pub(crate) access: Access,
+    pub(crate) metrics: Metrics,
+}
 
 /// The context of the page's services.
 #[derive(Clone)]
@@ -43,27 +55,27 @@ struct Page {
     pipes: Pipes,
     metrics: Metrics,
     guard: Guard,
+    sessions: Sessions,
     stopped: watch::Receiver<bool>,
 }
 
-/// Serves the page on this listener until the server stops. `pipes` lead to the server's own services; films that pages post
-/// go to `films`, if the server takes any.
+/// Serves the page on this listener until the server stops. Films that pages post go to `films`, if the server takes any.
 pub(crate) async fn serve(
-    listener: GatedListener<TcpListener>,
-    pipes: Pipes,
-    metrics: Metrics,
+    listener: GatedListener<TcpEntry>,
+    guard: Guard,
+    Services { pipes, access, metrics }: Services,
     films: Option<mpsc::Sender<Film>>,
     mut stopped: watch::Receiver<bool>,
 ) {
-    let guard =
-        Guard { loopback_only: listener.local_addr().is_ok_and(|address| address.ip().is_loopback()) };
-    let page = Page { pipes, metrics, guard, stopped: stopped.clone() };
+    let sessions = Sessions::new(access, guard.is_secure());
+    let page = Page { pipes, metrics, guard, sessions, stopped: stopped.clone() };
     let router = match films {
-        Some(films) => Router::new().merge(film::router(films, guard)),
+        Some(films) => Router::new().route("/film", film::route(films)),
         None => Router::new(),
     };
     let router = router
         .route("/page", get(open_socket))
+        .route("/session", post(begin_session).get(tell_session))
         .route("/metrics", get(tell_metrics))
         .fallback(get(file))
         .layer(axum::middleware::from_fn_with_state(page.clone(), check_host))
@@ -102,24 +114,63 @@ async fn check_host(State(page): State<Page>, request: Request, next: Next) -> R
     }
 }
 
+impl Page {
+    /// The caller of a request, if it may come in this way.
+    ///
+    /// # Errors
+    /// What it is answered.
+    fn admit(&self, headers: &HeaderMap, door: Door) -> Result<Caller, Response> {
+        let answer = |status, text: String| (status, text + "\n").into_response();
+        self.guard
+            .check_origin(headers)
+            .map_err(|problem| answer(StatusCode::FORBIDDEN, problem.to_owned()))?;
+        let caller = self.sessions.caller(headers);
+        let caller = caller.map_err(|refused| answer(StatusCode::UNAUTHORIZED, refused.to_string()))?;
+        if let Caller::Holder(grant) = &caller {
+            grant.may(door.needs()).map_err(|denied| answer(StatusCode::FORBIDDEN, denied.to_string()))?;
+        }
+        Ok(caller)
+    }
+}
+
 async fn file(request: Request) -> Response {
     files::answer(request.uri().path())
 }
 
 async fn open_socket(State(page): State<Page>, headers: HeaderMap, upgrade: WebSocketUpgrade) -> Response {
-    if let Err(problem) = page.guard.check_origin(&headers) {
-        return (StatusCode::FORBIDDEN, problem).into_response();
-    }
+    let caller = match page.admit(&headers, Door::PageSocket) {
+        Ok(caller) => caller,
+        Err(answer) => return answer,
+    };
     let Page { pipes, stopped, .. } = page;
     upgrade
         .max_message_size(MAX_MESSAGE)
         .max_frame_size(MAX_MESSAGE)
-        .on_upgrade(move |socket| socket::serve(socket, pipes, stopped))
+        .on_upgrade(move |socket| socket::serve(socket, pipes, caller, stopped))
+}
+
+/// A session for a page that shows its token.
+async fn begin_session(State(page): State<Page>, headers: HeaderMap) -> Response {
+    if let Err(problem) = page.guard.check_origin(&headers) {
+        return (StatusCode::FORBIDDEN, problem).into_response();
+    }
+    match page.sessions.begin(&headers) {
+        Ok(cookie) => (StatusCode::NO_CONTENT, [(header::SET_COOKIE, cookie)]).into_response(),
+        Err(refused) => (StatusCode::UNAUTHORIZED, format!("{refused}\n")).into_response(),
+    }
+}
+
+/// Whether a page may open its socket: a browser does not tell its scripts why a socket was refused.
+async fn tell_session(State(page): State<Page>, headers: HeaderMap) -> Response {
+    match page.admit(&headers, Door::PageSocket) {
+        Ok(_) => (StatusCode::NO_CONTENT, [(header::CACHE_CONTROL, "no-store")]).into_response(),
+        Err(answer) => answer,
+    }
 }
 
 async fn tell_metrics(State(page): State<Page>, headers: HeaderMap) -> Response {
-    if let Err(problem) = page.guard.check_origin(&headers) {
-        return (StatusCode::FORBIDDEN, problem).into_response();
+    if let Err(answer) = page.admit(&headers, Door::Metrics) {
+        return answer;
     }
     let kind = [
         (header::CONTENT_TYPE, metrics::CONTENT_TYPE),

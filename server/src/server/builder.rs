@@ -5,17 +5,19 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use baudbot_access::{Token, TokenFile};
 use baudbot_recording::Replay;
 use baudbot_sim::{Scenario, World};
 use tokio::sync::mpsc;
 
+use super::access_config::AccessConfig;
 use super::listeners::{Listener, Listeners, listen_for_pages};
-use super::{Server, ServerError};
+use super::{Guards, Server, ServerError};
 use crate::actor::{DirectWorld, NewWorld, OnTick, Progress};
 use crate::address::Address;
 use crate::control::{Control, Told};
 use crate::descriptors::usual_connections;
-use crate::gate::Gate;
+use crate::gate::{Gate, Tls};
 use crate::message::RecordConfig;
 use crate::pace::Pace;
 use crate::page::Film;
@@ -113,7 +115,7 @@ pub struct Builder {
     viewers: Vec<(SocketAddr, bool)>,
     recordings: Option<Folder>,
     films: Option<mpsc::Sender<Film>>,
-    insecure: bool,
+    access: AccessConfig,
     connections: Option<usize>,
     first_call_within: Option<Duration>,
 }
@@ -169,10 +171,42 @@ impl Builder {
         self
     }
 
-    /// Allows addresses that other machines can reach.
+    /// Who calls over TCP, and who connects to a Unix socket as another user, shows one of the tokens in this file, and may do what it
+    /// is good for. A file that changes is read again. Without this and [`local_token`](Self::local_token) whoever reaches the server
+    /// may do everything.
     #[must_use]
-    pub fn insecure(mut self, insecure: bool) -> Self {
-        self.insecure = insecure;
+    pub fn tokens(mut self, file: TokenFile) -> Self {
+        self.access.tokens = Some(file);
+        self
+    }
+
+    /// A token that is good for everything. Programs of this user find it by the server's address on this machine
+    /// ([`baudbot_access::local`]).
+    #[must_use]
+    pub fn local_token(mut self, token: Token) -> Self {
+        self.access.local = Some(token);
+        self
+    }
+
+    /// Encrypts all connections over TCP, those of pages, too.
+    #[must_use]
+    pub fn tls(mut self, tls: Tls) -> Self {
+        self.access.tls = Some(tls);
+        self
+    }
+
+    /// The server is behind a proxy that does TLS for it: other machines may reach its addresses without.
+    #[must_use]
+    pub fn behind_proxy(mut self, behind_proxy: bool) -> Self {
+        self.access.behind_proxy = behind_proxy;
+        self
+    }
+
+    /// A name under which browsers reach the viewer, such as `lab.example`; localhost always is one, and its own address. Requests
+    /// under other names are refused, as a page of a stranger may have made one that leads here.
+    #[must_use]
+    pub fn host(mut self, name: impl Into<String>) -> Self {
+        self.access.hosts.push(name.into());
         self
     }
 
@@ -222,7 +256,15 @@ impl Builder {
             self.connections.unwrap_or_else(usual_connections),
             self.first_call_within.unwrap_or(FIRST_CALL_WITHIN),
         );
-        Server::start(control, gate, listeners, self.films).await
+        let guards = Guards {
+            access: self.access.start()?,
+            gate,
+            local: self.access.local.filter(|_| listens),
+            hosts: self.access.hosts,
+            behind_proxy: self.access.behind_proxy,
+            is_encrypted: self.access.tls.is_some(),
+        };
+        Server::start(control, guards, listeners, self.films).await
     }
 
     /// The listeners on all addresses; on none if it does not listen.
@@ -233,20 +275,21 @@ impl Builder {
         if !listens {
             return Ok(listeners);
         }
+        let tls = self.access.tls.as_ref().map(|tls| tls.speaking(&["h2"]));
         for address in std::mem::take(&mut self.addresses) {
-            if !self.insecure && !address.is_local() {
-                return Err(ServerError::NotLoopback { address });
-            }
-            listeners.ordinary.push(Listener::bind(address).await?);
+            self.access.allows(&address)?;
+            listeners.ordinary.push(Listener::bind(address, tls.as_ref()).await?);
         }
         for address in std::mem::take(&mut self.trainers) {
             if !address.is_local() {
                 return Err(ServerError::TrainerNotLocal { address });
             }
-            listeners.trainers.get_or_insert_default().push(Listener::bind(address).await?);
+            listeners.trainers.get_or_insert_default().push(Listener::bind(address, tls.as_ref()).await?);
         }
-        for viewer in std::mem::take(&mut self.viewers) {
-            listeners.pages.push(listen_for_pages(viewer, self.insecure).await?);
+        let tls = self.access.tls.as_ref().map(|tls| tls.speaking(&["http/1.1"]));
+        for (socket, or_free_port) in std::mem::take(&mut self.viewers) {
+            self.access.allows(&Address::Tcp(socket))?;
+            listeners.pages.push(listen_for_pages(socket, or_free_port, tls.clone()).await?);
         }
         Ok(listeners)
     }

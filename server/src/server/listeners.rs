@@ -1,32 +1,36 @@
 //! The listeners of a server: TCP, Unix sockets, in-process pipes.
 
+use std::fs::Permissions;
 use std::io;
 use std::net::SocketAddr;
-use std::os::unix::fs::{FileTypeExt, MetadataExt};
+use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use tokio::net::{TcpListener, UnixListener, UnixStream};
 
+use baudbot_access::Token;
+use baudbot_access::local::{self, LocalFiles};
+
 use super::ServerError;
 use crate::address::Address;
+use crate::gate::{TcpEntry, Tls};
 
 /// Listens for pages, on another port that is free if this one is taken and `or_free_port`.
 pub(super) async fn listen_for_pages(
-    (socket, or_free_port): (SocketAddr, bool),
-    insecure: bool,
-) -> Result<TcpListener, ServerError> {
+    socket: SocketAddr,
+    or_free_port: bool,
+    tls: Option<Tls>,
+) -> Result<TcpEntry, ServerError> {
     let address = Address::Tcp(socket);
-    if !insecure && !address.is_local() {
-        return Err(ServerError::NotLoopback { address });
-    }
     let listener = match TcpListener::bind(socket).await {
         Err(error) if or_free_port && error.kind() == io::ErrorKind::AddrInUse => {
             TcpListener::bind((socket.ip(), 0)).await
         }
         listener => listener,
     };
-    listener.map_err(|source| ServerError::Bind { address, source })
+    let listener = listener.map_err(|source| ServerError::Bind { address, source })?;
+    Ok(TcpEntry { listener, tls })
 }
 
 /// All listeners of a server.
@@ -35,27 +39,42 @@ pub(super) struct Listeners {
     pub(super) ordinary: Vec<Listener>,
     /// For trainers; `None` if the server takes none.
     pub(super) trainers: Option<Vec<Listener>>,
-    pub(super) pages: Vec<TcpListener>,
+    pub(super) pages: Vec<TcpEntry>,
+}
+
+impl Listeners {
+    /// Writes the token for programs of this user where they look for it.
+    ///
+    /// # Errors
+    /// If that cannot be written.
+    pub(super) fn publish(&self, token: Token) -> Result<(Token, LocalFiles), ServerError> {
+        let all = self.ordinary.iter().chain(self.trainers.iter().flatten());
+        let addresses: Vec<_> = all.map(|listener| listener.address().to_string()).collect();
+        let files = local::publish(addresses.iter().map(String::as_str), &token)?;
+        Ok((token, files))
+    }
 }
 
 /// A listener for gRPC.
 pub(super) enum Listener {
-    Tcp(Address, TcpListener),
+    Tcp(Address, TcpEntry),
     Unix(Address, UnixListener),
 }
 
 impl Listener {
-    pub(super) async fn bind(address: Address) -> Result<Self, ServerError> {
+    pub(super) async fn bind(address: Address, tls: Option<&Tls>) -> Result<Self, ServerError> {
         let failed = |source| ServerError::Bind { address: address.clone(), source };
         match &address {
             Address::Tcp(socket) => {
                 let listener = TcpListener::bind(socket).await.map_err(failed)?;
                 let bound = listener.local_addr().map_err(failed)?;
-                Ok(Self::Tcp(Address::Tcp(bound), listener))
+                Ok(Self::Tcp(Address::Tcp(bound), TcpEntry { listener, tls: tls.cloned() }))
             }
             Address::Unix(path) => {
                 remove_stale(path).await.map_err(failed)?;
                 let listener = UnixListener::bind(path).map_err(failed)?;
+                // Other users are also told apart by their credentials when they connect.
+                std::fs::set_permissions(path, Permissions::from_mode(0o600)).map_err(failed)?;
                 Ok(Self::Unix(address, listener))
             }
         }

@@ -1,5 +1,6 @@
 //! The server: its listeners, its services, and its end.
 
+mod access_config;
 mod builder;
 mod listeners;
 mod router;
@@ -8,6 +9,8 @@ use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
+use baudbot_access::Token;
+use baudbot_access::local::LocalFiles;
 use baudbot_proto::v1;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
@@ -16,12 +19,13 @@ use tonic::Status;
 use tonic::transport::Channel;
 use tonic::transport::server::Connected;
 
+use crate::access::{Access, Caller};
 use crate::address::Address;
 use crate::control::{Control, status_of, stop_recording};
 use crate::gate::{Gate, GatedListener, connections};
 use crate::message::Message;
 use crate::metrics::Metrics;
-use crate::page::{self, Film};
+use crate::page::{self, Film, Guard};
 use crate::pipe::Pipes;
 use crate::registry::Registry;
 use crate::report::Report;
@@ -40,9 +44,10 @@ pub enum ServerError {
         /// Why.
         source: io::Error,
     },
-    /// An address that other machines can reach, although the builder does not allow it.
+    /// An address that other machines can reach, without tokens and TLS.
     #[error(
-        "{address} can be reached from other machines, and this server has no authentication; listen on 127.0.0.1, or allow it with --insecure"
+        "{address} can be reached from other machines: that takes --tokens FILE (see `baudbot token`) and --tls CERTIFICATE,KEY (see \
+         `baudbot cert`), or a proxy that does TLS (--behind-proxy); or listen on 127.0.0.1"
     )]
     NotLoopback {
         /// The address.
@@ -59,6 +64,12 @@ pub enum ServerError {
     /// The server takes no trainers.
     #[error("this server takes no trainers; give its builder an address for them")]
     NoTrainers,
+    /// The tokens could not be read.
+    #[error(transparent)]
+    Tokens(#[from] baudbot_access::FileError),
+    /// The token for this user's own programs could not be written.
+    #[error("the token for your own programs: {0}")]
+    LocalToken(#[from] baudbot_access::PrivateError),
     /// A world could not be made.
     #[error("{}", .0.message())]
     World(Box<Status>),
@@ -77,11 +88,26 @@ pub struct Server {
     trainers: Vec<Address>,
     viewers: Vec<SocketAddr>,
     sockets: Vec<SocketFile>,
+    /// The token of this user's own programs, and the files in which they find it.
+    local: Option<(Token, LocalFiles)>,
+    is_encrypted: bool,
     pipes: Pipes,
     /// To what trainers reach.
     trainers_pipes: Option<Pipes>,
     stop: watch::Sender<bool>,
     tasks: JoinSet<()>,
+}
+
+/// What stands between the clients of a server and its services.
+struct Guards {
+    access: Access,
+    gate: Gate,
+    /// The token that this user's own programs find.
+    local: Option<Token>,
+    /// Names under which pages reach it.
+    hosts: Vec<String>,
+    behind_proxy: bool,
+    is_encrypted: bool,
 }
 
 impl Server {
@@ -92,13 +118,15 @@ impl Server {
 
     async fn start(
         control: Control,
-        gate: Gate,
+        Guards { access, gate, local, hosts, behind_proxy, is_encrypted }: Guards,
         listeners: Listeners,
         films: Option<mpsc::Sender<Film>>,
     ) -> Result<Self, ServerError> {
+        // Clients that come as soon as they can find the token of this server, and not of the one before.
+        let local = local.map(|token| listeners.publish(token)).transpose()?;
         let registry = control.registry.clone();
         let control = Arc::new(control);
-        let router = router::ordinary(&control, gate.patience()).await?;
+        let router = router::ordinary(&control, &access, gate.patience()).await?;
         let (stop, stopped) = watch::channel(false);
         let (pipes, incoming) = Pipes::new();
         let mut server = Self {
@@ -107,6 +135,8 @@ impl Server {
             trainers: Vec::new(),
             viewers: Vec::new(),
             sockets: Vec::new(),
+            local,
+            is_encrypted,
             pipes,
             trainers_pipes: None,
             stop,
@@ -117,7 +147,7 @@ impl Server {
         }
         server.tasks.spawn(run(router, incoming, stopped.clone()));
         if let Some(trainers) = listeners.trainers {
-            let router = router::trainers(&control, gate.patience(), stopped.clone()).await?;
+            let router = router::trainers(&control, &access, gate.patience(), stopped.clone()).await?;
             for listener in trainers {
                 server.trainers.push(listener.address().clone());
                 server.listen(listener, &router, &gate, &stopped);
@@ -128,10 +158,23 @@ impl Server {
         }
         let metrics = Metrics::new(server.registry.clone());
         for page in listeners.pages {
-            server.viewers.extend(page.local_addr());
-            let (page, pipes) = (GatedListener::new(page, gate.clone()), server.pipes.clone());
-            server.tasks.spawn(page::serve(page, pipes, metrics.clone(), films.clone(), stopped.clone()));
+            server.viewers.extend(page.listener.local_addr());
+            let guard = Guard::new(&page, &hosts, behind_proxy);
+            let page = GatedListener::new(page, gate.clone());
+            let services = page::Services {
+                pipes: server.pipes.clone(),
+                access: access.clone(),
+                metrics: metrics.clone(),
+            };
+            server.tasks.spawn(page::serve(page, guard, services, films.clone(), stopped.clone()));
         }
+        let mut stopped = stopped;
+        server.tasks.spawn(async move {
+            tokio::select! {
+                () = access.renew() => {}
+                _ = stopped.wait_for(|stopped| *stopped) => {}
+            }
+        });
         Ok(server)
     }
 
@@ -166,12 +209,26 @@ impl Server {
         &self.viewers
     }
 
+    /// Whether connections over TCP are by TLS.
+    pub fn is_encrypted(&self) -> bool {
+        self.is_encrypted
+    }
+
+    /// Links to the viewer for this user's own browser. What they end with is the token, which a browser sends to nobody but the
+    /// page.
+    pub fn viewer_links(&self) -> Vec<String> {
+        let scheme = if self.is_encrypted { "https" } else { "http" };
+        let token = self.local.as_ref().map(|(token, _)| format!("#token={}", token.reveal()));
+        let token = token.unwrap_or_default();
+        self.viewers.iter().map(|address| format!("{scheme}://{address}/{token}")).collect()
+    }
+
     /// A new connection to it, through a pipe in memory.
     ///
     /// # Errors
     /// If the server is stopping.
     pub async fn channel(&self) -> Result<Channel, ServerError> {
-        Ok(self.pipes.channel().await?)
+        Ok(self.pipes.channel(Caller::Trusted).await?)
     }
 
     /// A new connection to what trainers reach, the trainers' and the operator's service, through a pipe in memory.
@@ -180,7 +237,7 @@ impl Server {
     /// If the builder was given no address for trainers, or the server is stopping.
     pub async fn trainers_channel(&self) -> Result<Channel, ServerError> {
         let pipes = self.trainers_pipes.as_ref().ok_or(ServerError::NoTrainers)?;
-        Ok(pipes.channel().await?)
+        Ok(pipes.channel(Caller::Trusted).await?)
     }
 
     /// Ends a world's recording, and gives the status of the world in the very state that the file ends with. Two calls, one

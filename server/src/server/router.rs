@@ -11,39 +11,39 @@ use prost::Message as _;
 use prost_types::FileDescriptorSet;
 use tokio::sync::watch;
 use tonic::server::NamedService;
-use tonic::service::InterceptorLayer;
 use tonic::transport::Server as Transport;
-use tonic::{Request, Status};
 use tonic_health::server::HealthReporter;
 use tower::layer::util::{Identity, Stack};
 
 use super::ServerError;
+use crate::access::{Access, CheckCalls};
 use crate::brain_link::{BrainLink, BrainLinkServer};
 use crate::control::Control;
-use crate::gate::check_call;
 use crate::observe::Observe;
 use crate::trainer::Trainer;
 
 /// How often a silent connection is pinged, and how long it has to answer.
 const KEEPALIVE: Duration = Duration::from_secs(20);
 
-/// The services, behind the gate's check of each call.
-pub(super) type Router = tonic::transport::server::Router<Stack<InterceptorLayer<CheckCall>, Identity>>;
-
-type CheckCall = fn(Request<()>) -> Result<Request<()>, Status>;
+/// The services, behind the check of each call.
+pub(super) type Router = tonic::transport::server::Router<Stack<CheckCalls, Identity>>;
 
 /// The services for brains, observers and operators.
 ///
 /// # Errors
 /// If they cannot be described for reflection.
-pub(super) async fn ordinary(control: &Arc<Control>, patience: Duration) -> Result<Router, ServerError> {
+pub(super) async fn ordinary(
+    control: &Arc<Control>,
+    access: &Access,
+    patience: Duration,
+) -> Result<Router, ServerError> {
     let registry = &control.registry;
     let (health, health_service) = tonic_health::server::health_reporter();
     is_serving::<BrainLinkServer>(&health).await;
     is_serving::<ObserveServiceServer<Observe>>(&health).await;
     let observe = Observe { registry: registry.clone() };
     let brain_link = BrainLink { registry: registry.clone(), patience };
-    Ok(with_operator(control, &health, without_trainers(contract()))
+    Ok(with_operator(control, access, &health, without_trainers(contract()))
         .await?
         .add_service(health_service)
         .add_service(ObserveServiceServer::new(observe))
@@ -56,13 +56,14 @@ pub(super) async fn ordinary(control: &Arc<Control>, patience: Duration) -> Resu
 /// If they cannot be described for reflection.
 pub(super) async fn trainers(
     control: &Arc<Control>,
+    access: &Access,
     patience: Duration,
     stopped: watch::Receiver<bool>,
 ) -> Result<Router, ServerError> {
     let (health, health_service) = tonic_health::server::health_reporter();
     is_serving::<TrainerServiceServer<Trainer>>(&health).await;
     let trainer = Trainer { registry: control.registry.clone(), patience, stopped };
-    Ok(with_operator(control, &health, contract())
+    Ok(with_operator(control, access, &health, contract())
         .await?
         .add_service(health_service)
         .add_service(TrainerServiceServer::new(trainer)))
@@ -71,6 +72,7 @@ pub(super) async fn trainers(
 /// The operator's service, and reflection of this contract.
 async fn with_operator(
     control: &Arc<Control>,
+    access: &Access,
     health: &HealthReporter,
     contract: FileDescriptorSet,
 ) -> Result<Router, ServerError> {
@@ -84,7 +86,7 @@ async fn with_operator(
         // The brains of a machine that has vanished are detached after a while.
         .http2_keepalive_interval(Some(KEEPALIVE))
         .http2_keepalive_timeout(Some(KEEPALIVE))
-        .layer(InterceptorLayer::new(check_call as CheckCall))
+        .layer(CheckCalls(access.clone()))
         // Python's reflection client speaks only v1alpha.
         .add_service(reflection().build_v1()?)
         .add_service(reflection().build_v1alpha()?)

@@ -67,6 +67,7 @@ export class Connection {
   /** Wall-clock time spent with messages that came, in milliseconds; whoever measures sets it back. */
   busy_ms = 0;
   private socket: Socket | undefined;
+  private retry: ReturnType<typeof setTimeout> | undefined;
   private lastCall = 0;
   private wait_ms = FIRST_WAIT_MS;
   private readonly calls = new Map<number, Listener>();
@@ -74,6 +75,8 @@ export class Connection {
   constructor(private readonly connect: () => Socket) {}
 
   open(): void {
+    clearTimeout(this.retry);
+    if (this.socket) return;
     this.set({ state: "connecting" });
     const socket = this.connect();
     socket.binaryType = "arraybuffer";
@@ -152,7 +155,7 @@ export class Connection {
     const calls = [...this.calls.values()];
     this.calls.clear();
     for (const listener of calls) listener.over(new CallError("UNAVAILABLE", "the connection to the server is lost"));
-    setTimeout(() => this.open(), wait_ms);
+    this.retry = setTimeout(() => this.open(), wait_ms);
   }
 
   private set(link: Link): void {

@@ -11,7 +11,8 @@ import grpc.aio
 
 from .attach import PATIENCE_S, Summary, brain_maker, closed, program_name
 from .brain import Brain, Value
-from .channel import options, target
+from .channel import open_aio_channel
+from .credentials import Credentials
 from .errors import Error, Restart, from_rpc
 from .reconnect import Backoff, Tell, tell_on_stderr
 from .session import Session, hello
@@ -20,6 +21,8 @@ from .v1 import brain_link_pb2 as pb
 from .v1 import control_pb2
 from .v1.brain_link_pb2_grpc import BrainLinkServiceStub
 from .v1.control_pb2_grpc import ControlServiceStub
+
+Metadata = tuple[tuple[str, str], ...]
 
 
 async def attach(
@@ -41,9 +44,10 @@ async def attach(
     backoff, found = Backoff(settings.reconnect_s, tell), None
     while True:
         try:
-            async with _channel(settings.connect) as channel:
-                found = found or await _find_robots(channel, settings)
-                return await _drive(channel, brain, settings, *found, backoff=backoff, tell=tell, announce=announce)
+            async with _channel(settings.connect) as (channel, metadata):
+                found = found or await _find_robots(channel, metadata, settings)
+                call = BrainLinkServiceStub(channel).Attach(metadata=metadata)
+                return await _drive(call, brain, settings, *found, backoff=backoff, tell=tell, announce=announce)
         except Restart:
             tell(f"the operator has restarted the brain of {', '.join(found[1]) if found else 'the robots'}")
         except Error as error:
@@ -51,26 +55,28 @@ async def attach(
 
 
 @asynccontextmanager
-async def _channel(address: str) -> AsyncIterator[grpc.aio.Channel]:
-    channel = grpc.aio.insecure_channel(target(address), options(address))
+async def _channel(address: str) -> AsyncIterator[tuple[grpc.aio.Channel, Metadata]]:
+    credentials = Credentials.find(address)
+    channel = open_aio_channel(address, credentials)
     try:
-        yield channel
+        yield channel, credentials.metadata
     except grpc.aio.AioRpcError as error:
         raise from_rpc(error, address) from None
     finally:
         await channel.close()
 
 
-async def _find_robots(channel: grpc.aio.Channel, settings: Settings) -> tuple[str, list[str]]:
+async def _find_robots(channel: grpc.aio.Channel, metadata: Metadata, settings: Settings) -> tuple[str, list[str]]:
     if not settings.needs_look():
         assert settings.world is not None
         return settings.world, list(settings.robots)
     request = control_pb2.ListWorldsRequest()
-    return settings.choose((await ControlServiceStub(channel).ListWorlds(request, timeout=PATIENCE_S)).worlds)
+    listed = await ControlServiceStub(channel).ListWorlds(request, timeout=PATIENCE_S, metadata=metadata)
+    return settings.choose(listed.worlds)
 
 
 async def _drive(
-    channel: grpc.aio.Channel,
+    call: grpc.aio.StreamStreamCall[pb.AttachRequest, pb.AttachResponse],
     brain: type[Brain],
     settings: Settings,
     world: str,
@@ -80,7 +86,6 @@ async def _drive(
     tell: Tell,
     announce: bool,
 ) -> Summary:
-    call = BrainLinkServiceStub(channel).Attach()
     try:
         await call.write(hello(world, robots, brain, program_name()))
         first = await call.read()

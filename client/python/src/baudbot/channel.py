@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import grpc
+
+from .credentials import Credentials
 
 #: Worlds are described in messages that are about as long as their scenarios, which may have 16 MiB.
 _MAX_MESSAGE_BYTES = 64 << 20
@@ -21,8 +23,11 @@ _OPTIONS: list[tuple[str, Any]] = [
 
 
 def target(address: str) -> str:
-    """`HOST:PORT`, `http://HOST:PORT` or `unix:/PATH` as gRPC has it."""
-    return address.removeprefix("http://").rstrip("/") if address.startswith("http://") else address
+    """`HOST:PORT`, `http://HOST:PORT`, `https://HOST:PORT` or `unix:/PATH` as gRPC has it."""
+    for scheme in ("http://", "https://"):
+        if address.startswith(scheme):
+            return address.removeprefix(scheme).rstrip("/")
+    return address
 
 
 def options(address: str) -> list[tuple[str, Any]]:
@@ -33,5 +38,57 @@ def options(address: str) -> list[tuple[str, Any]]:
 
 
 def open_channel(address: str) -> grpc.Channel:
-    """A channel to this address; nothing is sent yet."""
-    return grpc.insecure_channel(target(address), options(address))
+    """A channel to this address, whose calls show a token; nothing is sent yet."""
+    credentials = Credentials.find(address)
+    if address.startswith("https://"):
+        channel = grpc.secure_channel(target(address), credentials.tls(), options(address))
+    else:
+        channel = grpc.insecure_channel(target(address), options(address))
+    return channel if credentials.token is None else grpc.intercept_channel(channel, _Shows(credentials))
+
+
+def open_aio_channel(address: str, credentials: Credentials) -> grpc.aio.Channel:
+    """The same for asyncio. Calls have to show the token themselves, as their `metadata`."""
+    if address.startswith("https://"):
+        return grpc.aio.secure_channel(target(address), credentials.tls(), options(address))
+    return grpc.aio.insecure_channel(target(address), options(address))
+
+
+class _Shows(
+    grpc.UnaryUnaryClientInterceptor,
+    grpc.UnaryStreamClientInterceptor,
+    grpc.StreamUnaryClientInterceptor,
+    grpc.StreamStreamClientInterceptor,
+):
+    """Shows the token with each call."""
+
+    def __init__(self, credentials: Credentials) -> None:
+        self._metadata = credentials.metadata
+
+    def _goes_on(self, go_on: Any, details: Any, request: Any) -> Any:
+        shown = _Details(
+            details.method,
+            details.timeout,
+            (*(details.metadata or ()), *self._metadata),
+            details.credentials,
+            details.wait_for_ready,
+            details.compression,
+        )
+        return go_on(shown, request)
+
+    # All four are the same, which their types do not say.
+    intercept_unary_unary: Any = _goes_on
+    intercept_unary_stream: Any = _goes_on
+    intercept_stream_unary: Any = _goes_on
+    intercept_stream_stream: Any = _goes_on
+
+
+class _Details(NamedTuple):
+    """What a call is, as interceptors have it."""
+
+    method: str
+    timeout: float | None
+    metadata: tuple[tuple[str, str], ...]
+    credentials: Any
+    wait_for_ready: bool | None
+    compression: Any

@@ -1,0 +1,160 @@
+//! What a call asks of its caller, and the table of all calls.
+//!
+//! This is the one place that decides what a right is good for: [`Right::gives`](crate::Right::gives) says which needs a right
+//! meets, and [`RPCS`] says what each call needs. A call that is not in the table is refused, so that one that is added to the
+//! contract is closed until somebody has thought about it.
+
+use std::fmt;
+
+/// What a caller must have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Need {
+    /// Nothing: whoever reaches the server may.
+    Nothing,
+    /// Any valid token, whatever its rights.
+    AnyToken,
+    /// To see what is true.
+    Observe,
+    /// To make worlds and run them.
+    Operate,
+    /// To be told the truth while driving.
+    Train,
+    /// To drive a robot. Which one is in the call, or comes with it later: see [`Grant::may_drive`](crate::Grant::may_drive).
+    Drive,
+}
+
+/// A way into the server that is not an RPC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Door {
+    /// The page's files, which are the same everywhere and say nothing of this server.
+    PageFiles,
+    /// The page's socket. Each call that comes over it needs what the RPC of that name needs.
+    PageSocket,
+    /// A film that a page has made and hands in.
+    Film,
+    /// Metrics for Prometheus.
+    Metrics,
+    /// A serial port that programs open: it drives its robot.
+    SerialPort,
+}
+
+impl Door {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::PageFiles, Self::PageSocket, Self::Film, Self::Metrics, Self::SerialPort];
+
+    /// What a caller must have who comes this way.
+    pub fn needs(self) -> Need {
+        match self {
+            Self::PageFiles => Need::Nothing,
+            Self::PageSocket => Need::AnyToken,
+            // It was made for the operator's command that started the page.
+            Self::Film => Need::Operate,
+            Self::Metrics => Need::Observe,
+            Self::SerialPort => Need::Drive,
+        }
+    }
+}
+
+/// What a call of this method needs; `None` if there is no such method, and then the call is to be refused. The service has its
+/// full name: `needs("baudbot.v1.ControlService", "ListWorlds")`.
+pub fn needs(service: &str, method: &str) -> Option<Need> {
+    let (_, methods) = RPCS.iter().find(|(name, _)| *name == service)?;
+    methods.iter().find(|(name, _)| *name == method).map(|(_, need)| *need)
+}
+
+/// The same by the path of the HTTP request, such as `/baudbot.v1.ControlService/ListWorlds`.
+pub fn needs_at(path: &str) -> Option<Need> {
+    let (service, method) = path.strip_prefix('/')?.split_once('/')?;
+    needs(service, method)
+}
+
+/// A service by its full name, with what each of its methods needs.
+pub type Service = (&'static str, &'static [(&'static str, Need)]);
+
+/// All services, and what each of their methods needs.
+pub const RPCS: &[Service] = &[
+    ("baudbot.v1.ControlService", CONTROL),
+    ("baudbot.v1.ObserveService", OBSERVE),
+    ("baudbot.v1.BrainLinkService", &[("Attach", Need::Drive)]),
+    ("baudbot.v1.TrainerService", &[("Train", Need::Train)]),
+    ("grpc.health.v1.Health", HEALTH),
+    ("grpc.reflection.v1.ServerReflection", REFLECTION),
+    ("grpc.reflection.v1alpha.ServerReflection", REFLECTION),
+];
+
+/// Who only looks reads; whatever changes a world, or takes its whole state away, is the operator's.
+const CONTROL: &[(&str, Need)] = &[
+    ("CreateWorld", Need::Operate),
+    ("ListWorlds", Need::Observe),
+    ("GetWorld", Need::Observe),
+    ("StartWorld", Need::Operate),
+    ("PauseWorld", Need::Operate),
+    ("StepWorld", Need::Operate),
+    ("SetPace", Need::Operate),
+    ("ResetWorld", Need::Operate),
+    ("SnapshotWorld", Need::Operate),
+    ("RestoreWorld", Need::Operate),
+    ("Intervene", Need::Operate),
+    ("GetBudget", Need::Observe),
+    ("SaveWorld", Need::Operate),
+    ("CloneWorld", Need::Operate),
+    ("StartRecording", Need::Operate),
+    ("StopRecording", Need::Operate),
+    ("ListRecordings", Need::Observe),
+    ("OpenRecording", Need::Operate),
+    ("DescribeReplay", Need::Observe),
+    ("SeekReplay", Need::Operate),
+    ("ForkReplay", Need::Operate),
+    ("DeleteWorld", Need::Operate),
+];
+
+const OBSERVE: &[(&str, Need)] = &[
+    ("DescribeWorld", Need::Observe),
+    ("Watch", Need::Observe),
+    ("GetCoverage", Need::Observe),
+    ("WatchCable", Need::Observe),
+];
+
+/// Probes of an orchestrator have no token, and `Check` tells them nothing but that services are served. `Watch` keeps a stream
+/// open, which costs the server a place.
+const HEALTH: &[(&str, Need)] = &[("Check", Need::Nothing), ("Watch", Need::AnyToken)];
+
+/// The contract is no secret, but a stranger need not learn what this server offers.
+const REFLECTION: &[(&str, Need)] = &[("ServerReflectionInfo", Need::AnyToken)];
+
+impl fmt::Display for Need {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Nothing => "nothing",
+            Self::AnyToken => "any token",
+            Self::Observe => "observe",
+            Self::Operate => "operate",
+            Self::Train => "train",
+            Self::Drive => "drive",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_in_the_table_is_refused() {
+        assert_eq!(needs("baudbot.v1.ControlService", "ListWorlds"), Some(Need::Observe));
+        assert_eq!(needs_at("/baudbot.v1.ControlService/DeleteWorld"), Some(Need::Operate));
+        let (service, methods) = RPCS[0];
+        for wrong in ["", "listworlds", "ListWorlds/", "ListWorlds ", "Attach"] {
+            assert_eq!(needs(service, wrong), None, "{wrong}");
+        }
+        assert_eq!(needs("ControlService", methods[0].0), None);
+        for wrong in
+            ["", "/", "//", "baudbot.v1.ControlService/GetWorld", "//baudbot.v1.ControlService/GetWorld"]
+        {
+            assert_eq!(needs_at(wrong), None, "{wrong}");
+        }
+        assert_eq!(needs_at("/baudbot.v1.ControlService/GetWorld/"), None);
+        assert_eq!(needs_at("/baudbot.v1.ControlService/GetWorld?"), None);
+    }
+}

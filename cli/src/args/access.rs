@@ -1,0 +1,89 @@
+//! Who may reach the server of a command, and with which token.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use anyhow::Context;
+use baudbot_access::{Token, TokenFile};
+use baudbot_server::{Builder, Tls};
+use clap::Args;
+
+use crate::error::Refused;
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Who may connect")]
+pub(crate) struct AccessArgs {
+    /// Let any user of this machine do everything, without a token
+    ///
+    /// By default a token for your own programs is in a file that only you can read, and the clients of baudbot find it there by
+    /// themselves. Others need --tokens (docs/trust.md).
+    #[arg(long)]
+    pub(crate) open: bool,
+    /// Let those connect who have a token of this file, for what it is good for (`baudbot token`)
+    #[arg(long, value_name = "FILE", conflicts_with = "open")]
+    pub(crate) tokens: Option<PathBuf>,
+    /// Encrypt connections, with this certificate and its key, both in PEM (`baudbot cert`)
+    #[arg(long, value_name = "CERTIFICATE,KEY")]
+    pub(crate) tls: Option<TlsFiles>,
+    /// Let only those connect who show a certificate of one of these authorities, in PEM
+    #[arg(long, value_name = "FILE", requires = "tls")]
+    pub(crate) client_ca: Option<PathBuf>,
+    /// Other machines connect through a proxy, which encrypts
+    #[arg(long, requires = "tokens")]
+    pub(crate) behind_proxy: bool,
+    /// A name under which browsers reach the viewer, besides localhost and its address
+    #[arg(long, value_name = "NAME")]
+    pub(crate) host: Vec<String>,
+}
+
+/// A certificate and its key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct TlsFiles {
+    certificate: PathBuf,
+    key: PathBuf,
+}
+
+impl FromStr for TlsFiles {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(',') {
+            Some((certificate, key)) if !certificate.is_empty() && !key.is_empty() => {
+                Ok(Self { certificate: certificate.into(), key: key.into() })
+            }
+            Some(_) | None => Err("must be two files, as in server.pem,server.key".to_owned()),
+        }
+    }
+}
+
+impl AccessArgs {
+    /// An option that was given.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        let options = [
+            (self.open, "--open"),
+            (self.tokens.is_some(), "--tokens"),
+            (self.tls.is_some(), "--tls"),
+            (!self.host.is_empty(), "--host"),
+        ];
+        options.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option)
+    }
+
+    /// A server that lets these connect.
+    ///
+    /// # Errors
+    /// If a certificate or a key cannot be used.
+    pub(crate) fn guard(&self, mut builder: Builder) -> anyhow::Result<Builder> {
+        if let Some(TlsFiles { certificate, key }) = &self.tls {
+            let tls = Tls::read(certificate, key, self.client_ca.as_deref());
+            builder = builder.tls(tls.map_err(|error| Refused::error(format!("--tls: {error}")))?);
+        }
+        if let Some(file) = &self.tokens {
+            builder = builder.tokens(TokenFile::at(file));
+        }
+        if !self.open {
+            builder = builder.local_token(Token::random().context("no token can be made")?);
+        }
+        builder = builder.behind_proxy(self.behind_proxy);
+        Ok(self.host.iter().fold(builder, Builder::host))
+    }
+}

@@ -1,0 +1,69 @@
+//! `baudbot cert`.
+
+use std::path::PathBuf;
+
+use baudbot_access::{GrantName, Lifetime};
+use clap::{Args, Subcommand};
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum CertCommand {
+    /// Makes a certificate authority: ca.pem, and its key ca-key.pem
+    #[command(after_long_help = EXAMPLES)]
+    Ca(AuthorityArgs),
+    /// Makes a certificate for a server, with its key
+    #[command(after_long_help = EXAMPLES)]
+    Server(ServerCertificateArgs),
+    /// Makes a certificate for a client, with its key
+    #[command(after_long_help = EXAMPLES)]
+    Client(ClientCertificateArgs),
+}
+
+#[derive(Debug, Args)]
+#[cfg_attr(not(feature = "certificates"), expect(dead_code, reason = "only a message is for them"))]
+pub(crate) struct AuthorityArgs {
+    /// The folder, which is made if it is not there
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+    /// What the authority is called: 1 to 64 letters, digits, _, -, . or @
+    #[arg(long, default_value = "baudbot")]
+    pub(crate) name: GrantName,
+    /// The authority is valid for so long
+    #[arg(long, value_name = "TIME", default_value = "3650d")]
+    pub(crate) expires: Lifetime,
+}
+
+#[derive(Debug, Args)]
+#[cfg_attr(not(feature = "certificates"), expect(dead_code, reason = "only a message is for them"))]
+pub(crate) struct ServerCertificateArgs {
+    /// The folder with the authority
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+    /// Names and addresses by which clients reach the server: robots.lab, 10.0.0.7; the files have the first name
+    #[arg(value_name = "NAME", required = true)]
+    pub(crate) names: Vec<String>,
+    /// The certificate is valid for so long
+    #[arg(long, value_name = "TIME", default_value = "365d")]
+    pub(crate) expires: Lifetime,
+}
+
+#[derive(Debug, Args)]
+#[cfg_attr(not(feature = "certificates"), expect(dead_code, reason = "only a message is for them"))]
+pub(crate) struct ClientCertificateArgs {
+    /// The folder with the authority
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+    /// What the client is called, as are the files: 1 to 64 letters, digits, _, -, . or @
+    #[arg(value_name = "NAME")]
+    pub(crate) name: GrantName,
+    /// The certificate is valid for so long
+    #[arg(long, value_name = "TIME", default_value = "365d")]
+    pub(crate) expires: Lifetime,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  baudbot cert ca lab                            lab/ca.pem, for all clients, and lab/ca-key.pem, which is secret
+  baudbot cert server lab robots.lab 10.0.0.7    lab/robots.lab.pem and lab/robots.lab-key.pem
+  baudbot cert client lab alice                  lab/alice.pem and lab/alice-key.pem
+
+Needs a program built with `--features certificates` (or `full`). docs/trust.md says who needs which file.";

@@ -1,0 +1,83 @@
+//! `baudbot token`.
+
+use std::path::PathBuf;
+
+use baudbot_access::{DrivePattern, GrantName, Lifetime};
+use clap::{ArgGroup, Args, Subcommand};
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum TokenCommand {
+    /// Makes a token and prints it, this once
+    #[command(after_long_help = NEW_EXAMPLES)]
+    New(NewTokenArgs),
+    /// Lists the tokens of a file: their names, rights and dates
+    List(ListTokensArgs),
+    /// Revokes a token
+    Revoke(RevokeTokenArgs),
+    /// Prints the token of your own server on this machine, for programs that do not find it by themselves
+    Local(LocalTokenArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LocalTokenArgs {
+    /// The server: HOST:PORT or unix:/PATH
+    #[arg(long, value_name = "ADDR", default_value = super::DEFAULT_ADDRESS)]
+    pub(crate) connect: String,
+}
+
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("rights").required(true).multiple(true)))]
+pub(crate) struct NewTokenArgs {
+    /// What the token is called in lists and logs: 1 to 64 letters, digits, _, -, . or @
+    #[arg(long)]
+    pub(crate) name: GrantName,
+    /// Allow to watch worlds, which shows the truth
+    #[arg(long, group = "rights")]
+    pub(crate) observe: bool,
+    /// Allow to make worlds, to run them and to delete them; and to observe
+    #[arg(long, group = "rights")]
+    pub(crate) operate: bool,
+    /// Allow to train: to drive robots in lockstep and to be told the truth; and to observe
+    #[arg(long, group = "rights")]
+    pub(crate) train: bool,
+    /// Allow to drive robots; `*` stands for any characters of a name, as in 'class-*/robot1' and '*/*'
+    #[arg(long, value_name = "WORLD/ROBOT", group = "rights")]
+    pub(crate) drive: Vec<DrivePattern>,
+    /// The token is valid for so long, such as 12h, 30d or 8w [default: until it is revoked]
+    #[arg(long, value_name = "TIME")]
+    pub(crate) expires: Option<Lifetime>,
+    #[command(flatten)]
+    pub(crate) file: TokenFileArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ListTokensArgs {
+    /// Write JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) file: TokenFileArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RevokeTokenArgs {
+    /// Its name
+    pub(crate) name: GrantName,
+    #[command(flatten)]
+    pub(crate) file: TokenFileArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TokenFileArgs {
+    /// The file of tokens, which has only their hashes [default: ~/.config/baudbot/tokens.toml]
+    ///
+    /// The default is $XDG_CONFIG_HOME/baudbot/tokens.toml if there is such a variable. docs/trust.md describes the file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) file: Option<PathBuf>,
+}
+
+const NEW_EXAMPLES: &str = "\
+Examples:
+  baudbot token new --name alice --observe --drive wander/alice
+  baudbot token new --name course --drive 'class-*/*' --expires 26w
+  baudbot token new --name ci --operate --train --expires 1d > ci.token    the token alone is on stdout";

@@ -1,0 +1,114 @@
+//! Who may connect to a `baudbot serve`: programs of its user by themselves, others with a token.
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::{Running, command, place, said};
+
+/// A user of this machine, as far as programs can tell: with a runtime folder of their own.
+struct User(PathBuf);
+
+impl User {
+    fn new(name: &str) -> Self {
+        let folder = place(name);
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).unwrap();
+        fs::set_permissions(&folder, fs::Permissions::from_mode(0o700)).unwrap();
+        Self(folder)
+    }
+
+    fn command(&self, args: &[&str]) -> Command {
+        let mut command = command(args);
+        command.env("XDG_RUNTIME_DIR", &self.0);
+        command
+    }
+
+    fn runs(&self, args: &[&str]) -> (i32, String, String) {
+        said(self.command(args).output().unwrap())
+    }
+
+    /// A server with its address and that of its page.
+    fn serves(&self, args: &[&str]) -> (Running, String, String) {
+        let listen = ["serve", "--listen", "127.0.0.1:0", "--viewer", "127.0.0.1:0"];
+        let mut server = Running(self.command(&[&listen, args].concat()).spawn().unwrap());
+        let lines = server.lines_until("look at it: ");
+        let address = lines[0].strip_prefix("listening on ").unwrap().to_owned();
+        (server, address, lines.last().unwrap().strip_prefix("look at it: ").unwrap().to_owned())
+    }
+}
+
+fn token_of(user: &User, address: &str) -> PathBuf {
+    user.0.join(format!("baudbot/{address}.token"))
+}
+
+#[test]
+fn a_servers_own_user_needs_no_token_and_another_one_gets_nothing() {
+    let (owner, other) = (User::new("trust-owner"), User::new("trust-other"));
+    let (server, address, link) = owner.serves(&["wander"]);
+    let file = token_of(&owner, &address);
+    assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+    let token = fs::read_to_string(&file).unwrap();
+    assert!(link.ends_with(&format!("/#token={token}")), "{link}");
+    let look = ["watch", "--once", "--connect", &address];
+    let (code, out, err) = owner.runs(&look);
+    assert_eq!((code, err.as_str()), (0, ""));
+    assert!(out.starts_with("world wander"), "{out}");
+    assert_eq!(
+        owner.runs(&["token", "local", "--connect", &address]),
+        (0, format!("{token}\n"), String::new())
+    );
+    for args in
+        [&look[..], &["brain", "avoid", "--connect", &address, "--world", "wander", "--robot", "robot"]]
+    {
+        let (code, out, err) = other.runs(args);
+        assert_eq!((code, out.as_str()), (1, ""), "{args:?}");
+        assert!(err.contains("a token is needed here"), "{err}");
+    }
+    let (code, _, err) = other.runs(&["token", "local", "--connect", &address]);
+    assert_eq!(code, 1);
+    assert!(err.contains("there is no token of yours"), "{err}");
+    server.signal("-TERM");
+    assert_eq!(server.end().0, 0);
+    assert!(!file.exists(), "the token is of no use any more");
+}
+
+#[test]
+fn an_open_server_asks_for_no_token() {
+    let (owner, other) = (User::new("open-owner"), User::new("open-other"));
+    let (_server, address, link) = owner.serves(&["wander", "--open"]);
+    assert!(link.ends_with('/') && !token_of(&owner, &address).exists(), "{link}");
+    assert_eq!(other.runs(&["watch", "--once", "--connect", &address]).0, 0);
+}
+
+#[test]
+fn a_pupil_drives_a_robot_with_a_token_and_sees_nothing_else() {
+    let (teacher, pupil) = (User::new("class-teacher"), User::new("class-pupil"));
+    let (tokens, token) = (teacher.0.join("tokens.toml"), pupil.0.join("alice.token"));
+    let tokens = tokens.to_str().unwrap();
+    let drive = ["token", "new", "--name", "alice", "--drive", "wander/robot", "--file", tokens];
+    fs::write(&token, teacher.runs(&drive).1).unwrap();
+    let run = ["wander", "--tokens", tokens, "--pace", "lockstep", "--set", "end.after_s=1.0"];
+    let (_server, address, _) = teacher.serves(&run);
+    let with_token = |args: &[&str]| {
+        let mut command = pupil.command(&[args, &["--connect", &address]].concat());
+        said(command.env("BAUDBOT_TOKEN_FILE", &token).output().unwrap())
+    };
+    let (code, _, err) = with_token(&["watch", "--once"]);
+    assert_eq!(code, 1);
+    assert!(err.contains("the token `alice` has no right to this, which needs `observe`"), "{err}");
+    let (code, out, err) = with_token(&["brain", "avoid", "--world", "wander", "--robot", "robot"]);
+    assert_eq!(code, 0, "{err}");
+    assert_eq!(out, "the run is over after 50 turns\n");
+    let missing = pupil.0.join("missing.token");
+    let mut command = pupil.command(&["watch", "--once", "--connect", &address, "--token-file"]);
+    let (code, _, err) = said(command.arg(&missing).output().unwrap());
+    assert_eq!(code, 1);
+    assert!(err.contains("missing.token: "), "{err}");
+    let broken = Path::new(tokens);
+    fs::write(broken, "version = ").unwrap();
+    let (code, _, err) = teacher.runs(&["serve", "wander", "--tokens", tokens, "--listen", "127.0.0.1:0"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("tokens.toml"), "{err}");
+}

@@ -1,0 +1,127 @@
+//! Sessions of pages: a browser shows its token once, and then a cookie.
+//!
+//! A script cannot set the `Authorization` header of a WebSocket, and a token in an address would stay in histories and logs. So the
+//! page sends its token by `POST /session`, and gets a cookie that no script can read and no other site's page sends along. The
+//! cookie is good for twelve hours, and not for longer than the token.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use axum::http::{HeaderMap, header};
+use baudbot_access::{Refused, Token, TokenHash};
+
+use crate::access::{Access, Caller, authorization};
+
+/// The sessions of a server. Clones share them.
+#[derive(Clone)]
+pub(super) struct Sessions {
+    access: Access,
+    open: Arc<Mutex<HashMap<TokenHash, Session>>>,
+    /// Whether cookies go over TLS only.
+    secure: bool,
+}
+
+struct Session {
+    caller: Caller,
+    until: Instant,
+}
+
+impl Sessions {
+    pub(super) fn new(access: Access, secure: bool) -> Self {
+        Self { access, open: Arc::default(), secure }
+    }
+
+    /// The caller of a request, by its token or the cookie of its session.
+    ///
+    /// # Errors
+    /// If it has neither, or it is not valid any more.
+    pub(super) fn caller(&self, headers: &HeaderMap) -> Result<Caller, Refused> {
+        let shown = authorization(headers);
+        match (shown, cookie(headers)) {
+            (None, Some(key)) if !self.access.is_open() => {
+                let session =
+                    self.lock().get(&key.hash()).map(|session| (session.caller.clone(), session.until));
+                match session {
+                    Some((caller, until)) if Instant::now() < until => self.access.still(&caller),
+                    Some(_) | None => Err(Refused::Missing),
+                }
+            }
+            (shown, _) => self.access.caller(shown),
+        }
+    }
+
+    /// Begins a session of the caller who shows this token. Gives its cookie.
+    ///
+    /// # Errors
+    /// If the token is not valid.
+    pub(super) fn begin(&self, headers: &HeaderMap) -> Result<String, Refused> {
+        let caller = self.access.caller(authorization(headers))?;
+        // Without randomness nobody gets in.
+        let key = Token::random().map_err(|_| Refused::Missing)?;
+        let now = Instant::now();
+        let mut open = self.lock();
+        open.retain(|_, session| now < session.until);
+        if open.len() >= MOST
+            && let Some(oldest) = open.iter().min_by_key(|(_, session)| session.until).map(|(hash, _)| *hash)
+        {
+            open.remove(&oldest);
+        }
+        open.insert(key.hash(), Session { caller, until: now + LASTS });
+        let secure = if self.secure { "; Secure" } else { "" };
+        let seconds = LASTS.as_secs();
+        Ok(format!("{NAME}={}; HttpOnly; SameSite=Strict; Path=/; Max-Age={seconds}{secure}", key.reveal()))
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<TokenHash, Session>> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The key of a session that a browser shows.
+fn cookie(headers: &HeaderMap) -> Option<Token> {
+    let pairs = headers.get_all(header::COOKIE).iter().filter_map(|cookies| cookies.to_str().ok());
+    let mut pairs = pairs.flat_map(|cookies| cookies.split(';'));
+    pairs.find_map(|pair| pair.trim().strip_prefix(NAME)?.strip_prefix('=')?.parse().ok())
+}
+
+const NAME: &str = "baudbot_session";
+
+/// How long a session is good for.
+const LASTS: Duration = Duration::from_secs(12 * 60 * 60);
+
+/// Sessions at a time; then the oldest is forgotten.
+const MOST: usize = 4096;
+
+#[cfg(test)]
+mod tests {
+    use std::time::SystemTime;
+
+    use baudbot_access::{Grant, Watched};
+
+    use super::*;
+
+    fn headers(name: header::HeaderName, value: &str) -> HeaderMap {
+        HeaderMap::from_iter([(name, value.parse().unwrap())])
+    }
+
+    #[test]
+    fn a_session_has_the_rights_of_its_token() {
+        let token = Token::random().unwrap();
+        let own = vec![Grant::local(token.hash(), SystemTime::now())];
+        let access = Access::by(Watched::open(None, own, Instant::now()).unwrap());
+        let sessions = Sessions::new(access, false);
+        assert!(matches!(sessions.caller(&HeaderMap::new()), Err(Refused::Missing)));
+        let bearer = headers(header::AUTHORIZATION, &format!("Bearer {}", token.reveal()));
+        assert_eq!(sessions.caller(&bearer).unwrap().name(), "local");
+        let set = sessions.begin(&bearer).unwrap();
+        assert!(set.contains("; HttpOnly; SameSite=Strict; ") && !set.contains("Secure"), "{set}");
+        assert!(!set.contains(&token.reveal()), "a cookie is not the token");
+        let pair = set.split(';').next().unwrap();
+        let back = headers(header::COOKIE, &format!("theme=dark; {pair}"));
+        assert_eq!(sessions.caller(&back).unwrap().name(), "local");
+        let forged = format!("{NAME}={}", Token::random().unwrap().reveal());
+        assert!(sessions.caller(&headers(header::COOKIE, &forged)).is_err());
+        assert!(sessions.begin(&HeaderMap::new()).is_err());
+    }
+}
