@@ -103,7 +103,7 @@ async fn who_speaks_without_tls_where_it_is_wanted_is_told() {
     }
     let began = Instant::now();
     let address = format!("127.0.0.1:{}", port(&server));
-    let text = connect_with(&address, &Credentials::default()).await.err().expect("refused").to_string();
+    let text = connect_with(&address, &Credentials::default()).await.expect_err("refused").to_string();
     assert!(text.contains("this server speaks TLS: use https://"), "{text}");
     assert!(began.elapsed() < Duration::from_secs(20), "it does not hang");
     server.shutdown().await;

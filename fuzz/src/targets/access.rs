@@ -13,7 +13,7 @@ pub(super) fn targets() -> Vec<Target> {
             name: "headers",
             what: "tokens in headers, and paths of calls",
             seeds: headers.map(|header| header.as_bytes().to_vec()).to_vec(),
-            words: &[b"Bearer ", b"baudbot_", b"/baudbot.v1.ControlService/", b"GetWorld", "µ".as_bytes()],
+            words: &[b"Bearer ", b"baudbot_", b"/baudbot.v1.ControlService/", b"GetWorld", b"\xc2\xb5"],
             run: Box::new(header),
         },
         Target {

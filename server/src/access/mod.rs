@@ -13,12 +13,11 @@
 //! # Mechanism
 //!
 //! - [`Access`] finds the [`Caller`] of a call, and checks that it has what the call needs by the table of `baudbot-access`.
-//!   [`CheckCalls`] does that before any service, and leaves the caller in the call's extensions.
+//!   The `gate` does that before any service, and leaves the caller in the call's extensions.
 //! - A brain says which robots it is for in its first message, and a page asks over a socket: these ask the caller itself
 //!   ([`Caller::may_drive`]).
 //! - A stream is ended when its token is revoked, has expired or got other rights ([`Guarded`]).
 
-mod calls;
 mod stream;
 
 use std::sync::Arc;
@@ -29,8 +28,7 @@ use tokio::sync::watch;
 use tonic::codegen::http;
 use tonic::{Code, Request, Status};
 
-pub(crate) use calls::CheckCalls;
-use stream::Guarded;
+pub(crate) use stream::Guarded;
 
 /// Who a call is from.
 #[derive(Clone, Debug)]
@@ -126,7 +124,12 @@ impl Access {
     /// # Errors
     /// `UNAUTHENTICATED` if the caller is not known, `PERMISSION_DENIED` if it may not do this, `UNIMPLEMENTED` if there is no such
     /// call.
-    fn check(&self, path: &str, known: Option<&Caller>, headers: &http::HeaderMap) -> Result<Caller, Status> {
+    pub(crate) fn check(
+        &self,
+        path: &str,
+        known: Option<&Caller>,
+        headers: &http::HeaderMap,
+    ) -> Result<Caller, Status> {
         let Some(need) = needs_at(path) else { return Err(Status::new(Code::Unimplemented, "")) };
         let caller = match (need, known) {
             (Need::Nothing, _) => return Ok(known.cloned().unwrap_or(Caller::Trusted)),

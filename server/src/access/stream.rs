@@ -19,7 +19,7 @@ use super::{Access, Caller};
 
 /// The body of a response to the holder of a token. It ends with a status when the token is revoked, has expired, or is good for
 /// something else than when the call began.
-pub(super) struct Guarded {
+pub(crate) struct Guarded {
     body: Body,
     access: Access,
     grant: Arc<Grant>,
@@ -30,7 +30,7 @@ pub(super) struct Guarded {
 }
 
 impl Guarded {
-    pub(super) fn new(body: Body, access: Access, grant: Arc<Grant>) -> Self {
+    pub(crate) fn new(body: Body, access: Access, grant: Arc<Grant>) -> Self {
         let changes = access.changes().map(WatchStream::from_changes);
         let left = grant.expires_at.map(|end| end.duration_since(SystemTime::now()).unwrap_or_default());
         let expiry = left.map(|left| Box::pin(sleep(left)));

@@ -24,6 +24,7 @@
 //!
 //! [`Gate`] counts, [`Connection`] is a connection as it is read and written, [`GatedListener`] accepts them.
 
+mod calls;
 mod connection;
 mod listener;
 mod tls;
@@ -35,6 +36,7 @@ use std::time::{Duration, Instant};
 
 use futures_util::task::AtomicWaker;
 
+pub(crate) use calls::CheckCalls;
 pub(crate) use connection::Connection;
 pub(crate) use listener::{GatedListener, PageConnection, TcpEntry, connections};
 pub use tls::{Tls, TlsError};

@@ -117,7 +117,7 @@ fn verifier(path: &Path) -> Result<Arc<dyn rustls::server::danger::ClientCertVer
     }
     let provider = Arc::new(rustls::crypto::ring::default_provider());
     let verifier = WebPkiClientVerifier::builder_with_provider(Arc::new(roots), provider).build();
-    Ok(verifier.map_err(|source| TlsError::Clients { path: path.to_owned(), source })?)
+    verifier.map_err(|source| TlsError::Clients { path: path.to_owned(), source })
 }
 
 /// A connection, encrypted or not.

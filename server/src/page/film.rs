@@ -23,7 +23,7 @@ pub(super) fn route(films: mpsc::Sender<Film>) -> MethodRouter<Page> {
     let hand_in = move |headers: HeaderMap, query: RawQuery, State(page): State<Page>, body: Bytes| async move {
         match page.admit(&headers, Door::Film) {
             Ok(_) => take(&films, query, body).await,
-            Err(answer) => answer,
+            Err(refusal) => refusal.into_response(),
         }
     };
     post(hand_in).layer(DefaultBodyLimit::max(MAX_BYTES))

@@ -114,13 +114,16 @@ async fn check_host(State(page): State<Page>, request: Request, next: Next) -> R
     }
 }
 
+/// Why a request is not let in.
+type Refusal = (StatusCode, String);
+
 impl Page {
     /// The caller of a request, if it may come in this way.
     ///
     /// # Errors
     /// What it is answered.
-    fn admit(&self, headers: &HeaderMap, door: Door) -> Result<Caller, Response> {
-        let answer = |status, text: String| (status, text + "\n").into_response();
+    fn admit(&self, headers: &HeaderMap, door: Door) -> Result<Caller, Refusal> {
+        let answer = |status, text: String| (status, text + "\n");
         self.guard
             .check_origin(headers)
             .map_err(|problem| answer(StatusCode::FORBIDDEN, problem.to_owned()))?;
@@ -140,7 +143,7 @@ async fn file(request: Request) -> Response {
 async fn open_socket(State(page): State<Page>, headers: HeaderMap, upgrade: WebSocketUpgrade) -> Response {
     let caller = match page.admit(&headers, Door::PageSocket) {
         Ok(caller) => caller,
-        Err(answer) => return answer,
+        Err(refusal) => return refusal.into_response(),
     };
     let Page { pipes, stopped, .. } = page;
     upgrade
@@ -164,13 +167,13 @@ async fn begin_session(State(page): State<Page>, headers: HeaderMap) -> Response
 async fn tell_session(State(page): State<Page>, headers: HeaderMap) -> Response {
     match page.admit(&headers, Door::PageSocket) {
         Ok(_) => (StatusCode::NO_CONTENT, [(header::CACHE_CONTROL, "no-store")]).into_response(),
-        Err(answer) => answer,
+        Err(refusal) => refusal.into_response(),
     }
 }
 
 async fn tell_metrics(State(page): State<Page>, headers: HeaderMap) -> Response {
-    if let Err(answer) = page.admit(&headers, Door::Metrics) {
-        return answer;
+    if let Err(refusal) = page.admit(&headers, Door::Metrics) {
+        return refusal.into_response();
     }
     let kind = [
         (header::CONTENT_TYPE, metrics::CONTENT_TYPE),

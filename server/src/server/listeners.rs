@@ -7,10 +7,9 @@ use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use tokio::net::{TcpListener, UnixListener, UnixStream};
-
 use baudbot_access::Token;
 use baudbot_access::local::{self, LocalFiles};
+use tokio::net::{TcpListener, UnixListener, UnixStream};
 
 use super::ServerError;
 use crate::address::Address;

@@ -22,7 +22,7 @@ use tonic::transport::server::Connected;
 use crate::access::{Access, Caller};
 use crate::address::Address;
 use crate::control::{Control, status_of, stop_recording};
-use crate::gate::{Gate, GatedListener, connections};
+use crate::gate::{Gate, GatedListener, TcpEntry, connections};
 use crate::message::Message;
 use crate::metrics::Metrics;
 use crate::page::{self, Film, Guard};
@@ -118,16 +118,16 @@ impl Server {
 
     async fn start(
         control: Control,
-        Guards { access, gate, local, hosts, behind_proxy, is_encrypted }: Guards,
+        mut guards: Guards,
         listeners: Listeners,
         films: Option<mpsc::Sender<Film>>,
     ) -> Result<Self, ServerError> {
         // Clients that come as soon as they can find the token of this server, and not of the one before.
-        let local = local.map(|token| listeners.publish(token)).transpose()?;
+        let local = guards.local.take().map(|token| listeners.publish(token)).transpose()?;
         let registry = control.registry.clone();
         let control = Arc::new(control);
-        let router = router::ordinary(&control, &access, gate.patience()).await?;
-        let (stop, stopped) = watch::channel(false);
+        let router = router::ordinary(&control, &guards.access, guards.gate.patience()).await?;
+        let (stop, mut stopped) = watch::channel(false);
         let (pipes, incoming) = Pipes::new();
         let mut server = Self {
             registry,
@@ -136,46 +136,69 @@ impl Server {
             viewers: Vec::new(),
             sockets: Vec::new(),
             local,
-            is_encrypted,
+            is_encrypted: guards.is_encrypted,
             pipes,
             trainers_pipes: None,
             stop,
             tasks: JoinSet::new(),
         };
         for listener in listeners.ordinary {
-            server.listen(listener, &router, &gate, &stopped);
+            server.listen(listener, &router, &guards.gate, &stopped);
         }
         server.tasks.spawn(run(router, incoming, stopped.clone()));
         if let Some(trainers) = listeners.trainers {
-            let router = router::trainers(&control, &access, gate.patience(), stopped.clone()).await?;
-            for listener in trainers {
-                server.trainers.push(listener.address().clone());
-                server.listen(listener, &router, &gate, &stopped);
-            }
-            let (pipes, incoming) = Pipes::new();
-            server.trainers_pipes = Some(pipes);
-            server.tasks.spawn(run(router, incoming, stopped.clone()));
+            server.take_trainers(trainers, &control, &guards, &stopped).await?;
         }
-        let metrics = Metrics::new(server.registry.clone());
-        for page in listeners.pages {
-            server.viewers.extend(page.listener.local_addr());
-            let guard = Guard::new(&page, &hosts, behind_proxy);
-            let page = GatedListener::new(page, gate.clone());
-            let services = page::Services {
-                pipes: server.pipes.clone(),
-                access: access.clone(),
-                metrics: metrics.clone(),
-            };
-            server.tasks.spawn(page::serve(page, guard, services, films.clone(), stopped.clone()));
-        }
-        let mut stopped = stopped;
+        server.show_pages(listeners.pages, &guards, films.as_ref(), &stopped);
         server.tasks.spawn(async move {
             tokio::select! {
-                () = access.renew() => {}
+                () = guards.access.renew() => {}
                 _ = stopped.wait_for(|stopped| *stopped) => {}
             }
         });
         Ok(server)
+    }
+
+    /// Serves trainers on these listeners, and through pipes.
+    async fn take_trainers(
+        &mut self,
+        listeners: Vec<Listener>,
+        control: &Arc<Control>,
+        guards: &Guards,
+        stopped: &watch::Receiver<bool>,
+    ) -> Result<(), ServerError> {
+        let Guards { access, gate, .. } = guards;
+        let router = router::trainers(control, access, gate.patience(), stopped.clone()).await?;
+        for listener in listeners {
+            self.trainers.push(listener.address().clone());
+            self.listen(listener, &router, gate, stopped);
+        }
+        let (pipes, incoming) = Pipes::new();
+        self.trainers_pipes = Some(pipes);
+        self.tasks.spawn(run(router, incoming, stopped.clone()));
+        Ok(())
+    }
+
+    /// Serves the viewer on these listeners.
+    fn show_pages(
+        &mut self,
+        listeners: Vec<TcpEntry>,
+        guards: &Guards,
+        films: Option<&mpsc::Sender<Film>>,
+        stopped: &watch::Receiver<bool>,
+    ) {
+        let metrics = Metrics::new(self.registry.clone());
+        for entry in listeners {
+            self.viewers.extend(entry.listener.local_addr());
+            let guard = Guard::new(&entry, &guards.hosts, guards.behind_proxy);
+            let listener = GatedListener::new(entry, guards.gate.clone());
+            let services = page::Services {
+                pipes: self.pipes.clone(),
+                access: guards.access.clone(),
+                metrics: metrics.clone(),
+            };
+            self.tasks.spawn(page::serve(listener, guard, services, films.cloned(), stopped.clone()));
+        }
     }
 
     /// Serves these services on this listener.

@@ -16,9 +16,10 @@ use tonic_health::server::HealthReporter;
 use tower::layer::util::{Identity, Stack};
 
 use super::ServerError;
-use crate::access::{Access, CheckCalls};
+use crate::access::Access;
 use crate::brain_link::{BrainLink, BrainLinkServer};
 use crate::control::Control;
+use crate::gate::CheckCalls;
 use crate::observe::Observe;
 use crate::trainer::Trainer;
 

@@ -9,8 +9,8 @@ use tonic::body::Body;
 use tonic::codegen::http::{Request, Response};
 use tower::{Layer, Service};
 
-use super::{Access, Caller, Guarded};
-use crate::gate::Admission;
+use super::Admission;
+use crate::access::{Access, Caller, Guarded};
 
 /// Lets a call pass whose connection has a place, and whose caller may make it. The caller is in its extensions then.
 #[derive(Clone)]
