@@ -191,6 +191,8 @@ impl Secured {
 
 /// Tells a peer that speaks without TLS what is wanted, as far as it takes that at once.
 fn refuse(stream: &TcpStream) -> io::Result<()> {
+    // What is left unread would make the end a reset, which may overtake the answer.
+    let _ = stream.try_read(&mut [0; 16 << 10]);
     let _ = stream.try_write(WANTS_TLS);
     Err(io::Error::new(io::ErrorKind::InvalidData, "the peer speaks without TLS"))
 }
