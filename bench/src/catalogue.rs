@@ -269,7 +269,13 @@ pub const WORKLOADS: &[Workload] = &[
         name: "N1",
         summary: "one brain in lockstep over TCP, a reading and a command in every step of 1 ms",
         unit: "ticks/s",
-        kind: Kind::Network(Network::Alone),
+        kind: Kind::Network(Network::Alone { guarded: false }),
+    },
+    Workload {
+        name: "N1/tls",
+        summary: "the same over TLS, with a token",
+        unit: "ticks/s",
+        kind: Kind::Network(Network::Alone { guarded: true }),
     },
     Workload {
         name: "N2/off",

@@ -28,7 +28,7 @@ pub(super) fn run(
     let ticks = Ticks::default();
     let heard = ticks.clone();
     let world = WorldConfig::new(WORLD, scenario).pace(Pace::REAL_TIME).paused(true);
-    let server = Running::start(vec![world.on_tick(Box::new(move |_| heard.note()))])?;
+    let server = Running::start(vec![world.on_tick(Box::new(move |_| heard.note()))], None)?;
     let what = Brains::RealTime { robots, streams: STREAMS };
     let child = Child::start(command, &Task::Brains { address: server.address(), what })?;
     wait_for_brains(&server)?;

@@ -6,6 +6,7 @@
 
 mod brains;
 mod crowd;
+mod guards;
 mod heartbeat;
 mod ping;
 mod server;
@@ -23,6 +24,7 @@ use crate::outcome::Beside;
 use crate::plan::Plan;
 use crate::process;
 use crate::scenario::{Cable, Infrared, parse, plans};
+use guards::Guards;
 use server::{Running, WORLD};
 
 pub(crate) use brains::perform;
@@ -31,8 +33,9 @@ pub(crate) use worlds::Worlds;
 /// A world behind a server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Network {
-    /// One brain in lockstep, steps of 1 ms, a reading and a command in each, beside a bare ping-pong.
-    Alone,
+    /// One brain in lockstep, steps of 1 ms, a reading and a command in each, beside a bare ping-pong; over TLS with a token, or
+    /// without both.
+    Alone { guarded: bool },
     /// The same at 9600 baud.
     Serial { lookahead: bool },
     /// 22 brains in lockstep, beside a bare barrier.
@@ -69,7 +72,7 @@ impl Network {
     pub(crate) fn run(
         self,
         effort: Effort,
-        command: Command,
+        mut command: Command,
         progress: impl FnMut(u32),
     ) -> Result<(Found, Vec<String>), NetworkError> {
         let lookahead = self == Self::Serial { lookahead: true };
@@ -80,9 +83,14 @@ impl Network {
             return crowd::run(scenario, robots, effort, command, progress);
         }
         let streams = if let Self::Team(streams) = self { streams } else { Streams::Connections };
-        let server = Running::start(vec![WorldConfig::new(WORLD, scenario).pace(pace(lookahead))])?;
+        let world = WorldConfig::new(WORLD, scenario).pace(pace(lookahead));
+        let guards = if self == (Self::Alone { guarded: true }) { Some(Guards::new()?) } else { None };
+        if let Some(guards) = &guards {
+            guards.give_to(&mut command);
+        }
+        let server = Running::start(vec![world], guards.as_ref())?;
         let pings = match self {
-            Self::Alone | Self::Team(Streams::OneStream) => Some(1),
+            Self::Alone { .. } | Self::Team(Streams::OneStream) => Some(1),
             Self::Team(Streams::Connections | Streams::OneConnection) => Some(TEAM),
             Self::Serial { .. } | Self::Crowd => None,
         };
@@ -108,7 +116,7 @@ impl Network {
         };
         let alone = |cable| Infrared { step_ms: 1.0, sensors: 1, ..Infrared::new(cable) };
         Ok(match self {
-            Self::Alone => alone(Cable::Ideal).scenario(&plan(plans::IR_1, 1)?),
+            Self::Alone { .. } => alone(Cable::Ideal).scenario(&plan(plans::IR_1, 1)?),
             Self::Serial { .. } => alone(Cable::Uart9600).scenario(&plan(plans::IR_1, 1)?),
             Self::Team(_) => Infrared { encoders: true, ..Infrared::new(Cable::Ideal) }
                 .scenario(&plan(plans::IR_100, TEAM)?),

@@ -10,6 +10,7 @@ use tokio::sync::oneshot;
 use tonic::Status;
 use tonic::transport::Channel;
 
+use super::guards::Guards;
 use super::{NetworkError, ping};
 
 /// The name of a world that is alone.
@@ -29,7 +30,7 @@ pub(super) struct Running {
 
 impl Running {
     /// Starts it on a free port of this machine.
-    pub(super) fn start(worlds: Vec<WorldConfig>) -> Result<Self, NetworkError> {
+    pub(super) fn start(worlds: Vec<WorldConfig>, guards: Option<&Guards>) -> Result<Self, NetworkError> {
         let failed = |error: &dyn std::fmt::Display| NetworkError::Server(error.to_string());
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| failed(&error))?;
@@ -37,15 +38,20 @@ impl Running {
         let address = "127.0.0.1:0".parse().map_err(|error| failed(&error))?;
         let (server, operator) = runtime
             .block_on(async {
-                let builder =
-                    worlds.into_iter().fold(Server::builder(), |builder, world| builder.world(world));
+                let builder = match guards {
+                    Some(guards) => guards.guard(Server::builder()),
+                    None => Server::builder(),
+                };
+                let builder = worlds.into_iter().fold(builder, |builder, world| builder.world(world));
                 let server = builder.listen(address).serve().await?;
                 let operator =
                     ControlServiceClient::new(server.channel().await?).max_decoding_message_size(LARGEST);
                 Ok((server, operator))
             })
             .map_err(|error: baudbot_server::ServerError| failed(&error))?;
+        let scheme = if server.is_encrypted() { "https://" } else { "" };
         let address = server.addresses().first().map(ToString::to_string).unwrap_or_default();
+        let address = format!("{scheme}{address}");
         let (stop, stopped) = oneshot::channel::<()>();
         let thread = std::thread::Builder::new().name("server".to_owned()).spawn(move || {
             runtime.block_on(async {

@@ -100,7 +100,7 @@ impl Worlds {
             let world = WorldConfig::new(name(i), scenario).pace(self.pace()).paused(self == Self::RealTime);
             worlds.push(world.progress(Arc::clone(progress)));
         }
-        let server = Running::start(worlds)?;
+        let server = Running::start(worlds, None)?;
         // Worlds that wait for brains go on without them when they are told to.
         if self != Self::Free {
             (0..self.number()).try_for_each(|i| server.go(&name(i)))?;
