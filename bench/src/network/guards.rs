@@ -42,6 +42,8 @@ impl Guards {
 
     /// What the process with the brains needs.
     pub(super) fn give_to(&self, command: &mut Command) {
-        command.env("BAUDBOT_CA", self.folder.path().join("ca.pem")).env("BAUDBOT_TOKEN", self.token.reveal());
+        command
+            .env("BAUDBOT_CA", self.folder.path().join("ca.pem"))
+            .env("BAUDBOT_TOKEN", self.token.reveal());
     }
 }
