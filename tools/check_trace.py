@@ -70,6 +70,9 @@ def nest(tracks, events):
                 raise ValueError(f"{where}: an end without a begin")
             stack.pop()
             continue
+        if event.type == TrackEvent.TYPE_COUNTER:
+            counts["numbers"] += 1
+            continue
         if not event.name or not event.categories:
             raise ValueError(f"{where}: an event without a name or a category")
         if event.type == TrackEvent.TYPE_SLICE_BEGIN:

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::pin::{Drive, Pin, Pwm};
+use crate::rounds::Round;
 use crate::timer::Which;
 use crate::usart::Sent;
 
@@ -66,10 +67,10 @@ pub trait Board {
         let _ = at;
     }
 
-    /// A round of the program's main loop begins, if [they are watched](crate::Chip::watch_rounds). Those that are passed over come
-    /// together, each with its instant.
-    fn round_begins(&mut self, at: u64) {
-        let _ = at;
+    /// A round of the program's main loop begins and the one before it is over, if
+    /// [they are watched](crate::Chip::watch_rounds). Those that are passed over come together, each with its instant.
+    fn round_begins(&mut self, at: u64, last: Round) {
+        let _ = (at, last);
     }
 
     /// The program does something that it hardly means, or that is not simulated.

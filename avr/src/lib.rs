@@ -90,7 +90,7 @@ pub use instruction::{Op, decode};
 pub use part::Part;
 pub use pin::{Drive, External, Pin, Port, Pwm, PwmReport};
 pub use program::{Program, ProgramError};
-pub use rounds::Rounds;
+pub use rounds::{Round, Rounds};
 pub use system::{ResetCause, Sleep};
 pub use timer::Which as Timer;
 pub use vector::Vector;

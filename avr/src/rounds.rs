@@ -15,6 +15,15 @@ pub struct Rounds {
     alike: Vec<Alike>,
 }
 
+/// A round of a program's main loop that is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Round {
+    /// The word address of the loop's first instruction.
+    pub head: u32,
+    /// How long it was, in periods of the clock source.
+    pub cycles: u64,
+}
+
 /// Rounds whose lengths differ by a thirty-second at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Alike {

@@ -1,6 +1,6 @@
 //! Rounds of main loops, beside a chip of which each instruction is looked at, and beside the marks that programs set.
 
-use baudbot_avr::{Bare, Board, Chip, Drive, Fuses, Op, Part, Pin, Port, Program, Supply, decode};
+use baudbot_avr::{Bare, Board, Chip, Drive, Fuses, Op, Part, Pin, Port, Program, Round, Supply, decode};
 
 const MS: u64 = 16_000;
 
@@ -38,11 +38,14 @@ fn all() -> impl Iterator<Item = String> {
 #[derive(Default)]
 struct Notes {
     begins: Vec<u64>,
+    /// How long the rounds before these were.
+    lengths: Vec<u64>,
     marks: Vec<u64>,
 }
 
 impl Board for Notes {
-    fn round_begins(&mut self, at: u64) {
+    fn round_begins(&mut self, at: u64, last: Round) {
+        self.lengths.push(last.cycles);
         self.begins.push(at);
     }
 
@@ -102,6 +105,10 @@ fn rounds_are_the_times_between_arrivals_at_the_head_of_the_main_loop() {
         let differ = expected.iter().zip(&begins).position(|(a, b)| a != b);
         assert_eq!(differ, None, "{path}: of {} and {} rounds", expected.len(), begins.len());
         assert_eq!(expected.len(), begins.len(), "{path}");
+        let spans = notes.begins.windows(2).zip(&notes.lengths[1..]).filter(|(pair, _)| pair[0] >= 100 * MS);
+        for (pair, length) in spans {
+            assert_eq!(pair[1] - pair[0], *length, "{path}: the round before {}", pair[1]);
+        }
     }
 }
 

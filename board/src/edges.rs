@@ -37,8 +37,8 @@ pub enum Seen {
     Sends(Option<Frame>),
     /// A character begins at RXD; None: the last one is over.
     Receives(Option<Frame>),
-    /// A round of the program's main loop begins. Rounds of less than 1000 cycles are one, until they are so long together.
-    Round,
+    /// A round of the program's main loop begins. While rounds take less than 1000 cycles together, none of their begins is told.
+    Round(RoundsOver),
     /// A signal that a timer makes on a pin, of which only the shape is simulated, has another shape.
     Shape {
         /// The pin.
@@ -46,6 +46,22 @@ pub enum Seen {
         /// The shape.
         shape: Pwm,
     },
+}
+
+/// Rounds of the program's main loop since the begin of one was told last. If that was of another loop, what is known by now is
+/// that the other one is not the main loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RoundsOver {
+    /// The word address of the loop's first instruction.
+    pub head: u32,
+    /// How many short rounds there were before the last one.
+    pub short: u32,
+    /// How long these were together, in periods of the clock source.
+    pub short_cycles: u32,
+    /// How long the last one was, in periods of the clock source.
+    pub cycles: u64,
+    /// When it began, in nanoseconds as the edge's.
+    pub since_ns: u64,
 }
 
 /// The level of a wire.

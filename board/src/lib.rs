@@ -24,7 +24,7 @@ mod wiring;
 
 pub use board::{Board, BoardError, Debugger, Light, Motor, Next, ReceiveError, ServoOutput, Tone};
 pub use clock::{ChipClock, ClockError};
-pub use edges::{By, Edge, Edges, Level, Seen};
+pub use edges::{By, Edge, Edges, Level, RoundsOver, Seen};
 pub use parts::{
     BridgeKind, Channels, Compass, Decay, Encoder, HcSr04, Kind, Led, LitBy, MotorDrive, Piezo, Ping, Pull,
     Pulse, RangeFinder, Reflectance, ServoKind, Switch, Voltage,

@@ -22,6 +22,11 @@ pub(crate) const PINS: ChipOption = ChipOption { name: "--pins", ..VCD };
 pub(crate) const SERIAL: ChipOption =
     ChipOption { name: "--serial", nothing: "nothing is on its cable but messages to and from a brain" };
 
+/// The places of the robots with a program.
+pub(crate) fn all(specs: &[RobotSpec]) -> impl Iterator<Item = usize> {
+    specs.iter().enumerate().filter(|(_, spec)| spec.chip.is_some()).map(|(robot, _)| robot)
+}
+
 impl ChipOption {
     /// The robots that are named, in the order of the arguments: each must have a chip with a program.
     pub(crate) fn robots(&self, outputs: &[ChipOutput], specs: &[RobotSpec]) -> anyhow::Result<Vec<usize>> {

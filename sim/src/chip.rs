@@ -14,16 +14,22 @@
 mod pulses;
 mod scope;
 mod signals;
+mod turns;
+mod wheels;
 
 use alloc::vec::Vec;
 
 pub use baudbot_avr::Rounds;
 use baudbot_avr::{Chip, Fuses, Program, Supply};
-pub use baudbot_board::{Board, By, Edge, Edges, Kind, Level, Net, Role, Seen, Terminal, Warning};
+pub use baudbot_board::{
+    Board, By, Edge, Edges, Kind, Level, LitBy, Net, Role, RoundsOver, Seen, Terminal, Warning,
+};
 use baudbot_board::{BoardError, ChipClock, PartId, Physics, Wiring};
 pub use pulses::{Condenser, Pulses, Stretch, add};
 pub use scope::{News, Scope, Shown};
 pub use signals::{Line, Signal, identifier};
+pub use turns::Turns;
+pub use wheels::WheelPins;
 
 use crate::drive::Wheels;
 
@@ -144,6 +150,11 @@ impl ChipSpec {
     /// Whether its bytes mean nothing to brains of messages.
     pub fn is_opaque(&self) -> bool {
         self.is_opaque
+    }
+
+    /// Whether the program asks for the readings of the sensor in this place. Switches are looked at by the world in each tick.
+    pub fn asks_for(&self, sensor: usize) -> bool {
+        !self.attached.contains(&Attached::Contact { sensor })
     }
 
     /// What a part belongs to.

@@ -7,6 +7,8 @@ use baudbot_tests::system::{operator, serve};
 use baudbot_tests::{KHEPERA, WANDER, scenario};
 use tonic::{Code, Status};
 
+use crate::self_driving::{alone, with_another};
+
 async fn ask(
     server: &baudbot_server::Server,
     request: v1::GetBudgetRequest,
@@ -59,5 +61,25 @@ async fn what_cannot_be_asked_is_refused_by_name() {
         let refused = ask(&server, request).await.unwrap_err();
         assert!(refused.code() == code && refused.message().contains(text), "{refused:?}");
     }
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn what_a_program_costs_is_not_measured_on_request_and_the_answer_names_the_command() {
+    let server = serve(with_another(1.0), Pace::Stepped(Lockstep::default())).await;
+    let world = || Given::World("w".into());
+    let others = ask(&server, request(world(), &[])).await.unwrap();
+    assert_eq!(others.iter().map(|robot| robot.robot.as_str()).collect::<Vec<_>>(), ["other"]);
+    let named = v1::GetBudgetRequest { robots: vec!["robot".into()], ..request(world(), &[]) };
+    let refused = ask(&server, named).await.unwrap_err();
+    assert_eq!(refused.code(), Code::FailedPrecondition);
+    assert!(refused.message().contains("baudbot budget SCENARIO --robot robot"), "{refused:?}");
+    server.shutdown().await;
+    let server = serve(alone(1.0), Pace::Stepped(Lockstep::default())).await;
+    let refused = ask(&server, request(world(), &[])).await.unwrap_err();
+    assert!(
+        refused.message().contains("baudbot budget SCENARIO --robot robot"),
+        "there is no other: {refused:?}"
+    );
     server.shutdown().await;
 }

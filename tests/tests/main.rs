@@ -31,6 +31,7 @@ mod recipes;
 mod recording;
 mod resetting;
 mod room;
+mod self_driving;
 mod services;
 mod slow_cables;
 mod sweeper;

@@ -37,6 +37,8 @@ pub(crate) struct TrackDescriptor {
     pub(crate) process: Option<ProcessDescriptor>,
     #[prost(uint64, optional, tag = "5")]
     pub(crate) parent_uuid: Option<u64>,
+    #[prost(message, optional, tag = "8")]
+    pub(crate) counter: Option<CounterDescriptor>,
     #[prost(int32, optional, tag = "11")]
     pub(crate) child_ordering: Option<i32>,
     #[prost(int32, optional, tag = "12")]
@@ -44,6 +46,10 @@ pub(crate) struct TrackDescriptor {
     #[prost(int32, optional, tag = "15")]
     pub(crate) sibling_merge_behavior: Option<i32>,
 }
+
+/// A line of numbers.
+#[derive(Clone, Copy, PartialEq, Message)]
+pub(crate) struct CounterDescriptor {}
 
 /// A group of lines: for us, a robot.
 #[derive(Clone, PartialEq, Message)]
@@ -54,7 +60,7 @@ pub(crate) struct ProcessDescriptor {
     pub(crate) process_name: Option<String>,
 }
 
-/// The begin or the end of a slice, or an instant.
+/// The begin or the end of a slice, an instant, or a number.
 #[derive(Clone, PartialEq, Message)]
 pub(crate) struct TrackEvent {
     #[prost(message, repeated, tag = "4")]
@@ -67,6 +73,8 @@ pub(crate) struct TrackEvent {
     pub(crate) categories: Vec<String>,
     #[prost(string, optional, tag = "23")]
     pub(crate) name: Option<String>,
+    #[prost(int64, optional, tag = "30")]
+    pub(crate) counter_value: Option<i64>,
 }
 
 /// A name and a value, shown when the slice is clicked.
@@ -101,6 +109,8 @@ pub(crate) const SLICE_BEGIN: i32 = 1;
 pub(crate) const SLICE_END: i32 = 2;
 /// `TrackEvent.Type`.
 pub(crate) const INSTANT: i32 = 3;
+/// `TrackEvent.Type`.
+pub(crate) const COUNTER: i32 = 4;
 /// `TracePacket.SequenceFlags`: from here on, nothing before this packet is needed.
 pub(crate) const INCREMENTAL_STATE_CLEARED: u32 = 1;
 /// `TrackDescriptor.ChildTracksOrdering`: by `sibling_order_rank`.

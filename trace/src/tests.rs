@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use prost::Message;
 
 use crate::TraceWriter;
-use crate::packet::{INSTANT, SLICE_BEGIN, SLICE_END, TracePacket};
+use crate::packet::{COUNTER, INSTANT, SLICE_BEGIN, SLICE_END, TracePacket};
 
 /// `Trace` of the format.
 #[derive(Clone, PartialEq, Message)]
@@ -36,6 +36,36 @@ fn written(events: &[(usize, Event)]) -> Trace {
     let mut writer = TraceWriter::new(Vec::new(), "box", &scenario().robots).unwrap();
     events.iter().for_each(|(robot, event)| writer.event(*robot, event).unwrap());
     Trace::decode(&*writer.finish().unwrap()).unwrap()
+}
+
+#[test]
+fn signals_of_a_chip_have_tracks_of_slices_and_of_numbers() {
+    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios"));
+    let text = std::fs::read_to_string(folder.join("firmware.toml")).unwrap();
+    let scenario = baudbot_scenario::parse(&baudbot_import::inline(&text, folder).unwrap()).unwrap();
+    let chip = scenario.robots[0].chip.as_ref().unwrap();
+    let place = |name: &str| chip.signals().iter().position(|signal| signal.name() == name).unwrap();
+    let mut writer = TraceWriter::new(Vec::new(), "box", &scenario.robots).unwrap();
+    let at = SimTime::from_ns;
+    writer.signal_slice(0, place("D9"), (at(5), at(9)), "high").unwrap();
+    writer.signal_slice(0, place("D9"), (at(9), at(9)), "nothing").unwrap();
+    writer.signal_value(0, place("adc2"), at(7), 512).unwrap();
+    assert!(writer.signal_slice(0, 1000, (at(5), at(9)), "high").is_err());
+    assert!(writer.signal_slice(1, 0, (at(5), at(9)), "high").is_err());
+    let trace = Trace::decode(&*writer.finish().unwrap()).unwrap();
+    let (d9, adc2) = ("D9 motors.left.pwm".to_owned(), "adc2 sensors.ir_front".to_owned());
+    let expected = [
+        (d9.clone(), 5, SLICE_BEGIN, "high".to_owned()),
+        (adc2, 7, COUNTER, String::new()),
+        (d9, 9, SLICE_END, String::new()),
+    ];
+    assert_eq!(events(&trace), expected);
+    let values: Vec<_> =
+        trace.packets.iter().filter_map(|packet| packet.track_event.as_ref()?.counter_value).collect();
+    assert_eq!(values, [512]);
+    let counters =
+        trace.packets.iter().filter_map(|packet| packet.track_descriptor.as_ref()?.counter.as_ref());
+    assert_eq!(counters.count(), 1);
 }
 
 /// Names of the tracks by their numbers.

@@ -4,7 +4,7 @@
 //! their times, and leaves those of one time in the order of the file. As a track's slices are written one after the
 //! other, an end is always before the begin that may have the same time.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 
 use baudbot_sim::SimTime;
@@ -22,16 +22,18 @@ use crate::{Lane, words};
 /// nanoseconds since the start of the run.
 #[derive(Debug)]
 pub struct TraceWriter<W: Write> {
-    out: W,
-    robots: Vec<Robot>,
+    pub(crate) out: W,
+    pub(crate) robots: Vec<Robot>,
 }
 
 #[derive(Debug)]
-struct Robot {
-    spec: RobotSpec,
+pub(crate) struct Robot {
+    pub(crate) spec: RobotSpec,
     lanes: BTreeMap<Lane, Tracks>,
     /// How many tracks each lane has been given.
     described: BTreeMap<Lane, usize>,
+    /// The signals of its chip that have a track.
+    pub(crate) signals: BTreeSet<usize>,
     /// The end of the latest event.
     now: SimTime,
 }
@@ -46,6 +48,7 @@ impl<W: Write> TraceWriter<W> {
             spec: spec.clone(),
             lanes: BTreeMap::new(),
             described: BTreeMap::new(),
+            signals: BTreeSet::new(),
             now: SimTime::ZERO,
         };
         let mut writer = Self { out, robots: robots.iter().map(robot).collect() };
@@ -143,7 +146,7 @@ impl<W: Write> TraceWriter<W> {
         }
     }
 
-    fn put_packet(&mut self, at: SimTime, event: TrackEvent, uuid: u64) -> io::Result<()> {
+    pub(crate) fn put_packet(&mut self, at: SimTime, event: TrackEvent, uuid: u64) -> io::Result<()> {
         let track_event = Some(TrackEvent { track_uuid: Some(uuid), ..event });
         // Perfetto reads times as signed numbers.
         let timestamp = at.as_ns().min(i64::MAX as u64);
@@ -189,11 +192,11 @@ impl<W: Write> TraceWriter<W> {
 }
 
 /// A packet of the only sequence that there is. It says nothing of clocks: the default is one in nanoseconds.
-fn packet() -> TracePacket {
+pub(crate) fn packet() -> TracePacket {
     TracePacket { trusted_packet_sequence_id: Some(1), ..TracePacket::default() }
 }
 
-fn named(name: String, category: &str, debug_annotations: Vec<DebugAnnotation>) -> TrackEvent {
+pub(crate) fn named(name: String, category: &str, debug_annotations: Vec<DebugAnnotation>) -> TrackEvent {
     let categories = vec![category.to_owned()];
     TrackEvent { name: Some(name), categories, debug_annotations, ..TrackEvent::default() }
 }
@@ -226,7 +229,7 @@ fn category(what: What) -> &'static str {
 }
 
 /// The number of a robot's process among all tracks.
-fn process(robot: usize) -> u64 {
+pub(crate) fn process(robot: usize) -> u64 {
     (robot as u64 + 1) << 32
 }
 

@@ -1,4 +1,4 @@
-/** What is on the pins of the mock's carol: a motor by PWM, a direction, a switch that floats, the ADC, and a line of text. */
+/** What is on the pins of the mock's carol: a motor by PWM, a direction, a switch that floats, the ADC, a line of text, and the main loop. */
 import type { MessageInitShape } from "@bufbuild/protobuf";
 import {
   PinEventKind as K,
@@ -14,6 +14,7 @@ export const PINS: MessageInitShape<typeof PinSignalSchema>[] = [
   { signal: "D9", kind: S.PIN, on: ["motors.left.pwm"] },
   { signal: "adc0", kind: S.ADC, on: ["sensors.ir"] },
   { signal: "uart sent", kind: S.SENT },
+  { signal: "main loop", kind: S.MAIN_LOOP },
 ];
 
 const CHARACTER_NS = 1_040_000n;
@@ -38,6 +39,8 @@ export function pinEvents(since: bigint, until: bigint): MessageInitShape<typeof
         even: true,
       },
       { signal: 3, atNs: at(2000), kind: K.NUMBER, number: Number((tick * 37n) % 1024n) },
+      { signal: 5, atNs: at(0), kind: K.SHORT_ROUNDS, untilNs: at(4000), rounds: 800, cycles: 64_000n },
+      { signal: 5, atNs: at(4000), kind: K.ROUND, untilNs: at(10_000), rounds: 1, cycles: 96_000n },
       ...LINE.map((number, i) => ({ signal: 4, atNs: at(1000) + BigInt(i) * CHARACTER_NS, kind: K.NUMBER, number })),
       { signal: 4, atNs: at(1000) + BigInt(LINE.length) * CHARACTER_NS, kind: K.OVER },
     ];

@@ -31,6 +31,7 @@ const SIGNALS = [
   { signal: "adc0", kind: S.ADC, on: ["sensors.ir"], pin: 4 },
   { signal: "uart sent", kind: S.SENT },
   { signal: "uart received", kind: S.RECEIVED },
+  { signal: "main loop", kind: S.MAIN_LOOP },
 ].map((signal) => create(PinSignalSchema, signal));
 const WINDOW = { from_ns: 0, until_ns: 30e6 };
 
@@ -76,6 +77,32 @@ test("characters have their text, together where each has no room of its own", (
   ]);
   assert.deepEqual(sent(300_000), [[0, 3e6, "Hi\\n"]]);
   assert.deepEqual([0x41, 0x07, 0x1ff].map(printable), ["A", "\\x07", "\\x1ff"]);
+});
+
+test("rounds of the main loop are bars, and short ones that follow on each other are one", () => {
+  const rounds = (from_us: number, until_us: number, count: number, cycles: number, short: boolean) =>
+    event(8, from_us, short ? K.SHORT_ROUNDS : K.ROUND, {
+      untilNs: BigInt(until_us) * 1000n,
+      rounds: count,
+      cycles: BigInt(cycles),
+    });
+  const pins = log([
+    rounds(0, 1000, 500, 16_000, true),
+    rounds(1000, 2000, 500, 16_001, true),
+    rounds(2000, 3000, 1, 16_000, false),
+    rounds(3000, 5000, 1, 32_000, false),
+  ]);
+  const lane = pinLanes(SIGNALS, pins, WINDOW, 30e6, 30_000).find(({ label }) => label === "main loop");
+  assert.deepEqual(
+    lane?.bars.map((bar) => [bar.event.start_ns, bar.event.end_ns, bar.label, bar.tip]),
+    [
+      [0, 2e6, "1000 rounds", "1000 short rounds, 32 cycles on average"],
+      [2e6, 3e6, "1.00 ms", "a round of 16000 cycles"],
+      [3e6, 5e6, "2.00 ms", "a round of 32000 cycles"],
+    ],
+  );
+  pins.cut(2.5e6);
+  assert.equal(pins.of(8).length, 1, "the round was not over");
 });
 
 test("a result of the ADC is a mark with its number", () => {

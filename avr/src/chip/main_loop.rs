@@ -22,7 +22,7 @@ use super::repeat::JUMP;
 use crate::board::Board;
 use crate::instruction::{Op, decode};
 use crate::part::SRAM_START;
-use crate::rounds::Rounds;
+use crate::rounds::{Round, Rounds};
 
 /// Loops that are kept, and of those that were left.
 const MOST: usize = 16;
@@ -98,8 +98,8 @@ struct Memory<'a> {
 }
 
 impl Loops {
-    /// A jump back was made. Says whether a round of the main loop begins.
-    fn jump(&mut self, jump: Jump, memory: &Memory<'_>) -> bool {
+    /// A jump back was made. If a round of the main loop begins, gives the one before it.
+    fn jump(&mut self, jump: Jump, memory: &Memory<'_>) -> Option<Round> {
         while self.open.last().is_some_and(|open| open.sp < jump.sp) {
             self.close_from(self.open.len() - 1);
         }
@@ -110,17 +110,17 @@ impl Loops {
             if is_first {
                 open.end = memory.last_jump_to(open.head, open.end);
             }
-            open.arrive(jump.at);
+            let last = open.arrive(jump.at);
             if is_first || jump.from > open.end {
                 open.end = open.end.max(jump.from);
                 self.find_main();
             }
-            return self.main == Some(place);
+            return (self.main == Some(place)).then_some(last);
         }
         if !self.is_part_of_main(jump, memory) {
             self.open_loop(jump);
         }
-        false
+        None
     }
 
     /// Whether a jump is within the main loop, or in what that calls, or interrupts it.
@@ -201,26 +201,33 @@ impl Loops {
     }
 
     /// What has come since the arrivals began comes again so many times, each time after so many periods. Gives each round of
-    /// the main loop that begins to `begins`.
-    fn repeat(&mut self, period: u64, times: u64, mut begins: impl FnMut(u64)) {
+    /// the main loop that begins to `begins`, with the one before it.
+    fn repeat(&mut self, period: u64, times: u64, mut begins: impl FnMut(u64, Round)) {
         for (place, open) in self.open.iter_mut().enumerate() {
             let of_it = |arrival: &&Arrival| arrival.head == open.head && arrival.sp == open.sp;
             let at: Vec<u64> = self.arrivals.iter().filter(of_it).map(|arrival| arrival.at).collect();
             let (Some(&first), Some(&last)) = (at.first(), at.last()) else { continue };
-            open.rounds.add(first + period - last, times);
-            at.windows(2).for_each(|pair| open.rounds.add(pair[1] - pair[0], times));
+            let between = at.windows(2).map(|pair| pair[1] - pair[0]);
+            let lengths: Vec<u64> = core::iter::once(first + period - last).chain(between).collect();
+            lengths.iter().for_each(|length| open.rounds.add(*length, times));
             open.since = last + period * times;
             if self.main == Some(place) {
-                (1..=times).for_each(|time| at.iter().for_each(|at| begins(at + time * period)));
+                let round = |cycles: &u64| Round { head: open.head, cycles: *cycles };
+                let all = at.iter().zip(lengths.iter().map(round));
+                (1..=times)
+                    .for_each(|time| all.clone().for_each(|(at, last)| begins(at + time * period, last)));
             }
         }
     }
 }
 
 impl Loop {
-    fn arrive(&mut self, at: u64) {
-        self.rounds.add(at.saturating_sub(self.since), 1);
+    /// Gives the round that is over.
+    fn arrive(&mut self, at: u64) -> Round {
+        let cycles = at.saturating_sub(self.since);
+        self.rounds.add(cycles, 1);
         self.since = at;
+        Round { head: self.head, cycles }
     }
 
     /// Whether what has this lower stack pointer was called, or interrupts, in the loop: a return address below the loop's stack
@@ -333,8 +340,8 @@ impl Chip {
             return;
         }
         let memory = Memory { sram: &self.sram, flash: self.flash.words() };
-        if loops.jump(Jump { from, to, sp, at }, &memory) {
-            board.round_begins(at);
+        if let Some(last) = loops.jump(Jump { from, to, sp, at }, &memory) {
+            board.round_begins(at, last);
         }
         if self.repeat.is_looking() {
             if loops.arrivals.len() < MOST_ARRIVALS {
@@ -356,7 +363,7 @@ impl Chip {
     pub(super) fn watch_repeats<B: Board>(&mut self, now: u64, cycles: u64, times: u64, board: &mut B) {
         let Some(loops) = &mut self.watched.0 else { return };
         let period = self.clock.period_of(now + cycles) - self.clock.period_of(now);
-        loops.repeat(period, times, |at| board.round_begins(at));
+        loops.repeat(period, times, |at, last| board.round_begins(at, last));
     }
 
     /// A loop that waits has jumped back, and goes on for so many cycles more.

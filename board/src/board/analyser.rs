@@ -9,12 +9,12 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use baudbot_avr::usart::{BitLength, Frame};
-use baudbot_avr::{Drive, External, Pin, Port, Pwm};
+use baudbot_avr::{Drive, External, Pin, Port, Pwm, Round};
 
 use super::pins::Sides;
 use super::wave::Wave;
 use crate::clock::ChipClock;
-use crate::edges::{By, Edge, Edges, Level, Seen};
+use crate::edges::{By, Edge, Edges, Level, RoundsOver, Seen};
 
 /// An analyser, if there is one. It is no part of a board's state: it is not saved, and makes no difference between boards.
 #[derive(Clone, Debug, Default)]
@@ -37,8 +37,16 @@ pub(super) struct Analyser {
     waves: Vec<Wave>,
     /// The level that the cable gives RXD; the other end makes it high while nothing is sent.
     cable: bool,
-    /// The begin of the last round that was drawn.
-    round: Option<u64>,
+    /// The last begin of a round that was drawn, and the short rounds since then.
+    round: Option<(u64, Short)>,
+}
+
+/// Short rounds of a loop.
+#[derive(Clone, Copy, Debug)]
+struct Short {
+    head: u32,
+    count: u32,
+    cycles: u64,
 }
 
 /// Cycles of a round of the main loop that is drawn by itself: shorter ones would leave no room for other edges.
@@ -76,7 +84,7 @@ enum Told {
     Converted(u8, u16),
     Out(Character),
     In(Character),
-    Round,
+    Round(Short, u64),
 }
 
 /// What becomes of a character.
@@ -138,11 +146,23 @@ impl Analyser {
         self.waiting.push((at, Told::Converted(channel, result)));
     }
 
-    pub(super) fn round(&mut self, at: u64) {
-        if self.round.is_none_or(|before| at >= before + SHORTEST_ROUND) {
-            self.round = Some(at);
-            self.waiting.push((at, Told::Round));
-        }
+    pub(super) fn round(&mut self, at: u64, last: Round) {
+        let none = Short { head: last.head, count: 0, cycles: 0 };
+        self.round = match self.round {
+            // Another loop was the main one: how long it went on is not told.
+            Some((before, short)) if short.head != last.head && at < before + SHORTEST_ROUND => {
+                Some((before, none))
+            }
+            Some((before, short)) if at < before + SHORTEST_ROUND => {
+                let (count, cycles) = (short.count.saturating_add(1), short.cycles + last.cycles);
+                Some((before, Short { count, cycles, ..short }))
+            }
+            drawn => {
+                let short = drawn.map(|(_, short)| short).filter(|short| short.head == last.head);
+                self.waiting.push((at, Told::Round(short.unwrap_or(none), last.cycles)));
+                Some((at, none))
+            }
+        };
     }
 
     pub(super) fn sends(&mut self, frame: Frame, start: u64, bit_cycles: u64) {
@@ -198,7 +218,9 @@ impl Analyser {
             }
             Told::Part(pin, external) => self.change(pin, By::Part, at, clock, |sides| sides.part = external),
             Told::Converted(channel, result) => self.note(Seen::Converted { channel, result }, at, clock),
-            Told::Round => self.note(Seen::Round, at, clock),
+            Told::Round(short, cycles) => {
+                self.note(Seen::Round(self.rounds(short, cycles, at, clock)), at, clock)
+            }
             Told::Out(Character::Begins(frame)) => self.note(Seen::Sends(Some(frame)), at, clock),
             Told::Out(Character::Ends) => self.note(Seen::Sends(None), at, clock),
             Told::Out(Character::Bit(high)) => {
@@ -214,6 +236,12 @@ impl Analyser {
                 self.change(pin, By::Character, at, clock, |_| {});
             }
         }
+    }
+
+    fn rounds(&self, short: Short, cycles: u64, at: u64, clock: &ChipClock) -> RoundsOver {
+        let since_ns = self.origin_ns.saturating_add(clock.ns(at.saturating_sub(cycles)));
+        let short_cycles = u32::try_from(short.cycles).unwrap_or(u32::MAX);
+        RoundsOver { head: short.head, short: short.count, short_cycles, cycles, since_ns }
     }
 
     fn change(&mut self, pin: Pin, by: By, at: u64, clock: &ChipClock, change: impl FnOnce(&mut Sides)) {

@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use baudbot_avr as avr;
-use baudbot_avr::{AnalogInput, Direction, Drive, Pin, Port, Pwm, usart};
+use baudbot_avr::{AnalogInput, Direction, Drive, Pin, Port, Pwm, Round, usart};
 use serde::{Deserialize, Serialize};
 
 use super::analyser::Fitted;
@@ -270,9 +270,9 @@ impl<P: Physics> avr::Board for View<'_, P> {
         }
     }
 
-    fn round_begins(&mut self, at: u64) {
+    fn round_begins(&mut self, at: u64, last: Round) {
         if let Some(analyser) = &mut self.around.analyser.0 {
-            analyser.round(at);
+            analyser.round(at, last);
         }
     }
 

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use baudbot_avr::usart::Frame;
 use baudbot_avr::{Pin, Port};
 use baudbot_board::{
-    Board, BridgeKind, By, Channels, Decay, Edge, Encoder, Kind, Level, Pull, Reflectance, Seen, Switch,
-    Voltage, Wheel, Wiring,
+    Board, BridgeKind, By, Channels, Decay, Edge, Encoder, Kind, Level, Pull, Reflectance, RoundsOver, Seen,
+    Switch, Voltage, Wheel, Wiring,
 };
 
 use crate::asm::{Asm, data, io};
@@ -33,7 +33,7 @@ fn levels(board: &Board, of: Pin) -> Vec<(u64, Level, By)> {
         | Seen::Converted { .. }
         | Seen::Sends(_)
         | Seen::Receives(_)
-        | Seen::Round
+        | Seen::Round(_)
         | Seen::Shape { .. } => None,
     };
     edges(board).into_iter().filter_map(of_pin).collect()
@@ -158,7 +158,7 @@ fn characters_are_bits_on_their_pins() {
         | Seen::Converted { .. }
         | Seen::Sends(None)
         | Seen::Receives(_)
-        | Seen::Round
+        | Seen::Round(_)
         | Seen::Shape { .. } => None,
     };
     assert_eq!(edges(&board).iter().filter_map(begun).collect::<Vec<_>>(), (b'b'..=b'{').collect::<Vec<_>>());
@@ -265,19 +265,33 @@ fn rounds_of_the_main_loop_are_edges_at_their_cycles() {
     board.keep_edges(Some(0));
     board.run_until(10 * MS, &mut World::default());
     let moved: Vec<u64> = levels(&board, pin(Port::B, 5)).iter().skip(3).map(|level| level.0).collect();
-    let begun: Vec<u64> =
-        edges(&board).iter().filter(|edge| edge.seen == Seen::Round).map(|edge| edge.at_ns).collect();
+    let begun: Vec<u64> = edges(&board)
+        .iter()
+        .filter(|edge| matches!(edge.seen, Seen::Round(_)))
+        .map(|edge| edge.at_ns)
+        .collect();
     assert!(begun.len() > 60, "{}", begun.len());
     // `SBI` inverts the pin in two cycles of 62.5 ns; the first jump back has made the loop, and the second ends a round of it.
     for (begun, moved) in begun.iter().zip(&moved[1..]) {
         assert!(moved - begun == 125, "{begun} {moved}");
     }
     assert!(begun.windows(2).all(|pair| pair[1] - pair[0] > 62_500));
+    let over = rounds_over(&board);
+    for (pair, over) in begun.windows(2).zip(&over[1..]) {
+        assert_eq!((over.short, over.since_ns), (0, pair[0]), "{over:?}");
+        assert_eq!(over.cycles * 125 / 2, pair[1] - pair[0], "{over:?}");
+    }
     let rounds = board.rounds().unwrap();
+    assert!(over.iter().all(|over| over.head == rounds.head()));
     assert_eq!((rounds.count(), rounds.least()), (begun.len() as u64, rounds.most()));
     assert_eq!(board.share_asleep(), Some(0.0));
     board.keep_rounds(false);
     assert_eq!((board.rounds(), board.share_asleep()), (None, None));
+}
+
+fn rounds_over(board: &Board) -> Vec<RoundsOver> {
+    let over = |edge: Edge| if let Seen::Round(over) = edge.seen { Some(over) } else { None };
+    edges(board).into_iter().filter_map(over).collect()
 }
 
 #[test]
@@ -287,8 +301,12 @@ fn short_rounds_leave_room_for_other_edges() {
     let mut board = board(&program, Wiring::builder());
     board.keep_edges(Some(0));
     board.run_until(10 * MS, &mut World::default());
-    let begun = edges(&board).iter().filter(|edge| edge.seen == Seen::Round).count();
+    let begun = edges(&board).iter().filter(|edge| matches!(edge.seen, Seen::Round(_))).count();
     assert!((150..=160).contains(&begun), "{begun} of 80,000 rounds are drawn");
     let rounds = board.rounds().unwrap();
     assert!(rounds.most() == 2 && rounds.count() > 79_000, "{rounds:?}");
+    let over = rounds_over(&board);
+    let told: u64 = over.iter().map(|over| u64::from(over.short) + 1).sum();
+    assert!(rounds.count() - told < 500, "the last ones are not told yet: {told} of {}", rounds.count());
+    assert!(over.iter().all(|over| over.cycles == 2 && over.short_cycles == 2 * over.short), "{over:?}");
 }

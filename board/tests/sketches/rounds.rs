@@ -23,7 +23,7 @@ fn rounds_of_loop_are_those_that_a_sketch_marks_with_and_without_link_time_optim
         let begins: Vec<u64> = edges
             .iter()
             .filter(late)
-            .filter(|edge| edge.seen == Seen::Round)
+            .filter(|edge| matches!(edge.seen, Seen::Round(_)))
             .map(|edge| edge.at_ns)
             .collect();
         assert!(

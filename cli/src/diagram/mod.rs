@@ -2,15 +2,18 @@
 //!
 //! From the command inwards:
 //!
-//! This file is the command. `source` is the scenario or the recording. `record` says which part of a run is wanted, and runs a
-//! world for it, whose `ticks` are done in this thread or, if a brain is a program, on a server of its own; `cycle` finds a control
-//! cycle among the events; `meaning` knows what was said in those on cables, and `pins` what is on the pins of a chip; `table`
-//! writes all that as text, and [`baudbot_plot::timing`] draws it.
+//! This file is the command. `source` is the scenario or the recording. `record` says which part of a run is wanted (`begins`, if
+//! nobody says, of a run of a program of the user's own), and runs a world for it, whose `ticks` are done in this thread or, if a
+//! brain is a program, on a server of its own; `cycle` finds a control cycle among the events; `meaning` knows what was said in
+//! those on cables, `pins` what is on the pins of a chip, and `parts` what that makes lamps, buzzers and servos do; `table` writes
+//! all that as text, and [`baudbot_plot::timing`] draws it.
 
+mod begins;
 mod cycle;
 #[cfg(test)]
 mod demo;
 mod meaning;
+mod parts;
 mod pins;
 mod record;
 mod source;
@@ -29,8 +32,10 @@ use baudbot_plot::timing::{self, Diagram, Group, Lane, Mark};
 use baudbot_sim::chip::Net;
 use baudbot_sim::model::RobotSpec;
 
+use self::begins::Begins;
 use self::record::{Kept, Place, Wanted, Window};
 use self::source::Run;
+use self::ticks::View;
 use crate::args::DiagramArgs;
 use crate::error::Refused;
 use crate::signals::INTERRUPTED;
@@ -46,10 +51,19 @@ fn show(args: &DiagramArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
     let place = place(args.robot.as_deref(), &scenario.robots)?;
     let robot = &scenario.robots[place];
     let chosen = pins::chosen(robot, &args.pins)?;
-    let wanted = wanted(args, robot)?;
+    let ticks = |view| run.ticks(place, view, stop);
+    let (wanted, begins) = match &robot.chip {
+        Some(chip) if args.at.is_none() && args.cycle.is_none() => {
+            let begins = Begins::find(robot, chip, ticks(View::Edges)?)?;
+            let span_ns = span_ns(args).unwrap_or_else(|| begins::span_ns(step_ns));
+            let place = Place::At(begins.window_ns(span_ns));
+            (Wanted { place, span_ns: Some(span_ns) }, Some(begins))
+        }
+        _ => (wanted(args, robot)?, None),
+    };
     // A table for other programs has each edge.
     let finest_ns = if args.csv.is_some() { 0 } else { timing::finest_ns(wanted.span(step_ns)) };
-    let kept = wanted.record(robot, step_ns, run.ticks(place, finest_ns, stop)?);
+    let kept = wanted.record(robot, step_ns, ticks(View::Signals(finest_ns))?);
     if stop.load(Ordering::Relaxed) {
         return Ok(ExitCode::from(INTERRUPTED));
     }
@@ -62,9 +76,7 @@ fn show(args: &DiagramArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
         (Some(path), _) => {
             let shown = (&kept, chosen.as_deref(), &meanings);
             let mut picture = picture(&run.name, (step_ns, robot), shown, &window);
-            if wanted.place == Place::Program {
-                picture.ran.push(pins::place_in_words(kept.pins.begins.as_ref()));
-            }
+            picture.ran.extend(begins.as_ref().map(Begins::in_words));
             picture.ran.extend(run.facts(robot));
             write(path, &picture.draw())
         }
@@ -97,10 +109,14 @@ fn wanted(args: &DiagramArgs, robot: &RobotSpec) -> anyhow::Result<Wanted> {
             )));
         }
         (None, Some(number)) => Place::Cycle(number),
-        (None, None) if robot.chip.is_some() => Place::Program,
         (None, None) => Place::Usual,
     };
-    Ok(Wanted { place, span_ns: args.span.map(|ms| (ms * 1e6).round().max(1.0) as u64) })
+    Ok(Wanted { place, span_ns: span_ns(args) })
+}
+
+/// The length of the window that is asked for, in nanoseconds.
+fn span_ns(args: &DiagramArgs) -> Option<u64> {
+    args.span.map(|ms| (ms * 1e6).round().max(1.0) as u64)
 }
 
 /// The diagram of a part of a robot's run.

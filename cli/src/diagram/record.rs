@@ -4,13 +4,13 @@ use std::collections::VecDeque;
 
 use baudbot_plot::quantity::{count, handy};
 use baudbot_sim::SimTime;
-use baudbot_sim::chip::Shown;
+use baudbot_sim::chip::{Edge, Shown};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::Event;
 
 use super::cycle::{Cycle, is_anchor};
 use super::meaning::Said;
-use super::pins::{self, Begins, Pins};
+use super::pins::Pins;
 use crate::error::Refused;
 
 /// The part of a run that is requested.
@@ -29,8 +29,6 @@ pub(super) enum Place {
     Cycle(u32),
     /// What goes on about an early cycle.
     Usual,
-    /// What a program of the user's own does first.
-    Program,
 }
 
 /// What is new in a run.
@@ -40,6 +38,8 @@ pub(super) struct Recorded {
     pub(super) said: Vec<Said>,
     /// What is new on the pins of its chip, each with the place of its signal.
     pub(super) shown: Vec<(usize, Shown)>,
+    /// Each new edge there, if it is asked for.
+    pub(super) edges: Vec<Edge>,
 }
 
 /// What may be wanted of a run.
@@ -79,14 +79,11 @@ impl Wanted {
             said.extend(fresh.said.drain(..).filter(|one| self.may_tell(one)));
             let gone = said.len().saturating_sub(MOST_SAID);
             said.drain(..gone);
-            let is_waiting = pins.begins.is_none();
-            let shown = std::mem::take(&mut fresh.shown);
-            if let Some(chip) = robot.chip.as_ref().filter(|_| now <= self.pins_until(&pins, step_ns, now)) {
-                pins.take(chip, shown, self.pins_from(&pins, step_ns, now));
-            }
-            if self.place == Place::Program && is_waiting && pins.begins.is_some() {
-                until_ns = now.saturating_add(self.span(step_ns)).saturating_add(SLACK_NS);
-            }
+            let (from, until) = (self.pins_from(step_ns, now), self.pins_until(step_ns, now));
+            let shown = fresh.shown.drain(..);
+            // A round of the main loop is known when it is over.
+            let is_round = |shown: &Shown| matches!(shown, Shown::Turns(turns) if turns.from_ns < until);
+            pins.take(shown.filter(|(_, shown)| now <= until || is_round(shown)), from);
             for event in fresh.events.drain(..) {
                 if is_anchor(event.what) {
                     cycles += 1;
@@ -109,37 +106,25 @@ impl Wanted {
         match self.place {
             Place::At(from_ns) => from_ns.saturating_add(self.span(step_ns)).saturating_add(SLACK_NS),
             Place::Cycle(_) | Place::Usual => PATIENCE_NS,
-            Place::Program => pins::PATIENCE_NS,
         }
     }
 
     /// Since when what is on the pins is wanted, as far as it is known now.
-    fn pins_from(&self, pins: &Pins, step_ns: u64, now: u64) -> u64 {
-        let far = || now.saturating_sub(self.span(step_ns).saturating_mul(2));
-        match (self.place, &pins.begins) {
-            (Place::At(from_ns), _) => from_ns,
-            (Place::Program, Some(begins)) => self.program_from(begins, step_ns),
-            // The start is shown if nothing comes.
-            (Place::Program, None) if now > self.span(step_ns).saturating_mul(4) => far(),
-            (Place::Program, None) => 0,
-            (Place::Cycle(_) | Place::Usual, _) => far(),
+    fn pins_from(&self, step_ns: u64, now: u64) -> u64 {
+        match self.place {
+            Place::At(from_ns) => from_ns,
+            Place::Cycle(_) | Place::Usual => now.saturating_sub(self.span(step_ns).saturating_mul(2)),
         }
     }
 
     /// Until when it is wanted, as far as it is known now.
-    fn pins_until(&self, pins: &Pins, step_ns: u64, now: u64) -> u64 {
-        let from = match (self.place, &pins.begins) {
-            (Place::At(from_ns), _) => from_ns,
-            (Place::Program, Some(begins)) => self.program_from(begins, step_ns),
-            (Place::Program, None) | (Place::Cycle(_) | Place::Usual, _) => now,
+    fn pins_until(&self, step_ns: u64, now: u64) -> u64 {
+        let from = match self.place {
+            Place::At(from_ns) => from_ns,
+            Place::Cycle(_) | Place::Usual => now,
         };
         // Pulses that go on are told late.
         from.saturating_add(self.span(step_ns).saturating_mul(2)).saturating_add(step_ns.saturating_mul(2))
-    }
-
-    /// A bit before what the program does first.
-    fn program_from(&self, begins: &Begins, step_ns: u64) -> u64 {
-        begins.at_ns.saturating_sub(self.span(step_ns) / 10)
     }
 
     /// The part that is wanted, of a robot with these events.
@@ -162,10 +147,6 @@ impl Wanted {
                 let from_ns = boundary(cycle.start, step_ns).saturating_sub(step_ns);
                 Window::new(from_ns, span_ns, None)
             }
-            (Place::Program, _) => {
-                let begins = kept.pins.begins.as_ref();
-                Window::new(begins.map_or(0, |begins| self.program_from(begins, step_ns)), span_ns, None)
-            }
             // It was not found out why: there is nothing to show.
             (Place::Cycle(_) | Place::Usual, None) => Window::new(0, span_ns, None),
         }
@@ -174,7 +155,7 @@ impl Wanted {
     /// The cycle that it goes by.
     fn cycle(&self) -> Option<u32> {
         match self.place {
-            Place::At(_) | Place::Program => None,
+            Place::At(_) => None,
             Place::Cycle(number) => Some(number),
             Place::Usual => Some(USUAL),
         }
@@ -182,15 +163,14 @@ impl Wanted {
 
     /// The length of the window, unless it is that of a cycle.
     pub(super) fn span(&self, step_ns: u64) -> u64 {
-        let least_ns = if self.place == Place::Program { LEAST_PROGRAM_NS } else { 0 };
-        self.span_ns.unwrap_or_else(|| step_ns.saturating_mul(3).max(least_ns))
+        self.span_ns.unwrap_or_else(|| step_ns.saturating_mul(3))
     }
 
     /// Cycles are counted from the start; all else is wanted only if it reaches into the window.
     fn may_show(&self, event: &Event) -> bool {
         match self.place {
             Place::At(from_ns) => event.end.as_ns() >= from_ns,
-            Place::Cycle(_) | Place::Usual | Place::Program => true,
+            Place::Cycle(_) | Place::Usual => true,
         }
     }
 
@@ -198,7 +178,7 @@ impl Wanted {
     fn may_tell(&self, said: &Said) -> bool {
         match self.place {
             Place::At(from_ns) => said.at.as_ns() >= from_ns,
-            Place::Cycle(_) | Place::Usual | Place::Program => true,
+            Place::Cycle(_) | Place::Usual => true,
         }
     }
 
@@ -217,7 +197,7 @@ impl Wanted {
                 "the run had {} in {now_s} s; --at S shows any part of a run",
                 count(cycles as usize, "cycle")
             ))),
-            Place::At(_) | Place::Cycle(_) | Place::Usual | Place::Program => Ok(()),
+            Place::At(_) | Place::Cycle(_) | Place::Usual => Ok(()),
         }
     }
 }
@@ -225,6 +205,11 @@ impl Wanted {
 impl Window {
     fn new(from_ns: u64, span_ns: u64, cycle: Option<Cycle>) -> Self {
         Self { from_ns, until_ns: from_ns.saturating_add(span_ns.max(1)), cycle }
+    }
+
+    /// Whether something from an instant to another is in it.
+    pub(super) fn has(&self, start_ns: u64, end_ns: u64) -> bool {
+        start_ns < self.until_ns && (end_ns > self.from_ns || start_ns >= self.from_ns)
     }
 }
 
@@ -239,8 +224,6 @@ const USUAL: u32 = 3;
 const SLACK_NS: u64 = 5_000_000_000;
 /// So long a cycle is waited for, in nanoseconds.
 const PATIENCE_NS: u64 = 3_600_000_000_000;
-/// A window on what a program does is so long, in nanoseconds: a line of text takes as long at 9600 baud.
-const LEAST_PROGRAM_NS: u64 = 20_000_000;
 /// Most events of a diagram.
 const MOST_EVENTS: usize = 4_000_000;
 /// Of what was said, the last so much is kept, which is more than is said in the time that a run goes on behind its window.

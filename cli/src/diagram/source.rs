@@ -9,7 +9,7 @@ use baudbot_recording::RecordedRun;
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 
-use super::ticks::{Tick, recorded_ticks, ticks};
+use super::ticks::{Tick, View, recorded_ticks, ticks};
 use crate::args::DiagramArgs;
 use crate::assignment::{self, Assigned};
 use crate::error::Refused;
@@ -68,16 +68,16 @@ impl Run {
         Ok(Self { scenario, name, way: Way::Recorded(recorded) })
     }
 
-    /// Its ticks, with what is new of the robot in this place; pulses on its pins with a period below `finest_ns` are told together.
+    /// Its ticks, with what is new of the robot in this place.
     pub(super) fn ticks<'a>(
         &'a self,
         place: usize,
-        finest_ns: u64,
+        view: View,
         stop: &'a AtomicBool,
     ) -> anyhow::Result<Tick<'a>> {
         match &self.way {
-            Way::Now(assigned) => ticks(self.scenario.clone(), assigned, (place, finest_ns), stop),
-            Way::Recorded(recorded) => recorded_ticks(Arc::clone(recorded), (place, finest_ns), stop),
+            Way::Now(assigned) => ticks(self.scenario.clone(), assigned, (place, view), stop),
+            Way::Recorded(recorded) => recorded_ticks(Arc::clone(recorded), (place, view), stop),
         }
     }
 

@@ -5,12 +5,13 @@ use std::fmt::Write;
 
 use baudbot_plot::quantity::count;
 use baudbot_plot::text::columns;
-use baudbot_plot::timing::{Shot, has_lane, is_in, ms, printable, pulses_in_words, what};
+use baudbot_plot::timing::{Shot, has_lane, is_in, ms, printable, pulses_in_words, turns_in_words, what};
 use baudbot_sim::chip::{Level, Line, Net, Pulses, Shown, Stretch};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::Event;
 use baudbot_trace::Lane;
 
+use super::parts::{self, Deed};
 use super::record::{Kept, Window};
 
 /// Something that happened.
@@ -36,7 +37,8 @@ pub(super) fn rows(
     let events = kept.events.iter().enumerate().filter(in_window);
     let events = events.map(|(i, event)| row(robot, event, is_of_cycle(window, i), meanings.get(&i)));
     let shots = kept.pins.shots.iter().filter(|shot| has_lane(shot, &kept.pins.shots, span, chosen));
-    let mut rows: Vec<_> = events.chain(shots.flat_map(|shot| of_pin(shot, window))).collect();
+    let of_shot = |shot| of_pin(shot, window).chain(of_parts(robot, shot, window));
+    let mut rows: Vec<_> = events.chain(shots.flat_map(of_shot)).collect();
     rows.sort_by_key(|row| (row.start_ns, row.end_ns));
     rows
 }
@@ -94,12 +96,13 @@ fn row(robot: &RobotSpec, event: &Event, is_of_cycle: bool, meaning: Option<&Str
 /// What is on a signal.
 fn of_pin(shot: &Shot, window: &Window) -> impl Iterator<Item = Row> {
     let who = shot.signal.label();
-    let (from_ns, until_ns) = (window.from_ns, window.until_ns);
+    let until_ns = window.until_ns;
     let row = move |(i, shown): (usize, &Shown)| {
         let next_ns = shot.shown.get(i + 1).map_or(until_ns, Shown::at_ns);
         let (end_ns, what) = match *shown {
             Shown::Stretch(Stretch::Level { level, .. }) => (next_ns, level_in_words(level).to_owned()),
             Shown::Stretch(Stretch::Pulses(pulses)) => (pulses.until_ns, pulses_of(&pulses)),
+            Shown::Turns(turns) => (turns.until_ns, turns_in_words(&turns)),
             Shown::Number { at_ns, number } if matches!(shot.signal.line, Line::Adc(_)) => {
                 (at_ns, number.to_string())
             }
@@ -107,10 +110,29 @@ fn of_pin(shot: &Shot, window: &Window) -> impl Iterator<Item = Row> {
             Shown::Over { .. } => return None,
         };
         let start_ns = shown.at_ns();
-        let is_seen = start_ns < until_ns && (end_ns > from_ns || start_ns >= from_ns);
-        is_seen.then(|| Row { start_ns, end_ns, who: who.clone(), what, meaning: String::new() })
+        window.has(start_ns, end_ns).then(|| Row {
+            start_ns,
+            end_ns,
+            who: who.clone(),
+            what,
+            meaning: String::new(),
+        })
     };
     shot.shown.iter().enumerate().filter_map(row)
+}
+
+/// What lamps, buzzers and servos on a signal do.
+fn of_parts(robot: &RobotSpec, shot: &Shot, window: &Window) -> impl Iterator<Item = Row> {
+    let chip = robot.chip.iter();
+    let deeds = chip.flat_map(|chip| parts::deeds(chip, shot, window.until_ns));
+    let seen = deeds.filter(|deed| window.has(deed.start_ns, deed.end_ns));
+    seen.map(|Deed { start_ns, end_ns, who, what }| Row {
+        start_ns,
+        end_ns,
+        who,
+        what,
+        meaning: String::new(),
+    })
 }
 
 fn pulses_of(pulses: &Pulses) -> String {

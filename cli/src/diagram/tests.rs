@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use baudbot_plot::timing::Class;
 
 use super::record::{Place, Wanted};
-use super::ticks::ticks;
+use super::ticks::{View, ticks};
 use super::{demo, meaning, picture, table};
 
 const STEP_NS: u64 = 10_000_000;
@@ -137,7 +137,7 @@ fn a_diagram_tells_what_a_range_finder_was_asked_and_answered() {
     let stop = AtomicBool::new(false);
     let wanted = Wanted { place: Place::At(0), span_ns: Some(300_000_000) };
     let brains = crate::assignment::assign(&["scout=constant".to_owned()], &scenario.robots).unwrap();
-    let tick = ticks(scenario, &brains, (0, 0), &stop).unwrap();
+    let tick = ticks(scenario, &brains, (0, View::Signals(0)), &stop).unwrap();
     let kept = wanted.record(&robot, STEP_NS, tick).unwrap();
     let window = wanted.window(&robot, &kept, STEP_NS);
     let meanings = meaning::meanings(&kept.events, &kept.said);

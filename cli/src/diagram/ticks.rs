@@ -7,7 +7,7 @@ use anyhow::anyhow;
 use baudbot_experiment::in_process::InProcess;
 use baudbot_experiment::served::Served;
 use baudbot_recording::{RecordedRun, Replay, Watched};
-use baudbot_sim::chip::{News, Scope, Shown};
+use baudbot_sim::chip::{News, Scope};
 use baudbot_sim::{Scenario, World};
 
 use super::meaning::Listeners;
@@ -15,21 +15,31 @@ use super::pins;
 use super::record::Recorded;
 use crate::assignment::Assigned;
 use crate::error::Refused;
+use crate::trace::unseen;
 
 /// Does a tick, adds the new events of a robot and what was said on its cables, and says the time until which they are known, in nanoseconds; nothing if the
 /// run is over.
 pub(super) type Tick<'a> = Box<dyn FnMut(&mut Recorded) -> anyhow::Result<Option<u64>> + 'a>;
 
+/// What is looked at on the pins of the robot's chip, if it has one.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum View {
+    /// What is on its signals; pulses with a period below this, in nanoseconds, are told together.
+    Signals(u64),
+    /// Each edge.
+    Edges,
+}
+
 /// The ticks of a run, with the events of the robot in this place, until `stop` is set.
 pub(super) fn ticks<'a>(
     scenario: Scenario,
     assigned: &Assigned,
-    (place, finest_ns): (usize, u64),
+    (place, view): (usize, View),
     stop: &'a AtomicBool,
 ) -> anyhow::Result<Tick<'a>> {
     if !assigned.programs.is_empty() {
         let mut world = World::new(Arc::new(scenario));
-        let mut look = Look::new(&mut world, place, finest_ns);
+        let mut look = Look::new(&mut world, place, view);
         let run = Served::start(world, assigned.clone(), move |world| look.at(world));
         let mut run = run.map_err(from_run)?;
         return Ok(Box::new(move |recorded| match run.next(stop).map_err(from_run)? {
@@ -39,7 +49,7 @@ pub(super) fn ticks<'a>(
     }
     let mut pair = InProcess::with_assignments(scenario, &assigned.brains)
         .map_err(|error| Refused::error(error.to_string()))?;
-    let mut look = Look::new(&mut pair.world, place, finest_ns);
+    let mut look = Look::new(&mut pair.world, place, view);
     Ok(Box::new(move |recorded| {
         if pair.world.ending().is_some() || stop.load(Ordering::Relaxed) {
             return Ok(None);
@@ -52,12 +62,12 @@ pub(super) fn ticks<'a>(
 /// The ticks of a recorded run.
 pub(super) fn recorded_ticks<'a>(
     recorded: Arc<RecordedRun>,
-    (place, finest_ns): (usize, u64),
+    (place, view): (usize, View),
     stop: &'a AtomicBool,
 ) -> anyhow::Result<Tick<'a>> {
     let (mut replay, mut world) =
         Replay::start_watching(recorded, Watched { pins: vec![place], ..Watched::default() })?;
-    let mut look = Look::new(&mut world, place, finest_ns);
+    let mut look = Look::new(&mut world, place, view);
     Ok(Box::new(move |recorded| {
         if stop.load(Ordering::Relaxed) || !replay.step(&mut world)? {
             return Ok(None);
@@ -76,7 +86,10 @@ struct Look {
     /// How many of them have been seen.
     seen: u64,
     listeners: Listeners,
+    /// None: each edge is wanted.
     scope: Option<Scope>,
+    /// How many edges have been seen, if each is wanted.
+    edges: u64,
 }
 
 struct Seen {
@@ -85,10 +98,13 @@ struct Seen {
 }
 
 impl Look {
-    fn new(world: &mut World, place: usize, finest_ns: u64) -> Self {
+    fn new(world: &mut World, place: usize, view: View) -> Self {
         world.keep_edges(place, true);
-        let scope = pins::scope(&world.scenario().robots[place], finest_ns);
-        Self { place, seen: 0, listeners: Listeners::new(world, place), scope }
+        let scope = match view {
+            View::Signals(finest_ns) => pins::scope(&world.scenario().robots[place], finest_ns),
+            View::Edges => None,
+        };
+        Self { place, seen: 0, listeners: Listeners::new(world, place), scope, edges: 0 }
     }
 
     /// The events since the last look.
@@ -103,21 +119,34 @@ impl Look {
                 "more happened in a tick than a robot's timeline holds: {gone} events were dropped"
             ));
         }
-        let fresh = Recorded { events: fresh.copied().collect(), said, shown: self.shown(world)? };
+        let mut fresh = Recorded { events: fresh.copied().collect(), said, ..Recorded::default() };
+        self.pins(world, &mut fresh)?;
         Ok(Seen { fresh, time_ns: world.time().as_ns() })
     }
 
     /// What is new on the pins.
-    fn shown(&mut self, world: &World) -> anyhow::Result<Vec<(usize, Shown)>> {
-        let board = world.robot(self.place).board();
-        let (Some(scope), Some(board)) = (&mut self.scope, board) else { return Ok(Vec::new()) };
-        let News { lost, shown } = scope.look(board, world.time().as_ns());
-        if lost > 0 {
-            return Err(anyhow!(
+    fn pins(&mut self, world: &World, fresh: &mut Recorded) -> anyhow::Result<()> {
+        let Some(board) = world.robot(self.place).board() else { return Ok(()) };
+        let lost = match (&mut self.scope, board.edges()) {
+            (Some(scope), _) => {
+                let News { lost, shown } = scope.look(board, world.time().as_ns());
+                fresh.shown = shown;
+                lost
+            }
+            (None, Some(edges)) => {
+                let (lost, seen) = edges.since(unseen(self.edges, edges.total()));
+                self.edges = edges.total();
+                fresh.edges.extend(seen.copied());
+                lost
+            }
+            (None, None) => 0,
+        };
+        match lost {
+            0 => Ok(()),
+            _ => Err(anyhow!(
                 "more happened on the pins in a tick than is kept: {lost} edges were dropped; a smaller step_ms keeps them"
-            ));
+            )),
         }
-        Ok(shown)
     }
 }
 
@@ -127,6 +156,7 @@ impl Seen {
         recorded.events.extend(self.fresh.events);
         recorded.said.extend(self.fresh.said);
         recorded.shown.extend(self.fresh.shown);
+        recorded.edges.extend(self.fresh.edges);
         self.time_ns
     }
 }

@@ -30,7 +30,7 @@ use baudbot_recording::{self as recording, RecordedRun, Replay};
 use baudbot_sim::World;
 
 use crate::args::ExportArgs;
-use crate::chips::{SERIAL, VCD};
+use crate::chips::{self, SERIAL, VCD};
 use crate::csv::Table;
 use crate::error::Refused;
 use crate::output_files::{self, STDOUT};
@@ -62,7 +62,10 @@ pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
     let mut is_whole = true;
     if !outputs.is_empty() {
         let robots = &recorded.scenario().robots;
-        let (pins, cables) = (VCD.robots(&args.vcd, robots)?, SERIAL.robots(&args.serial, robots)?);
+        let (mut pins, cables) = (VCD.robots(&args.vcd, robots)?, SERIAL.robots(&args.serial, robots)?);
+        if args.timeline.is_some() {
+            pins.extend(chips::all(robots));
+        }
         let replay =
             start(&args.file, &recorded, recording::Watched { pins, cables, bytes: serial::MOST_BYTES })?;
         is_whole = pass::run(replay, &window, outputs, &stop, args.quiet)?;

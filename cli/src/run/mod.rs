@@ -21,7 +21,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::{ChangeArgs, ChipOutput, Over, RunArgs};
 use crate::assignment::{self, Assigned};
-use crate::chips::{SERIAL, VCD};
+use crate::chips::{self, SERIAL, VCD};
 use crate::csv::Table;
 use crate::error::Refused;
 use crate::gdb::Debuggers;
@@ -167,10 +167,11 @@ impl Plan {
         for &robot in &self.analysed {
             world.keep_edges(robot, true);
         }
-        for robot in
-            (0..self.scenario.robots.len()).filter(|&robot| self.scenario.robots[robot].chip.is_some())
-        {
+        for robot in chips::all(&self.scenario.robots) {
             world.keep_tape(robot, serial::MOST_BYTES);
+            if args.timeline.is_some() {
+                world.keep_edges(robot, true);
+            }
         }
         let world = WorldConfig::from_state(self.world.clone(), world);
         let world = record::add(world.pace(self.pace).paused(true), &args.record);

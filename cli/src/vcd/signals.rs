@@ -39,6 +39,7 @@ impl Signals {
         let mut all = Vec::new();
         for signal in spec.chip.iter().flat_map(|chip| chip.signals()) {
             let (bits, value) = match signal.line {
+                Line::MainLoop => continue,
                 Line::Wire(_) => (1, Shown::Bit(Value::Z)),
                 Line::Adc(_) => (ADC_BITS, Shown::Number(None, ADC_BITS, Value::X)),
                 Line::Sent | Line::Received => {
@@ -55,7 +56,7 @@ impl Signals {
 
     /// Something was seen. What it changes, if it is among the signals.
     pub(super) fn take(&mut self, seen: &Seen) -> Option<Change> {
-        if *seen == Seen::Round {
+        if matches!(seen, Seen::Round(_)) {
             self.rounds.1 = !self.rounds.1;
             return Some(self.round());
         }
@@ -67,12 +68,12 @@ impl Signals {
             (Seen::Sends(frame) | Seen::Receives(frame), Shown::Number(number, ..)) => {
                 *number = frame.map(|frame| frame.data());
             }
-            (Seen::Level { .. } | Seen::Round | Seen::Shape { .. }, Shown::Number(..))
+            (Seen::Level { .. } | Seen::Round(_) | Seen::Shape { .. }, Shown::Number(..))
             | (
                 Seen::Converted { .. }
                 | Seen::Sends(_)
                 | Seen::Receives(_)
-                | Seen::Round
+                | Seen::Round(_)
                 | Seen::Shape { .. },
                 Shown::Bit(_),
             ) => {}

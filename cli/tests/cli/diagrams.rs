@@ -49,7 +49,7 @@ fn pins_that_are_not_there_are_refused_with_those_that_are() {
 }
 
 #[test]
-fn without_an_instant_a_diagram_of_a_chip_is_of_what_its_program_does_first() {
+fn without_an_instant_a_diagram_of_a_chip_is_of_the_first_round_in_which_its_program_reacts() {
     let svg = good(&["diagram", FIRMWARE, "--svg", "-"]);
     let document = roxmltree::Document::parse(&svg).unwrap();
     let texts: Vec<_> = document
@@ -58,19 +58,39 @@ fn without_an_instant_a_diagram_of_a_chip_is_of_what_its_program_does_first() {
         .filter_map(|node| node.text().map(str::to_owned))
         .collect();
     let has = |text: &str| texts.iter().any(|other| other == text);
-    for lane in ["D8 motors.left.direction", "D9 motors.left.pwm", "D13 leds.builtin", "adc0 sensors.ir_left"]
-    {
+    for lane in [
+        "main loop",
+        "D8 motors.left.direction",
+        "D9 motors.left.pwm",
+        "D13 leds.builtin",
+        "adc0 sensors.ir_left",
+    ] {
         assert!(has(lane), "no `{lane}` in {texts:?}");
     }
     assert!(!texts.iter().any(|text| text.starts_with("D2")), "nothing is on it: {texts:?}");
     assert!(
-        texts.iter().any(|text| text.starts_with("At ") && text.contains(" ms the program ")),
+        texts.iter().any(|text| text.starts_with("In the round of its main loop from ")
+            && text.contains(" ms on the program reads ir_")
+            && text.contains(" and changes D")),
         "{texts:?}"
     );
     // 71 or 56 of 256 counts of 0.5 µs.
     assert!(texts.iter().any(|text| text.ends_with(" %, 7.81 kHz")), "{texts:?}");
     assert!(!has("brain") && !has("microcontroller"), "there is none: {texts:?}");
     assert!(svg.len() < 300_000, "{}", svg.len());
+    // It does not depend on what is drawn.
+    let first = |args: &[&str]| good(&[&["diagram", FIRMWARE], args].concat());
+    let (table, csv) = (first(&[]), first(&["--csv", "-"]));
+    let begin = |row: &str| row.trim().split([',', ' ']).next().unwrap().parse::<f64>().unwrap();
+    let of = |text: &str, what: &str| {
+        text.lines()
+            .filter(|line| line.contains("adc4") && line.contains(what))
+            .map(begin)
+            .collect::<Vec<_>>()
+    };
+    let [short, long] = [of(&table, "adc4"), of(&csv, "adc4")];
+    assert!(short.len() == long.len() && !short.is_empty(), "{table}");
+    assert!(short.iter().zip(&long).all(|(short, long)| (short - long).abs() < 1e-3), "{short:?} {long:?}");
 }
 
 #[test]
@@ -93,6 +113,9 @@ fn a_table_has_pulses_in_words_and_comma_separated_values_have_each_edge() {
         "{table}"
     );
     assert!(table.contains("adc0 sensors.ir_left") && table.contains("uart sent"), "{table}");
+    let rounds =
+        |words: &str| table.lines().filter(|line| line.contains("main loop") && line.contains(words)).count();
+    assert_eq!((rounds("a round of "), rounds(" short rounds, ")), (2, 3), "one each 20 ms: {table}");
     assert!(!table.contains("D8") && !table.contains("adc1"), "they were not chosen: {table}");
     let csv = of(&["--pins", "D9,A0", "--csv", "-"]);
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();

@@ -29,6 +29,32 @@ fn a_run_writes_a_trace_and_is_the_same_run() {
 }
 
 #[test]
+fn a_trace_has_what_is_on_the_pins_of_a_chip() {
+    const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/firmware.toml");
+    let [path, tape] = ["pins.pftrace", "pins-of-trace.mcap"].map(place);
+    let [path, tape] = [&path, &tape].map(|path| path.to_str().unwrap());
+    let run = ["run", FIRMWARE, "--seconds", "1", "--json", "--quiet"];
+    let with = good(&[&run[..], &["--timeline", path, "--record", tape]].concat());
+    let hash = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap()["state_hash"].clone();
+    assert_eq!(hash(&with), hash(&good(&run)));
+    let trace = std::fs::read(path).unwrap();
+    for name in [
+        "D9 motors.left.pwm",
+        "27.7 %, 7.81 kHz",
+        "adc2 sensors.ir_front",
+        "uart sent",
+        "main loop",
+        " short rounds, ",
+    ] {
+        assert!(trace.windows(name.len()).any(|part| part == name.as_bytes()), "{name}");
+    }
+    assert!(trace.len() < 500_000, "{} bytes", trace.len());
+    let exported = place("pins-exported.pftrace");
+    good(&["export", tape, "--timeline", exported.to_str().unwrap()]);
+    assert!(std::fs::read(exported).unwrap() == trace);
+}
+
+#[test]
 fn a_trace_that_cannot_be_written_is_an_error_that_names_it() {
     let nowhere = place("nowhere").join("a.pftrace");
     let nowhere = nowhere.to_str().unwrap();

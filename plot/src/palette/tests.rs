@@ -82,7 +82,7 @@ fn the_page_has_these_colors_and_words_for_timing_diagrams() {
         let row =
             format!("color: \"{}\", ink: {ink}, words: \"{}\"{trouble} }},", class.color(), class.words());
         let words = format!("{class:?}").replace("Down", "_Down").trim_start_matches('_').to_uppercase();
-        let is_of_chip = matches!(class, Class::Convert | Class::Sent | Class::Received);
+        let is_of_chip = class >= Class::Round;
         let name = if is_of_chip { words.to_lowercase() } else { format!("[TimelineKind.{words}]") };
         let there = if is_of_chip { &of_chip } else { &lines };
         assert!(there.contains(&format!("  {name}: {{ {row}").as_str()), "{name}: {row}");

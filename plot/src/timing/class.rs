@@ -39,6 +39,10 @@ pub enum Class {
     Lost,
     /// A fault of the scenario.
     Fault,
+    /// A round of the main loop of a chip's program.
+    Round,
+    /// Short rounds of it.
+    Rounds,
     /// A chip's ADC holds a voltage.
     Convert,
     /// A chip sends a character.
@@ -49,7 +53,7 @@ pub enum Class {
 
 impl Class {
     /// All classes, in the order of the key.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 21] = [
         Self::Acquire,
         Self::Measure,
         Self::Frame,
@@ -66,6 +70,8 @@ impl Class {
         Self::Missed,
         Self::Lost,
         Self::Fault,
+        Self::Round,
+        Self::Rounds,
         Self::Convert,
         Self::Sent,
         Self::Received,
@@ -109,6 +115,8 @@ impl Class {
             | Self::PortDown
             | Self::Obey
             | Self::Act
+            | Self::Round
+            | Self::Rounds
             | Self::Convert
             | Self::Sent
             | Self::Received => false,
@@ -134,6 +142,8 @@ impl Class {
             Self::Missed => "left out",
             Self::Lost => "bytes lost",
             Self::Fault => "a fault",
+            Self::Round => "a round of the main loop",
+            Self::Rounds => "short rounds",
             Self::Convert => "the ADC holds a voltage",
             Self::Sent => "the program sends",
             Self::Received => "the program is sent",
@@ -159,6 +169,8 @@ impl Class {
             Self::Missed => "#882255",
             Self::Lost => "#b5651d",
             Self::Fault => "#999933",
+            Self::Round => "#6a5acd",
+            Self::Rounds => "#d6d0ee",
             Self::Convert => "#ddaa33",
             Self::Sent => "#117733",
             Self::Received => "#aa4499",
@@ -176,6 +188,7 @@ impl Class {
             | Self::Think
             | Self::Down
             | Self::PortDown
+            | Self::Rounds
             | Self::Convert => "#10151f",
             Self::Frame
             | Self::Up
@@ -185,6 +198,7 @@ impl Class {
             | Self::Missed
             | Self::Lost
             | Self::Fault
+            | Self::Round
             | Self::Sent
             | Self::Received => WHITE,
         }

@@ -57,6 +57,8 @@ fn is_mark(class: Class) -> bool {
         | Class::PortDown
         | Class::Obey
         | Class::Fault
+        | Class::Round
+        | Class::Rounds
         | Class::Sent
         | Class::Received => false,
     }

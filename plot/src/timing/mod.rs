@@ -19,4 +19,6 @@ pub use axis::ms;
 pub use class::Class;
 pub use diagram::{Bar, Diagram, Group, Lane, Mark};
 pub use lanes::{is_in, lanes, what};
-pub use pins::{Shot, finest_ns, has_lane, pin_lanes, printable, pulses_in_words};
+pub use pins::{
+    Shot, finest_ns, has_lane, hz_in_words, percent, pin_lanes, printable, pulses_in_words, turns_in_words,
+};

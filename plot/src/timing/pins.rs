@@ -1,6 +1,6 @@
 //! From what a logic analyser sees on the pins of a chip to lanes of a timing diagram.
 
-use baudbot_sim::chip::{Level, Line, Net, Pulses, Shown, Signal, Stretch};
+use baudbot_sim::chip::{Level, Line, Net, Pulses, Shown, Signal, Stretch, Turns};
 
 use super::axis::ms;
 use super::bars::SIZE;
@@ -24,7 +24,7 @@ pub fn finest_ns(span_ns: u64) -> u64 {
     (span_ns as f64 * LEAST_PERIOD / PLOT) as u64
 }
 
-/// The lanes of signals in a window, which ends before `until_ns`. Without a choice of wires these are all that have something on
+/// The lanes of signals in a window, which ends before `until_ns`: of the main loop, if rounds of it are known, and of wires. Without a choice of wires these are all that have something on
 /// them or that the program moves, but for those of the UART; with it they are those, with their channels of the ADC. A wire with
 /// a voltage that never is a level has no lane of its own.
 pub fn pin_lanes(shots: &[Shot], span: (u64, u64), chosen: Option<&[Net]>) -> Vec<Lane> {
@@ -47,14 +47,18 @@ pub fn pulses_in_words(pulses: &Pulses) -> String {
     if !pulses.is_even {
         return format!("{} × high", pulses.count);
     }
-    let percent = format!("{} %", handy((1000.0 * pulses.duty()).round() / 10.0));
-    let hz = pulses.frequency_hz();
+    format!("{}, {}", percent(pulses.duty()), hz_in_words(pulses.frequency_hz()))
+}
+
+/// A part of 1 in percent, to a tenth.
+pub fn percent(part: f64) -> String {
+    format!("{} %", handy((1000.0 * part).round() / 10.0))
+}
+
+/// A frequency in three digits.
+pub fn hz_in_words(hz: f64) -> String {
     let three = |value: f64| handy(format!("{value:.2e}").parse().unwrap_or(value));
-    if hz < 1000.0 {
-        format!("{percent}, {} Hz", three(hz))
-    } else {
-        format!("{percent}, {} kHz", three(hz / 1000.0))
-    }
+    if hz < 1000.0 { format!("{} Hz", three(hz)) } else { format!("{} kHz", three(hz / 1000.0)) }
 }
 
 /// A character as text, with an escape if it cannot be printed.
@@ -87,6 +91,7 @@ impl Window {
             }
             (Line::Adc(own), Some(chosen)) => chosen.iter().any(|net| net.adc_channel() == Some(own)),
             (Line::Adc(_), None) => true,
+            (Line::MainLoop, _) => self.turns(shot).next().is_some(),
             (Line::Sent | Line::Received, _) => self.numbers(shot).next().is_some(),
         }
     }
@@ -117,16 +122,24 @@ impl Window {
         let next_ns = move |i: usize| shot.shown.get(i + 1).map_or(self.until_ns, Shown::at_ns);
         let number = move |(i, shown): (usize, &Shown)| match *shown {
             Shown::Number { at_ns, number } => Some((at_ns, next_ns(i), number)),
-            Shown::Over { .. } | Shown::Stretch(_) => None,
+            Shown::Over { .. } | Shown::Stretch(_) | Shown::Turns(_) => None,
         };
         let is_seen =
             move |(from, until, _): &(u64, u64, u16)| *from < self.until_ns && *until > self.from_ns;
         shot.shown.iter().enumerate().filter_map(number).filter(is_seen)
     }
 
+    /// Rounds of the main loop that are seen.
+    fn turns(self, shot: &Shot) -> impl Iterator<Item = Turns> {
+        let turns = |shown: &Shown| if let Shown::Turns(turns) = shown { Some(*turns) } else { None };
+        let is_seen = move |turns: &Turns| turns.from_ns < self.until_ns && turns.until_ns > self.from_ns;
+        shot.shown.iter().filter_map(turns).filter(is_seen)
+    }
+
     fn lane(self, shot: &Shot) -> Lane {
         let label = shot.signal.label();
         let (group, bars, wave) = match shot.signal.line {
+            Line::MainLoop => (Group::Microcontroller, self.turns(shot).map(rounds).collect(), Vec::new()),
             Line::Wire(_) => (Group::Pins, Vec::new(), self.stretches(shot).collect()),
             Line::Adc(_) => (Group::Chip, self.results(shot), Vec::new()),
             Line::Sent => (Group::Chip, self.text(shot, Class::Sent), Vec::new()),
@@ -173,6 +186,30 @@ impl Window {
             Bar { start_ns, end_ns, label, title, class, is_aside: false }
         };
         words.into_iter().map(bar).collect()
+    }
+}
+
+/// How many rounds of the main loop these are and how many cycles they take.
+pub fn turns_in_words(turns: &Turns) -> String {
+    let cycles = handy((10.0 * turns.mean_cycles()).round() / 10.0);
+    match turns.count {
+        0 | 1 => format!("a round of {cycles} cycles"),
+        count => format!("{count} short rounds, {cycles} cycles on average"),
+    }
+}
+
+/// The bar of rounds of the main loop.
+fn rounds(turns: Turns) -> Bar {
+    let Turns { from_ns, until_ns, count, are_short, .. } = turns;
+    let long = duration(until_ns.saturating_sub(from_ns) as f64);
+    let (from, until) = (handy_ms(from_ns), handy_ms(until_ns));
+    Bar {
+        start_ns: from_ns,
+        end_ns: until_ns,
+        label: if count > 1 { format!("{count} rounds") } else { long.clone() },
+        title: format!("{}: {from} to {until} ms, {long}", turns_in_words(&turns)),
+        class: if are_short { Class::Rounds } else { Class::Round },
+        is_aside: false,
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use baudbot_sim::SimTime;
-use baudbot_sim::chip::{Level, Line, Net, Pulses, Shown, Signal, Stretch};
+use baudbot_sim::chip::{Level, Line, Net, Pulses, Shown, Signal, Stretch, Turns};
 use baudbot_sim::timeline::{Event, What};
 
 use super::*;
@@ -194,6 +194,36 @@ fn pins_with_something_on_them_have_lanes_and_others_if_the_program_moves_them()
     let later: Vec<_> =
         pin_lanes(&shots(), (6 * MS, 20 * MS), None).into_iter().map(|lane| lane.label).collect();
     assert_eq!(later, ["D7 whisker", "D9 motors.left.pwm", "adc0 ir"]);
+}
+
+#[test]
+fn rounds_of_the_main_loop_have_a_lane_in_which_short_ones_are_one_block() {
+    let turns = |from_ns: u64, until_ns: u64, count, cycles, are_short| {
+        Shown::Turns(Turns { from_ns, until_ns, count, cycles, are_short })
+    };
+    let shown = vec![
+        turns(0, 2 * MS, 1000, 32_000, true),
+        turns(2 * MS, 6 * MS, 1, 64_000, false),
+        turns(6 * MS, 30 * MS, 1, 384_000, false),
+    ];
+    let mut shots = shots();
+    shots.insert(0, shot(Line::MainLoop, &[], shown));
+    let lanes = pin_lanes(&shots, (MS, 20 * MS), None);
+    assert_eq!((lanes[0].label.as_str(), lanes[0].group), ("main loop", Group::Microcontroller));
+    let bars: Vec<_> = lanes[0].bars.iter().map(|bar| (bar.label.as_str(), bar.title.as_str())).collect();
+    let expected = [
+        ("1000 rounds", "1000 short rounds, 32 cycles on average: 0 to 2 ms, 2 ms"),
+        ("4 ms", "a round of 64000 cycles: 2 to 6 ms, 4 ms"),
+        ("24 ms", "a round of 384000 cycles: 6 to 30 ms, 24 ms"),
+    ];
+    assert_eq!(bars, expected);
+    let svg = diagram(lanes, (MS, 20 * MS)).draw();
+    let texts = texts(&svg);
+    for words in ["a round of the main loop", "short rounds", "4 ms"] {
+        assert!(texts.iter().any(|text| text == words), "no `{words}` in {texts:?}");
+    }
+    let later = pin_lanes(&shots, (31 * MS, 40 * MS), None);
+    assert!(later.iter().all(|lane| lane.label != "main loop"), "none of it is seen");
 }
 
 #[test]

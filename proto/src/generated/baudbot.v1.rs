@@ -621,7 +621,8 @@ pub struct GetBudgetRequest {
     /// Changes of single fields of `scenario_toml`, such as `robots.alice.link.baud=38400`.
     #[prost(string, repeated, tag = "3")]
     pub overrides: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
-    /// Names of the robots; empty: all. At most 256 robots at once.
+    /// Names of the robots; empty: all whose microcontroller runs no program of the user's own. What such a program costs is
+    /// measured in a run (`baudbot budget`): FAILED_PRECONDITION for these. At most 256 robots at once.
     #[prost(string, repeated, tag = "4")]
     pub robots: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
     /// Of which scenario; exactly one.
@@ -4898,7 +4899,7 @@ pub struct ObservedRobot {
 /// A signal that a logic analyser on a chip's pins shows.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct PinSignal {
-    /// Its name: `D9`, `A0` or `PB6` of a pin, `adc0`, `uart sent`, `uart received`.
+    /// Its name: `D9`, `A0` or `PB6` of a pin, `adc0`, `uart sent`, `uart received`, `main loop`.
     #[prost(string, tag = "1")]
     pub signal: ::prost::alloc::string::String,
     /// What is on it, such as `motors.left.pwm`.
@@ -5126,7 +5127,7 @@ pub struct PinEvent {
     /// A result of the ADC, from 0 to 1023, or a character.
     #[prost(uint32, tag = "4")]
     pub number: u32,
-    /// Of pulses: the rise behind the last of them.
+    /// Of pulses: the rise behind the last of them. Of rounds: when the last of them is over.
     #[prost(uint64, tag = "5")]
     pub until_ns: u64,
     /// Of pulses: how many there are.
@@ -5138,6 +5139,12 @@ pub struct PinEvent {
     /// Of pulses: whether they are alike, so that they have a frequency and a duty.
     #[prost(bool, tag = "8")]
     pub even: bool,
+    /// Of rounds: how many there are.
+    #[prost(uint32, tag = "9")]
+    pub rounds: u32,
+    /// Of rounds: how long they are together, in periods of the chip's clock source.
+    #[prost(uint64, tag = "10")]
+    pub cycles: u64,
 }
 /// More about a sensor.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -5310,6 +5317,8 @@ pub enum PinSignalKind {
     Received = 4,
     /// The level of the pin on which the UART is.
     UartPin = 5,
+    /// The rounds of the program's main loop.
+    MainLoop = 6,
 }
 impl PinSignalKind {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -5324,6 +5333,7 @@ impl PinSignalKind {
             Self::Sent => "PIN_SIGNAL_KIND_SENT",
             Self::Received => "PIN_SIGNAL_KIND_RECEIVED",
             Self::UartPin => "PIN_SIGNAL_KIND_UART_PIN",
+            Self::MainLoop => "PIN_SIGNAL_KIND_MAIN_LOOP",
         }
     }
     /// Creates an enum from field names used in the ProtoBuf definition.
@@ -5335,6 +5345,7 @@ impl PinSignalKind {
             "PIN_SIGNAL_KIND_SENT" => Some(Self::Sent),
             "PIN_SIGNAL_KIND_RECEIVED" => Some(Self::Received),
             "PIN_SIGNAL_KIND_UART_PIN" => Some(Self::UartPin),
+            "PIN_SIGNAL_KIND_MAIN_LOOP" => Some(Self::MainLoop),
             _ => None,
         }
     }
@@ -5392,6 +5403,10 @@ pub enum PinEventKind {
     Number = 6,
     /// The character is over.
     Over = 7,
+    /// A round of the main loop, which is over.
+    Round = 8,
+    /// Rounds of the main loop that are too short to be told one by one, or one such. They are over.
+    ShortRounds = 9,
 }
 impl PinEventKind {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -5408,6 +5423,8 @@ impl PinEventKind {
             Self::Pulses => "PIN_EVENT_KIND_PULSES",
             Self::Number => "PIN_EVENT_KIND_NUMBER",
             Self::Over => "PIN_EVENT_KIND_OVER",
+            Self::Round => "PIN_EVENT_KIND_ROUND",
+            Self::ShortRounds => "PIN_EVENT_KIND_SHORT_ROUNDS",
         }
     }
     /// Creates an enum from field names used in the ProtoBuf definition.
@@ -5421,6 +5438,8 @@ impl PinEventKind {
             "PIN_EVENT_KIND_PULSES" => Some(Self::Pulses),
             "PIN_EVENT_KIND_NUMBER" => Some(Self::Number),
             "PIN_EVENT_KIND_OVER" => Some(Self::Over),
+            "PIN_EVENT_KIND_ROUND" => Some(Self::Round),
+            "PIN_EVENT_KIND_SHORT_ROUNDS" => Some(Self::ShortRounds),
             _ => None,
         }
     }

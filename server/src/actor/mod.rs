@@ -158,7 +158,7 @@ impl WorldActor {
         let mut actor = Self {
             name,
             phase: Phase::Between,
-            sessions: Sessions::new(robots),
+            sessions: Sessions::new(&world.scenario().robots),
             observers: Observers::default(),
             cables: Cables::default(),
             beliefs: Beliefs::new(robots),

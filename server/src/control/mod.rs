@@ -151,9 +151,12 @@ fn budget_permit() -> Result<SemaphorePermit<'static>, Status> {
 fn budgets(scenario: &Scenario, names: &[String]) -> Result<Response<v1::GetBudgetResponse>, Status> {
     let mut allowance = Allowance::of_a_call();
     let chosen = chosen(scenario, names)?;
-    if let Some(robot) = chosen.iter().find(|robot| robot.chip.is_some() && !names.is_empty()) {
+    let has_model = chosen.iter().any(|robot| robot.chip.is_none());
+    if let Some(robot) = chosen.iter().find(|robot| robot.chip.is_some() && !(has_model && names.is_empty()))
+    {
         return Err(Status::failed_precondition(format!(
-            "robots: the microcontroller of `{}` runs a program of its own; what that costs is found by running it",
+            "robots: the microcontroller of `{0}` runs a program of its own, whose budget is measured in a run, which a server \
+             does not do on request: baudbot budget SCENARIO --robot {0}",
             robot.name
         )));
     }

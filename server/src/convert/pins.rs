@@ -1,7 +1,7 @@
 //! What is on the pins of a chip, for observers.
 
 use baudbot_proto::v1;
-use baudbot_sim::chip::{ChipSpec, Level, Line, Net, Pulses, Shown, Signal, Stretch};
+use baudbot_sim::chip::{ChipSpec, Level, Line, Net, Pulses, Shown, Signal, Stretch, Turns};
 
 /// The signals of a chip.
 pub(super) fn signals(chip: &ChipSpec) -> Vec<v1::PinSignal> {
@@ -12,9 +12,10 @@ pub(super) fn signals(chip: &ChipSpec) -> Vec<v1::PinSignal> {
 fn signal(signal: &Signal, all: &[Signal]) -> v1::PinSignal {
     let is_pin_of = |channel: u8, other: &Signal| match other.line {
         Line::Wire(net) => net.adc_channel() == Some(channel),
-        Line::Adc(_) | Line::Sent | Line::Received => false,
+        Line::MainLoop | Line::Adc(_) | Line::Sent | Line::Received => false,
     };
     let (kind, channel) = match signal.line {
+        Line::MainLoop => (v1::PinSignalKind::MainLoop, None),
         Line::Wire(net) if (0..2).any(|pin| Net::arduino(pin) == Some(net)) => {
             (v1::PinSignalKind::UartPin, None)
         }
@@ -47,6 +48,10 @@ pub(super) fn event(&(signal, shown): &(usize, Shown)) -> v1::PinEvent {
         }),
         Shown::Stretch(Stretch::Pulses(Pulses { until_ns, count, high_ns, is_even, .. })) => {
             v1::PinEvent { until_ns, pulses: count, high_ns, even: is_even, ..event(Kind::Pulses) }
+        }
+        Shown::Turns(Turns { until_ns, count, cycles, are_short, .. }) => {
+            let kind = if are_short { Kind::ShortRounds } else { Kind::Round };
+            v1::PinEvent { until_ns, rounds: count, cycles, ..event(kind) }
         }
         Shown::Number { number, .. } => v1::PinEvent { number: number.into(), ..event(Kind::Number) },
         Shown::Over { .. } => event(Kind::Over),

@@ -72,12 +72,15 @@ pub(crate) enum Answer {
 }
 
 impl Sessions {
-    pub(crate) fn new(robots: usize) -> Self {
+    /// Nobody holds a robot yet. A world in lockstep waits for brains, but not for somebody at the other end of a cable on which a
+    /// program of the user's own speaks to whom it likes.
+    pub(crate) fn new(robots: &[RobotSpec]) -> Self {
+        let slot = |spec: &RobotSpec| if is_opaque(spec) { Slot::excused() } else { Slot::default() };
         Self {
             by_number: BTreeMap::new(),
             next_number: 1,
             era: 0,
-            slots: vec![Slot::default(); robots],
+            slots: robots.iter().map(slot).collect(),
             processor: None,
             ports_may_differ: false,
         }
@@ -356,9 +359,8 @@ impl Sessions {
 
 /// Refuses messages with a program of the user's own, of which nobody here knows what its bytes mean.
 fn check_understood(scenario: &Scenario, robots: &[usize]) -> Result<(), Status> {
-    let specs = robots.iter().map(|&robot| &scenario.robots[robot]);
-    let is_opaque = |spec: &&RobotSpec| spec.chip.as_ref().is_some_and(|chip| chip.is_opaque());
-    specs.into_iter().find(is_opaque).map_or(Ok(()), |spec| {
+    let mut specs = robots.iter().map(|&robot| &scenario.robots[robot]);
+    specs.find(|spec| is_opaque(spec)).map_or(Ok(()), |spec| {
         let text = format!(
             "hello.mode: the microcontroller of robot `{}` runs a program of its own, whose messages nobody here knows; \
              attach in RAW mode, or give it a serial port. If the program speaks \"framed\" or \"bare\", say so in \
@@ -367,4 +369,9 @@ fn check_understood(scenario: &Scenario, robots: &[usize]) -> Result<(), Status>
         );
         Err(Status::failed_precondition(text))
     })
+}
+
+/// Whether a program of the user's own drives the robot, of which nobody here knows what its bytes mean.
+fn is_opaque(spec: &RobotSpec) -> bool {
+    spec.chip.as_ref().is_some_and(|chip| chip.is_opaque())
 }

@@ -24,6 +24,8 @@ pub(super) struct Slot {
 ///          │                                     Vacant(Excused)              other policies, other paces
 ///          └──StartWorld──▶ Vacant(Excused) ──attach──▶ Held
 /// ```
+///
+/// A robot that a program of the user's own drives begins as Vacant(Excused).
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SlotState {
     Vacant(Vacancy),
@@ -52,6 +54,11 @@ impl Default for SlotState {
 }
 
 impl Slot {
+    /// One whose robot needs no brain.
+    pub(super) fn excused() -> Self {
+        Self { state: SlotState::Vacant(Vacancy::Excused), ..Self::default() }
+    }
+
     pub(super) fn session(&self) -> Option<u64> {
         match self.state {
             SlotState::Held { session, .. } => Some(session),

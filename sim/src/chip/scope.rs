@@ -2,11 +2,12 @@
 
 use alloc::vec::Vec;
 
-use baudbot_board::{Board, Level, Net, Seen};
+use baudbot_board::{Board, Level, Net, RoundsOver, Seen};
 
 use super::ChipSpec;
 use super::pulses::{Condenser, Stretch};
 use super::signals::{Line, Signal};
+use super::turns::{Rounds, Turns};
 
 /// Reads the [edges](Board::edges) of a board as they come, and says what is on each of its signals.
 #[derive(Clone, Debug)]
@@ -14,6 +15,7 @@ pub struct Scope {
     signals: Vec<Signal>,
     /// Of each signal; that of no wire is idle.
     condensers: Vec<Condenser>,
+    rounds: Rounds,
     /// How many edges have been read.
     seen: u64,
 }
@@ -30,6 +32,8 @@ pub enum Shown {
         /// The result, from 0 to 1023, or the character's data.
         number: u16,
     },
+    /// Rounds of the main loop, which are over.
+    Turns(Turns),
     /// The character is over.
     Over {
         /// In nanoseconds.
@@ -51,17 +55,30 @@ impl Shown {
     pub const fn at_ns(&self) -> u64 {
         match *self {
             Self::Stretch(stretch) => stretch.at_ns(),
+            Self::Turns(Turns { from_ns, .. }) => from_ns,
             Self::Number { at_ns, .. } | Self::Over { at_ns } => at_ns,
         }
     }
 }
 
+impl Shown {
+    /// Takes in what follows on this and goes on with it. Says whether it has done so.
+    pub fn join(&mut self, next: &Self) -> bool {
+        match (self, next) {
+            (Self::Stretch(Stretch::Pulses(last)), Self::Stretch(Stretch::Pulses(next))) => last.join(next),
+            (Self::Turns(last), Self::Turns(next)) => last.join(next),
+            (Self::Stretch(_) | Self::Turns(_) | Self::Number { .. } | Self::Over { .. }, _) => false,
+        }
+    }
+}
+
 impl Scope {
-    /// A scope on the pins of such a chip. Pulses with a period below a limit, in nanoseconds, are told together.
+    /// A scope on the pins of such a chip. Pulses with a period below a limit, in nanoseconds, and rounds of the main loop that are
+    /// shorter than that are told together.
     pub fn new(chip: &ChipSpec, finest_ns: u64) -> Self {
         let signals = chip.signals();
         let condensers = signals.iter().map(|_| Condenser::new(finest_ns)).collect();
-        Self { signals, condensers, seen: 0 }
+        Self { signals, condensers, rounds: Rounds::new(finest_ns), seen: 0 }
     }
 
     /// All signals; places are places among them.
@@ -82,6 +99,7 @@ impl Scope {
         if lost > 0 {
             let has_moved = |net| fresh.iter().any(|edge| Line::of(edge.seen) == Some(Line::Wire(net)));
             let from_ns = fresh.first().map_or(now_ns, |edge| edge.at_ns);
+            self.rounds.forget();
             self.begin_again(board, from_ns, has_moved, &mut news.shown);
         }
         for edge in &fresh {
@@ -120,11 +138,26 @@ impl Scope {
                 Shown::Number { at_ns, number: frame.data() }
             }
             Seen::Sends(None) | Seen::Receives(None) => Shown::Over { at_ns },
-            Seen::Round | Seen::Shape { .. } => return,
+            Seen::Round(over) => return self.round(at_ns, &over, shown),
+            Seen::Shape { .. } => return,
         };
         let line = Line::of(seen);
         let place = self.signals.iter().position(|signal| Some(signal.line) == line);
         shown.extend(place.map(|place| (place, one)));
+    }
+
+    fn round(&mut self, at_ns: u64, over: &RoundsOver, shown: &mut Vec<(usize, Shown)>) {
+        let place = self.signals.iter().position(|signal| signal.line == Line::MainLoop);
+        let Some(place) = place else { return };
+        let mut out = Vec::new();
+        self.rounds.take(at_ns, over, &mut out);
+        for next in out {
+            let next = Shown::Turns(next);
+            let last = shown.iter_mut().rfind(|(signal, _)| *signal == place);
+            if !last.is_some_and(|(_, last)| last.join(&next)) {
+                shown.push((place, next));
+            }
+        }
     }
 
     fn level(&mut self, at_ns: u64, net: Net, level: Level, shown: &mut Vec<(usize, Shown)>) {

@@ -8,11 +8,13 @@ use alloc::vec::Vec;
 
 use baudbot_board::{Net, Role, Seen, Terminal, Wiring};
 
-use super::{Attached, ChipSpec};
+use super::ChipSpec;
 
 /// What a signal is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Line {
+    /// The rounds of the program's main loop.
+    MainLoop,
     /// A wire with its level.
     Wire(Net),
     /// The results of a channel of the ADC.
@@ -24,15 +26,16 @@ pub enum Line {
 }
 
 impl Line {
-    /// The one on which something is seen; `None` of what is not on the pins.
+    /// The one on which something is seen.
     pub const fn of(seen: Seen) -> Option<Self> {
         match seen {
             Seen::Level { pin, .. } => Some(Self::Wire(Net::Pin(pin))),
             Seen::Converted { channel, .. } => Some(Self::Adc(channel)),
             Seen::Sends(_) => Some(Self::Sent),
             Seen::Receives(_) => Some(Self::Received),
-            // The edges of a shape are drawn.
-            Seen::Round | Seen::Shape { .. } => None,
+            Seen::Round(_) => Some(Self::MainLoop),
+            // Its edges are drawn.
+            Seen::Shape { .. } => None,
         }
     }
 }
@@ -47,9 +50,10 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// Its short name: `D9` and `A0` as on an Arduino, `PB6`, `adc0`, `uart sent`.
+    /// Its short name: `main loop`, `D9` and `A0` as on an Arduino, `PB6`, `adc0`, `uart sent`.
     pub fn name(&self) -> String {
         match self.line {
+            Line::MainLoop => "main loop".to_string(),
             Line::Wire(net) => printed(net),
             Line::Adc(channel) => format!("adc{channel}"),
             Line::Sent => "uart sent".to_string(),
@@ -83,7 +87,7 @@ impl Signal {
 }
 
 impl ChipSpec {
-    /// All signals: the pins of an Arduino in the order of their numbers, other pins with wires, the channels of the ADC on which
+    /// All signals: the main loop, the pins of an Arduino in the order of their numbers, other pins with wires, the channels of the ADC on which
     /// something is, and the characters on TXD and RXD.
     pub fn signals(&self) -> Vec<Signal> {
         let wiring = self.board().wiring();
@@ -102,26 +106,8 @@ impl ChipSpec {
             (!on.is_empty()).then_some(Signal { line: Line::Adc(channel), on })
         });
         let uart = [Line::Sent, Line::Received].map(|line| Signal { line, on: Vec::new() });
-        wires.chain(channels).chain(uart).collect()
-    }
-
-    /// Whether a wheel's motor turns when this wire is high.
-    pub fn turns_a_wheel(&self, net: Net) -> bool {
-        let turns = |terminal: Terminal| {
-            let is_wheel = match self.attached_to(terminal.part) {
-                Attached::Motor(_) | Attached::WheelServo(_) => true,
-                Attached::Voltage { .. }
-                | Attached::Contact { .. }
-                | Attached::Wheel(_)
-                | Attached::Sonar { .. }
-                | Attached::Reflectance { .. }
-                | Attached::Compass { .. }
-                | Attached::Actuator(_)
-                | Attached::Board => false,
-            };
-            is_wheel && !matches!(terminal.role, Role::Direction | Role::Standby)
-        };
-        self.board().wiring().wires().any(|(terminal, other)| other == net && turns(terminal))
+        let main_loop = Signal { line: Line::MainLoop, on: Vec::new() };
+        core::iter::once(main_loop).chain(wires).chain(channels).chain(uart).collect()
     }
 }
 

@@ -10,6 +10,15 @@ export interface PinPart {
   number: number;
   /** Only of pulses. */
   pulses?: Pulses;
+  /** Only of rounds of the main loop. */
+  rounds?: Rounds;
+}
+
+export interface Rounds {
+  until_ns: number;
+  count: number;
+  /** All together, in periods of the chip's clock. */
+  cycles: number;
 }
 
 export interface Pulses {
@@ -51,6 +60,8 @@ export class PinLog {
           high_ns: Number(event.highNs),
           even: event.even,
         };
+      if (event.kind === PinEventKind.ROUND || event.kind === PinEventKind.SHORT_ROUNDS)
+        part.rounds = { until_ns: Number(event.untilNs), count: event.rounds, cycles: Number(event.cycles) };
       if (!goesOn(parts.at(-1), part)) parts.push(part);
       if (parts.length > 2 * MOST) parts.splice(0, parts.length - MOST);
     }
@@ -60,7 +71,7 @@ export class PinLog {
   /** The world went back: what is not before an instant has not happened. */
   cut(time_ns: number): void {
     for (const [signal, all] of this.signals) {
-      const parts = all.filter((part) => part.at_ns < time_ns && (part.pulses?.until_ns ?? 0) <= time_ns);
+      const parts = all.filter((part) => part.at_ns < time_ns && (untilOf(part) ?? 0) <= time_ns);
       this.signals.set(signal, parts);
     }
     this.known_ns = Math.min(this.known_ns, time_ns);
@@ -76,6 +87,11 @@ export class PinLog {
   }
 }
 
+/** When something ends that says so itself. */
+export function untilOf(part: PinPart): number | undefined {
+  return part.pulses?.until_ns ?? part.rounds?.until_ns;
+}
+
 /** The share of time in which the wire is high, from 0 to 1. */
 export function dutyOf(part: PinPart): number {
   return part.pulses ? part.pulses.high_ns / Math.max(1, part.pulses.until_ns - part.at_ns) : 0;
@@ -86,8 +102,17 @@ export function frequencyOf(part: PinPart): number {
   return part.pulses ? (part.pulses.count * 1e9) / Math.max(1, part.pulses.until_ns - part.at_ns) : 0;
 }
 
-/** Whether pulses follow on others and are alike; then those take them in. */
+/** Whether pulses follow on others and are alike, or short rounds on others; then those take them in. */
 function goesOn(last: PinPart | undefined, next: PinPart): boolean {
+  const [few, others] = [last?.rounds, next.rounds];
+  if (few && others) {
+    const areShort = last?.kind === PinEventKind.SHORT_ROUNDS && next.kind === PinEventKind.SHORT_ROUNDS;
+    if (!areShort || few.until_ns !== next.at_ns) return false;
+    few.until_ns = others.until_ns;
+    few.count += others.count;
+    few.cycles += others.cycles;
+    return true;
+  }
   const [before, more] = [last?.pulses, next.pulses];
   if (!last || !before || !more || before.until_ns !== next.at_ns || before.even !== more.even) return false;
   if (before.even && !isAlike(last, next)) return false;

@@ -34,8 +34,10 @@ const KINDS: Record<TimelineKind, Kind> = {
   [TimelineKind.FAULT]: { color: "#999933", ink: WHITE, words: "a fault", trouble: true },
 };
 
-/** What is on the lines of a chip's ADC and UART. */
+/** What is on the lines of a chip's main loop, ADC and UART. */
 export const LINES = {
+  round: { color: "#6a5acd", ink: WHITE, words: "a round of the main loop" },
+  rounds: { color: "#d6d0ee", ink: DARK_INK, words: "short rounds" },
   convert: { color: "#ddaa33", ink: DARK_INK, words: "the ADC holds a voltage" },
   sent: { color: "#117733", ink: WHITE, words: "the program sends" },
   received: { color: "#aa4499", ink: WHITE, words: "the program is sent" },

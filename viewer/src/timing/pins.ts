@@ -3,8 +3,8 @@
  * pins, results of the ADC, and the characters of the UART.
  */
 import { PinEventKind as K, PinSignalKind as S, TimelineKind, type PinSignal } from "../gen/baudbot/v1/observe_pb";
-import { dutyOf, frequencyOf, type PinLog, type PinPart } from "../model/pins";
-import { short } from "../model/units";
+import { dutyOf, frequencyOf, untilOf, type PinLog, type PinPart } from "../model/pins";
+import { duration, short } from "../model/units";
 import { LINES, type Kind } from "./kinds";
 import type { Bar, Lane, Window } from "./layout";
 
@@ -16,6 +16,7 @@ export interface WavePart {
 
 const PINS = 7;
 const CHIP = 8;
+const LOOP = 9;
 /** A character that is so wide, in pixels, is a bar of its own. */
 const ROOMY = 14;
 
@@ -32,6 +33,8 @@ export function pinLanes(signals: PinSignal[], log: PinLog, window: Window, now_
         const isShown = (signal.on.length > 0 && !onAdc.has(i)) || moves(parts, window);
         return isShown ? [{ label, group: PINS, rows: 1, bars: [], wave: parts }] : [];
       }
+      case S.MAIN_LOOP:
+        return parts.length > 0 ? [bars(label, rounds(parts), LOOP)] : [];
       case S.ADC:
         return [bars(label, results(parts, window))];
       case S.SENT:
@@ -84,7 +87,7 @@ function seen(parts: readonly PinPart[], window: Window, now_ns: number): WavePa
   for (let i = parts.length - 1; i >= 0; i--) {
     const part = parts[i] as PinPart;
     const next = parts[i + 1];
-    const until_ns = part.pulses?.until_ns ?? next?.at_ns ?? Math.max(now_ns, part.at_ns);
+    const until_ns = untilOf(part) ?? next?.at_ns ?? Math.max(now_ns, part.at_ns);
     if (until_ns < window.from_ns) break;
     if (part.at_ns < window.until_ns) found.push({ part, until_ns });
   }
@@ -97,8 +100,24 @@ function moves(parts: WavePart[], window: Window): boolean {
   return parts.some(({ part }) => part.kind === K.PULSES || (part.at_ns > window.from_ns && drives(part)));
 }
 
-function bars(label: string, own: Bar[]): Lane {
-  return { label, group: CHIP, rows: 1, bars: own };
+function bars(label: string, own: Bar[], group = CHIP): Lane {
+  return { label, group, rows: 1, bars: own };
+}
+
+function rounds(parts: WavePart[]): Bar[] {
+  return parts.flatMap(({ part, until_ns }) => {
+    if (!part.rounds) return [];
+    const { count, cycles } = part.rounds;
+    const label = count > 1 ? `${count} rounds` : duration(until_ns - part.at_ns);
+    const style = part.kind === K.SHORT_ROUNDS ? LINES.rounds : LINES.round;
+    return [bar(part.at_ns, until_ns, label, style, roundsInWords(count, cycles))];
+  });
+}
+
+/** How many rounds of the main loop these are, and how many cycles they take. */
+export function roundsInWords(count: number, cycles: number): string {
+  const mean = Number((cycles / Math.max(1, count)).toFixed(1));
+  return count > 1 ? `${count} short rounds, ${mean} cycles on average` : `a round of ${mean} cycles`;
 }
 
 function bar(from_ns: number, until_ns: number, label: string, style: Kind, tip: string): Bar {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use baudbot_budget::Span;
-use baudbot_sim::chip::{Attached, Board, By, ChipSpec, Edge, Level, Net, Seen, Terminal};
+use baudbot_sim::chip::{Board, ChipSpec, Edge, Seen, WheelPins};
 use baudbot_sim::link::LineCounters;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::What;
@@ -15,8 +15,7 @@ use crate::trace::unseen;
 /// What was seen of a robot's program.
 pub(super) struct Watch {
     robot: usize,
-    /// Pins of motors, and whether a servo is on them.
-    motors: Vec<Motor>,
+    wheels: WheelPins,
     /// How many edges and events were seen.
     edges: u64,
     events: u64,
@@ -27,20 +26,15 @@ pub(super) struct Watch {
     changes: Vec<u64>,
 }
 
-struct Motor {
-    net: Net,
-    is_servo: bool,
-    /// The begin of a servo's pulse, and how long the last one was.
-    pulse: Option<u64>,
-    width_ns: Option<u64>,
-}
-
 /// The world after so many seconds, or when its run was over before.
 pub(super) fn measure(scenario: &Arc<Scenario>, robots: &[usize], seconds: f64) -> (World, Vec<Watch>) {
     let mut world = World::new(Arc::clone(scenario));
     world.keep_timeline(EVENTS);
-    let mut watches: Vec<Watch> =
-        robots.iter().map(|&robot| Watch::new(robot, &scenario.robots[robot])).collect();
+    let watch = |&robot: &usize| {
+        let spec = &scenario.robots[robot];
+        spec.chip.as_deref().map(|chip| Watch::new(robot, (spec, chip)))
+    };
+    let mut watches: Vec<Watch> = robots.iter().filter_map(watch).collect();
     robots.iter().for_each(|&robot| world.keep_edges(robot, true));
     let ticks = (seconds * 1e9 / scenario.step_ns as f64).ceil().max(1.0) as u64;
     while world.tick() < ticks && world.ending().is_none() {
@@ -52,10 +46,9 @@ pub(super) fn measure(scenario: &Arc<Scenario>, robots: &[usize], seconds: f64) 
 }
 
 impl Watch {
-    fn new(robot: usize, spec: &RobotSpec) -> Self {
-        let motors = spec.chip.as_deref().map_or_else(Vec::new, motors);
-        let reads = vec![Vec::new(); spec.sensors.len()];
-        Self { robot, motors, edges: 0, events: 0, conversions: 0, reads, changes: Vec::new() }
+    fn new(robot: usize, (spec, chip): (&RobotSpec, &ChipSpec)) -> Self {
+        let (wheels, reads) = (WheelPins::new(chip), vec![Vec::new(); spec.sensors.len()]);
+        Self { robot, wheels, edges: 0, events: 0, conversions: 0, reads, changes: Vec::new() }
     }
 
     fn see(&mut self, world: &World) {
@@ -77,24 +70,11 @@ impl Watch {
     }
 
     fn edge(&mut self, edge: &Edge) {
-        let motor = |motors: &[Motor], pin| motors.iter().position(|motor| motor.net == Net::Pin(pin));
-        match edge.seen {
-            Seen::Converted { .. } => self.conversions += 1,
-            Seen::Shape { pin, .. } => {
-                if motor(&self.motors, pin).is_some() {
-                    self.changes.push(edge.at_ns);
-                }
-            }
-            Seen::Level { pin, level, by: By::Chip } => {
-                let Some(motor) = motor(&self.motors, pin) else { return };
-                if self.motors[motor].moves(edge.at_ns, level == Level::High) {
-                    self.changes.push(edge.at_ns);
-                }
-            }
-            Seen::Level { by: By::Shape | By::Character | By::Part, .. }
-            | Seen::Sends(_)
-            | Seen::Receives(_)
-            | Seen::Round => {}
+        if matches!(edge.seen, Seen::Converted { .. }) {
+            self.conversions += 1;
+        }
+        if self.wheels.take(edge).is_some() {
+            self.changes.push(edge.at_ns);
         }
     }
 
@@ -150,12 +130,11 @@ impl Watch {
         all.chain(sensors).map(|(what, count)| Rate { what, per_s: per_s(count) }).collect()
     }
 
-    /// The sensors that the program asks for. Switches are looked at by the world in each tick.
+    /// The sensors that the program asks for.
     fn read_by_program<'a>(&'a self, spec: &'a RobotSpec) -> impl Iterator<Item = (&'a str, &'a [u64])> {
-        let attached = spec.chip.as_deref().map_or(&[][..], ChipSpec::attached);
-        let is_switch = move |place| attached.contains(&Attached::Contact { sensor: place });
+        let asks_for = move |place| spec.chip.as_ref().is_some_and(|chip| chip.asks_for(place));
         let sensors = spec.sensors.iter().zip(&self.reads).enumerate();
-        let asked = sensors.filter(move |(place, (_, reads))| !reads.is_empty() && !is_switch(*place));
+        let asked = sensors.filter(move |(place, (_, reads))| !reads.is_empty() && asks_for(*place));
         asked.map(|(_, (sensor, reads))| (sensor.name.as_str(), reads.as_slice()))
     }
 
@@ -176,42 +155,6 @@ impl Watch {
         }
         (ages, span(oldest.into_iter().flatten().collect()))
     }
-}
-
-impl Motor {
-    /// The chip has moved the pin. Says whether the motor does otherwise from now on.
-    fn moves(&mut self, at_ns: u64, high: bool) -> bool {
-        if !self.is_servo {
-            return true;
-        }
-        if high {
-            self.pulse = Some(at_ns);
-            return false;
-        }
-        let Some(width) = self.pulse.take().map(|begin| at_ns - begin) else { return false };
-        self.width_ns.replace(width).is_none_or(|before| before.abs_diff(width) > PULSE_JITTER_NS)
-    }
-}
-
-/// The pins on which the robot's motors are.
-fn motors(chip: &ChipSpec) -> Vec<Motor> {
-    let wires = chip.board().wiring().wires();
-    let motor = |(terminal, net): (Terminal, Net)| {
-        let is_servo = match chip.attached().get(terminal.part.index())? {
-            Attached::Motor(_) => false,
-            Attached::WheelServo(_) => true,
-            Attached::Voltage { .. }
-            | Attached::Contact { .. }
-            | Attached::Wheel(_)
-            | Attached::Sonar { .. }
-            | Attached::Reflectance { .. }
-            | Attached::Compass { .. }
-            | Attached::Actuator(_)
-            | Attached::Board => return None,
-        };
-        net.pin().map(|_| Motor { net, is_servo, pulse: None, width_ns: None })
-    };
-    wires.filter_map(motor).collect()
 }
 
 /// What is in use: the cable each way, and the processor.
@@ -253,6 +196,3 @@ const EVENTS: usize = 1 << 14;
 
 /// A sensor that was not read for so long is none that the program goes by.
 const FORGOTTEN_NS: u64 = 1_000_000_000;
-
-/// Interrupts make the pulses of a library longer and shorter by some microseconds.
-const PULSE_JITTER_NS: u64 = 4_000;

@@ -115,7 +115,9 @@ class GetBudgetRequest(_message.Message):
 
     @_builtins.property
     def robots(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
-        """Names of the robots; empty: all. At most 256 robots at once."""
+        """Names of the robots; empty: all whose microcontroller runs no program of the user's own. What such a program costs is
+        measured in a run (`baudbot budget`): FAILED_PRECONDITION for these. At most 256 robots at once.
+        """
 
     def __init__(
         self,

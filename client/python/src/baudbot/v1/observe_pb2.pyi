@@ -39,6 +39,8 @@ class _PinSignalKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_PinSign
     """The characters that come to the program."""
     PIN_SIGNAL_KIND_UART_PIN: _PinSignalKind.ValueType  # 5
     """The level of the pin on which the UART is."""
+    PIN_SIGNAL_KIND_MAIN_LOOP: _PinSignalKind.ValueType  # 6
+    """The rounds of the program's main loop."""
 
 class PinSignalKind(_PinSignalKind, metaclass=_PinSignalKindEnumTypeWrapper):
     """What a signal on a chip's pins is."""
@@ -55,6 +57,8 @@ PIN_SIGNAL_KIND_RECEIVED: PinSignalKind.ValueType  # 4
 """The characters that come to the program."""
 PIN_SIGNAL_KIND_UART_PIN: PinSignalKind.ValueType  # 5
 """The level of the pin on which the UART is."""
+PIN_SIGNAL_KIND_MAIN_LOOP: PinSignalKind.ValueType  # 6
+"""The rounds of the program's main loop."""
 Global___PinSignalKind: _TypeAlias = PinSignalKind  # noqa: Y015
 
 class _CableDirection:
@@ -103,6 +107,10 @@ class _PinEventKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_PinEvent
     """The ADC holds a voltage, and the conversion will have this result; or a character begins."""
     PIN_EVENT_KIND_OVER: _PinEventKind.ValueType  # 7
     """The character is over."""
+    PIN_EVENT_KIND_ROUND: _PinEventKind.ValueType  # 8
+    """A round of the main loop, which is over."""
+    PIN_EVENT_KIND_SHORT_ROUNDS: _PinEventKind.ValueType  # 9
+    """Rounds of the main loop that are too short to be told one by one, or one such. They are over."""
 
 class PinEventKind(_PinEventKind, metaclass=_PinEventKindEnumTypeWrapper):
     """What can be on a signal of a chip's pins."""
@@ -123,6 +131,10 @@ PIN_EVENT_KIND_NUMBER: PinEventKind.ValueType  # 6
 """The ADC holds a voltage, and the conversion will have this result; or a character begins."""
 PIN_EVENT_KIND_OVER: PinEventKind.ValueType  # 7
 """The character is over."""
+PIN_EVENT_KIND_ROUND: PinEventKind.ValueType  # 8
+"""A round of the main loop, which is over."""
+PIN_EVENT_KIND_SHORT_ROUNDS: PinEventKind.ValueType  # 9
+"""Rounds of the main loop that are too short to be told one by one, or one such. They are over."""
 Global___PinEventKind: _TypeAlias = PinEventKind  # noqa: Y015
 
 class _TimelineKind:
@@ -737,7 +749,7 @@ class PinSignal(_message.Message):
     KIND_FIELD_NUMBER: _builtins.int
     PIN_FIELD_NUMBER: _builtins.int
     signal: _builtins.str
-    """Its name: `D9`, `A0` or `PB6` of a pin, `adc0`, `uart sent`, `uart received`."""
+    """Its name: `D9`, `A0` or `PB6` of a pin, `adc0`, `uart sent`, `uart received`, `main loop`."""
     kind: Global___PinSignalKind.ValueType
     """What it is."""
     pin: _builtins.int
@@ -1185,6 +1197,8 @@ class PinEvent(_message.Message):
     PULSES_FIELD_NUMBER: _builtins.int
     HIGH_NS_FIELD_NUMBER: _builtins.int
     EVEN_FIELD_NUMBER: _builtins.int
+    ROUNDS_FIELD_NUMBER: _builtins.int
+    CYCLES_FIELD_NUMBER: _builtins.int
     signal: _builtins.int
     """The signal's place in DescribeWorld."""
     at_ns: _builtins.int
@@ -1194,13 +1208,17 @@ class PinEvent(_message.Message):
     number: _builtins.int
     """A result of the ADC, from 0 to 1023, or a character."""
     until_ns: _builtins.int
-    """Of pulses: the rise behind the last of them."""
+    """Of pulses: the rise behind the last of them. Of rounds: when the last of them is over."""
     pulses: _builtins.int
     """Of pulses: how many there are."""
     high_ns: _builtins.int
     """Of pulses: for how long the wire was high in all."""
     even: _builtins.bool
     """Of pulses: whether they are alike, so that they have a frequency and a duty."""
+    rounds: _builtins.int
+    """Of rounds: how many there are."""
+    cycles: _builtins.int
+    """Of rounds: how long they are together, in periods of the chip's clock source."""
     def __init__(
         self,
         *,
@@ -1212,10 +1230,12 @@ class PinEvent(_message.Message):
         pulses: _builtins.int = ...,
         high_ns: _builtins.int = ...,
         even: _builtins.bool = ...,
+        rounds: _builtins.int = ...,
+        cycles: _builtins.int = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["at_ns", b"at_ns", "even", b"even", "high_ns", b"high_ns", "kind", b"kind", "number", b"number", "pulses", b"pulses", "signal", b"signal", "until_ns", b"until_ns"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["at_ns", b"at_ns", "cycles", b"cycles", "even", b"even", "high_ns", b"high_ns", "kind", b"kind", "number", b"number", "pulses", b"pulses", "rounds", b"rounds", "signal", b"signal", "until_ns", b"until_ns"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 

@@ -1,10 +1,14 @@
-//! The timelines of a run as a trace that Perfetto opens.
+//! The timelines of a run as a trace that Perfetto opens, and what is on the pins of its chips.
+
+mod pins;
 
 use std::io::{self, BufWriter, Write};
 
 use baudbot_sim::{SimTime, World};
 use baudbot_trace::TraceWriter;
 use tokio::sync::oneshot;
+
+use self::pins::Pins;
 
 type Out = BufWriter<Box<dyn Write + Send>>;
 
@@ -16,6 +20,8 @@ pub(crate) struct Trace {
     writer: Option<TraceWriter<Out>>,
     /// How many events of each robot have been written or were lost.
     seen: Vec<u64>,
+    /// Those of robots with programs of their own.
+    pins: Vec<Pins>,
     from: SimTime,
     /// Taken when the first write fails; otherwise told when the trace is done.
     outcome: Option<oneshot::Sender<io::Result<()>>>,
@@ -33,7 +39,7 @@ impl Trace {
         let out = Some(BufWriter::with_capacity(BUFFER, out));
         let (world, seen) = (world.to_owned(), vec![0; robots]);
         let from = SimTime::ZERO;
-        (Self { world, out, writer: None, seen, from, outcome: Some(outcome) }, receiver)
+        (Self { world, out, writer: None, seen, pins: Vec::new(), from, outcome: Some(outcome) }, receiver)
     }
 
     /// Leaves out what was over before this.
@@ -53,7 +59,10 @@ impl Trace {
 
     fn events(&mut self, world: &World) -> io::Result<()> {
         if let Some(out) = self.out.take() {
-            self.writer = Some(TraceWriter::new(out, &self.world, &world.scenario().robots)?);
+            let robots = &world.scenario().robots;
+            self.writer = Some(TraceWriter::new(out, &self.world, robots)?);
+            let pins = robots.iter().enumerate();
+            self.pins = pins.filter_map(|(robot, spec)| Pins::new(robot, spec, self.from)).collect();
         }
         let Some(writer) = &mut self.writer else { return Ok(()) };
         for (i, (robot, seen)) in world.robots().zip(&mut self.seen).enumerate() {
@@ -67,7 +76,15 @@ impl Trace {
             }
             *seen = timeline.total();
         }
+        for pins in &mut self.pins {
+            pins.write(writer, (&world.robot(pins.robot()), world.time()))?;
+        }
         Ok(())
+    }
+
+    fn finish(&mut self, mut writer: TraceWriter<Out>) -> io::Result<()> {
+        self.pins.iter_mut().try_for_each(|pins| pins.finish(&mut writer))?;
+        writer.finish()?.flush()
     }
 
     fn tell(&mut self, result: io::Result<()>) {
@@ -80,7 +97,7 @@ impl Trace {
 impl Drop for Trace {
     fn drop(&mut self) {
         if self.outcome.is_some() {
-            let done = self.writer.take().map_or(Ok(()), |writer| writer.finish()?.flush());
+            let done = self.writer.take().map_or(Ok(()), |writer| self.finish(writer));
             self.tell(done);
         }
     }
