@@ -219,7 +219,7 @@ impl Analyser {
             Told::Part(pin, external) => self.change(pin, By::Part, at, clock, |sides| sides.part = external),
             Told::Converted(channel, result) => self.note(Seen::Converted { channel, result }, at, clock),
             Told::Round(short, cycles) => {
-                self.note(Seen::Round(self.rounds(short, cycles, at, clock)), at, clock)
+                self.note(Seen::Round(self.rounds(short, cycles, at, clock)), at, clock);
             }
             Told::Out(Character::Begins(frame)) => self.note(Seen::Sends(Some(frame)), at, clock),
             Told::Out(Character::Ends) => self.note(Seen::Sends(None), at, clock),
