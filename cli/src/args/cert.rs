@@ -19,7 +19,6 @@ pub(crate) enum CertCommand {
 }
 
 #[derive(Debug, Args)]
-#[cfg_attr(not(feature = "certificates"), expect(dead_code, reason = "only a message is for them"))]
 pub(crate) struct AuthorityArgs {
     /// The folder, which is made if it is not there
     #[arg(value_name = "DIR")]
@@ -33,7 +32,6 @@ pub(crate) struct AuthorityArgs {
 }
 
 #[derive(Debug, Args)]
-#[cfg_attr(not(feature = "certificates"), expect(dead_code, reason = "only a message is for them"))]
 pub(crate) struct ServerCertificateArgs {
     /// The folder with the authority
     #[arg(value_name = "DIR")]
@@ -47,7 +45,6 @@ pub(crate) struct ServerCertificateArgs {
 }
 
 #[derive(Debug, Args)]
-#[cfg_attr(not(feature = "certificates"), expect(dead_code, reason = "only a message is for them"))]
 pub(crate) struct ClientCertificateArgs {
     /// The folder with the authority
     #[arg(value_name = "DIR")]

@@ -7,13 +7,14 @@ use baudbot_access::{Grant, Need, Token, TokenFile, Tokens, bearer, needs_at};
 use super::{Target, outcome};
 
 pub(super) fn targets() -> Vec<Target> {
-    let headers = [&format!("Bearer {TOKEN}"), "bearer  baudbot_", "Basic YTpi", ""];
+    let good = format!("Bearer {TOKEN}");
+    let headers = [&good, "bearer  baudbot_", "Basic YTpi", "/baudbot.v1.ControlService/GetWorld"];
     vec![
         Target {
             name: "headers",
             what: "tokens in headers, and paths of calls",
             seeds: headers.map(|header| header.as_bytes().to_vec()).to_vec(),
-            words: &[b"Bearer ", b"baudbot_", b"/baudbot.v1.ControlService/", b"GetWorld", b"\xc2\xb5"],
+            words: HEADER_WORDS,
             run: Box::new(header),
         },
         Target {
@@ -65,6 +66,9 @@ rights = ["observe", "drive class-*/alice"]
 created_at = 2026-12-01T08:00:00Z
 expires_at = 2027-02-01T08:00:00+01:00
 "#;
+
+const HEADER_WORDS: &[&[u8]] =
+    &[b"Bearer ", b"baudbot_", b"/baudbot.v1.ControlService/", b"GetWorld", b"\xc2\xb5"];
 
 const WORDS: &[&[u8]] = &[
     b"version",
