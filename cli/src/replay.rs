@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use anyhow::Context;
 use baudbot_import::opened;
-use baudbot_recording::{RecordedRun, RecordingError, Replay, Stretch};
+use baudbot_recording::{Coverage, RecordedRun, RecordingError, Replay};
 use baudbot_server::{Pace, WorldConfig, pace_of};
 use baudbot_sim::{Scenario, World};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -207,11 +207,7 @@ fn finding(args: &ReplayArgs, replay: &Replay, world: &World) -> Finding {
     let (recorded, difference) = (replay.recorded(), replay.difference());
     let header = recorded.header();
     let asked = args.to.map(|to_s| tick(to_s, recorded.scenario()));
-    let (from, until) = recorded.extent();
-    let until = asked.map_or(until, |asked| asked.clamp(from, until));
-    let complete = asked.map_or_else(|| recorded.is_whole(), |asked| recorded.has_all_until(asked));
-    let compared = |stretch: &Stretch| stretch.last_tick.min(until).saturating_sub(stretch.first_tick);
-    let is_end_known = recorded.is_end_known() || asked.is_some_and(|asked| asked <= recorded.last_tick());
+    let Coverage { is_complete, compared_ticks, recorded_ticks } = recorded.coverage(asked);
     Finding {
         recording: args.recording.display().to_string(),
         world: header.world.clone(),
@@ -224,9 +220,9 @@ fn finding(args: &ReplayArgs, replay: &Replay, world: &World) -> Finding {
         ticks_with_inputs: recorded.inputs(),
         events: recorded.events().len(),
         identical: difference.is_none(),
-        complete,
-        compared_ticks: recorded.stretches().iter().map(compared).sum(),
-        recorded_ticks: is_end_known.then_some(until - from),
+        complete: is_complete,
+        compared_ticks,
+        recorded_ticks,
         differs_at_tick: difference.map(|difference| difference.tick),
         differs: difference.map(|difference| difference.what.clone()),
         cut_off: recorded.problem().map(str::to_owned),
@@ -243,12 +239,11 @@ fn words(finding: &Finding) -> String {
     let verdict = match (&finding.differs_at_tick, &finding.differs) {
         (Some(tick), Some(what)) => format!("differs at tick {tick}: {what}\n"),
         _ if !finding.complete => {
-            let Finding { compared_ticks: n, state_hash, .. } = finding;
-            let share = match finding.recorded_ticks {
-                Some(all) => format!("{n} of {all} ticks ({:.1} %)", 100.0 * *n as f64 / all.max(1) as f64),
-                None => {
-                    format!("{n} ticks that are left; the file no longer tells how many there were")
-                }
+            let Finding { complete, compared_ticks, recorded_ticks, state_hash, .. } = finding;
+            let share = Coverage {
+                is_complete: *complete,
+                compared_ticks: *compared_ticks,
+                recorded_ticks: *recorded_ticks,
             };
             format!("incomplete: identical in {share}: state hash {state_hash}\n")
         }

@@ -8,7 +8,7 @@ use toml::Value;
 use crate::assignment;
 use crate::design::{Cell, Design};
 use crate::error::Error;
-use crate::factor::{Choice, Field, Level, Setting};
+use crate::factor::{Choice, Field, Setting};
 use crate::figures::Figure;
 use crate::raw::{self, ChartKind, Wants};
 use crate::run_record::{self, Row, Task};
@@ -131,25 +131,31 @@ impl Experiment {
 
     /// Whether any of its brains is a program.
     pub fn has_programs(&self) -> bool {
-        let is_program = |text: &str| assignment::split(text).1.starts_with(EXEC);
-        let chosen = |level: &Level| {
-            level.settings.iter().any(|setting| matches!(setting, Setting::Brain(brain) if is_program(brain)))
-        };
-        let varied = |field: &Field| match &field.choice {
-            Choice::Levels(levels) => levels.iter().any(chosen),
-            Choice::Range(_) => false,
-        };
-        self.brains.iter().any(|brain| is_program(brain)) || self.fields.iter().any(varied)
+        self.all_brains().any(|text| assignment::split(text).1.starts_with(EXEC))
     }
 
-    /// How many runs there are.
+    /// Its brains, and those that fields set.
+    pub(crate) fn all_brains(&self) -> impl Iterator<Item = &str> {
+        let levels = self.fields.iter().filter_map(Field::levels).flatten();
+        let varied = levels.flat_map(|level| &level.settings).filter_map(|setting| match setting {
+            Setting::Brain(brain) => Some(brain),
+            Setting::Scenario { .. } | Setting::Parameter { .. } => None,
+        });
+        self.brains.iter().chain(varied).map(String::as_str)
+    }
+
+    /// How many runs there are: at most [`MOST_RUNS`].
     ///
     /// # Errors
-    /// If there are none or too many to be counted, or the fields do not suit the design.
+    /// If there are none or more, or the fields do not suit the design.
     pub fn runs(&self) -> Result<u64, Error> {
-        let cells = self.design.cells(&self.fields)?;
-        let runs = cells.checked_mul(self.seeds.count()).filter(|&runs| runs <= i64::MAX as u64);
-        runs.ok_or_else(|| Error::field("seeds", "there are more than 2^63 runs"))
+        let (cells, seeds) = (self.design.cells(&self.fields)?, self.seeds.count());
+        let path = match self.design {
+            _ if seeds >= cells => "seeds",
+            Design::Random { .. } => "samples",
+            Design::Grid | Design::List => "fields",
+        };
+        bounded(path, u128::from(cells) * u128::from(seeds))
     }
 
     /// The combination of this number.
@@ -182,6 +188,14 @@ impl Experiment {
     pub fn place(&self, name: &str) -> Result<usize, UnknownName> {
         place(&self.fields, name)
     }
+}
+
+/// Refuses more runs than an experiment can have; `path` is the field that they are so many by.
+pub(crate) fn bounded(path: &str, runs: u128) -> Result<u64, Error> {
+    let few = u64::try_from(runs).ok().filter(|&runs| runs <= MOST_RUNS);
+    few.ok_or_else(|| {
+        Error::field(path, format!("make {runs} runs, and an experiment has at most {MOST_RUNS}"))
+    })
 }
 
 fn place(fields: &[Field], name: &str) -> Result<usize, UnknownName> {
@@ -306,3 +320,7 @@ fn chart_of(i: usize, raw: raw::Chart, fields: &[Field], success: bool) -> Resul
     }
     Ok(Chart { figure, kind: raw.kind, x, by, title: raw.title })
 }
+
+/// Most runs of an experiment. The journal of so many has about ten gigabytes, and what is known of its lines needs a few hundred
+/// megabytes.
+pub const MOST_RUNS: u64 = 10_000_000;

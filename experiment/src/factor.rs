@@ -1,5 +1,7 @@
 //! Factors: a field that is varied, or several together, with their values.
 
+use std::collections::BTreeSet;
+
 use toml::Value;
 
 use crate::error::Error;
@@ -210,10 +212,9 @@ fn some(at: &str, levels: Vec<Level>) -> Result<Choice, Error> {
     if levels.is_empty() {
         return Err(Error::field(at, "is empty, so there is nothing to run; give at least one"));
     }
-    for (i, level) in levels.iter().enumerate() {
-        if levels[..i].iter().any(|other| other.name == level.name) {
-            return Err(Error::field(at, format!("`{}` appears twice", level.name)));
-        }
+    let mut names = BTreeSet::new();
+    if let Some(again) = levels.iter().find(|level| !names.insert(&level.name)) {
+        return Err(Error::field(at, format!("`{}` appears twice", again.name)));
     }
     Ok(Choice::Levels(levels))
 }

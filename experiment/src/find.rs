@@ -10,7 +10,7 @@ use crate::check::check;
 use crate::design::Cell;
 use crate::error::Error;
 use crate::estimate::Estimate;
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, bounded};
 use crate::factor::{Choice, Level, Range};
 use crate::pool::Workers;
 use crate::raw::Wants;
@@ -68,6 +68,8 @@ pub fn find(
     let place = experiment.place(field).map_err(|problem| Error::Refused(format!("--find: {problem}")))?;
     check(experiment)?;
     let (mut limits, all) = (Vec::new(), others(experiment, place)?);
+    // There is a run for each seed at the least.
+    bounded("seeds", u128::from(experiment.seeds.count()) * all.len() as u128)?;
     for (i, others) in all.iter().enumerate() {
         let others = others.clone();
         let mut search =

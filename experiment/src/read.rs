@@ -30,37 +30,48 @@ impl Experiment {
     /// # Errors
     /// If a file cannot be read, or something in it makes no sense.
     pub fn read(file: &Path) -> Result<Self, ReadError> {
-        let path = file.display().to_string();
-        let toml = source::read(&path)?;
-        let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or("experiment");
-        let folder = file.parent().unwrap_or_else(|| Path::new(""));
-        let find = |name: &str| match Source::beside(folder, name) {
-            Ok(source) => Ok(source.text),
-            Err(error) => Err(error.to_string()),
-        };
-        let parsed = Self::parse(&toml, stem, find);
-        let wrong = |error| ReadError::Experiment { path: path.clone(), error };
-        let mut experiment = parsed.map_err(wrong)?;
-        put_programs(&mut experiment, folder).map_err(wrong)?;
-        experiment.folder = folder.to_owned();
-        Ok(experiment)
+        read(file, |_, _| {}).map(|(_, experiment)| experiment)
     }
 }
 
-/// Puts programs of microcontrollers into the places of their files' names, which are beside the experiment.
-fn put_programs(experiment: &mut Experiment, folder: &Path) -> Result<(), Error> {
+/// The text of a file and its experiment. `note` gets the name and the text of each program that it is put into.
+pub(crate) fn read(file: &Path, mut note: impl FnMut(&str, &str)) -> Result<(String, Experiment), ReadError> {
+    let path = file.display().to_string();
+    let toml = source::read(&path)?;
+    let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or("experiment");
+    let folder = file.parent().unwrap_or_else(|| Path::new(""));
+    let find = |name: &str| match Source::beside(folder, name) {
+        Ok(source) => Ok(source.text),
+        Err(error) => Err(error.to_string()),
+    };
+    let program = |name: &str| {
+        let program = baudbot_import::program(&folder.join(name)).map_err(|error| error.to_string())?;
+        note(name, &program);
+        Ok(program)
+    };
+    let parsed = Experiment::parse(&toml, stem, find);
+    let parsed = parsed.and_then(|experiment| put_programs(experiment, program));
+    let mut experiment = parsed.map_err(|error| ReadError::Experiment { path, error })?;
+    experiment.folder = folder.to_owned();
+    Ok((toml, experiment))
+}
+
+/// Puts programs of microcontrollers into the places of their files' names.
+pub(crate) fn put_programs(
+    mut experiment: Experiment,
+    mut program: impl FnMut(&str) -> Result<String, String>,
+) -> Result<Experiment, Error> {
     for (i, field) in experiment.fields.iter_mut().enumerate() {
         let Choice::Levels(levels) = &mut field.choice else { continue };
         for setting in levels.iter_mut().flat_map(|level| &mut level.settings) {
             let Setting::Scenario { path, value } = setting else { continue };
             if path.ends_with(PROGRAM) && !value.starts_with('{') {
-                let file = folder.join(value.trim_matches(['"', '\'']));
-                *value = baudbot_import::program(&file)
-                    .map_err(|error| Error::field(format!("fields[{i}]"), error))?;
+                let found = program(value.trim_matches(['"', '\'']));
+                *value = found.map_err(|error| Error::field(format!("fields[{i}]"), error))?;
             }
         }
     }
-    Ok(())
+    Ok(experiment)
 }
 
 /// The field that names a file which only a scenario's reader would read.

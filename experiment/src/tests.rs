@@ -243,7 +243,17 @@ fn what_makes_no_sense_is_refused_with_how_to_mend_it() {
         ("seconds = 1.0\nbrain = \"bob=constant\"\n".to_owned() + fields, "brain: there is no robot `bob`"),
         (
             with("seeds = 9000000000000000000\n[[fields]]\nfield = \"step_ms\"\nvalues = [1, 2, 3]"),
-            "there are more than 2^63 runs",
+            "seeds: make 27000000000000000000 runs, and an experiment has at most 10000000",
+        ),
+        (
+            with("seeds = 5000001\n[[fields]]\nfield = \"step_ms\"\nvalues = [1, 2]"),
+            "seeds: make 10000002 runs",
+        ),
+        (
+            with(
+                "design = \"random\"\nsamples = 10000000\nseeds = 2\n[[fields]]\nfield = \"step_ms\"\nvalues = [1, 2]",
+            ),
+            "samples: make 20000000 runs",
         ),
     ] {
         let error = refused(&toml);

@@ -6,6 +6,7 @@ use baudbot_brain::{Body, RawCommands};
 use baudbot_sim::drive::Wheels;
 use baudbot_sim::firmware::Mode;
 use baudbot_sim::{Answer, SimTime, Turn, World, Written};
+use serde::{Deserialize, Serialize};
 use smallvec::{SmallVec, smallvec};
 
 use crate::error::LearnError;
@@ -164,6 +165,37 @@ impl Agent {
         }
     }
 
+    /// What a copy elsewhere must know.
+    pub(crate) fn save(&self) -> SavedAgent {
+        SavedAgent {
+            sequence: self.commands.sequence(),
+            sent_others: self.commands.others().into(),
+            pending: self.pending,
+            others: self.others.clone(),
+            values: self.values.clone(),
+            sampled_at: self.sampled_at.clone(),
+            readable: self.readable.clone(),
+            asks: self.asks,
+            has_heard: self.has_heard,
+            now: self.now,
+        }
+    }
+
+    /// Becomes what was saved, if that is of such an agent.
+    pub(crate) fn load(&mut self, saved: SavedAgent) -> bool {
+        let fits = self.values.len() == saved.values.len()
+            && self.sampled_at.len() == saved.sampled_at.len()
+            && self.readable.len() == saved.readable.len()
+            && self.others.len() == saved.others.len();
+        if fits {
+            self.commands.go_on(saved.sequence, &saved.sent_others);
+            (self.pending, self.others, self.values) = (saved.pending, saved.others, saved.values);
+            (self.sampled_at, self.readable) = (saved.sampled_at, saved.readable);
+            (self.asks, self.has_heard, self.now) = (saved.asks, saved.has_heard, saved.now);
+        }
+        fits
+    }
+
     /// The run is over: its readings are those that had come by then.
     pub(crate) fn end(&mut self, world: &World) {
         self.now = self.now.max(world.time());
@@ -191,6 +223,21 @@ impl Agent {
         };
         Answer { robot: self.robot, at: turn.at + self.thinking_ns, written }
     }
+}
+
+/// An agent by value. What follows from its robot is not in it.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct SavedAgent {
+    sequence: u8,
+    sent_others: SmallVec<[f64; 2]>,
+    pending: Option<Wheels>,
+    others: SmallVec<[f64; 2]>,
+    values: SmallVec<[f64; FEW]>,
+    sampled_at: SmallVec<[SimTime; FEW]>,
+    readable: SmallVec<[bool; FEW]>,
+    asks: bool,
+    has_heard: bool,
+    now: SimTime,
 }
 
 /// What an agent writes at a turn.

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use baudbot_experiment::in_process::{Driver, Output};
 use baudbot_sim::{Answer, Ending, Turn, World};
+use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
-use crate::agent::{Agent, Choice};
+use crate::agent::{Agent, Choice, SavedAgent};
 use crate::error::LearnError;
 use crate::reward::Tally;
 use crate::task::Task;
@@ -18,6 +19,8 @@ use crate::task::Task;
 /// cable.
 pub struct Env {
     task: Arc<Task>,
+    /// The changes of fields of this run.
+    more: Vec<String>,
     world: World,
     /// Brains of the robots that are no agents.
     drivers: Vec<Option<Driver>>,
@@ -37,7 +40,7 @@ pub struct Stepped {
 }
 
 /// What a tally is the difference to: how it was at the end of the last step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Before {
     ns: u64,
     score: Score,
@@ -46,7 +49,7 @@ struct Before {
 }
 
 /// What is counted of all robots together.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Score {
     covered: f64,
     sensed: f64,
@@ -74,6 +77,13 @@ impl Env {
     /// # Errors
     /// If with what is drawn or changed the scenario makes no sense, or has other robots or other readings.
     pub fn new(task: Arc<Task>, seed: u64, more: &[String]) -> Result<Self, LearnError> {
+        let mut env = Self::at_start(task, seed, more)?;
+        env.step();
+        Ok(env)
+    }
+
+    /// An environment before its first tick.
+    fn at_start(task: Arc<Task>, seed: u64, more: &[String]) -> Result<Self, LearnError> {
         let scenario = task.scenario(seed, more)?;
         let drivers =
             if task.brains().is_empty() { Vec::new() } else { Driver::all(&scenario, task.brains())? };
@@ -84,17 +94,16 @@ impl Env {
         world.set_parallel(false);
         let agent = |(&robot, layout)| Agent::new(&world, robot, Arc::clone(layout));
         let agents = task.agents.iter().zip(&task.layouts).map(agent).collect();
-        let mut env = Self {
+        Ok(Self {
             task,
+            more: more.to_vec(),
             world,
             drivers,
             outputs: Vec::new(),
             agents,
             before: Before::default(),
             patience_ticks,
-        };
-        env.step();
-        Ok(env)
+        })
     }
 
     /// Begins another run of the same task; see [`new`](Self::new).
@@ -277,12 +286,10 @@ impl Env {
     /// # Errors
     /// If there are brains besides the agents: what they think cannot be copied.
     pub fn snapshot(&self) -> Result<Self, LearnError> {
-        if !self.task.brains().is_empty() {
-            let problem = "brains of the catalogue think in this world, and their thoughts cannot be copied; leave `brains` out";
-            return Err(LearnError::value("snapshot", problem));
-        }
+        self.check_copy()?;
         Ok(Self {
             task: Arc::clone(&self.task),
+            more: self.more.clone(),
             world: self.world.clone(),
             drivers: Vec::new(),
             outputs: Vec::new(),
@@ -291,6 +298,64 @@ impl Env {
             patience_ticks: self.patience_ticks,
         })
     }
+
+    fn check_copy(&self) -> Result<(), LearnError> {
+        if self.task.brains().is_empty() {
+            return Ok(());
+        }
+        let problem = "brains of the catalogue think in this world, and their thoughts cannot be copied; leave `brains` out";
+        Err(LearnError::value("snapshot", problem))
+    }
+
+    /// The environment by value, but for events that are kept: they are of the past.
+    ///
+    /// # Errors
+    /// As [`snapshot`](Self::snapshot).
+    pub fn save(&self) -> Result<Vec<u8>, LearnError> {
+        self.check_copy()?;
+        let Self { world, agents, before, more, .. } = self;
+        let saved = Saved {
+            seed: world.scenario().seed,
+            more: more.clone(),
+            world: world.save(),
+            hash: world.hash(),
+            agents: agents.iter().map(Agent::save).collect(),
+            before: before.clone(),
+        };
+        Ok(postcard::to_allocvec(&saved).expect("what is saved serialises"))
+    }
+
+    /// The environment of this task that was saved, in this version of the program.
+    ///
+    /// # Errors
+    /// If the bytes are not that.
+    pub fn load(task: Arc<Task>, saved: &[u8]) -> Result<Self, LearnError> {
+        let wrong = |problem: &dyn std::fmt::Display| LearnError::value("state", problem.to_string());
+        let saved: Saved = postcard::from_bytes(saved)
+            .map_err(|error| wrong(&format!("is no environment of this version: {error}")))?;
+        let mut env = Self::at_start(task, saved.seed, &saved.more)?;
+        let scenario = Arc::clone(env.world.scenario());
+        env.world = World::load(scenario, &saved.world, saved.hash).map_err(|error| wrong(&error))?;
+        env.world.keep_timeline(0);
+        env.world.set_parallel(false);
+        let fits = env.agents.len() == saved.agents.len() && saved.before.tallies.len() == env.agents.len();
+        if !(fits && env.agents.iter_mut().zip(saved.agents).all(|(agent, saved)| agent.load(saved))) {
+            return Err(wrong(&"is of other robots"));
+        }
+        env.before = saved.before;
+        Ok(env)
+    }
+}
+
+/// An environment by value. What follows from its task is not in it.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    seed: u64,
+    more: Vec<String>,
+    world: Vec<u8>,
+    hash: u64,
+    agents: Vec<SavedAgent>,
+    before: Before,
 }
 
 /// The agents whose turn it is in this tick, by their places. Agents and turns are in the order of the robots.

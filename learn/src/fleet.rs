@@ -6,7 +6,10 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::env::{Env, Stepped};
 use crate::error::LearnError;
+use crate::layout::Layout;
+use crate::memory::Need;
 use crate::reward::{Reward, Tally};
+use crate::run::{Info, Run, seed_of};
 use crate::task::Task;
 
 /// When an environment whose run is over begins another.
@@ -28,16 +31,6 @@ pub struct Fleet {
     pool: Option<ThreadPool>,
     process: u32,
     autoreset: Autoreset,
-}
-
-/// Which run an environment is in.
-#[derive(Clone, Copy, Debug, Default)]
-struct Run {
-    /// The seed that the first one was given.
-    seed: u64,
-    /// Runs since then.
-    number: u64,
-    is_over: bool,
 }
 
 /// Arrays with a row for each environment.
@@ -111,12 +104,20 @@ impl Fleet {
         }
         let threads = threads.clamp(1, count);
         let pool = pool(threads)?;
-        let mut envs: Vec<Option<Env>> = (0..count).map(|_| None).collect();
-        each(pool.as_ref(), envs.iter_mut().enumerate(), |(i, env)| {
-            *env = Some(Env::new(Arc::clone(task), seed_of(seed, i), &[])?);
-            Ok(())
-        })?;
-        let envs = envs.into_iter().flatten().collect();
+        let mut envs: Vec<Env> = Vec::new();
+        let mut need = None;
+        while envs.len() < count {
+            // One first, then as many as there are: what they need says whether there is room for all.
+            let (begin, end) = (envs.len(), count.min((2 * envs.len()).max(1)));
+            let mut more: Vec<Option<Env>> = (begin..end).map(|_| None).collect();
+            each(pool.as_ref(), more.iter_mut().enumerate(), |(i, env)| {
+                *env = Some(Env::new(Arc::clone(task), seed_of(seed, begin + i), &[])?);
+                Ok(())
+            })?;
+            envs.extend(more.into_iter().flatten());
+            let first = || Need::new(count, row_bytes(&task.layouts[0]), end);
+            need.get_or_insert_with(first).check(end)?;
+        }
         let runs = (0..count).map(|i| Run { seed: seed_of(seed, i), ..Run::default() }).collect();
         Ok(Self { envs, runs, threads, pool, process: std::process::id(), autoreset })
     }
@@ -124,6 +125,16 @@ impl Fleet {
     /// The environments.
     pub fn envs(&self) -> &[Env] {
         &self.envs
+    }
+
+    /// What is told of an environment's run; of the one before it if `of_last`, which ended in the last step of
+    /// [`Autoreset::SameStep`].
+    ///
+    /// # Panics
+    /// If there is no such environment.
+    pub fn info(&self, place: usize, of_last: bool) -> Info {
+        let last = self.runs[place].last.as_ref().filter(|_| of_last);
+        last.cloned().unwrap_or_else(|| Info::of(&self.envs[place]))
     }
 
     /// The fingerprints of all worlds in one.
@@ -150,7 +161,7 @@ impl Fleet {
             if which.is_none_or(|which| which[i]) {
                 let next = match seed {
                     Some(seed) => Run { seed: seed_of(seed, i), ..Run::default() },
-                    None => Run { number: run.number + 1, is_over: false, ..*run },
+                    None => Run { seed: run.seed, number: run.number + 1, ..Run::default() },
                 };
                 env.reset(next.world_seed(), &[])?;
                 *run = next;
@@ -240,6 +251,7 @@ impl Work<'_> {
             if let Some(last) = &mut self.last {
                 last.observe(env);
             }
+            run.last = Some(Info::of(env));
             run.begin(env)?;
         }
         self.row.observe(env);
@@ -274,34 +286,6 @@ impl Row<'_> {
             *to = i8::from(*readable);
         }
     }
-}
-
-impl Run {
-    fn begin(&mut self, env: &mut Env) -> Result<(), LearnError> {
-        self.number += 1;
-        self.is_over = false;
-        env.reset(self.world_seed(), &[])
-    }
-
-    fn world_seed(&self) -> u64 {
-        episode_seed(self.seed, self.number)
-    }
-}
-
-/// The seed of a run: the first one's is `seed`, that of later ones is a function of it and the run's number.
-pub(crate) fn episode_seed(seed: u64, number: u64) -> u64 {
-    if number == 0 {
-        return seed;
-    }
-    // SplitMix64 (Steele, Lea, Flood 2014), of which 48 bits are kept, so that the seed is an integer of TOML and JSON.
-    let mut mixed = seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (mixed ^ (mixed >> 31)) >> 16
-}
-
-fn seed_of(seed: u64, place: usize) -> u64 {
-    seed.wrapping_add(place as u64)
 }
 
 /// Does all of this work, on the pool's threads besides this one if there is a pool. Of several errors the first one's is told.
@@ -343,6 +327,15 @@ fn each<T: Send>(
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
+
+/// What the arrays of an environment need, in bytes: those of readings, ages and readability, of observations that are kept and of
+/// their bounds.
+fn row_bytes(layout: &Layout) -> u64 {
+    (ROWS * (4 * layout.bounds.len() + 5 * layout.sensors.len())) as u64
+}
+
+/// As many rows has a caller of each environment.
+const ROWS: usize = 6;
 
 /// So many batches are taken by all threads, if there are enough environments.
 const BATCHES: usize = 32;

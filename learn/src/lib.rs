@@ -19,7 +19,9 @@ mod env;
 mod error;
 mod fleet;
 mod layout;
+mod memory;
 mod reward;
+mod run;
 mod task;
 #[cfg(test)]
 mod tests;
@@ -31,5 +33,6 @@ pub use error::LearnError;
 pub use fleet::{Arrays, Autoreset, Fleet, Rewards};
 pub use layout::{Layout, Part};
 pub use reward::{Reward, Tally};
+pub use run::Info;
 pub use task::{Request, Task};
 pub use vary::{Draw, Varied};

@@ -1,11 +1,12 @@
 //! What a trainer may know of a step, and what it is worth.
 
 use baudbot_sim::Scenario;
+use serde::{Deserialize, Serialize};
 
 use crate::error::LearnError;
 
 /// What happened in a step: the truth, for rewards, never for brains.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
     /// Simulated time, in seconds.
     pub seconds: f64,
@@ -62,6 +63,11 @@ impl Reward {
             all[place] = weight;
         }
         Ok(Self(all))
+    }
+
+    /// What each number of a tally is worth, by its name.
+    pub fn weights(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        Tally::NAMES.into_iter().zip(self.0)
     }
 
     /// Checks that this scenario counts what is worth something.

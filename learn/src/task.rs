@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use baudbot_experiment::assignment::{self, Assignment};
+use baudbot_experiment::in_process::Driver;
 use baudbot_import::source::Source;
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
@@ -50,6 +51,8 @@ impl Task {
         let Source { label, text } = source;
         let scenario = parse(&label, &text, &request, None, &[])?;
         let assigned = assigned(&request.brains, &scenario.robots)?;
+        // That there is no such brain is said before that it leaves no robot to drive.
+        Driver::all(&scenario, &assigned)?;
         let agents = agents(&request.agents, &assigned, &scenario.robots)?;
         let layouts = agents.iter().map(|&robot| Arc::new(Layout::of(&scenario.robots[robot]))).collect();
         let scenario = Arc::new(scenario);
@@ -63,6 +66,16 @@ impl Task {
     /// The name of the scenario, or that of its file.
     pub fn label(&self) -> &str {
         &self.label
+    }
+
+    /// The text of the scenario, with all that it refers to by file in it.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// What was asked for.
+    pub fn request(&self) -> &Request {
+        &self.request
     }
 
     /// The scenario as it is without what is drawn for a run.

@@ -4,7 +4,7 @@ use baudbot_brain::{Action, Brain, Turn};
 use baudbot_experiment::in_process::InProcess;
 use baudbot_import::source::Source;
 
-use crate::fleet::episode_seed;
+use crate::run::episode_seed;
 use crate::{Arrays, Autoreset, Draw, Env, Fleet, LearnError, Request, Reward, Rewards, Tally, Task, Varied};
 
 /// On, more slowly the nearer something is, and to the left before what is too near.
@@ -113,6 +113,38 @@ fn a_copy_goes_on_as_the_original_does() {
         }
     }
     assert_eq!(env.world().hash(), copy.world().hash());
+}
+
+#[test]
+fn a_copy_by_value_goes_on_as_the_original_does() {
+    for scenario in ["wander", "khepera", "../scenarios/hall.toml", "../scenarios/sweeper.toml"] {
+        let randomize = vec![Varied {
+            path: "robots.0.start.heading_rad".into(),
+            draw: Draw::Uniform { low: -0.2, high: 0.2 },
+        }];
+        let task = task(scenario, Request { randomize, ..Request::default() }).unwrap();
+        let mut env = Env::new(Arc::clone(&task), 7, &["end.after_s=30.0".into()]).unwrap();
+        for _ in 0..40 {
+            act(&mut env);
+            env.step();
+        }
+        act(&mut env);
+        let bytes = env.save().unwrap();
+        let mut copy = Env::load(Arc::clone(&task), &bytes).unwrap();
+        assert_eq!(env.world().hash(), copy.world().hash());
+        assert_eq!(env.agents()[0].values(), copy.agents()[0].values());
+        for env in [&mut env, &mut copy] {
+            env.step();
+            for _ in 0..40 {
+                act(env);
+                env.step();
+            }
+        }
+        assert_eq!((env.world().hash(), env.tally(0)), (copy.world().hash(), copy.tally(0)), "{scenario}");
+        for cut in 0..bytes.len() {
+            assert!(Env::load(Arc::clone(&task), &bytes[..cut]).is_err(), "{cut}");
+        }
+    }
 }
 
 #[test]

@@ -12,7 +12,7 @@ use baudbot_sim::World;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use smallvec::SmallVec;
 
 use crate::errors::{apart, apart_with, at_once, failed, invalid, locked, of_learning};
@@ -22,10 +22,14 @@ use crate::task::{Task, reward};
 #[pyclass(frozen, module = "baudbot._native")]
 pub(crate) struct Env {
     env: Mutex<learn::Env>,
+    task: Py<Task>,
     reward: Reward,
     /// Ages above it are given as it.
     max_age_s: f64,
 }
+
+/// From what it is made: a task, a seed, changes of fields, weights and the greatest age.
+type Made = (Py<Task>, u64, Vec<String>, Vec<(String, f64)>, f64);
 
 /// New arrays of readings, ages and readability.
 type Observation<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<i8>>);
@@ -42,15 +46,47 @@ impl Env {
     #[new]
     fn new(
         py: Python<'_>,
-        task: &Task,
+        task: Py<Task>,
         seed: u64,
         more: Vec<String>,
         weights: Vec<(String, f64)>,
         max_age_s: f64,
     ) -> PyResult<Self> {
         let reward = reward(py, &weights)?;
-        let env = apart(py, || learn::Env::new(Arc::clone(&task.0), seed, &more))?;
-        Ok(Self { env: Mutex::new(env.map_err(|error| of_learning(py, &error))?), reward, max_age_s })
+        let env = apart(py, || learn::Env::new(Arc::clone(&task.get().0), seed, &more))?;
+        Ok(Self { env: Mutex::new(env.map_err(|error| of_learning(py, &error))?), task, reward, max_age_s })
+    }
+
+    /// With this and the state pickle makes another.
+    fn __getnewargs__(&self, py: Python<'_>) -> PyResult<Made> {
+        let weights = self.reward.weights().map(|(name, weight)| (name.to_owned(), weight)).collect();
+        Ok((self.task.clone_ref(py), self.seed(py)?, Vec::new(), weights, self.max_age_s))
+    }
+
+    fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let env = &mut *locked(py, &self.env)?;
+        let state = apart_with(py, env, |env| env.save())?.map_err(|error| of_learning(py, &error))?;
+        Ok(PyBytes::new(py, &state))
+    }
+
+    fn __setstate__(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
+        let env = &mut *locked(py, &self.env)?;
+        let task = Arc::clone(env.task());
+        *env = apart(py, || learn::Env::load(task, state))?.map_err(|error| of_learning(py, &error))?;
+        Ok(())
+    }
+
+    fn __copy__(&self, py: Python<'_>) -> PyResult<Self> {
+        self.snapshot(py)
+    }
+
+    fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> PyResult<Self> {
+        self.snapshot(py)
+    }
+
+    /// Nothing, unless another thread is in it.
+    fn check_free(&self, py: Python<'_>) -> PyResult<()> {
+        locked(py, &self.env).map(drop)
     }
 
     fn reset(&self, py: Python<'_>, seed: u64, more: Vec<String>) -> PyResult<()> {
@@ -202,7 +238,8 @@ impl Env {
     fn snapshot(&self, py: Python<'_>) -> PyResult<Self> {
         let env = &mut *locked(py, &self.env)?;
         let copy = apart_with(py, env, |env| env.snapshot())?.map_err(|error| of_learning(py, &error))?;
-        Ok(Self { env: Mutex::new(copy), reward: self.reward, max_age_s: self.max_age_s })
+        let task = self.task.clone_ref(py);
+        Ok(Self { env: Mutex::new(copy), task, reward: self.reward, max_age_s: self.max_age_s })
     }
 
     /// Makes this what a copy was.

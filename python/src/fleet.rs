@@ -19,6 +19,9 @@ pub(crate) struct Fleet {
     max_age_s: f32,
 }
 
+/// Times, seeds and endings.
+type Infos = (Vec<f64>, Vec<u64>, Vec<Option<String>>);
+
 type Floats<'py> = PyReadwriteArray2<'py, f32>;
 type Flags<'py> = PyReadwriteArray2<'py, i8>;
 
@@ -142,17 +145,22 @@ impl Fleet {
         apart_with(py, fleet, |fleet| format!("{:016x}", fleet.hash()))
     }
 
-    /// The seed of each environment's present run.
-    #[getter]
-    fn seeds(&self, py: Python<'_>) -> PyResult<Vec<u64>> {
+    /// Of the runs of environments that `which` is true of, or of those before them: their times in seconds, their seeds, and why they
+    /// ended, in words.
+    fn infos(&self, py: Python<'_>, which: Vec<bool>, of_last: bool) -> PyResult<Infos> {
         let fleet = locked(py, &self.fleet)?;
-        Ok(fleet.envs().iter().map(|env| env.world().scenario().seed).collect())
+        let places = (0..fleet.envs().len()).zip(which).filter(|(_, is_asked)| *is_asked);
+        let infos: Vec<_> = places.map(|(place, _)| fleet.info(place, of_last)).collect();
+        Ok((
+            infos.iter().map(|info| info.time_ns as f64 / 1e9).collect(),
+            infos.iter().map(|info| info.seed).collect(),
+            infos.iter().map(|info| info.ending.as_ref().map(ToString::to_string)).collect(),
+        ))
     }
 
-    /// Why an environment's run ended, in words.
-    fn ending(&self, py: Python<'_>, place: usize) -> PyResult<Option<String>> {
-        let fleet = locked(py, &self.fleet)?;
-        Ok(fleet.envs().get(place).and_then(|env| env.world().ending()).map(ToString::to_string))
+    /// Nothing, unless another thread is in it.
+    fn check_free(&self, py: Python<'_>) -> PyResult<()> {
+        locked(py, &self.fleet).map(drop)
     }
 }
 

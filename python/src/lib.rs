@@ -4,6 +4,7 @@
 //! modules in `python/package` are what users call; `_native.pyi` has the types of what is here. While a world is stepped the
 //! interpreter is free for other threads.
 
+mod arrow;
 mod env;
 mod errors;
 mod fleet;
@@ -17,6 +18,8 @@ use pyo3::prelude::*;
 /// See `package/baudbot/_native.pyi`.
 #[pymodule]
 mod _native {
+    #[pymodule_export]
+    use super::arrow::{stream_of_columns, stream_of_file};
     #[pymodule_export]
     use super::env::Env;
     #[pymodule_export]

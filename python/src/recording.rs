@@ -11,8 +11,9 @@ use pyo3::prelude::*;
 
 use crate::errors::{apart, failed};
 
-/// A replay: its last tick, the fingerprint of the world there, and in words where it began to differ from the recording.
-type Replayed = (u64, String, Option<String>);
+/// A replay: its last tick, the fingerprint of the world there, in words where it began to differ from the recording, and what of that is
+/// missing.
+type Replayed = (u64, String, Option<String>, Option<String>);
 
 /// Simulates a recorded run again.
 #[pyfunction]
@@ -26,34 +27,59 @@ pub(crate) fn replay(py: Python<'_>, path: PathBuf) -> PyResult<Replayed> {
         }
     }
     let difference = replay.difference().map(ToString::to_string);
-    Ok((world.tick(), format!("{:016x}", world.hash()), difference))
+    Ok((world.tick(), format!("{:016x}", world.hash()), difference, missing(&replay)))
 }
 
-/// The first tick after which the states of two recorded runs are not the same; None if they are the same as long as both last.
+/// A comparison: the first tick after which the states differ, the last one at which they were compared, and what is missing of either
+/// recording.
+type Compared = (Option<u64>, u64, [Option<String>; 2]);
+
+/// Compares the states of two recorded runs, tick by tick, as long as both last.
 #[pyfunction]
-pub(crate) fn compare(py: Python<'_>, one: PathBuf, other: PathBuf) -> PyResult<Option<u64>> {
+pub(crate) fn compare(py: Python<'_>, one: PathBuf, other: PathBuf) -> PyResult<Compared> {
     let mut runs = [started(py, &one)?, started(py, &other)?];
+    let mut last_tick = runs[0].1.tick();
     loop {
-        let step = || -> Result<Option<bool>, RecordingError> {
+        let compare = || -> Result<Option<Option<u64>>, RecordingError> {
             for _ in 0..SLICE {
                 let [first, second] = &mut runs;
+                if !meet(first, second)? {
+                    return Ok(Some(None));
+                }
+                last_tick = first.1.tick();
                 if first.1.hash() != second.1.hash() {
-                    return Ok(Some(true));
+                    return Ok(Some(Some(last_tick)));
                 }
                 if !(first.0.step(&mut first.1)? && second.0.step(&mut second.1)?) {
-                    return Ok(Some(false));
+                    return Ok(Some(None));
                 }
             }
             Ok(None)
         };
-        let found = apart(py, step)?;
+        let found = apart(py, compare)?;
         py.check_signals()?;
-        match found.map_err(|error| failed(py, &of(&one, &error)))? {
-            Some(true) => return Ok(Some(runs[0].1.tick())),
-            Some(false) => return Ok(None),
-            None => {}
+        if let Some(difference) = found.map_err(|error| failed(py, &of(&one, &error)))? {
+            return Ok((difference, last_tick, runs.map(|(replay, _)| missing(&replay))));
         }
     }
+}
+
+/// Takes the one that is behind to the tick of the other: a recording may begin later, or have a gap. Whether there is such a tick.
+fn meet(first: &mut (Replay, World), second: &mut (Replay, World)) -> Result<bool, RecordingError> {
+    while first.1.tick() != second.1.tick() {
+        let (replay, world) = if first.1.tick() < second.1.tick() { &mut *first } else { &mut *second };
+        if !replay.step(world)? {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// What is missing of a recording, in the words of the command.
+fn missing(replay: &Replay) -> Option<String> {
+    let recorded = replay.recorded();
+    let problem = recorded.problem()?;
+    Some(format!("{problem}; compared in {}", recorded.coverage(None)))
 }
 
 fn started(py: Python<'_>, path: &Path) -> PyResult<(Replay, World)> {

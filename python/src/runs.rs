@@ -1,14 +1,17 @@
 //! Experiments: many runs on all cores, as the commands `sweep` and `tune` do them.
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use baudbot_experiment::{Error, Experiment, Merged, Missing, Options, Place, Seeds, Shard, ShardError};
-use baudbot_launch::EXEC;
+use baudbot_experiment::{
+    Error, Experiment, Merged, Missing, Options, Packed, Place, ReadError, Seeds, Shard, ShardError,
+};
 use pyo3::prelude::*;
 
 use crate::errors::{apart, failed, invalid};
@@ -16,13 +19,14 @@ use crate::errors::{apart, failed, invalid};
 /// How a sweep or a tuning went: what it told, as JSON, the files, whether it was stopped, and its warnings.
 type Done = (String, Vec<String>, bool, Vec<String>);
 
-/// An experiment without files: the text of its file, the name that it has without one of its own, and the text of its scenario.
-type Packed = (String, String, String);
+/// An experiment without files: the text of its file, the name that it has without one of its own, the text of its scenario, and programs
+/// of microcontrollers by the names of their files.
+type Parts = (String, String, String, BTreeMap<String, String>);
 
 /// An experiment's file, or an experiment that came from another machine.
 #[derive(FromPyObject)]
 pub(crate) enum Given {
-    Packed(Packed),
+    Packed(Parts),
     File(PathBuf),
 }
 
@@ -79,7 +83,7 @@ pub(crate) fn merge(
     fresh: bool,
 ) -> PyResult<Done> {
     let asked = Asked { experiment, out, seeds, jobs: 1, fresh, shard: None };
-    work(py, asked, None, |experiment, options| {
+    work(py, asked, None, move |experiment, options| {
         match baudbot_experiment::merge(experiment, &sources, options)? {
             Merged::Whole(swept) => {
                 Ok((swept.summary.json(experiment).to_string(), swept.files, swept.interrupted))
@@ -112,48 +116,45 @@ pub(crate) fn tune(
 
 /// An experiment for other machines, and how many runs it has.
 #[pyfunction]
-pub(crate) fn pack(py: Python<'_>, file: PathBuf, seeds: Option<String>) -> PyResult<(Packed, u64)> {
-    let experiment = read(py, &Given::File(file.clone()), seeds.as_deref())?;
-    if experiment.brains.iter().any(|brain| brain.contains(EXEC)) {
-        let problem = format!("{}: its brain is a program, which other machines do not have", file.display());
-        return Err(invalid(py, &problem, Some("brain.exec".to_owned())));
-    }
-    let text = baudbot_import::source::read(&file.display().to_string())
-        .map_err(|error| failed(py, &error.to_string()))?;
-    let runs = experiment.runs().map_err(|error| invalid(py, &error.to_string(), error.path()))?;
-    Ok(((text, experiment.name.clone(), experiment.text), runs))
+pub(crate) fn pack(py: Python<'_>, file: PathBuf, seeds: Option<&str>) -> PyResult<(Parts, u64)> {
+    let pack = || -> Result<_, Problem> {
+        let (packed, experiment) = Packed::of_file(&file).map_err(of_reading)?;
+        let runs = with_seeds(experiment, seeds)?.runs();
+        Ok((packed, runs.map_err(|error| (format!("{}: {error}", file.display()), error.path()))?))
+    };
+    let (packed, runs) = apart(py, pack)?.map_err(|(text, path)| invalid(py, &text, path))?;
+    let Packed { text, name, scenario, programs } = packed;
+    Ok(((text, name, scenario, programs), runs))
 }
 
-type Outcome = Result<(String, Vec<PathBuf>, bool), Error>;
+/// What an experiment told, as JSON, its files, and whether it was stopped.
+type Told = (String, Vec<PathBuf>, bool);
+
+type Outcome = Result<Told, Error>;
+
+/// What a worker and the thread that called it know of each other.
+#[derive(Default)]
+struct Watched {
+    stop: AtomicBool,
+    done: AtomicU64,
+    total: AtomicU64,
+    warnings: Mutex<Vec<String>>,
+}
+
+/// What is wrong, and the path of the field that is, if it is one.
+type Problem = (String, Option<String>);
 
 /// Does it, and tells how far it is.
 fn work(
     py: Python<'_>,
     asked: Asked,
     progress: Option<&Py<PyAny>>,
-    what: impl FnOnce(&Experiment, &Options<'_>) -> Outcome + Send,
+    what: impl FnOnce(&Experiment, &Options<'_>) -> Outcome + Send + 'static,
 ) -> PyResult<Done> {
-    let experiment = read(py, &asked.experiment, asked.seeds.as_deref())?;
-    let (stop, done, total) = (AtomicBool::new(false), AtomicU64::new(0), AtomicU64::new(0));
-    let warnings = Mutex::new(Vec::new());
-    let tell =
-        |text: &str| warnings.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(text.to_owned());
-    let count = |now: u64, all: u64| {
-        done.store(now, Ordering::Relaxed);
-        total.store(all, Ordering::Relaxed);
-    };
-    let options = Options {
-        out: &asked.out,
-        fresh: asked.fresh,
-        place: Place::Here,
-        jobs: asked.jobs,
-        confirmed: true,
-        shard: asked.shard,
-        stop: &stop,
-        progress: &count,
-        tell: &tell,
-    };
-    let counted = || (done.load(Ordering::Relaxed), total.load(Ordering::Relaxed));
+    let watched = Arc::new(Watched::default());
+    let theirs = Arc::clone(&watched);
+    let worker = thread::spawn(move || theirs.work(&asked, what));
+    let counted = || (watched.done.load(Ordering::Relaxed), watched.total.load(Ordering::Relaxed));
     let told = Cell::new(None);
     let tell = || match progress {
         Some(progress) if told.replace(Some(counted())) != Some(counted()) => {
@@ -161,58 +162,102 @@ fn work(
         }
         Some(_) | None => Ok(()),
     };
-    let outcome = watched(py, || what(&experiment, &options), &stop, tell)?;
-    let (json, files, interrupted) = outcome
-        .map_err(|error| invalid(py, &format!("{}: {error}", name(&asked.experiment)), error.path()))?;
-    let warnings = warnings.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let outcome = join(py, worker, &watched.stop, tell)?;
+    let (json, files, interrupted) = outcome.map_err(|(text, path)| invalid(py, &text, path))?;
+    let warnings = std::mem::take(&mut *locked(&watched.warnings));
     Ok((json, files.iter().map(|file| file.display().to_string()).collect(), interrupted, warnings))
 }
 
-/// Does it on another thread, while this one looks for Ctrl-C and calls `tell`. If either raises an exception, the work is told to stop.
-fn watched(
-    py: Python<'_>,
-    work: impl FnOnce() -> Outcome + Send,
-    stop: &AtomicBool,
-    tell: impl Fn() -> PyResult<()>,
-) -> PyResult<Outcome> {
-    std::thread::scope(|scope| {
-        let worker = scope.spawn(work);
-        loop {
-            let is_done = worker.is_finished();
-            if let Err(error) = tell().and_then(|()| py.check_signals()) {
-                stop.store(true, Ordering::Relaxed);
-                // What was begun is finished, and is in the journal.
-                let _ = py.detach(|| worker.join());
-                return Err(error);
-            }
-            if is_done {
-                return worker.join().map_err(|_| failed(py, "baudbot panicked, which is a bug in it"));
-            }
-            py.detach(|| std::thread::sleep(INTERVAL));
-        }
-    })
+impl Watched {
+    fn work(
+        &self,
+        asked: &Asked,
+        what: impl FnOnce(&Experiment, &Options<'_>) -> Outcome,
+    ) -> Result<Told, Problem> {
+        let experiment = read(&asked.experiment, asked.seeds.as_deref())?;
+        let count = |now: u64, all: u64| {
+            self.done.store(now, Ordering::Relaxed);
+            self.total.store(all, Ordering::Relaxed);
+        };
+        let options = Options {
+            out: &asked.out,
+            fresh: asked.fresh,
+            place: Place::Here,
+            jobs: asked.jobs,
+            confirmed: true,
+            shard: asked.shard,
+            stop: &self.stop,
+            progress: &count,
+            tell: &|text: &str| locked(&self.warnings).push(text.to_owned()),
+        };
+        what(&experiment, &options)
+            .map_err(|error| (format!("{}: {error}", name(&asked.experiment)), error.path()))
+    }
 }
 
-fn read(py: Python<'_>, given: &Given, seeds: Option<&str>) -> PyResult<Experiment> {
-    let read = || match given {
-        Given::File(path) => Experiment::read(path).map_err(|error| error.to_string()),
-        Given::Packed((text, name, scenario)) => {
-            Experiment::parse(text, name, |_| Ok(scenario.clone())).map_err(|error| error.to_string())
+/// Waits for what another thread does, looks for Ctrl-C and calls `tell`. If either raises an exception, the work is told to stop, and what
+/// was begun is waited for, so that it is in the journal. Who does not want that either presses Ctrl-C again.
+fn join<T>(
+    py: Python<'_>,
+    worker: JoinHandle<T>,
+    stop: &AtomicBool,
+    tell: impl Fn() -> PyResult<()>,
+) -> PyResult<T> {
+    let mut stopped = None;
+    loop {
+        let is_done = worker.is_finished();
+        if stopped.is_some() {
+            py.check_signals()?;
+        } else if let Err(error) = tell().and_then(|()| py.check_signals()) {
+            stop.store(true, Ordering::Relaxed);
+            stopped = Some(error);
+        }
+        if is_done {
+            let outcome = worker.join();
+            return stopped.map_or_else(
+                || outcome.map_err(|_| failed(py, "baudbot panicked, which is a bug in it")),
+                Err,
+            );
+        }
+        py.detach(|| thread::sleep(INTERVAL));
+    }
+}
+
+fn read(given: &Given, seeds: Option<&str>) -> Result<Experiment, Problem> {
+    let experiment = match given {
+        Given::File(path) => Experiment::read(path).map_err(of_reading)?,
+        Given::Packed((text, name, scenario, programs)) => {
+            let (text, name, scenario) = (text.clone(), name.clone(), scenario.clone());
+            let packed = Packed { text, name, scenario, programs: programs.clone() };
+            packed.experiment().map_err(|error| (error.to_string(), error.path()))?
         }
     };
-    let mut experiment = apart(py, read)?.map_err(|error| invalid(py, &error, None))?;
-    if let Some(seeds) = seeds {
-        let wrong = |error: &dyn std::fmt::Display| invalid(py, &error.to_string(), Some("seeds".to_owned()));
-        experiment.seeds = Seeds::parse(seeds).map_err(|error| wrong(&error))?;
-    }
-    Ok(experiment)
+    with_seeds(experiment, seeds)
+}
+
+fn with_seeds(experiment: Experiment, seeds: Option<&str>) -> Result<Experiment, Problem> {
+    let seeds = seeds.map(Seeds::parse).transpose().map_err(|error| (error.to_string(), error.path()))?;
+    Ok(Experiment { seeds: seeds.unwrap_or_else(|| experiment.seeds.clone()), ..experiment })
+}
+
+fn of_reading(error: ReadError) -> Problem {
+    let path = match &error {
+        ReadError::File(_) => None,
+        ReadError::Experiment { error, .. } => error.path(),
+    };
+    (error.to_string(), path)
+}
+
+/// What panicked meanwhile has said so.
+fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+    lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// How errors name an experiment.
 fn name(given: &Given) -> String {
     match given {
         Given::File(path) => path.display().to_string(),
-        Given::Packed((_, name, _)) => name.clone(),
+        Given::Packed((_, name, ..)) => name.clone(),
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use baudbot_import::source::Source;
 use baudbot_learn::{self as learn, Draw, LearnError, Request, Reward, Tally, Varied};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::errors::{apart, invalid, of_learning};
 
@@ -20,13 +21,13 @@ type Sensor = (String, &'static str, usize, usize);
 
 #[pymethods]
 impl Task {
-    /// `scenario` is a file or the name of a built-in scenario; or TOML, if `text` is true.
+    /// `scenario` is a file or the name of a built-in scenario; or TOML, if it has a `label`.
     #[new]
-    #[pyo3(signature = (scenario, *, is_text, overrides, brains, agents, randomize))]
+    #[pyo3(signature = (scenario, *, label, overrides, brains, agents, randomize))]
     fn new(
         py: Python<'_>,
         scenario: String,
-        is_text: bool,
+        label: Option<String>,
         overrides: Vec<String>,
         brains: Vec<String>,
         agents: Vec<String>,
@@ -35,11 +36,31 @@ impl Task {
         let randomize = randomize.into_iter().map(|drawn| varied(py, drawn)).collect::<PyResult<_>>()?;
         let request = Request { overrides, brains, agents, randomize };
         let make = || -> Result<learn::Task, LearnError> {
-            let source = if is_text { Source::written(scenario)? } else { Source::find(&scenario)? };
+            let source = match label {
+                Some(label) => Source { label, ..Source::written(scenario)? },
+                None => Source::find(&scenario)?,
+            };
             learn::Task::new(source, request)
         };
         let task = apart(py, make)?.map_err(|error| of_learning(py, &error))?;
         Ok(Self(Arc::new(task)))
+    }
+
+    /// With this pickle makes another: it has the scenario's text in it.
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((String,), Bound<'py, PyDict>)> {
+        let Request { overrides, brains, agents, randomize } = self.0.request();
+        let named = PyDict::new(py);
+        named.set_item("label", self.0.label())?;
+        named.set_item("overrides", overrides)?;
+        named.set_item("brains", brains)?;
+        named.set_item("agents", agents)?;
+        named.set_item("randomize", randomize.iter().map(drawn).collect::<Vec<_>>())?;
+        Ok(((self.0.text().to_owned(),), named))
+    }
+
+    /// It never changes.
+    fn __deepcopy__<'py>(slf: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        slf
     }
 
     /// The name of the scenario.
@@ -126,6 +147,18 @@ fn varied(py: Python<'_>, (path, kind, low, high, choices): Drawn) -> PyResult<V
         }
     };
     Ok(Varied { path, draw })
+}
+
+/// The same the other way.
+fn drawn(varied: &Varied) -> Drawn {
+    let Varied { path, draw } = varied;
+    let (kind, low, high, choices) = match draw {
+        Draw::Uniform { low, high } => ("uniform", *low, *high, Vec::new()),
+        Draw::LogUniform { low, high } => ("log-uniform", *low, *high, Vec::new()),
+        Draw::Integer { low, high } => ("integer", *low as f64, *high as f64, Vec::new()),
+        Draw::Choice(choices) => ("choice", 0.0, 0.0, choices.clone()),
+    };
+    (path.clone(), kind.to_owned(), low, high, choices)
 }
 
 /// Checks the weights of a reward; gives back the names of a tally's numbers.

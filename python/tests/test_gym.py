@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import tempfile
 import unittest
 import warnings
@@ -87,6 +89,63 @@ class Checkers(unittest.TestCase):
             observed = [step[0] for step in steps]
             ended += int(steps[0][3].sum())
         self.assertEqual(ended, 4)
+
+
+    def test_infos_are_those_that_gymnasiums_own_vector_gives(self) -> None:
+        options = {"scenario": "wander", "end__after_s": 0.6}
+        for mode in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
+            with self.subTest(mode):
+                ours = VectorEnv(3, **options, autoreset_mode=mode)
+                theirs = SyncVectorEnv([lambda: Env(**options) for _ in range(3)], autoreset_mode=mode)
+                told = [envs.reset(seed=7)[1] for envs in (ours, theirs)]
+                self.alike(*told)
+                ended = 0
+                for _ in range(65):
+                    actions = np.full((3, 2), 0.3, np.float32)
+                    told = [envs.step(actions)[4] for envs in (ours, theirs)]
+                    self.alike(*told)
+                    of_last = told[0].get("final_info", told[0])
+                    ended += sum(ending is not None for ending in of_last.get("ending", []))
+                self.assertGreaterEqual(ended, 6)
+
+    def alike(self, ours: dict[str, Any], theirs: dict[str, Any]) -> None:
+        """The same names, types and masks, and the same endings. Seeds of later runs are of our own making."""
+        self.assertEqual(ours.keys(), theirs.keys())
+        for name, value in ours.items():
+            if isinstance(value, dict):
+                self.alike(value, theirs[name])
+                continue
+            self.assertEqual((value.dtype, value.shape), (theirs[name].dtype, theirs[name].shape), name)
+            if name.startswith("_") or name in ("ending", "time_s"):
+                np.testing.assert_array_equal(value, theirs[name], name)
+
+
+class Copies(unittest.TestCase):
+    def test_an_environment_is_pickled_and_copied_with_its_state(self) -> None:
+        named = gymnasium.make("baudbot/Wander-v0", end__after_s=5.0)
+        flat = Env("wander", flat=True, randomize={"robots.robot.start.x_m": {"uniform": [-0.2, 0.2]}}, reward={"seconds": 2.0})
+        action = np.full(2, 0.4, np.float32)
+        for env in (named, flat):
+            pickle.loads(pickle.dumps(env))
+            env.reset(seed=3)
+            for _ in range(10):
+                env.step(action)
+            others = [copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
+            for _ in range(10):
+                ours = env.step(action)
+                for other in others:
+                    theirs = other.step(action)
+                    np.testing.assert_equal(theirs[0], ours[0])
+                    self.assertEqual(theirs[1:], ours[1:])
+            # The seed of the next run is drawn from the same generator.
+            env.reset(), [other.reset() for other in others]
+            self.assertEqual({env.unwrapped.hash}, {other.unwrapped.hash for other in others})
+
+    def test_a_vector_says_what_to_do(self) -> None:
+        envs = VectorEnv(2, "wander")
+        for make in (copy.deepcopy, copy.copy, pickle.dumps):
+            with self.assertRaisesRegex(TypeError, "make another"):
+                make(envs)
 
 
 class Bits(unittest.TestCase):
@@ -238,9 +297,13 @@ class BadInput(unittest.TestCase):
         self.refused("no zones", lambda: parallel_env("wander", reward={"zones": 1.0}))
         self.refused("VectorEnv has no such option", lambda: VectorEnv(2, "wander", end=lambda step: True))
         self.refused("threads", lambda: VectorEnv(2, "wander", threads=-1))
+        self.refused("threads", lambda: VectorEnv(2, "wander", threads=1 << 20))
+        self.refused("seed", lambda: VectorEnv(2, "wander").reset(seed=(1 << 63) - 1))
         self.refused("there is no `overrides`", lambda: VectorEnv(2, "wander").reset(options={"overrides": {}}))
         self.refused("there is no `nix`", lambda: Env("wander").reset(options={"nix": 1}))
-        self.refused("has shape", lambda: VectorEnv(2, "wander", reward=lambda step: 1.0).step(np.zeros((2, 2))))
+        single = VectorEnv(2, "wander", reward=lambda step: 1.0)
+        single.reset(seed=1)
+        self.refused("has shape", lambda: single.step(np.zeros((2, 2))))
         with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
             file.write("[randomise]\n")
             file.flush()
@@ -273,6 +336,22 @@ class BadInput(unittest.TestCase):
         self.assertEqual(envs.hash, before)
         envs.step(np.zeros((4, 4), np.float32)[:, ::2])
         envs.step(np.zeros((4, 2), np.float64))
+
+    def test_more_than_there_is_memory_for(self) -> None:
+        cells = {"robot": "cell-1", "brains": {}}
+        with self.assertRaisesRegex(baudbot.Invalid, r"num_envs: 1048576 worlds, of about \d+ kB each, need .* GiB more, and .* free"):
+            VectorEnv(1 << 20, scenario("ecoli"), **cells)
+
+    def test_steps_before_the_first_reset(self) -> None:
+        action = np.zeros(2, np.float32)
+        steps = {
+            "environment": lambda: Env("wander").step(action),
+            "vector": lambda: VectorEnv(1, "wander").step(action[None]),
+            "agents": lambda: parallel_env("wander").step({"robot": action}),
+        }
+        for name, step in steps.items():
+            with self.subTest(name), self.assertRaisesRegex(gymnasium.error.ResetNeeded, "reset"):
+                step()
 
     def test_closed(self) -> None:
         env, envs = Env("wander"), VectorEnv(2, "wander")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -11,7 +12,7 @@ import gymnasium
 import numpy as np
 from baudbot import Invalid
 from baudbot.gym import Env, Network, VectorEnv, save_policy
-from common import program, scenario
+from common import PROGRAM, program, scenario
 
 SECONDS = 20.0
 
@@ -122,6 +123,22 @@ class Policies(unittest.TestCase):
         with self.assertRaisesRegex(Invalid, "the network has its own"):
             save_policy(self.file, env, Network([zeros]), scale=np.ones(5))
         self.assertFalse(Path(self.file).exists())
+
+
+    def test_a_robot_with_other_sensors_is_refused_by_their_names(self) -> None:
+        env = Env("wander", ages=False)
+        save_policy(self.file, env, [(np.zeros((2, 5)), np.zeros(2))])
+        for run, problem in (
+            (["khepera"], "policy.sensors[0]: robot `khepera` has no `ir_left`, with which the policy was learnt; it has: "),
+            (
+                ["wander", "--set", "robots.robot.sensors.extra={ kind = 'odometer' }"],
+                "policy.sensors: robot `robot` has a `extra`, without which the policy was learnt",
+            ),
+        ):
+            run = [PROGRAM, "run", *run, "--brain", self.file, "--seconds", "1"]
+            told = subprocess.run(run, capture_output=True, text=True)
+            self.assertNotEqual(told.returncode, 0)
+            self.assertIn(problem, told.stderr)
 
 
 if __name__ == "__main__":

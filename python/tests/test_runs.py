@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import _thread
+import shutil
+import signal
 import subprocess
+import sys
 import tempfile
 import threading
+import time
 import unittest
 from pathlib import Path
 
 import baudbot
-from common import PROGRAM
+import polars
+import pyarrow
+from baudbot import _native
+from common import PROGRAM, ROOT
 
 EXPERIMENT = """
 name = "baud"
@@ -83,6 +90,86 @@ class Sweeps(unittest.TestCase):
             baudbot.sweep(self.experiment, jobs=0)
         with self.assertRaisesRegex(baudbot.Invalid, "seeds"):
             baudbot.sweep(self.experiment, seeds="many")
+
+
+    def test_more_runs_than_an_experiment_can_have_are_refused_at_once(self) -> None:
+        tune = self.folder / "tune.toml"
+        tune.write_text(EXPERIMENT.replace("values = [2400, 9600]", "from = 1200.0\nto = 9600.0\nwhole = true") + TUNE)
+        for call in (lambda: baudbot.sweep(self.experiment, seeds="1..99999999999"), lambda: baudbot.tune(tune, seeds=10**12)):
+            with self.assertRaisesRegex(baudbot.Invalid, r"seeds: make \d+ runs, and an experiment has at most 10000000") as caught:
+                call()
+            self.assertEqual(caught.exception.path, "seeds")
+        sweep = [PROGRAM, "sweep", self.experiment, "--seeds", "1..99999999999", "--yes"]
+        done = subprocess.run(sweep, capture_output=True, text=True, timeout=60, cwd=self.folder)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("seeds: make 199999999998 runs", done.stderr)
+
+    def test_a_run_that_takes_for_ever_is_left_by_a_second_ctrl_c(self) -> None:
+        endless = self.folder / "endless.toml"
+        endless.write_text(EXPERIMENT.replace("seconds = 5.0", "seconds = 1e8"))
+        code = f"import baudbot; baudbot.sweep({str(endless)!r}, out={str(self.folder / 'endless')!r}, jobs=1)"
+        asked = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True)
+        for _ in range(2):
+            time.sleep(3.0)
+            asked.send_signal(signal.SIGINT)
+        _, told = asked.communicate(timeout=30)
+        self.assertIn("KeyboardInterrupt", told)
+
+    def test_tables_by_arrow(self) -> None:
+        runs = baudbot.runs(self.experiment, out=self.folder / "arrow")
+        table, frame = pyarrow.table(runs), runs.frame()
+        self.assertEqual(table.column_names, list(frame.columns))
+        self.assertEqual(str(table.schema.field("run").type), "int64")
+        for name in ("run", "seed", "baud", "distance_m", "state_hash", "ending"):
+            self.assertEqual(table[name].to_pylist(), frame[name].to_list())
+        self.assertEqual(table["goal_time_s"].null_count, 12)
+        again = polars.DataFrame(runs)
+        self.assertEqual(again["state_hash"].to_list(), frame["state_hash"].to_list())
+        with self.assertRaisesRegex(baudbot.Error, "rows.parquet"):
+            pyarrow.table(baudbot.Runs(self.folder, "{}"))
+
+    def test_recordings_by_arrow(self) -> None:
+        file = self.folder / "run.mcap"
+        subprocess.run([PROGRAM, "run", "wander", "--seconds", "3", "--record", file, "--quiet"], check=True)
+        recording = baudbot.open(file)
+        table, rows = pyarrow.table(recording), list(recording.rows())
+        self.assertEqual(table.to_pylist()[-1], rows[-1])
+        self.assertEqual(table.num_rows, len(rows))
+        self.assertEqual(str(table.schema.field("robot").type), "string")
+        readings = polars.DataFrame(recording.readings("robot", "ir_front"))
+        self.assertEqual(readings["ir_front"].to_list(), [row["ir_front"] for row in recording.readings("robot", "ir_front")])
+        self.assertEqual(pyarrow.table(recording.events())["kind"].to_pylist(), [row["kind"] for row in recording.events()])
+
+
+class Packed(unittest.TestCase):
+    """What `baudbot.ray` sends to other machines."""
+
+    def test_programs_of_microcontrollers_are_in_it(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            shutil.copy(ROOT / "scenarios/firmware/wander.hex", folder / "own.hex")
+            # A jump to itself.
+            (folder / "idle.hex").write_text(":02000000FFCF30\n:00000001FF\n")
+            varied = EXPERIMENT.replace("robots.robot.link.baud", "robots.robot.microcontroller.program").replace('brain = "avoid"', 'brain = "none"')
+            varied = varied.replace("[2400, 9600]", '["own.hex", "idle.hex"]').replace('"wander"', f'"{ROOT}/scenarios/firmware.toml"')
+            file = folder / "varied.toml"
+            file.write_text(varied.replace("seeds = 6", "seeds = 1"))
+            frame = baudbot.sweep(file, out=folder / "here")
+            self.assertEqual((frame["distance_m"] > 0.1).to_list(), [True, False])
+            packed, runs = _native.pack(file, None)
+            self.assertEqual(runs, 2)
+            for program in folder.glob("*.hex"):
+                program.unlink()
+            _native.sweep(packed, folder / "there", None, 1, False, None, None)
+            self.assertEqual((folder / "here/rows.csv").read_bytes(), (folder / "there/rows.csv").read_bytes())
+
+    def test_brains_that_others_do_not_have_are_refused(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            file = Path(name) / "own.toml"
+            for brain, words in (('{ exec = "python3 own.py" }', "brain.exec: `python3 own.py` is a program"), (f'"{__file__}"', "brain: .* is a file")):
+                file.write_text(EXPERIMENT.replace('"avoid"', brain))
+                with self.assertRaisesRegex(baudbot.Invalid, f"{words}.*, which other machines do not have; copy it there"):
+                    _native.pack(file, None)
 
 
 class Tunings(unittest.TestCase):

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import _thread
+import copy
 import os
+import pickle
 import signal
 import sys
 import tempfile
@@ -55,6 +57,58 @@ class TheSameBits(unittest.TestCase):
         world.step([0.5, 0.5])
         world.reset(seed=4, robots__robot__start__x_m=0.1)
         self.assertEqual(world.hash, baudbot.World("wander", seed=4, robots__robot__start__x_m=0.1).hash)
+
+
+class Copies(unittest.TestCase):
+    def driven(self) -> baudbot.World:
+        world = baudbot.World("wander", seed=1, robots__robot__link__baud=4800)
+        world.reset(seed=7, robots__robot__start__x_m=0.1)
+        for _ in range(20):
+            world.step([0.5, 0.4])
+        return world
+
+    def test_a_copy_is_the_same_and_goes_its_own_way(self) -> None:
+        for what, make in {"deepcopy": copy.deepcopy, "copy": copy.copy, "pickle": lambda one: pickle.loads(pickle.dumps(one))}.items():
+            with self.subTest(what):
+                world = self.driven()
+                other = make(world)
+                self.assertEqual((other.hash, other.time_s, other.seed), (world.hash, world.time_s, 7))
+                np.testing.assert_array_equal(other.readings.values, world.readings.values)
+                before = world.hash
+                for _ in range(20):
+                    other.step([0.3, 0.5])
+                self.assertEqual(world.hash, before)
+                for _ in range(20):
+                    world.step([0.3, 0.5])
+                self.assertEqual(other.hash, world.hash)
+                np.testing.assert_array_equal(other.readings["ir_front"], world.readings["ir_front"])
+
+    def test_snapshots_are_of_a_world_and_its_copies(self) -> None:
+        world = self.driven()
+        kept, other = world.snapshot(), copy.deepcopy(world)
+        before = world.hash
+        other.step([1.0, 1.0])
+        other.restore(kept)
+        self.assertEqual(other.hash, before)
+        with self.assertRaisesRegex(TypeError, "pickle the world itself"):
+            pickle.dumps(kept)
+
+    def test_a_pickle_needs_no_file(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "own.toml"
+            file.write_text(Path(scenario("wander")).read_text())
+            world = baudbot.World(file, seed=2)
+            world.step([0.5, 0.5])
+            pickled, before = pickle.dumps(world), world.hash
+        self.assertEqual(pickle.loads(pickled).hash, before)
+
+    def test_what_brains_think_is_not_copied_and_says_so(self) -> None:
+        world = baudbot.World("wander", brains="avoid")
+        for make in (copy.deepcopy, pickle.dumps):
+            with self.assertRaisesRegex(baudbot.Invalid, "thoughts cannot be copied"):
+                make(world)
+        world.close()
+        self.assertIn("closed", repr(copy.deepcopy(world)))
 
 
 class WhatABrainHas(unittest.TestCase):
@@ -182,6 +236,20 @@ class BadInput(unittest.TestCase):
         self.assertLessEqual(len(busy), 3)
         self.assertGreaterEqual(world.time_s, 20.0)
 
+    def test_a_world_that_another_thread_runs_is_not_closed(self) -> None:
+        world = baudbot.World(scenario("ecoli"), brains="ecoli", end__after_s=1e6)
+        thread = threading.Thread(target=lambda: world.run(300.0))
+        thread.start()
+        with self.assertRaises(baudbot.Busy):
+            while thread.is_alive():
+                world.time_s
+        with self.assertRaisesRegex(baudbot.Busy, "another thread"):
+            while thread.is_alive():
+                world.close()
+        thread.join()
+        self.assertGreaterEqual(world.time_s, 300.0)
+        world.close()
+
     def test_a_forked_process_goes_on(self) -> None:
         from baudbot.gym import VectorEnv
 
@@ -215,14 +283,29 @@ class Recordings(unittest.TestCase):
                 told = program("run", "wander", *settings)
             replayed = baudbot.replay(files[2])
             self.assertEqual((replayed.hash, replayed.difference), (told["state_hash"], None))
-            self.assertIsNone(baudbot.compare(files[0], files[1]))
-            tick = baudbot.compare(files[0], files[2])
-            self.assertIsNotNone(tick)
+            self.assertIsNone(replayed.incomplete)
+            same = baudbot.compare(files[0], files[1])
+            self.assertEqual((same.difference, same.last_tick, same.incomplete), (None, replayed.last_tick, None))
+            self.assertIsNotNone(baudbot.compare(files[0], files[2]).difference)
             self.assertGreater(len(list(baudbot.open(files[0]).rows())), 10)
         with self.assertRaisesRegex(baudbot.Error, "nothing.mcap"):
             baudbot.replay("nothing.mcap")
         with self.assertRaisesRegex(baudbot.Error, "README"):
             baudbot.replay(str(ROOT / "README.md"))
+
+
+    def test_a_file_that_is_cut_says_how_much_was_compared(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            whole, cut = (os.path.join(folder, name) for name in ("whole.mcap", "cut.mcap"))
+            program("run", "wander", "--seconds", "60", "--record", whole)
+            data = Path(whole).read_bytes()
+            Path(cut).write_bytes(data[: len(data) * 2 // 3])
+            replayed, compared = baudbot.replay(cut), baudbot.compare(whole, cut)
+            self.assertIsNone(replayed.difference)
+            self.assertLess(replayed.last_tick, 6000)
+            self.assertRegex(replayed.incomplete or "", rf"^the file is cut off.*; compared in {replayed.last_tick} ticks")
+            self.assertEqual((compared.difference, compared.last_tick), (None, replayed.last_tick))
+            self.assertEqual(compared.incomplete, f"{cut}: {replayed.incomplete}")
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ pub use digest::Digests;
 pub use error::{Packing, RecordingError, WriteError};
 pub use file::RecordingFile;
 pub use frames::Frames;
-pub use recorded_run::{RecordedRun, Stretch};
+pub use recorded_run::{Coverage, RecordedRun, Stretch};
 pub use replay::{Difference, Replay, Watched};
 pub use writer::{Writer, checksum, header};
 

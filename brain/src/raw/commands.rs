@@ -85,6 +85,20 @@ impl RawCommands {
         &self.others
     }
 
+    /// The number of the next command, as far as the protocol has any.
+    pub fn sequence(&self) -> u8 {
+        self.sequence
+    }
+
+    /// Goes on where another encoder for the same robot was: at its [`sequence`](Self::sequence) and with its
+    /// [`others`](Self::others).
+    pub fn go_on(&mut self, sequence: u8, others: &[f64]) {
+        self.sequence = sequence;
+        for (last, &other) in self.others.iter_mut().zip(others) {
+            *last = other;
+        }
+    }
+
     /// The bytes of a request for readings; `None` in the bare protocol, which has none. A Create is told again to stream, and
     /// stands.
     pub fn poll(&mut self) -> Option<Vec<u8>> {

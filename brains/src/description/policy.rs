@@ -17,6 +17,17 @@ pub(super) struct RawPolicy {
     #[serde(default)]
     ages: bool,
     max_age_s: Option<f64>,
+    /// Those of the robot that it was learnt on; files of earlier versions do not say.
+    sensors: Option<Vec<RawSensor>>,
+}
+
+/// A sensor whose values are inputs.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSensor {
+    name: String,
+    /// How many it has.
+    values: usize,
 }
 
 impl RawPolicy {
@@ -42,6 +53,7 @@ impl RawPolicy {
 
     /// The policy for a robot with this body.
     pub(super) fn policy(&self, body: &Body) -> Result<Policy, DescriptionError> {
+        self.check_sensors(body)?;
         let names = input_names(body, self.ages);
         let per_input = |field: &str, given: &Option<Vec<f64>>, default: f64| match given {
             Some(numbers) if numbers.len() != names.len() => {
@@ -66,6 +78,39 @@ impl RawPolicy {
             return Err(problem(&format!("layers[{}]", self.layers.len() - 1), said));
         }
         Ok(Policy::new(body, network, offset, scale, self.ages.then(|| self.max_age_s.unwrap_or(MAX_AGE_S))))
+    }
+}
+
+impl RawPolicy {
+    /// Refuses a robot with other sensors than those with which the policy was learnt.
+    fn check_sensors(&self, body: &Body) -> Result<(), DescriptionError> {
+        let Some(learnt) = &self.sensors else { return Ok(()) };
+        let robot = format!("robot `{}`", body.name);
+        let there = body.sensors.iter().map(|sensor| sensor.name.as_str()).collect::<Vec<_>>();
+        for (i, RawSensor { name, values }) in learnt.iter().enumerate() {
+            let field = format!("sensors[{i}]");
+            let Some(sensor) = body.sensors.iter().find(|sensor| sensor.name == *name) else {
+                let said = format!("{robot} has no `{name}`, with which the policy was learnt; it has: ");
+                return Err(problem(&field, said + &there.join(", ")));
+            };
+            if sensor.values() != *values {
+                let own = sensor.values();
+                let said = format!(
+                    "`{name}` had {values} values where the policy was learnt; that of {robot} has {own}"
+                );
+                return Err(problem(&field, said));
+            }
+        }
+        let learnt: Vec<_> = learnt.iter().map(|sensor| sensor.name.as_str()).collect();
+        if let Some(other) = there.iter().find(|name| !learnt.contains(name)) {
+            let said = format!("{robot} has a `{other}`, without which the policy was learnt");
+            return Err(problem("sensors", said));
+        }
+        if there != learnt {
+            let said = format!("{robot} has them in another order: {}", there.join(", "));
+            return Err(problem("sensors", said));
+        }
+        Ok(())
     }
 }
 

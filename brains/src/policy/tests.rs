@@ -146,6 +146,34 @@ fn what_is_wrong_is_said_with_its_field() {
 }
 
 #[test]
+fn a_policy_drives_only_robots_with_the_sensors_that_it_was_learnt_with() {
+    let body = eyes();
+    let made = |sensors: &str| {
+        made(&format!("[policy]\nsensors = [{sensors}]\nlayers = [[[0, 0, 0], [0, 0, 0]]]"), &body).map(drop)
+    };
+    let sensor = |name: &str, values: usize| format!("{{ name = \"{name}\", values = {values} }}, ");
+    let [left, right] = ["ir_left", "ir_right"].map(|name| sensor(name, 1));
+    made(&format!("{left}{right}")).unwrap();
+    for (sensors, said) in [
+        (
+            format!("{left}{}", sensor("laser", 1)),
+            "policy.sensors[1]: robot `alice` has no `laser`, with which the policy was learnt; it has: ir_left, ir_right",
+        ),
+        (
+            format!("{}{right}", sensor("ir_left", 5)),
+            "policy.sensors[0]: `ir_left` had 5 values where the policy was learnt; that of robot `alice` has 1",
+        ),
+        (left.clone(), "policy.sensors: robot `alice` has a `ir_right`, without which the policy was learnt"),
+        (
+            format!("{right}{left}"),
+            "policy.sensors: robot `alice` has them in another order: ir_left, ir_right",
+        ),
+    ] {
+        assert_eq!(made(&sensors).unwrap_err(), said);
+    }
+}
+
+#[test]
 fn inputs_have_the_names_of_columns() {
     let mut body = body(&[("odometer", "odometer", 0.0), ("laser", "laser", 0.0)]);
     for (component, name) in body.sensors[0].components.iter_mut().zip(["x_m", "y_m", "heading_rad"]) {

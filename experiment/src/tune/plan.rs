@@ -2,7 +2,7 @@
 
 use crate::design::Cell;
 use crate::error::Error;
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, bounded};
 use crate::factor::{Choice, Field, Range};
 use crate::fingerprint::{build, fingerprint_with};
 use crate::journal::Header;
@@ -78,10 +78,6 @@ pub(super) fn ranges(experiment: &Experiment) -> Result<Vec<Range>, Error> {
 fn most_runs(experiment: &Experiment, tuning: &Tuning, course: &Course) -> Result<u64, Error> {
     let (seeds, checks) = (experiment.seeds.count(), tuning.check_seeds);
     let candidates = 1 + (course.population * tuning.generations) as u64;
-    let numbers = seeds.checked_add(checks).and_then(|block| block.checked_mul(candidates));
-    let is_countable = numbers.is_some_and(|numbers| numbers <= i64::MAX as u64);
-    if !is_countable {
-        return Err(Error::field("seeds", "there are more than 2^63 runs"));
-    }
-    Ok(candidates * seeds + 2 * checks)
+    let path = if seeds >= candidates { "seeds" } else { "tune.generations" };
+    bounded(path, u128::from(candidates) * u128::from(seeds) + u128::from(2 * checks))
 }

@@ -16,6 +16,10 @@ class Invalid(Error, ValueError):
         return type(self), (str(self), self.path)
 
 
+class Mistyped(Invalid, TypeError):
+    """An argument is of a type that it cannot have. It is Python's `TypeError`, too."""
+
+
 class Closed(Error, RuntimeError):
     """The world or the environment has been closed."""
 

@@ -7,10 +7,10 @@ import os
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
-from . import _native
-from ._errors import Invalid
+from . import _given, _native
+from ._errors import Mistyped
 from .errors import Error
 
 if TYPE_CHECKING:
@@ -34,6 +34,10 @@ class Runs:
     def frame(self) -> pandas.DataFrame:
         """A row for each run, as a DataFrame of pandas."""
         return _frame(self.folder / "rows.csv")
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """The same for all that know Arrow: `pyarrow.table(runs)`, `polars.DataFrame(runs)`, DuckDB."""
+        return _native.stream_of_file(self.folder / "rows.parquet")
 
     def charts(self) -> list[Path]:
         """The pictures of it, in SVG."""
@@ -74,8 +78,9 @@ def runs(
     progress: Progress | None = None,
 ) -> Runs:
     """As `sweep`, with the summary and the charts."""
-    folder = folder_of(experiment, out, "sweep")
-    told = done(_native.sweep(experiment, folder, seeds_text(seeds), _jobs(jobs), fresh, progress, None), folder)
+    experiment, folder = folder_of(experiment, out, "sweep")
+    options = seeds_text(seeds), _jobs(jobs), _given.flag(fresh, "fresh"), given_progress(progress)
+    told = done(_native.sweep(experiment, folder, *options, None), folder)
     return Runs(folder, told)
 
 
@@ -90,28 +95,34 @@ def tune(
 ) -> dict[str, Any]:
     """Looks for the numbers with which an experiment's runs are best: what `baudbot tune --json` tells, and `frame`, a DataFrame of all
     candidates."""
-    folder = folder_of(experiment, out, "tune")
-    told: dict[str, Any] = json.loads(done(_native.tune(experiment, folder, seeds_text(seeds), _jobs(jobs), fresh, progress), folder))
+    experiment, folder = folder_of(experiment, out, "tune")
+    options = seeds_text(seeds), _jobs(jobs), _given.flag(fresh, "fresh"), given_progress(progress)
+    told: dict[str, Any] = json.loads(done(_native.tune(experiment, folder, *options), folder))
     table = folder / "candidates.csv"
     return {**told, "frame": _frame(table)} if table.exists() else told
 
 
-def folder_of(experiment: str | os.PathLike[str], out: str | os.PathLike[str] | None, ending: str) -> Path:
-    """The folder for what comes of an experiment."""
-    return Path(out) if out is not None else Path(f"{Path(experiment).stem}.{ending}")
+def folder_of(experiment: object, out: object, ending: str) -> tuple[str, Path]:
+    """The file of an experiment, and the folder for what comes of it."""
+    file = _given.path(experiment, "experiment")
+    return file, Path(f"{Path(file).stem}.{ending}" if out is None else _given.path(out, "out"))
 
 
 def seeds_text(seeds: str | int | None) -> str | None:
     """As `--seeds` has them."""
+    if seeds is not None and not isinstance(seeds, (str, SupportsIndex)):
+        raise Mistyped(f"seeds: {seeds!r} is neither a number of seeds nor a text such as \"1..20\"", "seeds")
     return None if seeds is None else str(seeds)
 
 
 def _jobs(jobs: int | None) -> int:
     if jobs is None:
         return os.cpu_count() or 1
-    if not 1 <= jobs <= MOST_JOBS:
-        raise Invalid(f"jobs: {jobs} is not a number of runs at a time; write one of 1 to {MOST_JOBS}", "jobs")
-    return jobs
+    return _given.whole(jobs, "jobs", 1, MOST_JOBS, "number of runs at a time")
+
+
+def given_progress(progress: Progress | None) -> Progress | None:
+    return None if progress is None else _given.function(progress, "progress")
 
 
 def done(outcome: tuple[str, list[str], bool, list[str]], folder: Path) -> str:

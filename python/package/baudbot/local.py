@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import json
+import os
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Any, TypeVar
@@ -10,11 +12,10 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _task
-from ._errors import Closed, Invalid
+from . import _given, _task
+from ._errors import Closed, Invalid, Mistyped
 from ._native import Env, Task
 from .names import unknown
-
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
@@ -77,6 +78,15 @@ class Snapshot:
     def __init__(self, env: Env) -> None:
         self._env = env
 
+    def __copy__(self) -> Snapshot:
+        return self
+
+    def __deepcopy__(self, _memo: object) -> Snapshot:
+        return self
+
+    def __reduce__(self) -> str:
+        raise TypeError("a snapshot is of a world in this process, and cannot be pickled; pickle the world itself")
+
     def __repr__(self) -> str:
         return f"<snapshot at {self._env.time_ns / 1e9:g} s>"
 
@@ -92,7 +102,7 @@ class World:
     Robots with a brain in `brains` are driven by it (`brains="avoid"` is for all robots). The others are driven by this program, in
     `step`, as a program at the laptop's end of the cable would: it has `readings`, and what it does travels back.
 
-    A world is for one thread at a time.
+    A world is for one thread at a time. `copy.deepcopy` and `pickle` make others in the same state.
     """
 
     def __init__(
@@ -108,8 +118,18 @@ class World:
         self._task = _task.task(scenario, _task.fields(overrides, fields), brains, agents)
         seed = self._task.seed if seed is None else checked_seed(seed)
         self._env: Env | None = Env(self._task, seed, [], [], np.inf)
-        self._readings = [Readings(self._task, place) for place in range(len(self._task.agents))]
-        self._observe()
+        self._listen()
+
+    def __copy__(self) -> World:
+        return copy.deepcopy(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Those of a copy are views of its own arrays.
+        return {name: value for name, value in vars(self).items() if name != "_readings"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._listen()
 
     # What it is.
 
@@ -160,23 +180,24 @@ class World:
 
     # What is done in it.
 
-    def step(self, command: ArrayLike | Mapping[str, ArrayLike] | None = None) -> bool:
+    def step(self, action: ArrayLike | Mapping[str, ArrayLike] | None = None) -> bool:
         """A control cycle: what the driven robots are to do travels to them, and the world goes on until each of them has sent a
         message again, or for a second if none comes. Without a driven robot it goes on by a tick.
 
-        `command` has the signals of the left and the right wheel and those of the robot's other actuators, each in [-1, 1]; if
+        `action` has the signals of the left and the right wheel and those of the robot's other actuators, each in [-1, 1]; if
         several robots are driven, it is a mapping from their names. A robot that is told nothing goes on as it did.
 
         Says whether the run goes on.
         """
         env = self._open
-        if command is not None:
-            commands = command.items() if isinstance(command, Mapping) else ((None, command),)
-            for robot, signals in commands:
+        if action is not None:
+            actions = action.items() if isinstance(action, Mapping) else ((None, action),)
+            for robot, signals in actions:
+                place = self._place(robot)
                 try:
-                    env.act(self._place(robot), signals)
-                except TypeError:
-                    raise Invalid(f"action: {signals!r} is no list of numbers", "action") from None
+                    env.act(place, signals)
+                except (TypeError, OverflowError):
+                    raise Mistyped(f"action: {signals!r} is no list of numbers", "action") from None
         env.step()
         self._observe()
         return env.ending is None
@@ -186,10 +207,8 @@ class World:
         env = self._open
         if seconds is None:
             until_ns = (1 << 63) - 1
-        elif not 0 <= seconds < 1e9:
-            raise Invalid(f"seconds: {seconds!r} is not a time; write one of 0 to 1e9 seconds", "seconds")
         else:
-            until_ns = env.time_ns + round(seconds * 1e9)
+            until_ns = env.time_ns + round(_given.seconds(seconds, "seconds") * 1e9)
         try:
             env.run_until(until_ns)
         finally:
@@ -210,9 +229,7 @@ class World:
         names = self._task.robots
         if robot is None and len(names) != 1:
             raise Invalid(f"robot: there are {len(names)}; name one of {', '.join(names)}", "robot")
-        if robot is not None and robot not in names:
-            raise Invalid(unknown("robot", robot, names), "robot")
-        numbers = self._open.truth(0 if robot is None else names.index(robot))
+        numbers = self._open.truth(0 if robot is None else _place(robot, names))
         return dict(zip(_TRUTH, numbers, strict=True))
 
     # What is kept of it, and shown.
@@ -222,7 +239,9 @@ class World:
         return Snapshot(self._open.snapshot())
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Takes the world back to a snapshot of it."""
+        """Takes the world back to a snapshot of it, or of what it is a copy of."""
+        if not isinstance(snapshot, Snapshot):
+            raise Mistyped(f"snapshot: {snapshot!r} is not a snapshot of a world", "snapshot")
         self._open.restore(snapshot._env)
         self._observe()
 
@@ -239,16 +258,13 @@ class World:
 
     def keep_events(self, events: int = 10_000) -> None:
         """From now on keeps so many events of each robot, for `diagram`."""
-        self._open.keep_events(events)
+        self._open.keep_events(_given.whole(events, "events", 0, MOST_EVENTS))
 
     def diagram(self, robot: str | None = None, seconds: float | None = None) -> Picture:
         """What happened when, up to now: a timing diagram, of the last three ticks or so many seconds. `keep_events` says from when
         on there is something to show."""
-        names = self._task.robots
-        if robot is not None and robot not in names:
-            raise Invalid(unknown("robot", robot, names), "robot")
-        span_ns = 3 * self._task.step_ns if seconds is None else round(seconds * 1e9)
-        place = 0 if robot is None else names.index(robot)
+        span_ns = 3 * self._task.step_ns if seconds is None else round(_given.seconds(seconds, "seconds") * 1e9)
+        place = 0 if robot is None else _place(robot, self._task.robots)
         return Picture(self._open.diagram(place, span_ns))
 
     def svg(self) -> Picture:
@@ -268,7 +284,9 @@ class World:
         return f"<world {self.name}, seed {self.seed}, at {self.time_s:g} s{ended}>"
 
     def close(self) -> None:
-        """Gives the memory back. Nothing else can be done with it then."""
+        """Gives the memory back. Nothing else can be done with it then. While another thread is in it this is `Busy`."""
+        if self._env is not None:
+            self._env.check_free()
         self._env = None
 
     def __enter__(self) -> World:
@@ -283,6 +301,12 @@ class World:
             raise Closed(f"the world {self._task.name} is closed; make another one")
         return self._env
 
+    def _listen(self) -> None:
+        """Makes the arrays of readings."""
+        self._readings = [Readings(self._task, place) for place in range(len(self._task.agents))]
+        if self._env is not None:
+            self._observe()
+
     def _observe(self) -> None:
         for place, readings in enumerate(self._readings):
             readings._take(self._open, place)
@@ -295,9 +319,7 @@ class World:
             return 0
         if robot is None:
             raise Invalid(f"robot: this program drives {len(names)}; name one of {', '.join(names)}", "robot")
-        if robot not in names:
-            raise Invalid(unknown("driven robot", robot, names), "robot")
-        return names.index(robot)
+        return _place(robot, names, "driven robot")
 
 
 class Picture(str):
@@ -306,17 +328,22 @@ class Picture(str):
     def _repr_svg_(self) -> str:
         return str(self)
 
-    def save(self, path: str) -> None:
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Writes it to a file."""
-        with open(path, "w", encoding="utf-8") as file:
+        with open(_given.path(path, "path"), "w", encoding="utf-8") as file:
             file.write(self)
 
 
-def checked_seed(seed: object) -> int:
-    """A seed, which is a whole number of 0 to 2**63 - 1."""
-    if isinstance(seed, (int, np.integer)) and not isinstance(seed, bool) and 0 <= int(seed) < 1 << 63:
-        return int(seed)
-    raise Invalid(f"seed: {seed!r} is not a whole number of 0 to 2**63 - 1", "seed")
+def checked_seed(seed: object, worlds: int = 1) -> int:
+    """A seed, which is a whole number of 0 to 2**63 - 1; that of the first of so many worlds."""
+    return _given.whole(seed, "seed", 0, (1 << 63) - worlds)
+
+
+def _place(robot: object, names: Sequence[str], what: str = "robot") -> int:
+    name = _given.text(robot, "robot", "name")
+    if name not in names:
+        raise Invalid(unknown(what, name, names), "robot")
+    return names.index(name)
 
 
 def _read_only(array: NDArray[Scalar]) -> NDArray[Scalar]:
@@ -330,3 +357,6 @@ def _escaped(text: str) -> str:
 
 
 _TRUTH = ("x_m", "y_m", "heading_rad", "speed_m_s", "turn_rate_rad_s", "distance_m", "collisions")
+
+#: Most events that are kept of a robot.
+MOST_EVENTS = 10_000_000

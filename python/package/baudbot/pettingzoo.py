@@ -11,9 +11,9 @@ from gymnasium.utils import seeding
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from . import _native, _task
-from ._errors import Closed, Invalid
-from .gym.env import TALLY, Randomize, Reward, Step, drawn, rewards
+from . import _given, _native, _task
+from ._errors import Invalid
+from .gym.env import TALLY, Randomize, Reward, Step, changes, closed_or_new, drawn, pixels, rewards
 from .gym.spaces import Shape, signals
 from .local import Picture, checked_seed
 
@@ -59,32 +59,32 @@ class Parallel(ParallelEnv[str, Any, NDArray[np.float32]]):
         self.action_spaces = {name: shape.action for name, shape in self.shapes.items()}
         self._weights, self._reward = rewards(reward)
         self._task.check_reward(self._weights)
-        self._max_age_s, self.render_mode, self._size = max_age_s, render_mode, render_size
+        self._max_age_s, self.render_mode, self._size = float(max_age_s), render_mode, pixels(render_size)
         self._env: _native.Env | None = None
         self._is_closed = False
         self._random, _ = seeding.np_random()
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
-        return self.observation_spaces[agent]
+        return self.observation_spaces[self._agent(agent, "agent")]
 
     def action_space(self, agent: str) -> spaces.Space[Any]:
-        return self.action_spaces[agent]
+        return self.action_spaces[self._agent(agent, "agent")]
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         if self._is_closed:
-            raise Closed("the environment is closed; make another one")
+            raise closed_or_new(self._is_closed)
+        # PettingZoo's own test gives options that mean nothing.
+        once = {} if options is None else _given.mapping(options, "options").get("overrides", {})
         if seed is not None:
             self._random, _ = seeding.np_random(checked_seed(seed))
         run = checked_seed(seed) if seed is not None else int(self._random.integers(1 << 31))
-        more = dict(self._draw(self._random)) if self._draw else {}
-        # PettingZoo's own test gives options that mean nothing.
-        more.update((options or {}).get("overrides", {}))
+        more = changes(self._draw, self._random, once)
         if self._env is None:
-            self._env = _native.Env(self._task, run, _task.lines(more), self._weights, self._max_age_s)
+            self._env = _native.Env(self._task, run, more, self._weights, self._max_age_s)
         else:
-            self._env.reset(run, _task.lines(more))
+            self._env.reset(run, more)
         self.agents = list(self.possible_agents)
         return self._observations(self._env), {name: {} for name in self.agents}
 
@@ -92,9 +92,8 @@ class Parallel(ParallelEnv[str, Any, NDArray[np.float32]]):
         self, actions: dict[str, NDArray[np.float32]]
     ) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
         env = self._open
-        for name, action in actions.items():
-            if name not in self.shapes:
-                raise Invalid(f"actions: there is no agent `{name}`; there are: {', '.join(self.possible_agents)}", "actions")
+        for name, action in _given.mapping(actions, "actions", "mapping from agents to actions").items():
+            self._agent(name, "actions")
             array = signals(action, self.action_spaces[name].shape or (), f"actions[{name!r}]")
             env.act(self.possible_agents.index(name), array.tolist())
         terminated, truncated = env.step()
@@ -117,7 +116,15 @@ class Parallel(ParallelEnv[str, Any, NDArray[np.float32]]):
         return self._open.hash
 
     def close(self) -> None:
+        if self._env is not None:
+            self._env.check_free()
         self._env, self._is_closed = None, True
+
+    def _agent(self, name: object, argument: str) -> str:
+        if _given.text(name, argument, "name") not in self.shapes:
+            there = ", ".join(self.possible_agents)
+            raise Invalid(f"{argument}: there is no agent `{name}`; there are: {there}", argument)
+        return str(name)
 
     def _worth(self, env: _native.Env, name: str, observation: Any, action: Any) -> float:
         place = self.possible_agents.index(name)
@@ -134,7 +141,7 @@ class Parallel(ParallelEnv[str, Any, NDArray[np.float32]]):
     @property
     def _open(self) -> _native.Env:
         if self._env is None:
-            raise Closed(f"the environment is {'closed; make another one' if self._is_closed else 'new; reset it first'}")
+            raise closed_or_new(self._is_closed)
         return self._env
 
 

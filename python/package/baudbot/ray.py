@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING
 
 import ray
 
-from . import _native
-from ._errors import Invalid
-from ._runs import Progress, Runs, done, folder_of, seeds_text
+from . import _given, _native
+from ._runs import Progress, Runs, done, folder_of, given_progress, seeds_text
 
 if TYPE_CHECKING:
     import pandas
@@ -42,15 +41,16 @@ def sweep(
 
     The package `baudbot` must be installed on all nodes in the same version. `ray.init()` is called if nobody has.
     """
+    experiment, folder = folder_of(experiment, out, "sweep")
+    seeds, retries = seeds_text(seeds), _given.whole(retries, "retries", -1, MOST_SHARDS)
+    fresh, progress = _given.flag(fresh, "fresh"), given_progress(progress)
+    if shards is not None:
+        shards = _given.whole(shards, "shards", 1, MOST_SHARDS, "number of shards")
+    packed, runs = _native.pack(experiment, seeds)
     if not ray.is_initialized():
         ray.init()
-    seeds = seeds_text(seeds)
-    packed, runs = _native.pack(experiment, seeds)
     count = shards if shards is not None else 4 * max(1, int(ray.cluster_resources().get("CPU", 1)))
-    if count < 1:
-        raise Invalid(f"shards: {count} is not a number of shards; write 1 or more", "shards")
     count = min(count, max(runs, 1))
-    folder = folder_of(experiment, out, "sweep")
     place = folder.with_name(f"{folder.name}.shards-{count}")
     missing = [index for index in range(count) if fresh or not _journal(place, index, count).exists()]
     shard = ray.remote(num_cpus=1, max_retries=retries)(_shard)
@@ -63,6 +63,10 @@ def sweep(
                 progress(count - len(waiting), count)
     told = _native.merge(experiment, [place], folder, seeds, fresh)
     return Runs(folder, done(told, folder)).frame()
+
+
+#: As many as the command has.
+MOST_SHARDS = 1_000_000
 
 
 def _shard(packed: _native.Packed, seeds: str | None, shard: str) -> bytes:

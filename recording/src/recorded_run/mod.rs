@@ -18,7 +18,7 @@ use crate::digest::{FIELDS, Mark};
 use crate::error::RecordingError;
 use crate::reader::{Condition, Item, Reader};
 use crate::{FORMAT, topic};
-pub use stretch::Stretch;
+pub use stretch::{Coverage, Stretch};
 
 type Result<T> = std::result::Result<T, RecordingError>;
 

@@ -1,5 +1,7 @@
 //! The stretches of a recording that can be replayed: all of it, or the parts between damaged places.
 
+use std::fmt;
+
 use super::{RecordedRun, Result};
 use crate::error::RecordingError;
 
@@ -12,6 +14,27 @@ pub struct Stretch {
     pub last_tick: u64,
     /// How often something was missing before it in the file.
     part: u32,
+}
+
+/// How much of a recording can be done again and compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Coverage {
+    /// Nothing that was recorded is missing before the last tick.
+    pub is_complete: bool,
+    /// Ticks that can be.
+    pub compared_ticks: u64,
+    /// How many there were; `None` if the end is missing and nothing tells where it was.
+    pub recorded_ticks: Option<u64>,
+}
+
+impl fmt::Display for Coverage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let n = self.compared_ticks;
+        match self.recorded_ticks {
+            Some(all) => write!(f, "{n} of {all} ticks ({:.1} %)", 100.0 * n as f64 / all.max(1) as f64),
+            None => write!(f, "{n} ticks that are left; the file no longer tells how many there were"),
+        }
+    }
 }
 
 impl Stretch {
@@ -106,6 +129,19 @@ impl RecordedRun {
         let (first, last) = ticks.unwrap_or((u64::MAX, 0));
         let first = if self.begins() { self.first_tick() } else { first.min(self.first_tick()) };
         (first, last.max(self.last_tick()))
+    }
+
+    /// How much of it can be done again: of all, or until a tick.
+    pub fn coverage(&self, asked: Option<u64>) -> Coverage {
+        let (from, until) = self.extent();
+        let until = asked.map_or(until, |asked| asked.clamp(from, until));
+        let compared = |stretch: &Stretch| stretch.last_tick.min(until).saturating_sub(stretch.first_tick);
+        let is_end_known = self.is_end_known() || asked.is_some_and(|asked| asked <= self.last_tick());
+        Coverage {
+            is_complete: asked.map_or_else(|| self.is_whole(), |asked| self.has_all_until(asked)),
+            compared_ticks: self.stretches.iter().map(compared).sum(),
+            recorded_ticks: is_end_known.then_some(until - from),
+        }
     }
 
     /// Whether it is known how many ticks were recorded.

@@ -40,14 +40,14 @@ from .world import ServedWorld
 if TYPE_CHECKING:
     from ._errors import Busy, Closed, Invalid
     from .local import Picture, Readings, Snapshot, World
-    from .recorded import compare, replay
+    from .recorded import Compared, Replayed, compare, replay
     from ._runs import Runs, runs, sweep, tune
 
 #: What the package `baudbot` adds, and where.
 _ADDED = {
     **dict.fromkeys(("Busy", "Closed", "Invalid"), "_errors"),
     **dict.fromkeys(("Picture", "Readings", "Snapshot", "World"), "local"),
-    **dict.fromkeys(("compare", "replay"), "recorded"),
+    **dict.fromkeys(("Compared", "Replayed", "compare", "replay"), "recorded"),
     **dict.fromkeys(("Runs", "runs", "sweep", "tune"), "_runs"),
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import os
 import warnings
@@ -34,11 +35,36 @@ def open(path: str | os.PathLike[str]) -> Recording:
 
     Raises `NotFound` if there is no such file, `NotARecording` if it is something else, `Error` if it cannot be read.
     """
+    if not isinstance(path, (str, os.PathLike)):
+        raise TypeError(f"path: {path!r} is not a path")
     recording = Recording(Path(path))
     if recording.problem is not None:
         intact = f"what is intact up to tick {recording.last_tick} is read"
         warnings.warn(f"{recording.path}: {recording.problem}; {intact}", stacklevel=2)
     return recording
+
+
+class Table(Iterator[dict[str, Any]]):
+    """Rows of a table, one after the other. With the package `baudbot` all that know Arrow take what is left of them as a table:
+    `pyarrow.table(recording.rows())`, `polars.DataFrame(…)`."""
+
+    def __init__(self, rows: Iterator[dict[str, Any]]) -> None:
+        self._rows = rows
+
+    def __iter__(self) -> Table:
+        return self
+
+    def __next__(self) -> dict[str, Any]:
+        return next(self._rows)
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        try:
+            native = importlib.import_module("._native", __package__)
+        except ModuleNotFoundError:
+            raise Error("tables of Arrow need the package `baudbot`, and only `baudbot-client` is installed: pip install baudbot") from None
+        rows = list(self._rows)
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        return native.stream_of_columns(names, [[row.get(name) for row in rows] for name in names])
 
 
 class Recording:
@@ -92,22 +118,28 @@ class Recording:
         """The names of the robots."""
         return list(self.header.robots)
 
-    def events(self) -> Iterator[dict[str, Any]]:
+    def events(self) -> Table:
         """What happened in the run: `kind` is `collision`, `brain` (attached or detached), `change` (by hand) or `ending`."""
-        for event in self._events:
-            kind = kind_name(control_pb2.ReplayEventKind, event.kind, "REPLAY_EVENT_KIND_")
-            yield {"t_s": self._seconds(event.tick), "tick": event.tick, "kind": kind, "text": event.text}
+        return Table(self._event(event) for event in self._events)
+
+    def _event(self, event: recording_pb2.RecordedEvent) -> dict[str, Any]:
+        kind = kind_name(control_pb2.ReplayEventKind, event.kind, "REPLAY_EVENT_KIND_")
+        return {"t_s": self._seconds(event.tick), "tick": event.tick, "kind": kind, "text": event.text}
 
     def frames(self) -> Iterator[observe_pb2.WatchResponse]:
         """All that an observer saw, frame by frame, as the contract has it; there are as many as `--record-hz` asked for."""
         self._described()
         return self._frames()
 
-    def rows(self) -> Iterator[dict[str, Any]]:
+    def rows(self) -> Table:
         """The truth: poses, speeds, signals and samples, a row for each frame and robot, with the columns of `ServedWorld.rows`."""
-        return rows(self._described(), self._frames())
+        return Table(rows(self._described(), self._frames()))
 
-    def readings(self, robot: str, sensor: str) -> Iterator[dict[str, Any]]:
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """The table `rows` for all that know Arrow."""
+        return self.rows().__arrow_c_stream__(requested_schema)
+
+    def readings(self, robot: str, sensor: str) -> Table:
         """What the robot's brain had from a sensor, a row for each frame, from the first reading on: its values; when it was
         sampled, and how old it was then (NaN if that is not known); whether it was new since the brain's last step.
 
@@ -123,7 +155,7 @@ class Recording:
             raise NotFound(f"{self.path}: {unknown('sensor', sensor, sensors, f' of robot `{robot}`')}")
         # A sensor's name has no dot in it.
         columns = [column for column in robots[place].sensor_columns if column.partition(".")[0] == sensor]
-        return self._readings(place, sensors.index(sensor), {"robot": robot}, columns)
+        return Table(self._readings(place, sensors.index(sensor), {"robot": robot}, columns))
 
     def _readings(self, place: int, sensor: int, robot: dict[str, str], columns: list[str]) -> Iterator[dict[str, Any]]:
         for frame in self._frames():
@@ -141,13 +173,13 @@ class Recording:
                     **dict(zip(columns, reading.values, strict=False)),
                 }
 
-    def cycles(self) -> Iterator[dict[str, Any]]:
+    def cycles(self) -> Table:
         """How the control cycles went so far, a row for each frame and robot: how many kept their deadline, were late, and
         were not answered, and how long those took that were answered. The last rows are of the whole run.
 
         A recording has the cycles of its first 64 robots.
         """
-        return self._cycles([robot.robot for robot in self._described().robots])
+        return Table(self._cycles([robot.robot for robot in self._described().robots]))
 
     def _cycles(self, names: list[str]) -> Iterator[dict[str, Any]]:
         for frame in self._frames():

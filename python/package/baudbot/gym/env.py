@@ -12,8 +12,8 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _native, _task
-from .._errors import Closed, Invalid
+from .. import _given, _native, _task
+from .._errors import Closed, Invalid, Mistyped
 from ..local import Picture, checked_seed
 from .spaces import Shape, signals
 
@@ -85,31 +85,33 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
             raise Invalid(f"render_mode: there is no {render_mode!r}; there are: rgb_array, svg", "render_mode")
         without(fields, "Env", ("agents", "num_envs", "threads"))
         self._draw, table = drawn(randomize)
-        chosen = [robot] if robot is not None else None
+        chosen = [_given.text(robot, "robot", "name")] if robot is not None else None
         self._task = _task.task(scenario, _task.fields(overrides, fields), brains, chosen, table)
         one_robot(self._task)
         self.shape = Shape(self._task, 0, max_age_s, flat, ages)
         self.observation_space, self.action_space = self.shape.observation, self.shape.action
         self._weights, self._reward = rewards(reward)
         self._task.check_reward(self._weights)
-        self._end, self._max_age_s = end, max_age_s
+        self._end = None if end is None else _given.function(end, "end")
+        self._max_age_s = self.shape.max_age_s
         self._is_plain = self._reward is None and end is None and not flat
-        self.render_mode, self._size = render_mode, render_size
+        self.render_mode, self._size = render_mode, pixels(render_size)
         self._env: _native.Env | None = None
         self._is_closed = False
 
     def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        super().reset(seed=seed)
+        run = None if seed is None else checked_seed(seed)
+        once = asked(options, "overrides").get("overrides", {})
+        super().reset(seed=run)
         if self._is_closed:
-            raise Closed("the environment is closed; make another one")
+            raise closed_or_new(self._is_closed)
         # Without a seed the next one is drawn from those that there were before.
-        run = checked_seed(seed) if seed is not None else int(self.np_random.integers(1 << 31))
-        more = dict(self._draw(self.np_random)) if self._draw else {}
-        more.update(asked(options, "overrides").get("overrides", {}))
+        run = int(self.np_random.integers(1 << 31)) if run is None else run
+        more = changes(self._draw, self.np_random, once)
         if self._env is None:
-            self._env = _native.Env(self._task, run, _task.lines(more), self._weights, self._max_age_s)
+            self._env = _native.Env(self._task, run, more, self._weights, self._max_age_s)
         else:
-            self._env.reset(run, _task.lines(more))
+            self._env.reset(run, more)
         return self.shape.observed(*self._env.observation(0)), self._info(self._env)
 
     def step(self, action: NDArray[np.float32]) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
@@ -156,12 +158,14 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
         return self._open.hash
 
     def close(self) -> None:
+        if self._env is not None:
+            self._env.check_free()
         self._env, self._is_closed = None, True
 
     @property
     def _open(self) -> _native.Env:
         if self._env is None:
-            raise Closed(f"the environment is {'closed; make another one' if self._is_closed else 'new; reset it first'}")
+            raise closed_or_new(self._is_closed)
         return self._env
 
     @staticmethod
@@ -182,9 +186,7 @@ def rewards(reward: Reward | None) -> tuple[list[tuple[str, float]], Callable[[S
     """Weights, or a function."""
     if callable(reward):
         return [], reward
-    if reward is not None and not isinstance(reward, Mapping):
-        raise Invalid(f"reward: {reward!r} is neither a mapping of weights nor a function", "reward")
-    weights = _task.weights(DRIVE if reward is None else reward)
+    weights = _task.weights(DRIVE if reward is None else _given.mapping(reward, "reward", "mapping of weights or function"))
     _native.check_reward(weights)
     return weights, None
 
@@ -193,12 +195,14 @@ def drawn(
     randomize: Randomize | None,
 ) -> tuple[Callable[[np.random.Generator], Mapping[str, object]] | None, Mapping[str, object] | None]:
     """A function that draws fields, or a table of how they are drawn."""
-    if randomize is None or isinstance(randomize, Mapping):
-        return None, randomize
+    if randomize is None:
+        return None, None
+    if isinstance(randomize, Mapping):
+        return None, _given.mapping(randomize, "randomize")
     if callable(randomize):
         return randomize, None
     if not isinstance(randomize, (str, os.PathLike)):
-        raise Invalid(f"randomize: {randomize!r} is no mapping, no file and no function", "randomize")
+        raise Mistyped(f"randomize: {randomize!r} is no mapping, no file and no function", "randomize")
     path = os.fspath(randomize)
     try:
         with open(path, "rb") as file:
@@ -219,13 +223,35 @@ def _paths(table: Mapping[str, object], before: str) -> Iterator[tuple[str, obje
             yield f"{before}{name}", how
 
 
-def asked(options: object, *known: str) -> Mapping[str, Any]:
+def changes(
+    draw: Callable[[np.random.Generator], Mapping[str, object]] | None, random: np.random.Generator, once: object
+) -> list[str]:
+    """The fields of a run that are not those of the task: what a function draws, and what is asked for once."""
+    drawn = _given.mapping(draw(random), "randomize", "mapping from fields to values") if draw else {}
+    return _task.lines({**drawn, **_given.mapping(once, "options.overrides", "mapping from fields to values")})
+
+
+class New(Closed, gymnasium.error.ResetNeeded):
+    """There is no run yet."""
+
+
+def closed_or_new(is_closed: bool) -> Exception:
+    """Why there is no world."""
+    if is_closed:
+        return Closed("the environment is closed; make another one")
+    return New("the environment is new; reset it first")
+
+
+def pixels(size: object) -> int:
+    """The longer side of an image."""
+    return _given.whole(size, "render_size", 1, 8192, "number of pixels")
+
+
+def asked(options: Mapping[str, Any] | None, *known: str) -> Mapping[str, Any]:
     """The options of a reset, of which others are refused."""
     if options is None:
         return {}
-    if not isinstance(options, Mapping):
-        raise Invalid(f"options: {options!r} is no mapping", "options")
-    for name in options:
+    for name in _given.mapping(options, "options"):
         if name not in known:
             raise Invalid(f"options: there is no `{name}` here; there are: {', '.join(known)}", "options")
     return options

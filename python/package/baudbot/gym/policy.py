@@ -9,7 +9,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._errors import Invalid
+from .. import _given
+from .._errors import Invalid, Mistyped
 from ..scenarios import quoted
 from .spaces import Shape
 
@@ -44,7 +45,7 @@ class Network:
                 raise Invalid(f"{what}: has shape {given.shape}, ({inputs},) is needed, one for each input", what)
 
     def __call__(self, observation: Any) -> NDArray[np.float32]:
-        answer = (_flat(observation) - self.offset) * self.scale
+        answer = (_flat(observation, self.layers[0][0].shape[-1]) - self.offset) * self.scale
         for weights, biases in self.layers:
             answer = np.tanh((weights @ answer[..., None])[..., 0] + biases)
         return answer.astype(np.float32)
@@ -68,7 +69,11 @@ def save_policy(
         layers = Network(layers, offset=offset, scale=scale)
     elif offset is not None or scale is not None:
         raise Invalid("offset, scale: the network has its own; leave them out", "offset" if scale is None else "scale")
-    text = "\n".join(_lines(layers, env.unwrapped.shape, description)) + "\n"
+    shape = getattr(getattr(env, "unwrapped", None), "shape", None)
+    if not isinstance(shape, Shape):
+        raise Mistyped(f"env: {env!r} is no environment of baudbot.gym", "env")
+    path = _given.path(path, "path")
+    text = "\n".join(_lines(layers, shape, _given.text(description, "description"))) + "\n"
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
 
@@ -95,6 +100,10 @@ def _lines(network: Network, shape: Shape, description: str) -> Iterator[str]:
     yield ""
     yield "# Inputs: " + ", ".join(names) + "."
     yield "[policy]"
+    yield "sensors = ["
+    for name, values in shape.sizes.items():
+        yield f"    {{ name = {quoted(name)}, values = {values} }},"
+    yield "]"
     yield f"ages = {'true' if shape.with_ages else 'false'}"
     if shape.with_ages:
         yield f"max_age_s = {float(shape.max_age_s)!r}"
@@ -110,15 +119,23 @@ def _lines(network: Network, shape: Shape, description: str) -> Iterator[str]:
     yield "]"
 
 
-def _flat(observation: Any) -> NDArray[np.float64]:
+def _flat(observation: Any, inputs: int) -> NDArray[np.float64]:
     """An observation as one array."""
+    parts = [observation]
     if isinstance(observation, Mapping):
         parts = [observation[name] for name in ("readings", "ages_s", "readable") if name in observation]
-        return np.concatenate(parts, axis=-1, dtype=np.float64)
-    return np.asarray(observation, np.float64)
+    try:
+        flat = np.concatenate(parts, axis=-1, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise Mistyped(f"observation: {observation!r} is none of an environment", "observation") from None
+    if flat.shape[-1] != inputs:
+        raise Invalid(f"observation: has {flat.shape[-1]} numbers, the network has {inputs} inputs", "observation")
+    return flat
 
 
 def _layers(layers: Sequence[Layer]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    if not isinstance(layers, Sequence):
+        raise Mistyped(f"layers: {layers!r} is no list of pairs of weights and biases", "layers")
     if not layers:
         raise Invalid("layers: there is none", "layers")
     comes_in: int | None = None
@@ -139,8 +156,8 @@ def _layers(layers: Sequence[Layer]) -> Iterator[tuple[NDArray[np.float64], NDAr
 def _numbers(values: ArrayLike, path: str) -> NDArray[np.float64]:
     try:
         array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise Invalid(f"{path}: is no array of numbers", path) from None
+    except (TypeError, ValueError, OverflowError):
+        raise Mistyped(f"{path}: is no array of numbers", path) from None
     if not np.isfinite(array).all():
         raise Invalid(f"{path}: has numbers that are not finite", path)
     return array

@@ -8,7 +8,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from .._errors import Invalid
+from .. import _given
+from .._errors import Invalid, Mistyped
 from .._native import Task
 
 Observation = dict[str, NDArray[Any]]
@@ -24,6 +25,8 @@ class Shape:
     """
 
     def __init__(self, task: Task, agent: int, max_age_s: float, flat: bool, with_ages: bool) -> None:
+        flat, with_ages = _given.flag(flat, "flat"), _given.flag(with_ages, "ages")
+        max_age_s = _given.number(max_age_s, "max_age_s")
         if not 0 < max_age_s < 1e9:
             raise Invalid(f"max_age_s: {max_age_s!r} is not a time; write one of 0 to 1e9 seconds", "max_age_s")
         bounds = np.asarray(task.bounds(agent), dtype=np.float32).reshape(-1, 2)
@@ -33,8 +36,10 @@ class Shape:
         self.flat, self.with_ages, self.max_age_s = flat, with_ages, max_age_s
         #: What each of the readings is, such as `ir_front` or `odometer.x_m`.
         self.columns = tuple(task.columns(agent))
+        #: The sensors by their names, with how many values each has.
+        self.sizes = {name: end - begin for name, _, begin, end in sensors}
         #: The names of the sensors.
-        self.sensors = tuple(name for name, *_ in sensors)
+        self.sensors = tuple(self.sizes)
         #: What each signal of an action is for.
         self.signals = tuple(task.actions(agent))
         # 0 stands for what has not come yet.
@@ -68,8 +73,8 @@ def signals(action: object, shape: tuple[int, ...], what: str) -> NDArray[np.flo
     """An action as an array of this shape."""
     try:
         array = np.asarray(action, dtype=np.float32)
-    except (TypeError, ValueError):
-        raise Invalid(f"{what}: {action!r} is no array of numbers", what) from None
+    except (TypeError, ValueError, OverflowError):
+        raise Mistyped(f"{what}: {action!r} is no array of numbers", what) from None
     if array.shape != shape:
         raise Invalid(f"{what}: has shape {array.shape}, {shape} is needed", what)
     return array

@@ -11,10 +11,10 @@ from gymnasium.vector import AutoresetMode, VectorEnv as GymnasiumVectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from .. import _native, _task
-from .._errors import Busy, Closed, Invalid
+from .. import _given, _native, _task
+from .._errors import Busy, Invalid, Mistyped
 from ..local import checked_seed
-from .env import TALLY, Randomize, Reward, Step, asked, drawn, one_robot, rewards, without
+from .env import TALLY, Randomize, Reward, Step, asked, closed_or_new, drawn, one_robot, rewards, without
 from .spaces import Shape, signals
 
 _AUTORESET = {
@@ -53,52 +53,61 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
         **fields: object,
     ) -> None:
         without(fields, "VectorEnv", ("agents", "end", "max_episode_steps", "render_mode", "render_size"))
-        if threads is not None and (not isinstance(threads, int) or threads < 1):
-            raise Invalid(f"threads: {threads!r} is not a number of threads; write 1 or more", "threads")
-        if isinstance(num_envs, bool) or not isinstance(num_envs, (int, np.integer)) or not 1 <= num_envs <= MOST:
-            raise Invalid(f"num_envs: {num_envs!r} is not a number of environments; write one of 1 to {MOST}", "num_envs")
+        self.num_envs = num_envs = _given.whole(num_envs, "num_envs", 1, MOST, "number of environments")
+        if threads is not None:
+            threads = _given.whole(threads, "threads", 1, MOST_THREADS, "number of threads")
+        copy = _given.flag(copy, "copy")
         draw, table = drawn(randomize)
         if draw is not None:
             raise Invalid("randomize: a function draws for one environment only; write a table of fields", "randomize")
-        mode = AutoresetMode(autoreset_mode)
+        mode = _mode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": mode}
-        self.num_envs = num_envs = int(num_envs)
-        chosen = [robot] if robot is not None else None
+        chosen = [_given.text(robot, "robot", "name")] if robot is not None else None
         self._task = _task.task(scenario, _task.fields(overrides, fields), brains, chosen, table)
         one_robot(self._task)
         self.shape = Shape(self._task, 0, max_age_s, flat, ages)
-        self.single_observation_space, self.single_action_space = self.shape.observation, self.shape.action
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
         weights, self._reward = rewards(reward)
         self._task.check_reward(weights)
         threads = threads or len(os.sched_getaffinity(0))
+        # It refuses more than there is memory for, arrays and spaces too.
         self._fleet: _native.Fleet | None = _native.Fleet(
-            self._task, num_envs, threads, self._task.seed, _AUTORESET[mode], weights, max_age_s
+            self._task, num_envs, threads, self._task.seed, _AUTORESET[mode], weights, self.shape.max_age_s
         )
-        self._mode, self._copy = mode, copy
+        self.single_observation_space, self.single_action_space = self.shape.observation, self.shape.action
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._mode, self._copy, self._is_new = mode, copy, True
         self._observed, self._finals = self._arrays(), self._arrays()
         self._rewards = np.zeros(num_envs)
         self._over = (np.zeros(num_envs, np.bool_), np.zeros(num_envs, np.bool_))
+        # Those whose runs ended in the last step.
+        self._ended = np.zeros(num_envs, np.bool_)
         self._tallies = np.zeros((num_envs, len(TALLY)))
+
+    def __reduce_ex__(self, protocol: object) -> str:
+        raise TypeError("cannot pickle or copy a VectorEnv: make another with the same arguments, and reset it with the same seed")
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        if seed is not None and not isinstance(seed, (int, np.integer)):
-            raise Invalid("seed: write one number; world i gets the seed that is i larger", "seed")
-        super().reset(seed=None if seed is None else int(seed))
+        first = None if seed is None else checked_seed(seed, self.num_envs)
         which = asked(options, "reset_mask").get("reset_mask")
-        mask = None if which is None else [bool(one) for one in np.asarray(which).ravel()]
-        self._open.reset(None if seed is None else checked_seed(seed), mask, *self._observed)
-        return self._observation(self._observed), {}
+        begun = np.ones(self.num_envs, np.bool_) if which is None else np.asarray(which).ravel().astype(np.bool_)
+        fleet = self._open
+        super().reset(seed=first)
+        fleet.reset(first, begun.tolist(), *self._observed)
+        self._is_new, self._ended = False, self._ended & ~begun
+        return self._observation(self._observed), self._infos(begun)
 
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[Any, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        fleet = self._open
+        if self._is_new:
+            raise closed_or_new(False)
         array = signals(actions, self.action_space.shape or (), "actions")
         try:
-            self._open.step(
+            fleet.step(
                 np.ascontiguousarray(array), self._observed, self._rewards, self._over, self._tallies, self._finals
             )
         except TypeError as error:
@@ -113,7 +122,7 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
             if rewards.shape != (self.num_envs,):
                 raise Invalid(f"reward: has shape {rewards.shape}, ({self.num_envs},) is needed", "reward")
         terminated, truncated = self._over
-        info = self._info(terminated | truncated)
+        info = self._step_infos(terminated | truncated)
         if self._copy:
             rewards, terminated, truncated = rewards.copy(), terminated.copy(), truncated.copy()
         return observation, rewards, terminated, truncated, info
@@ -124,12 +133,14 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
         return self._open.hash
 
     def close_extras(self, **_: Any) -> None:
+        if self._fleet is not None:
+            self._fleet.check_free()
         self._fleet = None
 
     @property
     def _open(self) -> _native.Fleet:
         if self._fleet is None:
-            raise Closed("the environments are closed; make others")
+            raise closed_or_new(True)
         return self._fleet
 
     def _arrays(self) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int8]]:
@@ -141,17 +152,45 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
         given = [array.copy() for array in arrays] if self._copy else list(arrays)
         return self.shape.observed(*given)
 
-    def _info(self, over: NDArray[np.bool_]) -> dict[str, Any]:
-        """What Gymnasium's own vector environments tell of runs that ended in the same step."""
-        if self._mode != AutoresetMode.SAME_STEP or not over.any():
+    def _step_infos(self, over: NDArray[np.bool_]) -> dict[str, Any]:
+        """What Gymnasium's own vector environments tell: of runs that ended in this step, and of those that began in it."""
+        told = over | self._ended if self._mode == AutoresetMode.NEXT_STEP else over
+        self._ended = over
+        if not told.any():
             return {}
-        last = np.full(self.num_envs, None, dtype=object)
-        for place in np.flatnonzero(over):
-            last[place] = self.shape.observed(*(array[place].copy() for array in self._finals))
-        return {"final_obs": last, "_final_obs": over.copy()}
+        infos = self._infos(told)
+        if self._mode == AutoresetMode.SAME_STEP:
+            last = np.full(self.num_envs, None, dtype=object)
+            for place in np.flatnonzero(over):
+                last[place] = self.shape.observed(*(array[place].copy() for array in self._finals))
+            infos |= {"final_obs": last, "_final_obs": over.copy()}
+            infos |= {"final_info": self._infos(over, of_last=True), "_final_info": over.copy()}
+        return infos
 
+    def _infos(self, which: NDArray[np.bool_], of_last: bool = False) -> dict[str, Any]:
+        """The infos of the runs of these environments, or of those before them, as an `Env` has them, in arrays and with masks."""
+        infos: dict[str, Any] = {}
+        for name, kind, values in zip(_INFO, _INFO.values(), self._open.infos(which.tolist(), of_last), strict=True):
+            infos[name] = np.full(self.num_envs, None if kind is object else 0, dtype=kind)
+            infos[name][which], infos[f"_{name}"] = values, which.copy()
+        return infos
+
+
+def _mode(mode: object) -> AutoresetMode:
+    try:
+        return AutoresetMode(mode)
+    except ValueError:
+        kinds = ", ".join(str(kind) for kind in AutoresetMode)
+        raise Mistyped(f"autoreset_mode: {mode!r} is none; there are: {kinds}", "autoreset_mode") from None
+
+
+#: What is in an info.
+_INFO: dict[str, type] = {"time_s": float, "seed": int, "ending": object}
 
 #: Most environments of one vector environment.
 MOST = 1 << 20
+
+#: Most threads of one.
+MOST_THREADS = 1024
 
 __all__ = ["VectorEnv"]
