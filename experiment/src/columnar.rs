@@ -107,7 +107,10 @@ impl Reader {
             Physical::DOUBLE => Ok((column.name().to_owned(), Kind::Number)),
             Physical::BYTE_ARRAY => Ok((column.name().to_owned(), Kind::Text)),
             Physical::BOOLEAN => Ok((column.name().to_owned(), Kind::Truth)),
-            other => Err(io::Error::other(format!("has a column of another kind: {other}"))),
+            other
+            @ (Physical::INT32 | Physical::INT96 | Physical::FLOAT | Physical::FIXED_LEN_BYTE_ARRAY) => {
+                Err(io::Error::other(format!("has a column of another kind: {other}")))
+            }
         };
         let columns = file.metadata().file_metadata().schema_descr().columns();
         let columns = columns.iter().map(kind).collect::<io::Result<_>>()?;
