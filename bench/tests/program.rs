@@ -36,7 +36,7 @@ fn brains_in_another_process_drive_in_lockstep() {
     let (code, out, err) = bench(&["N1", "N3/fleet", "--csv", "-"]);
     assert_eq!(code, 0, "{err}");
     let names: Vec<_> = out.lines().map(|line| line.split(',').next().unwrap()).collect();
-    assert_eq!(names, ["workload", "N1", "N3/fleet"], "{out}");
+    assert_eq!(names, ["workload", "N1", "N1/tls", "N3/fleet"], "{out}");
 }
 
 #[test]

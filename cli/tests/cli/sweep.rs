@@ -191,7 +191,7 @@ fn what_cannot_be_run_is_told_and_the_others_are_run() {
 
 #[test]
 fn what_takes_long_must_be_meant() {
-    let path = experiment("long", &GRID.replace("seeds = 3", "seeds = 500000"));
+    let path = experiment("long", &GRID.replace("seeds = 3", "seeds = 400000"));
     let to = out(&path, "out");
     let (code, _, err) = baudbot(&["sweep", &path, "--out", &to]);
     assert_eq!(code, 2);
@@ -200,7 +200,7 @@ fn what_takes_long_must_be_meant() {
     let (code, stdout, err) = baudbot(&["sweep", &path, "--find", "baud"]);
     assert_eq!((code, stdout.as_str()), (2, ""));
     // Four limits of at most six values each.
-    assert!(err.starts_with("error: up to 12000000 runs would take about "), "{err}");
+    assert!(err.starts_with("error: up to 9600000 runs would take about "), "{err}");
     assert!(err.contains("--yes"), "{err}");
 }
 
@@ -209,7 +209,7 @@ fn a_fresh_sweep_that_is_not_meant_deletes_nothing() {
     let path = experiment("fresh-long", &GRID.replace("seconds = 5.0", "seconds = 0.1"));
     let to = out(&path, "out");
     let before = table(&[&path], &to);
-    let fresh = ["sweep", &path, "--out", &to, "--fresh", "--seeds", "500000"];
+    let fresh = ["sweep", &path, "--out", &to, "--fresh", "--seeds", "400000"];
     let (code, _, err) = baudbot(&fresh);
     assert_eq!(code, 2);
     assert!(err.contains("--yes"), "{err}");

@@ -159,32 +159,26 @@ impl Secured {
     /// Takes the handshake as far as it goes.
     fn poll_open(&mut self, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         loop {
-            *self = match std::mem::replace(self, Self::Closed) {
+            match self {
+                Self::Plain(_) | Self::Encrypted(_) => return Poll::Ready(Ok(())),
                 Self::Silent(stream, acceptor) => {
                     let mut first = [0];
-                    match stream.poll_peek(context, &mut ReadBuf::new(&mut first)) {
-                        Poll::Pending => {
-                            *self = Self::Silent(stream, acceptor);
-                            return Poll::Pending;
-                        }
-                        Poll::Ready(Ok(1)) if first[0] != HANDSHAKE => return Poll::Ready(refuse(&stream)),
-                        Poll::Ready(Ok(_)) => Self::Shaking(Box::new(acceptor.accept(stream))),
-                        Poll::Ready(Err(error)) => return Poll::Ready(Err(error)),
+                    if ready!(stream.poll_peek(context, &mut ReadBuf::new(&mut first)))? == 1
+                        && first[0] != HANDSHAKE
+                    {
+                        return Poll::Ready(refuse(stream));
                     }
+                    let acceptor = acceptor.clone();
+                    let Self::Silent(stream, _) = std::mem::replace(self, Self::Closed) else { continue };
+                    *self = Self::Shaking(Box::new(acceptor.accept(stream)));
                 }
-                Self::Shaking(mut accept) => match Pin::new(&mut accept).poll(context) {
-                    Poll::Pending => {
-                        *self = Self::Shaking(accept);
-                        return Poll::Pending;
-                    }
-                    Poll::Ready(stream) => Self::Encrypted(Box::new(stream?)),
-                },
+                Self::Shaking(accept) => {
+                    let opened = ready!(Pin::new(accept).poll(context));
+                    *self = Self::Closed;
+                    *self = Self::Encrypted(Box::new(opened?));
+                }
                 Self::Closed => return Poll::Ready(Err(io::ErrorKind::NotConnected.into())),
-                open @ (Self::Plain(_) | Self::Encrypted(_)) => {
-                    *self = open;
-                    return Poll::Ready(Ok(()));
-                }
-            };
+            }
         }
     }
 }
