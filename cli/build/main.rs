@@ -72,7 +72,7 @@ fn python(package: &Path, archive: &mut Archive) -> Result<(), Box<dyn Error>> {
 
 /// Whether a crate needs the file when it is built: modules of tests alone it does not.
 fn is_source(name: &str) -> bool {
-    let Some((stem, "rs" | "toml" | "bin")) = name.rsplit_once('.') else { return false };
+    let Some((stem, "rs" | "toml" | "bin" | "py")) = name.rsplit_once('.') else { return false };
     !(stem == "tests" || stem.starts_with("test_") || stem.ends_with("_tests"))
 }
 
