@@ -31,7 +31,7 @@ from baudbot.gym import save_policy
 #: Generations in which a policy learns, in some minutes of a processor.
 GENERATIONS = {9600: 1200, 1200: 600}
 PLACES, SECONDS = 20, 60.0
-#: Student's t for ten seeds, and for as many as are likely: two-sided, 95 %.
+#: Student's t by the number of seeds: two-sided, 95 %.
 STUDENT = {2: 12.706, 3: 4.303, 4: 3.182, 5: 2.776, 6: 2.571, 7: 2.447, 8: 2.365, 9: 2.306, 10: 2.262}
 
 
@@ -97,7 +97,7 @@ def start(place: tuple[float, float, float]) -> list[str]:
 
 def mean(values: pd.Series[float]) -> str:
     """The mean of a figure over the seeds, with half of its 95 % interval."""
-    if len(values) not in STUDENT:
+    if len(values) == 1:
         return f"{values.mean():.2f}"
     return f"{values.mean():.2f} ± {STUDENT[len(values)] * values.std() / math.sqrt(len(values)):.2f}"
 
@@ -132,7 +132,7 @@ def check_by_program(program: str, folder: Path, runs: pd.DataFrame, training: T
 def main() -> None:
     parser = argparse.ArgumentParser(description="What is it worth to know how old one's readings are?")
     parser.add_argument("--out", type=Path, default=Path("ages"), help="the folder of the policies and of their runs")
-    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--seeds", type=int, default=10, choices=sorted(STUDENT))
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--program", default="baudbot", help="the program that drives by the policy of the fast cable, too")
     given = parser.parse_args()

@@ -6,7 +6,7 @@ use std::time::{Duration, SystemTime};
 
 use baudbot_access::{NewGrant, Token, TokenFile};
 use baudbot_client::{Channel, Client, Credentials, Error, connect_with};
-use baudbot_server::{Server, WorldConfig};
+use baudbot_server::{Builder, Server, WorldConfig};
 use baudbot_tests::system::lockstep;
 use baudbot_tests::{WANDER, crowd, scenario};
 use prost::Message as _;
@@ -291,5 +291,18 @@ async fn other_machines_reach_a_server_only_with_tokens_and_tls() {
     }
     let page = Server::builder().world(world()).viewer(SocketAddr::from(([0, 0, 0, 0], 0)));
     assert!(page.serve().await.is_err());
+    let shown = async |builder: Builder| {
+        let page = builder.world(world()).tokens(file.clone()).behind_proxy(true);
+        let server = page.viewer(SocketAddr::from(([0, 0, 0, 0], 0))).serve().await.unwrap();
+        let (port, link) = (server.viewers()[0].port(), server.viewer_links().remove(0));
+        server.shutdown().await;
+        link.replace(&port.to_string(), "PORT")
+    };
+    assert_eq!(
+        shown(Server::builder()).await,
+        "http://127.0.0.1:PORT/",
+        "a browser is let in under this name"
+    );
+    assert_eq!(shown(Server::builder().host("robots.lab")).await, "http://robots.lab:PORT/");
     everywhere().tokens(file).behind_proxy(true).serve().await.unwrap().shutdown().await;
 }

@@ -37,6 +37,8 @@ pub(crate) enum Caller {
     Trusted,
     /// The holder of a token.
     Holder(Arc<Grant>),
+    /// Somebody who was not asked for a token, as the call needs none.
+    Nobody,
 }
 
 impl Caller {
@@ -50,6 +52,7 @@ impl Caller {
             Self::Holder(grant) => {
                 grant.may_drive(world, robot).map_err(|denied| Status::permission_denied(denied.to_string()))
             }
+            Self::Nobody => Err(Status::unauthenticated(Refused::Missing.to_string())),
         }
     }
 
@@ -58,6 +61,7 @@ impl Caller {
         match self {
             Self::Trusted => true,
             Self::Holder(grant) => grant.may(Need::Observe).is_ok(),
+            Self::Nobody => false,
         }
     }
 
@@ -66,6 +70,7 @@ impl Caller {
         match self {
             Self::Trusted => "this process",
             Self::Holder(grant) => grant.name.as_str(),
+            Self::Nobody => "nobody",
         }
     }
 }
@@ -112,7 +117,7 @@ impl Access {
     /// If it is not valid any more.
     pub(crate) fn still(&self, caller: &Caller) -> Result<Caller, Refused> {
         match (&self.0, caller) {
-            (None, _) | (_, Caller::Trusted) => Ok(caller.clone()),
+            (None, _) | (_, Caller::Trusted | Caller::Nobody) => Ok(caller.clone()),
             (Some(shared), Caller::Holder(grant)) => {
                 Ok(Caller::Holder(Arc::clone(shared.tokens().still(&grant.hash, SystemTime::now())?)))
             }
@@ -132,7 +137,7 @@ impl Access {
     ) -> Result<Caller, Status> {
         let Some(need) = needs_at(path) else { return Err(Status::new(Code::Unimplemented, "")) };
         let caller = match (need, known) {
-            (Need::Nothing, _) => return Ok(known.cloned().unwrap_or(Caller::Trusted)),
+            (Need::Nothing, _) => return Ok(known.cloned().unwrap_or(Caller::Nobody)),
             (_, Some(known)) => self.still(known),
             (_, None) => self.caller(authorization(headers)),
         };
@@ -193,5 +198,6 @@ pub(crate) fn authorization(headers: &http::HeaderMap) -> Option<&str> {
     headers.get(http::header::AUTHORIZATION)?.to_str().ok()
 }
 
-/// A token that is revoked is good for nothing after so long.
+/// How often the file is looked at. A call with a token that is revoked is refused after so long, and a stream ends after twice as
+/// long at most, if a call has just looked.
 const EACH: Duration = Duration::from_secs(1);

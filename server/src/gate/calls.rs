@@ -51,7 +51,7 @@ where
             Err(status) => return Either::Left(future::ok(status.into_http())),
         };
         let guard: Guard = match &caller {
-            Caller::Trusted => Box::new(|response| response),
+            Caller::Trusted | Caller::Nobody => Box::new(|response| response),
             Caller::Holder(grant) => {
                 let (access, grant) = (self.access.clone(), Arc::clone(grant));
                 Box::new(|response| response.map(|body| Body::new(Guarded::new(body, access, grant))))

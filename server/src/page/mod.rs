@@ -32,6 +32,7 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
+use axum::serve::Listener;
 use baudbot_access::Door;
 pub use film::{Film, NoFilm};
 pub(crate) use guard::Guard;
@@ -67,7 +68,8 @@ pub(crate) async fn serve(
     films: Option<mpsc::Sender<Film>>,
     mut stopped: watch::Receiver<bool>,
 ) {
-    let sessions = Sessions::new(access, guard.is_secure());
+    let port = listener.local_addr().map_or(0, |address| address.port());
+    let sessions = Sessions::new(access, guard.is_secure(), port);
     let page = Page { pipes, metrics, guard, sessions, stopped: stopped.clone() };
     let router = match films {
         Some(films) => Router::new().route("/film", film::route(films)),
@@ -124,9 +126,7 @@ impl Page {
     /// What it is answered.
     fn admit(&self, headers: &HeaderMap, door: Door) -> Result<Caller, Refusal> {
         let answer = |status, text: String| (status, text + "\n");
-        self.guard
-            .check_origin(headers)
-            .map_err(|problem| answer(StatusCode::FORBIDDEN, problem.to_owned()))?;
+        self.guard.check_origin(headers).map_err(|problem| (StatusCode::FORBIDDEN, problem.to_owned()))?;
         let caller = self.sessions.caller(headers);
         let caller = caller.map_err(|refused| answer(StatusCode::UNAUTHORIZED, refused.to_string()))?;
         if let Caller::Holder(grant) = &caller {

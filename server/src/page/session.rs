@@ -20,6 +20,8 @@ pub(super) struct Sessions {
     open: Arc<Mutex<HashMap<TokenHash, Session>>>,
     /// Whether cookies go over TLS only.
     secure: bool,
+    /// The cookie's. A browser sends cookies to all ports of a host, where other servers may be.
+    name: String,
 }
 
 struct Session {
@@ -28,8 +30,9 @@ struct Session {
 }
 
 impl Sessions {
-    pub(super) fn new(access: Access, secure: bool) -> Self {
-        Self { access, open: Arc::default(), secure }
+    /// Those of a listener at this port.
+    pub(super) fn new(access: Access, secure: bool, port: u16) -> Self {
+        Self { access, open: Arc::default(), secure, name: format!("baudbot_session_{port}") }
     }
 
     /// The caller of a request, by its token or the cookie of its session.
@@ -38,7 +41,7 @@ impl Sessions {
     /// If it has neither, or it is not valid any more.
     pub(super) fn caller(&self, headers: &HeaderMap) -> Result<Caller, Refused> {
         let shown = authorization(headers);
-        match (shown, cookie(headers)) {
+        match (shown, self.cookie(headers)) {
             (None, Some(key)) if !self.access.is_open() => {
                 let session =
                     self.lock().get(&key.hash()).map(|session| (session.caller.clone(), session.until));
@@ -70,22 +73,21 @@ impl Sessions {
         open.insert(key.hash(), Session { caller, until: now + LASTS });
         let secure = if self.secure { "; Secure" } else { "" };
         let seconds = LASTS.as_secs();
-        Ok(format!("{NAME}={}; HttpOnly; SameSite=Strict; Path=/; Max-Age={seconds}{secure}", key.reveal()))
+        let (name, key) = (&self.name, key.reveal());
+        Ok(format!("{name}={key}; HttpOnly; SameSite=Strict; Path=/; Max-Age={seconds}{secure}"))
+    }
+
+    /// The key of a session that a browser shows.
+    fn cookie(&self, headers: &HeaderMap) -> Option<Token> {
+        let pairs = headers.get_all(header::COOKIE).iter().filter_map(|cookies| cookies.to_str().ok());
+        let mut pairs = pairs.flat_map(|cookies| cookies.split(';'));
+        pairs.find_map(|pair| pair.trim().strip_prefix(&self.name)?.strip_prefix('=')?.parse().ok())
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<TokenHash, Session>> {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
-
-/// The key of a session that a browser shows.
-fn cookie(headers: &HeaderMap) -> Option<Token> {
-    let pairs = headers.get_all(header::COOKIE).iter().filter_map(|cookies| cookies.to_str().ok());
-    let mut pairs = pairs.flat_map(|cookies| cookies.split(';'));
-    pairs.find_map(|pair| pair.trim().strip_prefix(NAME)?.strip_prefix('=')?.parse().ok())
-}
-
-const NAME: &str = "baudbot_session";
 
 /// How long a session is good for.
 const LASTS: Duration = Duration::from_secs(12 * 60 * 60);
@@ -110,7 +112,7 @@ mod tests {
         let token = Token::random().unwrap();
         let own = vec![Grant::local(token.hash(), SystemTime::now())];
         let access = Access::by(Watched::open(None, own, Instant::now()).unwrap());
-        let sessions = Sessions::new(access, false);
+        let sessions = Sessions::new(access, false, 7401);
         assert!(matches!(sessions.caller(&HeaderMap::new()), Err(Refused::Missing)));
         let bearer = headers(header::AUTHORIZATION, &format!("Bearer {}", token.reveal()));
         assert_eq!(sessions.caller(&bearer).unwrap().name(), "local");
@@ -120,7 +122,16 @@ mod tests {
         let pair = set.split(';').next().unwrap();
         let back = headers(header::COOKIE, &format!("theme=dark; {pair}"));
         assert_eq!(sessions.caller(&back).unwrap().name(), "local");
-        let forged = format!("{NAME}={}", Token::random().unwrap().reveal());
+        let beside = headers(
+            header::COOKIE,
+            &format!("baudbot_session_7402={}; {pair}", Token::random().unwrap().reveal()),
+        );
+        assert_eq!(
+            sessions.caller(&beside).unwrap().name(),
+            "local",
+            "another server of this host has another cookie"
+        );
+        let forged = format!("baudbot_session_7401={}", Token::random().unwrap().reveal());
         assert!(sessions.caller(&headers(header::COOKIE, &forged)).is_err());
         assert!(sessions.begin(&HeaderMap::new()).is_err());
     }

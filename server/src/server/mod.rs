@@ -91,6 +91,8 @@ pub struct Server {
     /// The token of this user's own programs, and the files in which they find it.
     local: Option<(Token, LocalFiles)>,
     is_encrypted: bool,
+    /// A name under which pages reach it.
+    host: Option<String>,
     pipes: Pipes,
     /// To what trainers reach.
     trainers_pipes: Option<Pipes>,
@@ -137,6 +139,7 @@ impl Server {
             sockets: Vec::new(),
             local,
             is_encrypted: guards.is_encrypted,
+            host: guards.hosts.first().cloned(),
             pipes,
             trainers_pipes: None,
             stop,
@@ -243,7 +246,19 @@ impl Server {
         let scheme = if self.is_encrypted { "https" } else { "http" };
         let token = self.local.as_ref().map(|(token, _)| format!("#token={}", token.reveal()));
         let token = token.unwrap_or_default();
-        self.viewers.iter().map(|address| format!("{scheme}://{address}/{token}")).collect()
+        self.viewers
+            .iter()
+            .map(|address| format!("{scheme}://{}/{token}", self.reached_at(*address)))
+            .collect()
+    }
+
+    /// Where a browser finds the page of this address: by the server's name or on this machine, if it is that of all interfaces.
+    fn reached_at(&self, address: SocketAddr) -> String {
+        match (&self.host, address.ip()) {
+            (Some(name), ip) if !ip.is_loopback() => format!("{name}:{}", address.port()),
+            (_, ip) if ip.is_unspecified() => SocketAddr::from(([127, 0, 0, 1], address.port())).to_string(),
+            (_, _) => address.to_string(),
+        }
     }
 
     /// A new connection to it, through a pipe in memory.
