@@ -94,14 +94,16 @@ pub(crate) struct Stamp {
     changed_ns: (i64, i64),
 }
 
-/// Reads a text that only its owner, who is this user or root, may read and write.
+/// Reads a text that only its owner, who is this user or root, may read and write; of one that is root's, this program's own group may
+/// read it, too.
 pub(crate) fn read(path: &Path, most: u64) -> Result<(String, Stamp), PrivateError> {
     let (file, metadata) = open(path)?;
     check_file(path, &metadata)?;
     Ok((text_of(path, file, &metadata, most)?, Stamp::of(&metadata)))
 }
 
-/// Writes a file that only this user may read and write, in place of one that may be there. Whenever this is interrupted, there
+/// Writes a file that only this user may read and write, in place of one that may be there; where root has let a service's group read
+/// that, it may read the new one. Whenever this is interrupted, there
 /// is the old file or the new one.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), PrivateError> {
     let failed = |source| PrivateError::Io { action: "write", path: path.to_owned(), source };
@@ -111,6 +113,13 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), PrivateError> {
     // Its mode is 0600.
     let mut file = NamedTempFile::new_in(folder).map_err(failed)?;
     file.write_all(text.as_bytes()).and_then(|()| file.as_file().sync_all()).map_err(failed)?;
+    if let Ok(before) = fs::metadata(&real)
+        && is_for_service(&before)
+    {
+        let kept = std::os::unix::fs::fchown(file.as_file(), None, Some(before.gid()));
+        let kept = kept.and_then(|()| file.as_file().set_permissions(before.permissions()));
+        kept.map_err(failed)?;
+    }
     file.persist(&real).map_err(|error| failed(error.error))?;
     // The name is on the disk only with the folder. What cannot do that, as some network file systems, does not know of it.
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
@@ -215,7 +224,18 @@ fn check_file(path: &Path, metadata: &Metadata) -> Result<(), PrivateError> {
     if metadata.uid() != user() && metadata.uid() != 0 {
         return Err(PrivateError::Foreign { path: path.to_owned(), owner: metadata.uid() });
     }
+    if is_for_service(metadata) {
+        return Ok(());
+    }
     check_mode(path, metadata, "600")
+}
+
+/// Whether it is root's, who lets a service read it by the service's own group, as systems and orchestrators keep secrets. The
+/// service is this program, or root looks after the file for it.
+fn is_for_service(metadata: &Metadata) -> bool {
+    let group = metadata.gid();
+    let is_ours = user() == 0 || group == rustix::process::getegid().as_raw();
+    metadata.uid() == 0 && group != 0 && is_ours && metadata.mode() & 0o077 == 0o040
 }
 
 fn check_mode(path: &Path, metadata: &Metadata, wanted: &'static str) -> Result<(), PrivateError> {
@@ -279,6 +299,30 @@ mod tests {
             mode(&path, good);
             assert_eq!(read(&path, 3).unwrap().0, "one");
         }
+    }
+
+    /// As systemd and Kubernetes give a secret to a service.
+    #[test]
+    fn root_lets_a_service_read_by_its_group() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("secret");
+        write(&path, "one").unwrap();
+        if user() != 0 {
+            return; // only root can give a file to a group
+        }
+        std::os::unix::fs::chown(&path, Some(0), Some(4321)).unwrap();
+        mode(&path, 0o640);
+        assert_eq!(read(&path, 3).unwrap().0, "one");
+        write(&path, "two").unwrap();
+        let metadata = fs::metadata(&path).unwrap();
+        assert_eq!((metadata.mode() & 0o777, metadata.gid()), (0o640, 4321), "the service can read it still");
+        for bad in [0o660, 0o644, 0o642] {
+            mode(&path, bad);
+            assert!(matches!(read(&path, 3), Err(PrivateError::Exposed { .. })), "{bad:o}");
+        }
+        std::os::unix::fs::chown(&path, Some(4321), Some(4321)).unwrap();
+        mode(&path, 0o640);
+        assert!(matches!(read(&path, 3), Err(PrivateError::Foreign { .. })), "a file of another user");
     }
 
     #[test]

@@ -40,6 +40,7 @@ mod access;
 mod actor;
 mod address;
 mod annotate;
+mod audit;
 mod beliefs;
 mod blocking;
 mod brain_link;
@@ -74,7 +75,9 @@ mod trainer;
 mod truth;
 
 pub use actor::{DirectWorld, OnTick, Progress};
+
 pub use address::{Address, BadAddress};
+pub use audit::AuditLog;
 pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, state_values};
 pub use convert::pace_of;
 pub use descriptors::raise_descriptor_limit;

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tonic::Status;
 
 use crate::actor::{self, NewWorld};
+use crate::audit::call::note_world;
 use crate::message::{Message, WorldHandle};
 use crate::pool::Pool;
 use crate::quote::{brief, list};
@@ -52,6 +53,7 @@ impl Registry {
     /// If the name is taken or unfit, or there is no room for another world, or no thread.
     pub(crate) fn create(&self, new: NewWorld) -> Result<WorldHandle, Status> {
         check_name(&new.name)?;
+        note_world(&new.name);
         let mut worlds = self.lock();
         if worlds.by_name.contains_key(new.name.as_str()) {
             return Err(Status::already_exists(format!("world: there is a world `{}` already", new.name)));
@@ -74,6 +76,7 @@ impl Registry {
 
     /// The world of this name. An error names the request's `field`.
     pub(crate) fn find(&self, field: &str, name: &str) -> Result<WorldHandle, Status> {
+        note_world(name);
         let worlds = self.lock();
         worlds.by_name.get(name).map(|Entry(world, _)| world.clone()).ok_or_else(|| {
             let there = list(worlds.by_name.keys().map(AsRef::as_ref));

@@ -4,6 +4,7 @@
 
 mod animals;
 mod attachment;
+mod audit;
 mod avoid;
 mod bad_input;
 mod budget;

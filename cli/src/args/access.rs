@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use anyhow::Context;
 use baudbot_access::{Token, TokenFile};
-use baudbot_server::{Builder, Tls};
+use baudbot_server::{AuditLog, Builder, Tls};
 use clap::Args;
 
 use crate::error::Refused;
@@ -31,6 +31,9 @@ pub(crate) struct AccessArgs {
     /// Other machines connect through a proxy, which encrypts
     #[arg(long, requires = "tokens")]
     pub(crate) behind_proxy: bool,
+    /// Append who did what to this file, in lines of JSON: calls that change something, drive a robot or train, and refused ones
+    #[arg(long, value_name = "FILE")]
+    pub(crate) audit: Option<PathBuf>,
     /// A name under which browsers reach the viewer, besides localhost and its address
     #[arg(long, value_name = "NAME")]
     pub(crate) host: Vec<String>,
@@ -63,6 +66,7 @@ impl AccessArgs {
             (self.open, "--open"),
             (self.tokens.is_some(), "--tokens"),
             (self.tls.is_some(), "--tls"),
+            (self.audit.is_some(), "--audit"),
             (!self.host.is_empty(), "--host"),
         ];
         options.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option)
@@ -82,6 +86,11 @@ impl AccessArgs {
         }
         if !self.open {
             builder = builder.local_token(Token::random().context("no token can be made")?);
+        }
+        if let Some(file) = &self.audit {
+            let log = AuditLog::open(file);
+            let refused = |error| Refused::error(format!("--audit {}: {error}", file.display()));
+            builder = builder.audit(log.map_err(refused)?);
         }
         builder = builder.behind_proxy(self.behind_proxy);
         Ok(self.host.iter().fold(builder, Builder::host))

@@ -115,6 +115,7 @@ pub(super) fn kind_of(event: &RecordedEvent) -> &'static str {
         ReplayEventKind::Brain => "brain",
         ReplayEventKind::Change => "change",
         ReplayEventKind::Ending => "ending",
+        ReplayEventKind::Order => "order",
     }
 }
 

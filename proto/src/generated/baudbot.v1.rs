@@ -1415,6 +1415,8 @@ pub enum ReplayEventKind {
     Change = 3,
     /// The run ended.
     Ending = 4,
+    /// The holder of a token requested something: the name of the token, and what.
+    Order = 5,
 }
 impl ReplayEventKind {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -1428,6 +1430,7 @@ impl ReplayEventKind {
             Self::Brain => "REPLAY_EVENT_KIND_BRAIN",
             Self::Change => "REPLAY_EVENT_KIND_CHANGE",
             Self::Ending => "REPLAY_EVENT_KIND_ENDING",
+            Self::Order => "REPLAY_EVENT_KIND_ORDER",
         }
     }
     /// Creates an enum from field names used in the ProtoBuf definition.
@@ -1438,6 +1441,7 @@ impl ReplayEventKind {
             "REPLAY_EVENT_KIND_BRAIN" => Some(Self::Brain),
             "REPLAY_EVENT_KIND_CHANGE" => Some(Self::Change),
             "REPLAY_EVENT_KIND_ENDING" => Some(Self::Ending),
+            "REPLAY_EVENT_KIND_ORDER" => Some(Self::Order),
             _ => None,
         }
     }

@@ -16,6 +16,7 @@ pub(super) fn event(topic: &Arc<str>, time_ns: u64, kind: Kind, text: &str) -> F
         Kind::Brain => (Level::Info, "brain"),
         Kind::Change => (Level::Info, "change"),
         Kind::Ending => (Level::Info, "ending"),
+        Kind::Order => (Level::Info, "order"),
     };
     let log = Log {
         timestamp: Some(time(time_ns)),

@@ -25,7 +25,7 @@ impl WorldActor {
         }
         let scenario = Arc::clone(self.world.scenario());
         let (world, brain, stops) = (request.world.clone(), request.brain.clone(), request.stop_when_gone);
-        let raw = request.mode.is_raw();
+        let (raw, by) = (request.mode.is_raw(), request.by.clone());
         let new = match self.sessions.attach(&self.name, &scenario, request) {
             Ok(new) => new,
             Err(status) => return drop(reply.send(Err(status))),
@@ -34,7 +34,7 @@ impl WorldActor {
             self.ports.senders[robot] = sender(&self.world.robot(robot), raw);
             self.ports.final_commands[robot] = stops.then(|| FinalCommand::of(&self.world));
         }
-        self.record_attached(&new.robots, &brain);
+        self.record_attached(&new.robots, &brain, by.as_deref());
         self.log_attached(new.number, &new.robots);
         self.beliefs.hand_to(Some(new.number), &new.robots);
         let lockstep = self.pacer.pace.watchdog().is_some();

@@ -54,7 +54,7 @@ impl DirectWorld {
     pub fn attach(&mut self, brain: &str, robots: &[usize]) {
         let actor = &mut self.actor;
         let session = actor.sessions.seat(brain.to_owned(), robots.to_vec());
-        actor.record_attached(robots, brain);
+        actor.record_attached(robots, brain, None);
         actor.log_attached(session, robots);
         actor.beliefs.hand_to(Some(session), robots);
     }

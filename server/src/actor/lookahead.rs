@@ -199,6 +199,8 @@ pub(super) fn sees_world(message: &Message) -> bool {
         // Numbers only; monitoring that asks why a world stands must not wait for that.
         Message::Measure(_)
         | Message::Describe(_)
+        // It is written down when the order is given.
+        | Message::Order(_)
         | Message::DescribeReplay(_)
         | Message::Attach(..)
         | Message::Step(_)

@@ -23,6 +23,7 @@ impl WorldActor {
     pub(super) fn handle_now(&mut self, message: Message) {
         match message {
             Message::Request(request, reply) => self.handle_request(request, reply),
+            Message::Order(order) => self.record_order(&order),
             Message::Describe(reply) => drop(reply.send(Arc::clone(self.world.scenario()))),
             Message::DescribeReplay(reply) => drop(reply.send(self.recorded())),
             Message::Measure(reply) => drop(reply.send(self.measure())),

@@ -7,7 +7,7 @@ use tonic::Status;
 
 use super::ports::ToDevice;
 use super::{Pending, WorldActor, view};
-use crate::message::RecordConfig;
+use crate::message::{Order, RecordConfig};
 use crate::pace::Pace;
 use crate::recording::{Input, Recorder};
 use crate::report::{RecordingReport, Report};
@@ -140,10 +140,18 @@ impl WorldActor {
         }
     }
 
-    /// Records that a brain has these robots.
-    pub(super) fn record_attached(&mut self, robots: &[usize], brain: &str) {
+    /// Records who is going to request what.
+    pub(super) fn record_order(&mut self, Order { by, what }: &Order) {
         if let Some(recorder) = &mut self.recording.recorder {
-            let text = format!("`{brain}` drives {}", names(&self.world, robots));
+            recorder.event(self.world.tick(), ReplayEventKind::Order, format!("{by} {what}"));
+        }
+    }
+
+    /// Records that a brain has these robots; `by` is the name of the token that it has shown.
+    pub(super) fn record_attached(&mut self, robots: &[usize], brain: &str, by: Option<&str>) {
+        if let Some(recorder) = &mut self.recording.recorder {
+            let by = by.map(|by| format!(" (token {by})")).unwrap_or_default();
+            let text = format!("`{brain}` drives {}{by}", names(&self.world, robots));
             recorder.event(self.world.tick(), ReplayEventKind::Brain, text);
         }
     }

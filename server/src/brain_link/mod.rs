@@ -17,6 +17,7 @@ use tracing::Instrument;
 
 use crate::access::{Caller, caller_of};
 use crate::annotate::checked;
+use crate::audit::call::{by, note_robots};
 use crate::beliefs::Beliefs;
 use crate::convert::{self, AttachResponse};
 use crate::endpoint::Mode;
@@ -59,6 +60,7 @@ impl BrainLink {
             None => return Err(Status::invalid_argument("request: the first request must be a Hello")),
         };
         let mode = check(&hello)?;
+        note_robots([&hello]);
         for robot in &hello.robots {
             caller.may_drive(&hello.world, robot)?;
         }
@@ -113,6 +115,7 @@ pub(crate) async fn take_robots(
         memory_bytes: hello.memory_bytes,
         thinks_as_scenario: hello.thinks_as_scenario,
         stop_when_gone: hello.stop_when_gone,
+        by: by(),
         recipient,
         world: world.clone(),
     };

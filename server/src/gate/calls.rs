@@ -3,31 +3,38 @@
 use std::sync::Arc;
 use std::task::{Context, Poll};
 
+use baudbot_access::needs_at;
 use futures_util::future::{self, Either, MapOk, Ready, TryFutureExt};
+use tokio::task::futures::TaskLocalFuture;
 use tonic::Status;
 use tonic::body::Body;
 use tonic::codegen::http::{Request, Response};
 use tower::{Layer, Service};
 
 use super::Admission;
-use crate::access::{Access, Caller, Guarded};
+use crate::access::{Access, Caller, Guarded, authorization};
+use crate::audit::call::Call;
+use crate::audit::{AuditLog, Audited, Record};
 
 /// Lets a call pass whose connection has a place, and whose caller may make it. The caller is in its extensions then.
 #[derive(Clone)]
-pub(crate) struct CheckCalls(pub(crate) Access);
+pub(crate) struct CheckCalls {
+    pub(crate) access: Access,
+    pub(crate) audit: Option<AuditLog>,
+}
 
 impl<S> Layer<S> for CheckCalls {
     type Service = Checked<S>;
 
     fn layer(&self, inner: S) -> Checked<S> {
-        Checked { access: self.0.clone(), inner }
+        Checked { check: self.clone(), inner }
     }
 }
 
 /// Services behind the check.
 #[derive(Clone)]
 pub(crate) struct Checked<S> {
-    access: Access,
+    check: CheckCalls,
     inner: S,
 }
 
@@ -39,26 +46,54 @@ where
 {
     type Response = Response<Body>;
     type Error = S::Error;
-    type Future = Either<Ready<Result<Response<Body>, S::Error>>, MapOk<S::Future, Guard>>;
+    type Future =
+        Either<Ready<Result<Response<Body>, S::Error>>, MapOk<TaskLocalFuture<Call, S::Future>, Guard>>;
 
     fn poll_ready(&mut self, context: &mut Context<'_>) -> Poll<Result<(), S::Error>> {
         self.inner.poll_ready(context)
     }
 
     fn call(&mut self, mut request: Request<Body>) -> Self::Future {
-        let caller = match check(&self.access, &request) {
+        let caller = match check(&self.check.access, &request) {
             Ok(caller) => caller,
-            Err(status) => return Either::Left(future::ok(status.into_http())),
-        };
-        let guard: Guard = match &caller {
-            Caller::Trusted | Caller::Nobody => Box::new(|response| response),
-            Caller::Holder(grant) => {
-                let (access, grant) = (self.access.clone(), Arc::clone(grant));
-                Box::new(|response| response.map(|body| Body::new(Guarded::new(body, access, grant))))
+            Err(status) => {
+                if let Some(record) = self.record(&request, &name(&self.check.access, &request)) {
+                    record.refuse(&status);
+                }
+                return Either::Left(future::ok(status.into_http()));
             }
         };
-        request.extensions_mut().insert(caller);
-        Either::Right(self.inner.call(request).map_ok(guard))
+        let need = needs_at(request.uri().path());
+        let record = Record::is_for(need).then(|| self.record(&request, caller.name())).flatten();
+        let guard = self.guard(&caller, record.clone());
+        request.extensions_mut().insert(caller.clone());
+        Either::Right(Call { caller, record }.serve(self.inner.call(request)).map_ok(guard))
+    }
+}
+
+impl<S> Checked<S> {
+    /// What the audit log has of a call, if there is one.
+    fn record(&self, request: &Request<Body>, who: &str) -> Option<Arc<Record>> {
+        let log = self.check.audit.as_ref()?;
+        Some(Record::new(log, who, request.uri().path()).into())
+    }
+
+    /// What stands between a service's response and its caller.
+    fn guard(&self, caller: &Caller, record: Option<Arc<Record>>) -> Guard {
+        let grant = match caller {
+            Caller::Trusted | Caller::Nobody => None,
+            Caller::Holder(grant) => Some((self.check.access.clone(), Arc::clone(grant))),
+        };
+        Box::new(move |response| {
+            let response = match grant {
+                Some((access, grant)) => response.map(|body| Body::new(Guarded::new(body, access, grant))),
+                None => response,
+            };
+            match record {
+                Some(record) => Audited::response(response, record),
+                None => response,
+            }
+        })
     }
 }
 
@@ -74,4 +109,11 @@ fn check(access: &Access, request: &Request<Body>) -> Result<Caller, Status> {
         None => extensions.get::<Caller>(),
     };
     access.check(request.uri().path(), known, request.headers())
+}
+
+/// The name of a caller who may not do what it wants.
+fn name(access: &Access, request: &Request<Body>) -> String {
+    let known = request.extensions().get::<Caller>().cloned();
+    let caller = known.map_or_else(|| access.caller(authorization(request.headers())), Ok);
+    caller.map_or_else(|_| Caller::Nobody.name().to_owned(), |caller| caller.name().to_owned())
 }

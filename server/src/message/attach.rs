@@ -27,6 +27,8 @@ pub(crate) struct Attach {
     pub(crate) thinks_as_scenario: bool,
     /// Whether its robots are to stand when it is gone.
     pub(crate) stop_when_gone: bool,
+    /// The name of the token that it has shown, if it has shown one.
+    pub(crate) by: Option<String>,
     pub(crate) recipient: Recipient,
     /// The way back to the world, for the lease.
     pub(crate) world: WorldHandle,

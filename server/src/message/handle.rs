@@ -6,7 +6,8 @@ use baudbot_sim::Scenario;
 use tokio::sync::oneshot;
 use tonic::Status;
 
-use super::{Message, Request};
+use super::{Message, Order, Request};
+use crate::audit::call::by;
 use crate::mailbox::Mailbox;
 use crate::report::Report;
 
@@ -59,6 +60,11 @@ impl WorldHandle {
     /// # Errors
     /// `ABORTED` if the world is over, or why the world refuses the request.
     pub(crate) async fn request(&self, request: Request) -> Result<Report, Status> {
+        if let Some(what) = request.order()
+            && let Some(by) = by()
+        {
+            self.send(Message::Order(Order { by, what }))?;
+        }
         self.ask(|reply| Message::Request(request, reply)).await?
     }
 

@@ -27,6 +27,8 @@ pub(crate) type Reply<T> = oneshot::Sender<Result<T, Status>>;
 pub(crate) enum Message {
     /// From an operator.
     Request(Request, Reply<Report>),
+    /// The holder of a token is going to request something.
+    Order(Order),
     Describe(oneshot::Sender<Arc<Scenario>>),
     /// Asks which recording is being replayed, if any is.
     DescribeReplay(oneshot::Sender<Option<Arc<RecordedRun>>>),
@@ -43,6 +45,14 @@ pub(crate) enum Message {
     },
     /// The server stops.
     Stop,
+}
+
+/// A request, for a recording: who makes it, and what it is.
+pub(crate) struct Order {
+    /// The name of the token.
+    pub(crate) by: String,
+    /// What it is, in words.
+    pub(crate) what: &'static str,
 }
 
 /// What a brain does: the answer to a Turn, or something it was not asked for.

@@ -74,6 +74,27 @@ impl Request {
     }
 }
 
+impl Request {
+    /// What a recording says that it is, if it changes something in the world. Steps do not, as their ticks are in the recording
+    /// and there may be thousands a second.
+    pub(crate) fn order(&self) -> Option<&'static str> {
+        match self {
+            Self::Start => Some("starts the world"),
+            Self::Pause => Some("pauses the world"),
+            Self::SetPace(_) => Some("sets the pace"),
+            Self::Reset(_) => Some("resets the world"),
+            Self::Snapshot => Some("takes a snapshot"),
+            Self::Restore { .. } => Some("restores a snapshot"),
+            Self::Save { .. } => Some("saves the state"),
+            Self::StopRecording(_) => Some("ends the recording"),
+            Self::Intervene(_) => Some("changes the world"),
+            Self::DetachBrain { .. } => Some("detaches a brain"),
+            Self::Delete => Some("deletes the world"),
+            Self::Report | Self::Step { .. } | Self::Record(_) | Self::Seek { .. } | Self::Fork(_) => None,
+        }
+    }
+}
+
 /// Where a world is recorded, and what beside its inputs.
 #[derive(Clone, Debug)]
 pub(crate) struct RecordConfig {

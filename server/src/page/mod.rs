@@ -23,6 +23,7 @@ mod session;
 mod socket;
 
 use crate::access::{Access, Caller};
+use crate::audit::{AuditLog, Record};
 use crate::gate::{GatedListener, PageConnection, TcpEntry};
 use crate::metrics::{self, Metrics};
 use crate::pipe::Pipes;
@@ -38,6 +39,7 @@ pub use film::{Film, NoFilm};
 pub(crate) use guard::Guard;
 use session::Sessions;
 use tokio::sync::{mpsc, watch};
+use tonic::Status;
 
 /// Bytes of the longest message of the socket: a scenario, and a little around it.
 const MAX_MESSAGE: usize = baudbot_scenario::MAX_BYTES + (1 << 16);
@@ -47,6 +49,7 @@ pub(crate) struct Services {
     /// To the server's own services.
     pub(crate) pipes: Pipes,
     pub(crate) access: Access,
+    pub(crate) audit: Option<AuditLog>,
     pub(crate) metrics: Metrics,
 }
 
@@ -57,6 +60,7 @@ struct Page {
     metrics: Metrics,
     guard: Guard,
     sessions: Sessions,
+    audit: Option<AuditLog>,
     stopped: watch::Receiver<bool>,
 }
 
@@ -64,13 +68,13 @@ struct Page {
 pub(crate) async fn serve(
     listener: GatedListener<TcpEntry>,
     guard: Guard,
-    Services { pipes, access, metrics }: Services,
+    Services { pipes, access, audit, metrics }: Services,
     films: Option<mpsc::Sender<Film>>,
     mut stopped: watch::Receiver<bool>,
 ) {
     let port = listener.local_addr().map_or(0, |address| address.port());
     let sessions = Sessions::new(access, guard.is_secure(), port);
-    let page = Page { pipes, metrics, guard, sessions, stopped: stopped.clone() };
+    let page = Page { pipes, metrics, guard, sessions, audit, stopped: stopped.clone() };
     let router = match films {
         Some(films) => Router::new().route("/film", film::route(films)),
         None => Router::new(),
@@ -125,14 +129,31 @@ impl Page {
     /// # Errors
     /// What it is answered.
     fn admit(&self, headers: &HeaderMap, door: Door) -> Result<Caller, Refusal> {
-        let answer = |status, text: String| (status, text + "\n");
         self.guard.check_origin(headers).map_err(|problem| (StatusCode::FORBIDDEN, problem.to_owned()))?;
-        let caller = self.sessions.caller(headers);
-        let caller = caller.map_err(|refused| answer(StatusCode::UNAUTHORIZED, refused.to_string()))?;
+        let caller = self.sessions.caller(headers).map_err(|refused| {
+            self.note_refusal("nobody", door, &Status::unauthenticated(refused.to_string()));
+            (StatusCode::UNAUTHORIZED, format!("{refused}\n"))
+        })?;
         if let Caller::Holder(grant) = &caller {
-            grant.may(door.needs()).map_err(|denied| answer(StatusCode::FORBIDDEN, denied.to_string()))?;
+            grant.may(door.needs()).map_err(|denied| {
+                self.note_refusal(caller.name(), door, &Status::permission_denied(denied.to_string()));
+                (StatusCode::FORBIDDEN, format!("{denied}\n"))
+            })?;
         }
         Ok(caller)
+    }
+
+    fn note_refusal(&self, who: &str, door: Door, status: &Status) {
+        if let Some(log) = &self.audit {
+            let call = match door {
+                Door::PageFiles => "page/files",
+                Door::PageSocket => "page/socket",
+                Door::Film => "page/film",
+                Door::Metrics => "metrics",
+                Door::SerialPort => "serial port",
+            };
+            Record::new(log, who, call).refuse(status);
+        }
     }
 }
 

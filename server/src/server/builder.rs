@@ -15,6 +15,7 @@ use super::listeners::{Listener, Listeners, listen_for_pages};
 use super::{Guards, Server, ServerError};
 use crate::actor::{DirectWorld, NewWorld, OnTick, Progress};
 use crate::address::Address;
+use crate::audit::AuditLog;
 use crate::control::{Control, Told};
 use crate::descriptors::usual_connections;
 use crate::gate::{Gate, Tls};
@@ -116,6 +117,7 @@ pub struct Builder {
     recordings: Option<Folder>,
     films: Option<mpsc::Sender<Film>>,
     access: AccessConfig,
+    audit: Option<AuditLog>,
     connections: Option<usize>,
     first_call_within: Option<Duration>,
 }
@@ -202,6 +204,13 @@ impl Builder {
         self
     }
 
+    /// Notes here who did what: each call that changes something, drives or trains, and each that was refused.
+    #[must_use]
+    pub fn audit(mut self, log: AuditLog) -> Self {
+        self.audit = Some(log);
+        self
+    }
+
     /// A name under which browsers reach the viewer, such as `lab.example`; localhost always is one, and its own address. Requests
     /// under other names are refused, as a page of a stranger may have made one that leads here.
     #[must_use]
@@ -258,6 +267,7 @@ impl Builder {
         );
         let guards = Guards {
             access: self.access.start()?,
+            audit: self.audit,
             gate,
             local: self.access.local.filter(|_| listens),
             hosts: self.access.hosts,

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use baudbot_access::Token;
 use baudbot_access::local::LocalFiles;
 use baudbot_proto::v1;
+use baudbot_recording::PROGRAM_VERSION;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 use tokio_stream::Stream;
@@ -21,8 +22,9 @@ use tonic::transport::server::Connected;
 
 use crate::access::{Access, Caller};
 use crate::address::Address;
+use crate::audit::AuditLog;
 use crate::control::{Control, status_of, stop_recording};
-use crate::gate::{Gate, GatedListener, TcpEntry, connections};
+use crate::gate::{CheckCalls, Gate, GatedListener, TcpEntry, connections};
 use crate::message::Message;
 use crate::metrics::Metrics;
 use crate::page::{self, Film, Guard};
@@ -90,6 +92,7 @@ pub struct Server {
     sockets: Vec<SocketFile>,
     /// The token of this user's own programs, and the files in which they find it.
     local: Option<(Token, LocalFiles)>,
+    audit: Option<AuditLog>,
     is_encrypted: bool,
     /// A name under which pages reach it.
     host: Option<String>,
@@ -103,6 +106,7 @@ pub struct Server {
 /// What stands between the clients of a server and its services.
 struct Guards {
     access: Access,
+    audit: Option<AuditLog>,
     gate: Gate,
     /// The token that this user's own programs find.
     local: Option<Token>,
@@ -110,6 +114,12 @@ struct Guards {
     hosts: Vec<String>,
     behind_proxy: bool,
     is_encrypted: bool,
+}
+
+impl Guards {
+    fn check_of_calls(&self) -> CheckCalls {
+        CheckCalls { access: self.access.clone(), audit: self.audit.clone() }
+    }
 }
 
 impl Server {
@@ -126,9 +136,12 @@ impl Server {
     ) -> Result<Self, ServerError> {
         // Clients that come as soon as they can find the token of this server, and not of the one before.
         let local = guards.local.take().map(|token| listeners.publish(token)).transpose()?;
+        if let Some(audit) = &guards.audit {
+            audit.note("start", &format!("baudbot {PROGRAM_VERSION}"));
+        }
         let registry = control.registry.clone();
         let control = Arc::new(control);
-        let router = router::ordinary(&control, &guards.access, guards.gate.patience()).await?;
+        let router = router::ordinary(&control, &guards.check_of_calls(), guards.gate.patience()).await?;
         let (stop, mut stopped) = watch::channel(false);
         let (pipes, incoming) = Pipes::new();
         let mut server = Self {
@@ -138,6 +151,7 @@ impl Server {
             viewers: Vec::new(),
             sockets: Vec::new(),
             local,
+            audit: guards.audit.clone(),
             is_encrypted: guards.is_encrypted,
             host: guards.hosts.first().cloned(),
             pipes,
@@ -170,8 +184,9 @@ impl Server {
         guards: &Guards,
         stopped: &watch::Receiver<bool>,
     ) -> Result<(), ServerError> {
-        let Guards { access, gate, .. } = guards;
-        let router = router::trainers(control, access, gate.patience(), stopped.clone()).await?;
+        let gate = &guards.gate;
+        let router =
+            router::trainers(control, &guards.check_of_calls(), gate.patience(), stopped.clone()).await?;
         for listener in listeners {
             self.trainers.push(listener.address().clone());
             self.listen(listener, &router, gate, stopped);
@@ -198,6 +213,7 @@ impl Server {
             let services = page::Services {
                 pipes: self.pipes.clone(),
                 access: guards.access.clone(),
+                audit: guards.audit.clone(),
                 metrics: metrics.clone(),
             };
             self.tasks.spawn(page::serve(listener, guard, services, films.cloned(), stopped.clone()));
@@ -300,6 +316,9 @@ impl Server {
     fn end(&self) {
         if *self.stop.borrow() {
             return;
+        }
+        if let Some(audit) = &self.audit {
+            audit.note("stop", "the server stops");
         }
         for world in self.registry.all() {
             let _ = world.send(Message::Stop);

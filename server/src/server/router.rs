@@ -16,7 +16,6 @@ use tonic_health::server::HealthReporter;
 use tower::layer::util::{Identity, Stack};
 
 use super::ServerError;
-use crate::access::Access;
 use crate::brain_link::{BrainLink, BrainLinkServer};
 use crate::control::Control;
 use crate::gate::CheckCalls;
@@ -35,7 +34,7 @@ pub(super) type Router = tonic::transport::server::Router<Stack<CheckCalls, Iden
 /// If they cannot be described for reflection.
 pub(super) async fn ordinary(
     control: &Arc<Control>,
-    access: &Access,
+    check: &CheckCalls,
     patience: Duration,
 ) -> Result<Router, ServerError> {
     let registry = &control.registry;
@@ -44,7 +43,7 @@ pub(super) async fn ordinary(
     is_serving::<ObserveServiceServer<Observe>>(&health).await;
     let observe = Observe { registry: registry.clone() };
     let brain_link = BrainLink { registry: registry.clone(), patience };
-    Ok(with_operator(control, access, &health, without_trainers(contract()))
+    Ok(with_operator(control, check, &health, without_trainers(contract()))
         .await?
         .add_service(health_service)
         .add_service(ObserveServiceServer::new(observe))
@@ -57,14 +56,14 @@ pub(super) async fn ordinary(
 /// If they cannot be described for reflection.
 pub(super) async fn trainers(
     control: &Arc<Control>,
-    access: &Access,
+    check: &CheckCalls,
     patience: Duration,
     stopped: watch::Receiver<bool>,
 ) -> Result<Router, ServerError> {
     let (health, health_service) = tonic_health::server::health_reporter();
     is_serving::<TrainerServiceServer<Trainer>>(&health).await;
     let trainer = Trainer { registry: control.registry.clone(), patience, stopped };
-    Ok(with_operator(control, access, &health, contract())
+    Ok(with_operator(control, check, &health, contract())
         .await?
         .add_service(health_service)
         .add_service(TrainerServiceServer::new(trainer)))
@@ -73,7 +72,7 @@ pub(super) async fn trainers(
 /// The operator's service, and reflection of this contract.
 async fn with_operator(
     control: &Arc<Control>,
-    access: &Access,
+    check: &CheckCalls,
     health: &HealthReporter,
     contract: FileDescriptorSet,
 ) -> Result<Router, ServerError> {
@@ -87,7 +86,7 @@ async fn with_operator(
         // The brains of a machine that has vanished are detached after a while.
         .http2_keepalive_interval(Some(KEEPALIVE))
         .http2_keepalive_timeout(Some(KEEPALIVE))
-        .layer(CheckCalls(access.clone()))
+        .layer(check.clone())
         // Python's reflection client speaks only v1alpha.
         .add_service(reflection().build_v1()?)
         .add_service(reflection().build_v1alpha()?)

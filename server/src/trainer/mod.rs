@@ -16,6 +16,7 @@ use tokio::sync::{mpsc, watch};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 
+use crate::audit::call::note_robots;
 use crate::brain_link::next_request;
 use crate::registry::Registry;
 use cycle::{act, checked};
@@ -71,6 +72,7 @@ impl Trainer {
                 format!("open.worlds: there are {count}, the limit is {MAX_TRAINED}; open several streams");
             return Err(Status::resource_exhausted(text));
         }
+        note_robots(&open.worlds);
         let mut worlds: Vec<Trained> = Vec::with_capacity(count);
         for (i, hello) in open.worlds.into_iter().enumerate() {
             let at = |status: Status| within(&format!("open.worlds[{i}]"), &status);

@@ -33,6 +33,7 @@ export interface Mark {
 /** Kinds from the one that is drawn first, and may be hidden, to the one that is drawn last. */
 const ORDER = [
   ReplayEventKind.UNSPECIFIED,
+  ReplayEventKind.ORDER,
   ReplayEventKind.COLLISION,
   ReplayEventKind.BRAIN,
   ReplayEventKind.CHANGE,

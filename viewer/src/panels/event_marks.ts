@@ -61,12 +61,13 @@ export class EventMarks {
   }
 }
 
-/** A diamond for a collision, a disc for a brain, a square for a change by hand, a triangle for the end. */
+/** A diamond for a collision, a disc for a brain, a square for a change by hand, a bar for an order, a triangle for the end. */
 function drawMark(context: CanvasRenderingContext2D, theme: Theme, x: number, kind: ReplayEventKind): void {
   const y = HEIGHT / 2;
   context.beginPath();
   if (kind === ReplayEventKind.COLLISION) polygon(context, x, y, [0, -5.5, 5, 0, 0, 5.5, -5, 0]);
   else if (kind === ReplayEventKind.CHANGE) context.rect(x - 4, y - 4, 8, 8);
+  else if (kind === ReplayEventKind.ORDER) context.rect(x - 1.5, y - 5, 3, 10);
   else if (kind === ReplayEventKind.ENDING) polygon(context, x, y, [5, -6, 5, 6, -5, 0]);
   else context.arc(x, y, 4.5, 0, 2 * Math.PI);
   context.fillStyle = markColor(theme, kind);

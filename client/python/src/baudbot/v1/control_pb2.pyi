@@ -36,6 +36,8 @@ class _ReplayEventKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_Repla
     """A manual change."""
     REPLAY_EVENT_KIND_ENDING: _ReplayEventKind.ValueType  # 4
     """The run ended."""
+    REPLAY_EVENT_KIND_ORDER: _ReplayEventKind.ValueType  # 5
+    """The holder of a token requested something: the name of the token, and what."""
 
 class ReplayEventKind(_ReplayEventKind, metaclass=_ReplayEventKindEnumTypeWrapper):
     """What can happen in a recording."""
@@ -50,6 +52,8 @@ REPLAY_EVENT_KIND_CHANGE: ReplayEventKind.ValueType  # 3
 """A manual change."""
 REPLAY_EVENT_KIND_ENDING: ReplayEventKind.ValueType  # 4
 """The run ended."""
+REPLAY_EVENT_KIND_ORDER: ReplayEventKind.ValueType  # 5
+"""The holder of a token requested something: the name of the token, and what."""
 Global___ReplayEventKind: _TypeAlias = ReplayEventKind  # noqa: Y015
 
 @_typing.final
