@@ -32,6 +32,7 @@ mod recipes;
 mod recording;
 mod resetting;
 mod room;
+mod security;
 mod self_driving;
 mod services;
 mod slow_cables;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use baudbot_access::{Token, TokenFile};
-use baudbot_recording::Replay;
+use baudbot_recording::{PROGRAM_VERSION, Replay};
 use baudbot_sim::{Scenario, World};
 use tokio::sync::mpsc;
 
@@ -265,6 +265,9 @@ impl Builder {
             self.connections.unwrap_or_else(usual_connections),
             self.first_call_within.unwrap_or(FIRST_CALL_WITHIN),
         );
+        if let Some(audit) = &self.audit {
+            audit.note("start", &format!("baudbot {PROGRAM_VERSION}"));
+        }
         let guards = Guards {
             access: self.access.start()?,
             audit: self.audit,

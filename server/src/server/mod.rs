@@ -12,7 +12,6 @@ use std::sync::Arc;
 use baudbot_access::Token;
 use baudbot_access::local::LocalFiles;
 use baudbot_proto::v1;
-use baudbot_recording::PROGRAM_VERSION;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 use tokio_stream::Stream;
@@ -136,9 +135,6 @@ impl Server {
     ) -> Result<Self, ServerError> {
         // Clients that come as soon as they can find the token of this server, and not of the one before.
         let local = guards.local.take().map(|token| listeners.publish(token)).transpose()?;
-        if let Some(audit) = &guards.audit {
-            audit.note("start", &format!("baudbot {PROGRAM_VERSION}"));
-        }
         let registry = control.registry.clone();
         let control = Arc::new(control);
         let router = router::ordinary(&control, &guards.check_of_calls(), guards.gate.patience()).await?;
