@@ -41,3 +41,17 @@ test("of steps that are asked for while one is under way none is lost, and none 
   await others();
   assert.equal(asked().at(-1)?.ticks, 2n);
 });
+
+test("a server that does not show its worlds is not one without worlds", async (t) => {
+  t.mock.timers.enable({ apis: ["setInterval"] }); // the watcher's
+  const { connection, socket } = connected();
+  const store = new Store();
+  const orders = new Orders(connection, store, new Watcher(connection, store));
+  const asked = orders.list();
+  const { call } = socket.requests().at(-1)!;
+  socket.hear(call, { case: "failure", value: { code: "PERMISSION_DENIED", message: "no right" } } as never);
+  assert.equal(await asked, false);
+  assert.equal(store.hidden, "no right");
+  store.setWorlds([]);
+  assert.equal(store.hidden, "", "the next token may");
+});

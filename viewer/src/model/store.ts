@@ -47,6 +47,8 @@ const LONGEST_S = 0.5;
 
 export class Store extends Emitter<Events> {
   worlds: WorldStatus[] = [];
+  /** Why the worlds are not shown, if somebody has no right to see them. */
+  hidden = "";
   /** Names of the chosen world and robot; empty if there is none. */
   world = "";
   robot = "";
@@ -103,7 +105,13 @@ export class Store extends Emitter<Events> {
   }
 
   setWorlds(worlds: WorldStatus[]): void {
-    this.worlds = worlds;
+    [this.worlds, this.hidden] = [worlds, ""];
+    this.emit("worlds", undefined);
+  }
+
+  /** The server does not show its worlds. */
+  hideWorlds(why: string): void {
+    [this.worlds, this.hidden] = [[], why];
     this.emit("worlds", undefined);
   }
 

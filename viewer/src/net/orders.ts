@@ -4,7 +4,7 @@ import { ControlService, type InterveneRequest } from "../gen/baudbot/v1/control
 import { PaceSchema, WorldState, type Pace, type WorldStatus } from "../gen/baudbot/v1/world_pb";
 import type { Store } from "../model/store";
 import { secondsOf } from "../model/units";
-import { ask, type Connection } from "./connection";
+import { ask, CallError, type Connection } from "./connection";
 import type { Watcher } from "./watcher";
 
 export type PaceKind = NonNullable<Pace["kind"]["case"]>;
@@ -37,13 +37,14 @@ export class Orders {
     private readonly watcher: Watcher,
   ) {}
 
-  /** Asks for all worlds; quiet if it fails, for it is asked again and again. */
+  /** Asks for all worlds; quiet if there is no answer, for it is asked again and again. */
   async list(): Promise<boolean> {
     try {
       const { worlds } = await ask(this.connection, ControlService.method.listWorlds, {});
       this.store.setWorlds(worlds);
       return true;
-    } catch {
+    } catch (error) {
+      if (error instanceof CallError && error.code === "PERMISSION_DENIED") this.store.hideWorlds(error.message);
       return false;
     }
   }

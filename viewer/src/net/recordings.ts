@@ -33,7 +33,8 @@ export class Recordings extends Emitter<{ changed: void }> {
       [this.files, this.hasFolder] = [recordings, true];
     } catch (error) {
       if (!(error instanceof CallError) || error.code === "UNAVAILABLE") return;
-      [this.files, this.hasFolder] = [[], false];
+      // Who may not see them is told nothing of the folder.
+      [this.files, this.hasFolder] = [[], error.code === "PERMISSION_DENIED" ? undefined : false];
     }
     this.emit("changed", undefined);
   }

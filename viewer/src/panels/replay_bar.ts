@@ -9,8 +9,7 @@ import type { Replayer } from "../net/replayer";
 import { EventMarks } from "./event_marks";
 
 const CUT_OFF = "The file ends in the middle; it is replayed as far as it goes.";
-const FORK =
-  "Continue from this tick as a live world, to which brains can attach. The recording does not change.";
+const FORK = "Continue from this tick as a live world, to which brains can attach. The recording does not change.";
 
 export class ReplayBar {
   readonly element: HTMLElement;

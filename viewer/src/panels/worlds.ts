@@ -17,7 +17,7 @@ interface Row {
 export class WorldsPanel {
   readonly element: HTMLElement;
   private readonly list = el("ul", { class: "world-list", test: "world-list", label: "Worlds" });
-  private readonly empty = el("p", { class: "hint", text: "This server has no world. Make one from a scenario." });
+  private readonly empty = el("p", { class: "hint", test: "no-worlds" });
   private readonly about = el("p", { class: "about" });
   private readonly score = el("dl", { class: "facts" });
   private readonly bumps = el("ol", { class: "bumps", label: "Last collisions" });
@@ -55,6 +55,7 @@ export class WorldsPanel {
       if (this.list.children[i] !== row.element) this.list.insertBefore(row.element, this.list.children[i] ?? null);
       this.fill(row, status);
     });
+    setText(this.empty, this.store.hidden || "This server has no world. Make one from a scenario.");
     this.empty.hidden = worlds.length > 0;
     this.facts();
   }
