@@ -4,7 +4,7 @@
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
 //! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
-//!    `preset`, `evidence`, `fit`, `export`, `watch`, `new`, `token` and `cert` are the commands, one a file or folder; `work` is
+//!    `preset`, `evidence`, `fit`, `export`, `watch`, `new`, `token`, `cert`, `list` and `pages` are the commands, one a file or folder; `work` is
 //!    what `sweep` and `tune` share.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
@@ -37,6 +37,7 @@ mod fit;
 mod foxglove;
 mod gdb;
 mod link;
+mod list;
 mod locate;
 mod logs;
 mod map;
@@ -44,6 +45,7 @@ mod measure;
 mod natural;
 mod new;
 mod output_files;
+mod pages;
 mod plan;
 mod port_watch;
 mod ports;
@@ -137,6 +139,10 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Port(PortCommand::Watch(args)) => runtime.block_on(port_watch::watch(&args)),
         Command::Token(command) => token::token(command),
         Command::Cert(command) => cert::cert(&command),
+        Command::List(args) => list::list(&args),
+        Command::Init(args) => list::init(&args),
+        Command::Completions(args) => pages::completions(&args),
+        Command::Man(args) => pages::man(&args),
     }?;
     Ok(ExitCode::SUCCESS)
 }

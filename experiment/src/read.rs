@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use baudbot_import::embedded;
 use baudbot_import::source::{self, Source, SourceError};
 
 use crate::error::Error;
@@ -37,7 +38,11 @@ impl Experiment {
 /// The text of a file and its experiment. `note` gets the name and the text of each program that it is put into.
 pub(crate) fn read(file: &Path, mut note: impl FnMut(&str, &str)) -> Result<(String, Experiment), ReadError> {
     let path = file.display().to_string();
-    let toml = source::read(&path)?;
+    // A file comes first: an experiment may be called as one that is built in.
+    let toml = match embedded::experiment(&path).filter(|_| !file.exists()) {
+        Some(text) => text.to_owned(),
+        None => source::read(&path)?,
+    };
     let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or("experiment");
     let folder = file.parent().unwrap_or_else(|| Path::new(""));
     let find = |name: &str| match Source::beside(folder, name) {

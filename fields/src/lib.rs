@@ -10,6 +10,7 @@ extern crate alloc;
 
 mod cause;
 pub mod endpoint;
+mod nearest;
 pub mod printable;
 #[cfg(feature = "toml")]
 mod read;
@@ -21,6 +22,7 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 pub use cause::Cause;
+pub use nearest::{edits, nearest};
 use printable::Printable;
 #[cfg(feature = "toml")]
 pub use read::{Misread, read};

@@ -84,7 +84,7 @@ fn nearest<'a>(name: &str, paths: impl Iterator<Item = &'a str>) -> Vec<&'a str>
     if name.len() > LONGEST {
         return Vec::new();
     }
-    let distances: Vec<_> = paths.map(|path| (baudbot_scenario::presets::edits(&name, path), path)).collect();
+    let distances: Vec<_> = paths.map(|path| (baudbot_fields::edits(&name, path), path)).collect();
     let Some(least) = distances.iter().map(|(distance, _)| *distance).min() else { return Vec::new() };
     if least > name.len() / 3 + 1 {
         return Vec::new();

@@ -14,6 +14,7 @@
 //! Equal files give equal text on every machine as far as maps and measurements go. Curves and turned parts
 //! of an SVG are computed in single precision by another crate, and are rounded to a micrometre.
 
+pub mod embedded;
 mod error;
 mod file;
 mod lookup;
@@ -30,6 +31,7 @@ use std::path::Path;
 use toml_edit::DocumentMut;
 
 pub use error::ImportError;
+use program::Files;
 pub use program::program;
 
 /// Gives back a scenario that refers to no file.
@@ -38,6 +40,15 @@ pub use program::program;
 /// refers to no file comes back as it is, and so does one that is no TOML: the parser of scenarios says
 /// where and why. In any other the tables stay in their order.
 pub fn inline<'a>(text: &'a str, base: &Path) -> Result<Cow<'a, str>, ImportError> {
+    inline_from(text, Files::In(base))
+}
+
+/// The same of a scenario that is in this program. It refers to no maps and tables.
+pub(crate) fn inline_embedded(text: &str) -> Result<Cow<'_, str>, ImportError> {
+    inline_from(text, Files::Embedded)
+}
+
+fn inline_from<'a>(text: &'a str, files: Files<'_>) -> Result<Cow<'a, str>, ImportError> {
     if text.len() > MAX_TEXT {
         return Ok(Cow::Borrowed(text)); // the parser refuses it
     }
@@ -45,9 +56,13 @@ pub fn inline<'a>(text: &'a str, base: &Path) -> Result<Cow<'a, str>, ImportErro
         return Ok(Cow::Borrowed(text));
     }
     let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(Cow::Borrowed(text)) };
+    let base = match files {
+        Files::In(base) => base,
+        Files::Embedded => Path::new(""),
+    };
     let has_maps = maps::inline(&mut document, base)?;
     let has_lookups = lookup::inline(&mut document, base)?;
-    let has_programs = program::inline(&mut document, base)?;
+    let has_programs = program::inline(&mut document, files)?;
     if !has_maps && !has_lookups && !has_programs {
         return Ok(Cow::Borrowed(text));
     }

@@ -8,8 +8,17 @@ use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value};
 use crate::error::{FileError, ImportError};
 use crate::{file, tables};
 
+/// Where the files are that a scenario refers to.
+#[derive(Clone, Copy)]
+pub(crate) enum Files<'a> {
+    /// In this folder.
+    In(&'a Path),
+    /// In this program.
+    Embedded,
+}
+
 /// Replaces the names of files with programs. Returns whether there are any.
-pub(crate) fn inline(document: &mut DocumentMut, base: &Path) -> Result<bool, ImportError> {
+pub(crate) fn inline(document: &mut DocumentMut, files: Files<'_>) -> Result<bool, ImportError> {
     let mut has_any = false;
     let Some(robots) = document.get_mut("robots") else { return Ok(false) };
     for (i, robot) in tables::of(robots) {
@@ -19,7 +28,10 @@ pub(crate) fn inline(document: &mut DocumentMut, base: &Path) -> Result<bool, Im
             continue;
         };
         let Some(name) = program.as_str() else { continue };
-        let found = table(&base.join(name));
+        let found = match files {
+            Files::In(folder) => table(&folder.join(name)),
+            Files::Embedded => embedded(name),
+        };
         let found = found.map_err(|error| error.at(format!("robots[{i}].microcontroller.program")))?;
         let mut table = Value::from(found);
         if let Some(name) = program.as_value() {
@@ -41,9 +53,21 @@ pub fn program(path: &Path) -> Result<String, ImportError> {
 }
 
 fn table(path: &Path) -> Result<InlineTable, FileError> {
-    let bytes = file::bytes(path)?;
+    table_of(path, &file::bytes(path)?)
+}
+
+/// A program that is in this program.
+fn embedded(name: &str) -> Result<InlineTable, FileError> {
+    let path = Path::new(name);
+    let found = crate::embedded::programs().find(|(other, _)| *other == name);
+    let (_, bytes) =
+        found.ok_or_else(|| FileError::new(path, "is not among the programs that are built in"))?;
+    table_of(path, bytes)
+}
+
+fn table_of(path: &Path, bytes: &[u8]) -> Result<InlineTable, FileError> {
     // The largest part: what is too much for a smaller one is said where that is known.
-    let program = Program::parse(Part::Atmega328P, &bytes);
+    let program = Program::parse(Part::Atmega328P, bytes);
     let program = program.map_err(|error| FileError::new(path, error.to_string()))?;
     let mut table = InlineTable::new();
     table.insert("file", path.file_name().unwrap_or_default().to_string_lossy().into_owned().into());

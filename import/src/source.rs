@@ -1,17 +1,13 @@
 //! Where the text of a scenario is from: a file, or the program itself.
 
+use std::borrow::Cow;
 use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
 
-use crate::{MAX_TEXT, inline, opened};
-
-/// The scenarios that a program can run anywhere, with their names.
-pub const EMBEDDED: [(&str, &str); 3] = [
-    ("arsim", include_str!("../../scenarios/arsim.toml")),
-    ("khepera", include_str!("../../scenarios/khepera.toml")),
-    ("wander", include_str!("../../scenarios/wander.toml")),
-];
+use crate::embedded;
+use crate::error::ImportError;
+use crate::{MAX_TEXT, inline, inline_embedded, opened};
 
 /// The text of a scenario, not yet parsed, with all that it refers to by file in it.
 #[derive(Clone, Debug)]
@@ -33,8 +29,8 @@ impl Source {
     /// # Errors
     /// If there is neither, if it is no text or too long, or if something that it refers to cannot be read.
     pub fn find(name: &str) -> Result<Self, SourceError> {
-        let text = match EMBEDDED.iter().find(|(embedded, _)| *embedded == name) {
-            Some((_, text)) => (*text).to_owned(),
+        let text = match embedded::scenario(name) {
+            Some(text) => whole(name, inline_embedded(text))?,
             None => inlined(name, &read(name)?)?,
         };
         Ok(Self { label: name.to_owned(), text })
@@ -54,7 +50,7 @@ impl Source {
     /// # Errors
     /// As [`find`](Self::find).
     pub fn beside(folder: &Path, name: &str) -> Result<Self, SourceError> {
-        if EMBEDDED.iter().any(|(embedded, _)| *embedded == name) {
+        if embedded::scenario(name).is_some() {
             return Self::find(name);
         }
         Self::find(&folder.join(name).display().to_string())
@@ -89,14 +85,19 @@ pub fn read(path: &str) -> Result<String, SourceError> {
 /// Puts the maps and tables that a scenario refers to into their places.
 fn inlined(path: &str, text: &str) -> Result<String, SourceError> {
     let folder = Path::new(path).parent().unwrap_or_else(|| Path::new(""));
-    let whole = inline(text, folder);
-    whole.map(std::borrow::Cow::into_owned).map_err(|error| SourceError(format!("{path}: {error}")))
+    whole(path, inline(text, folder))
+}
+
+fn whole(path: &str, text: Result<Cow<'_, str>, ImportError>) -> Result<String, SourceError> {
+    text.map(Cow::into_owned).map_err(|error| SourceError(format!("{path}: {error}")))
 }
 
 fn unreadable(path: &str, error: &io::Error) -> String {
-    let names: Vec<_> = EMBEDDED.iter().map(|(name, _)| *name).collect();
     if error.kind() == io::ErrorKind::NotFound {
-        format!("{path}: there is no such file; built-in scenarios: {}", names.join(", "))
+        let meant: Vec<_> = embedded::nearest(path).iter().map(|name| format!("`{name}`")).collect();
+        let meant =
+            if meant.is_empty() { String::new() } else { format!("; did you mean {}?", meant.join(", ")) };
+        format!("{path}: there is no such file, and no scenario of this name is built in{meant}")
     } else if error.kind() == io::ErrorKind::InvalidData {
         format!("{path}: is not text in UTF-8")
     } else {

@@ -183,7 +183,7 @@ class BadInput(unittest.TestCase):
 
     def test_fields_are_named(self) -> None:
         self.invalid("robots[0].link.baud", "must be within", scenario="wander", robots__robot__link__baud=0)
-        self.invalid(None, "built-in scenarios: arsim", scenario="no-such-scenario")
+        self.invalid(None, "no scenario of this name is built in", scenario="no-such-scenario")
         self.invalid("seed", "whole number", scenario="wander", seed=-1)
         self.invalid("seed", "whole number", scenario="wander", seed=1.5)
         self.invalid(None, "avoyd", scenario="wander", brains="avoyd")

@@ -8,7 +8,7 @@ use super::{ChangeArgs, measure};
 
 #[derive(Debug, Args)]
 pub(crate) struct BudgetArgs {
-    /// A scenario file, or a built-in scenario: arsim, khepera, wander
+    /// A scenario file, or a built-in scenario, such as wander or devices/laser (`baudbot list`)
     pub(crate) scenario: String,
     /// Only this robot; may be given several times [default: all]
     #[arg(long = "robot", value_name = "ROBOT")]

@@ -8,7 +8,7 @@ use super::{ChangeArgs, instant, span};
 
 #[derive(Debug, Args)]
 pub(crate) struct DiagramArgs {
-    /// A scenario file, a built-in scenario (arsim, khepera, wander), or a recording (`.mcap`)
+    /// A scenario file, a built-in scenario (`baudbot list`), or a recording (`.mcap`)
     #[arg(value_name = "SCENARIO|RUN.mcap")]
     pub(crate) scenario: String,
     /// A brain for one robot, or for all robots that no other --brain names, as in `baudbot run`; `none` leaves a robot without

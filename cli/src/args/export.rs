@@ -22,6 +22,9 @@ pub(crate) struct ExportArgs {
     /// Write the same events as a CSV table, with collisions, brains and manual changes
     #[arg(long, value_name = "FILE")]
     pub(crate) events: Option<PathBuf>,
+    /// Write a bag of ROS 2 into this folder, which must not be there yet: scans, odometry, inertia, commands, frames, the clock
+    #[arg(long, value_name = "DIR")]
+    pub(crate) rosbag2: Option<PathBuf>,
     /// Draw the arena from above with the robots' paths
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
@@ -74,10 +77,10 @@ pub(crate) struct WindowArgs {
 /// Which rows the tables have.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct RowArgs {
-    /// Only every N-th tick in --csv and --parquet
+    /// Only every N-th tick in --csv, --parquet, and in what --rosbag2 has with each tick
     #[arg(long, value_name = "N", conflicts_with = "hz", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
-    /// About this many ticks per simulated second in --csv and --parquet, at a fixed interval of whole ticks
+    /// About this many ticks per simulated second in --csv, --parquet and --rosbag2, at a fixed interval of whole ticks
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) hz: Option<f64>,
 }
@@ -115,6 +118,7 @@ impl ExportArgs {
             ("--parquet", &self.parquet),
             ("--timeline", &self.timeline),
             ("--events", &self.events),
+            ("--rosbag2", &self.rosbag2),
             ("--svg", &self.svg),
             ("--beliefs-csv", &self.beliefs_csv),
             ("--utilities-svg", &self.utilities_svg),
@@ -128,11 +132,12 @@ impl ExportArgs {
 }
 
 /// What is not written beside a summary.
-const OUTPUTS: [&str; 11] = [
+const OUTPUTS: [&str; 12] = [
     "csv",
     "parquet",
     "timeline",
     "events",
+    "rosbag2",
     "svg",
     "beliefs_csv",
     "utilities_svg",
@@ -153,6 +158,7 @@ Examples:
   baudbot export run.mcap --csv run.csv --svg run.svg
   baudbot export run.mcap --parquet run.parquet --hz 10
   baudbot export run.mcap --timeline run.pftrace --from-s 12 --to-s 14
+  baudbot export run.mcap --rosbag2 bag --hz 50
   baudbot export run.mcap --events - --quiet | grep collision
   baudbot export run.mcap --utilities-svg utilities.svg --with gauge.charge
   baudbot export run.mcap --gif run.gif --speed 4

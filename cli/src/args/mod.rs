@@ -10,6 +10,7 @@ mod export;
 mod fit;
 mod gdb;
 mod help;
+mod list;
 mod locate;
 mod measure;
 mod new;
@@ -45,6 +46,7 @@ use self::help::{
     PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES,
     WATCH_EXAMPLES,
 };
+pub(crate) use self::list::{CompletionsArgs, InitArgs, ListArgs, ManArgs};
 pub(crate) use self::locate::{LocateArgs, Search};
 pub(crate) use self::measure::{Bytes, CurveArgs, EchoArgs, MeasureCommand, PortArgs, StepArgs};
 pub(crate) use self::new::{FirmwareLanguage, Language, NewBrainArgs, NewCommand, NewFirmwareArgs};
@@ -145,6 +147,17 @@ pub(crate) enum Command {
     /// Makes tokens, which say what clients may do on a server, lists and revokes them
     #[command(subcommand)]
     Token(TokenCommand),
+    /// Lists the scenarios, experiments, brains and presets that are built in
+    #[command(after_long_help = list::LIST_EXAMPLES)]
+    List(ListArgs),
+    /// Writes a built-in scenario or experiment into a file, to be changed
+    #[command(after_long_help = list::LIST_EXAMPLES)]
+    Init(InitArgs),
+    /// Prints what lets a shell complete commands and options
+    #[command(after_long_help = list::COMPLETIONS_EXAMPLES)]
+    Completions(CompletionsArgs),
+    /// Writes the pages of the manual into a folder
+    Man(ManArgs),
     /// Makes certificates for servers and clients, and an authority for them
     #[command(subcommand)]
     Cert(CertCommand),
@@ -152,7 +165,7 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// A scenario file, or a built-in scenario: arsim, khepera, wander
+    /// A scenario file, or a built-in scenario, such as wander or devices/laser (`baudbot list`)
     pub(crate) scenario: Option<String>,
     /// A brain for one robot, or for all robots that no other --brain names; `none` leaves a robot without a brain
     ///
@@ -211,7 +224,7 @@ pub(crate) struct RunArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ServeArgs {
-    /// Scenario files, or built-in scenarios: arsim, khepera, wander [default: wander]
+    /// Scenario files, or built-in scenarios (`baudbot list`) [default: wander]
     ///
     /// Each becomes a world with the scenario's name, or the file's if it has none.
     pub(crate) scenarios: Vec<String>,
@@ -247,7 +260,7 @@ pub(crate) struct ServeArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArgs {
-    /// A scenario file, or a built-in scenario: arsim, khepera, wander
+    /// A scenario file, or a built-in scenario, such as wander or devices/laser (`baudbot list`)
     pub(crate) scenario: String,
     /// Draw the arena from above as an SVG picture; `-` is stdout, and nothing else is then written there
     #[arg(long, value_name = "FILE")]

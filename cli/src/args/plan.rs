@@ -10,7 +10,7 @@ use super::{ChangeArgs, finite};
 
 #[derive(Debug, Args)]
 pub(crate) struct PlanArgs {
-    /// A scenario file, or a built-in scenario: arsim, khepera, wander
+    /// A scenario file, or a built-in scenario, such as wander or devices/laser (`baudbot list`)
     pub(crate) scenario: String,
     /// Goal of the path, in metres
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = point)]

@@ -8,7 +8,7 @@ use super::{ChangeArgs, finite};
 
 #[derive(Debug, Args)]
 pub(crate) struct UmbmarkArgs {
-    /// A scenario file, or a built-in scenario: arsim, khepera, wander
+    /// A scenario file, or a built-in scenario, such as wander or devices/laser (`baudbot list`)
     pub(crate) scenario: String,
     /// The robot to measure [default: the first]
     #[arg(long, value_name = "ROBOT")]

@@ -2,7 +2,7 @@
 //!
 //! 1. This file sees what is wanted, and that no output goes into another one or into the recording.
 //! 2. [`pass`] simulates the run once more, a [`window`] of it, and shows every tick to all outputs at once: those of
-//!    `baudbot run` ([`watched`]), `rows` of Parquet, [`events`], [`trails`] for a picture, the pins of chips ([`vcd`]) and what they sent ([`serial`]), and
+//!    `baudbot run` ([`watched`]), `rows` of Parquet, a bag of ROS ([`rosbag`]), [`events`], [`trails`] for a picture, the pins of chips ([`vcd`]) and what they sent ([`serial`]), and
 //!    [`beliefs`], which are in the recording's frames.
 //!    [`ran`] is what pictures tell of the run.
 //! 3. [`film`] lets a [`browser`] film the viewer's page, which replays the recording.
@@ -14,6 +14,7 @@ mod events;
 mod film;
 mod pass;
 mod ran;
+mod rosbag;
 #[cfg(feature = "parquet")]
 mod rows;
 mod summary;
@@ -56,11 +57,11 @@ pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
         notes(args, &recorded);
     }
     let mut films = film::Films::new(args, &recorded, &window)?;
-    let outputs = outputs(args, &recorded, &window)?;
+    let mut outputs = outputs(args, &recorded, &window)?;
     // A FIFO may have kept us waiting until here; there a single signal is to end the program.
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     let mut is_whole = true;
-    if !outputs.is_empty() {
+    if !outputs.is_empty() || args.rosbag2.is_some() {
         let robots = &recorded.scenario().robots;
         let (mut pins, cables) = (VCD.robots(&args.vcd, robots)?, SERIAL.robots(&args.serial, robots)?);
         if args.timeline.is_some() {
@@ -68,6 +69,7 @@ pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
         }
         let replay =
             start(&args.file, &recorded, recording::Watched { pins, cables, bytes: serial::MOST_BYTES })?;
+        outputs.extend(bag(args, &recorded, &replay.1)?);
         is_whole = pass::run(replay, &window, outputs, &stop, args.quiet)?;
     }
     if is_whole {
@@ -93,6 +95,9 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
         ));
     }
     let mut to_stdout = args.outputs().filter(|(_, path)| *path == Path::new(STDOUT));
+    if args.rosbag2.as_deref() == Some(Path::new(STDOUT)) {
+        return Err(Refused::error("--rosbag2 -: is a folder with several files, and cannot go to stdout"));
+    }
     if let (Some((one, _)), Some((other, _))) = (to_stdout.next(), to_stdout.next()) {
         return Err(Refused::error(format!(
             "{one} - and {other} - both want stdout; write one of them to a file"
@@ -169,6 +174,14 @@ fn outputs(args: &ExportArgs, recorded: &Arc<RecordedRun>, window: &Window) -> a
         add(Some(&output.file), 1, &|out| Box::new(Watched::new(made(out), Transcript::write)))?;
     }
     Ok(outputs)
+}
+
+/// The bag of ROS 2, if there is to be one.
+fn bag(args: &ExportArgs, recorded: &RecordedRun, world: &World) -> anyhow::Result<Option<Output>> {
+    let Some(folder) = &args.rosbag2 else { return Ok(None) };
+    let every = window::every(&args.rows, recorded.header().step_ns);
+    let sink = Box::new(rosbag::Bag::create(folder, world, every)?);
+    Ok(Some(Output { name: folder.display().to_string(), every: 1, sink }))
 }
 
 type Out = Box<dyn std::io::Write + Send>;

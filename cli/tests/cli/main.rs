@@ -12,6 +12,7 @@ mod firmware;
 mod fitting;
 mod foxglove;
 mod hostile;
+mod list;
 mod locating;
 mod logs;
 mod measure;

@@ -44,7 +44,7 @@ fn an_override_fails_as_the_file_would() {
 #[test]
 fn a_file_that_cannot_be_read_is_named() {
     let nowhere = refusal(2, &["run", "nowhere.toml"]);
-    assert_eq!(nowhere, "nowhere.toml: there is no such file; built-in scenarios: arsim, khepera, wander");
+    assert_eq!(nowhere, "nowhere.toml: there is no such file, and no scenario of this name is built in");
     assert_eq!(refusal(2, &["check", "/"]), "/: is a directory, not a scenario file");
     let binary = place("binary.toml");
     fs::write(&binary, [0xff, 0xfe]).unwrap();

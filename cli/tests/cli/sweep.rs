@@ -311,13 +311,9 @@ fn the_experiments_of_the_book_can_be_run() {
         count += 1;
         // A moment of each instead of minutes.
         let name = path.file_stem().unwrap().to_str().unwrap();
-        let scenarios = concat!("\"", env!("CARGO_MANIFEST_DIR"), "/../scenarios/");
         let rest = text.lines().filter(|line| !line.starts_with("seconds = "));
         let toml = ["seconds = 0.2"].into_iter().chain(rest).collect::<Vec<_>>().join("\n");
-        let own = experiment(name, &toml.replace("\"../scenarios/", scenarios));
-        for beside in ["khepera-box.toml", "explore-passage.toml"] {
-            std::fs::copy(path.with_file_name(beside), Path::new(&own).with_file_name(beside)).unwrap();
-        }
+        let own = experiment(name, &toml);
         assert!(table(&[&own, "--seeds", "1"], &out(&own, "out")).lines().count() > 2, "{name}");
     }
     assert_eq!(count, 9);

@@ -8,8 +8,6 @@ use crate::{baudbot, good};
 fn short(name: &str) -> (String, String) {
     let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/tune-sweeper.toml");
     let toml = std::fs::read_to_string(&book).unwrap();
-    let scenario = book.with_file_name("../scenarios/sweeper.toml");
-    let toml = toml.replace("../scenarios/sweeper.toml", scenario.to_str().unwrap());
     let toml = toml.replace("1800.0", "30.0").replace("seeds = 3", "seeds = 1");
     let toml = toml.replace("generations = 20", "generations = 2\npopulation = 4");
     let toml = toml.replace("check_seeds = 10", "check_seeds = 2");

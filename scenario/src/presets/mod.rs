@@ -5,12 +5,10 @@
 //! [`Fact`]. `scenario/src/preset.rs` puts presets into a scenario.
 
 mod fact;
-mod nearest;
 
 use alloc::vec::Vec;
 
 pub use fact::{Fact, Standing};
-pub use nearest::edits;
 
 /// A preset that is part of this crate.
 #[derive(Debug)]
@@ -89,7 +87,8 @@ pub fn preset(name: &str) -> Option<&'static Preset> {
 
 /// The presets whose names are nearest to one that there is not, of `kind` or of any; none if none is near.
 pub fn nearest(name: &str, kind: Option<PresetKind>) -> Vec<&'static Preset> {
-    nearest::nearest(name, presets().filter(|preset| kind.is_none_or(|kind| kind == preset.kind)))
+    let those = presets().filter(|preset| kind.is_none_or(|kind| kind == preset.kind));
+    baudbot_fields::nearest(name, those, |preset| preset.name)
 }
 
 impl Preset {
@@ -148,3 +147,32 @@ static PRESETS: &[Preset] = presets! {
     "ft232r" "ft232r-1ms" "ch340" "atmega16u2"
     "4xaa-nimh"
 };
+
+#[cfg(test)]
+mod tests {
+    use alloc::string::String;
+    use alloc::vec::Vec;
+
+    use super::{PresetKind, nearest};
+
+    fn names(name: &str) -> Vec<&'static str> {
+        nearest(name, Some(PresetKind::Robot)).iter().map(|preset| preset.name).collect()
+    }
+
+    #[test]
+    fn names_that_were_mistyped_are_found() {
+        assert_eq!(names("kephera"), ["khepera-1", "khepera-2"]);
+        assert_eq!(names("khepera"), ["khepera-1", "khepera-2"]);
+        assert_eq!(names("epuck"), ["e-puck"]);
+        assert_eq!(names("BoeBot"), ["boe-bot"]);
+        assert_eq!(names("turtlebot"), ["turtlebot3-burger"]);
+    }
+
+    #[test]
+    fn nobody_is_told_names_that_are_far_off() {
+        assert_eq!(names("xyzzy-plugh"), [""; 0]);
+        assert_eq!(names(&"khepera-1".repeat(1000)), [""; 0]);
+        let long: String = core::iter::repeat_n('x', 1 << 16).collect();
+        assert_eq!(names(&long), [""; 0]);
+    }
+}

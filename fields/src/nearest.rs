@@ -3,30 +3,28 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-use super::Preset;
-
-/// Longest name that is compared with others, in characters; a longer one is no mistyped preset.
+/// Longest name that is compared with others, in characters; a longer one is not mistyped.
 const MAX_CHARACTERS: usize = 64;
 
 /// Most names that are listed.
 const MAX_NAMES: usize = 4;
 
 /// Those with the name in theirs, or else those with the fewest edits between, if these are at most half of it.
-pub(super) fn nearest(name: &str, presets: impl Iterator<Item = &'static Preset>) -> Vec<&'static Preset> {
+pub fn nearest<T>(name: &str, all: impl Iterator<Item = T>, name_of: impl Fn(&T) -> &str) -> Vec<T> {
     let name: Vec<char> = name.chars().take(MAX_CHARACTERS + 1).map(|c| c.to_ascii_lowercase()).collect();
     if name.len() > MAX_CHARACTERS {
         return Vec::new();
     }
-    let distances: Vec<_> = presets.map(|preset| (distance(&name, preset.name), preset)).collect();
+    let distances: Vec<_> = all.map(|one| (distance(&name, name_of(&one)), one)).collect();
     let Some(least) = distances.iter().map(|(distance, _)| *distance).min() else { return Vec::new() };
     if least > name.len() / 2 + 1 {
         return Vec::new();
     }
-    let those = distances.into_iter().filter(|(distance, _)| *distance == least).map(|(_, preset)| preset);
+    let those = distances.into_iter().filter(|(distance, _)| *distance == least).map(|(_, one)| one);
     those.take(MAX_NAMES).collect()
 }
 
-/// How far a preset's name is from another: not at all if it contains that, else Levenshtein's distance.
+/// How far a name is from another: not at all if it contains that, else Levenshtein's distance.
 fn distance(name: &[char], other: &str) -> usize {
     if name.len() >= 3 && other.chars().collect::<Vec<_>>().windows(name.len()).any(|part| part == name) {
         return 0;
@@ -50,15 +48,9 @@ pub fn edits(name: &[char], other: &str) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use alloc::string::String;
     use alloc::vec::Vec;
 
     use super::distance;
-    use crate::presets::{PresetKind, nearest};
-
-    fn names(name: &str) -> Vec<&'static str> {
-        nearest(name, Some(PresetKind::Robot)).iter().map(|preset| preset.name).collect()
-    }
 
     #[test]
     fn distances_are_levenshteins() {
@@ -66,22 +58,5 @@ mod tests {
         for (a, b, expected) in [("", "", 0), ("abc", "abd", 1), ("kitten", "sitting", 3), ("", "abc", 3)] {
             assert_eq!(distance(&chars(a), b), expected, "{a} {b}");
         }
-    }
-
-    #[test]
-    fn names_that_were_mistyped_are_found() {
-        assert_eq!(names("kephera"), ["khepera-1", "khepera-2"]);
-        assert_eq!(names("khepera"), ["khepera-1", "khepera-2"]);
-        assert_eq!(names("epuck"), ["e-puck"]);
-        assert_eq!(names("BoeBot"), ["boe-bot"]);
-        assert_eq!(names("turtlebot"), ["turtlebot3-burger"]);
-    }
-
-    #[test]
-    fn nobody_is_told_names_that_are_far_off() {
-        assert_eq!(names("xyzzy-plugh"), [""; 0]);
-        assert_eq!(names(&"khepera-1".repeat(1000)), [""; 0]);
-        let long: String = core::iter::repeat_n('x', 1 << 16).collect();
-        assert_eq!(names(&long), [""; 0]);
     }
 }

@@ -1,0 +1,46 @@
+//! The arguments of `baudbot list`, `init`, `completions` and `man`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap_complete::Shell;
+
+#[derive(Debug, Args)]
+pub(crate) struct ListArgs {
+    /// Write JSON: for each kind, names and summaries
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InitArgs {
+    /// A built-in scenario or experiment (`baudbot list`)
+    pub(crate) name: String,
+    /// Where to write it; nothing is overwritten [default: its name with .toml, here]
+    pub(crate) file: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    pub(crate) shell: Shell,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ManArgs {
+    /// The folder for the pages, which is made if it is not there: then `man -M FOLDER baudbot`
+    pub(crate) folder: PathBuf,
+}
+
+pub(super) const LIST_EXAMPLES: &str = "\
+Examples:
+  baudbot list
+  baudbot run devices/laser --brain wander
+  baudbot init devices/laser                     writes laser.toml, to be changed
+  baudbot init baud-vs-speed my.toml && baudbot sweep my.toml";
+
+pub(super) const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  baudbot completions bash > ~/.local/share/bash-completion/completions/baudbot
+  baudbot completions zsh > ~/.zfunc/_baudbot
+  baudbot completions fish > ~/.config/fish/completions/baudbot.fish";

@@ -1,0 +1,181 @@
+//! The messages: their names and definitions, as ROS 2 has them, and how they are made.
+
+use baudbot_sim::Pose;
+
+use super::cdr::Cdr;
+
+/// A kind of message: its name, and its definition with those that it needs, as MCAP wants it (`ros2msg`).
+pub(super) struct Kind {
+    pub(super) name: &'static str,
+    pub(super) definition: &'static [&'static str],
+}
+
+const TIME: &str = "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
+const HEADER: &str = "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n";
+const VECTOR: &str = "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n";
+const POINT: &str = "MSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n";
+const QUATERNION: &str = "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n";
+const POSE: &str =
+    "MSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n";
+const TWIST_PART: &str =
+    "MSG: geometry_msgs/Twist\ngeometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n";
+const POSE_COVARIANCE: &str =
+    "MSG: geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose pose\nfloat64[36] covariance\n";
+const TWIST_COVARIANCE: &str =
+    "MSG: geometry_msgs/TwistWithCovariance\ngeometry_msgs/Twist twist\nfloat64[36] covariance\n";
+const TRANSFORM: &str =
+    "MSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n";
+const TRANSFORM_STAMPED: &str = "MSG: geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\n\
+    geometry_msgs/Transform transform\n";
+
+pub(super) const CLOCK: Kind =
+    Kind { name: "rosgraph_msgs/msg/Clock", definition: &["builtin_interfaces/Time clock\n", TIME] };
+pub(super) const TWIST: Kind = Kind {
+    name: "geometry_msgs/msg/Twist",
+    definition: &["geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n", VECTOR],
+};
+pub(super) const LASER_SCAN: Kind = Kind {
+    name: "sensor_msgs/msg/LaserScan",
+    definition: &[
+        "std_msgs/Header header\nfloat32 angle_min\nfloat32 angle_max\nfloat32 angle_increment\nfloat32 time_increment\n\
+         float32 scan_time\nfloat32 range_min\nfloat32 range_max\nfloat32[] ranges\nfloat32[] intensities\n",
+        HEADER,
+        TIME,
+    ],
+};
+pub(super) const IMU: Kind = Kind {
+    name: "sensor_msgs/msg/Imu",
+    definition: &[
+        "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n\
+         geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n\
+         geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n",
+        HEADER,
+        TIME,
+        QUATERNION,
+        VECTOR,
+    ],
+};
+pub(super) const ODOMETRY: Kind = Kind {
+    name: "nav_msgs/msg/Odometry",
+    definition: &[
+        "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n\
+         geometry_msgs/TwistWithCovariance twist\n",
+        HEADER,
+        TIME,
+        POSE_COVARIANCE,
+        POSE,
+        POINT,
+        QUATERNION,
+        TWIST_COVARIANCE,
+        TWIST_PART,
+        VECTOR,
+    ],
+};
+pub(super) const TF: Kind = Kind {
+    name: "tf2_msgs/msg/TFMessage",
+    definition: &[
+        "geometry_msgs/TransformStamped[] transforms\n",
+        TRANSFORM_STAMPED,
+        HEADER,
+        TIME,
+        TRANSFORM,
+        VECTOR,
+        QUATERNION,
+    ],
+};
+
+/// When a message was true, and in which frame.
+#[derive(Clone, Copy)]
+pub(super) struct Stamp<'a> {
+    pub(super) ns: u64,
+    pub(super) frame: &'a str,
+}
+
+/// What a laser found.
+pub(super) struct Scan<'a> {
+    /// From the first ray to the last.
+    pub(super) angles_rad: [f64; 2],
+    /// From the first ray to the last; 0 if all were at once.
+    pub(super) sweep_s: f64,
+    /// Between two scans; 0 if that is not known.
+    pub(super) period_s: f64,
+    pub(super) range_m: [f64; 2],
+    /// Negative where nothing was in range.
+    pub(super) distances_m: &'a [f64],
+}
+
+/// What inertial sensors measured; `None` where there is no such sensor.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Inertia {
+    pub(super) heading_rad: Option<f64>,
+    pub(super) turn_rate_rad_s: Option<f64>,
+    /// Forwards and to the left.
+    pub(super) acceleration_m_s2: Option<[f64; 2]>,
+}
+
+fn header(Stamp { ns, frame }: Stamp<'_>) -> Cdr {
+    Cdr::new().time(ns).text(frame)
+}
+
+/// A turn about the axis that points up.
+fn quaternion(heading_rad: f64) -> [f64; 4] {
+    let (sin, cos) = (0.5 * heading_rad).sin_cos();
+    [0.0, 0.0, sin, cos]
+}
+
+pub(super) fn clock(ns: u64) -> Vec<u8> {
+    Cdr::new().time(ns).bytes()
+}
+
+pub(super) fn twist([speed_m_s, turn_rate_rad_s]: [f64; 2]) -> Vec<u8> {
+    Cdr::new().f64s(&[speed_m_s, 0.0, 0.0, 0.0, 0.0, turn_rate_rad_s]).bytes()
+}
+
+/// A ray that met nothing is endless, as the enhancement proposal 117 of ROS wants it.
+pub(super) fn laser_scan(stamp: Stamp<'_>, scan: &Scan<'_>) -> Vec<u8> {
+    let gaps = scan.distances_m.len().saturating_sub(1).max(1) as f64;
+    let [first, last] = scan.angles_rad;
+    let numbers = [first, last, (last - first) / gaps, scan.sweep_s / gaps, scan.period_s];
+    let cdr = numbers.into_iter().chain(scan.range_m).fold(header(stamp), Cdr::f32);
+    let endless = |&distance_m: &f64| if distance_m < 0.0 { f64::INFINITY } else { distance_m };
+    let cdr = scan.distances_m.iter().map(endless).fold(cdr.length(scan.distances_m.len()), Cdr::f32);
+    cdr.length(0).bytes()
+}
+
+/// Nobody knows the covariances, which is 0; what is not measured has -1 in its first place.
+pub(super) fn imu(stamp: Stamp<'_>, inertia: Inertia) -> Vec<u8> {
+    let covariance =
+        |is_known: bool| if is_known { [0.0; 9] } else { [-1.0, 0., 0., 0., 0., 0., 0., 0., 0.] };
+    let [forwards, left] = inertia.acceleration_m_s2.unwrap_or_default();
+    header(stamp)
+        .f64s(&quaternion(inertia.heading_rad.unwrap_or_default()))
+        .f64s(&covariance(inertia.heading_rad.is_some()))
+        .f64s(&[0.0, 0.0, inertia.turn_rate_rad_s.unwrap_or_default()])
+        .f64s(&covariance(inertia.turn_rate_rad_s.is_some()))
+        .f64s(&[forwards, left, 0.0])
+        .f64s(&covariance(inertia.acceleration_m_s2.is_some()))
+        .bytes()
+}
+
+pub(super) fn odometry(stamp: Stamp<'_>, child: &str, pose: &Pose, [speed, turn_rate]: [f64; 2]) -> Vec<u8> {
+    header(stamp)
+        .text(child)
+        .f64s(&[pose.position.x, pose.position.y, 0.0])
+        .f64s(&quaternion(pose.heading))
+        .f64s(&[0.0; 36])
+        .f64s(&[speed, 0.0, 0.0, 0.0, 0.0, turn_rate])
+        .f64s(&[0.0; 36])
+        .bytes()
+}
+
+/// Transforms at one instant: parent, child, and parent from child.
+pub(super) fn transforms(ns: u64, all: &[(&str, &str, Pose)]) -> Vec<u8> {
+    let one = |cdr: Cdr, (parent, child, pose): &(&str, &str, Pose)| {
+        cdr.time(ns)
+            .text(parent)
+            .text(child)
+            .f64s(&[pose.position.x, pose.position.y, 0.0])
+            .f64s(&quaternion(pose.heading))
+    };
+    all.iter().fold(Cdr::new().length(all.len()), one).bytes()
+}

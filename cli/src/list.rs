@@ -1,0 +1,91 @@
+//! `baudbot list` and `baudbot init`: what a program has in it, wherever it is installed.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use baudbot_brains::catalogue::catalogue;
+use baudbot_import::embedded;
+use baudbot_scenario::presets::{Preset, presets};
+use serde_json::json;
+
+use crate::args::{InitArgs, ListArgs};
+use crate::error::Refused;
+use crate::text::{pairs, print, print_json};
+
+/// A section of the list: its title with what to do with its entries, and these.
+type Section = (&'static str, &'static str, Vec<(&'static str, String)>);
+
+fn sections() -> [Section; 4] {
+    let told = |(name, text): (&'static str, &str)| (name, embedded::summary(text));
+    let preset = |preset: &'static Preset| (preset.name, preset.description.to_owned());
+    let brains = catalogue().into_iter().map(|entry| (entry.name, entry.summary.to_owned()));
+    [
+        ("scenarios", "baudbot run NAME", embedded::scenarios().map(told).collect()),
+        (
+            "experiments",
+            "baudbot sweep NAME, those that begin with `tune-` baudbot tune NAME",
+            embedded::experiments().map(told).collect(),
+        ),
+        ("brains", "--brain NAME", brains.collect()),
+        ("presets", "preset = \"NAME\" in a scenario", presets().map(preset).collect()),
+    ]
+}
+
+pub(crate) fn list(args: &ListArgs) -> anyhow::Result<()> {
+    let sections = sections();
+    if args.json {
+        let entry = |(name, summary): &(&str, String)| json!({ "name": name, "summary": summary });
+        let of = |(title, _, entries): &Section| ((*title).to_owned(), entries.iter().map(entry).collect());
+        return print_json(&sections.iter().map(of).collect::<serde_json::Map<_, serde_json::Value>>());
+    }
+    let text =
+        sections.iter().map(|(title, what, entries)| format!("{title}: {what}\n{}", pairs("  ", entries)));
+    print(&text.collect::<Vec<_>>().join("\n"))
+}
+
+/// Writes a built-in scenario or experiment into a file, with what it refers to.
+pub(crate) fn init(args: &InitArgs) -> anyhow::Result<()> {
+    let name = args.name.as_str();
+    let text =
+        embedded::scenario(name).or_else(|| embedded::experiment(name)).ok_or_else(|| unknown(name))?;
+    let last = name.rsplit('/').next().unwrap_or(name);
+    let file = args.file.clone().unwrap_or_else(|| PathBuf::from(format!("{last}.toml")));
+    let folder = file.parent().unwrap_or_else(|| Path::new(""));
+    let beside = embedded::programs().filter(|(program, _)| text.contains(program));
+    let beside: Vec<_> = beside.map(|(program, bytes)| (folder.join(program), bytes)).collect();
+    // All or nothing.
+    for path in beside.iter().map(|(path, _)| path).chain([&file]) {
+        if path.exists() {
+            return Err(Refused::error(format!("{}: is there already; choose another file", path.display())));
+        }
+    }
+    for (path, bytes) in &beside {
+        write(path, bytes)?;
+    }
+    write(&file, text.as_bytes())?;
+    let command = match (embedded::experiment(name).is_some(), last.starts_with("tune-")) {
+        (true, true) => "tune",
+        (true, false) => "sweep",
+        (false, _) => "run",
+    };
+    print(&format!("{0} is written; edit it, and try it with: baudbot {command} {0}\n", file.display()))
+}
+
+fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let failed = || format!("cannot write {}", path.display());
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        fs::create_dir_all(folder).with_context(failed)?;
+    }
+    let mut file = fs::File::create_new(path).with_context(failed)?;
+    io::Write::write_all(&mut file, bytes).with_context(failed)
+}
+
+fn unknown(name: &str) -> anyhow::Error {
+    let near: Vec<_> = embedded::nearest(name).iter().map(|near| format!("`{near}`")).collect();
+    let near = if near.is_empty() { String::new() } else { format!(" did you mean {}?", near.join(", ")) };
+    Refused::error(format!(
+        "{name}: there is no scenario and no experiment of this name;{near} `baudbot list` has them all"
+    ))
+}

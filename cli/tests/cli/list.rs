@@ -1,0 +1,73 @@
+//! What an installed program has in it: `list`, `init`, `completions`, `man`.
+
+use std::path::PathBuf;
+
+use crate::{baudbot, good};
+
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("list-{name}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+#[test]
+fn the_list_has_all_that_can_be_named() {
+    let text = good(&["list"]);
+    for name in ["wander", "devices/laser", "firmware", "baud-vs-speed", "tune-sweeper", "avoid", "khepera-1"]
+    {
+        assert!(
+            text.lines().any(|line| line.trim_start().starts_with(&format!("{name} "))),
+            "{name}: {text}"
+        );
+    }
+    assert!(text.lines().all(|line| line.chars().count() <= 200), "a line each");
+    let json: serde_json::Value = serde_json::from_str(&good(&["list", "--json"])).unwrap();
+    for (kind, least) in [("scenarios", 40), ("experiments", 10), ("brains", 10), ("presets", 20)] {
+        let entries = json[kind].as_array().unwrap();
+        assert!(entries.len() >= least, "{kind}: {}", entries.len());
+        assert!(entries.iter().all(|entry| !entry["summary"].as_str().unwrap().is_empty()), "{kind}");
+    }
+}
+
+/// What is built in is what the file is, to the bit.
+#[test]
+fn an_example_is_written_where_one_is_and_runs_as_the_one_that_is_built_in() {
+    let folder = folder("init");
+    let file = folder.join("mine.toml");
+    let file = file.to_str().unwrap();
+    let told = good(&["init", "firmware", file]);
+    assert!(told.contains(&format!("baudbot run {file}")), "{told}");
+    let hash = |scenario: &str| {
+        let json = good(&["run", scenario, "--brain", "none", "--seconds", "1", "--json", "--quiet"]);
+        serde_json::from_str::<serde_json::Value>(&json).unwrap()["state_hash"].clone()
+    };
+    assert_eq!(hash(file), hash("firmware"));
+    let (code, _, err) = baudbot(&["init", "firmware", file]);
+    assert_eq!(code, 2, "{err}");
+    assert!(err.contains("is there already; choose another file"), "{err}");
+}
+
+#[test]
+fn a_name_that_is_nearly_right_is_understood() {
+    let (code, _, err) = baudbot(&["run", "devices/lazer"]);
+    assert_eq!(code, 2);
+    let expected = "devices/lazer: there is no such file, and no scenario of this name is built in; did you mean `devices/laser`?";
+    assert!(err.contains(expected), "{err}");
+    let (code, _, err) = baudbot(&["init", "baud-vs-sped"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("`baudbot list` has them all"), "{err}");
+}
+
+#[test]
+fn shells_and_man_know_the_commands() {
+    for shell in ["bash", "zsh", "fish", "elvish"] {
+        let script = good(&["completions", shell]);
+        assert!(script.contains("serve") && script.contains("--tokens"), "{shell}");
+    }
+    let folder = folder("man");
+    good(&["man", folder.to_str().unwrap()]);
+    let page = std::fs::read_to_string(folder.join("man1/baudbot-run.1")).unwrap();
+    assert!(page.contains(".SH OPTIONS"), "{page}");
+    assert!(folder.join("man1/baudbot.1").exists());
+}

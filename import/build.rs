@@ -1,0 +1,58 @@
+//! Lists the scenarios and experiments of this repository, so that an installed program has them all.
+//!
+//! The result is `embedded.rs` in the build's folder: three lists of names and contents. A scenario is called by its path below
+//! `scenarios/` without `.toml`, an experiment by its path below `experiments/`, a program of a microcontroller by its path below `scenarios/`.
+
+use std::error::Error;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?);
+    let root = root.parent().ok_or("the crate is not in a workspace")?;
+    let (mut scenarios, mut experiments, mut programs) = (Vec::new(), Vec::new(), Vec::new());
+    collect(&root.join("scenarios"), "toml", &mut scenarios)?;
+    collect(&root.join("experiments"), "toml", &mut experiments)?;
+    collect(&root.join("scenarios"), "hex", &mut programs)?;
+    let mut code = String::new();
+    list(&mut code, "SCENARIOS", "str", &root.join("scenarios"), &scenarios, ".toml")?;
+    list(&mut code, "EXPERIMENTS", "str", &root.join("experiments"), &experiments, ".toml")?;
+    list(&mut code, "PROGRAMS", "[u8]", &root.join("scenarios"), &programs, "")?;
+    fs::write(PathBuf::from(env::var("OUT_DIR")?).join("embedded.rs"), code)?;
+    Ok(())
+}
+
+/// The files below a folder whose names end so, in the order of their paths.
+fn collect(folder: &Path, extension: &str, found: &mut Vec<PathBuf>) -> Result<(), Box<dyn Error>> {
+    println!("cargo::rerun-if-changed={}", folder.display());
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            collect(&path, extension, found)?;
+        } else if path.extension().is_some_and(|own| own == extension) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(())
+}
+
+fn list(
+    code: &mut String,
+    name: &str,
+    kind: &str,
+    folder: &Path,
+    paths: &[PathBuf],
+    without: &str,
+) -> Result<(), Box<dyn Error>> {
+    let include = if kind == "str" { "include_str" } else { "include_bytes" };
+    writeln!(code, "pub(crate) const {name}: &[(&str, &{kind})] = &[")?;
+    for path in paths {
+        let called = path.strip_prefix(folder)?.to_str().ok_or("a path is no text")?;
+        let called = called.strip_suffix(without).unwrap_or(called);
+        writeln!(code, "    ({called:?}, {include}!({path:?})),")?;
+    }
+    writeln!(code, "];")?;
+    Ok(())
+}

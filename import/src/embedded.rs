@@ -1,0 +1,82 @@
+//! The scenarios and experiments that each program has in it, wherever it is installed.
+
+mod list {
+    include!(concat!(env!("OUT_DIR"), "/embedded.rs"));
+}
+
+use list::{EXPERIMENTS, PROGRAMS, SCENARIOS};
+
+/// Scenarios, with their texts, in the order of their names: `wander`, `devices/laser`.
+pub fn scenarios() -> impl Iterator<Item = (&'static str, &'static str)> {
+    SCENARIOS.iter().copied()
+}
+
+/// The same of experiments.
+pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
+    EXPERIMENTS.iter().copied()
+}
+
+/// Programs of microcontrollers that these scenarios refer to: their paths below the folder of scenarios, and their bytes.
+pub fn programs() -> impl Iterator<Item = (&'static str, &'static [u8])> {
+    PROGRAMS.iter().copied()
+}
+
+/// The text of this scenario, if there is one of this name.
+pub fn scenario(name: &str) -> Option<&'static str> {
+    found(SCENARIOS, name)
+}
+
+/// The text of this experiment, if there is one of this name.
+pub fn experiment(name: &str) -> Option<&'static str> {
+    found(EXPERIMENTS, name)
+}
+
+fn found(all: &[(&'static str, &'static str)], name: &str) -> Option<&'static str> {
+    all.iter().find(|(other, _)| *other == name).map(|(_, text)| *text)
+}
+
+/// What it is, in one line, for lists: its description, or else the first sentence of its first comment.
+pub fn summary(text: &str) -> String {
+    let described = text.lines().find_map(|line| line.strip_prefix("description = \"")?.strip_suffix('"'));
+    if let Some(description) = described {
+        return description.to_owned();
+    }
+    let comment = text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim);
+    let words: Vec<_> = comment.take_while(|line| !line.is_empty()).collect();
+    let whole = words.join(" ");
+    let end =
+        whole.find(['?', ':']).map_or(whole.len(), |end| end + usize::from(whole[end..].starts_with('?')));
+    whole[..end].trim_end_matches('.').to_owned()
+}
+
+/// The scenarios that a wrong name may mean, by the last parts of their names.
+pub fn nearest(wrong: &str) -> Vec<&'static str> {
+    let wrong = wrong.strip_suffix(".toml").unwrap_or(wrong);
+    let last = |name: &str| name.rsplit('/').next().unwrap_or_default().len();
+    let tail = |name: &'static str| &name[name.len() - last(name)..];
+    let names = scenarios().map(|(name, _)| name);
+    baudbot_fields::nearest(&wrong[wrong.len() - last(wrong)..], names, |name| tail(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_has_a_summary_of_one_line() {
+        for (name, text) in scenarios().chain(experiments()) {
+            let summary = summary(text);
+            assert!((10..=140).contains(&summary.len()), "{name}: {summary}");
+        }
+    }
+
+    #[test]
+    fn a_slip_of_the_pen_is_understood() {
+        for (wrong, meant) in
+            [("wnader", "wander"), ("lazer", "devices/laser"), ("scenarios/sweper.toml", "sweeper")]
+        {
+            assert_eq!(nearest(wrong), [meant]);
+        }
+        assert_eq!(nearest("something-quite-different.toml"), [""; 0]);
+    }
+}
