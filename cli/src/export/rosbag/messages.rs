@@ -1,6 +1,7 @@
 //! The messages: their names and definitions, as ROS 2 has them, and how they are made.
 
 use baudbot_sim::Pose;
+use baudbot_sim::sensor::SensorKind;
 
 use super::cdr::Cdr;
 
@@ -111,6 +112,19 @@ pub(super) struct Inertia {
     pub(super) turn_rate_rad_s: Option<f64>,
     /// Forwards and to the left.
     pub(super) acceleration_m_s2: Option<[f64; 2]>,
+}
+
+impl Inertia {
+    /// Takes a reading, if it is of such a sensor.
+    pub(super) fn take(&mut self, kind: SensorKind, values: &[f64]) -> bool {
+        match (kind, values) {
+            (SensorKind::Compass, &[heading_rad]) => self.heading_rad = Some(heading_rad),
+            (SensorKind::Gyroscope, &[turn_rate_rad_s]) => self.turn_rate_rad_s = Some(turn_rate_rad_s),
+            (SensorKind::Accelerometer, &[forwards, left]) => self.acceleration_m_s2 = Some([forwards, left]),
+            (_, _) => return false,
+        }
+        true
+    }
 }
 
 fn header(Stamp { ns, frame }: Stamp<'_>) -> Cdr {

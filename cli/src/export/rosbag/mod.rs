@@ -57,10 +57,14 @@ impl Bag {
     pub(super) fn create(folder: &Path, world: &World, every: u64) -> anyhow::Result<Self> {
         let refused =
             |why: &dyn std::fmt::Display| Refused::error(format!("--rosbag2 {}: {why}", folder.display()));
-        fs::create_dir(folder).map_err(|error| match error.kind() {
-            io::ErrorKind::AlreadyExists => refused(&"is there already; choose another folder, or remove it"),
-            io::ErrorKind::NotFound => refused(&"its parent folder does not exist; create it with mkdir -p"),
-            _ => refused(&error),
+        fs::create_dir(folder).map_err(|error| {
+            if error.kind() == io::ErrorKind::AlreadyExists {
+                refused(&"is there already; choose another folder, or remove it")
+            } else if error.kind() == io::ErrorKind::NotFound {
+                refused(&"its parent folder does not exist; create it with mkdir -p")
+            } else {
+                refused(&error)
+            }
         })?;
         let name = fs::canonicalize(folder)?;
         let file = format!("{}_0.mcap", name.file_name().unwrap_or_default().to_string_lossy());

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use baudbot_sim::drive::Wheels;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::motor::Motors;
-use baudbot_sim::sensor::{Device, Laser, Sensor};
+use baudbot_sim::sensor::{Device, Laser, Sensor, SensorKind};
 use baudbot_sim::{Pose, RobotView, SimTime};
 
 use super::messages::{self, Inertia, Kind, Scan, Stamp};
@@ -30,9 +30,9 @@ pub(super) struct Robot {
 impl Robot {
     pub(super) fn of(spec: &RobotSpec, has_others: bool) -> Self {
         let prefix = if has_others { format!("{}/", token(&spec.name)) } else { String::new() };
-        let fixed = |sensor: &Sensor| match &sensor.device {
-            Device::Laser(laser) => laser.mount.turret.is_none(),
-            _ => false,
+        let fixed = |sensor: &Sensor| {
+            let mount = sensor.device.mount().filter(|_| sensor.device.sensor_kind() == SensorKind::Laser);
+            mount.is_some_and(|mount| mount.turret.is_none())
         };
         let count = spec.sensors.iter().filter(|sensor| fixed(sensor)).count();
         let names = |sensor: &Sensor| {
@@ -68,23 +68,13 @@ impl Robot {
             if view.samples == 0 || self.sampled_at[i].replace(at) == Some(at) {
                 continue;
             }
-            match (&sensor.device, view.sample) {
-                (Device::Laser(laser), distances_m) => {
-                    said.extend(self.scan(i, (laser, sensor), at, distances_m))
-                }
-                (Device::Odometer(_), &[x, y, heading]) => {
-                    said.push(self.odometry(at, Pose::new(x, y, heading)))
-                }
-                (Device::Compass(_), &[heading]) => {
-                    (self.inertia.heading_rad, has_moved) = (Some(heading), Some(at))
-                }
-                (Device::Gyroscope(_), &[rate]) => {
-                    (self.inertia.turn_rate_rad_s, has_moved) = (Some(rate), Some(at))
-                }
-                (Device::Accelerometer(_), &[forwards, left]) => {
-                    (self.inertia.acceleration_m_s2, has_moved) = (Some([forwards, left]), Some(at));
-                }
-                _ => {}
+            let (kind, values) = (sensor.device.sensor_kind(), view.sample);
+            if let Device::Laser(laser) = &sensor.device {
+                said.extend(self.scan(i, (laser, sensor), at, values));
+            } else if let (SensorKind::Odometer, &[x, y, heading]) = (kind, values) {
+                said.push(self.odometry(at, Pose::new(x, y, heading)));
+            } else if self.inertia.take(kind, values) {
+                has_moved = Some(at);
             }
         }
         said.extend(has_moved.map(|at| self.imu(at)));
