@@ -26,22 +26,25 @@
 
 mod calls;
 mod connection;
+mod incoming;
 mod listener;
 mod tls;
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use futures_util::task::AtomicWaker;
 
 pub(crate) use calls::CheckCalls;
 pub(crate) use connection::Connection;
+pub(crate) use incoming::Incoming;
 pub(crate) use listener::{GatedListener, PageConnection, TcpEntry, connections};
 pub use tls::{Tls, TlsError};
 
 use crate::access::Caller;
+use crate::clock;
 use crate::log::Throttle;
 
 /// The error of a connection without a place.
@@ -133,7 +136,7 @@ impl Gate {
             oldest.evict();
         }
         drop(occupancy);
-        if !has_place && let Some(times) = self.0.refusals.note(Instant::now()) {
+        if !has_place && let Some(times) = self.0.refusals.note(clock::now()) {
             tracing::warn!(times, places = self.0.places, "connections refused, as the limit is reached");
         }
         admission
