@@ -137,7 +137,12 @@ impl Beside {
 
     /// The attack is over. Nothing of it is left, and the world beside ends as it must.
     async fn end(self) {
-        self.check_held(48);
+        self.end_held(48).await;
+    }
+
+    /// The same, if the server may hold so many megabytes more than before.
+    async fn end_held(self, megabytes: usize) {
+        self.check_held(megabytes);
         self.is_over.store(true, Ordering::Relaxed);
         for other in self.others {
             timeout(Duration::from_secs(60), other).await.expect("others are not kept waiting").unwrap();
@@ -155,7 +160,8 @@ impl Beside {
     fn check_held(&self, megabytes: usize) {
         let (before, now) = (self.before, Held::now());
         assert!(now.bytes < before.bytes + (megabytes << 20), "{before:?}, {now:?}");
-        assert!(now.threads < before.threads + 16, "{before:?}, {now:?}");
+        // Those of tokio for work that blocks are 512 at most.
+        assert!(now.threads < before.threads + 520, "{before:?}, {now:?}");
     }
 }
 
@@ -299,6 +305,7 @@ async fn rapid_reset_of_calls_that_have_begun() {
             break;
         }
     }
+    assert!(attacker.sent < 40_000, "an attacker who resets {} calls is not closed", attacker.sent / 2);
     beside.end().await;
 }
 
@@ -370,11 +377,10 @@ async fn ping_and_settings_flood() {
                 attacker.reader.take().unwrap().abort();
             }
             let many = piece.repeat(500);
-            attacker.flood(2 * PATIENCE, |_| many.clone()).await;
+            let began = Instant::now();
+            let closed = attacker.flood(4 * PATIENCE, |_| many.clone()).await;
+            assert!(closed && began.elapsed() < 4 * PATIENCE, "it asks for nothing, and is not closed");
             beside.check_held(32);
-            // It has asked for nothing in all that time.
-            let is_closed = !attacker.say(&many).await || !attacker.say(&many).await;
-            assert!(is_closed || attacker.closed(Duration::from_secs(10)).await.is_some());
             beside.end().await;
         }
     }
@@ -383,32 +389,35 @@ async fn ping_and_settings_flood() {
 /// CVE-2019-9517 and its family: answers are asked for, and no window is opened for them.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn zero_window() {
-    let beside = Beside::begin().await;
-    let mut attackers = Vec::new();
     const INITIAL_WINDOW: u16 = 4;
-    for _ in 0..20 {
-        let mut attacker = Attacker::with_settings(beside.address, &[(INITIAL_WINDOW, 0)]).await;
-        // `w`, each tick.
-        let watch = [&[0, 0, 0, 0, 5][..], b"\x0a\x01w\x10\x01"].concat();
-        let file = b"\x1a\x1fbaudbot.v1.ControlService.Watch";
-        let reflect = [&[0, 0, 0, 0, file.len() as u8][..], file].concat();
-        for number in 0..300 {
-            let (path, said) =
-                [(WATCH, &watch), (REFLECT, &reflect), (LIST, &EMPTY.to_vec())][number as usize % 3];
-            let head = frame::of(frame::HEADERS, frame::END_HEADERS, stream(number), &frame::call(path));
-            attacker
-                .say(&[head, frame::of(frame::DATA, frame::END_STREAM, stream(number), said)].concat())
-                .await;
+    // `w`, each tick.
+    let watch = [&[0, 0, 0, 0, 5][..], b"\x0a\x01w\x10\x01"].concat();
+    let file = b"\x1a\x1fbaudbot.v1.ControlService.Watch";
+    let reflect = [&[0, 0, 0, 0, file.len() as u8][..], file].concat();
+    let asked = [(WATCH, watch), (REFLECT, reflect), (LIST, EMPTY.to_vec())];
+    let beside = Beside::begin().await;
+    let mut held = Vec::new();
+    for _ in 0..3 {
+        let mut attackers = Vec::new();
+        for _ in 0..20 {
+            let mut attacker = Attacker::with_settings(beside.address, &[(INITIAL_WINDOW, 0)]).await;
+            for number in 0..300 {
+                let (path, said) = &asked[number as usize % 3];
+                let head = frame::of(frame::HEADERS, frame::END_HEADERS, stream(number), &frame::call(path));
+                let said = frame::of(frame::DATA, frame::END_STREAM, stream(number), said);
+                attacker.say(&[head, said].concat()).await;
+            }
+            attackers.push(attacker);
         }
-        attackers.push(attacker);
+        let answered = beside.answered.load(Ordering::Relaxed);
+        sleep(Duration::from_secs(2)).await;
+        assert!(beside.answered.load(Ordering::Relaxed) > answered, "others are answered meanwhile");
+        held.push(Held::now().bytes.saturating_sub(beside.before.bytes));
     }
-    sleep(Duration::from_secs(3)).await;
-    beside.check_held(96);
-    let answered = beside.answered.load(Ordering::Relaxed);
-    sleep(Duration::from_secs(1)).await;
-    assert!(beside.answered.load(Ordering::Relaxed) > answered, "others are answered meanwhile");
-    drop(attackers);
-    beside.end().await;
+    // A connection has so many streams at a time, and no more. What one wave has held is there for the next.
+    assert!(held[0] < 20 * (6 << 20), "{held:?}");
+    assert!(held[2] < held[0] + (24 << 20), "{held:?}");
+    beside.end_held(128).await;
 }
 
 /// A table is filled once, and then told of again and again: some bytes become megabytes.
@@ -424,7 +433,8 @@ async fn hpack_bomb() {
     let mut bomb = frame::call(LIST);
     bomb.extend([0xbe; 16_000]);
     let piece = |n| frame::of(frame::HEADERS, frame::END_HEADERS, stream(n + 1), &bomb);
-    attacker.flood(Duration::from_secs(3), piece).await;
+    let closed = attacker.flood(Duration::from_secs(3), piece).await;
+    assert!(closed, "an attacker who tells of a large field {} times is not closed", attacker.sent * 16_000);
     beside.end().await;
 }
 
@@ -436,7 +446,8 @@ async fn empty_frames() {
         let mut attacker = beside.attacker().await;
         assert!(attacker.say(&frame::of(frame::HEADERS, frame::END_HEADERS, 1, &frame::call(path))).await);
         let many = frame::of(frame::DATA, 0, 1, &[]).repeat(1000);
-        attacker.flood(Duration::from_secs(4), |_| many.clone()).await;
+        let closed = attacker.flood(Duration::from_secs(10), |_| many.clone()).await;
+        assert!(closed, "{path}: an attacker who sends {} empty frames is not closed", attacker.sent * 1000);
         beside.check_held(32);
     }
     beside.end().await;
@@ -456,7 +467,7 @@ async fn slowloris() {
     let headers = frame::of(frame::HEADERS, 0, 1, &frame::call(LIST));
     let headers = [frame::PREFACE, &frame::of(frame::SETTINGS, 0, 0, &[]), &headers].concat();
     let mut slow = tokio::task::JoinSet::new();
-    for (address, words) in [(encrypted, handshake), (beside.address, headers)] {
+    for (name, address, words) in [("TLS", encrypted, handshake), ("headers", beside.address, headers)] {
         for _ in 0..50 {
             let words = words.clone();
             slow.spawn(async move {
@@ -475,7 +486,7 @@ async fn slowloris() {
                 let is_closed =
                     timeout(3 * PATIENCE + Duration::from_secs(10), async { tokio::join!(says, closed) })
                         .await;
-                assert!(is_closed.is_ok(), "{address} waits for it still");
+                assert!(is_closed.is_ok(), "{name}: it is not closed");
                 assert!(began.elapsed() > PATIENCE / 2);
             });
         }

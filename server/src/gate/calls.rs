@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::task::{Context, Poll};
 
 use futures_util::future::{self, Either, MapOk, Ready, TryFutureExt};
-use tonic::Status;
 use tonic::body::Body;
 use tonic::codegen::http::{Request, Response};
+use tonic::{Code, Status};
 use tower::{Layer, Service};
 
 use super::Admission;
@@ -50,15 +50,41 @@ where
             Ok(caller) => caller,
             Err(status) => return Either::Left(future::ok(status.into_http())),
         };
+        let call = Call(request.extensions().get::<Arc<Admission>>().cloned());
         let guard: Guard = match &caller {
-            Caller::Trusted | Caller::Nobody => Box::new(|response| response),
+            Caller::Trusted | Caller::Nobody => Box::new(|response| call.answered(response)),
             Caller::Holder(grant) => {
                 let (access, grant) = (self.access.clone(), Arc::clone(grant));
-                Box::new(|response| response.map(|body| Body::new(Guarded::new(body, access, grant))))
+                let guarded = |body| Body::new(Guarded::new(body, access, grant));
+                Box::new(|response| call.answered(response).map(guarded))
             }
         };
         request.extensions_mut().insert(caller);
         Either::Right(self.inner.call(request).map_ok(guard))
+    }
+}
+
+/// A call that has not been answered, and its connection, if that is not a pipe in memory.
+struct Call(Option<Arc<Admission>>);
+
+impl Call {
+    /// What a service says of a request that broke off is an answer for nobody.
+    fn answered(mut self, response: Response<Body>) -> Response<Body> {
+        let code = response.headers().get(&Status::GRPC_STATUS).map_or(Code::Ok, |code| Code::from_bytes(code.as_bytes()));
+        if !matches!(code, Code::Cancelled | Code::Internal)
+            && let Some(admission) = self.0.take()
+        {
+            admission.note_answered();
+        }
+        response
+    }
+}
+
+impl Drop for Call {
+    fn drop(&mut self) {
+        if let Some(admission) = &self.0 {
+            admission.note_abandoned();
+        }
     }
 }
 
