@@ -70,7 +70,10 @@ struct Call(Option<Arc<Admission>>);
 impl Call {
     /// What a service says of a request that broke off is an answer for nobody.
     fn answered(mut self, response: Response<Body>) -> Response<Body> {
-        let code = response.headers().get(&Status::GRPC_STATUS).map_or(Code::Ok, |code| Code::from_bytes(code.as_bytes()));
+        let code = response
+            .headers()
+            .get(&Status::GRPC_STATUS)
+            .map_or(Code::Ok, |code| Code::from_bytes(code.as_bytes()));
         if !matches!(code, Code::Cancelled | Code::Internal)
             && let Some(admission) = self.0.take()
         {

@@ -269,6 +269,22 @@ mod tests {
     }
 
     #[test]
+    fn a_connection_that_abandons_its_calls_is_closed_and_one_that_is_answered_now_and_then_stays() {
+        let gate = Gate::new(2, Duration::from_secs(10));
+        let [hostile, hasty] = [(); 2].map(|()| gate.admit(None));
+        for _ in 0..MOST_ABANDONED {
+            hostile.note_abandoned();
+            hasty.note_abandoned();
+        }
+        assert!(!is_evicted(&hostile));
+        hasty.note_answered();
+        for one in [&hostile, &hasty] {
+            one.note_abandoned();
+        }
+        assert!(is_evicted(&hostile) && !is_evicted(&hasty));
+    }
+
+    #[test]
     fn connections_without_a_place_are_few() {
         let gate = Gate::new(1, Duration::from_secs(10));
         gate.admit(None).note_call().unwrap();

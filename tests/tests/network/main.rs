@@ -5,6 +5,7 @@
 
 mod actors;
 mod chance;
+mod clock;
 mod judge;
 mod link;
 
@@ -54,7 +55,11 @@ fn run(seed: u64, judges: &[Judge; 2]) -> Report {
 async fn simulate(seed: u64, judge: Judge) -> Report {
     let (began, kind) = (Instant::now(), Kind::of(seed));
     let (network, incoming) = Network::new(seed);
-    let lockstep = Lockstep { lookahead: kind.goes_ahead, ..Lockstep::default() };
+    let mut lockstep = Lockstep { lookahead: kind.goes_ahead, ..Lockstep::default() };
+    if kind.goes_ahead {
+        // Once it acts, an operator is shown a world that is ahead of its brains, and lacks what they will do.
+        lockstep.watchdog.timeout = ENOUGH;
+    }
     let pace = if kind.is_stepped { Pace::Stepped(lockstep) } else { Pace::Lockstep(lockstep) };
     let server =
         Server::builder().world(WorldConfig::new("w", room(kind.loses_brains)).pace(pace)).without_threads();
