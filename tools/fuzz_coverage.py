@@ -57,7 +57,7 @@ def lines_of(program: str, raw: list[pathlib.Path]) -> dict[str, tuple[set[int],
     for line in exported.splitlines():
         kind, _, rest = line.partition(":")
         if kind == "SF":
-            name = os.path.relpath(rest, ROOT)
+            name = os.path.relpath(ROOT / rest, ROOT)
         elif kind == "DA":
             number, count = map(int, rest.split(",")[:2])
             hit, there = files.setdefault(name, (set(), set()))

@@ -397,7 +397,7 @@ async fn zero_window() {
     let asked = [(WATCH, watch), (REFLECT, reflect), (LIST, EMPTY.to_vec())];
     let beside = Beside::begin().await;
     let mut held = Vec::new();
-    for _ in 0..3 {
+    for _ in 0..4 {
         let mut attackers = Vec::new();
         for _ in 0..20 {
             let mut attacker = Attacker::with_settings(beside.address, &[(INITIAL_WINDOW, 0)]).await;
@@ -413,11 +413,16 @@ async fn zero_window() {
         sleep(Duration::from_secs(2)).await;
         assert!(beside.answered.load(Ordering::Relaxed) > answered, "others are answered meanwhile");
         held.push(Held::now().bytes.saturating_sub(beside.before.bytes));
+        for mut attacker in attackers {
+            drop(attacker.write);
+            let reader = attacker.reader.take().expect("it reads");
+            timeout(Duration::from_secs(20), reader).await.expect("it is closed").unwrap();
+        }
     }
-    // A connection has so many streams at a time, and no more. What one wave has held is there for the next.
+    // A connection has so many streams at a time, and no more. What one wave has held is there for the next, but for some gaps.
     assert!(held[0] < 20 * (6 << 20), "{held:?}");
-    assert!(held[2] < held[0] + (24 << 20), "{held:?}");
-    beside.end_held(128).await;
+    assert!(held[3] < 2 * held[0], "{held:?}");
+    beside.end_held(240).await;
 }
 
 /// A table is filled once, and then told of again and again: some bytes become megabytes.

@@ -46,6 +46,12 @@ async fn soak(minutes: f64) -> bool {
     let mut command = tokio::process::Command::from({
         let mut command = Command::new(program);
         command.arg("serve").arg(folder.path()).stdout(Stdio::piped());
+        // What is free goes back to the system at once, as far as that can be: what is resident is then what the server holds, and
+        // not what it held at the busiest moment.
+        command
+            .env("MALLOC_ARENA_MAX", "1")
+            .env("MALLOC_TRIM_THRESHOLD_", "65536")
+            .env("MALLOC_MMAP_THRESHOLD_", "65536");
         command
     });
     let mut child = command.kill_on_drop(true).spawn().expect("a server");
