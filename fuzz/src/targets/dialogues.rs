@@ -35,7 +35,7 @@ fn run(worlds: &[World], bytes: &[u8]) -> u64 {
     let sensors = world.scenario().robots[0].sensors.len();
     for piece in bytes.chunks(6).take(MOST_TICKS) {
         let at = world.begin().first().map(|turn| turn.at);
-        let at = at.unwrap_or(world.time());
+        let at = at.unwrap_or_else(|| world.time());
         for sensor in 0..sensors {
             world.write_port(0, sensor, world.time(), piece);
         }

@@ -25,6 +25,6 @@ impl Stopwatch {
     }
 
     pub(super) fn elapsed(&self) -> Duration {
-        self.sum + self.since.map_or(Duration::ZERO, |since| clock::since(since))
+        self.sum + self.since.map_or(Duration::ZERO, clock::since)
     }
 }

@@ -48,6 +48,9 @@ impl Sample {
     }
 }
 
+/// What is taken of a sample.
+type Value = fn(&Sample) -> f64;
+
 /// All samples of a run.
 #[derive(Default)]
 pub(crate) struct Samples(Vec<Sample>);
@@ -67,7 +70,7 @@ impl Samples {
         let (_, rest) = self.0.split_at(self.0.len() / 3);
         println!("\nafter the first third     mean    change   allowed");
         // Of a run of any length: what grows without bound is beyond these in hours.
-        let of: [(&str, fn(&Sample) -> f64, f64, f64); 3] = [
+        let of: [(&str, Value, f64, f64); 3] = [
             ("memory, MB", |sample| sample.megabytes, 0.05, 6.0),
             ("descriptors", |sample| sample.descriptors, 0.1, 12.0),
             ("threads", |sample| sample.threads, 0.1, 4.0),

@@ -253,7 +253,7 @@ impl Operator {
         Ok(status.expect("a status"))
     }
 
-    async fn look(&mut self, control: &mut Control) -> Result<Option<v1::WorldStatus>, Status> {
+    async fn look(&self, control: &mut Control) -> Result<Option<v1::WorldStatus>, Status> {
         Ok(control.get_world(v1::GetWorldRequest { world: "w".into() }).await?.into_inner().status)
     }
 

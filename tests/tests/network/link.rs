@@ -332,7 +332,7 @@ impl AsyncWrite for End {
 
 impl End {
     /// Tells the other end that nothing more comes.
-    fn close(&mut self) {
+    fn close(&self) {
         let mut connection = lock(&self.connection);
         let Connection { host, pipes, is_lost, .. } = &mut *connection;
         let pipe = &mut pipes[self.side];

@@ -1,7 +1,7 @@
 //! The network as a simulation: a server and its clients on one thread, with a clock that does not wait, over connections that are
 //! slow, cut off, reset and lost, other ones for each seed. Whatever happens the world is, at each tick, what it is without a network.
 //!
-//! `BAUDBOT_NETWORK_SEEDS` says how many seeds are tried, `BAUDBOT_NETWORK_SEED` tries one alone.
+//! `BAUDBOT_NETWORK_SEEDS` says how many seeds are tried, or which (`500..1000`), `BAUDBOT_NETWORK_SEED` tries one alone.
 
 mod actors;
 mod chance;
@@ -145,15 +145,18 @@ fn run_all(seeds: impl IntoIterator<Item = u64>) {
     );
 }
 
-fn number(variable: &str) -> Option<u64> {
-    std::env::var(variable).ok().map(|text| text.parse().expect("a number"))
+/// The seeds that a text names: `7`, those below 7, or `5..7`.
+fn seeds(text: &str) -> std::ops::Range<u64> {
+    let number = |text: &str| text.parse().expect("a number of seeds, or a range of them");
+    text.split_once("..").map_or_else(|| 0..number(text), |(from, to)| number(from)..number(to))
 }
 
 #[test]
 fn a_network_that_breaks_in_any_way_changes_no_world() {
-    match number("BAUDBOT_NETWORK_SEED") {
-        Some(seed) => run_all([seed]),
-        None => run_all(0..number("BAUDBOT_NETWORK_SEEDS").unwrap_or(60)),
+    let named = |variable| std::env::var(variable).ok();
+    match named("BAUDBOT_NETWORK_SEED") {
+        Some(seed) => run_all([seed.parse().expect("a seed")]),
+        None => run_all(seeds(named("BAUDBOT_NETWORK_SEEDS").as_deref().unwrap_or("60"))),
     }
 }
 
