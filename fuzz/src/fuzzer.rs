@@ -14,15 +14,27 @@ use crate::alter::altered;
 use crate::chance::Chance;
 use crate::targets::Target;
 
+/// When enough has been tried.
+#[derive(Clone, Copy)]
+pub(crate) enum Until {
+    Time(Duration),
+    /// So many altered inputs.
+    Executions(u64),
+}
+
 pub(crate) struct Fuzzer {
     target: Target,
     chance: Chance,
     folder: PathBuf,
     /// What is altered.
     inputs: Vec<Vec<u8>>,
+    /// Those of them that have been found in this run.
+    new: Vec<Vec<u8>>,
     /// What has come of inputs so far.
     outcomes: HashSet<u64>,
     tried: u64,
+    bytes: u64,
+    began: Instant,
     failed: Option<Vec<u8>>,
     watch: Arc<Watch>,
 }
@@ -49,21 +61,40 @@ impl Fuzzer {
         let watch = Arc::new(Watch::default());
         guard(target.name, &watch, &folder);
         let (chance, outcomes) = (Chance(seed), HashSet::new());
-        Ok(Self { target, chance, folder, inputs, outcomes, tried: 0, failed: None, watch })
+        Ok(Self {
+            target,
+            chance,
+            folder,
+            inputs,
+            new: Vec::new(),
+            outcomes,
+            tried: 0,
+            bytes: 0,
+            began: Instant::now(),
+            failed: None,
+            watch,
+        })
     }
 
-    /// Tries inputs for so long.
-    pub(crate) fn run(&mut self, time: Duration) {
+    /// Tries what there is, and then altered inputs.
+    pub(crate) fn run(&mut self, until: Until) {
         let begun = Instant::now();
         for input in self.inputs.clone() {
             self.once(&input);
         }
-        while begun.elapsed() < time && self.failed.is_none() {
+        let mut altered_ones = 0;
+        let goes_on = |tried: u64| match until {
+            Until::Time(time) => begun.elapsed() < time,
+            Until::Executions(wanted) => tried < wanted,
+        };
+        while goes_on(altered_ones) && self.failed.is_none() {
+            altered_ones += 1;
             let [one, other] = [0; 2].map(|_| self.chance.below(self.inputs.len()));
             let input = altered(&self.inputs[one], &self.inputs[other], self.target.words, &mut self.chance);
             let known = self.outcomes.len();
             self.once(&input);
             if self.outcomes.len() > known && self.inputs.len() < MAX_INPUTS {
+                self.new.push(input.clone());
                 self.inputs.push(input);
             }
         }
@@ -75,6 +106,7 @@ impl Fuzzer {
             return;
         }
         self.tried += 1;
+        self.bytes += input.len() as u64;
         self.watch.begin(input);
         let outcome = catch_unwind(AssertUnwindSafe(|| (self.target.run)(input)));
         self.watch.since_ms.store(0, Ordering::Relaxed);
@@ -86,10 +118,13 @@ impl Fuzzer {
 
     /// Says how it went, and how a failure can be seen again; whether there was one.
     pub(crate) fn report(self) -> anyhow::Result<bool> {
-        let Self { target, folder, outcomes, tried, failed, .. } = self;
+        let Self { target, folder, outcomes, tried, bytes, began, failed, .. } = self;
         let name = target.name;
         let Some(input) = failed else {
-            println!("{name:12} {tried:9} inputs, {:4} outcomes, no failure", outcomes.len());
+            let (outcomes, took_s) = (outcomes.len(), began.elapsed().as_secs_f64());
+            println!(
+                "{name:12} {tried:10} inputs, {bytes:13} bytes, {outcomes:5} outcomes, {took_s:6.0} s, no failure"
+            );
             return Ok(false);
         };
         let file = folder.join(format!("failed-{:016x}", fingerprint(&input)));
@@ -98,6 +133,31 @@ impl Fuzzer {
         println!("{name:12} FAILED at input {tried}, of {} bytes. To see it again:", input.len());
         println!("    cargo run -p baudbot-fuzz -- {name} --input {}", file.display());
         Ok(true)
+    }
+}
+
+impl Fuzzer {
+    /// Keeps the shortest input for each of some outcomes that nothing kept before leads to.
+    pub(crate) fn keep(&mut self) -> anyhow::Result<()> {
+        let (target, before) = (&mut self.target, self.inputs.len() - self.new.len());
+        let known: HashSet<_> = self.inputs[..before].iter().map(|input| (target.run)(input)).collect();
+        let mut kept: Vec<(u64, &Vec<u8>)> = Vec::new();
+        self.new.sort_by_key(Vec::len);
+        for input in self.new.iter().take_while(|input| input.len() <= LONGEST_KEPT) {
+            let outcome = (target.run)(input);
+            if kept.len() < MOST_KEPT
+                && !known.contains(&outcome)
+                && kept.iter().all(|(other, _)| *other != outcome)
+            {
+                kept.push((outcome, input));
+            }
+        }
+        fs::create_dir_all(&self.folder).with_context(|| format!("cannot make {}", self.folder.display()))?;
+        for (_, input) in kept {
+            let file = self.folder.join(format!("{:016x}", fingerprint(input)));
+            fs::write(&file, input).with_context(|| format!("cannot write {}", file.display()))?;
+        }
+        Ok(())
     }
 }
 
@@ -139,6 +199,12 @@ fn fingerprint(bytes: &[u8]) -> u64 {
         .iter()
         .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
+
+/// Inputs of a target that one run adds to its folder, at most.
+const MOST_KEPT: usize = 24;
+
+/// The longest of them, in bytes. What needs more is found again soon.
+const LONGEST_KEPT: usize = 2048;
 
 /// Most inputs that are kept to be altered.
 const MAX_INPUTS: usize = 2000;

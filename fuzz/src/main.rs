@@ -8,10 +8,14 @@
 //! tools/fuzz            every target for 5 seconds
 //! tools/fuzz 600        for ten minutes each
 //! tools/fuzz 60 states recordings
+//! tools/fuzz --wanted frames               as many inputs as are wanted before a release
+//! tools/fuzz --executions 1000000 hex      so many
+//! tools/fuzz --coverage 20                 which lines are reached
 //! ```
 //!
 //! What it begins with is what the targets say, and what is in `fuzz/corpus/TARGET/`. An input that fails is written into
-//! that folder, so that it is tried first from then on, and the command is told that tries it alone.
+//! that folder, so that it is tried first from then on, and the command is told that tries it alone. With `--keep` the shortest
+//! inputs that lead to something new are kept there, too.
 
 mod alter;
 mod chance;
@@ -25,7 +29,7 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use clap::Parser;
 
-use fuzzer::Fuzzer;
+use fuzzer::{Fuzzer, Until};
 
 #[derive(Parser)]
 struct Args {
@@ -34,6 +38,15 @@ struct Args {
     /// How long each is tried, in seconds
     #[arg(long, default_value_t = 5.0, value_parser = seconds)]
     seconds: f64,
+    /// Try so many altered inputs of each instead
+    #[arg(long, conflicts_with = "seconds")]
+    executions: Option<u64>,
+    /// Try as many as are wanted before a release: 100 million of a protocol, a million of others
+    #[arg(long, conflicts_with_all = ["seconds", "executions"])]
+    wanted: bool,
+    /// Keep the shortest of what led to something new in fuzz/corpus/TARGET
+    #[arg(long)]
+    keep: bool,
     /// What chance begins with; another one tries other inputs
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -63,12 +76,20 @@ fn main() -> anyhow::Result<ExitCode> {
     let is_wanted = |name: &str| args.targets.is_empty() || args.targets.iter().any(|wanted| wanted == name);
     let mut failed = false;
     for target in all.into_iter().filter(|target| is_wanted(target.name)) {
+        let until = match args.executions {
+            _ if args.wanted => Until::Executions(target.wanted()),
+            Some(executions) => Until::Executions(executions),
+            None => Until::Time(Duration::from_secs_f64(args.seconds)),
+        };
         let mut fuzzer = Fuzzer::new(target, args.seed)?;
         match &args.input {
             Some(file) => {
                 fuzzer.once(&std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?);
             }
-            None => fuzzer.run(Duration::from_secs_f64(args.seconds)),
+            None => fuzzer.run(until),
+        }
+        if args.keep {
+            fuzzer.keep()?;
         }
         failed |= fuzzer.report()?;
     }
@@ -86,7 +107,7 @@ mod tests {
         for target in targets::all().unwrap() {
             let name = target.name;
             let mut fuzzer = Fuzzer::new(target, 1).unwrap();
-            fuzzer.run(Duration::from_secs_f64(seconds.unwrap_or(0.1)));
+            fuzzer.run(Until::Time(Duration::from_secs_f64(seconds.unwrap_or(0.1))));
             assert!(!fuzzer.report().unwrap(), "{name}");
         }
     }

@@ -45,6 +45,7 @@ mod beliefs;
 mod blocking;
 mod brain_link;
 mod cables;
+mod clock;
 mod columns;
 mod control;
 mod convert;

@@ -25,8 +25,8 @@ use std::mem;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread;
-use std::time::Instant;
 
+use crate::clock;
 use crate::pool::{Place, SLICE, Task, Then, Waker};
 
 /// What handles the messages of a mailbox. Only one of its methods runs at a time, on whichever thread.
@@ -41,6 +41,9 @@ pub(crate) trait Runner<M>: Send {
     /// The mailbox is closed: the runner is over, or one of its methods has panicked.
     fn close(&mut self);
 }
+
+/// Steps of a slice, at most: more than fit into it, unless the clock stands.
+const MOST_STEPS: usize = 1000;
 
 /// A queue of messages with their runner.
 pub(crate) struct Mailbox<M> {
@@ -101,7 +104,7 @@ impl<M> Mailbox<M> {
             let is_empty = queue.messages.is_empty();
             drop(queue);
             if is_due {
-                return self.waker.wake(Some(Instant::now()));
+                return self.waker.wake(Some(clock::now()));
             }
             if is_empty {
                 return;
@@ -111,15 +114,17 @@ impl<M> Mailbox<M> {
 
     /// Runs the runner for a slice, on a thread of the pool.
     fn run_slice(&self, place: Place) -> Then {
-        let end = Instant::now() + SLICE;
+        let end = clock::now() + SLICE;
         let mut guard = match self.lock_or_leave_note() {
             Ok(guard) => guard,
             Err(then) => return then,
         };
         let Some(runner) = guard.as_mut() else { return Then::Over };
+        let mut steps = 0;
         let then = loop {
             let then = runner.run(place, &mut || self.take());
-            if !matches!(then, Then::Run(_)) || Instant::now() >= end {
+            steps += 1;
+            if !matches!(then, Then::Run(_)) || steps == MOST_STEPS || clock::now() >= end {
                 break then;
             }
         };

@@ -25,6 +25,7 @@ struct Worlds {
     by_name: BTreeMap<Arc<str>, Entry>,
     /// What runs them; `None` before the first.
     pool: Option<Pool>,
+    without_threads: bool,
     /// How many there are; each world knows it.
     count: Arc<AtomicU32>,
 }
@@ -47,6 +48,13 @@ impl Drop for Worlds {
 }
 
 impl Registry {
+    /// One whose worlds are tasks of the runtime in which they are made.
+    pub(crate) fn without_threads() -> Self {
+        let registry = Self::default();
+        registry.lock().without_threads = true;
+        registry
+    }
+
     /// Makes a world, which a pool then runs. One with an `OnTick`, which may block, has a pool of its own.
     ///
     /// # Errors
@@ -63,9 +71,12 @@ impl Registry {
         }
         let name: Arc<str> = new.name.as_str().into();
         let count = Arc::clone(&worlds.count);
-        let mut own = new.on_tick.as_ref().map(|_| Pool::of_one(&format!("world {name}")));
+        let without_threads = worlds.without_threads;
+        let may_block = new.on_tick.is_some() && !without_threads;
+        let mut own = may_block.then(|| Pool::of_one(&format!("world {name}")));
         let pool = match &mut own {
             Some(own) => own,
+            None if without_threads => worlds.pool.get_or_insert_with(Pool::without_threads),
             None => worlds.pool.get_or_insert_with(|| Pool::new("worlds")),
         };
         let handle = actor::start(new, count, pool)?;

@@ -3,10 +3,10 @@
 use std::cell::Cell;
 use std::convert::Infallible;
 
-use baudbot_client::{Action, Attachment, Brain, Reconnect, Turn};
+use baudbot_client::{Action, Attachment, Brain, Reconnect, Signals, Turn};
 use baudbot_server::{Address, Server, WorldConfig};
-use baudbot_tests::system::lockstep;
-use baudbot_tests::{WANDER, scenario};
+use baudbot_tests::system::{client, lockstep, serve as serve_world, status, strict};
+use baudbot_tests::{WANDER, crowd, scenario};
 use tokio::sync::mpsc;
 
 /// Keeps still.
@@ -90,5 +90,37 @@ async fn a_brain_that_cannot_be_made_ends_the_program() {
     let make = |_: &_| Err::<Still, _>("the robot has no laser");
     let error = attachment.drive(make, |line| panic!("{line}")).await.unwrap_err();
     assert_eq!(error.to_string(), "the robot has no laser");
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_tick_that_two_brains_have_left_waits_for_both_of_their_successors() {
+    let names = ["r0", "r1"].map(str::to_owned);
+    let server = serve_world(scenario(&crowd(&names), &[]), strict()).await;
+    let client = client(&server).await;
+    let [mut first, mut second] =
+        [client.attach("w", "r0").await.unwrap(), client.attach("w", "r1").await.unwrap()];
+    for _ in 0..5 {
+        for robot in [&mut first, &mut second] {
+            robot.turn().await.unwrap().unwrap();
+        }
+        for robot in [&mut first, &mut second] {
+            robot.drive(Signals { left: 0.3, right: 0.2 }).await.unwrap();
+        }
+    }
+    let open = first.turn().await.unwrap().unwrap().tick;
+    assert_eq!(second.turn().await.unwrap().unwrap().tick, open);
+    drop((first, second));
+    while status(&server).await.robots.iter().any(|robot| robot.attached) {
+        tokio::task::yield_now().await;
+    }
+    let mut first = client.attach("w", "r0").await.unwrap();
+    assert_eq!(first.turn().await.unwrap().unwrap().tick, open);
+    first.drive(Signals { left: 0.3, right: 0.2 }).await.unwrap();
+    // The Step is on its way; the tick does not end with it.
+    tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+    assert_eq!(status(&server).await.tick, open);
+    let mut second = client.attach("w", "r1").await.unwrap();
+    assert_eq!(second.turn().await.unwrap().unwrap().tick, open, "nobody has answered it yet");
     server.shutdown().await;
 }

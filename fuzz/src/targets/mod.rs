@@ -1,6 +1,7 @@
 //! What is tried.
 
 mod access;
+mod dialogues;
 mod files;
 mod programs;
 mod wire;
@@ -20,10 +21,18 @@ pub(crate) struct Target {
     pub(crate) run: Run,
 }
 
+impl Target {
+    /// How many inputs are to be tried before a release: a protocol's are short, and each of the others is a file or a run.
+    pub(crate) fn wanted(&self) -> u64 {
+        if wire::NAMES.contains(&self.name) { 100_000_000 } else { 1_000_000 }
+    }
+}
+
 /// All targets.
 pub(crate) fn all() -> anyhow::Result<Vec<Target>> {
     let mut targets = wire::targets();
     targets.extend(access::targets());
+    targets.extend(dialogues::targets()?);
     targets.extend(files::targets()?);
     targets.extend(programs::targets()?);
     targets.extend(worlds::targets()?);

@@ -30,6 +30,10 @@ const LINES: Layout<'static> = Layout {
     ages: false,
 };
 
+/// The protocols.
+pub(super) const NAMES: [&str; 10] =
+    ["frames", "framed", "bare", "khepera", "create", "scip-device", "scip", "nmea", "line-image", "meaning"];
+
 pub(super) fn targets() -> Vec<Target> {
     let (mut payload, mut framed) = ([0; frame::MAX_PAYLOAD], [0; frame::MAX_FRAME]);
     let fresh = |_: usize| None;

@@ -1,7 +1,6 @@
 //! Brains: they attach, answer and go.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use baudbot_sim::{SimTime, Turn};
 use tonic::Status;
@@ -9,6 +8,7 @@ use tonic::Status;
 use super::final_command::FinalCommand;
 use super::ports::{ToDevice, sender};
 use super::{Pending, Phase, WorldActor};
+use crate::clock;
 use crate::endpoint::{Mode, Thinking, Write};
 use crate::message::{Attach, Attached, Lease, Reply, Step};
 use crate::pace::{Pace, WatchdogPolicy};
@@ -143,7 +143,7 @@ impl WorldActor {
         let step = turn.map_or_else(|_| self.world.time(), |turn| turns[turn].at);
         match &self.pacer.clock {
             // A world that lags its clock takes what comes now as coming within this tick.
-            Some(clock) => clock.time(Instant::now()).min(self.tick_end()).max(step),
+            Some(clock) => clock.time(clock::now()).min(self.tick_end()).max(step),
             None => step + thinking.on(self.world.robot(robot).spec()),
         }
     }

@@ -4,7 +4,6 @@
 //! whoever drives it hands over what each brain does, in the tick in which the brain steps.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use baudbot_brain::{Action, Belief};
 use baudbot_proto::v1;
@@ -14,6 +13,7 @@ use tonic::Status;
 
 use super::{NewWorld, Pending, Phase, WorldActor};
 use crate::annotate;
+use crate::clock;
 use crate::convert;
 use crate::endpoint::Endpoint;
 use crate::endpoint::Mode;
@@ -69,13 +69,13 @@ impl DirectWorld {
     pub fn begin(&mut self) -> Vec<Turn> {
         let actor = &mut self.actor;
         actor.recording.wait_for_disk();
-        actor.pacer.running.set(true, Instant::now());
+        actor.pacer.running.set(true, clock::now());
         let mut turns = actor.world.begin().to_vec();
         actor.record_tick();
         actor.show();
         turns.retain(|turn| actor.sessions.session(turn.robot).is_some() && !actor.lets_sleep(*turn));
         actor.phase = Phase::Begun;
-        actor.pacer.waiting_since = Instant::now();
+        actor.pacer.waiting_since = clock::now();
         turns
     }
 
@@ -112,10 +112,10 @@ impl DirectWorld {
     /// Second half of a tick. Whether the run goes on; when it has ended, the sensors have been read a last time.
     pub fn finish(&mut self) -> bool {
         let actor = &mut self.actor;
-        actor.finish_with(Instant::now(), &[]);
+        actor.finish_with(clock::now(), &[]);
         let goes_on = actor.world.ending().is_none();
         if !goes_on {
-            actor.pacer.running.set(false, Instant::now());
+            actor.pacer.running.set(false, clock::now());
         }
         goes_on
     }
@@ -126,7 +126,7 @@ impl DirectWorld {
     /// # Errors
     /// If the thread that writes the recording is gone.
     pub async fn close(mut self) -> Result<v1::WorldStatus, Status> {
-        self.actor.pacer.running.set(false, Instant::now());
+        self.actor.pacer.running.set(false, clock::now());
         if !self.actor.recording.is_on() {
             return Ok(convert::status(&self.actor.report(0)));
         }

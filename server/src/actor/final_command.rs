@@ -11,6 +11,7 @@ use baudbot_sim::drive::Wheels;
 use baudbot_sim::{SimTime, World};
 
 use super::{Pending, WorldActor};
+use crate::clock;
 use crate::endpoint::{Output, Signals, Thinking};
 
 /// How long a brain may send nothing, by the wall clock and by the simulated one. People hardly see a shorter pause, and a
@@ -30,7 +31,7 @@ pub(super) struct FinalCommand {
 impl FinalCommand {
     /// Of a brain that has just sent something.
     pub(super) fn of(world: &World) -> Self {
-        Self { heard: Instant::now(), heard_at: world.time(), written: false }
+        Self { heard: clock::now(), heard_at: world.time(), written: false }
     }
 
     fn is_due(&mut self, now: Instant, time: SimTime) -> bool {

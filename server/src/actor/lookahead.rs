@@ -28,6 +28,7 @@ use baudbot_sim::{SimTime, Turn};
 use tonic::Status;
 
 use super::{Next, WorldActor};
+use crate::clock;
 use crate::endpoint::Write;
 use crate::message::{Message, Request};
 use crate::pace::Pace;
@@ -137,7 +138,7 @@ impl WorldActor {
                 self.record_late(turn.robot, done, Vec::new());
             }
         }
-        let now = Instant::now();
+        let now = clock::now();
         self.pacer.statistics.waiting += now.saturating_duration_since(self.pacer.waiting_since);
         self.pacer.waiting_since = now;
     }

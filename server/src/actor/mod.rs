@@ -37,6 +37,7 @@ use tonic::Status;
 
 use crate::beliefs::Beliefs;
 use crate::cables::Cables;
+use crate::clock;
 use crate::endpoint::Sent;
 use crate::log::event;
 use crate::mailbox::Mailbox;
@@ -274,7 +275,7 @@ impl WorldActor {
         self.ports.note_begin();
         self.phase = Phase::Begun;
         self.stop_silent_robots(now);
-        let begun = Instant::now();
+        let begun = clock::now();
         if !self.sessions.is_any_overtaken() {
             self.pacer.waiting_since = begun;
         }
@@ -346,7 +347,7 @@ impl WorldActor {
         if self.stepper.credits == 0 {
             self.answer_stepper();
         }
-        self.schedule.note_finish(now.elapsed());
+        self.schedule.note_finish(clock::since(now));
     }
 
     /// Ends the run: the sensors are read a last time, and everybody is told.
@@ -366,8 +367,8 @@ impl WorldActor {
     fn time_out(&mut self) {
         let Some(watchdog) = self.pacer.pace.watchdog() else { return };
         let timeout = watchdog.timeout;
-        self.pacer.statistics.waiting += self.pacer.waiting_since.elapsed();
-        self.pacer.waiting_since = Instant::now();
+        self.pacer.statistics.waiting += clock::since(self.pacer.waiting_since);
+        self.pacer.waiting_since = clock::now();
         for number in self.sessions.owing().collect::<Vec<_>>() {
             self.pacer.statistics.watchdog_timeouts += 1;
             event!(self, warn, session = number, brain = self.sessions.name(number),

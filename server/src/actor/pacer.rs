@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::WorldActor;
 use super::stopwatch::Stopwatch;
+use crate::clock;
 use crate::log::{Throttle, event};
 use crate::pace::{Clock, Pace, Pacing, Terms, Timed};
 
@@ -27,7 +28,7 @@ impl Pacer {
             paused,
             clock: None,
             statistics: Pacing::default(),
-            waiting_since: Instant::now(),
+            waiting_since: clock::now(),
             running: Stopwatch::default(),
             lags: Throttle::default(),
         }
@@ -100,6 +101,6 @@ impl WorldActor {
         self.recording.set_pace(pace);
         self.pacer.clock = None;
         self.end_stepping();
-        self.pacer.waiting_since = Instant::now();
+        self.pacer.waiting_since = clock::now();
     }
 }

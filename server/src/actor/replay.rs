@@ -8,6 +8,7 @@ use tonic::Status;
 
 use super::ports::senders;
 use super::{Next, Phase, WorldActor, view};
+use crate::clock;
 use crate::message::{Reply, Request};
 use crate::pace::Pace;
 use crate::report::{Activity, ReplayReport, Report};
@@ -169,7 +170,7 @@ impl WorldActor {
 
     /// Goes some way towards a tick, and returns so that messages can be handled.
     fn approach(&mut self, replay: &mut Replay, tick: u64, now: Instant) -> Result<(), RecordingError> {
-        while self.world.tick() < tick && now.elapsed() < AT_ONCE && replay.step(&mut self.world)? {}
+        while self.world.tick() < tick && clock::since(now) < AT_ONCE && replay.step(&mut self.world)? {}
         Ok(())
     }
 
@@ -209,6 +210,6 @@ impl WorldActor {
         self.ports.senders = senders(&self.world);
         self.end_stepping();
         self.fit_timeline();
-        self.pacer.waiting_since = Instant::now();
+        self.pacer.waiting_since = clock::now();
     }
 }

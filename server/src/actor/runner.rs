@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use tonic::Status;
 
 use super::{Next, WorldActor};
+use crate::clock;
 use crate::mailbox::Runner;
 use crate::message::{Message, Request};
 use crate::pace::Pace;
@@ -18,6 +19,9 @@ const MAX_MESSAGES_AT_ONCE: usize = 100;
 
 /// How long a caller runs a world before the pool takes over. Other connections wait meanwhile.
 const MAX_INLINE: Duration = Duration::from_micros(500);
+
+/// The same in rounds: more than fit into that time, unless the clock stands.
+const MOST_INLINE: usize = 1000;
 
 /// Ticks that take less are run inline; of several worlds on a server, those that take their share of it. All callers from the
 /// network are on one thread, and long ticks are better done on several.
@@ -93,7 +97,7 @@ impl Runner<Message> for WorldActor {
             self.sessions.close_all(&why);
             return Then::Over;
         }
-        let now = Instant::now();
+        let now = clock::now();
         self.pacer.running.set(self.activity() == Activity::Running, now);
         let next = self.next(now);
         if let Next::Wait(until) = next {
@@ -111,13 +115,14 @@ impl Runner<Message> for WorldActor {
     }
 
     fn run_inline(&mut self, take: &mut dyn FnMut() -> Option<Message>) -> Then {
-        let mut begun = None;
+        let (mut begun, mut rounds) = (None, 0);
         loop {
             if !self.handle_all(Place::Shared, take) || self.over.is_some() {
                 return Then::Run(None);
             }
-            let now = Instant::now();
-            let is_patient = now - *begun.get_or_insert(now) < MAX_INLINE;
+            let now = clock::now();
+            rounds += 1;
+            let is_patient = rounds < MOST_INLINE && now - *begun.get_or_insert(now) < MAX_INLINE;
             self.pacer.running.set(self.activity() == Activity::Running, now);
             if let Some(then) = self.run_quick(now, is_patient) {
                 return then;

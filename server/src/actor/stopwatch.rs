@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use crate::clock;
+
 /// Adds up the time during which it runs.
 #[derive(Default)]
 pub(super) struct Stopwatch {
@@ -23,6 +25,6 @@ impl Stopwatch {
     }
 
     pub(super) fn elapsed(&self) -> Duration {
-        self.sum + self.since.map_or(Duration::ZERO, |since| since.elapsed())
+        self.sum + self.since.map_or(Duration::ZERO, clock::since)
     }
 }

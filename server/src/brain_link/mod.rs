@@ -171,6 +171,8 @@ async fn listen(
     lease.why = "its stream ended".to_owned();
     let listener = Listener { steps, robots, beliefs };
     tokio::select! {
+        // In the same order each time.
+        biased;
         problem = listener.take_all(requests, &lease) => if let Err(status) = problem {
             lease.why = status.message().to_owned();
             let _ = deliveries.try_send(Delivery::Close(status));

@@ -5,11 +5,12 @@
 //! world, and from the end to the beginning: what is inside a message is there before its length is written. A test compares
 //! with what the contract's types make of the same Turn.
 
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use baudbot_sim::{Reading, RobotView, SimTime, World};
 use bytes::Bytes;
 
+use crate::clock;
 use crate::endpoint::Mode;
 use crate::pace::Terms;
 
@@ -51,8 +52,8 @@ fn most_bytes(view: &RobotView<'_>, raw: bool) -> usize {
 /// Which instants of the wall clock are those of the tick, if it follows that.
 fn wall_clock(bytes: &mut Backwards, terms: Terms) {
     let Terms::FollowsClock { tick_begins, factor, .. } = terms else { return };
-    let ago = Instant::now().saturating_duration_since(tick_begins);
-    let ahead = tick_begins.saturating_duration_since(Instant::now());
+    let ago = clock::now().saturating_duration_since(tick_begins);
+    let ahead = tick_begins.saturating_duration_since(clock::now());
     let unix = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let begins_ns = (unix + ahead).saturating_sub(ago).as_nanos() as u64;
     bytes.message(4, |bytes| {
@@ -225,6 +226,8 @@ mod tests {
     use baudbot_proto::v1;
     use baudbot_sim::Intervention;
     use prost::Message as _;
+
+    use std::time::Instant;
 
     use super::*;
 

@@ -6,9 +6,9 @@ use std::task::{Context, Poll};
 use baudbot_access::needs_at;
 use futures_util::future::{self, Either, MapOk, Ready, TryFutureExt};
 use tokio::task::futures::TaskLocalFuture;
-use tonic::Status;
 use tonic::body::Body;
 use tonic::codegen::http::{Request, Response};
+use tonic::{Code, Status};
 use tower::{Layer, Service};
 
 use super::Admission;
@@ -65,7 +65,8 @@ where
         };
         let need = needs_at(request.uri().path());
         let record = Record::is_for(need).then(|| self.record(&request, caller.name())).flatten();
-        let guard = self.guard(&caller, record.clone());
+        let unanswered = Unanswered(request.extensions().get::<Arc<Admission>>().cloned());
+        let guard = self.guard(&caller, record.clone(), unanswered);
         request.extensions_mut().insert(caller.clone());
         Either::Right(Call { caller, record }.serve(self.inner.call(request)).map_ok(guard))
     }
@@ -79,12 +80,13 @@ impl<S> Checked<S> {
     }
 
     /// What stands between a service's response and its caller.
-    fn guard(&self, caller: &Caller, record: Option<Arc<Record>>) -> Guard {
+    fn guard(&self, caller: &Caller, record: Option<Arc<Record>>, unanswered: Unanswered) -> Guard {
         let grant = match caller {
             Caller::Trusted | Caller::Nobody => None,
             Caller::Holder(grant) => Some((self.check.access.clone(), Arc::clone(grant))),
         };
         Box::new(move |response| {
+            let response = unanswered.answered(response);
             let response = match grant {
                 Some((access, grant)) => response.map(|body| Body::new(Guarded::new(body, access, grant))),
                 None => response,
@@ -94,6 +96,33 @@ impl<S> Checked<S> {
                 None => response,
             }
         })
+    }
+}
+
+/// A call that has not been answered, and its connection, if that is not a pipe in memory.
+struct Unanswered(Option<Arc<Admission>>);
+
+impl Unanswered {
+    /// What a service says of a request that broke off is an answer for nobody.
+    fn answered(mut self, response: Response<Body>) -> Response<Body> {
+        let code = response
+            .headers()
+            .get(&Status::GRPC_STATUS)
+            .map_or(Code::Ok, |code| Code::from_bytes(code.as_bytes()));
+        if !matches!(code, Code::Cancelled | Code::Internal)
+            && let Some(admission) = self.0.take()
+        {
+            admission.note_answered();
+        }
+        response
+    }
+}
+
+impl Drop for Unanswered {
+    fn drop(&mut self) {
+        if let Some(admission) = &self.0 {
+            admission.note_abandoned();
+        }
     }
 }
 

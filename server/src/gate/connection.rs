@@ -46,15 +46,20 @@ impl<IO> Connection<IO> {
         Arc::clone(&self.admission)
     }
 
-    /// Whether it has made no call for too long, or has to make room.
-    fn is_over(&mut self, context: &mut Context<'_>) -> bool {
-        let Some(patience) = &mut self.patience else { return false };
+    /// An error if it has made no call for too long, or has to go. This is asked when it is written, too: a handshake begins with
+    /// that, and who does not read what is written is not read either.
+    fn stays(&mut self, context: &mut Context<'_>) -> io::Result<()> {
         if self.admission.has_called.load(Ordering::Relaxed) {
             self.patience = None;
-            return false;
         }
-        self.admission.reader.register(context.waker());
-        self.admission.is_evicted.load(Ordering::Relaxed) || patience.as_mut().poll(context).is_ready()
+        let is_late = self.patience.as_mut().is_some_and(|patience| {
+            self.admission.reader.register(context.waker());
+            patience.as_mut().poll(context).is_ready()
+        });
+        if is_late || self.admission.is_evicted.load(Ordering::Relaxed) {
+            return Err(io::Error::new(io::ErrorKind::TimedOut, "nothing was asked for"));
+        }
+        Ok(())
     }
 
     /// The result of a write, or an error if the peer has taken nothing for too long.
@@ -89,9 +94,7 @@ impl<IO: AsyncRead + Unpin> AsyncRead for Connection<IO> {
         context: &mut Context<'_>,
         buffer: &mut ReadBuf<'_>,
     ) -> Poll<io::Result<()>> {
-        if self.is_over(context) {
-            return Poll::Ready(Err(io::Error::new(io::ErrorKind::TimedOut, "nothing was asked for")));
-        }
+        self.stays(context)?;
         if self.read >= AT_ONCE {
             // The tasks that wait for what has come get their turn first.
             self.read = 0;
@@ -111,6 +114,7 @@ impl<IO: AsyncWrite + Unpin> AsyncWrite for Connection<IO> {
         context: &mut Context<'_>,
         bytes: &[u8],
     ) -> Poll<io::Result<usize>> {
+        self.stays(context)?;
         let result = Pin::new(&mut self.io).poll_write(context, bytes);
         self.written(context, result)
     }
@@ -120,6 +124,7 @@ impl<IO: AsyncWrite + Unpin> AsyncWrite for Connection<IO> {
         context: &mut Context<'_>,
         parts: &[IoSlice<'_>],
     ) -> Poll<io::Result<usize>> {
+        self.stays(context)?;
         let result = Pin::new(&mut self.io).poll_write_vectored(context, parts);
         self.written(context, result)
     }
@@ -129,6 +134,7 @@ impl<IO: AsyncWrite + Unpin> AsyncWrite for Connection<IO> {
     }
 
     fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        self.stays(context)?;
         Pin::new(&mut self.io).poll_flush(context)
     }
 

@@ -3,7 +3,7 @@
 use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use axum::serve::{IncomingStream, Listener};
 use futures_util::stream::{self, Stream};
@@ -13,6 +13,7 @@ use tokio::net::{TcpListener, UnixListener, UnixStream};
 use super::tls::{Secured, Tls};
 use super::{Admission, Connection, Gate};
 use crate::access::Caller;
+use crate::clock;
 
 /// How long a listener rests that cannot take connections.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -70,7 +71,7 @@ impl<L: Accept> GatedListener<L> {
                 Err(error) if is_of_one(&error) => {}
                 Err(error) => {
                     // Such as too many open files. Connections wait in the kernel meanwhile; accepting again at once is of no use.
-                    if let Some(times) = self.gate.0.accept_errors.note(Instant::now()) {
+                    if let Some(times) = self.gate.0.accept_errors.note(clock::now()) {
                         tracing::warn!(times, %error, "no connection can be taken");
                     }
                     tokio::time::sleep(PAUSE).await;

@@ -18,6 +18,7 @@
 //!   (`patience`), or it is closed.
 //! - When no place is free, a new connection gets that of the connection which has been silent for longest, and which is
 //!   closed for it. A flood of connections without calls so displaces itself, and never those that are in use.
+//! - A connection that abandons a thousand calls more than it lets be answered is closed: it wants work and no answers.
 //! - When all places are in use, a new connection is let in without a place, only so that its first call can be answered
 //!   by a status that says why; a connection that was merely closed would tell a client nothing. Of these there are few, as
 //!   each takes one of the files that were left over, and none stays for longer than two seconds.
@@ -26,22 +27,25 @@
 
 mod calls;
 mod connection;
+mod incoming;
 mod listener;
 mod tls;
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use futures_util::task::AtomicWaker;
 
 pub(crate) use calls::CheckCalls;
 pub(crate) use connection::Connection;
+pub(crate) use incoming::Incoming;
 pub(crate) use listener::{GatedListener, PageConnection, TcpEntry, connections};
 pub use tls::{Tls, TlsError};
 
 use crate::access::Caller;
+use crate::clock;
 use crate::log::Throttle;
 
 /// The error of a connection without a place.
@@ -92,8 +96,10 @@ pub(crate) struct Admission {
     has_place: AtomicBool,
     /// Whether it has made a call, and stays.
     has_called: AtomicBool,
-    /// Whether another connection needs its place.
+    /// Whether another connection needs its place, or it makes calls only to abandon them.
     is_evicted: AtomicBool,
+    /// Calls that ended before they were answered, less those that were answered.
+    abandoned: AtomicU32,
     /// The task that reads the connection.
     reader: AtomicWaker,
 }
@@ -123,6 +129,7 @@ impl Gate {
             has_place: has_place.into(),
             has_called: false.into(),
             is_evicted: false.into(),
+            abandoned: 0.into(),
             reader: AtomicWaker::new(),
         });
         let queue = if has_place { &mut occupancy.silent } else { &mut occupancy.refused };
@@ -133,7 +140,7 @@ impl Gate {
             oldest.evict();
         }
         drop(occupancy);
-        if !has_place && let Some(times) = self.0.refusals.note(Instant::now()) {
+        if !has_place && let Some(times) = self.0.refusals.note(clock::now()) {
             tracing::warn!(times, places = self.0.places, "connections refused, as the limit is reached");
         }
         admission
@@ -189,6 +196,19 @@ impl Admission {
         Err(NoPlace { places: self.gate.0.places })
     }
 
+    /// A call was answered.
+    fn note_answered(&self) {
+        let less = |abandoned: u32| abandoned.checked_sub(1);
+        let _ = self.abandoned.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less);
+    }
+
+    /// A call has ended before it was answered, as its client has reset it or has made the server do so.
+    fn note_abandoned(&self) {
+        if self.abandoned.fetch_add(1, Ordering::Relaxed) >= MOST_ABANDONED {
+            self.evict();
+        }
+    }
+
     /// How long it has to make its first call, or to be told that it has no place.
     fn patience(&self) -> Duration {
         let has_place = self.has_place.load(Ordering::Relaxed);
@@ -200,6 +220,10 @@ impl Admission {
         self.reader.wake();
     }
 }
+
+/// Calls that a connection may abandon beyond those that are answered. A client gives up a call now and then; each costs as much as
+/// one that is answered, and no limit of streams at a time counts it.
+const MOST_ABANDONED: u32 = 1000;
 
 /// Connections without a place at a time. Few where there are few descriptors, for these are what was left for files.
 fn max_refused(places: usize) -> usize {
@@ -242,6 +266,22 @@ mod tests {
         gate.leave(&late);
         gate.admit(None).note_call().unwrap();
         assert_eq!(gate.occupancy().taken, 2);
+    }
+
+    #[test]
+    fn a_connection_that_abandons_its_calls_is_closed_and_one_that_is_answered_now_and_then_stays() {
+        let gate = Gate::new(2, Duration::from_secs(10));
+        let [hostile, hasty] = [(); 2].map(|()| gate.admit(None));
+        for _ in 0..MOST_ABANDONED {
+            hostile.note_abandoned();
+            hasty.note_abandoned();
+        }
+        assert!(!is_evicted(&hostile));
+        hasty.note_answered();
+        for one in [&hostile, &hasty] {
+            one.note_abandoned();
+        }
+        assert!(is_evicted(&hostile) && !is_evicted(&hasty));
     }
 
     #[test]

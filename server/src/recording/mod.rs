@@ -16,6 +16,7 @@ use baudbot_sim::{Intervention, SimTime, World};
 use tokio::sync::oneshot;
 use tonic::{Code, Status};
 
+use crate::clock;
 use crate::convert;
 use crate::frame::Frame;
 use crate::log::event;
@@ -136,7 +137,7 @@ impl Recorder {
             first_tick: world.tick(),
             ticks: 0,
             state_tick: world.tick(),
-            marked: Instant::now(),
+            marked: clock::now(),
             mark_takes: Duration::ZERO,
             eye: every,
         };
@@ -168,7 +169,7 @@ impl Recorder {
     /// A mark takes at most a hundredth of the time, if a second is enough for that.
     fn is_mark_due(&self) -> bool {
         let interval = (self.mark_takes * 100).clamp(MARK_EVERY, MARK_AT_LAST);
-        self.digests.ticks() >= MARK_EVERY_TICKS || self.marked.elapsed() >= interval
+        self.digests.ticks() >= MARK_EVERY_TICKS || clock::since(self.marked) >= interval
     }
 
     /// Records a tick that has begun. `is_sure`: no brain has yet to answer an earlier one.
@@ -201,14 +202,14 @@ impl Recorder {
     }
 
     fn mark(&mut self, view: View<'_>) {
-        let (began, world) = (Instant::now(), view.world);
+        let (began, world) = (clock::now(), view.world);
         if world.tick() >= self.state_tick + STATE_EVERY_TICKS {
             self.state_tick = world.tick();
             self.batch.push(Entry::State(saved::state(world)));
             self.thinking(world, view.sessions);
         }
         self.batch.push(Entry::Mark(self.digests.mark(world)));
-        self.marked = Instant::now();
+        self.marked = clock::now();
         self.mark_takes = self.marked - began;
         self.send();
     }

@@ -1,5 +1,6 @@
 //! The settings that a server starts with.
 
+use std::mem;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -8,7 +9,9 @@ use std::time::Duration;
 use baudbot_access::{Token, TokenFile};
 use baudbot_recording::{PROGRAM_VERSION, Replay};
 use baudbot_sim::{Scenario, World};
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::sync::mpsc;
+use tokio_stream::Stream;
 
 use super::access_config::AccessConfig;
 use super::listeners::{Listener, Listeners, listen_for_pages};
@@ -18,7 +21,7 @@ use crate::address::Address;
 use crate::audit::AuditLog;
 use crate::control::{Control, Told};
 use crate::descriptors::usual_connections;
-use crate::gate::{Gate, Tls};
+use crate::gate::{Gate, Incoming, Tls};
 use crate::message::RecordConfig;
 use crate::pace::Pace;
 use crate::page::Film;
@@ -120,6 +123,8 @@ pub struct Builder {
     audit: Option<AuditLog>,
     connections: Option<usize>,
     first_call_within: Option<Duration>,
+    incoming: Vec<Listener>,
+    without_threads: bool,
 }
 
 impl Builder {
@@ -237,6 +242,27 @@ impl Builder {
         self
     }
 
+    /// Takes connections that somebody else accepts, such as those of a simulated network. As over TCP, who calls shows a token if the
+    /// server has any; they are not encrypted by the server.
+    #[must_use]
+    pub fn incoming<IO>(mut self, connections: impl Stream<Item = IO> + Send + 'static) -> Self
+    where
+        IO: AsyncRead + AsyncWrite + Unpin + Send + 'static,
+    {
+        self.incoming.push(Listener::Other(Incoming::new(connections)));
+        self
+    }
+
+    /// Runs the worlds as tasks of the runtime that starts the server, and not on threads of their own. With one thread and a
+    /// paused clock of tokio (`start_paused`) simulated hours then pass at once, in the same order each time: worlds in real time,
+    /// watchdogs and time-outs all go by that clock. It is for tests: a long tick, a disk and an `on_tick` keep everything else
+    /// waiting, and a world in free pace lets no paused time pass.
+    #[must_use]
+    pub fn without_threads(mut self) -> Self {
+        self.without_threads = true;
+        self
+    }
+
     /// Starts the server without a port: it is reached through [`Server::channel`] only, and by trainers, if there is an address
     /// for them, through [`Server::trainers_channel`].
     ///
@@ -256,7 +282,7 @@ impl Builder {
 
     async fn start(mut self, listens: bool) -> Result<Server, ServerError> {
         let listeners = self.listeners(listens).await?;
-        let registry = Registry::default();
+        let registry = if self.without_threads { Registry::without_threads() } else { Registry::default() };
         for world in self.worlds {
             registry.create(world.new).map_err(|status| ServerError::World(Box::new(status)))?;
         }
@@ -283,24 +309,27 @@ impl Builder {
     /// The listeners on all addresses; on none if it does not listen.
     async fn listeners(&mut self, listens: bool) -> Result<Listeners, ServerError> {
         let trains = !self.trainers.is_empty();
-        let mut listeners =
-            Listeners { ordinary: Vec::new(), trainers: trains.then(Vec::new), pages: Vec::new() };
+        let mut listeners = Listeners {
+            ordinary: mem::take(&mut self.incoming),
+            trainers: trains.then(Vec::new),
+            pages: Vec::new(),
+        };
         if !listens {
             return Ok(listeners);
         }
         let tls = self.access.tls.as_ref().map(|tls| tls.speaking(&["h2"]));
-        for address in std::mem::take(&mut self.addresses) {
+        for address in mem::take(&mut self.addresses) {
             self.access.allows(&address)?;
             listeners.ordinary.push(Listener::bind(address, tls.as_ref()).await?);
         }
-        for address in std::mem::take(&mut self.trainers) {
+        for address in mem::take(&mut self.trainers) {
             if !address.is_local() {
                 return Err(ServerError::TrainerNotLocal { address });
             }
             listeners.trainers.get_or_insert_default().push(Listener::bind(address, tls.as_ref()).await?);
         }
         let tls = self.access.tls.as_ref().map(|tls| tls.speaking(&["http/1.1"]));
-        for (socket, or_free_port) in std::mem::take(&mut self.viewers) {
+        for (socket, or_free_port) in mem::take(&mut self.viewers) {
             self.access.allows(&Address::Tcp(socket))?;
             listeners.pages.push(listen_for_pages(socket, or_free_port, tls.clone()).await?);
         }

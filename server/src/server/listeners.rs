@@ -13,7 +13,7 @@ use tokio::net::{TcpListener, UnixListener, UnixStream};
 
 use super::ServerError;
 use crate::address::Address;
-use crate::gate::{TcpEntry, Tls};
+use crate::gate::{Incoming, TcpEntry, Tls};
 
 /// Listens for pages, on another port that is free if this one is taken and `or_free_port`.
 pub(super) async fn listen_for_pages(
@@ -48,7 +48,7 @@ impl Listeners {
     /// If that cannot be written.
     pub(super) fn publish(&self, token: Token) -> Result<(Token, LocalFiles), ServerError> {
         let all = self.ordinary.iter().chain(self.trainers.iter().flatten());
-        let addresses: Vec<_> = all.map(|listener| listener.address().to_string()).collect();
+        let addresses: Vec<_> = all.filter_map(|listener| Some(listener.address()?.to_string())).collect();
         let files = local::publish(addresses.iter().map(String::as_str), &token)?;
         Ok((token, files))
     }
@@ -58,6 +58,8 @@ impl Listeners {
 pub(super) enum Listener {
     Tcp(Address, TcpEntry),
     Unix(Address, UnixListener),
+    /// Connections that somebody else accepts.
+    Other(Incoming),
 }
 
 impl Listener {
@@ -79,9 +81,10 @@ impl Listener {
         }
     }
 
-    pub(super) fn address(&self) -> &Address {
+    pub(super) fn address(&self) -> Option<&Address> {
         match self {
-            Self::Tcp(address, _) | Self::Unix(address, _) => address,
+            Self::Tcp(address, _) | Self::Unix(address, _) => Some(address),
+            Self::Other(_) => None,
         }
     }
 }

@@ -142,7 +142,7 @@ impl Server {
         let (pipes, incoming) = Pipes::new();
         let mut server = Self {
             registry,
-            addresses: listeners.ordinary.iter().map(|listener| listener.address().clone()).collect(),
+            addresses: listeners.ordinary.iter().filter_map(Listener::address).cloned().collect(),
             trainers: Vec::new(),
             viewers: Vec::new(),
             sockets: Vec::new(),
@@ -184,7 +184,7 @@ impl Server {
         let router =
             router::trainers(control, &guards.check_of_calls(), gate.patience(), stopped.clone()).await?;
         for listener in listeners {
-            self.trainers.push(listener.address().clone());
+            self.trainers.extend(listener.address().cloned());
             self.listen(listener, &router, gate, stopped);
         }
         let (pipes, incoming) = Pipes::new();
@@ -218,7 +218,7 @@ impl Server {
 
     /// Serves these services on this listener.
     fn listen(&mut self, listener: Listener, router: &Router, gate: &Gate, stopped: &watch::Receiver<bool>) {
-        if let Address::Unix(path) = listener.address() {
+        if let Some(Address::Unix(path)) = listener.address() {
             self.sockets.extend(SocketFile::at(path));
         }
         let (router, gate, stopped) = (router.clone(), gate.clone(), stopped.clone());
@@ -228,6 +228,9 @@ impl Server {
             }
             Listener::Unix(_, unix) => {
                 self.tasks.spawn(run(router, connections(GatedListener::new(unix, gate)), stopped))
+            }
+            Listener::Other(incoming) => {
+                self.tasks.spawn(run(router, connections(GatedListener::new(incoming, gate)), stopped))
             }
         };
     }

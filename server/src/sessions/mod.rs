@@ -12,13 +12,13 @@ mod thinking;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
 
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Scenario, SimTime, Turn, World};
 use tokio::sync::mpsc;
 use tonic::Status;
 
+use crate::clock;
 use crate::endpoint::Mode;
 use crate::endpoint::Until;
 use crate::measures::Answering;
@@ -227,12 +227,12 @@ impl Sessions {
         let Some(session) = self.by_number.get_mut(&number) else { return Answer::Void };
         match session.debt.pay(turn) {
             Some(Paid::Turn { turn, was_only_one }) => {
-                session.answering.note(turn.begun.elapsed());
+                session.answering.note(clock::since(turn.begun));
                 let promised = session.thinks_as_scenario && was_only_one;
                 Answer::Due(promised.then(|| turn.steps.iter().map(|step| step.robot).collect()))
             }
             Some(Paid::Overtaken(turn, overtaken)) => {
-                session.answering.note(turn.begun.elapsed());
+                session.answering.note(clock::since(turn.begun));
                 Answer::Overtaken(overtaken)
             }
             None if session.turns.is_void(turn) => Answer::Void,
@@ -301,14 +301,11 @@ impl Sessions {
         }
     }
 
-    /// Gives a brain that took over robots in the middle of a tick the Turn that their last brain left open. The world then
-    /// waits for its answer only: Turns of this tick that other brains have left open are not waited for any more.
+    /// Gives a brain that took over robots in the middle of a tick the Turn that their last brain left open. Turns that other
+    /// brains have left open wait for their own successors.
     pub(crate) fn deliver_left_open(&mut self, new: &NewSession, world: &World) {
         let mut open = world.turns().to_vec();
         open.retain(|turn| new.left_open.contains(&turn.robot));
-        for turn in world.turns() {
-            self.slots[turn.robot].forget_open_turn();
-        }
         self.deliver_to(new.number, world, &open);
     }
 
@@ -316,7 +313,7 @@ impl Sessions {
     pub(crate) fn deliver_to(&mut self, number: u64, world: &World, turns: &[Turn]) {
         let at = self.by_robot(turns);
         let Some(session) = self.by_number.get_mut(&number) else { return };
-        let terms = Terms::Waits(Instant::now());
+        let terms = Terms::Waits(clock::now());
         session.deliver(world, &at, terms, self.processor.as_ref(), &mut self.slots);
     }
 

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::Sessions;
+use crate::clock;
 use crate::pace::Terms;
 use crate::thinking::{ProcessorTime, Thought};
 
@@ -39,7 +40,7 @@ impl Sessions {
         let Some(session) = self.by_number.get_mut(&session) else { return };
         let Some(Thinking { since, robots }) = session.turns.answered(turn) else { return };
         let (wall, took) = match since {
-            Since::Wall(begun) => (true, Some(begun.elapsed())),
+            Since::Wall(begun) => (true, Some(clock::since(begun))),
             Since::Processor(begun) => (false, used(self.processor.as_ref(), &robots, begun)),
         };
         let Some(ns) = took.and_then(|took| u64::try_from(took.as_nanos()).ok()) else { return };

@@ -1,0 +1,74 @@
+//! A server for hours, with all that clients do at once: `./test soak [HOURS]`.
+//!
+//! The server is a process of its own, with tokens and TLS. Fifty viewers watch its worlds, one of which never reads; a thousand
+//! brains come, drive for a while and go; recordings follow one another; worlds are made and deleted. Memory, descriptors and threads
+//! of the server are sampled, and a line is fitted through what comes after the first minutes: it must be flat. The world that the
+//! stalled viewer watches must lag no more than another one with as many viewers that read.
+
+mod clients;
+mod samples;
+mod server;
+
+use std::path::PathBuf;
+use std::process::{Command, ExitCode, Stdio};
+use std::time::Duration;
+
+use tokio::io::{AsyncBufReadExt, BufReader};
+use tokio::time::{Instant, sleep};
+
+use clients::Crowd;
+use samples::{Sample, Samples};
+
+/// Between two samples.
+const EVERY: Duration = Duration::from_secs(5);
+
+fn main() -> ExitCode {
+    let mut arguments = std::env::args().skip(1);
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+    baudbot_server::raise_descriptor_limit();
+    match arguments.next().as_deref() {
+        Some("serve") => {
+            let folder = arguments.next().expect("a folder");
+            runtime.block_on(server::serve(&PathBuf::from(folder)));
+            ExitCode::SUCCESS
+        }
+        time => {
+            let minutes = time.map_or(10.0, |text| text.parse().expect("minutes"));
+            if runtime.block_on(soak(minutes)) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+        }
+    }
+}
+
+/// Runs a server and its clients for so long, and says how it went.
+async fn soak(minutes: f64) -> bool {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = std::env::current_exe().expect("this program");
+    let mut command = tokio::process::Command::from({
+        let mut command = Command::new(program);
+        command.arg("serve").arg(folder.path()).stdout(Stdio::piped());
+        // What is free goes back to the system at once, as far as that can be: what is resident is then what the server holds, and
+        // not what it held at the busiest moment.
+        command
+            .env("MALLOC_ARENA_MAX", "1")
+            .env("MALLOC_TRIM_THRESHOLD_", "65536")
+            .env("MALLOC_MMAP_THRESHOLD_", "65536");
+        command
+    });
+    let mut child = command.kill_on_drop(true).spawn().expect("a server");
+    let mut lines = BufReader::new(child.stdout.take().expect("it is piped")).lines();
+    let address = lines.next_line().await.expect("its words").expect("its address");
+    let process = child.id().expect("it runs");
+    println!("the server listens on {address}, process {process}");
+    let crowd = Crowd::start(&address, folder.path()).await;
+    let (began, time) = (Instant::now(), Duration::from_secs_f64(minutes * 60.0));
+    let mut samples = Samples::default();
+    println!("{}", Sample::HEAD);
+    while began.elapsed() < time {
+        sleep(EVERY).await;
+        let sample = Sample::take(process, began.elapsed(), crowd.counts());
+        samples.add(sample);
+    }
+    let lag = crowd.lag().await;
+    drop(crowd);
+    samples.judge() & lag.judge()
+}
