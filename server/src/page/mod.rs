@@ -24,6 +24,7 @@ mod socket;
 
 use crate::access::{Access, Caller};
 use crate::gate::{GatedListener, PageConnection, TcpEntry};
+use crate::limits::{Account, Exceeded, Peer};
 use crate::metrics::{self, Metrics};
 use crate::pipe::Pipes;
 use axum::Router;
@@ -99,14 +100,24 @@ async fn check_place(
     request: Request,
     next: Next,
 ) -> Response {
-    let mut response = match admission.note_call() {
+    let mut response = match admission.note_request() {
         Ok(()) => next.run(request).await,
-        Err(problem) => (StatusCode::SERVICE_UNAVAILABLE, format!("{problem}\n")).into_response(),
+        Err(exceeded) => refused(&exceeded),
     };
     if response.status() != StatusCode::SWITCHING_PROTOCOLS {
         response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
     }
     response
+}
+
+/// The answer to a request beyond a limit.
+fn refused(exceeded: &Exceeded) -> Response {
+    let text = format!("{exceeded}\n");
+    let Some(after) = exceeded.retry_after else {
+        return (StatusCode::SERVICE_UNAVAILABLE, text).into_response();
+    };
+    let seconds = after.as_millis().div_ceil(1000).to_string();
+    (StatusCode::TOO_MANY_REQUESTS, [(header::RETRY_AFTER, seconds)], text).into_response()
 }
 
 async fn check_host(State(page): State<Page>, request: Request, next: Next) -> Response {
@@ -140,16 +151,24 @@ async fn file(request: Request) -> Response {
     files::answer(request.uri().path())
 }
 
-async fn open_socket(State(page): State<Page>, headers: HeaderMap, upgrade: WebSocketUpgrade) -> Response {
+async fn open_socket(
+    State(page): State<Page>,
+    ConnectInfo(PageConnection(admission)): ConnectInfo<PageConnection>,
+    headers: HeaderMap,
+    upgrade: WebSocketUpgrade,
+) -> Response {
     let caller = match page.admit(&headers, Door::PageSocket) {
         Ok(caller) => caller,
         Err(refusal) => return refusal.into_response(),
     };
+    // As with calls of gRPC: what a page asks for is counted for its token, or for its address.
+    let account = Account::of(&caller, admission.tally().account());
+    let peer = Peer { caller, account };
     let Page { pipes, stopped, .. } = page;
     upgrade
         .max_message_size(MAX_MESSAGE)
         .max_frame_size(MAX_MESSAGE)
-        .on_upgrade(move |socket| socket::serve(socket, pipes, caller, stopped))
+        .on_upgrade(move |socket| socket::serve(socket, pipes, peer, stopped))
 }
 
 /// A session for a page that shows its token.

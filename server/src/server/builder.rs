@@ -16,8 +16,8 @@ use super::{Guards, Server, ServerError};
 use crate::actor::{DirectWorld, NewWorld, OnTick, Progress};
 use crate::address::Address;
 use crate::control::{Control, Told};
-use crate::descriptors::usual_connections;
 use crate::gate::{Gate, Tls};
+use crate::limits::{InForce, Limits};
 use crate::message::RecordConfig;
 use crate::pace::Pace;
 use crate::page::Film;
@@ -116,7 +116,7 @@ pub struct Builder {
     recordings: Option<Folder>,
     films: Option<mpsc::Sender<Film>>,
     access: AccessConfig,
-    connections: Option<usize>,
+    limits: Limits,
     first_call_within: Option<Duration>,
 }
 
@@ -216,7 +216,14 @@ impl Builder {
     /// `UNAVAILABLE`, and may succeed later.
     #[must_use]
     pub fn connections(mut self, connections: usize) -> Self {
-        self.connections = Some(connections);
+        self.limits.connections = connections;
+        self
+    }
+
+    /// Limits what clients may have, one of them and all together. In place of all limits that were set before.
+    #[must_use]
+    pub fn limits(mut self, limits: Limits) -> Self {
+        self.limits = limits;
         self
     }
 
@@ -247,15 +254,13 @@ impl Builder {
 
     async fn start(mut self, listens: bool) -> Result<Server, ServerError> {
         let listeners = self.listeners(listens).await?;
-        let registry = Registry::default();
+        let limits = InForce::new(self.limits);
+        let registry = Registry::new(limits.clone());
         for world in self.worlds {
-            registry.create(world.new).map_err(|status| ServerError::World(Box::new(status)))?;
+            registry.create(world.new, None).map_err(|status| ServerError::World(Box::new(status)))?;
         }
         let control = Control { registry, recordings: self.recordings, told: Told::default() };
-        let gate = Gate::new(
-            self.connections.unwrap_or_else(usual_connections),
-            self.first_call_within.unwrap_or(FIRST_CALL_WITHIN),
-        );
+        let gate = Gate::new(limits, self.first_call_within.unwrap_or(FIRST_CALL_WITHIN));
         let guards = Guards {
             access: self.access.start()?,
             gate,

@@ -19,10 +19,11 @@ use tonic::Status;
 use tonic::transport::Channel;
 use tonic::transport::server::Connected;
 
-use crate::access::{Access, Caller};
+use crate::access::Access;
 use crate::address::Address;
 use crate::control::{Control, status_of, stop_recording};
 use crate::gate::{Gate, GatedListener, TcpEntry, connections};
+use crate::limits::Peer;
 use crate::message::Message;
 use crate::metrics::Metrics;
 use crate::page::{self, Film, Guard};
@@ -128,7 +129,7 @@ impl Server {
         let local = guards.local.take().map(|token| listeners.publish(token)).transpose()?;
         let registry = control.registry.clone();
         let control = Arc::new(control);
-        let router = router::ordinary(&control, &guards.access, guards.gate.patience()).await?;
+        let router = router::ordinary(&control, &guards.access, &guards.gate).await?;
         let (stop, mut stopped) = watch::channel(false);
         let (pipes, incoming) = Pipes::new();
         let mut server = Self {
@@ -171,7 +172,7 @@ impl Server {
         stopped: &watch::Receiver<bool>,
     ) -> Result<(), ServerError> {
         let Guards { access, gate, .. } = guards;
-        let router = router::trainers(control, access, gate.patience(), stopped.clone()).await?;
+        let router = router::trainers(control, access, gate, stopped.clone()).await?;
         for listener in listeners {
             self.trainers.push(listener.address().clone());
             self.listen(listener, &router, gate, stopped);
@@ -266,7 +267,7 @@ impl Server {
     /// # Errors
     /// If the server is stopping.
     pub async fn channel(&self) -> Result<Channel, ServerError> {
-        Ok(self.pipes.channel(Caller::Trusted).await?)
+        Ok(self.pipes.channel(Peer::process()).await?)
     }
 
     /// A new connection to what trainers reach, the trainers' and the operator's service, through a pipe in memory.
@@ -275,7 +276,7 @@ impl Server {
     /// If the builder was given no address for trainers, or the server is stopping.
     pub async fn trainers_channel(&self) -> Result<Channel, ServerError> {
         let pipes = self.trainers_pipes.as_ref().ok_or(ServerError::NoTrainers)?;
-        Ok(pipes.channel(Caller::Trusted).await?)
+        Ok(pipes.channel(Peer::process()).await?)
     }
 
     /// Ends a world's recording, and gives the status of the world in the very state that the file ends with. Two calls, one
