@@ -37,6 +37,11 @@ impl Flash {
         Self { code: Arc::new(Code { words, ops }) }
     }
 
+    /// The bytes of the words and of the instructions that they are.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.code.words) + size_of_val(&*self.code.ops)
+    }
+
     /// All words.
     pub(crate) fn words(&self) -> &[u16] {
         &self.code.words
@@ -96,9 +101,13 @@ impl Serialize for Flash {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let words = self.words();
         let used = words.iter().rposition(|&word| word != 0xFFFF).map_or(0, |last| last + 1);
-        (u32::try_from(words.len()).unwrap_or(u32::MAX), &words[..used]).serialize(serializer)
+        let content = (u32::try_from(words.len()).unwrap_or(u32::MAX), &words[..used]);
+        serializer.serialize_newtype_struct(NO_MEMORY, &content)
     }
 }
+
+/// The name under which a program memory is serialised. Clones share it: who counts their memory leaves out what has this name.
+pub const NO_MEMORY: &str = "NoMemoryOfItsOwn";
 
 impl<'de> Deserialize<'de> for Flash {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

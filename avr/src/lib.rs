@@ -85,6 +85,7 @@ mod watchdog;
 pub use board::{AnalogInput, Bare, Board, Direction, Supply, Unsupported, Warning};
 pub use chip::{Channel, Chip, InputError, Stop};
 pub use clock::LATEST;
+pub use flash::NO_MEMORY;
 pub use fuses::Fuses;
 pub use instruction::{Op, decode};
 pub use part::Part;

@@ -109,7 +109,7 @@ fn check(args: &ReplayArgs) -> anyhow::Result<()> {
     }
     if listens && !args.fork && !args.view {
         return refused(
-            "--listen, --viewer, --max-connections and what says who may connect need --view or --fork: else nothing is served",
+            "--listen, --viewer, limits and what says who may connect need --view or --fork: else nothing is served",
         );
     }
     if waits && !args.fork {

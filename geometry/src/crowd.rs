@@ -31,6 +31,14 @@ pub struct Crowd {
 }
 
 impl Crowd {
+    /// The bytes that it has on the heap.
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        let numbers = [&self.starts, &self.members, &self.large, &self.lists];
+        let numbers: usize = numbers.into_iter().map(Vec::capacity).sum();
+        self.discs.capacity() * size_of::<Circle>() + numbers * size_of::<u32>()
+    }
+
     /// Forgets the discs, and takes these. Needs no new memory if there are not more of them than before.
     pub fn rebuild(&mut self, discs: impl IntoIterator<Item = Circle>) {
         self.discs.clear();

@@ -26,6 +26,12 @@ pub struct Fan {
 }
 
 impl Fan {
+    /// The bytes that it has on the heap.
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        size_of_val(&*self.kappas) + size_of_val(&*self.relative)
+    }
+
     /// A fan of `rays` rays over an opening angle in radians.
     ///
     /// The first and the last ray are the sides of the opening; over a full turn they coincide.

@@ -77,6 +77,13 @@ pub(crate) struct Mark {
     robots: Vec<u8>,
 }
 
+impl Mark {
+    /// The bytes that it has on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.fields.capacity() + self.robots.capacity()
+    }
+}
+
 impl From<v1::RecordedMark> for Mark {
     fn from(mark: v1::RecordedMark) -> Self {
         let v1::RecordedMark { tick, first_tick, state_hash, .. } = mark;

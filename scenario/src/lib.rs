@@ -77,34 +77,62 @@ pub fn parse(toml: &str) -> Result<Scenario, ScenarioError> {
 /// # Errors
 /// As [`parse`]; also if the path of an override leads nowhere.
 pub fn parse_with(toml: &str, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
+    let parsed = parse_while(toml, overrides, &|| true)?;
+    Ok(parsed.expect("it is not given up"))
+}
+
+/// As [`parse_with`], as long as it `is_wanted`, which is asked between the steps; otherwise it is given up, and there is none. Of a
+/// text of the greatest length a step takes some seconds.
+///
+/// # Errors
+/// As [`parse_with`].
+pub fn parse_while(
+    toml: &str,
+    overrides: &[Override],
+    is_wanted: &dyn Fn() -> bool,
+) -> Result<Option<Scenario>, ScenarioError> {
     if toml.len() > MAX_BYTES {
         return Err(ScenarioError::TooLong { bytes: toml.len() as u64 });
     }
-    let (mut table, mut order) = read(toml).map_err(|error| syntax(&error))?;
+    let Some((mut table, mut order)) = read(toml, is_wanted).map_err(|error| syntax(&error))? else {
+        return Ok(None);
+    };
     for change in overrides {
         change.apply(&mut table)?;
     }
     let presets = preset::expand(&mut table)?;
+    if !is_wanted() {
+        return Ok(None);
+    }
     let mut raw: raw::Scenario = Sheet::from(table).read(&Path::root())?;
+    if !is_wanted() {
+        return Ok(None);
+    }
     for (robot, chain) in raw.robots.iter_mut().zip(&presets) {
         let names = order.next(chain);
         robot.sensors.arrange(&names.sensors);
         robot.actuators.arrange(&names.actuators);
     }
     let overrides = overrides.iter().map(ToString::to_string).collect();
-    Ok(build::scenario(raw, Source { toml: toml.into(), overrides })?)
+    Ok(Some(build::scenario(raw, Source { toml: toml.into(), overrides })?))
 }
 
 /// What the text says, and in which order. It is parsed once: of a long text that is much work, and much memory.
-fn read(toml: &str) -> Result<(toml::Table, order::Order), toml::de::Error> {
+fn read(
+    toml: &str,
+    is_wanted: &dyn Fn() -> bool,
+) -> Result<Option<(toml::Table, order::Order)>, toml::de::Error> {
     let document = DeTable::parse(toml)?;
+    if !is_wanted() {
+        return Ok(None);
+    }
     let order = order::Order::of(document.get_ref());
     let table = toml::Table::deserialize(toml::Deserializer::from(document));
     let table = table.map_err(|mut error| {
         error.set_input(Some(toml));
         error
     })?;
-    Ok((table, order))
+    Ok(Some((table, order)))
 }
 
 /// With a picture of the line that is wrong, unless that is too long to read.

@@ -11,7 +11,7 @@ use tokio_stream::wrappers::UnboundedReceiverStream;
 use tonic::transport::server::Connected;
 use tonic::transport::{Channel, Endpoint, Error};
 
-use crate::access::Caller;
+use crate::limits::Peer;
 
 /// Bytes in flight through a pipe.
 const PIPE_BYTES: usize = 1 << 20;
@@ -27,15 +27,15 @@ impl Pipes {
         (Self(pipes), UnboundedReceiverStream::new(incoming))
     }
 
-    /// A new connection, whose calls are from this caller.
+    /// A new connection, whose calls are from there.
     ///
     /// # Errors
     /// If the server is stopping.
-    pub(crate) async fn channel(&self, caller: Caller) -> Result<Channel, Error> {
+    pub(crate) async fn channel(&self, peer: Peer) -> Result<Channel, Error> {
         let pipes = self.0.clone();
         let connector = tower::service_fn(move |_| {
             let (near, far) = tokio::io::duplex(PIPE_BYTES);
-            let sent = pipes.send(Ok(PipeEnd { io: far, caller: caller.clone() }));
+            let sent = pipes.send(Ok(PipeEnd { io: far, peer: peer.clone() }));
             std::future::ready(
                 sent.map(|()| TokioIo::new(near))
                     .map_err(|_| io::Error::from(io::ErrorKind::ConnectionRefused)),
@@ -49,14 +49,14 @@ impl Pipes {
 /// The server's end of a pipe.
 pub(crate) struct PipeEnd {
     io: DuplexStream,
-    caller: Caller,
+    peer: Peer,
 }
 
 impl Connected for PipeEnd {
-    type ConnectInfo = Caller;
+    type ConnectInfo = Peer;
 
-    fn connect_info(&self) -> Caller {
-        self.caller.clone()
+    fn connect_info(&self) -> Peer {
+        self.peer.clone()
     }
 }
 

@@ -8,16 +8,20 @@ use tonic::Status;
 
 use crate::actor::{self, NewWorld};
 use crate::audit::call::note_world;
+use crate::limits::{InForce, Payer, Place, Taken};
 use crate::message::{Message, WorldHandle};
 use crate::pool::Pool;
 use crate::quote::{brief, list};
 
-/// Most worlds of one server. So many in real time are more than two processors can run.
+/// Most worlds of one server, unless it is told another number. So many in real time are more than two processors can run.
 pub const MAX_WORLDS: usize = 4096;
 
 /// All worlds of a server. Clones share them.
-#[derive(Clone, Default)]
-pub(crate) struct Registry(Arc<Mutex<Worlds>>);
+#[derive(Clone)]
+pub(crate) struct Registry {
+    worlds: Arc<Mutex<Worlds>>,
+    limits: InForce,
+}
 
 /// The worlds. Dropping the registry stops them.
 #[derive(Default)]
@@ -30,8 +34,15 @@ struct Worlds {
     count: Arc<AtomicU32>,
 }
 
-/// A world, and its own pool if it has one.
-struct Entry(WorldHandle, Option<Pool>);
+/// A world, its own pool if it has one, and the places that it takes.
+struct Entry {
+    world: WorldHandle,
+    own: Option<Pool>,
+    _places: Places,
+}
+
+/// That a world is counted: its own place, those of its robots, and that of whoever created it, if it was a client.
+type Places = (Place, Place, Option<Taken>);
 
 impl Worlds {
     fn update_count(&self) {
@@ -41,33 +52,44 @@ impl Worlds {
 
 impl Drop for Worlds {
     fn drop(&mut self) {
-        for Entry(world, _) in self.by_name.values() {
+        for Entry { world, .. } in self.by_name.values() {
             let _ = world.send(Message::Stop);
         }
     }
 }
 
 impl Registry {
+    /// One without worlds.
+    pub(crate) fn new(limits: InForce) -> Self {
+        Self { worlds: Arc::default(), limits }
+    }
+
     /// One whose worlds are tasks of the runtime in which they are made.
-    pub(crate) fn without_threads() -> Self {
-        let registry = Self::default();
+    pub(crate) fn without_threads(limits: InForce) -> Self {
+        let registry = Self::new(limits);
         registry.lock().without_threads = true;
         registry
     }
 
-    /// Makes a world, which a pool then runs. One with an `OnTick`, which may block, has a pool of its own.
+    /// The limits of the server.
+    pub(crate) fn limits(&self) -> &InForce {
+        &self.limits
+    }
+
+    /// Makes a world for a client, if it is for one, which a pool then runs. One with an `OnTick`, which may block, has a pool of its
+    /// own. To count its memory takes a while, if it is large.
     ///
     /// # Errors
     /// If the name is taken or unfit, or there is no room for another world, or no thread.
-    pub(crate) fn create(&self, new: NewWorld) -> Result<WorldHandle, Status> {
+    pub(crate) fn create(&self, new: NewWorld, payer: Option<&Payer>) -> Result<WorldHandle, Status> {
         check_name(&new.name)?;
         note_world(&new.name);
+        let owner = payer.map(|Payer(tally)| self.limits.world_of(tally)).transpose()?;
+        let (world, robots) = self.limits.world(new.world.robots().len())?;
+        let charges = new.charges(&self.limits)?;
         let mut worlds = self.lock();
         if worlds.by_name.contains_key(new.name.as_str()) {
             return Err(Status::already_exists(format!("world: there is a world `{}` already", new.name)));
-        }
-        if worlds.by_name.len() >= MAX_WORLDS {
-            return Err(Status::resource_exhausted(format!("a server has at most {MAX_WORLDS} worlds")));
         }
         let name: Arc<str> = new.name.as_str().into();
         let count = Arc::clone(&worlds.count);
@@ -79,8 +101,9 @@ impl Registry {
             None if without_threads => worlds.pool.get_or_insert_with(Pool::without_threads),
             None => worlds.pool.get_or_insert_with(|| Pool::new("worlds")),
         };
-        let handle = actor::start(new, count, pool)?;
-        worlds.by_name.insert(name, Entry(handle.clone(), own));
+        let handle = actor::start(new, charges, count, pool)?;
+        let entry = Entry { world: handle.clone(), own, _places: (world, robots, owner) };
+        worlds.by_name.insert(name, entry);
         worlds.update_count();
         Ok(handle)
     }
@@ -89,7 +112,7 @@ impl Registry {
     pub(crate) fn find(&self, field: &str, name: &str) -> Result<WorldHandle, Status> {
         note_world(name);
         let worlds = self.lock();
-        worlds.by_name.get(name).map(|Entry(world, _)| world.clone()).ok_or_else(|| {
+        worlds.by_name.get(name).map(|Entry { world, .. }| world.clone()).ok_or_else(|| {
             let there = list(worlds.by_name.keys().map(AsRef::as_ref));
             Status::not_found(format!("{field}: there is no world `{}`; there are: {there}", brief(name)))
         })
@@ -104,7 +127,7 @@ impl Registry {
 
     /// All worlds in the order of their names.
     pub(crate) fn all(&self) -> Vec<WorldHandle> {
-        self.lock().by_name.values().map(|Entry(world, _)| world.clone()).collect()
+        self.lock().by_name.values().map(|Entry { world, .. }| world.clone()).collect()
     }
 
     /// Forgets a world.
@@ -120,13 +143,13 @@ impl Registry {
             let mut worlds = self.lock();
             (std::mem::take(&mut worlds.by_name), worlds.pool.take())
         };
-        let own = worlds.into_values().filter_map(|Entry(_, own)| own);
+        let own = worlds.into_values().filter_map(|Entry { own, .. }| own);
         own.chain(shared).for_each(Pool::join);
     }
 
     fn lock(&self) -> MutexGuard<'_, Worlds> {
         // The map is consistent between any two of its changes, so a panic elsewhere does not spoil it.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.worlds.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

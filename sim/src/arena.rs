@@ -5,6 +5,8 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::{Bounds, Circle, Crowd, Index, Point, Segment, Shape, math, polygon};
 
+use crate::heap::{elements, list};
+
 /// A polygon, or a line with corners. A solid polygon is an obstacle through and through; a hollow one is a
 /// wall drawn as its outline, such as the border of a room that robots are in.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,6 +134,15 @@ impl Arena {
         polygons.all(same) && known.next().is_none() && pillars.eq(layer.pillars.iter().copied())
     }
 
+    /// The bytes that it has on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        let polygons = list(&self.polygons, |polygon| polygon.name.capacity() + elements(&polygon.points));
+        let pillars = list(&self.pillars, |pillar| pillar.name.capacity());
+        let Solids { places, bounds, discs } = &self.solids;
+        let solids = elements(places) + elements(bounds) + discs.heap_bytes();
+        polygons + pillars + solids + list(&self.layers, Layer::heap_bytes)
+    }
+
     /// The polygons, in the scenario's order.
     pub fn polygons(&self) -> &[Polygon] {
         &self.polygons
@@ -247,6 +258,10 @@ impl Solids {
 }
 
 impl Layer {
+    fn heap_bytes(&self) -> usize {
+        self.index.heap_bytes() + elements(&self.polygons) + elements(&self.pillars)
+    }
+
     fn new(polygons: &[Polygon], pillars: &[Pillar], height_m: f64) -> Self {
         let mut segments = Vec::new();
         let mut owners = Vec::new();

@@ -117,6 +117,11 @@ pub trait Probe: Send + Sync {
 }
 
 impl ChipSpec {
+    /// The bytes that it has on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        crate::heap::of(&self.start) + self.start.program_bytes() + crate::heap::elements(&self.attached)
+    }
+
     /// A chip with this program and these parts on its pins; `attached` has an entry for each part of the wiring, in order. An
     /// opaque chip's bytes mean nothing to brains of messages.
     ///

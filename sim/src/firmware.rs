@@ -8,6 +8,7 @@ use baudbot_wire::khepera::{self, Lines};
 use baudbot_wire::{BareDecoder, Encoding, Layout, frame, write_command, write_values};
 
 pub(crate) use crate::decoder::{Decoder, Found};
+use crate::heap::elements;
 use crate::link::{Command, LEAST_BAUD, Uart};
 use crate::open_interface::OpenInterface;
 pub(crate) use crate::registers::{Owed, Refusal, Registers, Say};
@@ -119,6 +120,12 @@ impl Firmware {
     pub fn layout(&self) -> Layout<'_> {
         let Fields { components, counts, motors, ages, .. } = &self.fields;
         Layout { components, counts, motors, ages: *ages }
+    }
+
+    /// The bytes that it has on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        let Fields { components, counts, motors, signals, packets, .. } = &self.fields;
+        elements(components) + elements(counts) + elements(motors) + elements(signals) + elements(packets)
     }
 
     /// Where a Create tells each of the layout's components; none of other firmwares.

@@ -8,6 +8,7 @@ use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
+use crate::heap::NO_MEMORY;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Counts of durations in nanoseconds.
@@ -138,7 +139,8 @@ impl Default for Histogram {
 impl Serialize for Histogram {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match &self.0 {
-            Counts::Alike { .. } => self.spread().serialize(serializer),
+            // It has no list as long as all are alike.
+            Counts::Alike { .. } => serializer.serialize_newtype_struct(NO_MEMORY, &self.spread()),
             Counts::Spread(spread) => spread.serialize(serializer),
         }
     }

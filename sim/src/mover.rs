@@ -10,6 +10,7 @@ use baudbot_geometry::{Direction, Point, Pose, Vector, angle, math};
 use serde::{Deserialize, Serialize};
 
 use crate::arena::{Arena, Look};
+use crate::heap::elements;
 use crate::movable::{Body, Form};
 use crate::random::Stream;
 use crate::sound;
@@ -96,6 +97,15 @@ pub(crate) struct Around<'a> {
 }
 
 impl Mover {
+    /// The bytes that it has on the heap, besides its name.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        let points = match &self.path {
+            Path::Stops { points, .. } => elements(points),
+            Path::Swing { .. } | Path::Wander { .. } => 0,
+        };
+        elements(&self.outline) + points
+    }
+
     /// Its shape, in its own frame.
     pub fn form(&self) -> Form<'_> {
         Form::of(&self.outline, self.radius_m)

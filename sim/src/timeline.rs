@@ -109,6 +109,11 @@ impl Timeline {
         Self { room, ..Self::default() }
     }
 
+    /// The bytes that its events take once there are as many as it keeps.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.room * size_of::<Event>()
+    }
+
     /// From now on keeps so many events, of those that are there the last ones.
     pub fn set_room(&mut self, room: usize) {
         if room == self.room {

@@ -20,6 +20,7 @@ mod exploration;
 mod figures;
 mod floods;
 mod goldens;
+mod limits;
 mod localization;
 mod lookahead;
 mod metrics;

@@ -25,21 +25,21 @@ async fn serve(pace: Pace) -> Server {
 }
 
 /// A page without a browser.
-struct Page {
+pub(super) struct Page {
     socket: WebSocketStream<MaybeTlsStream<TcpStream>>,
     /// What came while something else was waited for.
     kept: VecDeque<v1::PageResponse>,
 }
 
 impl Page {
-    async fn open(server: &Server) -> Self {
+    pub(super) async fn open(server: &Server) -> Self {
         // As browsers do: small messages do not wait for acknowledgements.
         let (url, no_delay) = (format!("ws://{}/page", server.viewers()[0]), true);
         let (socket, _) = connect_async_with_config(url, None, no_delay).await.unwrap();
         Self { socket, kept: VecDeque::new() }
     }
 
-    async fn ask(&mut self, call: u32, request: Request) {
+    pub(super) async fn ask(&mut self, call: u32, request: Request) {
         let request = v1::PageRequest { call, request: Some(request) };
         self.socket.send(Message::Binary(request.encode_to_vec().into())).await.unwrap();
     }
@@ -97,6 +97,14 @@ impl Page {
     async fn steer(&mut self, call: u32, signals: (f64, f64)) {
         let v1::attach_response::Response::Turn(turn) = self.attached(call).await else { panic!() };
         self.ask(call, step(turn.turn, signals)).await;
+    }
+
+    /// The failure of a call, if it fails.
+    pub(super) async fn failed(&mut self, call: u32) -> Option<(String, String)> {
+        match self.answer(call).await {
+            Response::Failure(v1::Failure { code, message }) => Some((code, message)),
+            Response::Message(_) | Response::Closed(_) | Response::Taken(_) => None,
+        }
     }
 
     async fn failure(&mut self, call: u32, request: Request) -> (String, String) {

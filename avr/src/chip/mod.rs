@@ -101,6 +101,12 @@ pub struct Chip {
 }
 
 impl Chip {
+    /// The bytes of its program memory, which clones share until they change it.
+    #[must_use]
+    pub fn program_bytes(&self) -> usize {
+        self.flash.bytes()
+    }
+
     /// A chip with this program, whose supply is switched on at instant 0.
     ///
     /// The program's own fuses, if it has any, are not used unless they are given here.

@@ -76,6 +76,12 @@ pub enum Next {
 }
 
 impl Board {
+    /// The bytes of its chip's program memory, which clones share until they change it.
+    #[must_use]
+    pub fn program_bytes(&self) -> usize {
+        self.chip.program_bytes()
+    }
+
     /// A board whose supply is switched on at instant 0.
     ///
     /// # Errors

@@ -10,6 +10,7 @@ mod export;
 mod fit;
 mod gdb;
 mod help;
+mod limits;
 mod list;
 mod locate;
 mod measure;
@@ -208,7 +209,7 @@ pub(crate) struct RunArgs {
     pub(crate) pace: PaceName,
     /// How the brains are joined to their world; the run is the same [default: direct, or grpc where a server is needed]
     ///
-    /// A server is needed for paces other than lockstep, for --listen, --viewer, --max-connections and who may
+    /// A server is needed for paces other than lockstep, for --listen, --viewer, limits and who may
     /// connect, for --watchdog-ms, --on-timeout and --lookahead, and to export traces. `direct` is many times as fast.
     #[arg(long, value_name = "PATH")]
     pub(crate) over: Option<Over>,

@@ -7,6 +7,7 @@ use baudbot_server::{Address, Builder, Server, raise_descriptor_limit};
 use clap::Args;
 
 use super::access::AccessArgs;
+use super::limits::LimitArgs;
 use crate::viewer::Viewer;
 
 #[derive(Debug, Args)]
@@ -19,15 +20,10 @@ pub(crate) struct ListenArgs {
     /// Metrics for Prometheus are at http://IP:PORT/metrics (docs/metrics.md).
     #[arg(long, value_name = "IP:PORT|off")]
     pub(crate) viewer: Option<Viewer>,
-    /// Maximum number of connections at a time, including pages
-    ///
-    /// At the limit, a new connection replaces one that has made no request yet; if there is none, the new one is refused.
-    /// The default is three quarters of the files that the program may have open (`ulimit -Hn`), with at least 32 kept
-    /// free, and at most 16,384.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) max_connections: Option<u32>,
     #[command(flatten)]
     pub(crate) access: AccessArgs,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
 }
 
 impl ListenArgs {
@@ -37,22 +33,16 @@ impl ListenArgs {
     /// If what it is to be guarded with cannot be used.
     pub(crate) fn builder(&self) -> anyhow::Result<Builder> {
         raise_descriptor_limit();
-        let builder = self.access.guard(Server::builder())?;
-        Ok(match self.max_connections {
-            Some(connections) => builder.connections(connections as usize),
-            None => builder,
-        })
+        // After that, as the usual limit of connections follows from it.
+        self.access.guard(Server::builder().limits(self.limits.limits()))
     }
 
     /// An option that was given and means nothing without a server, if there is one.
     pub(crate) fn given(&self) -> Option<&'static str> {
-        let own = [
-            (!self.listen.is_empty(), "--listen"),
-            (matches!(self.viewer, Some(Viewer::At(_))), "--viewer"),
-            (self.max_connections.is_some(), "--max-connections"),
-        ];
+        let own =
+            [(!self.listen.is_empty(), "--listen"), (matches!(self.viewer, Some(Viewer::At(_))), "--viewer")];
         let own = own.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option);
-        own.or_else(|| self.access.given())
+        own.or_else(|| self.limits.given()).or_else(|| self.access.given())
     }
 }
 

@@ -20,6 +20,11 @@ pub(super) struct Cells {
 }
 
 impl Cells {
+    /// The bytes that they have on the heap.
+    pub(super) fn heap_bytes(&self) -> usize {
+        (self.starts.capacity() + self.entries.capacity()) * size_of::<u32>()
+    }
+
     pub(super) fn new(layout: &Layout, segments: &[Segment], circles: &[Circle]) -> Self {
         let mut starts = vec![0_u32; layout.columns() * layout.rows() + 1];
         each_entry(layout, segments, circles, |cell, _| starts[cell + 1] += 1);

@@ -68,6 +68,15 @@ struct Grid {
 }
 
 impl Index {
+    /// The bytes that it has on the heap.
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        let cells = self.grid.as_ref().map_or(0, |grid| grid.cells.heap_bytes());
+        self.segments.capacity() * size_of::<Segment>()
+            + self.circles.capacity() * size_of::<Circle>()
+            + cells
+    }
+
     /// Arranges the shapes.
     ///
     /// The grid has about two cells a shape, four at most, and never more than a million. Should the lists

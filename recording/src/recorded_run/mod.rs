@@ -111,6 +111,16 @@ impl RecordedRun {
         recorded.put_in_order()
     }
 
+    /// The bytes that it takes in memory, without the scenario. Texts of events are counted as if they were of a usual length.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        const TEXT: usize = 64;
+        let kept = (self.inputs.capacity() + self.states.capacity()) * size_of::<Kept>();
+        let marks: usize = self.marks.iter().map(|(_, mark)| size_of_val(mark) + mark.heap_bytes()).sum();
+        let events = self.events.capacity() * (size_of::<v1::RecordedEvent>() + TEXT);
+        size_of::<Self>() + self.bytes.capacity() + kept + marks + events + self.header.scenario_toml.len()
+    }
+
     fn take(&mut self, topic: &str, data: &[u8]) -> Result<()> {
         match topic {
             topic::MARKS

@@ -17,6 +17,7 @@ use crate::clock;
 use crate::convert;
 use crate::endpoint::Endpoint;
 use crate::endpoint::Mode;
+use crate::limits::{InForce, Limits};
 use crate::log::event;
 use crate::report::Report;
 
@@ -38,7 +39,8 @@ impl DirectWorld {
     /// If its recording cannot begin.
     pub(crate) fn start(new: NewWorld) -> Result<Self, Status> {
         let record = new.record.clone();
-        let mut actor = WorldActor::new(new.name.as_str().into(), new, Arc::default());
+        let charges = new.charges(&InForce::new(Limits::none()))?;
+        let mut actor = WorldActor::new(new.name.as_str().into(), new, charges, Arc::default());
         actor.pacer.paused = false;
         actor.sessions.excuse_vacant_slots();
         if let Some(record) = record {

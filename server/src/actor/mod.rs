@@ -39,6 +39,7 @@ use crate::beliefs::Beliefs;
 use crate::cables::Cables;
 use crate::clock;
 use crate::endpoint::Sent;
+use crate::limits::Charges;
 use crate::log::event;
 use crate::mailbox::Mailbox;
 use crate::message::{Message, WorldHandle};
@@ -85,6 +86,8 @@ pub(crate) struct WorldActor {
     schedule: Schedule,
     /// The status with which streams end, once the world is to be over.
     over: Option<Status>,
+    /// What it has of the server's memory.
+    charges: Charges,
 }
 
 /// Where a live world stands between the two halves of a tick.
@@ -126,19 +129,20 @@ macro_rules! view {
 }
 use view;
 
-/// Makes a world, which this pool runs. `neighbours` is how many worlds there are on the server.
+/// Makes a world, which this pool runs, with this memory. `neighbours` is how many worlds there are on the server.
 ///
 /// # Errors
 /// If its recording cannot begin, or the pool has no thread for it.
 pub(crate) fn start(
     new: NewWorld,
+    charges: Charges,
     neighbours: Arc<AtomicU32>,
     pool: &mut Pool,
 ) -> Result<WorldHandle, Status> {
     let (name, record): (Arc<str>, _) = (new.name.as_str().into(), new.record.clone());
     let (robots, paused) = (new.world.robots().len(), new.paused);
-    let made = Arc::clone(new.world.origin());
-    let mut actor = WorldActor::new(Arc::clone(&name), new, neighbours);
+    let (made, room) = (Arc::clone(new.world.origin()), charges.room());
+    let mut actor = WorldActor::new(Arc::clone(&name), new, charges, neighbours);
     if let Some(record) = record {
         actor.record(record)?;
     }
@@ -146,13 +150,14 @@ pub(crate) fn start(
         .add(|waker| Arc::new(Mailbox::new(actor, waker)))
         .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
     tracing::info!(world = &*name, tick = 0, time_s = 0.0, robots, paused, "world made");
-    Ok(WorldHandle::new(name, made, mailbox))
+    Ok(WorldHandle::new(name, made, room, mailbox))
 }
 
 impl WorldActor {
     fn new(
         name: Arc<str>,
         NewWorld { world, replay, pace, paused, on_tick, progress, processor, .. }: NewWorld,
+        charges: Charges,
         neighbours: Arc<AtomicU32>,
     ) -> Self {
         let robots = world.robots().len();
@@ -175,6 +180,7 @@ impl WorldActor {
             deferred: VecDeque::new(),
             schedule: Schedule::new(neighbours),
             over: None,
+            charges,
             world,
         };
         actor.sessions.time_by(processor);
@@ -338,6 +344,7 @@ impl WorldActor {
         self.ports.to_devices.clear();
         self.sessions.reset_quotas();
         self.spend_credit();
+        self.charges.follow(&self.world);
         let is_ending = self.world.ending().is_some();
         self.phase = if is_ending { Phase::Ending } else { Phase::Between };
         if is_ending && !self.sessions.is_any_overtaken() {

@@ -6,6 +6,7 @@ use baudbot_recording::Replay;
 use baudbot_sim::World;
 
 use super::progress::Progress;
+use crate::limits::{Charges, Exceeded, InForce};
 use crate::message::RecordConfig;
 use crate::pace::Pace;
 use crate::thinking::ProcessorTime;
@@ -30,6 +31,15 @@ pub(crate) struct NewWorld {
 }
 
 impl NewWorld {
+    /// The memory that it takes.
+    ///
+    /// # Errors
+    /// If there is not so much.
+    pub(crate) fn charges(&self, limits: &InForce) -> Result<Charges, Exceeded> {
+        let recording = self.replay.as_ref().map(|replay| replay.recorded().memory_bytes() as u64);
+        Charges::new(limits, &self.world, recording)
+    }
+
     /// A live world that is not recorded.
     pub(crate) fn new(name: String, world: World, pace: Pace) -> Self {
         Self {

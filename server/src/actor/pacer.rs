@@ -52,10 +52,20 @@ impl WorldActor {
         let statistics = &mut self.pacer.statistics;
         statistics.let_go += beyond;
         statistics.times_let_go += 1;
+        if self.could_keep_pace(factor) {
+            self.charges.limits().note_lag(now);
+        }
         if let Some(times) = self.pacer.lags.note(now) {
             let (let_go_s, sum_s) = (beyond.as_secs_f64(), self.pacer.statistics.let_go.as_secs_f64());
             event!(self, warn, times, let_go_s, sum_s, "the world lags, and lets time go");
         }
+    }
+
+    /// Whether the world could keep this pace if it had a processor for itself.
+    fn could_keep_pace(&self, factor: f64) -> bool {
+        let step = self.world.scenario().step_ns as f64 * 1e-9 / factor;
+        // An `OnTick` may take any time.
+        self.on_tick.is_none() && self.schedule.tick_takes().is_some_and(|takes| takes.as_secs_f64() < step)
     }
 
     /// How the world takes the answers to Turns that it gives now.

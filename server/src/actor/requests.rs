@@ -9,8 +9,9 @@ use tonic::metadata::MetadataValue;
 use super::WorldActor;
 use super::replay::Replaying;
 use crate::message::{Message, Reply, Request};
+use crate::pace::Pace;
 use crate::quote::brief;
-use crate::report::Report;
+use crate::report::{Activity, Report};
 
 impl WorldActor {
     /// Does what an operator requests, and replies at once or when it is done.
@@ -33,18 +34,19 @@ impl WorldActor {
             },
             Request::Report => Ok(self.report(0)),
             Request::Save { snapshot } => self.saved(snapshot),
-            Request::Snapshot => {
-                let number = self.take_snapshot();
-                Ok(self.report(number))
-            }
+            Request::Snapshot => self.take_snapshot().map(|number| self.report(number)),
             Request::Record(config) => self.record(config).map(|()| self.report(0)),
             Request::StopRecording(closed) => self.stop_recording(closed),
             Request::Restore { snapshot } => self.restore(snapshot).map(|()| self.report(0)),
-            Request::Start => self.reported(Self::start),
+            Request::Start => {
+                self.check_load(self.pacer.pace).map(|()| self.start()).map(|()| self.report(0))
+            }
             Request::Pause => self.reported(Self::pause),
-            Request::Reset(scenario) => self.reported(|actor| actor.reset(scenario)),
+            Request::Reset(scenario) => self.reset(scenario).map(|()| self.report(0)),
             Request::Delete => self.reported(Self::delete),
-            Request::SetPace(pace) => self.reported(|actor| actor.set_pace(pace)),
+            Request::SetPace(pace) => {
+                self.check_load_at(pace).map(|()| self.set_pace(pace)).map(|()| self.report(0))
+            }
             Request::Fork(pace) => self.reported(|actor| actor.fork(pace)),
         };
         drop(reply.send(answer));
@@ -54,6 +56,28 @@ impl WorldActor {
     fn reported(&mut self, work: impl FnOnce(&mut Self)) -> Result<Report, Status> {
         work(self);
         Ok(self.report(0))
+    }
+
+    /// Checks that the world may run at this pace, if others lag.
+    fn check_load(&self, pace: Pace) -> Result<(), Status> {
+        match pace {
+            // Where a tick waits for brains, a world takes no more than they do.
+            Pace::Lockstep(_) | Pace::Stepped(_) => Ok(()),
+            // One that runs already is a part of the load.
+            Pace::Timed(_) | Pace::Free if self.activity() == Activity::Running => Ok(()),
+            Pace::Timed(_) | Pace::Free => Ok(self.charges.limits().check_load()?),
+        }
+    }
+
+    /// Checks that the world may get this pace.
+    fn check_load_at(&self, pace: Pace) -> Result<(), Status> {
+        match (pace, self.pacer.pace) {
+            // It stands, and is checked when it is started.
+            _ if self.pacer.paused => Ok(()),
+            (Pace::Timed(_), Pace::Timed(_)) => Ok(()),
+            (Pace::Timed(_) | Pace::Free, _) => Ok(self.charges.limits().check_load()?),
+            (Pace::Lockstep(_) | Pace::Stepped(_), _) => Ok(()),
+        }
     }
 
     fn start(&mut self) {

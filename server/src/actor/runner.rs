@@ -63,6 +63,11 @@ impl Schedule {
         self.tick_takes = Some(self.tick_takes.map_or(took, |takes| (takes * 7 + took) / 8));
     }
 
+    /// How long a tick takes; `None` before the first.
+    pub(super) fn tick_takes(&self) -> Option<Duration> {
+        self.tick_takes
+    }
+
     /// Whether a tick takes less than waking a thread for it would cost all worlds of the server.
     fn is_quick(&self) -> bool {
         let limit = QUICK / self.neighbours.load(Ordering::Relaxed).max(1);

@@ -8,13 +8,11 @@ use tonic::Status;
 
 use super::{Phase, WorldActor};
 use crate::endpoint::Sender;
+use crate::limits::{Limit, SnapshotCharge};
 use crate::log::event;
 use crate::report::Report;
 
-/// Snapshots that are kept of one world. The oldest goes when there would be more.
-const MAX_SNAPSHOTS: usize = 64;
-
-/// The snapshots of a world, oldest first.
+/// The snapshots of a world, oldest first. The oldest goes when there would be too many.
 #[derive(Default)]
 pub(super) struct Snapshots {
     kept: VecDeque<Snapshot>,
@@ -25,17 +23,23 @@ struct Snapshot {
     number: u64,
     world: World,
     senders: Vec<Sender>,
+    /// Its memory.
+    charge: SnapshotCharge,
 }
 
 impl Snapshots {
     /// Keeps a state. Gives its number.
-    fn keep(&mut self, world: World, senders: Vec<Sender>) -> u64 {
+    fn keep(&mut self, world: World, senders: Vec<Sender>, charge: SnapshotCharge) -> u64 {
         self.last_number += 1;
-        if self.kept.len() == MAX_SNAPSHOTS {
-            self.kept.pop_front();
-        }
-        self.kept.push_back(Snapshot { number: self.last_number, world, senders });
+        self.kept.push_back(Snapshot { number: self.last_number, world, senders, charge });
         self.last_number
+    }
+
+    /// Forgets the oldest, if there are so many. Gives its number, and its memory for another one.
+    fn make_room(&mut self, most: usize) -> Option<(u64, SnapshotCharge)> {
+        let is_full = self.kept.len() >= most.max(1);
+        let oldest = if is_full { self.kept.pop_front() } else { None };
+        oldest.map(|Snapshot { number, charge, .. }| (number, charge))
     }
 
     fn find(&self, number: u64) -> Option<&Snapshot> {
@@ -45,12 +49,27 @@ impl Snapshots {
 
 impl WorldActor {
     /// Keeps the present state. Gives the snapshot's number.
-    pub(super) fn take_snapshot(&mut self) -> u64 {
+    ///
+    /// # Errors
+    /// If there is no memory for it, or the server has too many.
+    pub(super) fn take_snapshot(&mut self) -> Result<u64, Status> {
+        let most = self.charges.limits().limits().snapshots_per_world;
+        let mut charge = match self.snapshots.make_room(most) {
+            None => self.charges.snapshot()?,
+            Some((oldest, charge)) => {
+                event!(self, info, oldest, most, "the oldest snapshot has gone, as there are too many");
+                let what = format!("the world `{}` has {most} snapshots", self.name);
+                self.charges.limits().note(Limit::SnapshotsPerWorld, &what);
+                charge
+            }
+        };
         let senders = match self.phase {
             Phase::Begun => &self.ports.senders_at_begin,
             Phase::Between | Phase::Ending => &self.ports.senders,
         };
-        self.snapshots.keep(self.world.clone(), senders.clone())
+        let world = self.world.clone();
+        charge.count(&self.charges, &world);
+        Ok(self.snapshots.keep(world, senders.clone(), charge))
     }
 
     fn snapshot(&self, number: u64) -> Result<&Snapshot, Status> {
@@ -62,6 +81,8 @@ impl WorldActor {
     /// Goes on from a snapshot.
     pub(super) fn restore(&mut self, number: u64) -> Result<(), Status> {
         let Snapshot { world, senders, .. } = self.snapshot(number)?;
+        // Until the old state is gone there are both.
+        let _both = self.charges.another()?;
         let (world, senders) = (world.clone(), senders.clone());
         event!(self, info, snapshot = number, "world restored");
         self.ports.senders = senders;
@@ -70,11 +91,16 @@ impl WorldActor {
     }
 
     /// Goes back to the beginning, of a run of this scenario.
-    pub(super) fn reset(&mut self, scenario: Arc<Scenario>) {
+    ///
+    /// # Errors
+    /// If there is no memory for it.
+    pub(super) fn reset(&mut self, scenario: Arc<Scenario>) -> Result<(), Status> {
+        let _both = self.charges.another()?;
         let world = World::new(scenario);
         self.ports.reset(&world);
         self.pacer.reset_statistics();
         self.replace(world);
+        Ok(())
     }
 
     /// The present state, or that of a snapshot.
@@ -89,6 +115,7 @@ impl WorldActor {
     /// The world goes on from another state.
     fn replace(&mut self, world: World) {
         let old = std::mem::replace(&mut self.world, world);
+        self.charges.count(&self.world);
         self.record_next_run(&old);
         self.sessions.forget_thought();
         self.phase = Phase::Between;

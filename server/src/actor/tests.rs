@@ -11,6 +11,7 @@ use tokio::sync::mpsc;
 
 use super::{DirectWorld, NewWorld, Next, WorldActor};
 use crate::endpoint::{Output, Sender, Signals};
+use crate::limits::{InForce, Limits};
 use crate::message::{Message, Watch};
 use crate::pace::{Lockstep, Pace, Timed};
 
@@ -20,7 +21,9 @@ const TICK_MS: u64 = 10;
 fn actor(pace: Pace) -> WorldActor {
     let scenario = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
     assert_eq!(scenario.step_ns, TICK_MS * 1_000_000);
-    WorldActor::new("w".into(), NewWorld::new("w".into(), World::new(scenario.into()), pace), Arc::default())
+    let new = NewWorld::new("w".into(), World::new(scenario.into()), pace);
+    let charges = new.charges(&InForce::new(Limits::none())).unwrap();
+    WorldActor::new("w".into(), new, charges, Arc::default())
 }
 
 /// Does what is due until this instant, each thing in no time. How many ticks that were.

@@ -14,6 +14,8 @@ impl WorldActor {
             || self.replaying.is_some()
             || self.observers.have_details()
             || self.recording.has_frames();
-        self.world.resize_timeline(if is_seen { usual } else { usual.min(UNSEEN_EVENTS) });
+        let events = if is_seen { usual } else { usual.min(UNSEEN_EVENTS) };
+        self.world.resize_timeline(events);
+        self.charges.fit_timeline(events, &self.world);
     }
 }

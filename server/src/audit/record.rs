@@ -23,6 +23,8 @@ pub(crate) struct Record {
     /// Tells the lines of one call from those of another.
     number: u64,
     who: String,
+    /// Its address, or its user.
+    from: String,
     call: String,
     begun: Instant,
     about: Mutex<Vec<String>>,
@@ -35,6 +37,7 @@ struct Line<'a> {
     event: &'static str,
     number: u64,
     who: &'a str,
+    from: &'a str,
     call: &'a str,
     #[serde(skip_serializing_if = "<[String]>::is_empty")]
     about: &'a [String],
@@ -48,13 +51,14 @@ struct Line<'a> {
 
 impl Record {
     /// That of a call which begins. `call` is its path.
-    pub(crate) fn new(log: &AuditLog, who: &str, call: &str) -> Self {
+    pub(crate) fn new(log: &AuditLog, who: &str, from: String, call: &str) -> Self {
         static LAST: AtomicU64 = AtomicU64::new(0);
         let call = call.trim_start_matches('/');
         Self {
             log: log.clone(),
             number: LAST.fetch_add(1, Ordering::Relaxed) + 1,
             who: who.to_owned(),
+            from,
             call: shortened(call).to_owned(),
             begun: Instant::now(),
             about: Mutex::default(),
@@ -102,6 +106,7 @@ impl Record {
             event,
             number: self.number,
             who: &self.who,
+            from: &self.from,
             call: &self.call,
             about: &about,
             code: code.map(name),

@@ -1,5 +1,6 @@
 //! The operator's service.
 
+mod create;
 mod list;
 mod recordings;
 mod reset;
@@ -7,24 +8,22 @@ mod reset;
 use baudbot_budget::{Allowance, RobotBudget};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_server::ControlService;
-use baudbot_scenario::Override;
-use baudbot_scenario::ScenarioError;
+use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
-use baudbot_sim::{Scenario, World};
 use tokio::sync::{Semaphore, SemaphorePermit};
 use tonic::{Code, Request, Response, Status};
 use tracing::Instrument;
 
-use crate::actor::NewWorld;
 use crate::blocking::blocking;
 use crate::convert;
+use crate::limits::{Cancelled, Limit};
 use crate::message::{Message, Request as Asked};
-use crate::pace::Pace;
 use crate::quote::brief;
 use crate::recording::Folder;
 use crate::registry::Registry;
 use crate::report::Report;
 
+use create::{parse_scenario, parsing_bytes, payer};
 pub(crate) use list::Told;
 pub(crate) use recordings::stop_recording;
 pub(crate) use reset::scenario_of_reset;
@@ -48,17 +47,10 @@ impl Control {
         // The scenario is that of this world, and not of another that has got its name meanwhile.
         let reset = async {
             let world = self.registry.find("world", &request.world)?;
-            let scenario = scenario_of_reset(&world, request).await?;
+            let (scenario, _held) = scenario_of_reset(&world, request).await?;
             world.request(Asked::Reset(scenario)).await
         };
         let status = status_of(reset.instrument(span).await?).await?.1;
-        self.told.note(&status);
-        Ok(status)
-    }
-
-    async fn create(&self, new: NewWorld) -> Result<v1::WorldStatus, Status> {
-        let report = self.registry.create(new)?.request(Asked::Report).await?;
-        let status = status_of(report).await?.1;
         self.told.note(&status);
         Ok(status)
     }
@@ -78,39 +70,6 @@ pub(crate) async fn status_of(report: Report) -> Result<(Report, v1::WorldStatus
         (report, status)
     };
     blocking(work).await
-}
-
-/// The world of a request, from its scenario or from a saved state, and a name for it.
-fn new_world(request: v1::CreateWorldRequest) -> Result<(String, World), Status> {
-    let v1::CreateWorldRequest { world: name, scenario_toml, overrides, saved_mcap, .. } = request;
-    let (own, world) = if saved_mcap.is_empty() {
-        let scenario = parse_scenario(&scenario_toml, &overrides)?;
-        (scenario.name.clone(), World::new(scenario.into()))
-    } else if scenario_toml.is_empty() && overrides.is_empty() {
-        recordings::from_saved(&saved_mcap)?
-    } else {
-        let text = "saved_mcap: has a scenario of its own; leave scenario_toml and overrides empty";
-        return Err(Status::invalid_argument(text));
-    };
-    Ok((if name.is_empty() { own } else { name }, world))
-}
-
-/// Parses a scenario with its overrides. An error names the request's field, then the scenario's.
-fn parse_scenario(toml: &str, overrides: &[String]) -> Result<Scenario, Status> {
-    let changes = parse_overrides(overrides)?;
-    baudbot_scenario::parse_with(toml, &changes).map_err(|error| scenario_error("scenario_toml", &error))
-}
-
-fn parse_overrides(texts: &[String]) -> Result<Vec<Override>, Status> {
-    let parse = |(i, text): (usize, &String)| {
-        Override::parse(text).map_err(|error| scenario_error(&format!("overrides[{i}]"), &error))
-    };
-    texts.iter().enumerate().map(parse).collect()
-}
-
-/// The status for a scenario that makes no sense because of this field of the request.
-fn scenario_error(field: &str, error: &ScenarioError) -> Status {
-    Status::invalid_argument(format!("{field}: {}", brief(&error.to_string())))
 }
 
 /// Most robots whose budget one call asks for: each takes a while.
@@ -166,17 +125,16 @@ fn budgets(scenario: &Scenario, names: &[String]) -> Result<Response<v1::GetBudg
     Ok(Response::new(v1::GetBudgetResponse { robots }))
 }
 
+/// The header of a response with something that its caller should know.
+const NOTE: &str = "baudbot-note";
+
 #[tonic::async_trait]
 impl ControlService for Control {
     async fn create_world(
         &self,
         request: Request<v1::CreateWorldRequest>,
     ) -> Result<Response<v1::CreateWorldResponse>, Status> {
-        let request = request.into_inner();
-        let (pace, paused) = (convert::pace_from(request.pace)?.unwrap_or(Pace::REAL_TIME), request.paused);
-        let (name, world) = blocking(move || new_world(request)).await??;
-        let new = NewWorld { paused, ..NewWorld::new(name, world, pace) };
-        let status = Some(self.create(new).await?);
+        let status = Some(self.create_for(payer(&request), request.into_inner()).await?);
         Ok(Response::new(v1::CreateWorldResponse { status }))
     }
 
@@ -246,7 +204,16 @@ impl ControlService for Control {
         let report = self.request(&request.get_ref().world, Asked::Snapshot).await?;
         let (report, status) = status_of(report).await?;
         let (snapshot, status) = (report.snapshot, Some(status));
-        Ok(Response::new(v1::SnapshotWorldResponse { snapshot, status }))
+        let mut response = Response::new(v1::SnapshotWorldResponse { snapshot, status });
+        let most = self.registry.limits().limits().snapshots_per_world.max(1);
+        if let Some(gone) = snapshot.checked_sub(most as u64).filter(|&gone| gone > 0) {
+            let option = Limit::SnapshotsPerWorld.option();
+            let note = format!("snapshot {gone} has gone, as a world keeps {most} ({option})");
+            if let Ok(note) = note.parse() {
+                response.metadata_mut().insert(NOTE, note);
+            }
+        }
+        Ok(response)
     }
 
     async fn restore_world(
@@ -293,12 +260,7 @@ impl ControlService for Control {
         &self,
         request: Request<v1::CloneWorldRequest>,
     ) -> Result<Response<v1::CloneWorldResponse>, Status> {
-        let v1::CloneWorldRequest { original, world: name, pace } = request.into_inner();
-        let pace = convert::pace_from(pace)?;
-        let state = self.registry.find("original", &original)?.request(Asked::Save { snapshot: 0 }).await?;
-        let name = if name.is_empty() { self.registry.free_name(&original) } else { name };
-        let new = NewWorld { paused: true, ..NewWorld::new(name, state.world, pace.unwrap_or(state.pace)) };
-        let status = Some(self.create(new).await?);
+        let status = Some(self.clone_for(payer(&request), request.into_inner()).await?);
         Ok(Response::new(v1::CloneWorldResponse { status }))
     }
 
@@ -330,7 +292,8 @@ impl ControlService for Control {
         &self,
         request: Request<v1::OpenRecordingRequest>,
     ) -> Result<Response<v1::OpenRecordingResponse>, Status> {
-        let status = Some(self.open(request.into_inner()).await?);
+        let payer = payer(&request);
+        let status = Some(self.open(request.into_inner(), payer).await?);
         Ok(Response::new(v1::OpenRecordingResponse { status }))
     }
 
@@ -376,16 +339,17 @@ impl ControlService for Control {
             Some(Given::ScenarioToml(toml)) => (None, toml),
         };
         let permit = budget_permit()?;
-        let work = move || {
+        let bytes = parsing_bytes(&toml);
+        let work = move |cancelled: &Cancelled| {
             // Kept until the work is done, even if nobody waits for it any more.
             let _permit = permit;
             let scenario = match world {
                 Some(scenario) => scenario,
-                None => parse_scenario(&toml, &overrides)?.into(),
+                None => parse_scenario(&toml, &overrides, cancelled)?.into(),
             };
             budgets(&scenario, &robots)
         };
-        blocking(work).await?
+        self.registry.limits().read(bytes, work).await?
     }
 }
 

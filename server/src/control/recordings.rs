@@ -13,6 +13,7 @@ use super::Control;
 use crate::actor::NewWorld;
 use crate::blocking::blocking;
 use crate::convert;
+use crate::limits::{InForce, Payer};
 use crate::message::{Message, RecordConfig, Request};
 use crate::pace::Pace;
 use crate::quote::brief;
@@ -74,21 +75,30 @@ impl Control {
         Ok(v1::ListRecordingsResponse { recordings })
     }
 
-    pub(super) async fn open(&self, request: v1::OpenRecordingRequest) -> Result<v1::WorldStatus, Status> {
+    pub(super) async fn open(
+        &self,
+        request: v1::OpenRecordingRequest,
+        payer: Option<Payer>,
+    ) -> Result<v1::WorldStatus, Status> {
         let v1::OpenRecordingRequest { recording, world } = request;
         let folder = self.folder()?.clone();
-        let (name, file) = (recording.clone(), format!("recording: `{recording}`"));
-        let opened = blocking(move || {
-            let opened = BufReader::with_capacity(1 << 20, folder.open(&name)?);
-            replay(RecordedRun::read(opened))
+        self.check_room(payer.as_ref())?;
+        let limits = self.registry.limits();
+        let opened = folder.open(&recording)?;
+        let bytes = opened.metadata().map_or(0, |metadata| metadata.len());
+        // It may unpack to more, but never to more than there is.
+        let (most, file) = (at_most(limits.free_bytes()), format!("recording: `{recording}`"));
+        let read = limits.read(bytes.saturating_mul(UNPACKED), move |_| {
+            let opened = BufReader::with_capacity(1 << 20, opened);
+            replay(RecordedRun::read_at_most(opened, most))
                 .map_err(|problem| Status::failed_precondition(format!("{file} {problem}")))
         });
-        let (replay, made) = opened.await??;
+        let (replay, made) = read.await??;
         // A recording's name may have a dot, a world's may not.
         let name = if world.is_empty() { recording.replace('.', "-") } else { world };
         let new =
             NewWorld { replay: Some(replay), paused: true, ..NewWorld::new(name, made, Pace::REAL_TIME) };
-        self.create(new).await
+        self.create(new, payer).await
     }
 
     pub(super) async fn describe(&self, world: &str) -> Result<v1::DescribeReplayResponse, Status> {
@@ -119,9 +129,10 @@ pub(crate) async fn stop_recording(
 }
 
 /// A world from the state in a response of SaveWorld, and the name that it had.
-pub(super) fn from_saved(bytes: &[u8]) -> Result<(String, World), Status> {
+pub(super) fn from_saved(bytes: &[u8], limits: &InForce) -> Result<(String, World), Status> {
     let invalid = |problem: String| Status::invalid_argument(format!("saved_mcap: {problem}"));
-    let recorded = RecordedRun::read_at_most(bytes, MAX_STATE).map_err(|error| invalid(error.to_string()))?;
+    let most = MAX_STATE.min(at_most(limits.free_bytes()));
+    let recorded = RecordedRun::read_at_most(bytes, most).map_err(|error| invalid(error.to_string()))?;
     if let Some(problem) = recorded.problem() {
         return Err(invalid(format!("is not a complete state: {problem}")));
     }
@@ -134,6 +145,20 @@ pub(super) fn from_saved(bytes: &[u8]) -> Result<(String, World), Status> {
     let world = recorded.first_state().map_err(|error| invalid(error.to_string()))?;
     Ok((recorded.header().world.clone(), world))
 }
+
+/// Memory that it takes to read a saved state.
+pub(super) fn saved_bytes(saved: &[u8], limits: &InForce) -> u64 {
+    let usual = (saved.len() as u64).saturating_mul(UNPACKED);
+    // What is left is taken for one that unpacks to more.
+    usual.min(MAX_STATE as u64).min(limits.free_bytes().max(saved.len() as u64))
+}
+
+fn at_most(bytes: u64) -> usize {
+    usize::try_from(bytes).unwrap_or(usize::MAX)
+}
+
+/// What a recording or a state takes in memory while it is read, for each byte of the file.
+const UNPACKED: u64 = 8;
 
 /// A world that replays a recording, at its beginning.
 fn replay(recorded: Result<RecordedRun, RecordingError>) -> Result<(Replay, World), RecordingError> {

@@ -10,24 +10,30 @@ use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 use tonic::Status;
 
-use super::scenario_error;
-use crate::blocking::blocking;
+use super::create::{parse_overrides, parsing_bytes, scenario_error};
+use crate::limits::{Cancelled, ScenarioHeld};
 use crate::message::WorldHandle;
 use crate::quote::brief;
 
-/// The scenario from which a world is to begin again.
+/// The scenario from which a world is to begin again, with the memory that is held for it until the world has it.
 ///
 /// # Errors
 /// If the request's fields make no sense, or change what brains have been told. The world has not been told of it by then.
 pub(crate) async fn scenario_of_reset(
     world: &WorldHandle,
     request: v1::ResetWorldRequest,
-) -> Result<Arc<Scenario>, Status> {
+) -> Result<(Arc<Scenario>, Option<Arc<ScenarioHeld>>), Status> {
     let made = Arc::clone(world.made());
     if request.seed.is_none() && request.starts.is_empty() && request.overrides.is_empty() {
-        return Ok(made);
+        return Ok((made, None));
     }
-    blocking(move || changed(&made, &request)).await?
+    let limits = world.limits().clone();
+    let read = move |_: &Cancelled| {
+        let scenario = changed(&made, &request)?;
+        let held = limits.hold_scenario(&scenario)?;
+        Ok((scenario, Some(held)))
+    };
+    world.limits().read(parsing_bytes(&world.made().source.toml), read).await?
 }
 
 fn changed(made: &Scenario, request: &v1::ResetWorldRequest) -> Result<Arc<Scenario>, Status> {
@@ -47,8 +53,8 @@ fn changed(made: &Scenario, request: &v1::ResetWorldRequest) -> Result<Arc<Scena
 
 /// The changes with which the world was made, then those of the request but for its starts.
 fn overrides(made: &Scenario, request: &v1::ResetWorldRequest) -> Result<Vec<Override>, Status> {
-    let mut changes = super::parse_overrides(&made.source.overrides)?;
-    changes.extend(super::parse_overrides(&request.overrides)?);
+    let mut changes = parse_overrides(&made.source.overrides)?;
+    changes.extend(parse_overrides(&request.overrides)?);
     if let Some(seed) = request.seed {
         if i64::try_from(seed).is_err() {
             return Err(Status::invalid_argument(format!("seed: must be 0 to 2^63 - 1, is {seed}")));

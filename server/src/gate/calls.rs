@@ -1,5 +1,6 @@
 //! The check of each call, before any service.
 
+use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll};
 
@@ -11,15 +12,18 @@ use tonic::codegen::http::{Request, Response};
 use tonic::{Code, Status};
 use tower::{Layer, Service};
 
-use super::Admission;
+use super::{Admission, OpenOnConnection};
 use crate::access::{Access, Caller, Guarded, authorization};
 use crate::audit::call::Call;
 use crate::audit::{AuditLog, Audited, Record};
+use crate::limits::{Account, InForce, Payer, Peer, Taken};
 
-/// Lets a call pass whose connection has a place, and whose caller may make it. The caller is in its extensions then.
+/// Lets a call pass whose connection has a place, whose caller may make it, and who has not made too many. The caller is in its
+/// extensions then, and for whom it is counted.
 #[derive(Clone)]
 pub(crate) struct CheckCalls {
     pub(crate) access: Access,
+    pub(crate) limits: InForce,
     pub(crate) audit: Option<AuditLog>,
 }
 
@@ -38,6 +42,7 @@ pub(crate) struct Checked<S> {
     inner: S,
 }
 
+/// What a response goes through.
 type Guard = Box<dyn FnOnce(Response<Body>) -> Response<Body> + Send>;
 
 impl<S> Service<Request<Body>> for Checked<S>
@@ -54,8 +59,8 @@ where
     }
 
     fn call(&mut self, mut request: Request<Body>) -> Self::Future {
-        let caller = match check(&self.check.access, &request) {
-            Ok(caller) => caller,
+        let (caller, open) = match self.check.check(&mut request) {
+            Ok(checked) => checked,
             Err(status) => {
                 if let Some(record) = self.record(&request, &name(&self.check.access, &request)) {
                     record.refuse(&status);
@@ -66,7 +71,7 @@ where
         let need = needs_at(request.uri().path());
         let record = Record::is_for(need).then(|| self.record(&request, caller.name())).flatten();
         let unanswered = Unanswered(request.extensions().get::<Arc<Admission>>().cloned());
-        let guard = self.guard(&caller, record.clone(), unanswered);
+        let guard = self.guard(&caller, open, record.clone(), unanswered);
         request.extensions_mut().insert(caller.clone());
         Either::Right(Call { caller, record }.serve(self.inner.call(request)).map_ok(guard))
     }
@@ -76,21 +81,34 @@ impl<S> Checked<S> {
     /// What the audit log has of a call, if there is one.
     fn record(&self, request: &Request<Body>, who: &str) -> Option<Arc<Record>> {
         let log = self.check.audit.as_ref()?;
-        Some(Record::new(log, who, request.uri().path()).into())
+        let extensions = request.extensions();
+        let from = match extensions.get::<Arc<Admission>>() {
+            Some(admission) => admission.tally().account().to_string(),
+            None => extensions.get::<Peer>().map_or(&Account::Process, |peer| &peer.account).to_string(),
+        };
+        Some(Record::new(log, who, from, request.uri().path()).into())
     }
 
     /// What stands between a service's response and its caller.
-    fn guard(&self, caller: &Caller, record: Option<Arc<Record>>, unanswered: Unanswered) -> Guard {
+    fn guard(
+        &self,
+        caller: &Caller,
+        open: Option<Open>,
+        record: Option<Arc<Record>>,
+        unanswered: Unanswered,
+    ) -> Guard {
         let grant = match caller {
             Caller::Trusted | Caller::Nobody => None,
             Caller::Holder(grant) => Some((self.check.access.clone(), Arc::clone(grant))),
         };
         Box::new(move |response| {
-            let response = unanswered.answered(response);
-            let response = match grant {
-                Some((access, grant)) => response.map(|body| Body::new(Guarded::new(body, access, grant))),
-                None => response,
-            };
+            let mut response = unanswered.answered(response);
+            if let Some((access, grant)) = grant {
+                response = response.map(|body| Body::new(Guarded::new(body, access, grant)));
+            }
+            if let Some(open) = open {
+                response = response.map(|body| Body::new(Kept::new(body, open)));
+            }
             match record {
                 Some(record) => Audited::response(response, record),
                 None => response,
@@ -126,23 +144,88 @@ impl Drop for Unanswered {
     }
 }
 
-/// Calls through pipes in memory need no place, and bring their caller along.
-fn check(access: &Access, request: &Request<Body>) -> Result<Caller, Status> {
-    let extensions = request.extensions();
-    let admission = extensions.get::<Arc<Admission>>();
-    if let Some(admission) = admission {
-        admission.note_call().map_err(|error| Status::unavailable(error.to_string()))?;
+/// What counts a call while it is open.
+type Open = (Option<OpenOnConnection>, Taken);
+
+impl CheckCalls {
+    /// The caller of a call that may be made, and what counts it. Calls of this process need no place, and are not counted.
+    fn check(&self, request: &mut Request<Body>) -> Result<(Caller, Option<Open>), Status> {
+        let extensions = request.extensions();
+        let admission = extensions.get::<Arc<Admission>>().cloned();
+        let peer = extensions.get::<Peer>();
+        let from = match (&admission, peer) {
+            (Some(admission), _) => Arc::clone(admission.tally()),
+            (None, Some(peer)) => self.limits.tally(&peer.account),
+            (None, None) => self.limits.tally(&Account::Process),
+        };
+        let known = match &admission {
+            Some(admission) => {
+                admission.note_call()?;
+                admission.caller()
+            }
+            None => peer.map(|peer| &peer.caller),
+        };
+        let caller = self.access.check(request.uri().path(), known, request.headers());
+        let caller = match caller {
+            Ok(caller) => caller,
+            Err(status) => {
+                // Who tries tokens, or methods that are none, does not do so for nothing.
+                self.limits.request(&from)?;
+                return Err(status);
+            }
+        };
+        let account = Account::of(&caller, from.account());
+        let tally = if account == *from.account() { from } else { self.limits.tally(&account) };
+        let open = match account {
+            Account::Process => None,
+            Account::User(_) | Account::Address(_) | Account::Token(..) => {
+                self.limits.request(&tally)?;
+                let on_connection = admission.as_ref().map(|admission| admission.open_call(&tally));
+                Some((on_connection.transpose()?, self.limits.call(&tally)?))
+            }
+        };
+        request.extensions_mut().insert(Payer(tally));
+        Ok((caller, open))
     }
-    let known = match admission {
-        Some(admission) => admission.caller(),
-        None => extensions.get::<Caller>(),
-    };
-    access.check(request.uri().path(), known, request.headers())
+}
+
+/// A body that keeps something until it is dropped.
+struct Kept<B, K> {
+    body: B,
+    _kept: K,
+}
+
+impl<B, K> Kept<B, K> {
+    fn new(body: B, kept: K) -> Self {
+        Self { body, _kept: kept }
+    }
+}
+
+impl<B: http_body::Body + Unpin, K: Unpin> http_body::Body for Kept<B, K> {
+    type Data = B::Data;
+    type Error = B::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<http_body::Frame<B::Data>, B::Error>>> {
+        Pin::new(&mut self.body).poll_frame(context)
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> http_body::SizeHint {
+        self.body.size_hint()
+    }
 }
 
 /// The name of a caller who may not do what it wants.
 fn name(access: &Access, request: &Request<Body>) -> String {
-    let known = request.extensions().get::<Caller>().cloned();
+    let extensions = request.extensions();
+    let admission = extensions.get::<Arc<Admission>>().and_then(|admission| admission.caller().cloned());
+    let known = admission.or_else(|| extensions.get::<Peer>().map(|peer| peer.caller.clone()));
     let caller = known.map_or_else(|| access.caller(authorization(request.headers())), Ok);
     caller.map_or_else(|_| Caller::Nobody.name().to_owned(), |caller| caller.name().to_owned())
 }

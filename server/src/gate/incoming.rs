@@ -10,13 +10,14 @@ use tokio::sync::Mutex;
 
 use super::listener::Accept;
 use crate::access::Caller;
+use crate::limits::Account;
 
 /// A connection of any kind.
 pub(crate) trait Duplex: AsyncRead + AsyncWrite + Unpin + Send {}
 
 impl<IO: AsyncRead + AsyncWrite + Unpin + Send> Duplex for IO {}
 
-/// Connections that somebody else accepts. Nobody says who is at their other ends.
+/// Connections that somebody else accepts. Nobody says who is at their other ends, and whoever accepts them counts them.
 pub(crate) struct Incoming(Mutex<Connections>);
 
 type Connections = Pin<Box<dyn Stream<Item = Box<dyn Duplex>> + Send>>;
@@ -31,9 +32,9 @@ impl Incoming {
 impl Accept for Incoming {
     type Io = Box<dyn Duplex>;
 
-    async fn accept(&self) -> io::Result<(Box<dyn Duplex>, Option<Caller>)> {
+    async fn accept(&self) -> io::Result<(Box<dyn Duplex>, Option<Caller>, Account)> {
         match self.0.lock().await.next().await {
-            Some(io) => Ok((io, None)),
+            Some(io) => Ok((io, None, Account::Process)),
             // No further ones come; those that are there stay.
             None => pending().await,
         }

@@ -14,6 +14,7 @@ use super::tls::{Secured, Tls};
 use super::{Admission, Connection, Gate};
 use crate::access::Caller;
 use crate::clock;
+use crate::limits::Account;
 
 /// How long a listener rests that cannot take connections.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -22,8 +23,8 @@ const PAUSE: Duration = Duration::from_millis(100);
 pub(crate) trait Accept: Send + 'static {
     type Io: AsyncRead + AsyncWrite + Unpin + Send + 'static;
 
-    /// The next connection, with who is at its other end if the system says so.
-    fn accept(&self) -> impl Future<Output = io::Result<(Self::Io, Option<Caller>)>> + Send;
+    /// The next connection, with who is at its other end if the system says so, and for whom it is counted.
+    fn accept(&self) -> impl Future<Output = io::Result<(Self::Io, Option<Caller>, Account)>> + Send;
 }
 
 /// A listener for TCP, with TLS or without.
@@ -35,21 +36,23 @@ pub(crate) struct TcpEntry {
 impl Accept for TcpEntry {
     type Io = Secured;
 
-    async fn accept(&self) -> io::Result<(Secured, Option<Caller>)> {
-        let (stream, _) = self.listener.accept().await?;
+    async fn accept(&self) -> io::Result<(Secured, Option<Caller>, Account)> {
+        let (stream, peer) = self.listener.accept().await?;
         // Without this, small messages wait for an acknowledgement that the peer delays by 40 ms.
         let _ = stream.set_nodelay(true);
-        Ok((Secured::new(stream, self.tls.as_ref()), None))
+        Ok((Secured::new(stream, self.tls.as_ref()), None, Account::of_address(peer.ip())))
     }
 }
 
 impl Accept for UnixListener {
     type Io = UnixStream;
 
-    async fn accept(&self) -> io::Result<(UnixStream, Option<Caller>)> {
+    async fn accept(&self) -> io::Result<(UnixStream, Option<Caller>, Account)> {
         let (stream, _) = Self::accept(self).await?;
-        let is_own = stream.peer_cred().is_ok_and(|peer| peer.uid() == rustix::process::geteuid().as_raw());
-        Ok((stream, is_own.then_some(Caller::Trusted)))
+        // Who cannot be told is nobody.
+        let user = stream.peer_cred().map_or(u32::MAX, |peer| peer.uid());
+        let is_own = user == rustix::process::geteuid().as_raw();
+        Ok((stream, is_own.then_some(Caller::Trusted), Account::User(user)))
     }
 }
 
@@ -67,7 +70,7 @@ impl<L: Accept> GatedListener<L> {
     async fn next(&self) -> Connection<L::Io> {
         loop {
             match self.listener.accept().await {
-                Ok((io, caller)) => return Connection::new(io, self.gate.admit(caller)),
+                Ok((io, caller, account)) => return Connection::new(io, self.gate.admit(caller, &account)),
                 Err(error) if is_of_one(&error) => {}
                 Err(error) => {
                     // Such as too many open files. Connections wait in the kernel meanwhile; accepting again at once is of no use.
@@ -126,6 +129,7 @@ mod tests {
     use std::sync::atomic::{AtomicU32, Ordering};
 
     use super::*;
+    use crate::limits::{InForce, Limits};
 
     /// A process with too many open files.
     struct Exhausted(AtomicU32);
@@ -133,7 +137,7 @@ mod tests {
     impl Accept for Exhausted {
         type Io = UnixStream;
 
-        async fn accept(&self) -> io::Result<(UnixStream, Option<Caller>)> {
+        async fn accept(&self) -> io::Result<(UnixStream, Option<Caller>, Account)> {
             self.0.fetch_add(1, Ordering::Relaxed);
             Err(io::Error::other("too many open files"))
         }
@@ -141,7 +145,8 @@ mod tests {
 
     #[tokio::test]
     async fn a_listener_that_cannot_take_connections_rests_between_its_attempts() {
-        let entry = GatedListener::new(Exhausted(AtomicU32::new(0)), Gate::new(1, Duration::from_secs(1)));
+        let gate = Gate::new(InForce::new(Limits::none()), Duration::from_secs(1));
+        let entry = GatedListener::new(Exhausted(AtomicU32::new(0)), gate);
         let taken = tokio::time::timeout(PAUSE * 3, entry.next()).await;
         assert!(taken.is_err(), "there is no connection to be taken");
         let attempts = entry.listener.0.load(Ordering::Relaxed);

@@ -19,7 +19,9 @@
 //! - When no place is free, a new connection gets that of the connection which has been silent for longest, and which is
 //!   closed for it. A flood of connections without calls so displaces itself, and never those that are in use.
 //! - A connection that abandons a thousand calls more than it lets be answered is closed: it wants work and no answers.
-//! - When all places are in use, a new connection is let in without a place, only so that its first call can be answered
+//! - So that no address takes all places, each may have so many, as may the holder of a token; a connection belongs to the first token
+//!   that is shown on it.
+//! - When all places are in use, or all that an address may have, a new connection is let in without a place, only so that its first call can be answered
 //!   by a status that says why; a connection that was merely closed would tell a client nothing. Of these there are few, as
 //!   each takes one of the files that were left over, and none stays for longer than two seconds.
 //!
@@ -32,8 +34,8 @@ mod listener;
 mod tls;
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
 use futures_util::task::AtomicWaker;
@@ -45,17 +47,8 @@ pub(crate) use listener::{GatedListener, PageConnection, TcpEntry, connections};
 pub use tls::{Tls, TlsError};
 
 use crate::access::Caller;
-use crate::clock;
+use crate::limits::{Account, Exceeded, InForce, Taken, Tally};
 use crate::log::Throttle;
-
-/// The error of a connection without a place.
-#[derive(Clone, Copy, Debug, thiserror::Error)]
-#[error(
-    "the server has {places} connections, which is its limit; close one, or start it with a larger --max-connections"
-)]
-pub(crate) struct NoPlace {
-    places: usize,
-}
 
 /// How long a connection without a place has to call, and to take the answer.
 const FAREWELL: Duration = Duration::from_secs(2);
@@ -65,12 +58,10 @@ const FAREWELL: Duration = Duration::from_secs(2);
 pub(crate) struct Gate(Arc<Shared>);
 
 struct Shared {
-    /// Most connections at a time.
-    places: usize,
+    limits: InForce,
     /// How long a connection has to make its first call.
     patience: Duration,
     occupancy: Mutex<Occupancy>,
-    refusals: Throttle,
     accept_errors: Throttle,
 }
 
@@ -92,6 +83,14 @@ pub(crate) struct Admission {
     number: u64,
     /// Who is at the other end, if the system says so.
     caller: Option<Caller>,
+    /// Its address, or its user.
+    tally: Arc<Tally>,
+    /// That it is counted there; why it has no place, if it has none.
+    counted: Result<Taken, Exceeded>,
+    /// That it is counted for the first token that was shown on it.
+    token: OnceLock<Taken>,
+    /// Calls that are open.
+    calls: AtomicUsize,
     /// Changes only while the occupancy is locked.
     has_place: AtomicBool,
     /// Whether it has made a call, and stays.
@@ -105,10 +104,20 @@ pub(crate) struct Admission {
 }
 
 impl Gate {
-    /// A gate with so many places; connections have so long to make their first call.
-    pub(crate) fn new(places: usize, patience: Duration) -> Self {
-        let (refusals, accept_errors) = (Throttle::default(), Throttle::default());
-        Self(Arc::new(Shared { places, patience, occupancy: Mutex::default(), refusals, accept_errors }))
+    /// A gate with these limits; connections have so long to make their first call.
+    pub(crate) fn new(limits: InForce, patience: Duration) -> Self {
+        let accept_errors = Throttle::default();
+        Self(Arc::new(Shared { limits, patience, occupancy: Mutex::default(), accept_errors }))
+    }
+
+    /// The limits of the server.
+    pub(crate) fn limits(&self) -> &InForce {
+        &self.0.limits
+    }
+
+    /// Most connections at a time.
+    fn places(&self) -> usize {
+        self.0.limits.limits().connections
     }
 
     /// How long a connection has to make its first call.
@@ -116,16 +125,26 @@ impl Gate {
         self.0.patience
     }
 
-    /// Admits a new connection, with or without a place.
-    fn admit(&self, caller: Option<Caller>) -> Arc<Admission> {
+    /// Admits a new connection from there, with or without a place.
+    fn admit(&self, caller: Option<Caller>, account: &Account) -> Arc<Admission> {
+        let limits = &self.0.limits;
+        let tally = limits.tally(account);
+        let counted = limits.connection_of_address(&tally);
         let mut occupancy = self.occupancy();
-        let has_place = occupancy.find_place(self.0.places);
+        let has_place = counted.is_ok() && occupancy.find_place(self.places());
+        // Under the lock, as a connection that leaves tells it, too.
+        limits.note_connections(occupancy.taken);
+        let counted = if has_place { counted } else { counted.and_then(|_| Err(limits.no_connection())) };
         occupancy.last_number += 1;
         let number = occupancy.last_number;
         let admission = Arc::new(Admission {
             gate: self.clone(),
             number,
             caller,
+            tally,
+            counted,
+            token: OnceLock::new(),
+            calls: AtomicUsize::new(0),
             has_place: has_place.into(),
             has_called: false.into(),
             is_evicted: false.into(),
@@ -134,14 +153,10 @@ impl Gate {
         });
         let queue = if has_place { &mut occupancy.silent } else { &mut occupancy.refused };
         queue.insert(number, Arc::clone(&admission));
-        if occupancy.refused.len() > max_refused(self.0.places)
+        if occupancy.refused.len() > max_refused(self.places())
             && let Some((_, oldest)) = occupancy.refused.pop_first()
         {
             oldest.evict();
-        }
-        drop(occupancy);
-        if !has_place && let Some(times) = self.0.refusals.note(clock::now()) {
-            tracing::warn!(times, places = self.0.places, "connections refused, as the limit is reached");
         }
         admission
     }
@@ -152,6 +167,7 @@ impl Gate {
         occupancy.silent.remove(&admission.number);
         occupancy.refused.remove(&admission.number);
         occupancy.taken -= usize::from(admission.has_place.load(Ordering::Relaxed));
+        self.0.limits.note_connections(occupancy.taken);
     }
 
     fn occupancy(&self) -> MutexGuard<'_, Occupancy> {
@@ -180,11 +196,25 @@ impl Admission {
         self.caller.as_ref()
     }
 
+    /// Its address, or its user.
+    pub(crate) fn tally(&self) -> &Arc<Tally> {
+        &self.tally
+    }
+
+    /// The connection makes a request that is no call of gRPC.
+    ///
+    /// # Errors
+    /// If it has no place, or there have been too many from there in the last second.
+    pub(crate) fn note_request(&self) -> Result<(), Exceeded> {
+        self.note_call()?;
+        self.gate.0.limits.request(&self.tally)
+    }
+
     /// The connection makes a call: from its first one on it stays.
     ///
     /// # Errors
     /// If it has no place.
-    pub(crate) fn note_call(&self) -> Result<(), NoPlace> {
+    pub(crate) fn note_call(&self) -> Result<(), Exceeded> {
         if self.has_called.load(Ordering::Relaxed) {
             return Ok(());
         }
@@ -193,7 +223,24 @@ impl Admission {
             self.has_called.store(true, Ordering::Relaxed);
             return Ok(());
         }
-        Err(NoPlace { places: self.gate.0.places })
+        // One that was let in, and has had to make room since.
+        Err(self.counted.as_ref().err().cloned().unwrap_or_else(|| self.gate.0.limits.no_connection()))
+    }
+
+    /// The connection makes a call of this caller. Gives what counts the call while it is open.
+    ///
+    /// # Errors
+    /// If the caller has too many connections, or the connection too many calls.
+    pub(crate) fn open_call(self: &Arc<Self>, caller: &Arc<Tally>) -> Result<OpenOnConnection, Exceeded> {
+        let limits = &self.gate.0.limits;
+        if let Account::Token(..) = caller.account()
+            && self.token.get().is_none()
+        {
+            // Two first calls at a time are counted as one.
+            let _ = self.token.set(limits.connection_of_token(caller)?);
+        }
+        limits.call_on_connection(&self.calls)?;
+        Ok(OpenOnConnection(Arc::clone(self)))
     }
 
     /// A call was answered.
@@ -224,6 +271,14 @@ impl Admission {
 /// Calls that a connection may abandon beyond those that are answered. A client gives up a call now and then; each costs as much as
 /// one that is answered, and no limit of streams at a time counts it.
 const MOST_ABANDONED: u32 = 1000;
+/// A call that is open on a connection.
+pub(crate) struct OpenOnConnection(Arc<Admission>);
+
+impl Drop for OpenOnConnection {
+    fn drop(&mut self) {
+        self.0.calls.fetch_sub(1, Ordering::Relaxed);
+    }
+}
 
 /// Connections without a place at a time. Few where there are few descriptors, for these are what was left for files.
 fn max_refused(places: usize) -> usize {
@@ -233,6 +288,17 @@ fn max_refused(places: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limits::Limits;
+
+    /// A gate with so many places.
+    fn gate(connections: usize) -> Gate {
+        Gate::new(InForce::new(Limits { connections, ..Limits::none() }), Duration::from_secs(10))
+    }
+
+    /// A connection from this machine.
+    fn admit(gate: &Gate) -> Arc<Admission> {
+        gate.admit(None, &Account::of_address([127, 0, 0, 1].into()))
+    }
 
     fn is_evicted(admission: &Admission) -> bool {
         admission.is_evicted.load(Ordering::Relaxed)
@@ -240,38 +306,38 @@ mod tests {
 
     #[test]
     fn the_connection_that_has_been_silent_for_longest_gives_its_place_to_a_new_one() {
-        let gate = Gate::new(2, Duration::from_secs(10));
-        let [first, second, third] = [(); 3].map(|()| gate.admit(None));
+        let gate = gate(2);
+        let [first, second, third] = [(); 3].map(|()| admit(&gate));
         assert_eq!([&first, &second, &third].map(|one| is_evicted(one)), [true, false, false]);
         assert!(first.note_call().is_err(), "its place is gone");
         // It leaves late, and takes no place along.
         gate.leave(&first);
         assert_eq!(gate.occupancy().taken, 2);
         second.note_call().unwrap();
-        let fourth = gate.admit(None);
+        let fourth = admit(&gate);
         assert!(is_evicted(&third) && !is_evicted(&second), "a connection that has made a call stays");
         fourth.note_call().unwrap();
     }
 
     #[test]
     fn where_all_places_are_in_use_a_new_connection_is_refused_until_one_leaves() {
-        let gate = Gate::new(2, Duration::from_secs(10));
-        let both = [gate.admit(None), gate.admit(None)];
+        let gate = gate(2);
+        let both = [admit(&gate), admit(&gate)];
         both.iter().for_each(|one| one.note_call().unwrap());
-        let late = gate.admit(None);
+        let late = admit(&gate);
         let refused = late.note_call().unwrap_err().to_string();
         assert!(refused.starts_with("the server has 2 connections, which is its limit; "), "{refused}");
         gate.leave(&both[0]);
         assert!(late.note_call().is_err(), "a refused connection stays refused");
         gate.leave(&late);
-        gate.admit(None).note_call().unwrap();
+        admit(&gate).note_call().unwrap();
         assert_eq!(gate.occupancy().taken, 2);
     }
 
     #[test]
     fn a_connection_that_abandons_its_calls_is_closed_and_one_that_is_answered_now_and_then_stays() {
-        let gate = Gate::new(2, Duration::from_secs(10));
-        let [hostile, hasty] = [(); 2].map(|()| gate.admit(None));
+        let gate = gate(2);
+        let [hostile, hasty] = [(); 2].map(|()| gate.admit(None, &Account::Process));
         for _ in 0..MOST_ABANDONED {
             hostile.note_abandoned();
             hasty.note_abandoned();
@@ -285,10 +351,31 @@ mod tests {
     }
 
     #[test]
+    fn an_address_that_has_its_places_gets_no_more_and_others_do() {
+        let gate = gate(8);
+        let from = |last: u8| gate.admit(None, &Account::of_address([10, 0, 0, last].into()));
+        let four = [(); 4].map(|()| from(1));
+        let fifth = from(1);
+        let refused = fifth.note_call().unwrap_err().to_string();
+        assert_eq!(
+            refused,
+            "the address 10.0.0.1 has 4 connections, which is its limit; close one, or start it with a larger \
+             --max-connections-per-address"
+        );
+        assert!(!is_evicted(&four[0]), "nobody has to make room for it");
+        from(2).note_call().unwrap();
+        gate.leave(&four[0]);
+        let [first, ..] = four;
+        drop(first);
+        gate.leave(&fifth);
+        from(1).note_call().unwrap();
+    }
+
+    #[test]
     fn connections_without_a_place_are_few() {
-        let gate = Gate::new(1, Duration::from_secs(10));
-        gate.admit(None).note_call().unwrap();
-        let away: Vec<_> = (0..=max_refused(1)).map(|_| gate.admit(None)).collect();
+        let gate = gate(1);
+        admit(&gate).note_call().unwrap();
+        let away: Vec<_> = (0..=max_refused(1)).map(|_| admit(&gate)).collect();
         assert!(is_evicted(&away[0]) && !away[1..].iter().any(|one| is_evicted(one)));
         away.iter().for_each(|one| gate.leave(one));
         let occupancy = gate.occupancy();

@@ -1,6 +1,7 @@
 //! The handle of a world.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use baudbot_sim::Scenario;
 use tokio::sync::oneshot;
@@ -8,6 +9,7 @@ use tonic::Status;
 
 use super::{Message, Order, Request};
 use crate::audit::call::by;
+use crate::limits::{Exceeded, Held, InForce};
 use crate::mailbox::Mailbox;
 use crate::report::Report;
 
@@ -16,13 +18,35 @@ use crate::report::Report;
 pub(crate) struct WorldHandle {
     name: Arc<str>,
     made: Arc<Scenario>,
+    limits: InForce,
+    /// The bytes of its state.
+    bytes: Arc<AtomicU64>,
     mailbox: Arc<Mailbox<Message>>,
 }
 
 impl WorldHandle {
-    /// The handle of the world of this name, which was made of this scenario.
-    pub(crate) fn new(name: Arc<str>, made: Arc<Scenario>, mailbox: Arc<Mailbox<Message>>) -> Self {
-        Self { name, made, mailbox }
+    /// The handle of the world of this name, which was made of this scenario. It tells the bytes of its state, on a server with these
+    /// limits.
+    pub(crate) fn new(
+        name: Arc<str>,
+        made: Arc<Scenario>,
+        (limits, bytes): (InForce, Arc<AtomicU64>),
+        mailbox: Arc<Mailbox<Message>>,
+    ) -> Self {
+        Self { name, made, limits, bytes, mailbox }
+    }
+
+    /// The limits of its server.
+    pub(crate) fn limits(&self) -> &InForce {
+        &self.limits
+    }
+
+    /// Memory for a copy of its state.
+    ///
+    /// # Errors
+    /// If there is not so much.
+    pub(crate) fn room_for_copy(&self) -> Result<Held, Exceeded> {
+        self.limits.hold(self.bytes.load(Ordering::Relaxed))
     }
 
     pub(crate) fn name(&self) -> &str {

@@ -2,6 +2,7 @@
 
 use super::World;
 use super::text::Family;
+use crate::limits::InForce;
 use crate::measures::{LineMeasures, Measures, QUANTILES, RobotMeasures};
 use crate::report::Activity;
 
@@ -134,11 +135,12 @@ const STATES: [(Activity, &str); 4] = [
 const DIRECTIONS: [&str; 2] = ["up", "down"];
 
 /// Writes all metrics of these worlds, of at most so many robots.
-pub(super) fn write(worlds: &[World], most_robots: usize) -> String {
+pub(super) fn write(worlds: &[World], limits: &InForce, most_robots: usize) -> String {
     let mut text = String::new();
     let mut count = Family::gauge("baudbot_worlds", "Worlds of the server.");
     count.add(&[], worlds.len() as f64);
     count.write(&mut text);
+    write_limits(limits, &mut text);
     let mut up = Family::gauge("baudbot_world_up", "1 if the world has answered in time, 0 if not.");
     for world in worlds {
         up.add(&[("world", &world.name)], f64::from(u8::from(world.measures.is_some())));
@@ -149,6 +151,28 @@ pub(super) fn write(worlds: &[World], most_robots: usize) -> String {
     write_worlds(&answered, &mut text);
     write_robots(&answered, most_robots, &mut text);
     text
+}
+
+/// The server's limits: what each is, what is used of it, and how often something was refused for it.
+fn write_limits(limits: &InForce, text: &mut String) {
+    let mut values = Family::gauge("baudbot_limit", "A limit of the server.");
+    let mut used = Family::gauge(
+        "baudbot_limit_used",
+        "What is used of a limit; of one for each caller, by the one that uses most.",
+    );
+    let mut refused =
+        Family::counter("baudbot_limit_refused_total", "How often something was refused for a limit.");
+    for (limit, value, in_use, times) in limits.usage() {
+        let labels = [("limit", limit.name())];
+        values.add(&labels, value);
+        if let Some(in_use) = in_use {
+            used.add(&labels, in_use);
+        }
+        refused.add(&labels, times as f64);
+    }
+    values.write(text);
+    used.write(text);
+    refused.write(text);
 }
 
 fn family((name, help): (&'static str, &'static str)) -> Family {

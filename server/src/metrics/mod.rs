@@ -68,10 +68,11 @@ impl Metrics {
             return Err(Refused::Busy);
         };
         let worlds = self.ask().await;
+        let limits = self.registry.limits().clone();
         let write = move || {
             // Kept until the text is made, even if nobody waits for it any more.
             let _permit = permit;
-            families::write(&worlds, MAX_ROBOTS)
+            families::write(&worlds, &limits, MAX_ROBOTS)
         };
         tokio::task::spawn_blocking(write).await.map_err(Refused::Failed)
     }
@@ -100,20 +101,21 @@ mod tests {
 
     use super::*;
     use crate::actor::NewWorld;
+    use crate::limits::{InForce, Limits};
     use crate::pace::{Lockstep, Pace};
 
     #[tokio::test]
     async fn there_is_an_end_to_the_robots_that_are_told_of_and_the_others_are_counted() {
-        let registry = Registry::default();
+        let registry = Registry::new(InForce::new(Limits::none()));
         let toml = include_str!("../../../scenarios/wander.toml");
         for name in ["a", "b"] {
             let world = World::new(baudbot_scenario::parse(toml).unwrap().into());
             let pace = Pace::Lockstep(Lockstep::default());
             let new = NewWorld::new(name.to_owned(), world, pace);
-            registry.create(NewWorld { paused: true, ..new }).unwrap();
+            registry.create(NewWorld { paused: true, ..new }, None).unwrap();
         }
         let metrics = Metrics::new(registry);
-        let text = families::write(&metrics.ask().await, 1);
+        let text = families::write(&metrics.ask().await, metrics.registry.limits(), 1);
         for (world, left_out) in [("a", 0), ("b", 1)] {
             let line = format!("baudbot_world_robots_left_out{{world=\"{world}\"}} {left_out}\n");
             assert!(text.contains(&line), "{text}");
@@ -124,7 +126,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_third_that_asks_at_a_time_is_sent_away() {
-        let metrics = Metrics::new(Registry::default());
+        let metrics = Metrics::new(Registry::new(InForce::new(Limits::none())));
         let first = Arc::clone(&metrics.permits).try_acquire_owned().unwrap();
         let _second = Arc::clone(&metrics.permits).try_acquire_owned().unwrap();
         assert!(metrics.text().await.unwrap_err().to_string().starts_with("2 others"));

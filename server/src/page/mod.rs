@@ -25,6 +25,7 @@ mod socket;
 use crate::access::{Access, Caller};
 use crate::audit::{AuditLog, Record};
 use crate::gate::{GatedListener, PageConnection, TcpEntry};
+use crate::limits::{Account, Exceeded, Peer};
 use crate::metrics::{self, Metrics};
 use crate::pipe::Pipes;
 use axum::Router;
@@ -85,7 +86,7 @@ pub(crate) async fn serve(
         .route("/metrics", get(tell_metrics))
         .fallback(get(file))
         .layer(axum::middleware::from_fn_with_state(page.clone(), check_host))
-        .layer(axum::middleware::from_fn(check_place))
+        .layer(axum::middleware::from_fn_with_state(page.clone(), check_place))
         .with_state(page)
         .into_make_service_with_connect_info::<PageConnection>();
     let stop = async move {
@@ -97,20 +98,35 @@ pub(crate) async fn serve(
 }
 
 /// Lets a request pass if its connection has a place at the gate. The connection is for this request, or for its socket,
-/// only: one that is kept for further requests would take a place for nothing.
+/// only: one that is kept for further requests would take a place for nothing. What is refused behind it is noted.
 async fn check_place(
+    State(page): State<Page>,
     ConnectInfo(PageConnection(admission)): ConnectInfo<PageConnection>,
     request: Request,
     next: Next,
 ) -> Response {
-    let mut response = match admission.note_call() {
+    let path = request.uri().path().to_owned();
+    let mut response = match admission.note_request() {
         Ok(()) => next.run(request).await,
-        Err(problem) => (StatusCode::SERVICE_UNAVAILABLE, format!("{problem}\n")).into_response(),
+        Err(exceeded) => refused(&exceeded),
     };
+    if let Some(refused) = response.extensions().get() {
+        page.note(refused, admission.tally().account(), &path);
+    }
     if response.status() != StatusCode::SWITCHING_PROTOCOLS {
         response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
     }
     response
+}
+
+/// The answer to a request beyond a limit.
+fn refused(exceeded: &Exceeded) -> Response {
+    let text = format!("{exceeded}\n");
+    let Some(after) = exceeded.retry_after else {
+        return (StatusCode::SERVICE_UNAVAILABLE, text).into_response();
+    };
+    let seconds = after.as_millis().div_ceil(1000).to_string();
+    (StatusCode::TOO_MANY_REQUESTS, [(header::RETRY_AFTER, seconds)], text).into_response()
 }
 
 async fn check_host(State(page): State<Page>, request: Request, next: Next) -> Response {
@@ -120,8 +136,28 @@ async fn check_host(State(page): State<Page>, request: Request, next: Next) -> R
     }
 }
 
-/// Why a request is not let in.
-type Refusal = (StatusCode, String);
+/// Why a request is not let in, and whose it was.
+struct Refusal {
+    who: String,
+    status: StatusCode,
+    text: String,
+}
+
+/// Whose request was refused, and in which words: for the audit log, on the way out.
+#[derive(Clone)]
+struct Refused(String, Status);
+
+impl IntoResponse for Refusal {
+    fn into_response(self) -> Response {
+        let told = match self.status {
+            StatusCode::UNAUTHORIZED => Status::unauthenticated(self.text.trim_end()),
+            _ => Status::permission_denied(self.text.trim_end()),
+        };
+        let mut response = (self.status, self.text).into_response();
+        response.extensions_mut().insert(Refused(self.who, told));
+        response
+    }
+}
 
 impl Page {
     /// The caller of a request, if it may come in this way.
@@ -129,30 +165,26 @@ impl Page {
     /// # Errors
     /// What it is answered.
     fn admit(&self, headers: &HeaderMap, door: Door) -> Result<Caller, Refusal> {
-        self.guard.check_origin(headers).map_err(|problem| (StatusCode::FORBIDDEN, problem.to_owned()))?;
-        let caller = self.sessions.caller(headers).map_err(|refused| {
-            self.note_refusal("nobody", door, &Status::unauthenticated(refused.to_string()));
-            (StatusCode::UNAUTHORIZED, format!("{refused}\n"))
-        })?;
+        let refusal = |who: &str, status, text: String| Refusal { who: who.to_owned(), status, text };
+        let nobody = Caller::Nobody.name();
+        self.guard
+            .check_origin(headers)
+            .map_err(|problem| refusal(nobody, StatusCode::FORBIDDEN, problem.to_owned()))?;
+        let caller = self.sessions.caller(headers);
+        let caller =
+            caller.map_err(|refused| refusal(nobody, StatusCode::UNAUTHORIZED, format!("{refused}\n")))?;
         if let Caller::Holder(grant) = &caller {
-            grant.may(door.needs()).map_err(|denied| {
-                self.note_refusal(caller.name(), door, &Status::permission_denied(denied.to_string()));
-                (StatusCode::FORBIDDEN, format!("{denied}\n"))
-            })?;
+            grant
+                .may(door.needs())
+                .map_err(|denied| refusal(caller.name(), StatusCode::FORBIDDEN, format!("{denied}\n")))?;
         }
         Ok(caller)
     }
 
-    fn note_refusal(&self, who: &str, door: Door, status: &Status) {
+    /// Notes that a request was refused.
+    fn note(&self, Refused(who, status): &Refused, from: &Account, path: &str) {
         if let Some(log) = &self.audit {
-            let call = match door {
-                Door::PageFiles => "page/files",
-                Door::PageSocket => "page/socket",
-                Door::Film => "page/film",
-                Door::Metrics => "metrics",
-                Door::SerialPort => "serial port",
-            };
-            Record::new(log, who, call).refuse(status);
+            Record::new(log, who, from.to_string(), path).refuse(status);
         }
     }
 }
@@ -161,16 +193,24 @@ async fn file(request: Request) -> Response {
     files::answer(request.uri().path())
 }
 
-async fn open_socket(State(page): State<Page>, headers: HeaderMap, upgrade: WebSocketUpgrade) -> Response {
+async fn open_socket(
+    State(page): State<Page>,
+    ConnectInfo(PageConnection(admission)): ConnectInfo<PageConnection>,
+    headers: HeaderMap,
+    upgrade: WebSocketUpgrade,
+) -> Response {
     let caller = match page.admit(&headers, Door::PageSocket) {
         Ok(caller) => caller,
         Err(refusal) => return refusal.into_response(),
     };
+    // As with calls of gRPC: what a page asks for is counted for its token, or for its address.
+    let account = Account::of(&caller, admission.tally().account());
+    let peer = Peer { caller, account };
     let Page { pipes, stopped, .. } = page;
     upgrade
         .max_message_size(MAX_MESSAGE)
         .max_frame_size(MAX_MESSAGE)
-        .on_upgrade(move |socket| socket::serve(socket, pipes, caller, stopped))
+        .on_upgrade(move |socket| socket::serve(socket, pipes, peer, stopped))
 }
 
 /// A session for a page that shows its token.
@@ -180,7 +220,12 @@ async fn begin_session(State(page): State<Page>, headers: HeaderMap) -> Response
     }
     match page.sessions.begin(&headers) {
         Ok(cookie) => (StatusCode::NO_CONTENT, [(header::SET_COOKIE, cookie)]).into_response(),
-        Err(refused) => (StatusCode::UNAUTHORIZED, format!("{refused}\n")).into_response(),
+        Err(refused) => Refusal {
+            who: Caller::Nobody.name().to_owned(),
+            status: StatusCode::UNAUTHORIZED,
+            text: format!("{refused}\n"),
+        }
+        .into_response(),
     }
 }
 

@@ -20,7 +20,7 @@ use tonic::{Status, Streaming};
 
 use super::method::{Kind, Method};
 use super::requests::{self, requests};
-use crate::access::Caller;
+use crate::limits::Peer;
 use crate::pipe::Pipes;
 
 /// Calls of one page that are under way at a time.
@@ -52,13 +52,8 @@ struct Calls {
 }
 
 /// Serves a page until it is gone, or the server stops.
-pub(super) async fn serve(
-    socket: WebSocket,
-    pipes: Pipes,
-    caller: Caller,
-    mut stopped: watch::Receiver<bool>,
-) {
-    let Ok(channel) = pipes.channel(caller).await else { return };
+pub(super) async fn serve(socket: WebSocket, pipes: Pipes, peer: Peer, mut stopped: watch::Receiver<bool>) {
+    let Ok(channel) = pipes.channel(peer).await else { return };
     let (sink, stream) = socket.split();
     let (responses, queue) = mpsc::channel(RESPONSES_AHEAD);
     let calls = Calls { channel, responses, under_way: HashMap::new(), tasks: JoinSet::new() };

@@ -20,8 +20,8 @@ use crate::actor::{DirectWorld, NewWorld, OnTick, Progress};
 use crate::address::Address;
 use crate::audit::AuditLog;
 use crate::control::{Control, Told};
-use crate::descriptors::usual_connections;
 use crate::gate::{Gate, Incoming, Tls};
+use crate::limits::{InForce, Limits};
 use crate::message::RecordConfig;
 use crate::pace::Pace;
 use crate::page::Film;
@@ -121,7 +121,7 @@ pub struct Builder {
     films: Option<mpsc::Sender<Film>>,
     access: AccessConfig,
     audit: Option<AuditLog>,
-    connections: Option<usize>,
+    limits: Limits,
     first_call_within: Option<Duration>,
     incoming: Vec<Listener>,
     without_threads: bool,
@@ -230,7 +230,14 @@ impl Builder {
     /// `UNAVAILABLE`, and may succeed later.
     #[must_use]
     pub fn connections(mut self, connections: usize) -> Self {
-        self.connections = Some(connections);
+        self.limits.connections = connections;
+        self
+    }
+
+    /// Limits what clients may have, one of them and all together. In place of all limits that were set before.
+    #[must_use]
+    pub fn limits(mut self, limits: Limits) -> Self {
+        self.limits = limits;
         self
     }
 
@@ -282,15 +289,17 @@ impl Builder {
 
     async fn start(mut self, listens: bool) -> Result<Server, ServerError> {
         let listeners = self.listeners(listens).await?;
-        let registry = if self.without_threads { Registry::without_threads() } else { Registry::default() };
+        let limits = InForce::new(self.limits);
+        let registry = if self.without_threads {
+            Registry::without_threads(limits.clone())
+        } else {
+            Registry::new(limits.clone())
+        };
         for world in self.worlds {
-            registry.create(world.new).map_err(|status| ServerError::World(Box::new(status)))?;
+            registry.create(world.new, None).map_err(|status| ServerError::World(Box::new(status)))?;
         }
         let control = Control { registry, recordings: self.recordings, told: Told::default() };
-        let gate = Gate::new(
-            self.connections.unwrap_or_else(usual_connections),
-            self.first_call_within.unwrap_or(FIRST_CALL_WITHIN),
-        );
+        let gate = Gate::new(limits, self.first_call_within.unwrap_or(FIRST_CALL_WITHIN));
         if let Some(audit) = &self.audit {
             audit.note("start", &format!("baudbot {PROGRAM_VERSION}"));
         }

@@ -19,11 +19,12 @@ use tonic::Status;
 use tonic::transport::Channel;
 use tonic::transport::server::Connected;
 
-use crate::access::{Access, Caller};
+use crate::access::Access;
 use crate::address::Address;
 use crate::audit::AuditLog;
 use crate::control::{Control, status_of, stop_recording};
 use crate::gate::{CheckCalls, Gate, GatedListener, TcpEntry, connections};
+use crate::limits::Peer;
 use crate::message::Message;
 use crate::metrics::Metrics;
 use crate::page::{self, Film, Guard};
@@ -117,7 +118,11 @@ struct Guards {
 
 impl Guards {
     fn check_of_calls(&self) -> CheckCalls {
-        CheckCalls { access: self.access.clone(), audit: self.audit.clone() }
+        CheckCalls {
+            access: self.access.clone(),
+            limits: self.gate.limits().clone(),
+            audit: self.audit.clone(),
+        }
     }
 }
 
@@ -137,7 +142,7 @@ impl Server {
         let local = guards.local.take().map(|token| listeners.publish(token)).transpose()?;
         let registry = control.registry.clone();
         let control = Arc::new(control);
-        let router = router::ordinary(&control, &guards.check_of_calls(), guards.gate.patience()).await?;
+        let router = router::ordinary(&control, &guards.check_of_calls(), &guards.gate).await?;
         let (stop, mut stopped) = watch::channel(false);
         let (pipes, incoming) = Pipes::new();
         let mut server = Self {
@@ -181,8 +186,7 @@ impl Server {
         stopped: &watch::Receiver<bool>,
     ) -> Result<(), ServerError> {
         let gate = &guards.gate;
-        let router =
-            router::trainers(control, &guards.check_of_calls(), gate.patience(), stopped.clone()).await?;
+        let router = router::trainers(control, &guards.check_of_calls(), gate, stopped.clone()).await?;
         for listener in listeners {
             self.trainers.extend(listener.address().cloned());
             self.listen(listener, &router, gate, stopped);
@@ -281,7 +285,7 @@ impl Server {
     /// # Errors
     /// If the server is stopping.
     pub async fn channel(&self) -> Result<Channel, ServerError> {
-        Ok(self.pipes.channel(Caller::Trusted).await?)
+        Ok(self.pipes.channel(Peer::process()).await?)
     }
 
     /// A new connection to what trainers reach, the trainers' and the operator's service, through a pipe in memory.
@@ -290,7 +294,7 @@ impl Server {
     /// If the builder was given no address for trainers, or the server is stopping.
     pub async fn trainers_channel(&self) -> Result<Channel, ServerError> {
         let pipes = self.trainers_pipes.as_ref().ok_or(ServerError::NoTrainers)?;
-        Ok(pipes.channel(Caller::Trusted).await?)
+        Ok(pipes.channel(Peer::process()).await?)
     }
 
     /// Ends a world's recording, and gives the status of the world in the very state that the file ends with. Two calls, one

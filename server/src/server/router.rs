@@ -18,12 +18,15 @@ use tower::layer::util::{Identity, Stack};
 use super::ServerError;
 use crate::brain_link::{BrainLink, BrainLinkServer};
 use crate::control::Control;
-use crate::gate::CheckCalls;
+use crate::gate::{CheckCalls, Gate};
 use crate::observe::Observe;
 use crate::trainer::Trainer;
 
 /// How often a silent connection is pinged, and how long it has to answer.
 const KEEPALIVE: Duration = Duration::from_secs(20);
+
+/// Streams of a connection beyond its limit, in which calls are refused in words.
+const SPARE_STREAMS: usize = 64;
 
 /// The services, behind the check of each call.
 pub(super) type Router = tonic::transport::server::Router<Stack<CheckCalls, Identity>>;
@@ -35,15 +38,15 @@ pub(super) type Router = tonic::transport::server::Router<Stack<CheckCalls, Iden
 pub(super) async fn ordinary(
     control: &Arc<Control>,
     check: &CheckCalls,
-    patience: Duration,
+    gate: &Gate,
 ) -> Result<Router, ServerError> {
     let registry = &control.registry;
     let (health, health_service) = tonic_health::server::health_reporter();
     is_serving::<BrainLinkServer>(&health).await;
     is_serving::<ObserveServiceServer<Observe>>(&health).await;
     let observe = Observe { registry: registry.clone() };
-    let brain_link = BrainLink { registry: registry.clone(), patience };
-    Ok(with_operator(control, check, &health, without_trainers(contract()))
+    let brain_link = BrainLink { registry: registry.clone(), patience: gate.patience() };
+    Ok(with_operator(control, check, gate, &health, without_trainers(contract()))
         .await?
         .add_service(health_service)
         .add_service(ObserveServiceServer::new(observe))
@@ -57,13 +60,13 @@ pub(super) async fn ordinary(
 pub(super) async fn trainers(
     control: &Arc<Control>,
     check: &CheckCalls,
-    patience: Duration,
+    gate: &Gate,
     stopped: watch::Receiver<bool>,
 ) -> Result<Router, ServerError> {
     let (health, health_service) = tonic_health::server::health_reporter();
     is_serving::<TrainerServiceServer<Trainer>>(&health).await;
-    let trainer = Trainer { registry: control.registry.clone(), patience, stopped };
-    Ok(with_operator(control, check, &health, contract())
+    let trainer = Trainer { registry: control.registry.clone(), patience: gate.patience(), stopped };
+    Ok(with_operator(control, check, gate, &health, contract())
         .await?
         .add_service(health_service)
         .add_service(TrainerServiceServer::new(trainer)))
@@ -73,6 +76,7 @@ pub(super) async fn trainers(
 async fn with_operator(
     control: &Arc<Control>,
     check: &CheckCalls,
+    gate: &Gate,
     health: &HealthReporter,
     contract: FileDescriptorSet,
 ) -> Result<Router, ServerError> {
@@ -82,10 +86,13 @@ async fn with_operator(
             .register_file_descriptor_set(contract.clone())
             .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
     };
+    let streams = gate.limits().limits().streams_per_connection;
     Ok(Transport::builder()
         // The brains of a machine that has vanished are detached after a while.
         .http2_keepalive_interval(Some(KEEPALIVE))
         .http2_keepalive_timeout(Some(KEEPALIVE))
+        // A client that keeps to this waits without a word. So there are some more than are answered, and the next ones are told.
+        .max_concurrent_streams(u32::try_from(streams.saturating_add(SPARE_STREAMS)).unwrap_or(u32::MAX))
         .layer(check.clone())
         // Python's reflection client speaks only v1alpha.
         .add_service(reflection().build_v1()?)

@@ -42,7 +42,7 @@ struct Hold {
 /// # Errors
 /// Why not, with the field of the request.
 pub(super) async fn reset(world: &WorldHandle, request: v1::ResetWorldRequest) -> Result<u64, Status> {
-    let scenario = scenario_of_reset(world, request).await?;
+    let (scenario, _held) = scenario_of_reset(world, request).await?;
     Ok(world.request(Request::Reset(scenario)).await?.era)
 }
 

@@ -33,6 +33,11 @@ impl Bits {
         all
     }
 
+    /// The bytes that they have on the heap.
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.words.len() * size_of::<u64>()
+    }
+
     /// Words of memory.
     pub(super) fn words(&self) -> usize {
         self.words.len()

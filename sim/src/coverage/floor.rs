@@ -70,6 +70,11 @@ pub enum FloorError {
 }
 
 impl Floor {
+    /// The bytes that it has on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.free.heap_bytes()
+    }
+
     /// Divides the floor of an arena into cells with a side of `cell_m` metres. `starts` are the places of
     /// the robots at the start; each one's room is counted.
     ///

@@ -50,6 +50,11 @@ impl Coverage {
         Self { covered: none.clone(), sensed: none }
     }
 
+    /// The bytes that it has on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.covered.heap_bytes() + self.sensed.heap_bytes()
+    }
+
     /// Whether it is of this floor: of as many cells, none of them one that nobody can reach.
     pub(crate) fn is_of(&self, floor: &Floor) -> bool {
         let none = Bits::new(floor.grid().cells.count());

@@ -99,6 +99,12 @@ pub struct RobotCounters {
 }
 
 impl Robot {
+    /// The bytes of what is not serialised: its timeline, and when bytes have arrived.
+    pub(crate) fn unsaved_bytes(&self) -> usize {
+        let ports = self.ports.iter().map(|port| port.instants.len()).sum::<usize>();
+        self.recorder.timeline.heap_bytes() + (self.laptop.instants.len() + ports) * size_of::<SimTime>()
+    }
+
     pub(crate) fn new(spec: &RobotSpec, seed: u64, noise: bool) -> Self {
         let Start { pose, speed_m_s, turn_rate_rad_s, wheels_at_rest } = spec.start;
         let mut motion = spec.drive.place(pose, speed_m_s, turn_rate_rad_s);

@@ -16,6 +16,7 @@ use core::f64::consts::FRAC_PI_2;
 
 use serde::Deserialize;
 
+use crate::heap::{elements, list};
 use crate::random::Stream;
 use baudbot_fields::{FieldError, Path};
 
@@ -52,6 +53,12 @@ impl Sheet {
 }
 
 impl Lookup {
+    /// The bytes that it has on the heap.
+    pub(super) fn heap_bytes(&self) -> usize {
+        let samples = list(&self.samples, |by_angle| list(by_angle, elements));
+        elements(&self.distances_m) + elements(&self.angles_rad) + samples
+    }
+
     /// A table of `samples[distance][angle]`, each a list of readings. The distances are in metres, at least
     /// two and increasing. The angles are those of incidence, in radians, between a ray and the normal of the
     /// surface that it meets: at least two and increasing from 0 to π/2, or none if the samples do not depend

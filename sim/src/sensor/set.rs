@@ -4,7 +4,10 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Deref;
 
+use baudbot_geometry::Fan;
+
 use super::{Device, Infrared, InfraredModel, Sensor};
+use crate::heap::{SHARED, elements, list};
 use crate::scene::{Reach, Sector};
 
 /// The sensors of a robot: those that the microcontroller reads, in the order of the wire, then those with a cable of their
@@ -23,6 +26,19 @@ struct Parts {
 }
 
 impl Sensors {
+    /// What tells it from others: clones have the same.
+    pub(crate) fn address(&self) -> usize {
+        Arc::as_ptr(&self.0).addr()
+    }
+
+    /// The bytes that they have on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        let Parts { all, own_clocks, ports, sectors, .. } = &*self.0;
+        let sensors =
+            list(all, |sensor| sensor.name.capacity() + elements(&sensor.encodings) + device(&sensor.device));
+        SHARED + size_of::<Parts>() + sensors + elements(own_clocks) + elements(ports) + elements(sectors)
+    }
+
     /// The indices of the sensors that measure at their own pace.
     pub fn own_clocks(&self) -> &[usize] {
         &self.0.own_clocks
@@ -69,6 +85,16 @@ impl Deref for Sensors {
     fn deref(&self) -> &[Sensor] {
         &self.0.all
     }
+}
+
+/// The bytes that a device has on the heap: its rays, and its table.
+fn device(device: &Device) -> usize {
+    let table = if let Device::Infrared(Infrared { model: InfraredModel::Lookup(lookup), .. }) = device {
+        lookup.heap_bytes()
+    } else {
+        0
+    };
+    device.fan().map_or(0, Fan::heap_bytes) + table
 }
 
 /// How far sensors that look along few rays reach; `None` if collecting what is there once for all would not pay.

@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use crate::collision::Collision;
 use crate::firmware::Protocol;
 use crate::hash;
+use crate::heap;
 use crate::model::RobotSpec;
 use crate::movable::MovableState;
 use crate::mover::MoverState;
@@ -118,6 +119,18 @@ pub struct Input<'a> {
 }
 
 impl World {
+    /// The bytes that its state takes in memory, without the scenario, which clones share
+    /// ([`Scenario::memory_bytes`]). It is walked as for [`hash`](Self::hash), and takes about as long. Timelines are counted as
+    /// they are when they are full.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<Self>()
+            + heap::of(&self.state)
+            + heap::of(&self.altered)
+            + self.state.robots.iter().map(|robot| robot.unsaved_bytes()).sum::<usize>()
+            + self.state.score.coverage().map_or(0, crate::coverage::Coverage::heap_bytes)
+    }
+
     /// A world at its start.
     pub fn new(scenario: Arc<Scenario>) -> Self {
         let robot = |spec| Robot::new(spec, scenario.seed, scenario.noise);

@@ -1,0 +1,243 @@
+//! Accounts: what is counted for each caller.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::net::{IpAddr, Ipv6Addr};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use baudbot_access::{GrantName, TokenHash};
+
+use super::bucket::Bucket;
+use crate::access::Caller;
+
+/// Whom something is counted for.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Account {
+    /// This process.
+    Process,
+    /// A user of this machine, at the other end of a Unix socket.
+    User(u32),
+    /// An address; of IPv6 a network, as a machine has as many addresses of it as it likes.
+    Address(IpAddr),
+    /// The holder of a token.
+    Token(TokenHash, GrantName),
+}
+
+impl Account {
+    /// That of an address.
+    pub(crate) fn of_address(address: IpAddr) -> Self {
+        Self::Address(match address.to_canonical() {
+            IpAddr::V6(ip) if !ip.is_loopback() => Ipv6Addr::from_bits(ip.to_bits() & NETWORK).into(),
+            ip @ (IpAddr::V4(_) | IpAddr::V6(_)) => ip,
+        })
+    }
+
+    /// That of a caller who is known by where it came from, unless it has a token.
+    pub(crate) fn of(caller: &Caller, peer: &Self) -> Self {
+        match caller {
+            Caller::Holder(grant) => Self::Token(grant.hash, grant.name.clone()),
+            Caller::Trusted | Caller::Nobody => peer.clone(),
+        }
+    }
+
+    /// Whether it is the user's who runs the server, or of this machine.
+    fn is_own(&self) -> bool {
+        match self {
+            Self::Process => true,
+            Self::User(uid) => *uid == rustix::process::geteuid().as_raw(),
+            Self::Address(ip) => ip.is_loopback(),
+            Self::Token(_, name) => name.as_str() == LOCAL,
+        }
+    }
+
+    /// The limit that holds for it: what was set, or the default for others than the server's user.
+    pub(super) fn most<T>(&self, set: Option<T>, default: T) -> Option<T> {
+        if *self == Self::Process {
+            return None;
+        }
+        set.or_else(|| (!self.is_own()).then_some(default))
+    }
+}
+
+/// The name of the server's own token.
+const LOCAL: &str = "local";
+
+/// The network of an IPv6 address that belongs to one customer.
+const NETWORK: u128 = !((1 << 64) - 1);
+
+impl fmt::Display for Account {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Process => f.write_str("this process"),
+            Self::User(uid) => write!(f, "the user {uid}"),
+            Self::Address(ip) => write!(f, "the address {ip}"),
+            Self::Token(_, name) => write!(f, "the token `{}`", name.as_str()),
+        }
+    }
+}
+
+/// Who is at the other end of a pipe in memory.
+#[derive(Clone, Debug)]
+pub(crate) struct Peer {
+    pub(crate) caller: Caller,
+    pub(crate) account: Account,
+}
+
+impl Peer {
+    /// This process.
+    pub(crate) fn process() -> Self {
+        Self { caller: Caller::Trusted, account: Account::Process }
+    }
+}
+
+/// For whom a call is counted.
+#[derive(Clone)]
+pub(crate) struct Payer(pub(crate) Arc<Tally>);
+
+/// What is counted for an account.
+#[derive(Debug)]
+pub(crate) struct Tally {
+    account: Account,
+    counts: [AtomicUsize; 3],
+    requests: Mutex<Bucket>,
+}
+
+/// What of an account is counted while it lasts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Counted {
+    Connections,
+    Calls,
+    Worlds,
+}
+
+impl Tally {
+    fn new(account: Account) -> Self {
+        Self { account, counts: Default::default(), requests: Mutex::default() }
+    }
+
+    pub(crate) fn account(&self) -> &Account {
+        &self.account
+    }
+
+    /// How many there are.
+    pub(super) fn count(&self, what: Counted) -> usize {
+        self.counts[what as usize].load(Ordering::Relaxed)
+    }
+
+    /// Counts another one, unless there are so many; `None` is for any number.
+    pub(super) fn take(self: &Arc<Self>, what: Counted, most: Option<usize>) -> Option<Taken> {
+        let counted = count_up(&self.counts[what as usize], most.unwrap_or(usize::MAX));
+        counted.then(|| Taken { tally: Arc::clone(self), what })
+    }
+
+    /// Counts a request.
+    ///
+    /// # Errors
+    /// When there may be another one.
+    pub(super) fn request(&self, now: Instant, per_s: u32, burst: u32) -> Result<(), Duration> {
+        self.requests().take(now, per_s, burst)
+    }
+
+    fn requests(&self) -> MutexGuard<'_, Bucket> {
+        self.requests.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Adds one to a count, unless it is at its limit.
+pub(super) fn count_up(count: &AtomicUsize, most: usize) -> bool {
+    count.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| (n < most).then(|| n + 1)).is_ok()
+}
+
+/// Something that is counted until this is dropped.
+#[derive(Debug)]
+pub(crate) struct Taken {
+    tally: Arc<Tally>,
+    what: Counted,
+}
+
+impl Drop for Taken {
+    fn drop(&mut self) {
+        self.tally.counts[self.what as usize].fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// All accounts of a server.
+#[derive(Default)]
+pub(super) struct Accounts(Mutex<HashMap<Account, Arc<Tally>>>);
+
+impl Accounts {
+    pub(super) fn of(&self, account: &Account) -> Arc<Tally> {
+        let mut tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(tally) = tallies.get(account) {
+            return Arc::clone(tally);
+        }
+        if tallies.len() >= MANY && tallies.len().is_power_of_two() {
+            let now = Instant::now();
+            tallies.retain(|_, tally| Arc::strong_count(tally) > 1 || !tally.requests().is_full(now));
+        }
+        let tally = Arc::new(Tally::new(account.clone()));
+        tallies.insert(account.clone(), Arc::clone(&tally));
+        tally
+    }
+
+    /// How many of this the account has that has most.
+    pub(super) fn most(&self, what: Counted) -> usize {
+        let tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        tallies.values().map(|tally| tally.count(what)).max().unwrap_or(0)
+    }
+}
+
+/// So many accounts, and whenever they have doubled, are looked through for those that nobody needs any more.
+const MANY: usize = 256;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn address(text: &str) -> Account {
+        Account::of_address(text.parse().unwrap())
+    }
+
+    #[test]
+    fn what_is_taken_is_given_back() {
+        let accounts = Accounts::default();
+        let tally = accounts.of(&address("10.0.0.7"));
+        let first = tally.take(Counted::Worlds, Some(1)).unwrap();
+        assert!(accounts.of(&address("10.0.0.7")).take(Counted::Worlds, Some(1)).is_none());
+        assert!(accounts.of(&address("10.0.0.8")).take(Counted::Worlds, Some(1)).is_some());
+        assert!(tally.take(Counted::Calls, Some(1)).is_some(), "another thing");
+        assert_eq!(accounts.most(Counted::Worlds), 1);
+        drop(first);
+        assert!(tally.take(Counted::Worlds, Some(1)).is_some());
+    }
+
+    #[test]
+    fn limits_for_one_caller_are_for_others_unless_they_are_set() {
+        for own in [address("127.0.0.1"), address("::1"), Account::User(rustix::process::geteuid().as_raw())]
+        {
+            assert_eq!((own.most(None, 3), own.most(Some(2), 3)), (None, Some(2)), "{own}");
+        }
+        assert_eq!(Account::Process.most(Some(2), 3), None);
+        assert_eq!(address("10.0.0.7").most(None, 3), Some(3));
+    }
+
+    #[test]
+    fn a_network_of_ipv6_is_one_account_and_ipv4_is_the_same_within_it() {
+        assert_eq!(address("2001:db8::1"), address("2001:db8::ffff:1"));
+        assert_ne!(address("2001:db8::1"), address("2001:db8:0:1::1"));
+        assert_eq!(address("::ffff:10.0.0.7"), address("10.0.0.7"));
+    }
+
+    #[test]
+    fn accounts_that_nobody_needs_are_forgotten() {
+        let accounts = Accounts::default();
+        let kept = accounts.of(&address("10.1.0.1"));
+        for i in 0..100_000_u32 {
+            accounts.of(&Account::of_address(IpAddr::from(i.to_be_bytes())));
+        }
+        assert!(accounts.0.lock().unwrap().len() <= 2 * MANY);
+        assert!(Arc::ptr_eq(&kept, &accounts.of(&address("10.1.0.1"))));
+    }
+}

@@ -1,0 +1,364 @@
+//! The limits of a running server, and what is used of them.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use baudbot_sim::Scenario;
+use tonic::Status;
+
+use super::accounts::{Account, Accounts, Counted, Taken, Tally, count_up};
+use super::limit::{Exceeded, Limit};
+use super::memory::{Held, Memory, ScenarioHeld};
+use super::overload::Overload;
+use super::parsing::{Cancelled, Parsing, Waiter};
+use super::{Limits, SOON};
+use crate::blocking::blocking;
+use crate::log::Throttle;
+
+/// The limits of a running server. Clones share what is used of them.
+#[derive(Clone)]
+pub(crate) struct InForce(Arc<Shared>);
+
+struct Shared {
+    limits: Limits,
+    accounts: Accounts,
+    memory: Arc<Memory>,
+    parsing: Parsing,
+    overload: Overload,
+    /// Of what a whole server has: connections, worlds, robots, snapshots.
+    counts: [AtomicUsize; 4],
+    refused: [AtomicU64; Limit::ALL.len()],
+    logged: [Throttle; Limit::ALL.len()],
+}
+
+/// What a whole server has.
+#[derive(Clone, Copy, Debug)]
+enum Whole {
+    Connections,
+    Worlds,
+    Robots,
+    Snapshots,
+}
+
+/// Places that are taken until this is dropped.
+pub(crate) struct Place {
+    limits: InForce,
+    of: Whole,
+    count: usize,
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.limits.0.counts[self.of as usize].fetch_sub(self.count, Ordering::Relaxed);
+    }
+}
+
+impl InForce {
+    pub(crate) fn new(limits: Limits) -> Self {
+        Self(Arc::new(Shared {
+            accounts: Accounts::default(),
+            memory: Arc::default(),
+            parsing: Parsing::new(limits.parsing),
+            overload: Overload::default(),
+            counts: Default::default(),
+            refused: Default::default(),
+            logged: Default::default(),
+            limits,
+        }))
+    }
+
+    pub(crate) fn limits(&self) -> &Limits {
+        &self.0.limits
+    }
+
+    /// What is counted for an account.
+    pub(crate) fn tally(&self, account: &Account) -> Arc<Tally> {
+        self.0.accounts.of(account)
+    }
+
+    /// What the metrics tell: of each limit its value, what is used of it, if that is counted, and how often something was refused.
+    pub(crate) fn usage(&self) -> impl Iterator<Item = (Limit, f64, Option<f64>, u64)> {
+        Limit::ALL.into_iter().map(|limit| {
+            let refused = self.0.refused[limit as usize].load(Ordering::Relaxed);
+            let (value, used) = self.value_and_used(limit);
+            (limit, value, used, refused)
+        })
+    }
+
+    fn value_and_used(&self, limit: Limit) -> (f64, Option<f64>) {
+        let Shared { limits, accounts, memory, parsing, overload, counts, .. } = &*self.0;
+        let whole = |what: Whole| Some(counts[what as usize].load(Ordering::Relaxed) as f64);
+        let most = |what| Some(accounts.most(what) as f64);
+        let or = |set: Option<usize>, usual: usize| set.unwrap_or(usual) as f64;
+        match limit {
+            Limit::Connections => (limits.connections as f64, whole(Whole::Connections)),
+            Limit::ConnectionsPerAddress => {
+                (or(limits.connections_per_address, limits.connections / 2), most(Counted::Connections))
+            }
+            Limit::ConnectionsPerToken => {
+                (or(limits.connections_per_token, Limits::CONNECTIONS_PER_TOKEN), None)
+            }
+            Limit::StreamsPerConnection => (limits.streams_per_connection as f64, None),
+            Limit::StreamsPerCaller => {
+                (or(limits.streams_per_caller, Limits::STREAMS_PER_CALLER), most(Counted::Calls))
+            }
+            Limit::Requests => (f64::from(limits.requests_per_s.unwrap_or(Limits::REQUESTS_PER_S)), None),
+            Limit::Worlds => (limits.worlds as f64, whole(Whole::Worlds)),
+            Limit::WorldsPerCaller => {
+                (or(limits.worlds_per_caller, Limits::WORLDS_PER_CALLER), most(Counted::Worlds))
+            }
+            Limit::Robots => (limits.robots as f64, whole(Whole::Robots)),
+            Limit::RobotsPerWorld => (limits.robots_per_world as f64, None),
+            Limit::Snapshots => (limits.snapshots as f64, whole(Whole::Snapshots)),
+            Limit::SnapshotsPerWorld => (limits.snapshots_per_world as f64, None),
+            Limit::Memory => (limits.memory_bytes as f64, Some(memory.held() as f64)),
+            Limit::Waiting => (limits.waiting as f64, Some(parsing.counts().0 as f64)),
+            Limit::Overload => {
+                (limits.overload_after_s as f64, Some(overload.seconds(Instant::now()) as f64))
+            }
+        }
+    }
+
+    /// Counts something that was refused, or that had to go.
+    pub(crate) fn note(&self, limit: Limit, what: &str) {
+        self.0.refused[limit as usize].fetch_add(1, Ordering::Relaxed);
+        if let Some(times) = self.0.logged[limit as usize].note(Instant::now()) {
+            tracing::warn!(times, limit = limit.name(), option = limit.option(), what, "a limit is reached");
+        }
+    }
+
+    /// Counts a refusal, with its words.
+    fn refuse(&self, limit: Limit, what: String, retry_after: Option<Duration>) -> Exceeded {
+        self.note(limit, &what);
+        Exceeded { limit, what, retry_after }
+    }
+}
+
+// Connections, calls and requests.
+impl InForce {
+    /// All places for connections are taken.
+    pub(crate) fn no_connection(&self) -> Exceeded {
+        let what = format!("the server has {} connections", self.limits().connections);
+        self.refuse(Limit::Connections, what, None)
+    }
+
+    /// So many connections have a place.
+    pub(crate) fn note_connections(&self, taken: usize) {
+        self.0.counts[Whole::Connections as usize].store(taken, Ordering::Relaxed);
+    }
+
+    /// A connection from this address, or of this user.
+    ///
+    /// # Errors
+    /// If there are too many.
+    pub(crate) fn connection_of_address(&self, tally: &Arc<Tally>) -> Result<Taken, Exceeded> {
+        let limits = self.limits();
+        let half = (limits.connections / 2).max(1);
+        let most = tally.account().most(limits.connections_per_address, half);
+        self.take(tally, Counted::Connections, most, Limit::ConnectionsPerAddress, "connections")
+    }
+
+    /// A connection of the holder of this token.
+    ///
+    /// # Errors
+    /// If there are too many.
+    pub(crate) fn connection_of_token(&self, tally: &Arc<Tally>) -> Result<Taken, Exceeded> {
+        let set = self.limits().connections_per_token;
+        let most = tally.account().most(set, Limits::CONNECTIONS_PER_TOKEN);
+        self.take(tally, Counted::Connections, most, Limit::ConnectionsPerToken, "connections")
+    }
+
+    /// A call of this caller.
+    ///
+    /// # Errors
+    /// If too many are open.
+    pub(crate) fn call(&self, tally: &Arc<Tally>) -> Result<Taken, Exceeded> {
+        let most = tally.account().most(self.limits().streams_per_caller, Limits::STREAMS_PER_CALLER);
+        self.take(tally, Counted::Calls, most, Limit::StreamsPerCaller, "open calls")
+    }
+
+    /// Another call on a connection that has so many.
+    ///
+    /// # Errors
+    /// If that is too many.
+    pub(crate) fn call_on_connection(&self, open: &AtomicUsize) -> Result<(), Exceeded> {
+        let most = self.limits().streams_per_connection;
+        if count_up(open, most) {
+            return Ok(());
+        }
+        let what = format!("this connection has {most} open calls");
+        Err(self.refuse(Limit::StreamsPerConnection, what, None))
+    }
+
+    /// A request of this caller.
+    ///
+    /// # Errors
+    /// If there are too many in a second.
+    pub(crate) fn request(&self, tally: &Tally) -> Result<(), Exceeded> {
+        let Some(per_s) = tally.account().most(self.limits().requests_per_s, Limits::REQUESTS_PER_S) else {
+            return Ok(());
+        };
+        tally.request(Instant::now(), per_s, Limits::burst(per_s)).map_err(|wait| {
+            let what = format!("{} has made {per_s} requests in a second", tally.account());
+            self.refuse(Limit::Requests, what, Some(wait))
+        })
+    }
+
+    fn take(
+        &self,
+        tally: &Arc<Tally>,
+        counted: Counted,
+        most: Option<usize>,
+        limit: Limit,
+        things: &str,
+    ) -> Result<Taken, Exceeded> {
+        tally.take(counted, most).ok_or_else(|| {
+            let what = format!("{} has {} {things}", tally.account(), most.unwrap_or_default());
+            self.refuse(limit, what, None)
+        })
+    }
+}
+
+// Worlds, and what is in them.
+impl InForce {
+    /// The place of a world with so many robots.
+    ///
+    /// # Errors
+    /// If there are too many worlds, or robots.
+    pub(crate) fn world(&self, robots: usize) -> Result<(Place, Place), Exceeded> {
+        self.check_robots(robots)?;
+        let limits = self.limits();
+        let (worlds, most) = (limits.worlds, limits.robots);
+        let world = self.place(Whole::Worlds, 1, worlds);
+        let world = world
+            .ok_or_else(|| self.refuse(Limit::Worlds, format!("the server has {worlds} worlds"), None))?;
+        let robots = self.place(Whole::Robots, robots, most).ok_or_else(|| {
+            let what = format!("with {robots} more robots the server would have more than {most}");
+            self.refuse(Limit::Robots, what, None)
+        })?;
+        Ok((world, robots))
+    }
+
+    /// Checks the number of robots of a world.
+    ///
+    /// # Errors
+    /// If there are too many.
+    pub(crate) fn check_robots(&self, robots: usize) -> Result<(), Exceeded> {
+        let most = self.limits().robots_per_world;
+        if robots <= most {
+            return Ok(());
+        }
+        let what = format!("the world would have {robots} robots, more than {most}");
+        Err(self.refuse(Limit::RobotsPerWorld, what, None))
+    }
+
+    /// A world that this caller creates.
+    ///
+    /// # Errors
+    /// If it has too many.
+    pub(crate) fn world_of(&self, tally: &Arc<Tally>) -> Result<Taken, Exceeded> {
+        let most = tally.account().most(self.limits().worlds_per_caller, Limits::WORLDS_PER_CALLER);
+        self.take(tally, Counted::Worlds, most, Limit::WorldsPerCaller, "worlds")
+    }
+
+    /// The place of another snapshot.
+    ///
+    /// # Errors
+    /// If there are too many.
+    pub(crate) fn snapshot(&self) -> Result<Place, Exceeded> {
+        let most = self.limits().snapshots;
+        self.place(Whole::Snapshots, 1, most)
+            .ok_or_else(|| self.refuse(Limit::Snapshots, format!("the server keeps {most} snapshots"), None))
+    }
+
+    fn place(&self, of: Whole, count: usize, most: usize) -> Option<Place> {
+        let more = |n: usize| n.checked_add(count).filter(|&sum| sum <= most);
+        self.0.counts[of as usize].fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).ok()?;
+        Some(Place { limits: self.clone(), of, count })
+    }
+
+    /// Memory that is not held.
+    pub(crate) fn free_bytes(&self) -> u64 {
+        self.limits().memory_bytes.saturating_sub(self.0.memory.held())
+    }
+
+    /// Memory for something.
+    ///
+    /// # Errors
+    /// If there is not so much.
+    pub(crate) fn hold(&self, bytes: u64) -> Result<Held, Exceeded> {
+        let most = self.limits().memory_bytes;
+        self.0.memory.hold(bytes, most).ok_or_else(|| {
+            let free = self.free_bytes();
+            let what = format!(
+                "this takes {} MB, and {} MB are free of the server's {} MB",
+                in_mb(bytes),
+                in_mb(free),
+                in_mb(most)
+            );
+            self.refuse(Limit::Memory, what, None)
+        })
+    }
+
+    /// Memory for a scenario that is there, unless another world has it, too.
+    ///
+    /// # Errors
+    /// If there is not so much.
+    pub(crate) fn hold_scenario(&self, scenario: &Arc<Scenario>) -> Result<Arc<ScenarioHeld>, Exceeded> {
+        self.0.memory.hold_scenario(scenario, |bytes| self.hold(bytes))
+    }
+
+    /// A world that follows the wall clock has let time go that it could have kept.
+    pub(crate) fn note_lag(&self, now: Instant) {
+        self.0.overload.note(now);
+    }
+
+    /// Checks that another world may run by its own pace.
+    ///
+    /// # Errors
+    /// If those that are there lag already.
+    pub(crate) fn check_load(&self) -> Result<(), Exceeded> {
+        let after = self.limits().overload_after_s;
+        let seconds = self.0.overload.seconds(Instant::now());
+        if after == 0 || seconds < after {
+            return Ok(());
+        }
+        let what = format!("worlds in real time have lagged for {seconds} s, {after} s or more");
+        Err(self.refuse(Limit::Overload, what, None))
+    }
+
+    /// Reads something, when it is its turn, with memory for the time that it takes. What nobody waits for any more is not begun.
+    ///
+    /// # Errors
+    /// If too many wait, or there is not so much memory; or if the work panics.
+    pub(crate) async fn read<T: Send + 'static>(
+        &self,
+        bytes: u64,
+        work: impl FnOnce(&Cancelled) -> T + Send + 'static,
+    ) -> Result<T, Status> {
+        // The request itself is in memory while it waits.
+        let held = self.hold(bytes)?;
+        let most = self.limits().waiting;
+        let Some(permit) = self.0.parsing.turn(most).await else {
+            let what = format!("{most} requests wait until theirs is read");
+            return Err(self.refuse(Limit::Waiting, what, Some(SOON)).into());
+        };
+        let waiter = Waiter(Cancelled::default());
+        let cancelled = waiter.0.clone();
+        let work = move || {
+            // Kept until the work is done, even if nobody waits for it any more.
+            let _kept = (permit, held);
+            work(&cancelled)
+        };
+        let done = blocking(work).await;
+        drop(waiter);
+        done
+    }
+}
+
+/// Megabytes, rounded up where less than one would be nothing.
+fn in_mb(bytes: u64) -> String {
+    let mb = bytes as f64 / 1e6;
+    if mb < 100.0 { format!("{mb:.1}") } else { format!("{mb:.0}") }
+}
