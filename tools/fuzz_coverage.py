@@ -101,4 +101,5 @@ def main() -> None:
         print(f"{folder:31} {hit:10} {there:7} {100 * hit / max(there, 1):5.0f} %")
 
 
-main()
+if __name__ == "__main__":
+    main()

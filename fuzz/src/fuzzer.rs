@@ -201,7 +201,7 @@ fn fingerprint(bytes: &[u8]) -> u64 {
 }
 
 /// Inputs of a target that one run adds to its folder, at most.
-const MOST_KEPT: usize = 24;
+const MOST_KEPT: usize = 8;
 
 /// The longest of them, in bytes. What needs more is found again soon.
 const LONGEST_KEPT: usize = 2048;
