@@ -10,10 +10,11 @@ mod samples;
 mod server;
 
 use std::path::PathBuf;
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{ExitCode, Stdio};
 use std::time::Duration;
 
 use tokio::io::{AsyncBufReadExt, BufReader};
+use tokio::process::Command;
 use tokio::time::{Instant, sleep};
 
 use clients::Crowd;
@@ -43,17 +44,8 @@ fn main() -> ExitCode {
 async fn soak(minutes: f64) -> bool {
     let folder = tempfile::tempdir().expect("a folder");
     let program = std::env::current_exe().expect("this program");
-    let mut command = tokio::process::Command::from({
-        let mut command = Command::new(program);
-        command.arg("serve").arg(folder.path()).stdout(Stdio::piped());
-        // What is free goes back to the system at once, as far as that can be: what is resident is then what the server holds, and
-        // not what it held at the busiest moment.
-        command
-            .env("MALLOC_ARENA_MAX", "1")
-            .env("MALLOC_TRIM_THRESHOLD_", "65536")
-            .env("MALLOC_MMAP_THRESHOLD_", "65536");
-        command
-    });
+    let mut command = Command::new(program);
+    command.arg("serve").arg(folder.path()).stdout(Stdio::piped());
     let mut child = command.kill_on_drop(true).spawn().expect("a server");
     let mut lines = BufReader::new(child.stdout.take().expect("it is piped")).lines();
     let address = lines.next_line().await.expect("its words").expect("its address");
