@@ -82,7 +82,7 @@ pub fn parse_with(toml: &str, overrides: &[Override]) -> Result<Scenario, Scenar
 }
 
 /// As [`parse_with`], as long as it `is_wanted`, which is asked between the steps; otherwise it is given up, and there is none. Of a
-/// text of the greatest length a step takes some seconds.
+/// text of the greatest length a step takes about a second.
 ///
 /// # Errors
 /// As [`parse_with`].
