@@ -464,14 +464,11 @@ async fn scenarios_wait_until_they_are_read_and_those_of_clients_who_have_gone_a
     let text = long();
     let begin = |name: &str| {
         let (request, control) = (create(name, &text), operator(&server));
-        async move {
-            let mut control = control.await;
-            tokio::spawn(async move { control.create_world(request).await })
-        }
+        tokio::spawn(async move { control.await.create_world(request).await })
     };
-    let first = begin("first").await;
+    let first = begin("first");
     tokio::time::sleep(Duration::from_millis(50)).await;
-    let (second, gone) = (begin("second").await, begin("gone").await);
+    let (second, gone) = (begin("second"), begin("gone"));
     until_ok(async || match used(&server, "waiting").await {
         2.0 => Ok(()),
         n => Err(format!("{n} wait")),
