@@ -476,7 +476,7 @@ async fn scenarios_wait_until_they_are_read_and_those_of_clients_who_have_gone_a
     .await;
     let words = "2 requests wait until theirs is read, which is its limit; try again in 1000 ms, or start it with a larger \
                  --max-waiting";
-    assert_exhausted(begin("refused").await.await.unwrap(), words);
+    assert_exhausted(begin("refused").await.unwrap(), words);
     // Those who want nothing read wait for nobody.
     let mut control = operator(&server).await;
     control.list_worlds(v1::ListWorldsRequest {}).await.unwrap();
