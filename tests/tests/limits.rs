@@ -462,16 +462,14 @@ fn long() -> String {
 async fn scenarios_wait_until_they_are_read_and_those_of_clients_who_have_gone_are_dropped() {
     let server = serve(Limits { parsing: 1, waiting: 2, ..Limits::default() }).await;
     let text = long();
+    let mut control = operator(&server).await;
     let begin = |name: &str| {
-        let (request, control) = (create(name, &text), operator(&server));
-        async move {
-            let mut control = control.await;
-            tokio::spawn(async move { control.create_world(request).await })
-        }
+        let (request, mut control) = (create(name, &text), control.clone());
+        tokio::spawn(async move { control.create_world(request).await })
     };
-    let first = begin("first").await;
+    let first = begin("first");
     tokio::time::sleep(Duration::from_millis(50)).await;
-    let (second, gone) = (begin("second").await, begin("gone").await);
+    let (second, gone) = (begin("second"), begin("gone"));
     until_ok(async || match used(&server, "waiting").await {
         2.0 => Ok(()),
         n => Err(format!("{n} wait")),
@@ -479,9 +477,8 @@ async fn scenarios_wait_until_they_are_read_and_those_of_clients_who_have_gone_a
     .await;
     let words = "2 requests wait until theirs is read, which is its limit; try again in 1000 ms, or start it with a larger \
                  --max-waiting";
-    assert_exhausted(begin("refused").await.await.unwrap(), words);
+    assert_exhausted(begin("refused").await.unwrap(), words);
     // Those who want nothing read wait for nobody.
-    let mut control = operator(&server).await;
     control.list_worlds(v1::ListWorldsRequest {}).await.unwrap();
     gone.abort();
     assert!(gone.await.is_err());

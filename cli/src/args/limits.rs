@@ -208,7 +208,8 @@ mod tests {
             .map(str::to_owned)
             .collect();
         let mut there = options();
-        (told.sort(), there.sort());
+        told.sort();
+        there.sort();
         assert_eq!(told, there);
     }
 }
