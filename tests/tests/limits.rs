@@ -462,9 +462,10 @@ fn long() -> String {
 async fn scenarios_wait_until_they_are_read_and_those_of_clients_who_have_gone_are_dropped() {
     let server = serve(Limits { parsing: 1, waiting: 2, ..Limits::default() }).await;
     let text = long();
+    let mut control = operator(&server).await;
     let begin = |name: &str| {
-        let (request, control) = (create(name, &text), operator(&server));
-        tokio::spawn(async move { control.await.create_world(request).await })
+        let (request, mut control) = (create(name, &text), control.clone());
+        tokio::spawn(async move { control.create_world(request).await })
     };
     let first = begin("first");
     tokio::time::sleep(Duration::from_millis(50)).await;
@@ -478,7 +479,6 @@ async fn scenarios_wait_until_they_are_read_and_those_of_clients_who_have_gone_a
                  --max-waiting";
     assert_exhausted(begin("refused").await.unwrap(), words);
     // Those who want nothing read wait for nobody.
-    let mut control = operator(&server).await;
     control.list_worlds(v1::ListWorldsRequest {}).await.unwrap();
     gone.abort();
     assert!(gone.await.is_err());
