@@ -23,6 +23,7 @@ let server: ChildProcess;
 let link: string;
 let page: string;
 let stranger: Server;
+let tokens: { observer: string; alice: string };
 
 /** A browser whose user knows the authority, or does not. */
 let knowing: Browser;
@@ -72,7 +73,8 @@ async function browserAt(home: string, authority?: string): Promise<Browser> {
 before(async () => {
   folder = await mkdtemp(join(tmpdir(), "baudbot-trust-"));
   await certificates();
-  token("unused", "--observe");
+  // A server looks at the file once a second at most.
+  tokens = { observer: token("observer", "--observe"), alice: token("alice", "--drive", "wander/robot") };
   const guards = ["--tokens", at("tokens.toml"), "--tls", `${at("cert.pem")},${at("key.pem")}`];
   const free = ["--listen", "127.0.0.1:0", "--viewer", "127.0.0.1:0"];
   server = spawn(PROGRAM, ["serve", "wander", ...guards, ...free], { stdio: ["ignore", "pipe", "inherit"] });
@@ -130,7 +132,7 @@ test("a wrong token gets words, and a right one lets in", { timeout: 60_000 }, a
   await visitor.getByTestId("token-dialog").waitFor();
   await enter(`baudbot_${"A".repeat(43)}`);
   await visitor.getByText("the token is not valid on this server").waitFor();
-  await enter(token("observer", "--observe"));
+  await enter(tokens.observer);
   await visitor.getByTestId("token-dialog").waitFor({ state: "hidden" });
   await moves(visitor);
   await visitor.getByTestId("pause").click();
@@ -139,7 +141,7 @@ test("a wrong token gets words, and a right one lets in", { timeout: 60_000 }, a
 });
 
 test("a driver sees nothing of the world, and is told so", { timeout: 60_000 }, async () => {
-  const visitor = await visit(knowing, `${page}#token=${token("alice", "--drive", "wander/robot")}`);
+  const visitor = await visit(knowing, `${page}#token=${tokens.alice}`);
   await visitor.getByTestId("no-worlds").getByText("the token `alice` has no right to observe").waitFor();
   assert.equal(await visitor.evaluate(() => window.baudbotViewer?.pose), undefined);
   await visitor.context().close();
