@@ -10,6 +10,7 @@ use crate::actor::{self, NewWorld};
 use crate::message::{Message, WorldHandle};
 use crate::pool::Pool;
 use crate::quote::{brief, list};
+use crate::state::StateFolder;
 
 /// Most worlds of one server. So many in real time are more than two processors can run.
 pub const MAX_WORLDS: usize = 4096;
@@ -26,6 +27,10 @@ struct Worlds {
     pool: Option<Pool>,
     /// How many there are; each world knows it.
     count: Arc<AtomicU32>,
+    /// Where the state of worlds is kept; `None` if it is not.
+    state: Option<StateFolder>,
+    /// The server stops: no world is made any more.
+    is_closed: bool,
 }
 
 /// A world, and its own pool if it has one.
@@ -46,13 +51,28 @@ impl Drop for Worlds {
 }
 
 impl Registry {
+    /// A registry of worlds whose state is kept in this folder, if there is one.
+    pub(crate) fn keeping(state: Option<StateFolder>) -> Self {
+        let registry = Self::default();
+        registry.lock().state = state;
+        registry
+    }
+
+    /// Makes no world any more: the server stops.
+    pub(crate) fn close(&self) {
+        self.lock().is_closed = true;
+    }
+
     /// Makes a world, which a pool then runs. One with an `OnTick`, which may block, has a pool of its own.
     ///
     /// # Errors
     /// If the name is taken or unfit, or there is no room for another world, or no thread.
-    pub(crate) fn create(&self, new: NewWorld) -> Result<WorldHandle, Status> {
+    pub(crate) fn create(&self, mut new: NewWorld) -> Result<WorldHandle, Status> {
         check_name(&new.name)?;
         let mut worlds = self.lock();
+        if worlds.is_closed {
+            return Err(Status::unavailable("the server stops, and makes no world any more"));
+        }
         if worlds.by_name.contains_key(new.name.as_str()) {
             return Err(Status::already_exists(format!("world: there is a world `{}` already", new.name)));
         }
@@ -60,12 +80,13 @@ impl Registry {
             return Err(Status::resource_exhausted(format!("a server has at most {MAX_WORLDS} worlds")));
         }
         let name: Arc<str> = new.name.as_str().into();
-        let count = Arc::clone(&worlds.count);
+        let (count, state) = (Arc::clone(&worlds.count), worlds.state.clone());
         let mut own = new.on_tick.as_ref().map(|_| Pool::of_one(&format!("world {name}")));
         let pool = match &mut own {
             Some(own) => own,
             None => worlds.pool.get_or_insert_with(|| Pool::new("worlds")),
         };
+        new.state = state;
         let handle = actor::start(new, count, pool)?;
         worlds.by_name.insert(name, Entry(handle.clone(), own));
         worlds.update_count();

@@ -84,9 +84,10 @@ pub struct Settings {
     /// Whether it is paused.
     #[prost(bool, tag = "2")]
     pub paused: bool,
-    /// Robots that have no brain and that the world does not wait for.
-    #[prost(uint32, repeated, tag = "3")]
-    pub excused: Vec<u32>,
+    /// A byte for each robot: 0 if the world waits for its brain, 1 if it has none and the world does not wait for one, 2 if it
+    /// has one.
+    #[prost(bytes = "vec", tag = "3")]
+    pub slots: Vec<u8>,
     /// The recording that is being written.
     #[prost(message, optional, tag = "4")]
     pub recording: Option<KeptRecording>,

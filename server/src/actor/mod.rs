@@ -21,6 +21,7 @@ mod replay;
 mod requests;
 mod runner;
 mod snapshots;
+mod state;
 mod stepping;
 mod stopwatch;
 #[cfg(test)]
@@ -58,6 +59,7 @@ use recording::Recording;
 use replay::Replaying;
 use runner::Schedule;
 use snapshots::Snapshots;
+use state::State;
 use stepping::Stepper;
 
 /// A world and all that happens to it.
@@ -75,6 +77,9 @@ pub(crate) struct WorldActor {
     interventions: Interventions,
     snapshots: Snapshots,
     recording: Recording,
+    state: State,
+    /// Snapshots that have outlived a server, until they are known to be kept.
+    resumed_snapshots: Vec<(u64, Vec<u8>)>,
     /// `None` in a live world.
     replaying: Option<Replaying>,
     on_tick: Option<OnTick>,
@@ -130,28 +135,34 @@ use view;
 /// # Errors
 /// If its recording cannot begin, or the pool has no thread for it.
 pub(crate) fn start(
-    new: NewWorld,
+    mut new: NewWorld,
     neighbours: Arc<AtomicU32>,
     pool: &mut Pool,
 ) -> Result<WorldHandle, Status> {
     let (name, record): (Arc<str>, _) = (new.name.as_str().into(), new.record.clone());
     let (robots, paused) = (new.world.robots().len(), new.paused);
-    let made = Arc::clone(new.world.origin());
+    let resumed = new.resumed.take();
+    let made = resumed.as_ref().map_or_else(|| Arc::clone(new.world.origin()), |it| Arc::clone(&it.made));
+    let tick = new.world.tick();
     let mut actor = WorldActor::new(Arc::clone(&name), new, neighbours);
     if let Some(record) = record {
         actor.record(record)?;
     }
+    if let Some(resumed) = resumed {
+        actor.resume(resumed);
+    }
+    actor.begin_to_keep();
     let mailbox = pool
         .add(|waker| Arc::new(Mailbox::new(actor, waker)))
         .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
-    tracing::info!(world = &*name, tick = 0, time_s = 0.0, robots, paused, "world made");
+    tracing::info!(world = &*name, tick, robots, paused, "world made");
     Ok(WorldHandle::new(name, made, mailbox))
 }
 
 impl WorldActor {
     fn new(
         name: Arc<str>,
-        NewWorld { world, replay, pace, paused, on_tick, progress, processor, .. }: NewWorld,
+        NewWorld { world, replay, pace, paused, on_tick, progress, processor, state, .. }: NewWorld,
         neighbours: Arc<AtomicU32>,
     ) -> Self {
         let robots = world.robots().len();
@@ -168,6 +179,8 @@ impl WorldActor {
             interventions: Interventions::default(),
             snapshots: Snapshots::default(),
             recording: Recording::new(robots),
+            state: State::new(state, Arc::clone(world.origin())),
+            resumed_snapshots: Vec::new(),
             replaying: replay.map(Replaying::new),
             on_tick,
             progress: progress.map(Telling::new),
@@ -266,6 +279,7 @@ impl WorldActor {
         let lockstep = self.pacer.pace.lockstep();
         let mut turns = self.world.begin().to_vec();
         self.record_tick();
+        self.keep();
         self.show();
         if lockstep.is_some_and(|lockstep| lockstep.lookahead) {
             turns.retain(|&turn| !self.lets_sleep(turn));
@@ -331,8 +345,11 @@ impl WorldActor {
         }
         let began = (self.world.tick(), self.world.time());
         self.world.finish_ahead(&answers, open);
-        self.cables.listen(&mut self.world);
         self.record_inputs(began, open);
+        if !self.cables.is_empty() {
+            self.keep();
+            self.cables.listen(&mut self.world);
+        }
         self.ports.inputs.clear();
         self.ports.to_devices.clear();
         self.sessions.reset_quotas();
@@ -358,6 +375,7 @@ impl WorldActor {
         event!(self, info, why, "run ended");
         self.world.begin();
         self.record_tick();
+        self.keep_now();
         self.show();
         self.sessions.tell_ended(&self.world);
     }

@@ -8,6 +8,7 @@ use baudbot_sim::World;
 use super::progress::Progress;
 use crate::message::RecordConfig;
 use crate::pace::Pace;
+use crate::state::{Resumed, StateFolder};
 use crate::thinking::ProcessorTime;
 
 /// Called at the start of every tick, when the sensors have been read, on the world's own thread.
@@ -27,6 +28,10 @@ pub(crate) struct NewWorld {
     pub(crate) record: Option<RecordConfig>,
     /// How much processor time its brains have used; `None` if that is not known.
     pub(crate) processor: Option<ProcessorTime>,
+    /// What it has besides its state, if it has outlived a server.
+    pub(crate) resumed: Option<Resumed>,
+    /// Where its state is kept; `None` if it is not.
+    pub(crate) state: Option<StateFolder>,
 }
 
 impl NewWorld {
@@ -42,6 +47,8 @@ impl NewWorld {
             progress: None,
             record: None,
             processor: None,
+            resumed: None,
+            state: None,
         }
     }
 }

@@ -210,5 +210,6 @@ impl WorldActor {
         self.end_stepping();
         self.fit_timeline();
         self.pacer.waiting_since = Instant::now();
+        self.begin_to_keep();
     }
 }

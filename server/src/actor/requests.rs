@@ -35,6 +35,7 @@ impl WorldActor {
             Request::Save { snapshot } => self.saved(snapshot),
             Request::Snapshot => {
                 let number = self.take_snapshot();
+                self.keep_snapshot(number);
                 Ok(self.report(number))
             }
             Request::Record(config) => self.record(config).map(|()| self.report(0)),
@@ -47,6 +48,7 @@ impl WorldActor {
             Request::SetPace(pace) => self.reported(|actor| actor.set_pace(pace)),
             Request::Fork(pace) => self.reported(|actor| actor.fork(pace)),
         };
+        self.keep_now();
         drop(reply.send(answer));
     }
 
@@ -70,6 +72,7 @@ impl WorldActor {
     fn delete(&mut self) {
         // Before the reply: a client that deletes a world and then ends the server finds the whole file.
         self.end_recording();
+        self.remove_state();
         self.over = Some(Status::aborted(format!("world `{}` was deleted", self.name)));
     }
 

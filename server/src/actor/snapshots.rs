@@ -12,7 +12,7 @@ use crate::log::event;
 use crate::report::Report;
 
 /// Snapshots that are kept of one world. The oldest goes when there would be more.
-const MAX_SNAPSHOTS: usize = 64;
+pub(super) const MAX_SNAPSHOTS: usize = 64;
 
 /// The snapshots of a world, oldest first.
 #[derive(Default)]
@@ -36,6 +36,12 @@ impl Snapshots {
         }
         self.kept.push_back(Snapshot { number: self.last_number, world, senders });
         self.last_number
+    }
+
+    /// A state that was kept has outlived its server.
+    pub(super) fn resume(&mut self, number: u64, world: World, senders: Vec<Sender>) {
+        self.last_number = number - 1;
+        self.keep(world, senders);
     }
 
     fn find(&self, number: u64) -> Option<&Snapshot> {
@@ -102,5 +108,7 @@ impl WorldActor {
         self.beliefs.forget_all();
         self.forget_seen();
         self.fit_timeline();
+        self.ports.resumed.fill(false);
+        self.keep_anew();
     }
 }

@@ -23,6 +23,7 @@ use crate::pace::Pace;
 use crate::page::Film;
 use crate::recording::Folder;
 use crate::registry::Registry;
+use crate::state::StateFolder;
 use crate::thinking::ProcessorTime;
 
 /// How long a connection has to make its first call, unless the builder is told otherwise.
@@ -42,6 +43,11 @@ impl WorldConfig {
     /// A live world of this name that goes on from a state, in real time. No brains are attached.
     pub fn from_state(name: impl Into<String>, world: World) -> Self {
         Self { new: NewWorld::new(name.into(), world, Pace::REAL_TIME) }
+    }
+
+    /// A world that is about to be made.
+    pub(crate) fn from_new(new: NewWorld) -> Self {
+        Self { new }
     }
 
     /// A world of this name that replays a recording, from where the replay stands in this world. It is paused until it is
@@ -114,6 +120,7 @@ pub struct Builder {
     /// Each with whether another port will do if this one is taken.
     viewers: Vec<(SocketAddr, bool)>,
     recordings: Option<Folder>,
+    state: Option<StateFolder>,
     films: Option<mpsc::Sender<Film>>,
     access: AccessConfig,
     connections: Option<usize>,
@@ -161,6 +168,14 @@ impl Builder {
     #[must_use]
     pub fn recordings(mut self, folder: PathBuf) -> Self {
         self.recordings = Some(Folder::new(folder));
+        self
+    }
+
+    /// Keeps worlds and their snapshots in this folder, so that they are there again after the program has ended, however it
+    /// did. [Worlds that are there](StateFolder::worlds) are to be added with [`world`](Self::world).
+    #[must_use]
+    pub fn state(mut self, folder: StateFolder) -> Self {
+        self.state = Some(folder);
         self
     }
 
@@ -247,7 +262,7 @@ impl Builder {
 
     async fn start(mut self, listens: bool) -> Result<Server, ServerError> {
         let listeners = self.listeners(listens).await?;
-        let registry = Registry::default();
+        let registry = Registry::keeping(self.state);
         for world in self.worlds {
             registry.create(world.new).map_err(|status| ServerError::World(Box::new(status)))?;
         }
