@@ -125,7 +125,7 @@ impl<'a> Serving<'a> {
         let open = listening.iter().any(|address| matches!(address, Address::Tcp(_)));
         builder = viewer::add(builder, listen.viewer, open || viewing == Viewing::Always);
         // Scenarios may have come through FIFOs; there a single signal is to end the program.
-        let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
+        let mut stop = hear(stop_within).context("cannot listen for Ctrl-C")?;
         let server = builder.serve().await.map_err(from_builder)?;
         text::print(&greeting(&server, &worlds))?;
         let mut open =
@@ -152,6 +152,15 @@ impl<'a> Serving<'a> {
         }
         end(server, limit, stop_within).await
     }
+}
+
+fn hear(stop_within: Duration) -> std::io::Result<Stop> {
+    let stop = Stop::listen()?;
+    stop.exit_after(
+        stop_within + LAST_RESORT,
+        "the server hangs, and ends as after a kill; is a disk slow or full?",
+    )?;
+    Ok(stop)
 }
 
 /// Ends the server. Clients that keep their connections open are no fault of it; worlds that do not end by then are.
@@ -237,6 +246,9 @@ fn describe(world: &str, scenario: &Scenario) -> String {
 
 /// How long worlds have to end in good order, unless the command line says otherwise.
 const STOP_WITHIN: Duration = Duration::from_secs(10);
+
+/// How long the server may take beyond that: connections are closed, and what the system does at an end.
+const LAST_RESORT: Duration = Duration::from_secs(5);
 
 /// How long connections have to close.
 const PATIENCE: Duration = Duration::from_secs(3);

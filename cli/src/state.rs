@@ -1,6 +1,8 @@
 //! `--state`: worlds that a server has left go on.
 
-use baudbot_server::{Found, KeptWorld, StateError, StateFolder};
+use std::sync::Arc;
+
+use baudbot_server::{Found, StateError, StateFolder, WorldConfig};
 
 use crate::args::ServeArgs;
 use crate::error::Refused;
@@ -29,12 +31,12 @@ pub(crate) fn go_on(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Resu
     for found in folder.worlds().map_err(refused)? {
         match found {
             Found::World(world) => {
-                let KeptWorld { config, name, scenario, tick, time_s, note } = *world;
-                tell!("world {name} continues at tick {tick}, {time_s} s");
-                if let Some(note) = note {
+                let (name, scenario) = (world.name.clone(), Arc::clone(&world.scenario));
+                tell!("world {name} continues at tick {}, {} s", world.tick, world.time_s);
+                if let Some(note) = &world.note {
                     tell!("note: world {name}: {note}");
                 }
-                serving.add(&name, &scenario, config);
+                serving.add(&name, &scenario, WorldConfig::kept(*world));
                 kept.0.push(name);
             }
             Found::SetAside { name, file, problem, to } => {

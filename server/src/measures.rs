@@ -7,8 +7,7 @@ use baudbot_sim::link::LineCounters;
 use baudbot_sim::{RobotView, Scenario, SimTime};
 
 use crate::pace::Pacing;
-use crate::report::Activity;
-use crate::state::Keeping;
+use crate::report::{Activity, Keeping};
 
 /// Quantiles of the durations of control cycles.
 pub(crate) const QUANTILES: [f64; 3] = [0.5, 0.95, 0.99];

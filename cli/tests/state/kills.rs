@@ -31,14 +31,19 @@ fn worlds_outlive_a_server_that_is_killed() {
 
 #[test]
 #[ignore = "takes minutes: ./test kills"]
-fn fifty_kills() {
-    kill(50);
-    println!("50 of 50");
+fn many_kills() {
+    let rounds = number("BAUDBOT_KILLS").unwrap_or(50);
+    kill(rounds);
+    println!("{rounds} of {rounds}");
+}
+
+fn number(variable: &str) -> Option<u64> {
+    std::env::var(variable).ok()?.parse().ok()
 }
 
 fn kill(rounds: u64) {
     let started = Instant::now();
-    let seed = std::env::var("BAUDBOT_SEED").ok().and_then(|text| text.parse().ok()).unwrap_or(0x5EED);
+    let seed = number("BAUDBOT_SEED").unwrap_or(0x5EED);
     let folder = place(&format!("kills-{rounds}"));
     let (mut chance, mut worlds) = (Chance(seed), Worlds::default());
     let mut server = Server::start(&folder, &format!("kills-{rounds}"), &[FIRMWARE]);
@@ -99,7 +104,7 @@ impl Worlds {
         operator.create("crowd", &crowd(ROBOTS), (lockstep(), false), &[]).unwrap();
         operator.create("stepped", WANDER, (stepped(), false), &[ROBOT]).unwrap();
         operator.start("stepped").unwrap();
-        operator.create("paused", WANDER, (real_time(), true), &[ROBOT]).unwrap();
+        operator.create("paused", WANDER, (lockstep(), true), &[ROBOT]).unwrap();
         operator.create("timed", WANDER, (real_time(), false), &[ROBOT, "seed=3"]).unwrap();
         let world = |changes: &[&str]| World::new(parse(WANDER, changes).into());
         self.stepped = vec![world(&[ROBOT])];

@@ -7,6 +7,7 @@ mod disk;
 mod folder;
 mod kills;
 mod operator;
+mod released;
 mod server;
 mod stopping;
 

@@ -100,6 +100,10 @@ impl Operator {
         call!(self, restore_world, request, status).map(Option::unwrap)
     }
 
+    pub(crate) fn save(&mut self, world: &str) -> Answer<Vec<u8>> {
+        call!(self, save_world, v1::SaveWorldRequest { world: world.into(), snapshot: 0 }, saved_mcap)
+    }
+
     pub(crate) fn delete(&mut self, world: &str) -> Answer<v1::WorldStatus> {
         call!(self, delete_world, v1::DeleteWorldRequest { world: world.into() }, status).map(Option::unwrap)
     }

@@ -45,6 +45,9 @@ fn a_server_whose_disk_hangs_ends_nonetheless_with_words_and_another_code() {
     operator.create("other", WANDER, (real_time(), false), &["collision=stop-robot"]).unwrap();
     // A pipe that nobody reads stands for a disk that does not answer.
     let pipe = folder.join("worlds/other/snapshot-1.new");
+    while !pipe.parent().unwrap().exists() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     operator.snapshot("other").unwrap();
     operator.wait_until("other", |status| status.tick > 20);

@@ -138,8 +138,11 @@ fn beginning(bytes: &[u8]) -> Result<usize, JournalError> {
     Err(JournalError::Format(digits.map(|digit| char::from(*digit)).collect()))
 }
 
+/// The kind and the body of an entry, and where the next one begins.
+type Found<'a> = (u8, &'a [u8], usize);
+
 /// The kind and the body of the entry that begins here, and where the next one does; `None` if a write ends here, whole or not.
-fn entry(bytes: &[u8], at: usize) -> Result<Option<(u8, &[u8], usize)>, JournalError> {
+fn entry(bytes: &[u8], at: usize) -> Result<Option<Found<'_>>, JournalError> {
     let rest = &bytes[at..];
     // What was never written is zeros, where a file got its length before its bytes.
     if rest.len() < HEAD || rest.iter().all(|byte| *byte == 0) {

@@ -1,7 +1,7 @@
 //! The actor of a world: it alone touches the world, and does one thing at a time. It handles messages, begins a tick,
 //! finishes a tick, or waits.
 //!
-//! Which thread that happens on is for the [`Mailbox`] to decide. This file is the loop:
+//! Which thread that happens on is for the [`Mailbox`](crate::mailbox::Mailbox) to decide. This file is the loop:
 //! [`WorldActor::next`] says what is to be done, and the other methods do it.
 
 mod attachments;
@@ -40,17 +40,15 @@ use crate::beliefs::Beliefs;
 use crate::cables::Cables;
 use crate::endpoint::Sent;
 use crate::log::event;
-use crate::mailbox::Mailbox;
-use crate::message::{Message, WorldHandle};
+use crate::message::Message;
 use crate::observers::Observers;
 use crate::pace::WatchdogPolicy;
-use crate::pool::Pool;
 use crate::report::Activity;
 use crate::sessions::Sessions;
 pub use direct::DirectWorld;
 use interventions::Interventions;
-pub(crate) use new_world::NewWorld;
 pub use new_world::OnTick;
+pub(crate) use new_world::{NewWorld, start};
 use pacer::Pacer;
 use ports::{Pending, Ports, ToDevice};
 pub use progress::Progress;
@@ -129,35 +127,6 @@ macro_rules! view {
     };
 }
 use view;
-
-/// Makes a world, which this pool runs. `neighbours` is how many worlds there are on the server.
-///
-/// # Errors
-/// If its recording cannot begin, or the pool has no thread for it.
-pub(crate) fn start(
-    mut new: NewWorld,
-    neighbours: Arc<AtomicU32>,
-    pool: &mut Pool,
-) -> Result<WorldHandle, Status> {
-    let (name, record): (Arc<str>, _) = (new.name.as_str().into(), new.record.clone());
-    let (robots, paused) = (new.world.robots().len(), new.paused);
-    let resumed = new.resumed.take();
-    let made = resumed.as_ref().map_or_else(|| Arc::clone(new.world.origin()), |it| Arc::clone(&it.made));
-    let tick = new.world.tick();
-    let mut actor = WorldActor::new(Arc::clone(&name), new, neighbours);
-    if let Some(record) = record {
-        actor.record(record)?;
-    }
-    if let Some(resumed) = resumed {
-        actor.resume(resumed);
-    }
-    actor.begin_to_keep();
-    let mailbox = pool
-        .add(|waker| Arc::new(Mailbox::new(actor, waker)))
-        .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
-    tracing::info!(world = &*name, tick, robots, paused, "world made");
-    Ok(WorldHandle::new(name, made, mailbox))
-}
 
 impl WorldActor {
     fn new(

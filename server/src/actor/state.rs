@@ -12,7 +12,8 @@ use super::snapshots::MAX_SNAPSHOTS;
 use super::{Phase, WorldActor};
 use crate::endpoint::Sender;
 use crate::log::event;
-use crate::state::{Keeper, Keeping, Now, Resumed, StateFolder};
+use crate::report::Keeping;
+use crate::state::{Keeper, Now, Resumed, StateFolder};
 
 /// The state of a world, as far as it is kept.
 pub(super) struct State {
@@ -157,7 +158,7 @@ impl WorldActor {
 
     /// The world is deleted.
     pub(super) fn remove_state(&mut self) {
-        if let Some(mut keeper) = self.state.keeper.take() {
+        if let Some(keeper) = self.state.keeper.take() {
             keeper.remove(&now!(self));
         }
     }

@@ -23,7 +23,7 @@ use crate::pace::Pace;
 use crate::page::Film;
 use crate::recording::Folder;
 use crate::registry::Registry;
-use crate::state::StateFolder;
+use crate::state::{KeptWorld, StateFolder};
 use crate::thinking::ProcessorTime;
 
 /// How long a connection has to make its first call, unless the builder is told otherwise.
@@ -45,9 +45,10 @@ impl WorldConfig {
         Self { new: NewWorld::new(name.into(), world, Pace::REAL_TIME) }
     }
 
-    /// A world that is about to be made.
-    pub(crate) fn from_new(new: NewWorld) -> Self {
-        Self { new }
+    /// A world of a [state folder](StateFolder::worlds), which goes on as its server left it.
+    pub fn kept(world: KeptWorld) -> Self {
+        let KeptWorld { name, world, pace, paused, resumed, .. } = world;
+        Self { new: NewWorld { paused, resumed: Some(resumed), ..NewWorld::new(name, world, pace) } }
     }
 
     /// A world of this name that replays a recording, from where the replay stands in this world. It is paused until it is

@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::file_names;
 use super::threads::Threads;
+use crate::report::Keeping;
 
 /// Bytes that wait for the disk, at most, beside those of a whole state.
 const MOST_WAITING: usize = 16 << 20;
@@ -62,15 +63,6 @@ struct Disk {
     former: Vec<PathBuf>,
 }
 
-/// Whether the state of a world is kept, for monitoring.
-#[derive(Clone, Debug)]
-pub(crate) struct Keeping {
-    /// Something could not be written, and a new journal could not be begun since.
-    pub(crate) is_lost: bool,
-    /// The last tick that is in the journal.
-    pub(crate) tick: u64,
-}
-
 impl WorldFiles {
     /// The files in this folder, of which there is none yet but those of before.
     pub(super) fn new(folder: PathBuf, threads: Threads) -> Self {
@@ -109,16 +101,38 @@ impl WorldFiles {
 
     /// Carries out all work that waits.
     pub(super) fn write(self: &Arc<Self>) {
-        let mut disk = lock(&self.disk);
+        self.write_all(&mut lock(&self.disk));
+    }
+
+    fn write_all(self: &Arc<Self>, disk: &mut Disk) {
         while let Some(work) = self.next() {
-            let is_written = self.carry_out(&mut disk, work);
-            if let Err(error) = is_written {
-                disk.give_up();
-                self.lose(&error.to_string());
-            } else if !self.is_dirty.swap(true, Ordering::Relaxed) {
-                self.threads.sync(self);
-            }
+            let written = self.carry_out(disk, work);
+            self.note(disk, written);
         }
+    }
+
+    /// Adds to the journal, up to this tick, on this thread.
+    pub(super) fn append(self: &Arc<Self>, bytes: &[u8], tick: u64) {
+        let mut disk = lock(&self.disk);
+        self.write_all(&mut disk);
+        let written = self.append_to(&mut disk, bytes, tick);
+        self.note(&mut disk, written);
+    }
+
+    fn note(self: &Arc<Self>, disk: &mut Disk, written: io::Result<()>) {
+        if let Err(error) = written {
+            disk.give_up();
+            self.lose(&error.to_string());
+        } else if !self.is_dirty.swap(true, Ordering::Relaxed) {
+            self.threads.sync(self);
+        }
+    }
+
+    fn append_to(&self, disk: &mut Disk, bytes: &[u8], tick: u64) -> io::Result<()> {
+        if disk.append(bytes)? {
+            self.kept_tick.store(tick, Ordering::Relaxed);
+        }
+        Ok(())
     }
 
     fn next(&self) -> Option<Work> {
@@ -130,12 +144,7 @@ impl WorldFiles {
 
     fn carry_out(&self, disk: &mut Disk, work: Work) -> io::Result<()> {
         match work {
-            Work::Append(bytes, tick) => {
-                if disk.append(&bytes)? {
-                    self.kept_tick.store(tick, Ordering::Relaxed);
-                }
-                Ok(())
-            }
+            Work::Append(bytes, tick) => self.append_to(disk, &bytes, tick),
             Work::Begin { journal, tick, snapshots } => {
                 fs::create_dir_all(&self.folder)?;
                 for (number, bytes) in snapshots {

@@ -7,12 +7,13 @@ use baudbot_proto::v1;
 use baudbot_recording::journal::{At, Entries, KeptRecording, PortState, Ports, Settings};
 use baudbot_sim::{Scenario, World};
 
-use super::files::{Keeping, Work, WorldFiles};
+use super::files::{Work, WorldFiles};
 use crate::convert;
 use crate::endpoint::Sender;
 use crate::log::event;
 use crate::message::RecordConfig;
 use crate::pace::Pace;
+use crate::report::Keeping;
 use crate::sessions::Sessions;
 
 /// How often a world writes that does not wait for its brains; twice as often as promised, since it has to be written yet.
@@ -57,6 +58,7 @@ pub(crate) struct Keeper {
     entries: Entries,
     /// What was written last.
     settings: Settings,
+    pace: Pace,
     senders: Vec<Sender>,
     at: (u64, bool),
     /// When things were written last.
@@ -88,6 +90,7 @@ impl Keeper {
             made,
             entries: Entries::default(),
             settings: Settings::default(),
+            pace: now.pace,
             senders: Vec::new(),
             at: (0, false),
             written: instant,
@@ -98,8 +101,7 @@ impl Keeper {
             lost: None,
             snapshots: Vec::new(),
         };
-        // Whoever makes a world waits until it is kept.
-        keeper.begin_waiting(now, true);
+        keeper.begin(now);
         keeper
     }
 
@@ -162,7 +164,7 @@ impl Keeper {
     }
 
     /// The world is deleted.
-    pub(crate) fn remove(&mut self, now: &Now<'_>) {
+    pub(crate) fn remove(&self, now: &Now<'_>) {
         if let Err(error) = self.files.remove() {
             event!(now, error, %error, "the state of a deleted world cannot be removed");
         }
@@ -170,12 +172,8 @@ impl Keeper {
 
     /// Another run begins, or it goes on from another state: so does another journal.
     pub(crate) fn begin(&mut self, now: &Now<'_>) {
-        self.begin_waiting(now, waits(now.pace));
-    }
-
-    fn begin_waiting(&mut self, now: &Now<'_>, waits: bool) {
         self.entries.clear();
-        self.settings = settings(now);
+        (self.settings, self.pace) = (settings(now), now.pace);
         let mut journal = Entries::beginning(now.name, now.world, &self.made, &self.settings);
         journal.ports(&ports(now.senders, &[]));
         self.senders = now.senders.to_vec();
@@ -184,7 +182,7 @@ impl Keeper {
         self.beginning = journal.len() as u64;
         self.length = self.beginning;
         let snapshots = if self.lost.is_some() { self.snapshots.clone() } else { Vec::new() };
-        self.files.add(Work::Begin { journal: journal.take(), tick: self.at.0, snapshots }, waits);
+        self.files.add(Work::Begin { journal: journal.take(), tick: self.at.0, snapshots }, waits(now.pace));
         self.look_for_failure(now);
     }
 
@@ -258,13 +256,15 @@ impl Keeper {
     fn note_ports(&mut self, now: &Now<'_>) {
         if self.senders != now.senders {
             self.entries.ports(&ports(now.senders, &self.senders));
-            self.senders = now.senders.to_vec();
+            // In place: a crowd has many, and this is done at each tick.
+            self.senders.resize_with(now.senders.len(), Sender::default);
+            self.senders.clone_from_slice(now.senders);
         }
     }
 
     fn note_settings(&mut self, now: &Now<'_>) {
-        if !is_same(&self.settings, now) {
-            self.settings = settings(now);
+        if self.pace != now.pace || !is_same(&self.settings, now) {
+            (self.settings, self.pace) = (settings(now), now.pace);
             self.entries.settings(&self.settings);
         }
     }
@@ -284,7 +284,12 @@ impl Keeper {
         self.written = Instant::now();
         if !self.entries.is_empty() {
             self.length += self.entries.len() as u64;
-            self.files.add(Work::Append(self.entries.take(), tick), waits);
+            if waits {
+                self.files.append(self.entries.bytes(), tick);
+                self.entries.clear();
+            } else {
+                self.files.add(Work::Append(self.entries.take(), tick), false);
+            }
         }
     }
 }
@@ -309,11 +314,10 @@ fn settings(now: &Now<'_>) -> Settings {
     }
 }
 
-/// Whether these are the settings, as at nearly every tick.
+/// Whether these are the settings but for the pace, as at nearly every tick.
 fn is_same(settings: &Settings, now: &Now<'_>) -> bool {
     let recording = settings.recording.as_ref().map(|recording| &recording.name);
     settings.paused == now.paused
-        && settings.pace.as_ref() == Some(&convert::pace_to(now.pace))
         && recording == now.recording.map(|config| &config.name)
         && settings.slots.iter().copied().eq(now.sessions.standing(now.coming_back))
 }

@@ -9,11 +9,9 @@ use baudbot_recording::journal::{Journal, JournalError, PortState, Restored, Set
 use baudbot_sim::{Scenario, World};
 
 use super::file_names;
-use crate::actor::NewWorld;
 use crate::convert::pace_of;
 use crate::message::RecordConfig;
 use crate::pace::Pace;
-use crate::server::WorldConfig;
 
 /// What was found in a world's folder.
 pub enum Found {
@@ -34,8 +32,6 @@ pub enum Found {
 
 /// A world that goes on as its server left it.
 pub struct KeptWorld {
-    /// The world, as the server's builder takes it.
-    pub config: WorldConfig,
     /// Its name.
     pub name: String,
     /// Its scenario.
@@ -46,6 +42,10 @@ pub struct KeptWorld {
     pub time_s: f64,
     /// What is to be told about it.
     pub note: Option<String>,
+    pub(crate) world: World,
+    pub(crate) pace: Pace,
+    pub(crate) paused: bool,
+    pub(crate) resumed: Resumed,
 }
 
 /// What a world has besides its state that outlived its server.
@@ -103,11 +103,10 @@ fn kept(name: &str, restored: Restored, journal: &Journal, snapshots: Vec<KeptSn
     let (scenario, tick, time_s) = (Arc::clone(world.scenario()), world.tick(), world.time().as_seconds());
     let pace = pace.and_then(pace_of).unwrap_or(Pace::REAL_TIME);
     let resumed = Resumed { made, ports, slots, snapshots, recording };
-    let new = NewWorld { paused, resumed: Some(resumed), ..NewWorld::new(name.to_owned(), world, pace) };
     let torn = Some(journal.torn()).filter(|torn| *torn > 0);
     let note =
         torn.map(|torn| format!("the last {torn} bytes of its journal were not whole and are left out"));
-    KeptWorld { config: WorldConfig::from_new(new), name: name.to_owned(), scenario, tick, time_s, note }
+    KeptWorld { name: name.to_owned(), scenario, tick, time_s, note, world, pace, paused, resumed }
 }
 
 fn snapshots(folder: &Path) -> Result<Vec<KeptSnapshot>, Unusable> {

@@ -15,7 +15,6 @@ mod keeper;
 mod kept;
 mod threads;
 
-pub(crate) use files::Keeping;
 pub use folder::{StateError, StateFolder};
 pub(crate) use keeper::{Keeper, Now};
 pub(crate) use kept::Resumed;
