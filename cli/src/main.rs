@@ -6,7 +6,7 @@
 //! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
 //!    `preset`, `evidence`, `fit`, `export`, `watch`, `new`, `token`, `cert`, `list` and `pages` are the commands, one a file or folder; `work` is
 //!    what `sweep` and `tune` share.
-//! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `assignment` reads `--brain`.
+//! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `state` finds the worlds that a server has left, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
 //! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
 //!    for Perfetto, `map` an arena in characters, `gdb` lets debuggers in, `link` a link in words, `together` warns of sensors whose readings arrive
@@ -61,6 +61,7 @@ mod serve;
 mod serving;
 mod shards;
 mod signals;
+mod state;
 mod summary;
 mod sweep;
 mod text;

@@ -3,6 +3,7 @@
 use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::Context;
 use baudbot_server::WorldConfig;
@@ -12,11 +13,14 @@ use crate::error::Refused;
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
 use crate::serving::{Serving, Viewing};
+use crate::state::{self, Kept};
 use crate::text::tell;
 use crate::{record, replay};
 
 pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
     let mut serving = Serving::new(&args.listen)?;
+    serving.stop_within(Duration::from_secs(args.stop_within.into()));
+    let kept = state::go_on(args, &mut serving)?;
     if let Some(folder) = &args.recordings {
         make_folder(folder)?;
         serving.keep_recordings(folder);
@@ -25,19 +29,19 @@ pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
         serving.take_trainers(address.clone());
     }
     match &args.resume {
-        Some(file) => resume(args, file, &mut serving)?,
-        None => worlds(args, &mut serving)?,
+        Some(file) => resume(args, file, &kept, &mut serving)?,
+        None => worlds(args, &kept, &mut serving)?,
     }
     serving.open_ports(&args.ports)?;
     serving.until_stopped(Viewing::IfOpen).await
 }
 
 /// The worlds of scenarios.
-fn worlds(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Result<()> {
+fn worlds(args: &ServeArgs, kept: &Kept, serving: &mut Serving<'_>) -> anyhow::Result<()> {
     let pace = args.watchdog.apply(args.pace.unwrap_or(PaceName::Timed(1.0)).pace())?;
     let overrides = overrides(&args.changes)?;
     let default = [scenarios::DEFAULT.to_owned()];
-    let names = if args.scenarios.is_empty() { &default[..] } else { &args.scenarios };
+    let names = if args.scenarios.is_empty() && kept.is_empty() { &default[..] } else { &args.scenarios };
     if names.len() > 1 && args.record.record.is_some() {
         return Err(Refused::error(
             "--record: takes a single world, and these are several; use --recordings FOLDER",
@@ -47,6 +51,10 @@ fn worlds(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Result<()> {
         let source = Source::find(name)?;
         let scenario = source.parse(&overrides)?;
         let world = source.world_name(&scenario);
+        if kept.has(&world) {
+            tell!("note: world {world} goes on as it was left; scenario {name} is not begun again");
+            continue;
+        }
         scenarios::warn(&scenario);
         let scenario = Arc::new(scenario);
         let config = WorldConfig::new(world.clone(), Arc::clone(&scenario)).pace(pace).paused(args.paused);
@@ -56,7 +64,7 @@ fn worlds(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Result<()> {
 }
 
 /// The world of a recording, from its end on.
-fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::Result<()> {
+fn resume(args: &ServeArgs, file: &Path, kept: &Kept, serving: &mut Serving<'_>) -> anyhow::Result<()> {
     if args.record.record.as_deref().is_some_and(|record| crate::output_files::is_same_file(record, file)) {
         let file = file.display();
         return Err(Refused::error(format!(
@@ -74,6 +82,12 @@ fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::R
         tell!("note: {}: {problem}; the world continues from the end of what is left", file.display());
     }
     let (name, scenario) = (recorded.header().world.clone(), Arc::clone(world.scenario()));
+    if kept.has(&name) {
+        let file = file.display();
+        return Err(Refused::error(format!(
+            "--resume {file}: a world {name} is in the folder of --state already; start the server without --resume to go on with it"
+        )));
+    }
     tell!("world {name} continues at tick {}, {} s", world.tick(), world.time().as_seconds());
     let config = WorldConfig::from_state(name.clone(), world).pace(pace).paused(args.paused);
     serving.add(&name, &scenario, record::add(config, &args.record));

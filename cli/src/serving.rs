@@ -8,8 +8,9 @@ use std::time::Duration;
 use anyhow::Context;
 use baudbot_port::PortAddress;
 use baudbot_proto::v1;
-use baudbot_server::{Address, Builder, Server, WorldConfig};
+use baudbot_server::{Address, Builder, Server, StateFolder, WorldConfig};
 use baudbot_sim::Scenario;
+use tokio::time::{Instant, timeout_at};
 
 use crate::args::{DEFAULT_ADDRESS, ListenArgs, Over};
 use crate::assignment::{self, Assigned};
@@ -38,6 +39,8 @@ pub(crate) struct Serving<'a> {
     live: Vec<(String, Arc<Scenario>)>,
     /// The serial ports of each of these.
     ports: Vec<(String, PortsByRobot)>,
+    /// How long worlds have to end in good order.
+    stop_within: Duration,
 }
 
 /// A world's name, what is in it, and a robot with a brain that can drive it.
@@ -48,12 +51,29 @@ impl<'a> Serving<'a> {
     /// If what the server is to be guarded with cannot be used.
     pub(crate) fn new(listen: &'a ListenArgs) -> anyhow::Result<Self> {
         let builder = listen.builder()?;
-        Ok(Self { builder, listen, worlds: Vec::new(), live: Vec::new(), ports: Vec::new() })
+        Ok(Self {
+            builder,
+            listen,
+            worlds: Vec::new(),
+            live: Vec::new(),
+            ports: Vec::new(),
+            stop_within: STOP_WITHIN,
+        })
     }
 
     /// Lets operators record into a folder.
     pub(crate) fn keep_recordings(&mut self, folder: &Path) {
         self.builder = std::mem::take(&mut self.builder).recordings(folder.to_owned());
+    }
+
+    /// Keeps worlds in a folder.
+    pub(crate) fn keep_state(&mut self, folder: StateFolder) {
+        self.builder = std::mem::take(&mut self.builder).state(folder);
+    }
+
+    /// Gives worlds so long to end in good order.
+    pub(crate) fn stop_within(&mut self, limit: Duration) {
+        self.stop_within = limit;
     }
 
     /// Takes trainers at an address.
@@ -97,7 +117,7 @@ impl<'a> Serving<'a> {
 
     /// Serves until it is stopped.
     pub(crate) async fn until_stopped(self, viewing: Viewing) -> anyhow::Result<()> {
-        let Self { mut builder, listen, worlds, live, ports } = self;
+        let Self { mut builder, listen, worlds, live, ports, stop_within } = self;
         let listening = addresses(listen, viewing)?;
         for address in listening.clone() {
             builder = builder.listen(address);
@@ -105,7 +125,7 @@ impl<'a> Serving<'a> {
         let open = listening.iter().any(|address| matches!(address, Address::Tcp(_)));
         builder = viewer::add(builder, listen.viewer, open || viewing == Viewing::Always);
         // Scenarios may have come through FIFOs; there a single signal is to end the program.
-        let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
+        let mut stop = hear(stop_within).context("cannot listen for Ctrl-C")?;
         let server = builder.serve().await.map_err(from_builder)?;
         text::print(&greeting(&server, &worlds))?;
         let mut open =
@@ -121,17 +141,42 @@ impl<'a> Serving<'a> {
             }
         }
         tell!("stopping");
-        text::print(&open.close().await)?;
+        server.refuse_worlds();
+        let limit = Instant::now() + stop_within;
+        let ports = timeout_at(limit, open.close()).await;
+        text::print(&ports.unwrap_or_default())?;
         // As at the end of `run`. A server that does not answer keeps nobody from stopping it.
-        if let Ok(summaries) = tokio::time::timeout(PATIENCE, summaries(&server, &live)).await {
+        let patience = limit.min(Instant::now() + PATIENCE);
+        if let Ok(summaries) = timeout_at(patience, summaries(&server, &live)).await {
             text::print(&summaries?)?;
         }
-        tokio::select! {
-            () = server.shutdown() => {}
-            () = tokio::time::sleep(PATIENCE) => tell!("note: a client kept its connection open; it was closed"),
-        }
-        Ok(())
+        end(server, limit, stop_within).await
     }
+}
+
+fn hear(stop_within: Duration) -> std::io::Result<Stop> {
+    let stop = Stop::listen()?;
+    stop.exit_after(
+        stop_within + LAST_RESORT,
+        "the server hangs, and ends as after a kill; is a disk slow or full?",
+    )?;
+    Ok(stop)
+}
+
+/// Ends the server. Clients that keep their connections open are no fault of it; worlds that do not end by then are.
+async fn end(mut server: Server, limit: Instant, within: Duration) -> anyhow::Result<()> {
+    if timeout_at(limit, server.end_worlds()).await.is_err() {
+        let worlds = server.unended().join(", ");
+        let within = within.as_secs();
+        return Err(anyhow::anyhow!(
+            "not all has ended within {within} s (--stop-within), as after a kill: what {worlds} did since the last marks of \
+             their recordings and of the state may be missing; is a disk slow or full?"
+        ));
+    }
+    if timeout_at(Instant::now() + PATIENCE, server.end_streams()).await.is_err() {
+        tell!("note: a client kept its connection open; it was closed");
+    }
+    Ok(())
 }
 
 /// What has happened in the worlds that are still there and have begun.
@@ -198,6 +243,12 @@ fn describe(world: &str, scenario: &Scenario) -> String {
     };
     format!("world {world}: {robots}\n")
 }
+
+/// How long worlds have to end in good order, unless the command line says otherwise.
+const STOP_WITHIN: Duration = Duration::from_secs(10);
+
+/// How long the server may take beyond that: connections are closed, and what the system does at an end.
+const LAST_RESORT: Duration = Duration::from_secs(5);
 
 /// How long connections have to close.
 const PATIENCE: Duration = Duration::from_secs(3);

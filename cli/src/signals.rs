@@ -1,11 +1,14 @@
 //! Ctrl-C, SIGTERM, and the terminal that is closed.
 
 use std::sync::mpsc;
+use std::time::Duration;
 use std::{io, process, thread};
 
 use tokio::runtime;
 use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio::sync::watch;
+
+use crate::text::tell;
 
 /// The wish of a person or a system that the program ends.
 ///
@@ -36,6 +39,20 @@ impl Stop {
     pub(crate) fn flag(&self) -> impl Fn() -> bool + Send + Sync + use<> {
         let stopped = self.0.clone();
         move || *stopped.borrow()
+    }
+
+    /// Ends the program so long after the first signal, if it has not ended by itself: all other threads may be waiting for a disk.
+    pub(crate) fn exit_after(&self, limit: Duration, words: &'static str) -> io::Result<()> {
+        let mut stopped = self.0.clone();
+        let runtime = runtime::Builder::new_current_thread().build()?;
+        let wait = move || {
+            if runtime.block_on(stopped.wait_for(|stop| *stop)).is_ok() {
+                thread::sleep(limit);
+                tell!("error: {words}");
+                process::exit(1);
+            }
+        };
+        thread::Builder::new().name("last resort".to_owned()).spawn(wait).map(drop)
     }
 
     /// Waits for the first signal; returns at once if it has been there.

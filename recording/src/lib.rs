@@ -4,6 +4,8 @@
 //! states, and every input with its tick. The file may also hold what observers saw, for other tools; [`Frames`] reads that.
 //! A [`Writer`] writes a recording, a [`RecordedRun`] is a recording that was read, and a [`Replay`] is a world that replays
 //! one and is compared with it. The shortest recording is a single state by value: [`saved`].
+//!
+//! A [`journal`] keeps a world that goes on after its program was killed.
 
 mod change;
 mod digest;
@@ -11,6 +13,7 @@ mod error;
 mod file;
 pub mod foxglove;
 mod frames;
+pub mod journal;
 mod reader;
 mod recorded_run;
 mod replay;

@@ -119,24 +119,7 @@ impl Replay {
         let recorded = self.recorded.inputs_at(world.tick())?;
         let inputs = recorded.iter().flat_map(|recorded| &recorded.inputs);
         self.check(inputs.clone(), world);
-        let now = world.time().as_ns();
-        for input in inputs.clone() {
-            if let Some(tick) = input.answers_tick {
-                world.answers(input.robot as usize, tick);
-            }
-        }
-        let at = |input: &v1::RecordedInput| SimTime::from_ns(now.saturating_add_signed(input.after_ns));
-        for input in inputs.clone() {
-            if let Some(sensor) = input.sensor {
-                world.write_port(input.robot as usize, sensor as usize, at(input), &input.data);
-            }
-        }
-        let inputs = inputs.filter(|input| input.sensor.is_none()).map(|input| Input {
-            robot: input.robot as usize,
-            at: at(input),
-            bytes: &input.data,
-        });
-        world.finish(&inputs.collect::<Vec<_>>());
+        finish(world, inputs);
         self.begin(world)?;
         if world.tick() + RUN_UP == self.goal {
             self.near = Some(world.clone());
@@ -248,6 +231,29 @@ impl Replay {
             self.difference = Some(Difference { tick, time, what, program });
         }
     }
+}
+
+/// Second half of a tick in which this entered the world.
+pub(crate) fn finish<'a>(world: &mut World, inputs: impl IntoIterator<Item = &'a v1::RecordedInput> + Clone) {
+    let now = world.time().as_ns();
+    let at = |input: &v1::RecordedInput| SimTime::from_ns(now.saturating_add_signed(input.after_ns));
+    for input in inputs.clone() {
+        if let Some(tick) = input.answers_tick {
+            world.answers(input.robot as usize, tick);
+        }
+    }
+    for input in inputs.clone() {
+        if let Some(sensor) = input.sensor {
+            world.write_port(input.robot as usize, sensor as usize, at(input), &input.data);
+        }
+    }
+    let written = inputs.into_iter().filter(|input| input.sensor.is_none());
+    let input = |input: &'a v1::RecordedInput| Input {
+        robot: input.robot as usize,
+        at: at(input),
+        bytes: &input.data,
+    };
+    world.finish(&written.map(input).collect::<Vec<_>>());
 }
 
 /// Ticks before one that is looked for, from which it is simulated.

@@ -221,7 +221,7 @@ fn check_poll(spec: &RobotSpec) -> Result<(), Problem> {
 }
 
 /// The writing end of a robot's port, where the server writes messages for its brain.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Sender {
     /// Of the next message. The first one of a Create's, 0, has an opening before it.
     sequence: u8,
@@ -235,6 +235,16 @@ impl Sender {
     /// A sender for a new brain, which writes bytes or messages, with these signals of the other actuators in force.
     pub(crate) fn new(others: impl Iterator<Item = f64>, raw: bool) -> Self {
         Self { sequence: 0, raw, others: others.collect() }
+    }
+
+    /// A sender as it was: the number of the next message, whether its brain writes bytes, and signals.
+    pub(crate) fn from_parts(sequence: u8, raw: bool, others: Vec<f64>) -> Self {
+        Self { sequence, raw, others }
+    }
+
+    /// What [`from_parts`](Self::from_parts) makes it of.
+    pub(crate) fn parts(&self) -> (u8, bool, &[f64]) {
+        (self.sequence, self.raw, &self.others)
     }
 
     /// Whether its brain writes bytes.

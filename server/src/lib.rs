@@ -14,7 +14,8 @@
 //! 5. `mailbox` decides where a message is handled: on a thread of the `pool`, which says which world comes first, or inline by
 //!    its sender.
 //! 6. `actor` is a world with all that happens to it: it alone touches the world. [`Pace`] says when a tick may end, `sessions`
-//!    which brains are attached and which answers are owed, `observers` get frames, `recording` writes files. `endpoint` is the
+//!    which brains are attached and which answers are owed, `observers` get frames, `recording` writes files,
+//!    `state` keeps the world over a restart. `endpoint` is the
 //!    laptop's end of a brain's ports: what it writes, checked and turned into bytes. `beliefs` are what brains publish.
 //!    [`DirectWorld`] is that without a server, and [`drive()`] a test of a brain in one.
 //!
@@ -72,6 +73,7 @@ mod registry;
 mod report;
 mod server;
 mod sessions;
+mod state;
 mod thinking;
 mod trainer;
 mod truth;
@@ -90,4 +92,5 @@ pub use pace::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 pub use page::{Film, NoFilm};
 pub use registry::MAX_WORLDS;
 pub use server::{Builder, Server, ServerError, WorldConfig};
+pub use state::{Found, KeptWorld, StateError, StateFolder};
 pub use thinking::ProcessorTime;

@@ -84,6 +84,11 @@ impl<M> Mailbox<M> {
         true
     }
 
+    /// Whether it takes no messages any more.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.queue().is_closed
+    }
+
     fn run_inline(&self) {
         loop {
             // Dropped after the lock, so that the pool finds it poisoned.

@@ -7,7 +7,7 @@ use baudbot_sim::link::LineCounters;
 use baudbot_sim::{RobotView, Scenario, SimTime};
 
 use crate::pace::Pacing;
-use crate::report::Activity;
+use crate::report::{Activity, Keeping};
 
 /// Quantiles of the durations of control cycles.
 pub(crate) const QUANTILES: [f64; 3] = [0.5, 0.95, 0.99];
@@ -27,6 +27,8 @@ pub(crate) struct Measures {
     pub(crate) pacing: Pacing,
     pub(crate) observers: usize,
     pub(crate) frames_missed: u64,
+    /// Whether its state is kept, if the server keeps any.
+    pub(crate) keeping: Option<Keeping>,
     /// Of the first robots of the scenario.
     pub(crate) robots: Vec<RobotMeasures>,
 }

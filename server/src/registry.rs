@@ -12,6 +12,7 @@ use crate::limits::{InForce, Payer, Place, Taken};
 use crate::message::{Message, WorldHandle};
 use crate::pool::Pool;
 use crate::quote::{brief, list};
+use crate::state::StateFolder;
 
 /// Most worlds of one server, unless it is told another number. So many in real time are more than two processors can run.
 pub const MAX_WORLDS: usize = 4096;
@@ -32,6 +33,10 @@ struct Worlds {
     without_threads: bool,
     /// How many there are; each world knows it.
     count: Arc<AtomicU32>,
+    /// Where the state of worlds is kept; `None` if it is not.
+    state: Option<StateFolder>,
+    /// The server stops: no world is made any more.
+    is_closed: bool,
 }
 
 /// A world, its own pool if it has one, and the places that it takes.
@@ -64,11 +69,21 @@ impl Registry {
         Self { worlds: Arc::default(), limits }
     }
 
-    /// One whose worlds are tasks of the runtime in which they are made.
-    pub(crate) fn without_threads(limits: InForce) -> Self {
-        let registry = Self::new(limits);
-        registry.lock().without_threads = true;
-        registry
+    /// The same; its worlds are tasks of the runtime in which they are made.
+    pub(crate) fn without_threads(self) -> Self {
+        self.lock().without_threads = true;
+        self
+    }
+
+    /// The same; the state of its worlds is kept in this folder, if there is one.
+    pub(crate) fn keeping(self, state: Option<StateFolder>) -> Self {
+        self.lock().state = state;
+        self
+    }
+
+    /// Makes no world any more: the server stops.
+    pub(crate) fn close(&self) {
+        self.lock().is_closed = true;
     }
 
     /// The limits of the server.
@@ -81,18 +96,21 @@ impl Registry {
     ///
     /// # Errors
     /// If the name is taken or unfit, or there is no room for another world, or no thread.
-    pub(crate) fn create(&self, new: NewWorld, payer: Option<&Payer>) -> Result<WorldHandle, Status> {
+    pub(crate) fn create(&self, mut new: NewWorld, payer: Option<&Payer>) -> Result<WorldHandle, Status> {
         check_name(&new.name)?;
         note_world(&new.name);
         let owner = payer.map(|Payer(tally)| self.limits.world_of(tally)).transpose()?;
         let (world, robots) = self.limits.world(new.world.robots().len())?;
         let charges = new.charges(&self.limits)?;
         let mut worlds = self.lock();
+        if worlds.is_closed {
+            return Err(Status::unavailable("the server stops, and makes no world any more"));
+        }
         if worlds.by_name.contains_key(new.name.as_str()) {
             return Err(Status::already_exists(format!("world: there is a world `{}` already", new.name)));
         }
         let name: Arc<str> = new.name.as_str().into();
-        let count = Arc::clone(&worlds.count);
+        let (count, state) = (Arc::clone(&worlds.count), worlds.state.clone());
         let without_threads = worlds.without_threads;
         let may_block = new.on_tick.is_some() && !without_threads;
         let mut own = may_block.then(|| Pool::of_one(&format!("world {name}")));
@@ -101,6 +119,7 @@ impl Registry {
             None if without_threads => worlds.pool.get_or_insert_with(Pool::without_threads),
             None => worlds.pool.get_or_insert_with(|| Pool::new("worlds")),
         };
+        new.state = state;
         let handle = actor::start(new, charges, count, pool)?;
         let entry = Entry { world: handle.clone(), own, _places: (world, robots, owner) };
         worlds.by_name.insert(name, entry);

@@ -58,6 +58,15 @@ pub(crate) struct RecordingReport {
     pub(crate) problem: Option<String>,
 }
 
+/// Whether the state of a world is kept, for monitoring.
+#[derive(Clone, Debug)]
+pub(crate) struct Keeping {
+    /// Something could not be written, and a new journal could not be begun since.
+    pub(crate) is_lost: bool,
+    /// The last tick that is in the journal.
+    pub(crate) tick: u64,
+}
+
 /// A robot's slot: the brain that holds it, and what was lost on the way to and from its brains.
 pub(crate) struct SlotReport {
     pub(crate) brain: Option<String>,

@@ -11,6 +11,8 @@ use crate::policy::{Policy, input_names};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawPolicy {
+    /// Of its format; files of before there was one do not say.
+    version: Option<u32>,
     layers: Vec<Vec<Vec<f64>>>,
     offset: Option<Vec<f64>>,
     scale: Option<Vec<f64>>,
@@ -30,6 +32,9 @@ struct RawSensor {
     values: usize,
 }
 
+/// Of the format.
+const VERSION: u32 = 1;
+
 impl RawPolicy {
     /// What can be said without a robot.
     pub(super) fn check(&self, whole: &Raw) -> Result<(), DescriptionError> {
@@ -41,6 +46,10 @@ impl RawPolicy {
         ];
         if let Some((table, _)) = others.into_iter().find(|(_, is_empty)| !is_empty) {
             return Err(DescriptionError::new(table, "beside a policy there are no processes; leave it out"));
+        }
+        if let Some(version) = self.version.filter(|version| *version != VERSION) {
+            let text = format!("is {version}; this version of baudbot reads {VERSION}");
+            return Err(problem("version", text));
         }
         match self.max_age_s {
             Some(_) if !self.ages => Err(problem("max_age_s", "counts only with ages = true")),

@@ -132,6 +132,8 @@ fn what_is_wrong_is_said_with_its_field() {
         problem("ages = true")
     );
     assert_eq!(problem(&format!("{two}\nmax_age_s = 1")), "policy.max_age_s: counts only with ages = true");
+    let newer = problem(&format!("{two}\nversion = 2"));
+    assert_eq!(newer, "policy.version: is 2; this version of baudbot reads 1");
     assert_eq!(
         problem(&format!("{two}\nages = true\nmax_age_s = 0")),
         "policy.max_age_s: must be above 0 and below 1e9, is 0"

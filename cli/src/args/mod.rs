@@ -242,6 +242,15 @@ pub(crate) struct ServeArgs {
     /// Let operators record worlds into this folder, and replay what is in it
     #[arg(long, value_name = "FOLDER")]
     pub(crate) recordings: Option<PathBuf>,
+    /// Keep worlds, snapshots and recordings in this folder: they are there again after a restart, whatever has ended the server
+    ///
+    /// The folder is made if it is not there. Worlds that are in it go on, and a scenario whose world is among them is not made
+    /// again (docs/state.md).
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) state: Option<PathBuf>,
+    /// After Ctrl-C or SIGTERM, end with exit code 1 if worlds and recordings have not ended in good order within this time
+    #[arg(long, value_name = "S", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=3600))]
+    pub(crate) stop_within: u32,
     /// Listen for trainers, which drive robots and are told the truth: 127.0.0.1:PORT or unix:/PATH
     ///
     /// A trainer also creates worlds here (docs/training.md). Only this machine can reach the address.

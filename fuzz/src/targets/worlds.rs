@@ -1,9 +1,10 @@
-//! What worlds are kept as: recordings and states.
+//! What worlds are kept as: recordings, states and journals.
 
 use std::io::Cursor;
 use std::sync::Arc;
 
 use baudbot_proto::v1;
+use baudbot_recording::journal::{At, Entries, Journal, Settings};
 use baudbot_recording::{Digests, Frames, RecordedRun, Replay, Writer, checksum, header, saved};
 use baudbot_sim::{Input, Scenario, World};
 
@@ -17,6 +18,11 @@ pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
     world.begin();
     states.push(world.save());
     let seeds = vec![recording, saved::to_bytes("w", &world)?];
+    let mut journal = Entries::beginning("w", &world, world.origin(), &Settings::default());
+    for tick in 34..60 {
+        run(&mut world, 1);
+        journal.at(At { tick, begun: false, state_hash: None });
+    }
     Ok(vec![
         Target {
             name: "recordings",
@@ -24,6 +30,16 @@ pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
             seeds,
             words: RECORDS,
             run: Box::new(recordings),
+        },
+        Target {
+            name: "journals",
+            what: "journals of worlds, gone on with",
+            seeds: vec![journal.take()],
+            words: RECORDS,
+            run: Box::new(|bytes| match Journal::read(bytes).and_then(|journal| journal.restore()) {
+                Ok(restored) => restored.world.tick(),
+                Err(error) => outcome(&error.to_string()),
+            }),
         },
         Target {
             name: "states",

@@ -31,7 +31,7 @@ impl WorldActor {
             Err(status) => return drop(reply.send(Err(status))),
         };
         for &robot in &new.robots {
-            self.ports.senders[robot] = sender(&self.world.robot(robot), raw);
+            self.ports.attach(robot, sender(&self.world.robot(robot), raw));
             self.ports.final_commands[robot] = stops.then(|| FinalCommand::of(&self.world));
         }
         self.record_attached(&new.robots, &brain, by.as_deref());

@@ -47,6 +47,7 @@ impl WorldActor {
             any |= done.is_ok();
             if done.is_ok() {
                 self.record_change(&intervention);
+                self.keep_now();
             }
             let answer = done.map(|()| self.report(0)).map_err(|error| refused(&error));
             drop(reply.send(answer));

@@ -18,7 +18,7 @@
 //! - A brain that has not answered when its tick ends is *overtaken* (`sessions::debt`). It has at most one Turn to answer:
 //!   its steps in the next tick are *deferred*, and delivered when it has answered.
 //! - A world that is ahead of its brains must not be seen, as it lacks inputs. It does not go ahead while an observer or a
-//!   recorder looks at each tick ([`WorldActor::is_unseen`]), and a message whose sender would see it ([`sees_world`]) is
+//!   recorder looks at each tick or its state is kept ([`WorldActor::is_unseen`]), and a message whose sender would see it ([`sees_world`]) is
 //!   deferred until all brains have answered.
 //! - If a brain does not answer, the watchdog's timeout ends the wait of those messages, too.
 
@@ -42,7 +42,9 @@ impl WorldActor {
         let is_watched = self.on_tick.is_some()
             || !self.observers.is_empty()
             || !self.cables.is_empty()
-            || self.recording.looks();
+            || self.recording.looks()
+            // What one brain has been told must not depend on what another has yet to answer.
+            || self.state.is_kept();
         looks_ahead && !is_watched && !is_awaited && !self.pacer.paused
     }
 

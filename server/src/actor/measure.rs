@@ -19,6 +19,7 @@ impl WorldActor {
             pacing: self.pacer.statistics.clone(),
             observers: self.observers.count(),
             frames_missed: self.observers.missed_frames(),
+            keeping: self.state.keeping(),
             robots: robots.take(MAX_ROBOTS).map(|(robot, slot)| RobotMeasures::of(&robot, slot)).collect(),
         }
     }

@@ -21,6 +21,9 @@ impl WorldActor {
     }
 
     pub(super) fn handle_now(&mut self, message: Message) {
+        if !matches!(message, Message::Step(_) | Message::Stop) {
+            self.keep();
+        }
         match message {
             Message::Request(request, reply) => self.handle_request(request, reply),
             Message::Order(order) => self.record_order(&order),

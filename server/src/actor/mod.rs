@@ -1,7 +1,7 @@
 //! The actor of a world: it alone touches the world, and does one thing at a time. It handles messages, begins a tick,
 //! finishes a tick, or waits.
 //!
-//! Which thread that happens on is for the [`Mailbox`] to decide. This file is the loop:
+//! Which thread that happens on is for the [`Mailbox`](crate::mailbox::Mailbox) to decide. This file is the loop:
 //! [`WorldActor::next`] says what is to be done, and the other methods do it.
 
 mod attachments;
@@ -21,6 +21,7 @@ mod replay;
 mod requests;
 mod runner;
 mod snapshots;
+mod state;
 mod stepping;
 mod stopwatch;
 #[cfg(test)]
@@ -41,17 +42,15 @@ use crate::clock;
 use crate::endpoint::Sent;
 use crate::limits::Charges;
 use crate::log::event;
-use crate::mailbox::Mailbox;
-use crate::message::{Message, WorldHandle};
+use crate::message::Message;
 use crate::observers::Observers;
 use crate::pace::WatchdogPolicy;
-use crate::pool::Pool;
 use crate::report::Activity;
 use crate::sessions::Sessions;
 pub use direct::DirectWorld;
 use interventions::Interventions;
-pub(crate) use new_world::NewWorld;
 pub use new_world::OnTick;
+pub(crate) use new_world::{NewWorld, start};
 use pacer::Pacer;
 use ports::{Pending, Ports, ToDevice};
 pub use progress::Progress;
@@ -60,6 +59,7 @@ use recording::Recording;
 use replay::Replaying;
 use runner::Schedule;
 use snapshots::Snapshots;
+use state::State;
 use stepping::Stepper;
 
 /// A world and all that happens to it.
@@ -77,6 +77,9 @@ pub(crate) struct WorldActor {
     interventions: Interventions,
     snapshots: Snapshots,
     recording: Recording,
+    state: State,
+    /// Snapshots that have outlived a server, until they are known to be kept.
+    resumed_snapshots: Vec<(u64, Vec<u8>)>,
     /// `None` in a live world.
     replaying: Option<Replaying>,
     on_tick: Option<OnTick>,
@@ -129,34 +132,10 @@ macro_rules! view {
 }
 use view;
 
-/// Makes a world, which this pool runs, with this memory. `neighbours` is how many worlds there are on the server.
-///
-/// # Errors
-/// If its recording cannot begin, or the pool has no thread for it.
-pub(crate) fn start(
-    new: NewWorld,
-    charges: Charges,
-    neighbours: Arc<AtomicU32>,
-    pool: &mut Pool,
-) -> Result<WorldHandle, Status> {
-    let (name, record): (Arc<str>, _) = (new.name.as_str().into(), new.record.clone());
-    let (robots, paused) = (new.world.robots().len(), new.paused);
-    let (made, room) = (Arc::clone(new.world.origin()), charges.room());
-    let mut actor = WorldActor::new(Arc::clone(&name), new, charges, neighbours);
-    if let Some(record) = record {
-        actor.record(record)?;
-    }
-    let mailbox = pool
-        .add(|waker| Arc::new(Mailbox::new(actor, waker)))
-        .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
-    tracing::info!(world = &*name, tick = 0, time_s = 0.0, robots, paused, "world made");
-    Ok(WorldHandle::new(name, made, room, mailbox))
-}
-
 impl WorldActor {
     fn new(
         name: Arc<str>,
-        NewWorld { world, replay, pace, paused, on_tick, progress, processor, .. }: NewWorld,
+        NewWorld { world, replay, pace, paused, on_tick, progress, processor, state, .. }: NewWorld,
         charges: Charges,
         neighbours: Arc<AtomicU32>,
     ) -> Self {
@@ -174,6 +153,8 @@ impl WorldActor {
             interventions: Interventions::default(),
             snapshots: Snapshots::default(),
             recording: Recording::new(robots),
+            state: State::new(state, Arc::clone(world.origin())),
+            resumed_snapshots: Vec::new(),
             replaying: replay.map(Replaying::new),
             on_tick,
             progress: progress.map(Telling::new),
@@ -273,6 +254,7 @@ impl WorldActor {
         let lockstep = self.pacer.pace.lockstep();
         let mut turns = self.world.begin().to_vec();
         self.record_tick();
+        self.keep();
         self.show();
         if lockstep.is_some_and(|lockstep| lockstep.lookahead) {
             turns.retain(|&turn| !self.lets_sleep(turn));
@@ -338,8 +320,11 @@ impl WorldActor {
         }
         let began = (self.world.tick(), self.world.time());
         self.world.finish_ahead(&answers, open);
-        self.cables.listen(&mut self.world);
         self.record_inputs(began, open);
+        if !self.cables.is_empty() {
+            self.keep();
+            self.cables.listen(&mut self.world);
+        }
         self.ports.inputs.clear();
         self.ports.to_devices.clear();
         self.sessions.reset_quotas();
@@ -366,6 +351,7 @@ impl WorldActor {
         event!(self, info, why, "run ended");
         self.world.begin();
         self.record_tick();
+        self.keep_now();
         self.show();
         self.sessions.tell_ended(&self.world);
     }

@@ -1,14 +1,20 @@
-//! What a world is made of.
+//! What a world is made of, and how it is made.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicU32;
 
 use baudbot_recording::Replay;
 use baudbot_sim::World;
+use tonic::Status;
 
+use super::WorldActor;
 use super::progress::Progress;
 use crate::limits::{Charges, Exceeded, InForce};
-use crate::message::RecordConfig;
+use crate::mailbox::Mailbox;
+use crate::message::{RecordConfig, WorldHandle};
 use crate::pace::Pace;
+use crate::pool::Pool;
+use crate::state::{Resumed, StateFolder};
 use crate::thinking::ProcessorTime;
 
 /// Called at the start of every tick, when the sensors have been read, on the world's own thread.
@@ -28,6 +34,10 @@ pub(crate) struct NewWorld {
     pub(crate) record: Option<RecordConfig>,
     /// How much processor time its brains have used; `None` if that is not known.
     pub(crate) processor: Option<ProcessorTime>,
+    /// What it has besides its state, if it has outlived a server.
+    pub(crate) resumed: Option<Resumed>,
+    /// Where its state is kept; `None` if it is not.
+    pub(crate) state: Option<StateFolder>,
 }
 
 impl NewWorld {
@@ -52,6 +62,38 @@ impl NewWorld {
             progress: None,
             record: None,
             processor: None,
+            resumed: None,
+            state: None,
         }
     }
+}
+
+/// Makes a world, which this pool runs, with this memory. `neighbours` is how many worlds there are on the server.
+///
+/// # Errors
+/// If its recording cannot begin, or the pool has no thread for it.
+pub(crate) fn start(
+    mut new: NewWorld,
+    charges: Charges,
+    neighbours: Arc<AtomicU32>,
+    pool: &mut Pool,
+) -> Result<WorldHandle, Status> {
+    let (name, record): (Arc<str>, _) = (new.name.as_str().into(), new.record.clone());
+    let (robots, paused) = (new.world.robots().len(), new.paused);
+    let resumed = new.resumed.take();
+    let made = resumed.as_ref().map_or_else(|| Arc::clone(new.world.origin()), |it| Arc::clone(&it.made));
+    let (tick, room) = (new.world.tick(), charges.room());
+    let mut actor = WorldActor::new(Arc::clone(&name), new, charges, neighbours);
+    if let Some(record) = record {
+        actor.record(record)?;
+    }
+    if let Some(resumed) = resumed {
+        actor.resume(resumed);
+    }
+    actor.begin_to_keep();
+    let mailbox = pool
+        .add(|waker| Arc::new(Mailbox::new(actor, waker)))
+        .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
+    tracing::info!(world = &*name, tick, robots, paused, "world made");
+    Ok(WorldHandle::new(name, made, room, mailbox))
 }

@@ -21,6 +21,8 @@ pub(super) struct Ports {
     pub(super) to_reset: Vec<usize>,
     /// What is written when a brain is gone, if the brain wants that.
     pub(super) final_commands: Vec<Option<FinalCommand>>,
+    /// Robots whose brain a server has lost by ending. It comes back, and goes on where it was.
+    pub(super) resumed: Vec<bool>,
 }
 
 /// What a brain wrote in this tick.
@@ -50,8 +52,19 @@ impl Ports {
             to_devices: Vec::new(),
             to_reset: Vec::new(),
             final_commands: vec![None; senders.len()],
+            resumed: vec![false; senders.len()],
             senders,
         }
+    }
+
+    /// A brain has got a robot, whose port it writes to by this sender; unless it comes back after its server was gone.
+    pub(super) fn attach(&mut self, robot: usize, new: Sender) {
+        let comes_back = std::mem::take(&mut self.resumed[robot]);
+        if !comes_back || self.senders[robot].is_raw() != new.is_raw() {
+            self.senders[robot] = new;
+        }
+        // It has written nothing yet.
+        self.senders_at_begin[robot].clone_from(&self.senders[robot]);
     }
 
     /// A tick has begun.

@@ -1,15 +1,16 @@
 //! The recording of a world: what of it goes into the file.
 
-use baudbot_proto::v1::ReplayEventKind;
+use baudbot_proto::v1::{RecordedInputs, ReplayEventKind};
 use baudbot_sim::{Intervention, SimTime, World};
 use tokio::sync::oneshot;
 use tonic::Status;
 
 use super::ports::ToDevice;
 use super::{Pending, WorldActor, view};
+use crate::log::event;
 use crate::message::{Order, RecordConfig};
 use crate::pace::Pace;
-use crate::recording::{Input, Recorder};
+use crate::recording::{Input, Recorder, recorded_inputs};
 use crate::report::{RecordingReport, Report};
 
 /// Robots that an event names, at most.
@@ -60,6 +61,11 @@ impl Recording {
         }
     }
 
+    /// What is being recorded, and where.
+    pub(super) fn config(&self) -> Option<&RecordConfig> {
+        self.recorder.as_ref().and_then(Recorder::config)
+    }
+
     pub(super) fn report(&self) -> Option<RecordingReport> {
         self.recorder.as_ref().map(Recorder::report)
     }
@@ -75,6 +81,16 @@ impl WorldActor {
         self.recording.recorder = Some(Recorder::start(config, &self.name, self.pacer.pace, view!(self))?);
         self.fit_timeline();
         Ok(())
+    }
+
+    /// Goes on with a recording that its server has left, in the next file whose name is free.
+    pub(super) fn record_on(&mut self, config: RecordConfig) {
+        let name = config.name.clone();
+        self.recording.recorder = Recorder::go_on(config, 2, &self.name, self.pacer.pace, view!(self));
+        if self.recording.is_on() {
+            event!(self, info, recording = name, "recording goes on in another file");
+        }
+        self.fit_timeline();
     }
 
     /// Ends the recording; `closed` gets its report once the file is closed. Reports the world as the file ends with it: its
@@ -112,7 +128,7 @@ impl WorldActor {
         for &(robot, _) in open {
             self.recording.overtaken_in[robot] = tick;
         }
-        if let Some(recorder) = &mut self.recording.recorder {
+        if self.recording.is_on() || self.state.is_kept() {
             let robots = &self.world.scenario().robots;
             let inputs = self.ports.inputs.drain(..).map(|Pending { robot, at, sent, tick }| {
                 let bytes = sent.into_bytes(&robots[robot]);
@@ -121,20 +137,34 @@ impl WorldActor {
             let to_devices = self.ports.to_devices.drain(..).map(|ToDevice { robot, sensor, at, bytes }| {
                 Input { robot, sensor: Some(sensor), at, bytes, answers_tick: None }
             });
-            recorder.inputs((tick, start), inputs.chain(to_devices));
+            let inputs = recorded_inputs((tick, start), inputs.chain(to_devices));
+            self.record_all(inputs);
         }
     }
 
     /// Records the answer of a brain that was overtaken.
     pub(super) fn record_late(&mut self, robot: usize, done: SimTime, bytes: Vec<u8>) {
-        let Some(recorder) = &mut self.recording.recorder else { return };
+        if !self.recording.is_on() {
+            return;
+        }
         let tick = self.recording.overtaken_in[robot];
         let start = SimTime::from_ns(tick * self.world.scenario().step_ns);
         let input = Input { robot, sensor: None, at: done, bytes, answers_tick: None };
-        recorder.inputs((tick, start), std::iter::once(input));
+        self.record_all(recorded_inputs((tick, start), std::iter::once(input)));
+    }
+
+    fn record_all(&mut self, inputs: RecordedInputs) {
+        if inputs.inputs.is_empty() {
+            return;
+        }
+        self.state.inputs(&inputs);
+        if let Some(recorder) = &mut self.recording.recorder {
+            recorder.inputs(inputs);
+        }
     }
 
     pub(super) fn record_change(&mut self, intervention: &Intervention) {
+        self.state.change(self.world.tick(), intervention);
         if let Some(recorder) = &mut self.recording.recorder {
             recorder.change(self.world.tick(), intervention);
         }

@@ -211,5 +211,6 @@ impl WorldActor {
         self.end_stepping();
         self.fit_timeline();
         self.pacer.waiting_since = clock::now();
+        self.begin_to_keep();
     }
 }

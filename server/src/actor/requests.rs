@@ -34,7 +34,10 @@ impl WorldActor {
             },
             Request::Report => Ok(self.report(0)),
             Request::Save { snapshot } => self.saved(snapshot),
-            Request::Snapshot => self.take_snapshot().map(|number| self.report(number)),
+            Request::Snapshot => self.take_snapshot().map(|number| {
+                self.keep_snapshot(number);
+                self.report(number)
+            }),
             Request::Record(config) => self.record(config).map(|()| self.report(0)),
             Request::StopRecording(closed) => self.stop_recording(closed),
             Request::Restore { snapshot } => self.restore(snapshot).map(|()| self.report(0)),
@@ -49,6 +52,7 @@ impl WorldActor {
             }
             Request::Fork(pace) => self.reported(|actor| actor.fork(pace)),
         };
+        self.keep_now();
         drop(reply.send(answer));
     }
 
@@ -94,6 +98,7 @@ impl WorldActor {
     fn delete(&mut self) {
         // Before the reply: a client that deletes a world and then ends the server finds the whole file.
         self.end_recording();
+        self.remove_state();
         self.over = Some(Status::aborted(format!("world `{}` was deleted", self.name)));
     }
 

@@ -99,14 +99,18 @@ impl Runner<Message> for WorldActor {
         }
         if let Some(why) = self.over.take() {
             self.end_recording();
+            self.close_state();
             self.sessions.close_all(&why);
             return Then::Over;
         }
         let now = clock::now();
+        if self.state.until(None).is_some_and(|retry| now >= retry) {
+            self.keep_now();
+        }
         self.pacer.running.set(self.activity() == Activity::Running, now);
         let next = self.next(now);
         if let Next::Wait(until) = next {
-            return self.schedule.wait(until);
+            return self.wait(until);
         }
         if place == Place::Shared && self.schedule.is_long() {
             return Then::RunLong;
@@ -170,7 +174,13 @@ impl WorldActor {
 
     /// Whether the next thing may wait for a disk.
     fn may_block(&self) -> bool {
-        self.recording.is_stuck() || (self.over.is_some() && self.recording.is_on())
+        self.recording.is_stuck() || (self.over.is_some() && (self.recording.is_on() || self.state.is_kept()))
+    }
+
+    /// Nothing is to be done before this instant, but for what could not be written.
+    fn wait(&mut self, until: Option<Instant>) -> Then {
+        let until = self.state.until(until);
+        self.schedule.wait(until)
     }
 
     fn do_next(&mut self, next: Next, now: Instant) {
@@ -189,7 +199,7 @@ impl WorldActor {
     fn run_quick(&mut self, now: Instant, is_patient: bool) -> Option<Then> {
         let is_timed = matches!(self.pacer.pace, Pace::Timed(_));
         match self.next(now) {
-            Next::Wait(until) => return Some(self.schedule.wait(until)),
+            Next::Wait(until) => return Some(self.wait(until)),
             Next::Begin if self.is_quick() && is_patient => self.begin(now),
             Next::Finish if self.is_quick() => self.finish_with(now, &[]),
             // The Turn has to go out first, and if ticks are short the answer is here before one could be done.
@@ -214,15 +224,16 @@ impl WorldActor {
         let Message::Request(request, _) = message else { return false };
         match request {
             Request::Record(_) | Request::StopRecording(_) | Request::Seek { .. } => true,
-            Request::Reset(_) | Request::Restore { .. } | Request::Delete => self.recording.is_on(),
+            Request::Reset(_) | Request::Restore { .. } | Request::Delete => {
+                self.recording.is_on() || self.state.needs_disk()
+            }
+            Request::Snapshot | Request::Fork(_) => self.state.needs_disk(),
             Request::Report
             | Request::Start
             | Request::Pause
             | Request::Step { .. }
             | Request::SetPace(_)
-            | Request::Snapshot
             | Request::Save { .. }
-            | Request::Fork(_)
             | Request::Intervene(_)
             | Request::DetachBrain { .. } => false,
         }

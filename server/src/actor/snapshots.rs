@@ -42,18 +42,29 @@ impl Snapshots {
         oldest.map(|Snapshot { number, charge, .. }| (number, charge))
     }
 
+    /// A state that was kept has outlived its server.
+    pub(super) fn resume(&mut self, number: u64, world: World, senders: Vec<Sender>, charge: SnapshotCharge) {
+        self.last_number = number - 1;
+        self.keep(world, senders, charge);
+    }
+
     fn find(&self, number: u64) -> Option<&Snapshot> {
         self.kept.iter().find(|kept| kept.number == number)
     }
 }
 
 impl WorldActor {
+    /// Snapshots that it keeps, at most.
+    pub(super) fn most_snapshots(&self) -> usize {
+        self.charges.limits().limits().snapshots_per_world
+    }
+
     /// Keeps the present state. Gives the snapshot's number.
     ///
     /// # Errors
     /// If there is no memory for it, or the server has too many.
     pub(super) fn take_snapshot(&mut self) -> Result<u64, Status> {
-        let most = self.charges.limits().limits().snapshots_per_world;
+        let most = self.most_snapshots();
         let mut charge = match self.snapshots.make_room(most) {
             None => self.charges.snapshot()?,
             Some((oldest, charge)) => {
@@ -129,5 +140,7 @@ impl WorldActor {
         self.beliefs.forget_all();
         self.forget_seen();
         self.fit_timeline();
+        self.ports.resumed.fill(false);
+        self.keep_anew();
     }
 }

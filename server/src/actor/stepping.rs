@@ -77,6 +77,7 @@ impl WorldActor {
 
     pub(super) fn answer_stepper(&mut self) {
         if let Some(reply) = self.stepper.reply.take() {
+            self.keep_now();
             drop(reply.send(Ok(self.report(0))));
         }
     }

@@ -58,6 +58,11 @@ impl WorldHandle {
         &self.made
     }
 
+    /// Whether the world is over.
+    pub(crate) fn is_over(&self) -> bool {
+        self.mailbox.is_closed()
+    }
+
     /// Sends a message.
     ///
     /// # Errors

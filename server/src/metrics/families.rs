@@ -9,7 +9,7 @@ use crate::report::Activity;
 /// Name, help, and the value of a measure. Counters end in `_total`, all others are gauges.
 type Of<T> = (&'static str, &'static str, fn(&T) -> f64);
 
-const WORLDS: [Of<Measures>; 12] = [
+const WORLDS: [Of<Measures>; 14] = [
     ("baudbot_world_ticks_total", "Ticks done since the run began.", |w| w.tick as f64),
     ("baudbot_world_simulated_seconds_total", "Simulated time since the run began.", |w| w.time.as_seconds()),
     ("baudbot_world_running_seconds_total", "Wall-clock time during which the world was running.", |w| {
@@ -43,6 +43,16 @@ const WORLDS: [Of<Measures>; 12] = [
         "baudbot_world_observer_frames_missed_total",
         "Frames that observers missed because they did not read.",
         |w| w.frames_missed as f64,
+    ),
+    (
+        "baudbot_world_state_lost",
+        "1 if the state of the world cannot be written at the moment, 0 if it can, or none is kept.",
+        |w| f64::from(u8::from(w.keeping.as_ref().is_some_and(|keeping| keeping.is_lost))),
+    ),
+    (
+        "baudbot_world_state_kept_ticks",
+        "The tick from which the world would go on if the server were killed; 0 if no state is kept.",
+        |w| w.keeping.as_ref().map_or(0.0, |keeping| keeping.tick as f64),
     ),
 ];
 

@@ -214,14 +214,10 @@ impl Recorder {
         self.send();
     }
 
-    /// Records what brains wrote in a tick that began at this instant.
-    pub(crate) fn inputs(&mut self, (tick, start): (u64, SimTime), inputs: impl Iterator<Item = Input>) {
-        if self.is_over {
-            return;
-        }
-        let inputs: Vec<_> = inputs.map(|input| recorded(start, input)).collect();
-        if !inputs.is_empty() {
-            self.batch.push(Entry::Inputs(v1::RecordedInputs { tick, changes: Vec::new(), inputs }));
+    /// Records what brains wrote in a tick.
+    pub(crate) fn inputs(&mut self, inputs: v1::RecordedInputs) {
+        if !self.is_over {
+            self.batch.push(Entry::Inputs(inputs));
         }
     }
 
@@ -304,8 +300,19 @@ impl Recorder {
         pace: Pace,
         view: View<'_>,
     ) -> Option<Self> {
-        let (first, mut run) = (self.config.clone(), self.run + 1);
+        let (first, run) = (self.config.clone(), self.run + 1);
         self.stop(old, is_sure, None);
+        Self::go_on(first, run, name, pace, view)
+    }
+
+    /// Begins the file of this run, or the next one whose name is free. `None` if that cannot be written.
+    pub(crate) fn go_on(
+        first: RecordConfig,
+        mut run: u32,
+        name: &str,
+        pace: Pace,
+        view: View<'_>,
+    ) -> Option<Self> {
         let next = loop {
             match Self::begin(first.of_run(run), run, name, pace, view) {
                 Err(status) if status.code() == Code::AlreadyExists && run < MAX_RUNS => run += 1,
@@ -314,8 +321,13 @@ impl Recorder {
         };
         // The number is appended to the first name.
         let next = next.map(|next| Self { config: first, ..next });
-        next.map_err(|status| event!(view, error, problem = status.message(), "recording ended by a reset"))
+        next.map_err(|status| event!(view, error, problem = status.message(), "recording does not go on"))
             .ok()
+    }
+
+    /// What is being recorded, and where, before the number of a run.
+    pub(crate) fn config(&self) -> Option<&RecordConfig> {
+        (!self.is_over).then_some(&self.config)
     }
 
     pub(crate) fn report(&self) -> RecordingReport {
@@ -327,6 +339,15 @@ impl Recorder {
 
 fn is_hurried(pace: Pace) -> bool {
     matches!(pace, Pace::Timed(_))
+}
+
+/// What brains wrote in a tick that began at this instant.
+pub(crate) fn recorded_inputs(
+    (tick, start): (u64, SimTime),
+    inputs: impl Iterator<Item = Input>,
+) -> v1::RecordedInputs {
+    let inputs = inputs.map(|input| recorded(start, input)).collect();
+    v1::RecordedInputs { tick, changes: Vec::new(), inputs }
 }
 
 fn recorded(start: SimTime, input: Input) -> v1::RecordedInput {

@@ -27,6 +27,7 @@ use crate::pace::Pace;
 use crate::page::Film;
 use crate::recording::Folder;
 use crate::registry::Registry;
+use crate::state::{KeptWorld, StateFolder};
 use crate::thinking::ProcessorTime;
 
 /// How long a connection has to make its first call, unless the builder is told otherwise.
@@ -46,6 +47,12 @@ impl WorldConfig {
     /// A live world of this name that goes on from a state, in real time. No brains are attached.
     pub fn from_state(name: impl Into<String>, world: World) -> Self {
         Self { new: NewWorld::new(name.into(), world, Pace::REAL_TIME) }
+    }
+
+    /// A world of a [state folder](StateFolder::worlds), which goes on as its server left it.
+    pub fn kept(world: KeptWorld) -> Self {
+        let KeptWorld { name, world, pace, paused, resumed, .. } = world;
+        Self { new: NewWorld { paused, resumed: Some(resumed), ..NewWorld::new(name, world, pace) } }
     }
 
     /// A world of this name that replays a recording, from where the replay stands in this world. It is paused until it is
@@ -118,6 +125,7 @@ pub struct Builder {
     /// Each with whether another port will do if this one is taken.
     viewers: Vec<(SocketAddr, bool)>,
     recordings: Option<Folder>,
+    state: Option<StateFolder>,
     films: Option<mpsc::Sender<Film>>,
     access: AccessConfig,
     audit: Option<AuditLog>,
@@ -168,6 +176,14 @@ impl Builder {
     #[must_use]
     pub fn recordings(mut self, folder: PathBuf) -> Self {
         self.recordings = Some(Folder::new(folder));
+        self
+    }
+
+    /// Keeps worlds and their snapshots in this folder, so that they are there again after the program has ended, however it
+    /// did. [Worlds that are there](StateFolder::worlds) are to be added with [`world`](Self::world).
+    #[must_use]
+    pub fn state(mut self, folder: StateFolder) -> Self {
+        self.state = Some(folder);
         self
     }
 
@@ -290,11 +306,8 @@ impl Builder {
     async fn start(mut self, listens: bool) -> Result<Server, ServerError> {
         let listeners = self.listeners(listens).await?;
         let limits = InForce::new(self.limits);
-        let registry = if self.without_threads {
-            Registry::without_threads(limits.clone())
-        } else {
-            Registry::new(limits.clone())
-        };
+        let registry = Registry::new(limits.clone()).keeping(self.state);
+        let registry = if self.without_threads { registry.without_threads() } else { registry };
         for world in self.worlds {
             registry.create(world.new, None).map_err(|status| ServerError::World(Box::new(status)))?;
         }

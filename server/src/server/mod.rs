@@ -7,7 +7,7 @@ mod router;
 
 use std::io;
 use std::net::SocketAddr;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use baudbot_access::Token;
 use baudbot_access::local::LocalFiles;
@@ -25,7 +25,7 @@ use crate::audit::AuditLog;
 use crate::control::{Control, status_of, stop_recording};
 use crate::gate::{CheckCalls, Gate, GatedListener, TcpEntry, connections};
 use crate::limits::Peer;
-use crate::message::Message;
+use crate::message::{Message, WorldHandle};
 use crate::metrics::Metrics;
 use crate::page::{self, Film, Guard};
 use crate::pipe::Pipes;
@@ -101,6 +101,8 @@ pub struct Server {
     trainers_pipes: Option<Pipes>,
     stop: watch::Sender<bool>,
     tasks: JoinSet<()>,
+    /// Worlds that were told to stop.
+    ending: Mutex<Vec<WorldHandle>>,
 }
 
 /// What stands between the clients of a server and its services.
@@ -159,6 +161,7 @@ impl Server {
             trainers_pipes: None,
             stop,
             tasks: JoinSet::new(),
+            ending: Mutex::default(),
         };
         for listener in listeners.ordinary {
             server.listen(listener, &router, &guards.gate, &stopped);
@@ -307,12 +310,35 @@ impl Server {
         Ok(status_of(Report { recording: Some(recording), ..report }).await?.1)
     }
 
+    /// Makes no world any more: the server is about to stop.
+    pub fn refuse_worlds(&self) {
+        self.registry.close();
+    }
+
     /// Ends all worlds and streams, and waits until they are over.
     pub async fn shutdown(mut self) {
+        let _ = self.end_worlds().await;
+        self.end_streams().await;
+    }
+
+    /// Ends all worlds and their streams, and waits until the worlds are over: their recordings are closed, and their state is
+    /// kept.
+    pub async fn end_worlds(&self) {
         self.end();
-        while self.tasks.join_next().await.is_some() {}
         let registry = self.registry.clone();
         let _ = tokio::task::spawn_blocking(move || registry.join()).await;
+    }
+
+    /// Waits until all connections are closed. Their streams end with the worlds.
+    pub async fn end_streams(&mut self) {
+        self.end();
+        while self.tasks.join_next().await.is_some() {}
+    }
+
+    /// The names of the worlds that were told to end and are not over yet.
+    pub fn unended(&self) -> Vec<String> {
+        let worlds = self.ending.lock().unwrap_or_else(PoisonError::into_inner);
+        worlds.iter().filter(|world| !world.is_over()).map(|world| world.name().to_owned()).collect()
     }
 
     /// Stops everything, once: another server may have taken the addresses since.
@@ -323,9 +349,12 @@ impl Server {
         if let Some(audit) = &self.audit {
             audit.note("stop", "the server stops");
         }
-        for world in self.registry.all() {
+        self.registry.close();
+        let worlds = self.registry.all();
+        for world in &worlds {
             let _ = world.send(Message::Stop);
         }
+        *self.ending.lock().unwrap_or_else(PoisonError::into_inner) = worlds;
         let _ = self.stop.send(true);
         for socket in &self.sockets {
             socket.remove();

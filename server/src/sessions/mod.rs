@@ -7,6 +7,7 @@ mod measures;
 mod quota;
 mod session;
 mod slot;
+mod standing;
 mod thinking;
 
 use std::collections::BTreeMap;

@@ -100,6 +100,7 @@ def _lines(network: Network, shape: Shape, description: str) -> Iterator[str]:
     yield ""
     yield "# Inputs: " + ", ".join(names) + "."
     yield "[policy]"
+    yield "version = 1"
     yield "sensors = ["
     for name, values in shape.sizes.items():
         yield f"    {{ name = {quoted(name)}, values = {values} }},"

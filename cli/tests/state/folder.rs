@@ -1,0 +1,173 @@
+//! The folder: what is kept in it, who may use it, and what is done about damage.
+
+use std::fs;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use crate::brains::drive;
+use crate::operator::{lockstep, real_time, stepped};
+use crate::server::Server;
+use crate::{WANDER, crowd, place, text};
+
+#[test]
+fn a_world_is_there_again_with_all_that_an_operator_has_done() {
+    let folder = place("operator");
+    let server = Server::start(&folder, "operator", &["wander", "--pace", "lockstep", "--paused"]);
+    let mut operator = server.operator();
+    operator.create("made", WANDER, (stepped(), false), &["seed=7"]).unwrap();
+    operator.start("made").unwrap();
+    operator.step("made", 50).unwrap();
+    let snapshot = operator.snapshot("made").unwrap();
+    let kept = operator.status("made").unwrap();
+    operator.step("made", 10).unwrap();
+    operator.clone_world("made", "clone").unwrap();
+    operator.clone_world("made", "gone").unwrap();
+    operator.delete("gone").unwrap();
+    let reset = operator.reset("made", 9).unwrap();
+    operator.put("made", (0.3, 0.2, 1.0)).unwrap();
+    operator.put("made", (0.3, 0.1, 1.0)).unwrap();
+    operator.set_pace("clone", real_time()).unwrap();
+    operator.start("clone").unwrap();
+    operator.pause("clone").unwrap();
+    // What is changed in a world that follows the clock is on its way to the disk.
+    std::thread::sleep(Duration::from_secs(1));
+    let before = ["clone", "made", "wander"].map(|name| operator.status(name).unwrap());
+    server.kill();
+
+    let server = Server::start(&folder, "operator", &["wander", "--pace", "lockstep"]);
+    let log = server.log();
+    assert!(
+        log.contains("note: world wander goes on as it was left; scenario wander is not begun again\n"),
+        "{log}"
+    );
+    let mut operator = server.operator();
+    assert_eq!(operator.worlds(), ["clone", "made", "wander"]);
+    for before in before {
+        let after = operator.status(&before.world).unwrap();
+        let told = |status: &baudbot_proto::v1::WorldStatus| {
+            (status.tick, status.state_hash, status.state, status.pace)
+        };
+        assert_eq!(told(&after), told(&before), "{}", before.world);
+    }
+    // It can be changed by hand again, goes back to its snapshot, and a reset is one of the world as it was made.
+    operator.put("made", (0.2, 0.1, 1.0)).unwrap();
+    let restored = operator.restore("made", snapshot).unwrap();
+    assert_eq!((restored.tick, restored.state_hash), (kept.tick, kept.state_hash));
+    assert_eq!(operator.reset("made", 9).unwrap().state_hash, reset.state_hash);
+    assert_eq!(operator.snapshot("made").unwrap(), snapshot + 1);
+}
+
+#[test]
+fn a_recording_goes_on_in_another_file() {
+    let folder = place("recorded");
+    let server = Server::start(&folder, "recorded", &["wander"]);
+    let mut operator = server.operator();
+    operator.record("wander", "run").unwrap();
+    operator.wait_until("wander", |status| status.tick > 120);
+    server.kill();
+    let server = Server::start(&folder, "recorded", &[]);
+    let mut operator = server.operator();
+    let status = operator.wait_until("wander", |status| status.tick > 300);
+    assert_eq!(status.recording.unwrap().recording, "run-2");
+    server.signal("-TERM");
+    assert_eq!(server.end().0, Some(0));
+    for (file, code) in [("run", 3), ("run-2", 0)] {
+        let file = folder.join(format!("recordings/{file}.mcap"));
+        let replayed =
+            Command::new(env!("CARGO_BIN_EXE_baudbot")).args(["replay", text(&file)]).output().unwrap();
+        let out = String::from_utf8(replayed.stdout).unwrap();
+        assert_eq!(replayed.status.code(), Some(code), "{out}");
+        assert!(out.contains("identical"), "{out}");
+    }
+}
+
+#[test]
+fn a_second_server_is_refused_and_a_folder_of_something_else() {
+    let folder = place("locked");
+    let server = Server::start(&folder, "locked", &["wander"]);
+    let refused = |folder: &std::path::Path| {
+        let args = ["serve", "--listen", "127.0.0.1:0", "--viewer", "off", "--state", text(folder)];
+        let output = Command::new(env!("CARGO_BIN_EXE_baudbot")).args(args).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let path = folder.display();
+    let words = "another server keeps its state there; stop that one, or choose another folder";
+    assert_eq!(refused(&folder), (Some(2), format!("error: --state {path}: {words}\n")));
+    server.kill();
+    let other = place("other");
+    fs::create_dir_all(&other).unwrap();
+    fs::write(other.join("thesis.txt"), "chapter one").unwrap();
+    let (code, err) = refused(&other);
+    assert_eq!(code, Some(2), "{err}");
+    assert!(err.contains("is not empty, and no folder of a server's state"), "{err}");
+    fs::remove_file(other.join("thesis.txt")).unwrap();
+    fs::write(other.join("baudbot-state"), "baudbot-state 99\n").unwrap();
+    let (code, err) = refused(&other);
+    assert!(code == Some(2) && err.contains("its layout is `baudbot-state 99`"), "{err}");
+}
+
+#[test]
+fn a_damaged_world_is_set_aside_and_the_others_go_on() {
+    let folder = place("damaged");
+    let server = Server::start(&folder, "damaged", &["wander", "khepera", "--paused"]);
+    server.signal("-TERM");
+    assert_eq!(server.end().0, Some(0));
+    let journal = folder.join("worlds/wander/journal-1");
+    let mut bytes = fs::read(&journal).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&journal, bytes).unwrap();
+    let server = Server::start(&folder, "damaged", &["wander", "--paused"]);
+    let (log, aside) = (server.log(), folder.join("worlds/wander.damaged"));
+    let (journal, shown) = (journal.display(), aside.display());
+    assert!(
+        log.contains(&format!("warning: world wander does not go on: {journal} is damaged at byte ")),
+        "{log}"
+    );
+    assert!(log.contains(&format!("; its folder is set aside as {shown}\n")), "{log}");
+    assert!(aside.join("journal-1").is_file());
+    // The scenario of the command line begins anew.
+    assert_eq!(server.operator().worlds(), ["khepera", "wander"]);
+    server.kill();
+    let server = Server::start(&folder, "damaged", &[]);
+    assert!(!server.log().contains("warning"), "{}", server.log());
+    assert_eq!(server.operator().worlds(), ["khepera", "wander"]);
+}
+
+#[test]
+fn a_long_journal_is_replaced_by_a_new_one() {
+    let folder = place("long");
+    let server = Server::start(&folder, "long", &[]);
+    let mut operator = server.operator();
+    operator.create("crowd", &crowd(8), (lockstep(), false), &[]).unwrap();
+    let names: Vec<_> = (0..8).map(|i| format!("r{i:02}")).collect();
+    let _lines = drive(&server.address, "crowd", &names.iter().map(String::as_str).collect::<Vec<_>>());
+    let first = folder.join("worlds/crowd/journal-1");
+    assert!(first.exists());
+    let start = Instant::now();
+    while first.exists() {
+        assert!(start.elapsed() < Duration::from_secs(50), "tick {}", operator.status("crowd").unwrap().tick);
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    let files = fs::read_dir(folder.join("worlds/crowd")).unwrap();
+    let bytes: u64 = files.map(|file| file.unwrap().metadata().unwrap().len()).sum();
+    assert!(bytes < 12 << 20, "{bytes} bytes");
+    let seen = operator.status("crowd").unwrap().tick;
+    server.kill();
+    let server = Server::start(&folder, "long", &[]);
+    assert!(!server.log().contains("warning"), "{}", server.log());
+    assert!(server.operator().status("crowd").unwrap().tick >= seen);
+}
+
+#[test]
+fn robots_that_were_excused_are_not_waited_for() {
+    let folder = place("excused");
+    let server = Server::start(&folder, "excused", &["wander"]);
+    let mut operator = server.operator();
+    operator.create("free", WANDER, (lockstep(), false), &["collision=stop-robot"]).unwrap();
+    operator.start("free").unwrap();
+    let seen = operator.wait_until("free", |status| status.tick > 100).tick;
+    server.kill();
+    let server = Server::start(&folder, "excused", &[]);
+    server.operator().wait_until("free", |status| status.tick > seen + 100);
+}

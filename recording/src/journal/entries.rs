@@ -1,0 +1,98 @@
+//! Entries as they are written.
+
+use baudbot_proto::v1;
+use baudbot_sim::World;
+use prost::Message;
+
+use super::{At, JOURNAL_FORMAT, JournalHeader, MAGIC, Ports, ScenarioText, Settings, kind};
+use crate::{PROGRAM_VERSION, saved};
+
+/// Entries in the bytes that go into the file. A write of them all at once is what makes them last.
+#[derive(Clone, Debug, Default)]
+pub struct Entries {
+    bytes: Vec<u8>,
+}
+
+impl Entries {
+    /// The beginning of the journal of a world: what it is, and its state. `made`: the scenario with which it was made.
+    pub fn beginning(name: &str, world: &World, made: &baudbot_sim::Scenario, settings: &Settings) -> Self {
+        let mut entries = Self { bytes: format!("{MAGIC}{JOURNAL_FORMAT}\n").into_bytes() };
+        let [origin, made] = [world.origin(), made].map(|scenario| ScenarioText {
+            toml: scenario.source.toml.to_string(),
+            overrides: scenario.source.overrides.clone(),
+        });
+        let header = JournalHeader {
+            program_version: PROGRAM_VERSION.to_owned(),
+            world: name.to_owned(),
+            made: (made != origin).then_some(made),
+            origin: Some(origin),
+        };
+        entries.add(kind::HEADER, &header);
+        entries.settings(settings);
+        entries.state(world);
+        entries
+    }
+
+    /// The whole state.
+    pub fn state(&mut self, world: &World) {
+        self.add(kind::STATE, &saved::state(world));
+    }
+
+    /// How the world is run from now on.
+    pub fn settings(&mut self, settings: &Settings) {
+        self.add(kind::SETTINGS, settings);
+    }
+
+    /// What entered the world in a tick or, if there are only changes, before it.
+    pub fn inputs(&mut self, inputs: &v1::RecordedInputs) {
+        self.add(kind::INPUTS, inputs);
+    }
+
+    /// The writing ends of ports.
+    pub fn ports(&mut self, ports: &Ports) {
+        if !ports.ports.is_empty() {
+            self.add(kind::PORTS, ports);
+        }
+    }
+
+    /// How far the world has come.
+    pub fn at(&mut self, at: At) {
+        self.add(kind::AT, &at);
+    }
+
+    /// The bytes.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// How many bytes there are.
+    pub fn len(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
+    /// Forgets all, and keeps the room for others.
+    pub fn clear(&mut self) {
+        self.bytes.clear();
+    }
+
+    /// Takes the bytes.
+    pub fn take(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.bytes)
+    }
+
+    fn add(&mut self, kind: u8, message: &impl Message) {
+        let start = self.bytes.len();
+        self.bytes.push(kind);
+        let length = u32::try_from(message.encoded_len()).expect("no message of a world has 4 GiB");
+        self.bytes.extend(length.to_le_bytes());
+        self.bytes.extend(crc32fast::hash(&self.bytes[start..]).to_le_bytes());
+        let body = self.bytes.len();
+        message.encode(&mut self.bytes).expect("a vector has room");
+        self.bytes.extend(crc32fast::hash(&self.bytes[body..]).to_le_bytes());
+    }
+}

@@ -1,0 +1,63 @@
+//! The threads of a state folder: one writes for worlds that follow a clock, the other forces onto the disk what was written.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::files::WorldFiles;
+
+/// How often what was written is forced onto the disk.
+const SYNC_EVERY: Duration = Duration::from_secs(1);
+
+/// What wakes the threads. They end when all of these are gone.
+#[derive(Clone, Debug)]
+pub(super) struct Threads {
+    writer: Sender<Arc<WorldFiles>>,
+    syncer: Sender<Arc<WorldFiles>>,
+}
+
+impl Threads {
+    /// Starts the threads.
+    ///
+    /// # Errors
+    /// If there are none.
+    pub(super) fn start() -> io::Result<Self> {
+        let (writer, to_write) = channel::<Arc<WorldFiles>>();
+        let (syncer, to_sync) = channel();
+        thread::Builder::new().name("state".to_owned()).spawn(move || {
+            for files in to_write {
+                files.write();
+            }
+        })?;
+        thread::Builder::new().name("state sync".to_owned()).spawn(move || sync_all(&to_sync))?;
+        Ok(Self { writer, syncer })
+    }
+
+    /// There is something to write of this world.
+    pub(super) fn write(&self, files: &Arc<WorldFiles>) {
+        // The threads live as long as this does.
+        let _ = self.writer.send(Arc::clone(files));
+    }
+
+    /// Something was written of this world.
+    pub(super) fn sync(&self, files: &Arc<WorldFiles>) {
+        let _ = self.syncer.send(Arc::clone(files));
+    }
+}
+
+fn sync_all(written: &Receiver<Arc<WorldFiles>>) {
+    let mut waiting = Vec::new();
+    let mut next = Instant::now() + SYNC_EVERY;
+    loop {
+        match written.recv_timeout(next.saturating_duration_since(Instant::now())) {
+            Ok(files) => waiting.push(files),
+            Err(RecvTimeoutError::Timeout) => {
+                waiting.drain(..).for_each(|files| files.sync());
+                next = Instant::now() + SYNC_EVERY;
+            }
+            Err(RecvTimeoutError::Disconnected) => return waiting.drain(..).for_each(|files| files.sync()),
+        }
+    }
+}
