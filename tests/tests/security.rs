@@ -30,7 +30,8 @@ fn each_threat_has_a_test() {
         assert!(!named.is_empty(), "no test is named: {row}");
         for name in named {
             let is_there = match name {
-                "cargo deny" | "./test" => true,
+                "cargo deny" => true,
+                command if command.starts_with("./test") => true,
                 file if file.contains('/') => root.join(file).exists(),
                 test => code.contains(&format!("fn {test}(")),
             };
