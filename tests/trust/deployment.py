@@ -47,7 +47,7 @@ def main(program: pathlib.Path) -> None:
     lasts = pod["terminationGracePeriodSeconds"]
     started(program, container["args"], {"/secret": "secret", "/state": "state"}, probe, lasts)
     print("the manifest's server starts, answers its probe, and ends when it is told to")
-    folders = {"%d": "secret", "/etc/baudbot": "secret", "/var/lib/baudbot": "state", "/var/log/baudbot": "state"}
+    folders = {"%d": "secret", "/etc/baudbot": "secret", "/var/lib/baudbot": "state", "/var/log/baudbot": "log"}
     started(program, command(), folders, probe, int(setting("TimeoutStopSec")))
     print("so does the unit's")
 
@@ -95,7 +95,8 @@ def started(program: pathlib.Path, arguments: list[str], folders: dict[str, str]
                 argument = argument.replace(theirs, str(place / ours))
             here.append(argument.replace("0.0.0.0:7400", "127.0.0.1:0").replace("0.0.0.0:7401", f"127.0.0.1:{page}"))
         environment = {"XDG_RUNTIME_DIR": str(place / "run"), "HOME": str(place)}
-        with subprocess.Popen([program, *here], env=environment, cwd=place, stderr=subprocess.PIPE, text=True) as server:
+        streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+        with subprocess.Popen([program, *here], env=environment, cwd=place, text=True, **streams) as server:
             try:
                 ask(server, f"https://127.0.0.1:{page}{probe['path']}", probe)
             finally:
@@ -104,7 +105,8 @@ def started(program: pathlib.Path, arguments: list[str], folders: dict[str, str]
                 _, said = server.communicate(timeout=lasts)
             assert server.returncode == 0, (server.returncode, said)
             assert time.monotonic() - told < lasts
-        assert (place / "state/audit.jsonl").read_text().splitlines()[-1].count('"stop"') == 1
+        (audit,) = place.glob("*/audit.jsonl")
+        assert audit.read_text().splitlines()[-1].count('"stop"') == 1
 
 
 def secrets(program: pathlib.Path, folder: pathlib.Path) -> None:
