@@ -71,7 +71,7 @@ pub(crate) fn start(
     let (robots, paused) = (new.world.robots().len(), new.paused);
     let resumed = new.resumed.take();
     let made = resumed.as_ref().map_or_else(|| Arc::clone(new.world.origin()), |it| Arc::clone(&it.made));
-    let tick = new.world.tick();
+    let (tick, time_s) = (new.world.tick(), new.world.time().as_seconds());
     let mut actor = WorldActor::new(Arc::clone(&name), new, neighbours);
     if let Some(record) = record {
         actor.record(record)?;
@@ -83,6 +83,6 @@ pub(crate) fn start(
     let mailbox = pool
         .add(|waker| Arc::new(Mailbox::new(actor, waker)))
         .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
-    tracing::info!(world = &*name, tick, robots, paused, "world made");
+    tracing::info!(world = &*name, tick, time_s, robots, paused, "world made");
     Ok(WorldHandle::new(name, made, mailbox))
 }
