@@ -82,7 +82,7 @@ pub(crate) fn start(
     let (robots, paused) = (new.world.robots().len(), new.paused);
     let resumed = new.resumed.take();
     let made = resumed.as_ref().map_or_else(|| Arc::clone(new.world.origin()), |it| Arc::clone(&it.made));
-    let (tick, room) = (new.world.tick(), charges.room());
+    let (tick, time_s, room) = (new.world.tick(), new.world.time().as_seconds(), charges.room());
     let mut actor = WorldActor::new(Arc::clone(&name), new, charges, neighbours);
     if let Some(record) = record {
         actor.record(record)?;
@@ -94,6 +94,6 @@ pub(crate) fn start(
     let mailbox = pool
         .add(|waker| Arc::new(Mailbox::new(actor, waker)))
         .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
-    tracing::info!(world = &*name, tick, robots, paused, "world made");
+    tracing::info!(world = &*name, tick, time_s, robots, paused, "world made");
     Ok(WorldHandle::new(name, made, room, mailbox))
 }
