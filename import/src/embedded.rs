@@ -49,13 +49,21 @@ pub fn summary(text: &str) -> String {
     whole[..end].trim_end_matches('.').to_owned()
 }
 
-/// The scenarios that a wrong name may mean, by the last parts of their names.
+/// The scenarios that a wrong name may mean, by the last parts of their names. A file of another name is likely, so that a third of
+/// it may be wrong at most.
 pub fn nearest(wrong: &str) -> Vec<&'static str> {
-    let wrong = wrong.strip_suffix(".toml").unwrap_or(wrong);
-    let last = |name: &str| name.rsplit('/').next().unwrap_or_default().len();
-    let tail = |name: &'static str| &name[name.len() - last(name)..];
+    let wrong = last(wrong.strip_suffix(".toml").unwrap_or(wrong));
+    let letters: Vec<char> = wrong.chars().collect();
+    let is_near = |name: &&str| {
+        last(name).contains(wrong) || 3 * baudbot_fields::edits(&letters, last(name)) <= letters.len()
+    };
     let names = scenarios().map(|(name, _)| name);
-    baudbot_fields::nearest(&wrong[wrong.len() - last(wrong)..], names, |name| tail(name))
+    let near = baudbot_fields::nearest(wrong, names, |name| last(name));
+    near.into_iter().filter(is_near).collect()
+}
+
+fn last(name: &str) -> &str {
+    name.rsplit('/').next().unwrap_or(name)
 }
 
 #[cfg(test)]
@@ -73,10 +81,11 @@ mod tests {
     #[test]
     fn a_slip_of_the_pen_is_understood() {
         for (wrong, meant) in
-            [("wnader", "wander"), ("lazer", "devices/laser"), ("scenarios/sweper.toml", "sweeper")]
+            [("wandr", "wander"), ("lazer", "devices/laser"), ("scenarios/sweper.toml", "sweeper")]
         {
             assert_eq!(nearest(wrong), [meant]);
         }
         assert_eq!(nearest("something-quite-different.toml"), [""; 0]);
+        assert_eq!(nearest("nowhere.toml"), [""; 0]);
     }
 }
