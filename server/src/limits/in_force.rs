@@ -14,6 +14,7 @@ use super::overload::Overload;
 use super::parsing::{Cancelled, Parsing, Waiter};
 use super::{Limits, SOON};
 use crate::blocking::blocking;
+use crate::clock;
 use crate::log::Throttle;
 
 /// The limits of a running server. Clones share what is used of them.
@@ -94,7 +95,7 @@ impl InForce {
         match limit {
             Limit::Connections => (limits.connections as f64, whole(Whole::Connections)),
             Limit::ConnectionsPerAddress => {
-                (or(limits.connections_per_address, limits.connections / 2), most(Counted::Connections))
+                (or(limits.connections_per_address, limits.half_of_connections()), most(Counted::Connections))
             }
             Limit::ConnectionsPerToken => {
                 (or(limits.connections_per_token, Limits::CONNECTIONS_PER_TOKEN), None)
@@ -114,16 +115,14 @@ impl InForce {
             Limit::SnapshotsPerWorld => (limits.snapshots_per_world as f64, None),
             Limit::Memory => (limits.memory_bytes as f64, Some(memory.held() as f64)),
             Limit::Waiting => (limits.waiting as f64, Some(parsing.counts().0 as f64)),
-            Limit::Overload => {
-                (limits.overload_after_s as f64, Some(overload.seconds(Instant::now()) as f64))
-            }
+            Limit::Overload => (limits.overload_after_s as f64, Some(overload.seconds(clock::now()) as f64)),
         }
     }
 
     /// Counts something that was refused, or that had to go.
     pub(crate) fn note(&self, limit: Limit, what: &str) {
         self.0.refused[limit as usize].fetch_add(1, Ordering::Relaxed);
-        if let Some(times) = self.0.logged[limit as usize].note(Instant::now()) {
+        if let Some(times) = self.0.logged[limit as usize].note(clock::now()) {
             tracing::warn!(times, limit = limit.name(), option = limit.option(), what, "a limit is reached");
         }
     }
@@ -154,8 +153,7 @@ impl InForce {
     /// If there are too many.
     pub(crate) fn connection_of_address(&self, tally: &Arc<Tally>) -> Result<Taken, Exceeded> {
         let limits = self.limits();
-        let half = (limits.connections / 2).max(1);
-        let most = tally.account().most(limits.connections_per_address, half);
+        let most = tally.account().most(limits.connections_per_address, limits.half_of_connections());
         self.take(tally, Counted::Connections, most, Limit::ConnectionsPerAddress, "connections")
     }
 
@@ -199,7 +197,7 @@ impl InForce {
         let Some(per_s) = tally.account().most(self.limits().requests_per_s, Limits::REQUESTS_PER_S) else {
             return Ok(());
         };
-        tally.request(Instant::now(), per_s, Limits::burst(per_s)).map_err(|wait| {
+        tally.request(clock::now(), per_s, Limits::burst(per_s)).map_err(|wait| {
             let what = format!("{} has made {per_s} requests in a second", tally.account());
             self.refuse(Limit::Requests, what, Some(wait))
         })
@@ -320,7 +318,7 @@ impl InForce {
     /// If those that are there lag already.
     pub(crate) fn check_load(&self) -> Result<(), Exceeded> {
         let after = self.limits().overload_after_s;
-        let seconds = self.0.overload.seconds(Instant::now());
+        let seconds = self.0.overload.seconds(clock::now());
         if after == 0 || seconds < after {
             return Ok(());
         }

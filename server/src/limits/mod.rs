@@ -96,6 +96,11 @@ impl Limits {
     /// Worlds of a caller.
     pub const WORLDS_PER_CALLER: usize = 512;
 
+    /// What one address, or one user, may have of all connections, unless it is told otherwise.
+    pub(crate) fn half_of_connections(&self) -> usize {
+        (self.connections / 2).max(1)
+    }
+
     /// So many percent of the memory of the machine, or of the group of processes (cgroup) that this one is in; no limit where the
     /// system does not say how much that is.
     #[must_use]
