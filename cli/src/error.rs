@@ -64,6 +64,9 @@ pub(crate) fn from_server(status: &tonic::Status) -> anyhow::Error {
     // A status that the server sent has no cause here; one that stands for a broken connection has.
     match status.source() {
         Some(_) => anyhow::anyhow!("the connection to the server is lost ({})", Printable(status.message())),
+        None if status.code() == Code::Unimplemented && status.message().is_empty() => anyhow::anyhow!(
+            "there is no such call at this address: that of a run's brains serves brains only, and an older server has fewer calls"
+        ),
         None => anyhow::anyhow!("the server says: {}", Printable(status.message())),
     }
 }

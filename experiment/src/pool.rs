@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::local_runner;
 use crate::private_server::PrivateServer;
-use crate::remote::Remote;
+use crate::remote::{Host, Remote};
 use crate::run_record::{Row, Task};
 
 /// Where runs are done.
@@ -48,9 +48,9 @@ impl Workers {
             Place::Here if experiment.has_programs() => Some(PrivateServer::start([])?),
             Place::Here | Place::Server(_) => None,
         };
-        let address = private.as_ref().map(|server| server.address.as_str()).or(match &self.place {
+        let host = private.as_ref().map(Host::Private).or(match &self.place {
             Place::Here => None,
-            Place::Server(address) => Some(address),
+            Place::Server(address) => Some(Host::Address(address)),
         });
         let (queue, halt) = (Mutex::new(tasks), AtomicBool::new(false));
         let is_over = || stop.load(Ordering::Relaxed) || halt.load(Ordering::Relaxed);
@@ -63,7 +63,7 @@ impl Workers {
         thread::scope(|scope| {
             for _ in 0..self.jobs.max(1) {
                 let (send, next) = (send.clone(), &next);
-                scope.spawn(move || self.work_alone(experiment, address, next, &send));
+                scope.spawn(move || self.work_alone(experiment, host, next, &send));
             }
             drop(send);
             let (mut outcome, mut is_kept) = (Ok(()), true);
@@ -85,13 +85,13 @@ impl Workers {
     fn work_alone(
         &self,
         experiment: &Experiment,
-        address: Option<&str>,
+        host: Option<Host<'_>>,
         next: &impl Fn() -> Option<Task>,
         send: &Answers,
     ) {
         let mut remote = None;
-        if let Some(address) = address {
-            match Remote::connect(address, &self.name) {
+        if let Some(host) = host {
+            match Remote::connect(host, &self.name) {
                 Ok(connected) => remote = Some(connected),
                 Err(error) => return drop(send.send(Err(error))),
             }

@@ -1,17 +1,21 @@
-//! A server of this process that only this user's programs reach: for runs whose brains are programs.
+//! A server of this process that only this user's programs reach, as brains: for runs whose brains are programs.
 
+use std::sync::Arc;
 use std::thread::JoinHandle;
 
+use baudbot_client::Client;
 use baudbot_server::{Address, Builder, Server, WorldConfig};
 use tempfile::TempDir;
 use tokio::sync::oneshot;
 
 use crate::error::Error;
 
-/// A server on a Unix socket in a folder that only this user may enter. It ends when this is dropped.
+/// A server whose brains come by a Unix socket in a folder that only this user may enter, and whose operator is in this process. It
+/// ends when this is dropped.
 pub(crate) struct PrivateServer {
-    /// Where it listens, as clients are told.
+    /// Where it listens for brains, as programs are told.
     pub(crate) address: String,
+    server: Option<Arc<Server>>,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
     _folder: TempDir,
@@ -27,23 +31,34 @@ impl PrivateServer {
         let path = folder.path().join("socket");
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| failed(&error))?;
-        let builder = Server::builder().listen(Address::Unix(path.clone()));
+        let builder = Server::builder().brains(Address::Unix(path.clone()));
         let builder = worlds.into_iter().fold(builder, Builder::world);
-        let server = runtime.block_on(builder.serve()).map_err(|error| failed(&error))?;
+        let server = Arc::new(runtime.block_on(builder.serve()).map_err(|error| failed(&error))?);
         let (stop, stopped) = oneshot::channel();
+        let served = Arc::clone(&server);
         let thread = std::thread::Builder::new().name("private server".to_owned()).spawn(move || {
             runtime.block_on(async {
                 let _ = stopped.await;
+                let server = Arc::into_inner(served).expect("the other one is dropped first");
                 let _ = tokio::time::timeout(PATIENCE, server.shutdown()).await;
             });
         });
         let thread = Some(thread.map_err(|error| failed(&error))?);
-        Ok(Self { address: format!("unix:{}", path.display()), stop: Some(stop), thread, _folder: folder })
+        let address = format!("unix:{}", path.display());
+        Ok(Self { address, server: Some(server), stop: Some(stop), thread, _folder: folder })
+    }
+
+    /// A connection of its operator.
+    pub(crate) async fn operator(&self) -> Result<Client, Error> {
+        let failed = |error: &dyn ToString| Error::Server(error.to_string());
+        let server = self.server.as_ref().ok_or_else(|| failed(&"the server for programs is over"))?;
+        Ok(Client::from_channel(server.channel().await.map_err(|error| failed(&error))?))
     }
 }
 
 impl Drop for PrivateServer {
     fn drop(&mut self) {
+        drop(self.server.take());
         drop(self.stop.take());
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();

@@ -14,6 +14,7 @@ use crate::assignment::{Assigned, Assignment, AssignmentError, AttachedBrains, S
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::metrics::Counted;
+use crate::private_server::PrivateServer;
 use crate::run_record::{Ran, Row, Task};
 use crate::setup::{self, Setup};
 
@@ -44,16 +45,42 @@ enum Failure {
     Server(Error),
 }
 
+/// The server that has the worlds.
+#[derive(Clone, Copy)]
+pub(crate) enum Host<'a> {
+    /// The one at this address.
+    Address(&'a str),
+    Private(&'a PrivateServer),
+}
+
+impl Host<'_> {
+    /// Where programs attach.
+    fn brains(&self) -> &str {
+        match self {
+            Self::Address(address) => address,
+            Self::Private(server) => &server.address,
+        }
+    }
+
+    async fn operator(&self) -> Result<Client, Error> {
+        match self {
+            Self::Address(address) => {
+                connect(address).await.map_err(|error| Error::Server(error.to_string()))
+            }
+            Self::Private(server) => server.operator().await,
+        }
+    }
+}
+
 impl Remote {
-    pub(crate) fn connect(address: &str, name: &str) -> Result<Self, Error> {
-        let failed = |error: &dyn ToString| Error::Server(error.to_string());
+    pub(crate) fn connect(host: Host<'_>, name: &str) -> Result<Self, Error> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
-        let runtime = runtime.map_err(|error| failed(&error))?;
-        let client = runtime.block_on(connect(address)).map_err(|error| failed(&error))?;
+        let runtime = runtime.map_err(|error| Error::Server(error.to_string()))?;
+        let client = runtime.block_on(host.operator())?;
         Ok(Self {
             runtime,
             client,
-            address: address.to_owned(),
+            address: host.brains().to_owned(),
             name: name.to_owned(),
             idle: Cell::default(),
             unchecked: RefCell::default(),

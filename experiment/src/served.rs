@@ -12,7 +12,7 @@ use tokio::sync::oneshot;
 use crate::assignment::Assigned;
 use crate::error::Error;
 use crate::private_server::PrivateServer;
-use crate::remote::Remote;
+use crate::remote::{Host, Remote};
 use crate::setup::Setup;
 
 /// A run that is under way, in lockstep. It is given up when this is dropped: then its programs end, too.
@@ -43,7 +43,7 @@ impl<T: Send + 'static> Served<T> {
         let world = WorldConfig::from_state(WORLD, world).pace(Pace::Lockstep(Lockstep::default()));
         let server = PrivateServer::start([world.paused(true).on_tick(on_tick)])?;
         let run = std::thread::Builder::new().name("run".to_owned()).spawn(move || {
-            let remote = Remote::connect(&server.address, WORLD)?;
+            let remote = Remote::connect(Host::Private(&server), WORLD)?;
             remote.run_world(WORLD, Setup { scenario, assigned }, stopped)
         });
         let run = run.map_err(|error| Error::Server(format!("cannot start a thread: {error}")))?;

@@ -1,8 +1,6 @@
 //! Many environments with one agent each, stepped on some threads.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::Arc;
 
 use crate::env::{Env, Stepped};
 use crate::error::LearnError;
@@ -11,6 +9,7 @@ use crate::memory::Need;
 use crate::reward::{Reward, Tally};
 use crate::run::{Info, Run, seed_of};
 use crate::task::Task;
+use crate::threads::Threads;
 
 /// When an environment whose run is over begins another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,9 +26,7 @@ pub enum Autoreset {
 pub struct Fleet {
     envs: Vec<Env>,
     runs: Vec<Run>,
-    threads: usize,
-    pool: Option<ThreadPool>,
-    process: u32,
+    threads: Threads,
     autoreset: Autoreset,
 }
 
@@ -102,15 +99,14 @@ impl Fleet {
         if count == 0 {
             return Err(LearnError::value("num_envs", "must be 1 or more"));
         }
-        let threads = threads.clamp(1, count);
-        let pool = pool(threads)?;
+        let threads = Threads::start(threads.clamp(1, count))?;
         let mut envs: Vec<Env> = Vec::new();
         let mut need = None;
         while envs.len() < count {
             // One first, then as many as there are: what they need says whether there is room for all.
             let (begin, end) = (envs.len(), count.min((2 * envs.len()).max(1)));
             let mut more: Vec<Option<Env>> = (begin..end).map(|_| None).collect();
-            each(pool.as_ref(), more.iter_mut().enumerate(), |(i, env)| {
+            threads.each(more.iter_mut().enumerate(), |(i, env)| {
                 *env = Some(Env::new(Arc::clone(task), seed_of(seed, begin + i), &[])?);
                 Ok(())
             })?;
@@ -119,7 +115,7 @@ impl Fleet {
             need.get_or_insert_with(first).check(end)?;
         }
         let runs = (0..count).map(|i| Run { seed: seed_of(seed, i), ..Run::default() }).collect();
-        Ok(Self { envs, runs, threads, pool, process: std::process::id(), autoreset })
+        Ok(Self { envs, runs, threads, autoreset })
     }
 
     /// The environments.
@@ -154,10 +150,10 @@ impl Fleet {
         arrays: Arrays<'_>,
     ) -> Result<(), LearnError> {
         let width = self.width();
-        self.threads_are_there()?;
-        let Self { envs, runs, pool, .. } = self;
+        self.threads.are_there()?;
+        let Self { envs, runs, threads, .. } = self;
         let work = envs.iter_mut().zip(runs).zip(arrays.rows(width)).enumerate();
-        each(pool.as_ref(), work, |(i, ((env, run), mut row))| {
+        threads.each(work, |(i, ((env, run), mut row))| {
             if which.is_none_or(|which| which[i]) {
                 let next = match seed {
                     Some(seed) => Run { seed: seed_of(seed, i), ..Run::default() },
@@ -190,10 +186,10 @@ impl Fleet {
             let path = format!("actions[{}, {}]", place / signals, place % signals);
             return Err(LearnError::value(path, "is NaN"));
         }
-        self.threads_are_there()?;
+        self.threads.are_there()?;
         let (width, autoreset) = (self.width(), self.autoreset);
         let Rewards { rewards, terminated, truncated, tallies, finals } = out;
-        let Self { envs, runs, pool, .. } = self;
+        let Self { envs, runs, threads, .. } = self;
         let mut finals = finals.map(|arrays| arrays.rows(width));
         let environments =
             envs.iter_mut().zip(runs).zip(actions.chunks_exact(signals)).zip(arrays.rows(width));
@@ -208,24 +204,13 @@ impl Fleet {
                 Work { env, run, action, row, last, reward: rewards, terminated, truncated, tally }
             },
         );
-        each(pool.as_ref(), work, |mut work| work.step(reward, autoreset))
+        threads.each(work, |mut work| work.step(reward, autoreset))
     }
 
     /// Values and sensors of a row.
     fn width(&self) -> [usize; 2] {
         let layout = self.envs[0].agents()[0].layout();
         [layout.bounds.len(), layout.sensors.len()]
-    }
-
-    /// A process that was forked has none of its parent's threads.
-    fn threads_are_there(&mut self) -> Result<(), LearnError> {
-        if self.process != std::process::id() {
-            let fresh = pool(self.threads)?;
-            // To drop it would wait for threads that there are not.
-            std::mem::forget(std::mem::replace(&mut self.pool, fresh));
-            self.process = std::process::id();
-        }
-        Ok(())
     }
 }
 
@@ -288,46 +273,6 @@ impl Row<'_> {
     }
 }
 
-/// Does all of this work, on the pool's threads besides this one if there is a pool. Of several errors the first one's is told.
-fn each<T: Send>(
-    pool: Option<&ThreadPool>,
-    mut work: impl Iterator<Item = T>,
-    each: impl Fn(T) -> Result<(), LearnError> + Sync + Send,
-) -> Result<(), LearnError> {
-    let Some(pool) = pool else { return work.try_for_each(each) };
-    let work: Vec<T> = work.collect();
-    let batch = (work.len() / BATCHES).clamp(1, MOST_A_BATCH);
-    let queue = Mutex::new(work.into_iter().enumerate());
-    let failed: Mutex<Option<(usize, LearnError)>> = Mutex::new(None);
-    // This thread begins at once; the others take what is left when they have woken up.
-    let run = || {
-        loop {
-            let taken: Vec<_> = lock(&queue).by_ref().take(batch).collect();
-            if taken.is_empty() {
-                return;
-            }
-            for (place, one) in taken {
-                if let Err(error) = each(one) {
-                    let mut failed = lock(&failed);
-                    if failed.as_ref().is_none_or(|(other, _)| place < *other) {
-                        *failed = Some((place, error));
-                    }
-                }
-            }
-        }
-    };
-    pool.in_place_scope(|scope| {
-        (0..pool.current_num_threads()).for_each(|_| scope.spawn(|_| run()));
-        run();
-    });
-    failed.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), |(_, error)| Err(error))
-}
-
-/// What another thread panicked with is told by the scope.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 /// What the arrays of an environment need, in bytes: those of readings, ages and readability, of observations that are kept and of
 /// their bounds.
 fn row_bytes(layout: &Layout) -> u64 {
@@ -336,18 +281,3 @@ fn row_bytes(layout: &Layout) -> u64 {
 
 /// As many rows has a caller of each environment.
 const ROWS: usize = 6;
-
-/// So many batches are taken by all threads, if there are enough environments.
-const BATCHES: usize = 32;
-
-/// Environments of a batch, so that no thread waits long for the last one.
-const MOST_A_BATCH: usize = 16;
-
-fn pool(threads: usize) -> Result<Option<ThreadPool>, LearnError> {
-    if threads == 1 {
-        return Ok(None);
-    }
-    let builder = ThreadPoolBuilder::new().num_threads(threads - 1).thread_name(|i| format!("worlds {i}"));
-    let failed = |error| LearnError::value("threads", format!("cannot start {threads}: {error}"));
-    builder.build().map(Some).map_err(failed)
-}

@@ -25,6 +25,7 @@ mod run;
 mod task;
 #[cfg(test)]
 mod tests;
+mod threads;
 mod vary;
 
 pub use agent::Agent;

@@ -148,16 +148,23 @@ async fn call(channel: Channel, path: &str) -> Result<(), Status> {
     tokio::time::timeout(Duration::from_secs(2), answers.message()).await.unwrap_or(Ok(None)).map(|_| ())
 }
 
+/// All services that are anywhere, with their calls.
+fn all_services() -> Vec<(String, Vec<String>)> {
+    let sets = [
+        baudbot_proto::DESCRIPTORS,
+        tonic_health::pb::FILE_DESCRIPTOR_SET,
+        tonic_reflection::pb::v1::FILE_DESCRIPTOR_SET,
+        tonic_reflection::pb::v1alpha::FILE_DESCRIPTOR_SET,
+    ];
+    sets.into_iter().flat_map(services).collect()
+}
+
 /// A call that is added to the contract has no line above, and fails here.
 #[tokio::test]
 async fn each_call_may_be_made_by_those_who_have_the_right_to_it_and_by_nobody_else() {
     let class = Class::begin().await;
-    let mut served = services(baudbot_proto::DESCRIPTORS);
-    served.extend(services(tonic_health::pb::FILE_DESCRIPTOR_SET));
-    served.extend(services(tonic_reflection::pb::v1::FILE_DESCRIPTOR_SET));
-    served.extend(services(tonic_reflection::pb::v1alpha::FILE_DESCRIPTOR_SET));
     let mut tried = 0;
-    for (service, calls) in served {
+    for (service, calls) in all_services() {
         let (_, expected) = CALLS.iter().find(|(name, _)| *name == service).expect(&service);
         assert_eq!(expected.len(), calls.len(), "{service}");
         for name in calls {
@@ -185,6 +192,27 @@ async fn each_call_may_be_made_by_those_who_have_the_right_to_it_and_by_nobody_e
     }
     assert!(tried > 150, "{tried}");
     class.server.shutdown().await;
+}
+
+/// Programs that a run starts are of the user who may do everything; by the address that they are given they only drive.
+#[tokio::test]
+async fn where_there_are_brains_only_nothing_else_is_served() {
+    let folder = tempfile::tempdir().unwrap();
+    let address = format!("unix:{}", folder.path().join("socket").display());
+    let world = WorldConfig::new("w", scenario(WANDER, &[])).pace(lockstep()).paused(true);
+    let server = Server::builder().world(world).brains(address.parse().unwrap()).serve().await.unwrap();
+    assert!(server.addresses().is_empty());
+    let brain = connect_with(&address, &Credentials::default()).await.unwrap();
+    for (service, calls) in all_services() {
+        for name in calls {
+            let path = format!("/{service}/{name}");
+            let refused =
+                call(brain.channel(), &path).await.is_err_and(|status| status.code() == Code::Unimplemented);
+            assert_eq!(refused, name != "Attach", "{path}");
+        }
+    }
+    brain.attach("w", "robot").await.unwrap();
+    server.shutdown().await;
 }
 
 /// The words of a refusal.

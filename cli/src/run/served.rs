@@ -55,20 +55,19 @@ async fn serve(
         builder = builder.listen(address);
     }
     if let Some(private) = private {
-        builder = builder.listen(private.address.clone());
+        builder = builder.brains(private.address.clone());
     }
     // What is over in a moment nobody can look at.
     builder = viewer::add(builder, args.listen.viewer, matches!(plan.pace, Pace::Timed(_)));
     let server = builder.serve().await.map_err(from_builder)?;
     if !args.quiet {
-        let public = |address: &&Address| private.is_none_or(|private| private.address != **address);
-        server.addresses().iter().filter(public).for_each(|address| tell!("listening on {address}"));
+        server.addresses().iter().for_each(|address| tell!("listening on {address}"));
         viewer::link(&server).iter().for_each(|link| tell!("{link}"));
     }
     Ok(server)
 }
 
-/// Where the programs of a run attach: a socket in a folder that only this user may enter.
+/// Where the programs of a run attach, and can do nothing else: a socket in a folder that only this user may enter.
 struct Private {
     address: Address,
     /// What they use of the processor.

@@ -42,6 +42,21 @@ fn a_drive_of_a_test_is_the_run_of_the_command() {
     }
 }
 
+/// What a program finds in its environment is good for driving, and tells no truth.
+#[test]
+fn a_program_cannot_observe_by_the_address_that_it_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = folder.path().join("said");
+    let baudbot = env!("CARGO_BIN_EXE_baudbot");
+    let watches =
+        format!("{baudbot} watch --connect $BAUDBOT_CONNECT >{0} 2>&1; echo $? >>{0};", said.display());
+    let curious = program("avoid").replacen("-c '", &format!("-c '{watches} "), 1);
+    summary(&["run", "wander", "--seconds", "5", "--brain", &curious]);
+    let said = std::fs::read_to_string(said).unwrap();
+    assert!(said.ends_with("1\n") && !said.contains("pose"), "{said}");
+    assert!(said.contains("there is no such call"), "{said}");
+}
+
 #[test]
 fn bad_programs_are_told_in_a_sentence() {
     for (brain, words) in [

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use super::{Task, Then};
 
-/// A task that has waited for so long after its last slice goes before those that follow the clock, once in [`RELIEF_EVERY`].
+/// A task that has waited for so long since its last slice, or since it was woken, goes before those that follow the clock, once in
+/// [`RELIEF_EVERY`].
 const STARVED: Duration = Duration::from_millis(100);
 
 /// How often that may happen. A slice takes half a millisecond, so it takes little from those that follow the clock.
@@ -21,8 +22,8 @@ pub(super) struct Queue {
     last_number: Number,
     /// Tasks that have to run at an instant, most urgent first.
     alarms: BTreeSet<(Instant, Number)>,
-    /// Tasks that something has happened to.
-    woken: VecDeque<Number>,
+    /// Tasks that something has happened to, each with when.
+    woken: VecDeque<(Instant, Number)>,
     /// Tasks that have more to do after a slice, each with the end of that slice.
     spent: VecDeque<(Instant, Number)>,
     /// Tasks whose next step takes long.
@@ -59,20 +60,20 @@ impl Queue {
     }
 
     /// Adds a task, which has something to do.
-    pub(super) fn add(&mut self, make: impl FnOnce(Number) -> Arc<dyn Task>) {
+    pub(super) fn add(&mut self, now: Instant, make: impl FnOnce(Number) -> Arc<dyn Task>) {
         self.last_number += 1;
         let entry = Entry { task: make(self.last_number), alarm: None, is_ready: true };
         self.tasks.insert(self.last_number, entry);
-        self.woken.push_back(self.last_number);
+        self.woken.push_back((now, self.last_number));
     }
 
     /// A task has something to do; if its pace follows the clock, by an instant.
-    pub(super) fn wake(&mut self, number: Number, by: Option<Instant>) {
+    pub(super) fn wake(&mut self, number: Number, by: Option<Instant>, now: Instant) {
         match by {
             Some(by) => self.set_alarm(number, by),
             None => {
                 if self.make_ready(number) {
-                    self.woken.push_back(number);
+                    self.woken.push_back((now, number));
                 }
             }
         }
@@ -81,21 +82,16 @@ impl Queue {
     /// Takes the task that comes first: those that follow the clock by their deadlines, then what has been woken, then what
     /// has had a slice already.
     pub(super) fn pick(&mut self, now: Instant) -> Option<Picked> {
-        if self.is_starved(now) {
+        if let Some(starved) = self.pick_starved(now) {
             self.relieved = Some(now);
-            return self.pick_spent();
+            return Some(starved);
         }
         if let Some(&(at, number)) = self.alarms.first()
             && at <= now
         {
             return self.take(number);
         }
-        while let Some(number) = self.woken.pop_front() {
-            if let Some(picked) = self.take_ready(number) {
-                return Some(picked);
-            }
-        }
-        self.pick_spent()
+        self.pick_woken().or_else(|| self.pick_spent())
     }
 
     /// Takes a task whose next step takes long.
@@ -148,10 +144,25 @@ impl Queue {
         self.alarms.first().map(|&(at, _)| at)
     }
 
-    fn is_starved(&self, now: Instant) -> bool {
+    /// Takes one that has waited too long, if it is time for that.
+    fn pick_starved(&mut self, now: Instant) -> Option<Picked> {
         let has_waited = |since: Instant, long| now.saturating_duration_since(since) >= long;
-        self.spent.front().is_some_and(|&(since, _)| has_waited(since, STARVED))
-            && self.relieved.is_none_or(|relieved| has_waited(relieved, RELIEF_EVERY))
+        if self.relieved.is_some_and(|relieved| !has_waited(relieved, RELIEF_EVERY)) {
+            return None;
+        }
+        let since = |queue: &VecDeque<(Instant, Number)>| queue.front().map(|&(since, _)| since);
+        let (woken, spent) = (since(&self.woken), since(&self.spent));
+        let longest = woken.into_iter().chain(spent).min().filter(|&since| has_waited(since, STARVED))?;
+        if woken == Some(longest) { self.pick_woken() } else { self.pick_spent() }
+    }
+
+    fn pick_woken(&mut self) -> Option<Picked> {
+        while let Some((_, number)) = self.woken.pop_front() {
+            if let Some(picked) = self.take_ready(number) {
+                return Some(picked);
+            }
+        }
+        None
     }
 
     fn pick_spent(&mut self) -> Option<Picked> {
@@ -213,7 +224,7 @@ mod tests {
     fn queue(tasks: u64, now: Instant) -> Queue {
         let mut queue = Queue::new();
         for _ in 0..tasks {
-            queue.add(|_| Arc::new(Nothing));
+            queue.add(now, |_| Arc::new(Nothing));
         }
         while let Some((number, _)) = queue.pick(now) {
             queue.settle(number, Then::Wait(None), now);
@@ -231,7 +242,7 @@ mod tests {
         let at = |ms| start + Duration::from_millis(ms);
         let mut queue = queue(5, start);
         queue.settle(1, Then::Run(None), start);
-        queue.wake(2, None);
+        queue.wake(2, None, start);
         queue.settle(3, Then::Wait(Some(at(7))), start);
         queue.settle(4, Then::Wait(Some(at(5))), start);
         queue.settle(5, Then::Wait(Some(at(20))), start);
@@ -271,13 +282,31 @@ mod tests {
         assert_eq!(others, 9, "one slice each time it has waited for 100 ms");
     }
 
+    /// Such as a world that has just been made.
+    #[test]
+    fn a_task_that_is_new_begins_however_much_those_that_follow_the_clock_have_to_do() {
+        let start = Instant::now();
+        let mut queue = queue(1, start);
+        queue.settle(1, Then::Run(Some(start)), start);
+        (0..3).for_each(|_| queue.add(start, |_| Arc::new(Nothing)));
+        let mut begun = Vec::new();
+        for ms in 0..200 {
+            let now = start + Duration::from_millis(ms);
+            let number = picked(&mut queue, now).unwrap();
+            let then = if number == 1 { Then::Run(Some(now)) } else { Then::Wait(None) };
+            queue.settle(number, then, now);
+            begun.extend((number != 1).then_some((ms, number)));
+        }
+        assert_eq!(begun, [(100, 2), (120, 3), (140, 4)], "one each 20 ms");
+    }
+
     #[test]
     fn a_task_that_is_over_is_not_taken_again_and_hides_no_other() {
         let start = Instant::now();
         let mut queue = queue(3, start);
-        queue.wake(1, None);
-        queue.wake(2, None);
-        queue.wake(3, Some(start));
+        queue.wake(1, None, start);
+        queue.wake(2, None, start);
+        queue.wake(3, Some(start), start);
         queue.settle(1, Then::Over, start);
         queue.settle(3, Then::Over, start);
         assert_eq!((picked(&mut queue, start), picked(&mut queue, start)), (Some(2), None));
@@ -289,11 +318,11 @@ mod tests {
         let start = Instant::now();
         let at = |ms| start + Duration::from_millis(ms);
         let mut queue = queue(1, start);
-        queue.wake(1, None);
-        queue.wake(1, None);
-        queue.wake(1, Some(at(9)));
-        queue.wake(1, Some(at(4)));
-        queue.wake(1, Some(at(6)));
+        queue.wake(1, None, start);
+        queue.wake(1, None, start);
+        queue.wake(1, Some(at(9)), start);
+        queue.wake(1, Some(at(4)), start);
+        queue.wake(1, Some(at(6)), start);
         assert_eq!(queue.next_alarm(), Some(at(4)));
         assert_eq!((picked(&mut queue, start), picked(&mut queue, at(10))), (Some(1), None));
     }

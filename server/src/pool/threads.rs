@@ -95,7 +95,7 @@ impl Threads {
         let shared = Arc::clone(&self.shared);
         let mut made = None;
         let mut state = self.shared.lock();
-        state.queue.add(|number| {
+        state.queue.add(Instant::now(), |number| {
             let task = make(Waker::Thread(ThreadWaker { shared, number }));
             made = Some(Arc::clone(&task));
             task
@@ -136,10 +136,11 @@ impl Drop for Threads {
 impl ThreadWaker {
     /// The task has something to do; if it follows the clock, by this instant.
     pub(super) fn wake(&self, by: Option<Instant>) {
+        let now = Instant::now();
         let mut state = self.shared.lock();
-        state.queue.wake(self.number, by);
+        state.queue.wake(self.number, by, now);
         let wakes = match by {
-            Some(by) if by > Instant::now() => !state.is_watched(by),
+            Some(by) if by > now => !state.is_watched(by),
             Some(_) | None => true,
         };
         let wakes = wakes && !state.sleepers.is_empty();

@@ -121,6 +121,7 @@ impl WorldConfig {
 pub struct Builder {
     worlds: Vec<WorldConfig>,
     addresses: Vec<Address>,
+    brains: Vec<Address>,
     trainers: Vec<Address>,
     /// Each with whether another port will do if this one is taken.
     viewers: Vec<(SocketAddr, bool)>,
@@ -147,6 +148,14 @@ impl Builder {
     #[must_use]
     pub fn listen(mut self, address: Address) -> Self {
         self.addresses.push(address);
+        self
+    }
+
+    /// Adds an address on which brains reach their service and nothing else: also a program of the user who may do everything, such
+    /// as one that a run has started, drives robots there and is told no truth.
+    #[must_use]
+    pub fn brains(mut self, address: Address) -> Self {
+        self.brains.push(address);
         self
     }
 
@@ -333,6 +342,7 @@ impl Builder {
         let trains = !self.trainers.is_empty();
         let mut listeners = Listeners {
             ordinary: mem::take(&mut self.incoming),
+            brains: Vec::new(),
             trainers: trains.then(Vec::new),
             pages: Vec::new(),
         };
@@ -343,6 +353,10 @@ impl Builder {
         for address in mem::take(&mut self.addresses) {
             self.access.allows(&address)?;
             listeners.ordinary.push(Listener::bind(address, tls.as_ref()).await?);
+        }
+        for address in mem::take(&mut self.brains) {
+            self.access.allows(&address)?;
+            listeners.brains.push(Listener::bind(address, tls.as_ref()).await?);
         }
         for address in mem::take(&mut self.trainers) {
             if !address.is_local() {

@@ -36,6 +36,8 @@ pub(super) async fn listen_for_pages(
 pub(super) struct Listeners {
     /// For brains, observers and operators.
     pub(super) ordinary: Vec<Listener>,
+    /// For brains only.
+    pub(super) brains: Vec<Listener>,
     /// For trainers; `None` if the server takes none.
     pub(super) trainers: Option<Vec<Listener>>,
     pub(super) pages: Vec<TcpEntry>,
@@ -47,7 +49,7 @@ impl Listeners {
     /// # Errors
     /// If that cannot be written.
     pub(super) fn publish(&self, token: Token) -> Result<(Token, LocalFiles), ServerError> {
-        let all = self.ordinary.iter().chain(self.trainers.iter().flatten());
+        let all = self.ordinary.iter().chain(&self.brains).chain(self.trainers.iter().flatten());
         let addresses: Vec<_> = all.filter_map(|listener| Some(listener.address()?.to_string())).collect();
         let files = local::publish(addresses.iter().map(String::as_str), &token)?;
         Ok((token, files))

@@ -167,6 +167,10 @@ impl Server {
             server.listen(listener, &router, &guards.gate, &stopped);
         }
         server.tasks.spawn(run(router, incoming, stopped.clone()));
+        let router = router::brains(&control, &guards.check_of_calls(), &guards.gate);
+        for listener in listeners.brains {
+            server.listen(listener, &router, &guards.gate, &stopped);
+        }
         if let Some(trainers) = listeners.trainers {
             server.take_trainers(trainers, &control, &guards, &stopped).await?;
         }

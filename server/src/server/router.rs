@@ -1,5 +1,5 @@
 //! Which services a listener has. Brains, observers and operators have all but that of trainers; trainers have that one and the
-//! operator's.
+//! operator's; where there are brains only, they have theirs only.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -40,17 +40,24 @@ pub(super) async fn ordinary(
     check: &CheckCalls,
     gate: &Gate,
 ) -> Result<Router, ServerError> {
-    let registry = &control.registry;
     let (health, health_service) = tonic_health::server::health_reporter();
     is_serving::<BrainLinkServer>(&health).await;
     is_serving::<ObserveServiceServer<Observe>>(&health).await;
-    let observe = Observe { registry: registry.clone() };
-    let brain_link = BrainLink { registry: registry.clone(), patience: gate.patience() };
+    let observe = Observe { registry: control.registry.clone() };
     Ok(with_operator(control, check, gate, &health, without_trainers(contract()))
         .await?
         .add_service(health_service)
         .add_service(ObserveServiceServer::new(observe))
-        .add_service(BrainLinkServer::new(brain_link)))
+        .add_service(brain_link(control, gate)))
+}
+
+/// The service for brains.
+pub(super) fn brains(control: &Arc<Control>, check: &CheckCalls, gate: &Gate) -> Router {
+    transport(check, gate).add_service(brain_link(control, gate))
+}
+
+fn brain_link(control: &Control, gate: &Gate) -> BrainLinkServer {
+    BrainLinkServer::new(BrainLink { registry: control.registry.clone(), patience: gate.patience() })
 }
 
 /// The services for trainers.
@@ -86,14 +93,7 @@ async fn with_operator(
             .register_file_descriptor_set(contract.clone())
             .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
     };
-    let streams = gate.limits().limits().streams_per_connection;
-    Ok(Transport::builder()
-        // The brains of a machine that has vanished are detached after a while.
-        .http2_keepalive_interval(Some(KEEPALIVE))
-        .http2_keepalive_timeout(Some(KEEPALIVE))
-        // A client that keeps to this waits without a word. So there are some more than are answered, and the next ones are told.
-        .max_concurrent_streams(u32::try_from(streams.saturating_add(SPARE_STREAMS)).unwrap_or(u32::MAX))
-        .layer(check.clone())
+    Ok(transport(check, gate)
         // Python's reflection client speaks only v1alpha.
         .add_service(reflection().build_v1()?)
         .add_service(reflection().build_v1alpha()?)
@@ -102,6 +102,18 @@ async fn with_operator(
             ControlServiceServer::from_arc(Arc::clone(control))
                 .max_decoding_message_size(baudbot_scenario::MAX_BYTES + (1 << 16)),
         ))
+}
+
+/// What all services have in common.
+fn transport(check: &CheckCalls, gate: &Gate) -> Transport<Stack<CheckCalls, Identity>> {
+    let streams = gate.limits().limits().streams_per_connection;
+    Transport::builder()
+        // The brains of a machine that has vanished are detached after a while.
+        .http2_keepalive_interval(Some(KEEPALIVE))
+        .http2_keepalive_timeout(Some(KEEPALIVE))
+        // A client that keeps to this waits without a word. So there are some more than are answered, and the next ones are told.
+        .max_concurrent_streams(u32::try_from(streams.saturating_add(SPARE_STREAMS)).unwrap_or(u32::MAX))
+        .layer(check.clone())
 }
 
 async fn is_serving<S: NamedService>(health: &HealthReporter) {
