@@ -7,6 +7,7 @@ use baudbot_brains::catalogue;
 use baudbot_client::{Attachment, AttachmentError, Body};
 use baudbot_plot::quantity::count;
 use baudbot_proto::v1;
+use serde_json::{Value, json};
 
 use crate::args::BrainArgs;
 use crate::assignment;
@@ -16,7 +17,9 @@ use crate::text::tell;
 use crate::{connect, natural, text};
 
 pub(crate) async fn brain(args: BrainArgs) -> anyhow::Result<()> {
-    let Some(brain) = args.brain.clone().filter(|_| !args.list) else { return text::print(&list()) };
+    let Some(brain) = args.brain.clone().filter(|_| !args.list) else {
+        return if args.json { text::print_json(&entries()) } else { text::print(&list()) };
+    };
     assignment::check_name(&brain)?;
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     tokio::select! {
@@ -81,6 +84,19 @@ fn only_robot(world: &v1::WorldStatus) -> anyhow::Result<String> {
             bail!("world `{}` has several robots, choose with --robot: {}", world.world, names.join(", "))
         }
     }
+}
+
+/// The brains with their parameters, for programs.
+fn entries() -> Vec<Value> {
+    let parameter = |setting: &catalogue::Setting| {
+        let catalogue::Setting { name, meaning, default, range } = setting;
+        json!({ "name": name, "default": default, "min": range.start(), "max": range.end(), "meaning": meaning })
+    };
+    let entry = |entry: catalogue::Entry| {
+        let parameters: Vec<_> = entry.parameters.iter().map(parameter).collect();
+        json!({ "name": entry.name, "summary": entry.summary, "parameters": parameters })
+    };
+    catalogue::catalogue().into_iter().map(entry).collect()
 }
 
 fn list() -> String {

@@ -79,14 +79,13 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::Context;
-use clap::Parser;
 use tokio::runtime::Runtime;
 
-use crate::args::{Cli, Command, NewCommand, PortCommand};
+use crate::args::{Command, NewCommand, PortCommand};
 use crate::text::tell;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = args::parsed();
     let (filter, format) = (cli.log.clone(), cli.log_format);
     let command = cli.into_command();
     let serves = matches!(command, Command::Run(_) | Command::Serve(_));

@@ -3,15 +3,14 @@
 use std::fs;
 
 use anyhow::Context;
-use clap::CommandFactory;
 
-use crate::args::{Cli, CompletionsArgs, ManArgs};
+use crate::args::{self, CompletionsArgs, ManArgs};
 use crate::text;
 
 /// Prints what lets a shell complete commands and options.
 pub(crate) fn completions(args: &CompletionsArgs) -> anyhow::Result<()> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "baudbot", &mut script);
+    clap_complete::generate(args.shell, &mut args::command(), "baudbot", &mut script);
     text::print(&String::from_utf8(script).context("a script is text")?)
 }
 
@@ -19,7 +18,7 @@ pub(crate) fn completions(args: &CompletionsArgs) -> anyhow::Result<()> {
 pub(crate) fn man(args: &ManArgs) -> anyhow::Result<()> {
     let section = args.folder.join("man1");
     fs::create_dir_all(&section).with_context(|| format!("cannot make {}", section.display()))?;
-    clap_mangen::generate_to(Cli::command(), &section)
+    clap_mangen::generate_to(args::command(), &section)
         .with_context(|| format!("cannot write into {}", section.display()))?;
     text::print(&format!(
         "the manual is in {}: man -M {} baudbot\n",

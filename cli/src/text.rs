@@ -47,6 +47,12 @@ pub(crate) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
     write_out(&(escaped_json(&json) + "\n"))
 }
 
+/// Prints it as JSON on a line of its own.
+pub(crate) fn print_json_line(value: &impl Serialize) -> anyhow::Result<()> {
+    let json = serde_json::to_string(value).context("cannot write JSON")?;
+    write_out(&(escaped_json(&json) + "\n"))
+}
+
 /// Moves the cursor and the like: escape sequences of our own, and text that is printable.
 pub(crate) fn control(sequences: &str) -> anyhow::Result<()> {
     write_out(sequences)

@@ -9,6 +9,7 @@ use baudbot_client::Channel;
 use baudbot_fields::printable::PrintableLines;
 use baudbot_plot::quantity::NOTHING;
 use baudbot_proto::v1;
+use serde_json::{Value, json};
 use tonic::Streaming;
 
 use crate::args::WatchArgs;
@@ -26,7 +27,7 @@ pub(crate) async fn watch(args: &WatchArgs) -> anyhow::Result<()> {
             () = stop.wait() => Ok(()),
         };
     }
-    let in_place = std::io::stdout().is_terminal() && !args.once;
+    let in_place = std::io::stdout().is_terminal() && !args.once && !args.json;
     let shown = tokio::select! {
         shown = show(args, in_place) => shown,
         () = stop.wait() => Ok(()),
@@ -53,11 +54,12 @@ async fn show(args: &WatchArgs, in_place: bool) -> anyhow::Result<()> {
     loop {
         let frame = next(&mut frames, &channel, &view.world, args.once).await?;
         let Some(frame) = frame else { bail!("the server closed the connection") };
-        let drawn = view.draw(&frame);
-        if in_place {
-            text::control(&in_place_of_the_last(&PrintableLines(drawn).to_string()))?;
+        if args.json {
+            text::print_json_line(&view.json(&frame))?;
+        } else if in_place {
+            text::control(&in_place_of_the_last(&PrintableLines(view.draw(&frame)).to_string()))?;
         } else {
-            text::print(&format!("{drawn}\n"))?;
+            text::print(&format!("{}\n", view.draw(&frame)))?;
         }
         if args.once {
             return Ok(());
@@ -143,6 +145,35 @@ impl View {
             let _ = writeln!(text, "the run has ended: {}", frame.ending);
         }
         text
+    }
+
+    /// The frame for programs. What a sensor has not measured yet is null.
+    fn json(&self, frame: &v1::WatchResponse) -> Value {
+        let robots = self.robots(frame).into_iter().map(|(robot, truth)| {
+            let samples = robot.sensor_columns.iter().zip(&truth.samples);
+            let samples: serde_json::Map<_, _> =
+                samples.map(|(column, number)| (column.clone(), json!(number))).collect();
+            json!({
+                "robot": robot.robot,
+                "x_m": truth.x_m,
+                "y_m": truth.y_m,
+                "heading_rad": truth.heading_rad,
+                "speed_m_s": truth.speed_m_s,
+                "turn_rate_rad_s": truth.turn_rate_rad_s,
+                "left_signal": truth.left_signal,
+                "right_signal": truth.right_signal,
+                "samples": samples,
+            })
+        });
+        let collisions = frame.collisions.iter().map(|c| json!({ "robot": c.robot, "with": c.with }));
+        json!({
+            "world": self.world,
+            "tick": frame.tick,
+            "time_s": frame.time_ns as f64 / 1e9,
+            "robots": robots.collect::<Vec<_>>(),
+            "collisions": collisions.collect::<Vec<_>>(),
+            "ending": (!frame.ending.is_empty()).then_some(&frame.ending),
+        })
     }
 
     fn robots<'a>(

@@ -14,6 +14,8 @@ mod nearest;
 pub mod printable;
 #[cfg(feature = "toml")]
 mod read;
+#[cfg(feature = "toml")]
+mod words;
 
 use alloc::format;
 use alloc::string::{String, ToString};

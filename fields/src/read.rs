@@ -8,7 +8,7 @@ use serde::de::{self, DeserializeOwned, IntoDeserializer, Unexpected, Visitor};
 use serde::forward_to_deserialize_any;
 use toml::Value;
 
-use crate::Cause;
+use crate::{Cause, words};
 
 /// Why a value of TOML is not of a type.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -44,6 +44,10 @@ struct Problem {
 }
 
 impl Problem {
+    fn value(words: String) -> Self {
+        Self { words, cause: Cause::Value }
+    }
+
     /// In the words that serde has for it.
     fn new(error: &de::value::Error, cause: Cause) -> Self {
         Self { words: error.to_string(), cause }
@@ -60,7 +64,19 @@ impl core::error::Error for Problem {}
 
 impl de::Error for Problem {
     fn custom<T: Display>(words: T) -> Self {
-        Self { words: words.to_string(), cause: Cause::Value }
+        Self::value(words.to_string())
+    }
+
+    fn invalid_type(found: Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        Self::value(words::wrong(&found, expected))
+    }
+
+    fn invalid_value(found: Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        Self::value(words::wrong(&found, expected))
+    }
+
+    fn unknown_variant(name: &str, known: &'static [&'static str]) -> Self {
+        Self::value(words::unknown(name, known))
     }
 
     fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
@@ -92,17 +108,30 @@ impl<'de> de::Deserializer<'de> for Tree {
             Value::String(value) => visitor.visit_string(value),
             Value::Datetime(value) => visitor.visit_string(value.to_string()),
             Value::Array(values) => {
-                let count = values.len();
-                let mut elements = SeqDeserializer::new(values.into_iter().map(Tree));
-                let read = visitor.visit_seq(&mut elements)?;
-                let all = elements.end().is_ok();
-                all.then_some(read)
-                    .ok_or_else(|| de::Error::invalid_length(count, &"fewer elements in array"))
+                visitor.visit_seq(&mut SeqDeserializer::new(values.into_iter().map(Tree)))
             }
             // A visitor of a map takes all of it, or says which field is wrong.
             Value::Table(table) => visitor
                 .visit_map(MapDeserializer::new(table.into_iter().map(|(key, value)| (key, Self(value))))),
         }
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Problem> {
+        if let Value::Array(values) = &self.0
+            && values.len() != length
+        {
+            return Err(Problem::value(words::wrong_length(values.len(), length)));
+        }
+        self.deserialize_any(visitor)
+    }
+
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        length: usize,
+        visitor: V,
+    ) -> Result<V::Value, Problem> {
+        self.deserialize_tuple(length, visitor)
     }
 
     /// TOML has no null: what stands there is some value.
@@ -131,21 +160,24 @@ impl<'de> de::Deserializer<'de> for Tree {
                 visitor.visit_enum(de::value::MapAccessDeserializer::new(MapDeserializer::new(entries)))
             }
             Value::Table(table) => {
-                let found = if table.is_empty() { "found 0 elements" } else { "more than 1 element" };
-                Err(de::Error::custom(alloc::format!("wanted exactly 1 element, {found}")))
+                Err(Problem::value(alloc::format!("must be a table with 1 field, has {}", table.len())))
             }
-            Value::Boolean(_)
-            | Value::Integer(_)
-            | Value::Float(_)
-            | Value::Datetime(_)
-            | Value::Array(_) => Err(de::Error::invalid_type(Unexpected::UnitVariant, &"string only")),
+            Value::Boolean(value) => Err(not_a_name(Unexpected::Bool(value))),
+            Value::Integer(value) => Err(not_a_name(Unexpected::Signed(value))),
+            Value::Float(value) => Err(not_a_name(Unexpected::Float(value))),
+            Value::Datetime(_) => Err(not_a_name(Unexpected::Other("a date"))),
+            Value::Array(_) => Err(not_a_name(Unexpected::Seq)),
         }
     }
 
     forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple tuple_struct
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq
         map struct identifier ignored_any
     }
+}
+
+fn not_a_name(found: Unexpected<'_>) -> Problem {
+    de::Error::invalid_type(found, &"a string")
 }
 
 #[cfg(test)]
@@ -199,30 +231,41 @@ mod tests {
         assert_eq!(error.cause, Cause::MissingField);
     }
 
-    /// What the crate `toml` says of the same values, to the letter.
+    /// Paths are those that the crate `toml` has for the same values; words are those of a file.
     #[test]
-    fn words_and_paths_are_those_of_toml() {
+    fn what_does_not_fit_is_told_in_words_of_toml() {
         let wrong = [
-            "range_m = \"far\"",
-            "range_m = 1.0\nplaces = [[1.0, 2.0], [3.0]]",
-            "range_m = 1.0\nplaces = [[1.0, 2.0, 3.0]]",
-            "range_m = 1.0\nplaces = 7",
-            "range_m = 1.0\nmark = \"dark\"",
-            "range_m = 1.0\nmark = {}",
-            "range_m = 1.0\nmark = { rgb = [1, 2, 3], grey = 1 }",
-            "range_m = 1.0\nmark = { rgb = [1, 2, 300] }",
-            "range_m = 1.0\nmark = 5",
-            "range_m = 1979-05-27",
-            "mark = \"light-grey\"",
-            "other = 1",
+            ("range_m = \"far\"", "must be a number, is \"far\""),
+            ("range_m = 1.0\nplaces = [[1.0, 2.0], [3.0]]", "must have 2 elements, has 1"),
+            ("range_m = 1.0\nplaces = [[1.0, 2.0, 3.0]]", "must have 2 elements, has 3"),
+            ("range_m = 1.0\nplaces = 7", "must be a list, is 7"),
+            ("range_m = 1.0\nmark = \"dark\"", "must be `light-grey` or `rgb`, is `dark`"),
+            ("range_m = 1.0\nmark = {}", "must be a table with 1 field, has 0"),
+            ("range_m = 1.0\nmark = { rgb = [1, 2, 3], grey = 1 }", "must be a table with 1 field, has 2"),
+            ("range_m = 1.0\nmark = { rgb = [1, 2, 300] }", "must be a whole number from 0 to 255, is 300"),
+            ("range_m = 1.0\nmark = { rgb = [1, 2, 3.5] }", "must be a whole number from 0 to 255, is 3.5"),
+            ("range_m = 1.0\nmark = 5", "must be a string, is 5"),
+            ("range_m = 1.0\nmark = [true]", "must be a string, is a list"),
+            ("range_m = 1979-05-27", "must be a number, is \"1979-05-27\""),
+            ("range_m = { x = 1 }", "must be a number, is a table"),
+            ("mark = \"light-grey\"", "missing field `range_m`"),
+            ("other = 1", "unknown field `other`, expected one of `range_m`, `mark`, `places`"),
         ];
-        for toml in wrong {
+        for (toml, words) in wrong {
             let ours = misread(toml);
+            assert_eq!(ours.problem, words, "{toml}");
             let theirs: Result<Sheet, _> = serde_path_to_error::deserialize(toml.parse::<Table>().unwrap());
-            let theirs = theirs.unwrap_err();
-            assert_eq!(ours.problem, theirs.inner().message(), "{toml}");
             let path = if ours.path.is_empty() { "." } else { &ours.path };
-            assert_eq!(path, theirs.path().to_string(), "{toml}");
+            assert_eq!(path, theirs.unwrap_err().path().to_string(), "{toml}");
         }
+    }
+
+    #[test]
+    fn the_name_that_was_meant_is_suggested() {
+        assert_eq!(
+            words::unknown("uat", &["ideal", "onboard", "uart"]),
+            "must be one of `ideal`, `onboard`, `uart`, is `uat`; did you mean `uart`?"
+        );
+        assert_eq!(words::unknown("x", &["dc"]), "must be `dc`, is `x`");
     }
 }

@@ -67,13 +67,21 @@ pub fn read(path: &str) -> Result<String, SourceError> {
     if metadata.is_dir() {
         return Err(SourceError(format!("{path}: is a directory, not a scenario file")));
     }
+    let mut file = opened::any(Path::new(path)).map_err(unreadable)?;
+    // However long a recording is, that is not what is wrong with it.
+    let mut bytes = Vec::new();
+    file.by_ref().take(RECORDING.len() as u64).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes == RECORDING {
+        return Err(SourceError(format!(
+            "{path}: is a recording, not a scenario; `baudbot replay {path}` does its run again, and `baudbot export {path}` describes it, draws it and \
+             writes its tables"
+        )));
+    }
     if metadata.len() > MAX_TEXT as u64 {
         let problem = format!("{path}: has {} bytes, a scenario has at most {MAX_TEXT}", metadata.len());
         return Err(SourceError(problem));
     }
     // A device or a pipe has no length, and may have no end.
-    let mut bytes = Vec::new();
-    let file = opened::any(Path::new(path)).map_err(unreadable)?;
     file.take(MAX_TEXT as u64 + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() > MAX_TEXT {
         let problem = format!("{path}: has more than {MAX_TEXT} bytes, the most that a scenario may have");
@@ -81,6 +89,9 @@ pub fn read(path: &str) -> Result<String, SourceError> {
     }
     String::from_utf8(bytes).map_err(|_| unreadable(io::ErrorKind::InvalidData.into()))
 }
+
+/// What each file in MCAP begins with.
+const RECORDING: &[u8] = b"\x89MCAP0\r\n";
 
 /// Puts the maps and tables that a scenario refers to into their places.
 fn inlined(path: &str, text: &str) -> Result<String, SourceError> {

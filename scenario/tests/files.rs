@@ -50,17 +50,17 @@ fn unknown_keys_name_their_path_and_those_that_exist() {
     refused(
         &robot("link = { kind = \"can\" }"),
         "robots[0].link.kind",
-        "unknown variant `can`, expected one of `ideal`, `onboard`, `uart`, `usb`",
+        "must be one of `ideal`, `onboard`, `uart`, `usb`, is `can`",
     );
 }
 
 #[test]
 fn wrong_types_name_their_path() {
-    refused("step_ms = \"ten\"", "step_ms", "invalid type: string \"ten\", expected f64");
-    refused(&robot("start = { x_m = true }"), "robots[0].start.x_m", "invalid type: boolean");
-    refused("noise = 0", "noise", "expected a boolean");
+    refused("step_ms = \"ten\"", "step_ms", "must be a number, is \"ten\"");
+    refused(&robot("start = { x_m = true }"), "robots[0].start.x_m", "must be a number, is true");
+    refused("noise = 0", "noise", "must be true or false, is 0");
     let sensor = "[robots.sensors.c]\nkind = \"compass\"\nperiod_ms = \"fast\"";
-    refused(&robot(sensor), "robots[0].sensors.c.period_ms", "invalid type: string");
+    refused(&robot(sensor), "robots[0].sensors.c.period_ms", "must be a number, is \"fast\"");
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn numbers_that_make_no_sense_name_their_path_and_value() {
     refused(&sensor("bits = 33"), "robots[0].sensors.c.bits", "must be within 1 and 32, is 33");
     refused(&sensor("sigma_rad = -0.1"), "robots[0].sensors.c.sigma_rad", "must not be negative, is -0.1");
     refused(&sensor("period_ms = 0.0"), "robots[0].sensors.c.period_ms", "must be within 0.01");
-    refused("seed = -1", "seed", "invalid value: integer `-1`, expected u64");
+    refused("seed = -1", "seed", "must be a whole number of 0 or more, is -1");
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn fields_of_another_link_or_adapter_are_refused_by_name() {
     let adapter = |fields: &str, path: &str, problem: &str| {
         uart(&format!("adapter = {{ kind = {fields} }}"), &format!("adapter.{path}"), problem);
     };
-    adapter("\"usb\"", "kind", "unknown variant `usb`, expected one of `ftdi`, `cdc`, `bluetooth`");
+    adapter("\"usb\"", "kind", "must be one of `ftdi`, `cdc`, `bluetooth`, is `usb`");
     adapter("\"ftdi\", latency_ms = 0.5", "latency_ms", "must be within 1 and 255, is 0.5");
     adapter("\"ftdi\", latency_ms = 256", "latency_ms", "must be within 1 and 255, is 256");
     adapter("\"ftdi\", packet_bytes = 0", "packet_bytes", "must be within 1 and 510, is 0");

@@ -69,7 +69,7 @@ fn what_is_wrong_is_named() {
         assert!(message.starts_with(error), "expected `{error}` in: {message}");
     };
     refused("", "robots[0].starts: is empty");
-    refused("{}, { x_m = true }", "robots[0].starts[1].x_m: invalid type: boolean");
+    refused("{}, { x_m = true }", "robots[0].starts[1].x_m: must be a number, is true");
     refused("{}, { x_m = 1e7 }", "robots[0].starts[1].x_m: must be within");
     refused("{}, { x_cm = 1 }", "robots[0].starts[1].x_cm: unknown field");
     refused("{}, { name = \"ann-1\", x_m = 2 }", "robots[0].starts[1].name: `ann-1` is taken");

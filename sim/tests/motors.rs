@@ -333,7 +333,7 @@ fn motor_noise_needs_noise_and_depends_on_the_seed() {
 
 #[test]
 fn fields_of_another_kind_and_numbers_that_make_no_sense_name_their_path() {
-    refused("kind = \"magnetic\"", "robots[0].motors.kind: unknown variant `magnetic`, expected one of `dc`");
+    refused("kind = \"magnetic\"", "robots[0].motors.kind: must be one of `dc`");
     refused("steps_per_turn = 200", "robots[0].motors.steps_per_turn: unknown field `steps_per_turn`");
     refused("kind = \"servo\", gear_ratio = 2.0", "robots[0].motors.gear_ratio: unknown field `gear_ratio`");
     refused("kind = \"stepper\", track_factor = 0.5", "robots[0].motors.track_factor: unknown field");
@@ -355,7 +355,7 @@ fn fields_of_another_kind_and_numbers_that_make_no_sense_name_their_path() {
     );
     servo("curve_us_rpm = [[nan, 0]]", "curve_us_rpm[0].pulse_us: must be within 0 and 1000000, is NaN");
     servo("curve_us_rpm = [[1500, 1e9]]", "curve_us_rpm[0].rpm: must be within");
-    servo("curve_us_rpm = [[1500]]", "curve_us_rpm[0]: invalid length");
+    servo("curve_us_rpm = [[1500]]", "curve_us_rpm[0]: must have 2 elements, has 1");
     servo("frame_ms = -1", "frame_ms: must be within 0");
     refused("dead_time_ms = -1", "robots[0].motors.dead_time_ms: must be within 0 and 1000, is -1");
     refused("dead_time_ms = 1001", "robots[0].motors.dead_time_ms: must be within 0 and 1000, is 1001");

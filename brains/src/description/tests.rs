@@ -162,7 +162,7 @@ fn what_is_wrong_is_said_with_its_path() {
     };
     let whole = |text: &str| Description::parse(text).unwrap_err().to_string();
     assert_eq!(whole(""), "motor: has no behaviour; a brain needs one, such as [motor.stand]");
-    assert!(whole("motor = 1").starts_with("motor: invalid type: integer `1`"), "{}", whole("motor = 1"));
+    assert!(whole("motor = 1").starts_with("motor: must be a table, is 1"), "{}", whole("motor = 1"));
     assert!(whole("[motor.x").contains("line 1"), "{}", whole("[motor.x"));
     assert_eq!(
         problem("{ near =", "{ nar ="),

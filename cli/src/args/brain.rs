@@ -13,6 +13,9 @@ pub(crate) struct BrainArgs {
     /// List the brains and their parameters
     #[arg(long)]
     pub(crate) list: bool,
+    /// With --list, write JSON
+    #[arg(long, requires = "list")]
+    pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) server: ConnectArgs,
     /// A robot to drive, or robots by a pattern such as 'cell-*'; may be given several times [default: the world's only robot]

@@ -7,6 +7,7 @@ use clap::Args;
 use super::GdbAddress;
 
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Programs of microcontrollers")]
 pub(crate) struct ChipArgs {
     /// Let avr-gdb debug the program of a robot's microcontroller, at a port of this machine; may be given several times
     ///

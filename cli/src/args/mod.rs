@@ -9,6 +9,7 @@ mod diagram;
 mod export;
 mod fit;
 mod gdb;
+mod groups;
 mod help;
 mod limits;
 mod list;
@@ -42,6 +43,7 @@ pub(crate) use self::diagram::DiagramArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 pub(crate) use self::fit::FitArgs;
 pub(crate) use self::gdb::GdbAddress;
+pub(crate) use self::groups::{command, parsed};
 use self::help::{
     BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, EVIDENCE_EXAMPLES, PACE_HELP,
     PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES,
@@ -74,10 +76,10 @@ use crate::logs::{LogFilter, LogFormat};
 )]
 pub(crate) struct Cli {
     /// Log level on stderr: off, error, warn, info, debug or trace; also by module, such as warn,baudbot_server=info
-    #[arg(long, value_name = "LEVEL", default_value = "warn", env = "BAUDBOT_LOG", global = true)]
+    #[arg(long, value_name = "LEVEL", default_value = "warn", env = "BAUDBOT_LOG", global = true, help_heading = LOG)]
     pub(crate) log: LogFilter,
     /// Log format: text, or one JSON object per line
-    #[arg(long, value_name = "FORMAT", default_value = "text", global = true)]
+    #[arg(long, value_name = "FORMAT", default_value = "text", global = true, help_heading = LOG)]
     pub(crate) log_format: LogFormat,
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
@@ -196,8 +198,6 @@ pub(crate) struct RunArgs {
     /// Write the events of robots, cables and brains as a trace for ui.perfetto.dev
     #[arg(long, value_name = "FILE")]
     pub(crate) timeline: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) chips: ChipArgs,
     /// Write the summary as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
@@ -205,7 +205,7 @@ pub(crate) struct RunArgs {
     #[arg(long)]
     pub(crate) quiet: bool,
     /// When a tick ends: lockstep, real-time, scaled:X or free
-    #[arg(long, value_name = "PACE", default_value = "lockstep", long_help = PACE_HELP)]
+    #[arg(long, value_name = "PACE", default_value = "lockstep", long_help = PACE_HELP, help_heading = PACE)]
     pub(crate) pace: PaceName,
     /// How the brains are joined to their world; the run is the same [default: direct, or grpc where a server is needed]
     ///
@@ -213,6 +213,8 @@ pub(crate) struct RunArgs {
     /// connect, for --watchdog-ms, --on-timeout and --lookahead, and to export traces. `direct` is many times as fast.
     #[arg(long, value_name = "PATH")]
     pub(crate) over: Option<Over>,
+    #[command(flatten)]
+    pub(crate) chips: ChipArgs,
     #[command(flatten)]
     pub(crate) watchdog: WatchdogArgs,
     #[command(flatten)]
@@ -233,14 +235,10 @@ pub(crate) struct ServeArgs {
     #[arg(long)]
     pub(crate) paused: bool,
     /// When a tick ends: lockstep, real-time, scaled:X or free [default: real-time; with --resume, as recorded]
-    #[arg(long, value_name = "PACE", long_help = PACE_HELP)]
+    #[arg(long, value_name = "PACE", long_help = PACE_HELP, help_heading = PACE)]
     pub(crate) pace: Option<PaceName>,
-    #[command(flatten)]
-    pub(crate) watchdog: WatchdogArgs,
-    #[command(flatten)]
-    pub(crate) record: RecordArgs,
     /// Let operators record worlds into this folder, and replay what is in it
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", help_heading = record::HEADING)]
     pub(crate) recordings: Option<PathBuf>,
     /// Keep worlds, snapshots and recordings in this folder: they are there again after a restart, whatever has ended the server
     ///
@@ -263,6 +261,10 @@ pub(crate) struct ServeArgs {
     #[arg(long, value_name = "FILE.mcap", conflicts_with_all = ["scenarios", "sets", "seed", "no_noise"])]
     pub(crate) resume: Option<PathBuf>,
     #[command(flatten)]
+    pub(crate) watchdog: WatchdogArgs,
+    #[command(flatten)]
+    pub(crate) record: RecordArgs,
+    #[command(flatten)]
     pub(crate) changes: ChangeArgs,
     #[command(flatten)]
     pub(crate) listen: ListenArgs,
@@ -275,6 +277,9 @@ pub(crate) struct CheckArgs {
     /// Draw the arena from above as an SVG picture; `-` is stdout, and nothing else is then written there
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
+    /// Write the description as one JSON object, also of a scenario that is refused
+    #[arg(long)]
+    pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
 }
@@ -313,6 +318,9 @@ pub(crate) struct WatchArgs {
     /// Print one frame and stop
     #[arg(long)]
     pub(crate) once: bool,
+    /// Write each frame as a JSON object on a line
+    #[arg(long, conflicts_with = "foxglove")]
+    pub(crate) json: bool,
     /// Show the world in Foxglove, which connects to ws://IP:PORT, instead of in the terminal
     ///
     /// Needs a program built with `--features foxglove`. docs/foxglove.md has a layout.
@@ -325,6 +333,7 @@ pub(crate) struct WatchArgs {
 
 /// Changes of a scenario.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Changes of the scenario")]
 pub(crate) struct ChangeArgs {
     /// Change one field of the scenario, such as robots.robot.start.x_m=0.5
     #[arg(long = "set", value_name = "PATH=VALUE")]
@@ -365,6 +374,10 @@ impl Cli {
         })
     }
 }
+
+/// Headings of options.
+const LOG: &str = "Log";
+const PACE: &str = "Pace";
 
 /// Longer than any run that is waited for.
 const MOST_S: f64 = 1e6;

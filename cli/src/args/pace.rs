@@ -45,6 +45,7 @@ impl PaceName {
 }
 
 #[derive(Debug, Args)]
+#[command(next_help_heading = super::PACE)]
 pub(crate) struct WatchdogArgs {
     /// In lockstep: wall-clock time that a brain may take to answer [default: 10000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]

@@ -11,6 +11,7 @@ use super::limits::LimitArgs;
 use crate::viewer::Viewer;
 
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Addresses")]
 pub(crate) struct ListenArgs {
     /// Listen for brains, observers and operators: IP:PORT (port 0 picks a free one) or unix:/PATH
     #[arg(long, value_name = "ADDR")]

@@ -7,7 +7,11 @@ use clap::Args;
 use super::places::ListenArgs;
 use super::{PaceName, WatchdogArgs, instant};
 
+/// Heading of the options of recordings.
+pub(super) const HEADING: &str = "Recordings";
+
 #[derive(Debug, Args)]
+#[command(next_help_heading = HEADING)]
 pub(crate) struct RecordArgs {
     /// Record the run into this file, which must not exist yet: for `baudbot replay` and other programs
     #[arg(long, value_name = "FILE.mcap", value_parser = file)]
@@ -32,20 +36,20 @@ pub(crate) struct ReplayArgs {
     #[arg(long)]
     pub(crate) fork: bool,
     /// With --fork, when a tick ends: lockstep, real-time, scaled:X or free [default: as recorded]
-    #[arg(long, value_name = "PACE", requires = "fork")]
+    #[arg(long, value_name = "PACE", requires = "fork", help_heading = super::PACE)]
     pub(crate) pace: Option<PaceName>,
-    #[command(flatten)]
-    pub(crate) watchdog: WatchdogArgs,
-    #[command(flatten)]
-    pub(crate) listen: ListenArgs,
-    #[command(flatten)]
-    pub(crate) again: RecordArgs,
     /// Write the result as one JSON object
     #[arg(long, conflicts_with_all = ["view", "fork"])]
     pub(crate) json: bool,
     /// No progress bar, no notes
     #[arg(long)]
     pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) watchdog: WatchdogArgs,
+    #[command(flatten)]
+    pub(crate) again: RecordArgs,
+    #[command(flatten)]
+    pub(crate) listen: ListenArgs,
 }
 
 fn file(text: &str) -> Result<PathBuf, String> {

@@ -11,6 +11,7 @@ use baudbot_sim::collision::CollisionPolicy;
 use baudbot_sim::scenario::SerialPort;
 
 use crate::args::CheckArgs;
+use crate::error::Refused;
 use crate::robot_groups;
 use crate::run::overrides;
 use crate::scenarios::Source;
@@ -18,11 +19,17 @@ use crate::text::{self, pairs, percent};
 use crate::together;
 
 mod chip;
+mod json;
 mod robot;
 
 pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
-    let source = Source::find(&args.scenario)?;
-    let scenario = source.parse(&overrides(&args.changes)?)?;
+    let found = read(args).inspect_err(|error| {
+        if args.json && error.is::<Refused>() {
+            // The error itself follows on stderr.
+            let _ = text::print_json(&json::refused(&args.scenario, &error.to_string()));
+        }
+    });
+    let (source, scenario) = found?;
     if let Some(path) = &args.svg {
         let picture = arena::draw(&scenario, source.label());
         text::write(path, &picture)?;
@@ -31,7 +38,16 @@ pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
             return Ok(());
         }
     }
+    if args.json {
+        return text::print_json(&json::sound(source.label(), &scenario));
+    }
     text::print(&describe(&source, &scenario))
+}
+
+fn read(args: &CheckArgs) -> anyhow::Result<(Source, Scenario)> {
+    let source = Source::find(&args.scenario)?;
+    let scenario = source.parse(&overrides(&args.changes)?)?;
+    Ok((source, scenario))
 }
 
 fn describe(source: &Source, scenario: &Scenario) -> String {

@@ -148,7 +148,7 @@ fn message(robot: &RobotSpec, bytes: usize, which: &str) -> String {
 
 /// Bytes that a streaming firmware wants to send in a second, and which share of the line's capacity that is.
 /// A sensor is in a frame only if it has a new sample.
-fn load(robot: &RobotSpec) -> Option<(f64, f64)> {
+pub(super) fn load(robot: &RobotSpec) -> Option<(f64, f64)> {
     if robot.chip.is_some() {
         return None;
     }
@@ -190,11 +190,17 @@ fn sensors(robot: &RobotSpec) -> Vec<[String; 6]> {
 /// How often, and from when on, it is read; or, with a port of its own, it speaks.
 fn times(sensor: &Sensor) -> (String, String) {
     let show = |ns: u64| duration(ns as f64);
+    let phase = match sensor.own_clock {
+        Some(clock) if sensor.port.is_some() => clock.phase_ns.map_or_else(|| NOTHING.to_owned(), show),
+        _ => show(sensor.schedule.phase_ns()),
+    };
+    (show(period_ns(sensor)), phase)
+}
+
+pub(super) fn period_ns(sensor: &Sensor) -> u64 {
     match sensor.own_clock {
-        Some(clock) if sensor.port.is_some() => {
-            (show(clock.period_ns), clock.phase_ns.map_or_else(|| NOTHING.to_owned(), show))
-        }
-        _ => (show(sensor.schedule.period_ns()), show(sensor.schedule.phase_ns())),
+        Some(clock) if sensor.port.is_some() => clock.period_ns,
+        _ => sensor.schedule.period_ns(),
     }
 }
 

@@ -71,3 +71,30 @@ fn shells_and_man_know_the_commands() {
     assert!(page.contains(".SH OPTIONS"), "{page}");
     assert!(folder.join("man1/baudbot.1").exists());
 }
+
+#[test]
+fn a_scenario_is_described_for_programs_whether_it_is_sound_or_not() {
+    let json = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap();
+    let sound = json(&good(&["check", "khepera", "--json"]));
+    assert_eq!((&sound["sound"], &sound["step_ms"]), (&true.into(), &10.0.into()));
+    let robot = &sound["robots"][0];
+    assert_eq!((robot["robot"].as_str(), robot["motors"].as_str()), (Some("khepera"), Some("dc")));
+    assert_eq!(robot["sensors"].as_array().unwrap().len(), 9);
+    assert_eq!(robot["sensors"][0]["period_ms"], 20.0);
+    let (code, out, err) = baudbot(&["check", "wander", "--json", "--set", "seed=-1"]);
+    let refused = json(&out);
+    assert_eq!((code, &refused["sound"]), (2, &false.into()));
+    assert_eq!(refused["problem"], "wander: seed: must be a whole number of 0 or more, is -1");
+    assert_eq!(err, "error: wander: seed: must be a whole number of 0 or more, is -1\n");
+}
+
+#[test]
+fn brains_are_listed_for_programs() {
+    let brains: serde_json::Value = serde_json::from_str(&good(&["brain", "--list", "--json"])).unwrap();
+    let constant = brains.as_array().unwrap().iter().find(|brain| brain["name"] == "constant").unwrap();
+    assert_eq!(constant["parameters"][0]["name"], "left");
+    assert_eq!(
+        (&constant["parameters"][0]["min"], &constant["parameters"][0]["max"]),
+        (&(-10.0).into(), &10.0.into())
+    );
+}

@@ -52,6 +52,23 @@ fn a_file_that_cannot_be_read_is_named() {
 }
 
 #[test]
+fn a_recording_in_the_place_of_a_scenario_is_recognized() {
+    let file = place("recognized.mcap");
+    let _ = fs::remove_file(&file);
+    let path = file.to_str().unwrap();
+    let (code, _, err) = baudbot(&["run", "wander", "--seconds", "1", "--quiet", "--record", path]);
+    assert_eq!(code, 0, "{err}");
+    let words = format!("{path}: is a recording, not a scenario; `baudbot replay {path}` does its run again");
+    for command in ["check", "run", "budget"] {
+        assert!(refusal(2, &[command, path]).starts_with(&words));
+    }
+    // Also a long one.
+    File::options().append(true).open(&file).unwrap().set_len(1 << 40).unwrap();
+    assert!(refusal(2, &["check", path]).starts_with(&words));
+    fs::remove_file(&file).unwrap();
+}
+
+#[test]
 fn a_file_that_is_too_long_is_not_read() {
     let path = place("long.toml");
     // No memory would hold it.

@@ -1,0 +1,149 @@
+//! The commands in groups, as `baudbot help` lists them.
+
+use std::fmt::Write;
+
+use clap::error::ErrorKind;
+use clap::{Command, CommandFactory, FromArgMatches};
+use console::Term;
+
+use super::Cli;
+use crate::text::tell;
+
+/// What somebody wants to do, with the commands for it. `help` is clap's own.
+const GROUPS: &[(&str, &[&str])] = &[
+    ("Run", &["run", "diagram", "sweep", "tune", "replay", "export"]),
+    ("Serve, and connect", &["serve", "brain", "watch", "port", "token", "cert"]),
+    ("Look into a scenario", &["check", "budget", "plan", "locate", "umbmark"]),
+    ("Real robots", &["preset", "evidence", "measure", "fit"]),
+    ("Begin", &["list", "init", "new", "completions", "man", "help"]),
+];
+
+/// Columns of the names, and most columns of a line: clap breaks longer ones itself.
+const INDENT: usize = 14;
+const WIDEST: usize = 100;
+
+/// The exit code of a command line that makes no sense.
+const USAGE: i32 = 2;
+
+const TEMPLATE: &str =
+    "{about-with-newline}\n{usage-heading} {usage}\n\n{before-help}Options:\n{options}{after-help}";
+
+/// The command line, with its commands in groups.
+pub(crate) fn command() -> Command {
+    let command = Cli::command();
+    let listed = listed(&command);
+    command.help_template(TEMPLATE).before_help(listed)
+}
+
+/// The command line of this process. It ends the process if that makes no sense, or asks for help.
+pub(crate) fn parsed() -> Cli {
+    let matches = command().try_get_matches().unwrap_or_else(|error| {
+        if error.kind() == ErrorKind::ValueValidation {
+            tell!("{}", rephrased(error.render().to_string().trim_end()));
+            std::process::exit(USAGE);
+        }
+        error.exit()
+    });
+    Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+}
+
+/// What is wrong with a number, in words for people who do not know Rust's.
+fn rephrased(error: &str) -> String {
+    let mut text = error.to_owned();
+    for words in ["invalid digit found in string", "cannot parse integer from empty string"] {
+        text = text.replace(words, "must be a whole number");
+    }
+    let range = text.split_once(" is not in ").and_then(|(before, after)| {
+        let (first, value) = before.rsplit_once(": ")?;
+        let (range, rest) = after.split_once('\n').unwrap_or((after, ""));
+        let (least, most) = range.split_once("..=").or_else(|| range.split_once(".."))?;
+        let wanted = match most.parse::<u64>() {
+            Ok(u64::MAX) => format!("must be {least} or more"),
+            _ => format!("must be from {least} to {most}"),
+        };
+        Some(format!("{first}: {wanted}, is {value}\n{rest}"))
+    });
+    range.unwrap_or(text)
+}
+
+/// The groups, each command with what it does.
+fn listed(command: &Command) -> String {
+    let about = |name: &str| match command.find_subcommand(name).and_then(Command::get_about) {
+        Some(about) => about.to_string(),
+        None => "Shows this, or the options of a command with examples".to_owned(),
+    };
+    let columns = usize::from(Term::stdout().size().1).clamp(60, WIDEST);
+    let mut text = String::new();
+    for (group, names) in GROUPS {
+        let _ = writeln!(text, "{group}:");
+        for name in *names {
+            let _ = write!(text, "  {name:<12}");
+            indented(&mut text, &about(name), columns);
+        }
+        text.push('\n');
+    }
+    text.trim_end().to_owned()
+}
+
+/// Writes words behind the name of a command, in lines below each other.
+fn indented(text: &mut String, words: &str, columns: usize) {
+    let mut column = INDENT;
+    for word in words.split(' ') {
+        let length = word.chars().count() + 1;
+        if column + length > columns {
+            let _ = write!(text, "\n{:INDENT$}", "");
+            column = INDENT;
+        }
+        let _ = write!(text, " {word}");
+        column += length;
+    }
+    text.push('\n');
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    /// A heading that is put on some options stays on those that follow.
+    #[test]
+    fn a_heading_has_the_same_options_in_each_command() {
+        let command = command();
+        let mut options: BTreeMap<&str, BTreeMap<&str, usize>> = BTreeMap::new();
+        let headed = command.get_subcommands().flat_map(Command::get_arguments);
+        for (heading, id) in headed.filter_map(|arg| Some((arg.get_help_heading()?, arg.get_id().as_str()))) {
+            *options.entry(heading).or_default().entry(id).or_default() += 1;
+        }
+        let of = |heading: &str| options[heading].keys().copied().collect::<Vec<_>>();
+        assert_eq!(of("Programs of microcontrollers"), ["gdb", "serial", "vcd"]);
+        assert_eq!(of("Recordings"), ["record", "record_hz", "recordings"]);
+        assert_eq!(of("Changes of the scenario"), ["firmware", "no_noise", "seed", "sets"]);
+        assert_eq!(of("Addresses"), ["listen", "viewer"]);
+        assert_eq!(of("Pace"), ["lookahead", "max_lag_ms", "on_timeout", "pace", "watchdog_ms"]);
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_number_is_told_without_words_of_rust() {
+        let told =
+            |words: &[&str]| rephrased(&command().try_get_matches_from(words).unwrap_err().to_string());
+        for (words, expected) in [
+            (["baudbot", "run", "--seed=abc"], "'--seed <N>': must be a whole number\n"),
+            (["baudbot", "run", "--external=0"], "'--external <N>': must be from 1 to 65535, is 0\n"),
+            (["baudbot", "run", "--ticks=0"], "'--ticks <N>': must be 1 or more, is 0\n"),
+        ] {
+            let told = told(&words);
+            assert!(told.contains(expected) && told.contains("--help"), "{told}");
+        }
+    }
+
+    #[test]
+    fn each_command_is_in_one_group() {
+        let command = Cli::command();
+        let mut grouped: Vec<_> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+        let mut commands: Vec<_> = command.get_subcommands().map(Command::get_name).chain(["help"]).collect();
+        grouped.sort_unstable();
+        commands.sort_unstable();
+        assert_eq!(grouped, commands);
+    }
+}
