@@ -74,7 +74,7 @@ fn a_closed_terminal_does_not_end_what_was_started_with_nohup() {
     server.lines_until("world wander");
     server.signal("-HUP");
     assert!(good(&["watch", "--connect", &address, "--once"]).starts_with("world wander"));
-    let frame: serde_json::Value =
+    let frame: Value =
         serde_json::from_str(&good(&["watch", "--connect", &address, "--once", "--json"])).unwrap();
     assert!(frame["world"] == "wander" && frame["robots"][0]["x_m"].is_number(), "{frame}");
     server.signal("-TERM");

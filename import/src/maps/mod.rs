@@ -9,7 +9,6 @@ mod svg;
 
 use std::path::Path;
 
-use serde::de::IntoDeserializer;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
 
 use self::entry::{Entry, Raw, Source};
@@ -31,10 +30,11 @@ pub(crate) fn inline(document: &mut DocumentMut, base: &Path) -> Result<bool, Im
 /// The checked entries of the list.
 fn entries(maps: Item) -> Result<Vec<Entry>, ImportError> {
     let Ok(maps) = maps.into_value() else { return Ok(Vec::new()) };
-    let raw: Vec<Raw> = serde_path_to_error::deserialize(maps.into_deserializer()).map_err(|error| {
-        let inner = Some(error.path().to_string()).filter(|inner| inner != ".").unwrap_or_default();
-        ImportError::field(format!("{PATH}{inner}"), error.inner().message())
-    })?;
+    // The reader that tells what is wrong in words of TOML reads values without their places in the text.
+    let mut table: toml::Table = toml::from_str(&format!("maps = {maps}")).expect("it is TOML");
+    let maps = table.remove("maps").expect("it is there");
+    let raw: Vec<Raw> = baudbot_fields::read(maps)
+        .map_err(|error| ImportError::field(format!("{PATH}{}", error.path), error.problem))?;
     let mut entries: Vec<Entry> = Vec::new();
     for (i, raw) in raw.into_iter().enumerate() {
         let path = format!("{PATH}[{i}]");

@@ -142,13 +142,12 @@ impl Server {
     ) -> Result<Self, ServerError> {
         // Clients that come as soon as they can find the token of this server, and not of the one before.
         let local = guards.local.take().map(|token| listeners.publish(token)).transpose()?;
-        let registry = control.registry.clone();
         let control = Arc::new(control);
         let router = router::ordinary(&control, &guards.check_of_calls(), &guards.gate).await?;
-        let (stop, mut stopped) = watch::channel(false);
+        let (stop, stopped) = watch::channel(false);
         let (pipes, incoming) = Pipes::new();
         let mut server = Self {
-            registry,
+            registry: control.registry.clone(),
             addresses: listeners.ordinary.iter().filter_map(Listener::address).cloned().collect(),
             trainers: Vec::new(),
             viewers: Vec::new(),
@@ -163,25 +162,29 @@ impl Server {
             tasks: JoinSet::new(),
             ending: Mutex::default(),
         };
-        for listener in listeners.ordinary {
-            server.listen(listener, &router, &guards.gate, &stopped);
+        let brains = router::brains(&control, &guards.check_of_calls(), &guards.gate);
+        for (listeners, router) in [(listeners.ordinary, &router), (listeners.brains, &brains)] {
+            for listener in listeners {
+                server.listen(listener, router, &guards.gate, &stopped);
+            }
         }
         server.tasks.spawn(run(router, incoming, stopped.clone()));
-        let router = router::brains(&control, &guards.check_of_calls(), &guards.gate);
-        for listener in listeners.brains {
-            server.listen(listener, &router, &guards.gate, &stopped);
-        }
         if let Some(trainers) = listeners.trainers {
             server.take_trainers(trainers, &control, &guards, &stopped).await?;
         }
         server.show_pages(listeners.pages, &guards, films.as_ref(), &stopped);
-        server.tasks.spawn(async move {
+        server.renew(guards.access, stopped);
+        Ok(server)
+    }
+
+    /// Looks after the tokens until it stops.
+    fn renew(&mut self, access: Access, mut stopped: watch::Receiver<bool>) {
+        self.tasks.spawn(async move {
             tokio::select! {
-                () = guards.access.renew() => {}
+                () = access.renew() => {}
                 _ = stopped.wait_for(|stopped| *stopped) => {}
             }
         });
-        Ok(server)
     }
 
     /// Serves trainers on these listeners, and through pipes.
