@@ -1,9 +1,9 @@
 //! Threads that share the work of a step.
 
+use std::collections::VecDeque;
 use std::hint;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread;
 use std::time::{Duration, Instant};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -51,48 +51,60 @@ impl Threads {
     ) -> Result<(), LearnError> {
         let Some(pool) = &self.pool else { return work.try_for_each(each) };
         let begun = self.begun.fetch_add(1, Ordering::Release) + 1;
-        let work: Vec<T> = work.collect();
-        let batch = (work.len() / BATCHES).clamp(1, MOST_A_BATCH);
-        let queue = Mutex::new(work.into_iter().enumerate());
+        let parts = parts(work.collect(), self.count);
         let failed: Mutex<Option<(usize, LearnError)>> = Mutex::new(None);
-        // This thread begins at once; the others take what is left when they have woken up.
         let run = || {
-            loop {
-                let taken: Vec<_> = lock(&queue).by_ref().take(batch).collect();
-                if taken.is_empty() {
-                    return;
-                }
-                for (place, one) in taken {
-                    if let Err(error) = each(one) {
-                        let mut failed = lock(&failed);
-                        if failed.as_ref().is_none_or(|(other, _)| place < *other) {
-                            *failed = Some((place, error));
-                        }
+            // The threads of the pool have numbers from 0 on, the one that calls has none.
+            let own = rayon::current_thread_index().map_or(0, |index| index + 1);
+            while let Some((place, one)) = next(&parts, own) {
+                if let Err(error) = each(one) {
+                    let mut failed = lock(&failed);
+                    if failed.as_ref().is_none_or(|(other, _)| place < *other) {
+                        *failed = Some((place, error));
                     }
                 }
             }
         };
+        let (others, done) = (pool.current_num_threads(), AtomicUsize::new(0));
         pool.in_place_scope(|scope| {
-            for _ in 0..pool.current_num_threads() {
+            for _ in 0..others {
                 scope.spawn(|_| {
                     run();
                     let counter = Arc::clone(&self.begun);
-                    pool.spawn(move || linger(&counter, begun));
+                    pool.spawn(move || linger(|| counter.load(Ordering::Acquire) != begun));
+                    done.fetch_add(1, Ordering::Release);
                 });
             }
             run();
+            linger(|| done.load(Ordering::Acquire) == others);
+            // What the last one does behind that takes less than a sleep.
+            (0..SPINS).for_each(|_| hint::spin_loop());
         });
         failed.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), |(_, error)| Err(error))
     }
 }
 
-/// Stays awake for a moment, until other work begins. To wake a thread takes about as long as a step of some ten worlds, and between
-/// two steps there is often no more than a small policy.
-fn linger(begun: &AtomicU64, done: u64) {
+/// The work with its places, a part for each thread. What a thread has worked on is in its processor's cache, so that it is to have the same
+/// part each time.
+fn parts<T>(work: Vec<T>, count: usize) -> Vec<Mutex<VecDeque<(usize, T)>>> {
+    let size = work.len().div_ceil(count);
+    let mut work = work.into_iter().enumerate();
+    (0..count).map(|_| Mutex::new(work.by_ref().take(size).collect())).collect()
+}
+
+/// The next piece of a thread's own part; once that is done, the last one of another's.
+fn next<T>(parts: &[Mutex<VecDeque<T>>], own: usize) -> Option<T> {
+    let others = || (1..parts.len()).find_map(|i| lock(&parts[(own + i) % parts.len()]).pop_back());
+    let next = lock(&parts[own]).pop_front();
+    next.or_else(others)
+}
+
+/// Stays awake until something has happened, or for a moment. To wake a thread takes about as long as a step of some ten worlds, and
+/// between two steps there is often no more than a small policy.
+fn linger(has_happened: impl Fn() -> bool) {
     let until = Instant::now() + LINGER;
-    while begun.load(Ordering::Acquire) == done && Instant::now() < until {
+    while !has_happened() && Instant::now() < until {
         (0..SPINS).for_each(|_| hint::spin_loop());
-        thread::yield_now();
     }
 }
 
@@ -113,11 +125,5 @@ fn pool(threads: usize) -> Result<Option<ThreadPool>, LearnError> {
 /// So long a thread waits for more work before it sleeps.
 const LINGER: Duration = Duration::from_micros(200);
 
-/// Between two looks at the clock.
+/// Between two looks.
 const SPINS: usize = 16;
-
-/// So many batches are taken by all threads, if there are enough environments.
-const BATCHES: usize = 32;
-
-/// Environments of a batch, so that no thread waits long for the last one.
-const MOST_A_BATCH: usize = 16;
