@@ -468,7 +468,7 @@ fn every_file_is_a_preset() {
 
 #[test]
 fn docs_presets_md_lists_every_preset_and_its_examples_are_scenarios() {
-    const DOCS: &str = include_str!("../../docs/presets.md");
+    const DOCS: &str = include_str!("../../docs/reference/presets.md");
     for preset in presets() {
         let row = format!("| `{}` | {} |", preset.name, preset.description);
         assert!(DOCS.contains(&row), "no row `{row}`");

@@ -1,13 +1,13 @@
-//! Tests that `docs/devices.md`, `docs/equations.md` and `docs/determinism.md` name are there under these names.
+//! Tests that `docs/explanation/devices.md`, `docs/explanation/equations.md` and `docs/explanation/determinism.md` name are there under these names.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
 const PAGES: [(&str, &str); 3] = [
-    ("devices", include_str!("../../docs/devices.md")),
-    ("equations", include_str!("../../docs/equations.md")),
-    ("determinism", include_str!("../../docs/determinism.md")),
+    ("explanation/devices", include_str!("../../docs/explanation/devices.md")),
+    ("explanation/equations", include_str!("../../docs/explanation/equations.md")),
+    ("explanation/determinism", include_str!("../../docs/explanation/determinism.md")),
 ];
 
 #[test]
