@@ -32,7 +32,7 @@ ROOT = Path(__file__).resolve().parent.parent
 BUILT = Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "release" / "baudbot"
 BAUDBOT = Path(os.environ.get("BAUDBOT") or BUILT).resolve()
 OF_A_CLONE = ["scenarios", "experiments", "client", "examples", "deploy", "python", "docs"]
-WAIT_S = 300
+WAIT_S = 600
 KINDS = {"file", "serve", "for", "fails", "needs", "keep", "skip"}
 
 
@@ -44,6 +44,7 @@ class Block:
     kind: str
     text: str
     how: str = ""
+    follows: bool = False
     said: str = ""
 
 
@@ -63,7 +64,7 @@ class Failure(Exception):
 
 def blocks(text):
     """The blocks of a page, and whether it wants a clone."""
-    found, how, lines = [], "", iter(enumerate(text.splitlines(), 1))
+    found, how, follows, lines = [], "", False, iter(enumerate(text.splitlines(), 1))
     for number, line in lines:
         if comment := re.fullmatch(r"\s*<!-- doc: (.*) -->", line):
             how = comment[1] if comment[1] != "in a clone" else how
@@ -73,12 +74,12 @@ def blocks(text):
                 if inner.strip() == "```":
                     break
                 body.append(inner.removeprefix(fence[1]))
-            found.append(Block(number, fence[2], "\n".join(body) + "\n", how))
-            how = ""
+            found.append(Block(number, fence[2], "\n".join(body) + "\n", how, follows))
+            how, follows = "", True
         elif line.strip():
-            how = ""
+            how, follows = "", False
     for block, after in zip(found, found[1:]):
-        if block.kind == "sh" and after.kind == "text" and not after.how:
+        if block.kind == "sh" and after.kind == "text" and after.follows:
             block.said = after.text
     for block in found:
         if block.how and block.how.split()[0] not in KINDS:
