@@ -1,15 +1,15 @@
-//! The test that README.md shows, word for word.
+//! The test that docs/how-to/ci.md shows, word for word.
 
 #[test]
-fn the_readme_shows_this_test() {
-    let (_, shown) = include_str!("readme.rs").split_once("// README.md:\n").unwrap();
+fn the_how_to_shows_this_test() {
+    let (_, shown) = include_str!("shown_test.rs").split_once("// docs/how-to/ci.md:\n").unwrap();
     assert!(
-        include_str!("../../README.md").contains(&format!("```rust\n{shown}```")),
-        "README.md lacks:\n{shown}"
+        include_str!("../../docs/how-to/ci.md").contains(&format!("```rust\n{shown}```")),
+        "docs/how-to/ci.md lacks:\n{shown}"
     );
 }
 
-// README.md:
+// docs/how-to/ci.md:
 use baudbot_client::{Action, Brain, Turn};
 use baudbot_server::drive;
 
