@@ -8,6 +8,8 @@ from mkdocs.structure.files import File
 
 ROOT = Path(__file__).resolve().parents[2]
 LINK = re.compile(r"(\]\()([^)\s#]+)(#[^)\s]*)?(?=\))")
+# Pages of the repository whose links are checked, too.
+BESIDE = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "client/python/README.md", "python/README.md"]
 FENCE = re.compile(r"(^```.*?^```)", re.M | re.S)
 
 
@@ -31,6 +33,8 @@ def targets(page, text):
 
 def on_files(files, config):
     """Adds what pages link to outside of `docs`."""
+    for path in BESIDE:
+        files.append(File.generated(config, in_site(path), abs_src_path=str(ROOT / path)))
     for page in [file for file in files if file.is_documentation_page()]:
         for path in targets(page.src_uri, Path(page.abs_src_path).read_text()):
             is_outside = not path.startswith("docs/") and (ROOT / path).is_file()
