@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Makes the pages of the reference that are generated: `tools/reference.py [--check]`.
 
-docs/reference/cli.md is the help of the program that `BAUDBOT` names, docs/reference/contract.md the services of the contract.
+docs/reference/cli.md is the help of the program that `BAUDBOT` names, docs/reference/preset-list.md its presets, docs/reference/contract.md
+the services of the contract.
 """
 
+import json
 import os
 import re
 import subprocess
@@ -31,14 +33,35 @@ each `Turn` of the server takes a `Step` of the brain ([timing](../explanation/t
 [TypeScript](../../examples/typescript/README.md); any other language makes its own of the files.
 
 """
+PRESETS = """# All presets
+
+[Presets](presets.md) says how they are used. `tools/reference.py` makes this page of `baudbot preset`, which shows each with the sources of its
+numbers.
+
+"""
+# By the kinds that the program tells: a title, and where such a preset may be used.
+KINDS = {
+    "robot": ("Robots", "For `[[robots]]`."),
+    "sensor": ("Sensors", "For `[robots.sensors.NAME]`."),
+    "motors": ("Motors", "For `[robots.motors]`."),
+    "microcontroller": ("Microcontrollers", "For `[robots.microcontroller]`."),
+    "link": ("Links", "For `[robots.link]`, and the `port.link` of a sensor."),
+    "adapter": ("Adapters", "For `[robots.link.adapter]`, and the `port.link.adapter` of a sensor; only in a link of kind `uart`."),
+    "battery": ("Batteries", "For `[robots.battery]`."),
+}
 # What all commands have, once.
 COMMON = re.compile(r"^ +--log(?:-format)? <.*?(?=^ {2,6}-|^\S)", re.M | re.S)
 
 
+def said(*arguments):
+    """What the program says, as it does on every machine."""
+    done = subprocess.run([BAUDBOT, *arguments], env={"PATH": ""}, capture_output=True, text=True, check=True)
+    return done.stdout.rstrip()
+
+
 def help_of(*command):
-    """What the program says of itself, as it is on every machine."""
-    said = subprocess.run([BAUDBOT, "help", *command], env={"PATH": ""}, capture_output=True, text=True, check=True)
-    return said.stdout.rstrip()
+    """What the program says of itself or of a command."""
+    return said("help", *command)
 
 
 def commands(text):
@@ -67,6 +90,18 @@ def cli():
     return COMMANDS + "| command | what it does |\n|---|---|\n" + "".join(rows) + "\n" + "\n".join([*sections, options])
 
 
+def presets():
+    """The page of presets."""
+    text, known = PRESETS, json.loads(said("preset", "--json"))
+    for kind, (title, place) in KINDS.items():
+        text += f"## {title}\n\n{place}\n\n| preset | what it is | how well it is known |\n|---|---|---|\n"
+        for preset in (preset for preset in known if preset["kind"] == kind):
+            first = said("preset", preset["name"]).split("\n", 1)[0]
+            text += f"| `{preset['name']}` | {preset['description']} | {first.removeprefix('# Known: ').removesuffix('.')} |\n"
+        text += "\n"
+    return text.rstrip() + "\n"
+
+
 def contract():
     """The page of services."""
     text = CONTRACT
@@ -90,7 +125,7 @@ def words(comment):
 def main():
     if not BAUDBOT.is_file():
         sys.exit(f"{BAUDBOT} is not there: cargo build --release")
-    for name, text in [("cli.md", cli()), ("contract.md", contract())]:
+    for name, text in [("cli.md", cli()), ("preset-list.md", presets()), ("contract.md", contract())]:
         page = PAGES / name
         if sys.argv[1:] != ["--check"]:
             page.write_text(text)

@@ -9,7 +9,7 @@ from mkdocs.structure.files import File
 ROOT = Path(__file__).resolve().parents[2]
 LINK = re.compile(r"(\]\()([^)\s#]+)(#[^)\s]*)?(?=\))")
 # Pages of the repository whose links are checked, too.
-BESIDE = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "client/python/README.md", "python/README.md"]
+BESIDE = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "client/python/README.md", "python/README.md", "bench/README.md", "sim/tests/devices/README.md"]
 FENCE = re.compile(r"(^```.*?^```)", re.M | re.S)
 
 
