@@ -27,7 +27,9 @@ pub struct Tokens {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
     /// None was given.
-    #[error("a token is needed here; give one, as `authorization: Bearer baudbot_…` (see docs/trust.md)")]
+    #[error(
+        "a token is needed here; give one, as `authorization: Bearer baudbot_…` (see docs/reference/trust.md)"
+    )]
     Missing,
     /// It is not valid here.
     #[error("the token is not valid on this server; ask its operator for another one")]

@@ -81,7 +81,7 @@ fn without_a_token_there_are_the_probe_and_the_files_of_the_page() {
 
 #[test]
 fn the_documentation_has_the_same_table() {
-    let documented = include_str!("../../docs/trust.md");
+    let documented = include_str!("../../docs/reference/trust.md");
     let mut rows = String::new();
     for (service, methods) in RPCS {
         for need in [Need::Nothing, Need::AnyToken, Need::Observe, Need::Operate, Need::Train, Need::Drive] {
@@ -96,5 +96,5 @@ fn the_documentation_has_the_same_table() {
             }
         }
     }
-    assert!(documented.contains(&rows), "docs/trust.md lacks:\n{rows}");
+    assert!(documented.contains(&rows), "docs/reference/trust.md lacks:\n{rows}");
 }

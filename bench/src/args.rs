@@ -98,5 +98,5 @@ Examples:
   valgrind --tool=callgrind baudbot-bench W1/onboard --ticks 10000
 
 Each workload runs in a process of its own. Just before each repeat a fixed loop is timed: the column \"per 10^6 rounds\"
-is the figure for a million of its rounds, and compares between machines better than the figure does. docs/performance.md
+is the figure for a million of its rounds, and compares between machines better than the figure does. bench/README.md
 has the workloads. The exit code is 1 if one of them could not be measured.";

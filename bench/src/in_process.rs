@@ -291,7 +291,7 @@ mod tests {
     use crate::catalogue::{Kind, WORKLOADS};
 
     /// Fingerprints after the first ticks. They change for the reasons for which golden hashes may
-    /// (docs/determinism.md), and for another scenario or driver here; never for speed.
+    /// (docs/explanation/determinism.md), and for another scenario or driver here; never for speed.
     const FINGERPRINTS: [(&str, u64); 14] = [
         ("W1/onboard", 0x5648_f963_c49a_2ab1),
         ("W1/ideal", 0x152c_5060_4948_4df9),

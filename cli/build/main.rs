@@ -16,7 +16,7 @@ use std::{env, fs};
 const CRATES: &[&str] = &["fields", "access", "geometry", "wire", "brain", "proto", "client", "brains"];
 
 /// Files that go with the crates as they are.
-const BESIDE: &[&str] = &["LICENSE-APACHE", "LICENSE-MIT", "docs/brains.md"];
+const BESIDE: &[&str] = &["LICENSE-APACHE", "LICENSE-MIT", "docs/reference/brains.md"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let cli = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?);

@@ -50,7 +50,7 @@ impl ChipOption {
         let Self { name, nothing } = self;
         Refused::error(format!(
             "{name}: `{robot}` has no program on its microcontroller, so {nothing}; give it one \
-             (`microcontroller.program`, docs/firmware.md)"
+             (`microcontroller.program`, docs/reference/firmware.md)"
         ))
     }
 }

@@ -50,7 +50,7 @@ differs or if a point disagrees that is not marked so. Points that disagree are 
 
 The first table has all comparisons. Behind them come [single numbers](#single-numbers), [how well each preset is
 known](#how-well-each-preset-is-known), and the [guesses](#guesses) with what would settle each. The lines of
-[`baudbot measure`](measure.md) and [`baudbot fit`](fit.md) say how to take and use measurements of your own robot.
+[`baudbot measure`](how-to/measure.md) and [`baudbot fit`](how-to/fit.md) say how to take and use measurements of your own robot.
 
 | comparison | presets | points that agree |
 |---|---|---|

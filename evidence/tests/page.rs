@@ -18,10 +18,10 @@ fn docs_evidence_md_and_its_pictures_are_what_the_program_makes() {
 }
 
 #[test]
-fn docs_presets_md_says_of_each_preset_how_well_it_is_known() {
-    const DOCS: &str = include_str!("../../docs/presets.md");
+fn the_list_of_presets_says_of_each_how_well_it_is_known() {
+    const DOCS: &str = include_str!("../../docs/reference/preset-list.md");
     for preset in presets() {
         let row = format!("| `{}` | {} | {} |", preset.name, preset.description, known(preset));
-        assert!(DOCS.contains(&row), "docs/presets.md has no row `{row}`");
+        assert!(DOCS.contains(&row), "docs/reference/preset-list.md has no row `{row}`");
     }
 }

@@ -22,7 +22,7 @@ function withParameters<T extends Record<string, number>>(defaults: T): T {
   return { ...defaults, ...given };
 }
 
-/** The token of one's own server on this machine (docs/trust.md). */
+/** The token of one's own server on this machine (docs/reference/trust.md). */
 function ownToken(): string | undefined {
   const { XDG_RUNTIME_DIR } = process.env;
   const folders = [XDG_RUNTIME_DIR && `${XDG_RUNTIME_DIR}/baudbot`, `/tmp/baudbot-${process.getuid?.()}`];

@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn every_figure_is_in_the_book() {
-        let book = include_str!("../../docs/experiments.md");
+        let book = include_str!("../../docs/reference/experiments.md");
         for info in &INFOS {
             assert!(book.contains(&format!("\n| `{}` | ", info.name)), "{}", info.name);
         }

@@ -81,7 +81,7 @@ impl Reward {
             (
                 !scenario.rules.count_sensed(),
                 "sensed",
-                "the scenario does not count what is sensed; see metrics in docs/scenario.md",
+                "the scenario does not count what is sensed; see metrics in docs/reference/scenario.md",
             ),
             (scenario.surroundings.zones.is_empty(), "zones", "the scenario has no zones"),
         ];

@@ -17,7 +17,7 @@ link = { kind = "uart", baud = 9600 }
 body = { radius_m = 0.1, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.05 }
 "#;
 
-/// What `docs/recording.md` promises: so many bytes for each of the file's, and these.
+/// What `docs/reference/recording.md` promises: so many bytes for each of the file's, and these.
 const OF_A_BYTE: u64 = 2_048;
 const ANYWAY: u64 = 24 << 20;
 

@@ -45,7 +45,7 @@ fn is_told(path: &Path, version: Version, sensor: &Sensor) -> Result<()> {
     for (i, encoding) in sensor.encodings.iter().enumerate() {
         let Some(signal) = Signal::of(version, &sensor.name, i) else {
             let problem = format!(
-                "the Open Interface of a Create {} has no packet for sensor `{}`; docs/robots/create.md lists the names \
+                "the Open Interface of a Create {} has no packet for sensor `{}`; docs/reference/robots/create.md lists the names \
                  that it tells",
                 version.number(),
                 sensor.name

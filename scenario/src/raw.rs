@@ -1,4 +1,4 @@
-//! The fields of a scenario file, as they are written. `docs/scenario.md` is its description; the two are
+//! The fields of a scenario file, as they are written. `docs/reference/scenario.md` is its description; the two are
 //! kept equal by a test.
 
 use alloc::collections::BTreeMap;

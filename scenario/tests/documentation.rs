@@ -1,4 +1,4 @@
-//! `docs/scenario.md` and its companions describe what the parser takes: no field is missing there, none is too
+//! `docs/reference/scenario.md` and its companions describe what the parser takes: no field is missing there, none is too
 //! many, and their examples are scenarios.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -7,9 +7,9 @@ use std::fs;
 use baudbot_sim::sensor::SensorKind;
 
 const DOCS: [&str; 3] = [
-    include_str!("../../docs/scenario.md"),
-    include_str!("../../docs/actuators.md"),
-    include_str!("../../docs/sensors.md"),
+    include_str!("../../docs/reference/scenario.md"),
+    include_str!("../../docs/reference/actuators.md"),
+    include_str!("../../docs/reference/sensors.md"),
 ];
 
 /// The files with structs and enums that are read, by the names that [`SECTIONS`] has. Sensors are found by themselves.

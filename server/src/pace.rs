@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use baudbot_sim::SimTime;
 
-/// The paces of `docs/timing.md`; they differ only in when a tick ends.
+/// The paces of `docs/explanation/timing.md`; they differ only in when a tick ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// Simulated time follows the wall clock.

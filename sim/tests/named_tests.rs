@@ -1,13 +1,14 @@
-//! Tests that `docs/devices.md`, `docs/equations.md` and `docs/determinism.md` name are there under these names.
+//! Tests that the page of tests of noise, `docs/explanation/equations.md` and `docs/explanation/determinism.md` name are there under
+//! these names.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
 const PAGES: [(&str, &str); 3] = [
-    ("devices", include_str!("../../docs/devices.md")),
-    ("equations", include_str!("../../docs/equations.md")),
-    ("determinism", include_str!("../../docs/determinism.md")),
+    ("sim/tests/devices/README.md", include_str!("devices/README.md")),
+    ("docs/explanation/equations.md", include_str!("../../docs/explanation/equations.md")),
+    ("docs/explanation/determinism.md", include_str!("../../docs/explanation/determinism.md")),
 ];
 
 #[test]
@@ -26,7 +27,7 @@ fn each_test_that_a_page_names_is_there() {
         let names: Vec<_> = text.split('`').skip(1).step_by(2).filter(|word| is_sentence(word)).collect();
         assert!(names.len() > 10, "{page} names only {names:?}");
         for name in names {
-            assert!(functions.contains(name), "docs/{page}.md names `{name}`, which is not there");
+            assert!(functions.contains(name), "{page} names `{name}`, which is not there");
         }
     }
 }

@@ -1,4 +1,4 @@
-"""A laptop's program that drives a robot with a sketch of its own by pyserial: the program of docs/tutorial-firmware.md.
+"""A laptop's program that drives a robot with a sketch of its own by pyserial: the program of docs/tutorials/firmware.md.
 
 Argument: the port. The last line has what was read, as JSON.
 """

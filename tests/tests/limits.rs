@@ -547,14 +547,14 @@ async fn all_limits_are_told_with_their_values() {
     assert_eq!(metric(&server, "baudbot_limit", "worlds").await, 7.0);
     assert_eq!(metric(&server, "baudbot_limit", "robots_per_world").await, 10_000.0);
     assert_eq!((used(&server, "worlds").await, used(&server, "robots").await), (1.0, 16.0));
-    let page = include_str!("../../docs/limits.md");
+    let page = include_str!("../../docs/reference/limits.md");
     let metrics = answers(&server, "/metrics").await;
     let labels =
         metrics.lines().filter_map(|line| line.strip_prefix("baudbot_limit{limit=\"")?.split('"').next());
     let labels: Vec<_> = labels.collect();
     assert_eq!(labels.len(), 15, "{labels:?}");
     for label in labels {
-        assert!(page.contains(&format!("| `{label}` |")), "docs/limits.md lacks {label}");
+        assert!(page.contains(&format!("| `{label}` |")), "docs/reference/limits.md lacks {label}");
     }
     server.shutdown().await;
 }

@@ -328,7 +328,7 @@ async fn all_metrics_are_explained() {
     let helped: BTreeSet<_> = body.lines().filter_map(of("# HELP ")).collect();
     assert_eq!(typed, helped);
     assert!(typed.len() > 30, "{typed:?}");
-    let docs = include_str!("../../docs/metrics.md");
+    let docs = include_str!("../../docs/reference/metrics.md");
     let rows: String = docs.lines().filter(|line| line.starts_with("| `")).collect();
     assert_eq!(names(&rows), typed.iter().map(String::as_str).collect());
     // What the examples use is there.

@@ -58,7 +58,7 @@ fn a_cable_that_was_out_for_two_seconds_leaves_a_robot_where_it_believes_to_be()
     assert!(run.collisions == 0 && run.distance_m > 9.0, "{run:?}");
 }
 
-/// All brains, three seeds, with and without damaged bytes: the table of docs/experiments.md.
+/// All brains, three seeds, with and without damaged bytes: the table of docs/reference/experiments.md.
 #[test]
 #[ignore = "96 runs; the sharpest ones always"]
 fn slow_cables_cost_time_and_no_more() {

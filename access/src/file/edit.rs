@@ -9,7 +9,7 @@ use crate::grant::Grant;
 /// A file without tokens.
 pub(super) fn empty() -> String {
     format!(
-        "# Who may do what on a server of baudbot (docs/trust.md). `baudbot token` adds tokens and revokes them. The tokens\n\
+        "# Who may do what on a server of baudbot (docs/reference/trust.md). `baudbot token` adds tokens and revokes them. The tokens\n\
          # themselves are not in here, only their hashes.\n\
          version = {VERSION}\n"
     )

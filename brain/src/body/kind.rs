@@ -36,7 +36,7 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// What a sensor measures, and how; `docs/sensors.md` has a section for each.
+    /// What a sensor measures, and how; `docs/reference/sensors.md` has a section for each.
     SensorKind {
         /// Nearness by infra-red light, in [0, 1].
         Infrared = "ir",

@@ -6,7 +6,7 @@
 //! by = "max"                          # or "min", "sum" with weights, "network" with layers
 //!
 //! [motor.stroll]
-//! kind = "wander"                     # docs/brains.md lists the kinds
+//! kind = "wander"                     # docs/reference/brains.md lists the kinds
 //! parameters = { forward = 0.4 }
 //! utility = { bias = 0.2 }
 //!

@@ -254,12 +254,12 @@ fn a_cognitive_process_of_which_nothing_is_said_is_always_active() {
     assert_eq!((pose.position.x, pose.position.y, pose.heading), (1.0, 2.0, 0.5));
 }
 
-/// `docs/brains.md` as people copy it.
+/// `docs/reference/brains.md` as people copy it.
 mod docs {
     use super::*;
     use crate::catalogue::catalogue;
 
-    const DOCS: &str = include_str!("../../../docs/brains.md");
+    const DOCS: &str = include_str!("../../../docs/reference/brains.md");
 
     fn blocks() -> impl Iterator<Item = &'static str> {
         let blocks = DOCS.split("```toml\n").skip(1);

@@ -16,7 +16,7 @@ pub(crate) struct AccessArgs {
     /// Let any user of this machine do everything, without a token
     ///
     /// By default a token for your own programs is in a file that only you can read, and the clients of baudbot find it there by
-    /// themselves. Others need --tokens (docs/trust.md).
+    /// themselves. Others need --tokens (docs/reference/trust.md).
     #[arg(long)]
     pub(crate) open: bool,
     /// Let those connect who have a token of this file, for what it is good for (`baudbot token`)

@@ -63,4 +63,4 @@ Examples:
   baudbot cert server lab robots.lab 10.0.0.7    lab/robots.lab.pem and lab/robots.lab-key.pem
   baudbot cert client lab alice                  lab/alice.pem and lab/alice-key.pem
 
-Needs a program built with `--features certificates` (or `full`). docs/trust.md says who needs which file.";
+Needs a program built with `--features certificates` (or `full`). docs/reference/trust.md says who needs which file.";

@@ -12,7 +12,7 @@ pub(crate) struct ChipArgs {
     /// Let avr-gdb debug the program of a robot's microcontroller, at a port of this machine; may be given several times
     ///
     /// The world waits at the chip's reset until a debugger has connected, and stands whenever the chip is stopped. 0 is any free
-    /// port. docs/debugging.md has an example.
+    /// port. docs/how-to/debugging.md has an example.
     #[arg(long = "gdb", value_name = "ROBOT=PORT")]
     pub(crate) gdb: Vec<GdbAddress>,
     /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave; may be given several times

@@ -14,7 +14,7 @@ Examples:
   baudbot run khepera --set robots.khepera.link.baud=9600
   baudbot run --seconds 2 --timeline run.pftrace   a trace for ui.perfetto.dev
   baudbot run --record run.mcap                  for a replay: see `baudbot help replay`
-  baudbot run firmware.toml --gdb robot=1234     waits for avr-gdb: see docs/debugging.md
+  baudbot run firmware.toml --gdb robot=1234     waits for avr-gdb: see docs/how-to/debugging.md
   baudbot run --over grpc                        the same run through a server in this process
   baudbot run my.toml --brain alice=avoid --brain none --seed 7 --csv run.csv
   baudbot run wander --json --quiet | python3 -m json.tool
@@ -74,7 +74,7 @@ Exit codes:
   130  stopped by Ctrl-C
 
 A recording holds all inputs of the world, so the run can be simulated again on any machine. In a damaged file,
-everything that can be replayed is compared. docs/recording.md describes the file, and other programs that read it.";
+everything that can be replayed is compared. docs/reference/recording.md describes the file, and other programs that read it.";
 
 pub(super) const BRAIN_EXAMPLES: &str = "\
 Examples:

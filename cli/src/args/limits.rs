@@ -6,7 +6,7 @@ use baudbot_server::Limits;
 use clap::Args;
 
 #[derive(Debug, Default, Args)]
-#[command(next_help_heading = "Limits (docs/limits.md)")]
+#[command(next_help_heading = "Limits (docs/reference/limits.md)")]
 pub(crate) struct LimitArgs {
     /// Maximum number of connections at a time, including pages
     ///
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn the_page_of_limits_has_these_options() {
-        let page = include_str!("../../../docs/limits.md");
+        let page = include_str!("../../../docs/reference/limits.md");
         let rows = page.lines().filter(|line| line.starts_with('|'));
         let words = rows.flat_map(|line| line.split('`')).filter(|word| word.starts_with("--"));
         let mut told: Vec<_> = words

@@ -176,7 +176,7 @@ Examples:
   baudbot measure echo --device /dev/ttyUSB0 -o echo.csv
   baudbot measure echo --device /dev/ttyUSB0 --baud 9600 --bytes 16 --count 200 --pause-ms 3
 
-A message is sent when the one before has come back. See docs/measure.md. Ctrl-C ends early: what was measured is kept.";
+A message is sent when the one before has come back. See docs/how-to/measure.md. Ctrl-C ends early: what was measured is kept.";
 
 const CURVE_EXAMPLES: &str = "\
 Examples:
@@ -184,7 +184,7 @@ Examples:
   baudbot measure curve -o ir.csv --device /dev/ttyUSB0 --baud 9600 --ask 'N\\n' --number 3 --readings 20
 
 At the prompt: a distance with its unit (`50 mm`, `5 cm`, `0.05 m`), `undo`, or Ctrl-D to end. The file is written after
-each distance; the same command continues it. See docs/measure.md.";
+each distance; the same command continues it. See docs/how-to/measure.md.";
 
 const STEP_EXAMPLES: &str = "\
 Examples:
@@ -192,4 +192,4 @@ Examples:
       --left 20 --right 20 --full 127 --m-per-count 0.00008333 -o step.csv
 
 THE ROBOT MOVES: put its wheels in the air, or give it room, and have its switch at hand. It is stopped at the end, and
-at Ctrl-C, by the command with 0 and 0. See docs/measure.md.";
+at Ctrl-C, by the command with 0 and 0. See docs/how-to/measure.md.";

@@ -243,7 +243,7 @@ pub(crate) struct ServeArgs {
     /// Keep worlds, snapshots and recordings in this folder: they are there again after a restart, whatever has ended the server
     ///
     /// The folder is made if it is not there. Worlds that are in it go on, and a scenario whose world is among them is not made
-    /// again (docs/state.md).
+    /// again (docs/reference/state.md).
     #[arg(long, value_name = "FOLDER")]
     pub(crate) state: Option<PathBuf>,
     /// After Ctrl-C or SIGTERM, end with exit code 1 if worlds and recordings have not ended in good order within this time
@@ -251,7 +251,7 @@ pub(crate) struct ServeArgs {
     pub(crate) stop_within: u32,
     /// Listen for trainers, which drive robots and are told the truth: 127.0.0.1:PORT or unix:/PATH
     ///
-    /// A trainer also creates worlds here (docs/training.md). Only this machine can reach the address.
+    /// A trainer also creates worlds here (docs/how-to/training.md). Only this machine can reach the address.
     #[arg(long, value_name = "ADDR")]
     pub(crate) trainer: Option<Address>,
     /// Open a serial port at a robot's cable, or at that of one of its sensors, for programs that know nothing of baudbot
@@ -323,7 +323,7 @@ pub(crate) struct WatchArgs {
     pub(crate) json: bool,
     /// Show the world in Foxglove, which connects to ws://IP:PORT, instead of in the terminal
     ///
-    /// Needs a program built with `--features foxglove`. docs/foxglove.md has a layout.
+    /// Needs a program built with `--features foxglove`. docs/how-to/foxglove.md has a layout.
     #[arg(
         long, value_name = "IP:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765",
         conflicts_with = "once"

@@ -18,7 +18,7 @@ pub(crate) struct ListenArgs {
     pub(crate) listen: Vec<Address>,
     /// Serve the viewer for browsers at http://IP:PORT (port 0 picks a free one); `off` disables it
     ///
-    /// Metrics for Prometheus are at http://IP:PORT/metrics (docs/metrics.md).
+    /// Metrics for Prometheus are at http://IP:PORT/metrics (docs/reference/metrics.md).
     #[arg(long, value_name = "IP:PORT|off")]
     pub(crate) viewer: Option<Viewer>,
     #[command(flatten)]

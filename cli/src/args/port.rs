@@ -16,7 +16,7 @@ Open a serial port at a robot's cable, or at that of one of its sensors, for pro
   create=unix:create.sock        a Unix socket, of mode 0600
 
 The robot's name can be left out if there is only one. Of several ports at one cable one program at a time has it. `serve` opens
-these in place of those that the scenario has at the same cable (link.serial_port). A port holds its robot as a brain does (docs/ports.md).";
+these in place of those that the scenario has at the same cable (link.serial_port). A port holds its robot as a brain does (docs/reference/ports.md).";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum PortCommand {

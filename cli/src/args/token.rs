@@ -71,7 +71,7 @@ pub(crate) struct RevokeTokenArgs {
 pub(crate) struct TokenFileArgs {
     /// The file of tokens, which has only their hashes [default: ~/.config/baudbot/tokens.toml]
     ///
-    /// The default is $XDG_CONFIG_HOME/baudbot/tokens.toml if there is such a variable. docs/trust.md describes the file.
+    /// The default is $XDG_CONFIG_HOME/baudbot/tokens.toml if there is such a variable. docs/reference/trust.md describes the file.
     #[arg(long, value_name = "FILE")]
     pub(crate) file: Option<PathBuf>,
 }

@@ -58,4 +58,4 @@ Examples:
   baudbot umbmark khepera --side-m 0.5 --runs 10 --svg ends.svg
   baudbot umbmark my.toml --json | python3 -m json.tool
 
-The robot drives in an empty arena of its own, whatever the scenario's arena is. See docs/umbmark.md.";
+The robot drives in an empty arena of its own, whatever the scenario's arena is. See docs/how-to/umbmark.md.";

@@ -39,7 +39,7 @@ pub(crate) struct TuneArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct WorkArgs {
-    /// An experiment file (docs/experiments.md)
+    /// An experiment file (docs/reference/experiments.md)
     pub(crate) experiment: PathBuf,
     /// The folder for the results [default: NAME.sweep in the current folder; NAME.tune for a tuning run; NAME.shards/I-of-N for a shard]
     #[arg(long, value_name = "DIR")]

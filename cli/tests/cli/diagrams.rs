@@ -42,7 +42,7 @@ fn pins_that_are_not_there_are_refused_with_those_that_are() {
     assert_eq!(
         refusal(&["wander", "--pins", "D9"]),
         "error: --pins: `robot` has no program on its microcontroller, so it has no pins to look at; give it one \
-         (`microcontroller.program`, docs/firmware.md)\n"
+         (`microcontroller.program`, docs/reference/firmware.md)\n"
     );
     let cycle = refusal(&[FIRMWARE, "--cycle", "2"]);
     assert!(cycle.starts_with("error: --cycle: `robot` runs a program of its own"), "{cycle}");

@@ -68,7 +68,7 @@ fn a_project_in_rust_may_be_built_with_a_clone() {
     good(&["new", "brain", &folder, "--baudbot", clone]);
     let project = Path::new(&folder);
     assert!(read(&project.join("Cargo.toml")).contains(&format!("path = \"{clone}/brains\"")));
-    assert!(read(&project.join("README.md")).contains(&format!("`{clone}/docs/brains.md`")));
+    assert!(read(&project.join("README.md")).contains(&format!("`{clone}/docs/reference/brains.md`")));
     assert!(!project.join("baudbot").exists() && !project.join("Cargo.lock").exists());
 }
 

@@ -277,7 +277,7 @@ class Documents(unittest.TestCase):
     def test_the_pages_have_the_example(self):
         package = Path(__file__).resolve().parents[1]
         example = (package / "examples/follow.py").read_text().split('"""\n', 1)[1].strip()
-        for page in (package / "README.md", package.parents[1] / "README.md"):
+        for page in (package / "README.md", package.parents[1] / "docs/tutorials/python.md"):
             self.assertIn(f"```python\n{example}\n```", page.read_text())
 
 

@@ -3659,7 +3659,7 @@ pub struct ComponentDescription {
     #[prost(uint32, tag = "4")]
     pub count: u32,
 }
-/// How one number crosses the wire; `docs/wire.md` has the bytes.
+/// How one number crosses the wire; `docs/reference/wire.md` has the bytes.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct Encoding {
     /// Exactly one.
@@ -3749,7 +3749,7 @@ pub mod firmware {
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Khepera {}
     /// The Open Interface of an iRobot Create. Every sensor that it tells is in every message of the stream that the server asks
-    /// for; it tells those whose names docs/robots/create.md lists.
+    /// for; it tells those whose names docs/reference/robots/create.md lists.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Create {
         /// 1 for the Create of 2007, 2 for the Create 2.
@@ -5116,7 +5116,7 @@ pub struct RobotDetail {
     #[prost(uint64, tag = "15")]
     pub missed_pin_events: u64,
 }
-/// Something on a signal of a chip's pins: see docs/firmware.md.
+/// Something on a signal of a chip's pins: see docs/reference/firmware.md.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct PinEvent {
     /// The signal's place in DescribeWorld.
@@ -5197,7 +5197,7 @@ pub struct RayFan {
     #[prost(float, repeated, tag = "5")]
     pub lengths_m: ::prost::alloc::vec::Vec<f32>,
 }
-/// Something that happened on a robot: see docs/diagram.md.
+/// Something that happened on a robot: see docs/how-to/diagram.md.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct TimelineEvent {
     /// When it began.

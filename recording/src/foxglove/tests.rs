@@ -237,7 +237,7 @@ fn each_topic_has_messages_of_one_schema() {
 #[test]
 fn the_layout_is_one_for_these_topics() {
     let layout: serde_json::Value =
-        serde_json::from_str(include_str!("../../../docs/foxglove-layout.json")).unwrap();
+        serde_json::from_str(include_str!("../../../docs/how-to/foxglove-layout.json")).unwrap();
     let panels = layout["configById"].as_object().unwrap();
     let mut shown = Vec::new();
     leaves(&layout["layout"], &mut shown);

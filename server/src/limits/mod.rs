@@ -39,7 +39,7 @@ pub(crate) use parsing::Cancelled;
 
 use crate::descriptors::usual_connections;
 
-/// The limits of a server. `docs/limits.md` has what each of them is for.
+/// The limits of a server. `docs/reference/limits.md` has what each of them is for.
 ///
 /// A *caller* is the holder of a token; where none was shown, an address, or the user at the other end of a Unix socket. Where a limit
 /// for one caller or one address is `None`, its default holds for others than the user who runs the server.

@@ -1,4 +1,4 @@
-//! All metrics, each with the measure that it is made of. `docs/metrics.md` lists them.
+//! All metrics, each with the measure that it is made of. `docs/reference/metrics.md` lists them.
 
 use super::World;
 use super::text::Family;

@@ -1,4 +1,4 @@
-// Drives as it is told, and answers each command with what it sees: the sketch of docs/tutorial-firmware.md. For an `uno-rover`.
+// Drives as it is told, and answers each command with what it sees: the sketch of docs/tutorials/firmware.md. For an `uno-rover`.
 //
 // A command has two bytes, the duties of the left and the right motor above 128, in halves.
 

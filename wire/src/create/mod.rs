@@ -16,7 +16,7 @@
 //! Sources. Opcodes, their data, the lengths of packets and groups, and bits are those of pycreate2 0.8.0 (OI.py, packets.py),
 //! AutonomyLab/libcreate (types.h, data.cpp, serial_stream.cpp) and the tables of commands in iRobot's "Create Open Interface"
 //! (of the first Create, read in excerpts). What else is said of the Create 2 is recalled of iRobot's "Create 2 Open Interface
-//! Specification based on the Roomba 600"; `docs/robots/create.md` has each of them with its source.
+//! Specification based on the Roomba 600"; `docs/reference/robots/create.md` has each of them with its source.
 //!
 //! # Deviations
 //!

@@ -115,7 +115,7 @@ fn a_cycle_once_a_second_fits_into_4800_baud_as_a_real_one_does() {
     assert_eq!(cycle[2].matches("$GPGSV").count(), 3);
     let len = cycle.concat().len();
     assert!((380..480).contains(&len), "{len}");
-    assert_eq!(len, 401, "as docs/wire.md says");
+    assert_eq!(len, 401, "as docs/reference/wire.md says");
 }
 
 #[test]

@@ -22,7 +22,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-#: Names of the numbers of a step; see `docs/python.md`.
+#: Names of the numbers of a step; see `docs/reference/python.md`.
 TALLY: tuple[str, ...] = tuple(_native.check_reward([]))
 
 #: Weights of what happened in a step, or a function of the step.

@@ -802,7 +802,7 @@ Global___ComponentDescription: _TypeAlias = ComponentDescription  # noqa: Y015
 
 @_typing.final
 class Encoding(_message.Message):
-    """How one number crosses the wire; `docs/wire.md` has the bytes."""
+    """How one number crosses the wire; `docs/reference/wire.md` has the bytes."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -997,7 +997,7 @@ class Firmware(_message.Message):
     @_typing.final
     class Create(_message.Message):
         """The Open Interface of an iRobot Create. Every sensor that it tells is in every message of the stream that the server asks
-        for; it tells those whose names docs/robots/create.md lists.
+        for; it tells those whose names docs/reference/robots/create.md lists.
         """
 
         DESCRIPTOR: _descriptor.Descriptor

@@ -1185,7 +1185,7 @@ Global___RobotDetail: _TypeAlias = RobotDetail  # noqa: Y015
 
 @_typing.final
 class PinEvent(_message.Message):
-    """Something on a signal of a chip's pins: see docs/firmware.md."""
+    """Something on a signal of a chip's pins: see docs/reference/firmware.md."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1341,7 +1341,7 @@ Global___RayFan: _TypeAlias = RayFan  # noqa: Y015
 
 @_typing.final
 class TimelineEvent(_message.Message):
-    """Something that happened on a robot: see docs/diagram.md."""
+    """Something that happened on a robot: see docs/how-to/diagram.md."""
 
     DESCRIPTOR: _descriptor.Descriptor
 

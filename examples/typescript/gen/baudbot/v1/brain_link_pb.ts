@@ -631,7 +631,7 @@ export const ComponentDescriptionSchema: GenMessage<ComponentDescription> = /*@_
   messageDesc(file_baudbot_v1_brain_link, 10);
 
 /**
- * How one number crosses the wire; `docs/wire.md` has the bytes.
+ * How one number crosses the wire; `docs/reference/wire.md` has the bytes.
  *
  * @generated from message baudbot.v1.Encoding
  */
@@ -902,7 +902,7 @@ export const Firmware_KheperaSchema: GenMessage<Firmware_Khepera> = /*@__PURE__*
 
 /**
  * The Open Interface of an iRobot Create. Every sensor that it tells is in every message of the stream that the server asks
- * for; it tells those whose names docs/robots/create.md lists.
+ * for; it tells those whose names docs/reference/robots/create.md lists.
  *
  * @generated from message baudbot.v1.Firmware.Create
  */
