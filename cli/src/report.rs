@@ -157,7 +157,8 @@ fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
     if !robot.has_program_only() {
         let brain = match (robot.brain.as_str(), robot.turns) {
             ("", 0) => "none",
-            ("", _) => "one that has left",
+            // It may have left, or there never was one: turns are those of the robot.
+            ("", _) => "none at the end",
             (brain, _) => brain,
         };
         let text = format!("{brain}, {} turns, {} commands obeyed", robot.turns, robot.commands);

@@ -60,4 +60,4 @@ def on_page_markdown(markdown, page, config, files):
     whole = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s#]+)(#[^)\s]*)?\)")
     parts = FENCE.split(markdown)
     parts[::2] = [whole.sub(rewritten, part) for part in parts[::2]]
-    return re.sub(r"^```([a-z]+) .*$", r"```\1", "".join(parts), flags=re.M)
+    return re.sub(r"^```([a-z]+)[ ,].*$", r"```\1", "".join(parts), flags=re.M)
