@@ -18,6 +18,8 @@ export interface What {
   pace: PaceKind;
   /** When the run ends; without it the scenario says. */
   seconds: number | undefined;
+  /** Whether all of it is recorded. */
+  records: boolean;
 }
 
 /** How a run went that is over. */
@@ -27,7 +29,12 @@ export interface Result {
   ending: string;
   /** Fingerprint of the state, in hexadecimal digits. */
   hash: string;
+  /** The name of its recording, if it has one. */
+  recording: string | undefined;
 }
+
+/** Frames a simulated second that a recording has for other tools to look at. */
+const LOOK_HZ = 10;
 
 /** How often it is asked whether a run is over. */
 const ASK_MS = 20;
@@ -35,7 +42,7 @@ const ASK_MS = 20;
 /** Begins a run. One in lockstep is awaited, and its result given. */
 export async function run(
   { connection, orders, crew }: Parts,
-  { toml, brain, pace, seconds }: What,
+  { toml, brain, pace, seconds, records }: What,
 ): Promise<Result | undefined> {
   const made = await make(connection, toml, pace, seconds);
   const { world } = made;
@@ -46,13 +53,17 @@ export async function run(
     await ask(connection, ControlService.method.deleteWorld, { world });
     throw error;
   }
+  if (records) await ask(connection, ControlService.method.startRecording, { world, lookHz: LOOK_HZ });
   const begun = performance.now();
   await ask(connection, ControlService.method.startWorld, { world });
   const over = pace === "lockstep" && brain.kind !== "none" ? await end(connection, world) : undefined;
   const took_s = (performance.now() - begun) / 1000;
   await orders.list();
   orders.choose(world);
-  return over && { simulated_s: secondsOf(over.timeNs), took_s, ending: over.ending, hash: hex(over.stateHash) };
+  if (!over) return undefined;
+  const closed = records ? await ask(connection, ControlService.method.stopRecording, { world }) : undefined;
+  const [simulated_s, hash] = [secondsOf(over.timeNs), hex(over.stateHash)];
+  return { simulated_s, took_s, ending: over.ending, hash, recording: closed?.recording?.recording };
 }
 
 /** A paused world, under the scenario's name or one like it. */

@@ -1,5 +1,5 @@
 /** The dialog that runs a scenario with a brain: what is chosen, what it costs, and how it went. */
-import { button, el, setText } from "../dom";
+import { button, download, el, setText } from "../dom";
 import type { Connection } from "../net/connection";
 import type { Orders, PaceKind } from "../net/orders";
 import { BrainChoice } from "./brain_choice";
@@ -33,12 +33,16 @@ export class StartDialog {
     test: "seconds",
     attributes: { min: "0.01", step: "any", placeholder: "the scenario's" },
   });
+  private readonly records = el("input", { type: "checkbox", test: "records" });
+  private readonly save: HTMLButtonElement;
   private readonly presets = el("ul", { class: "presets", label: "Presets" });
   private readonly error = el("p", { class: "error", role: "alert", test: "start-error" });
   private readonly result = el("p", { role: "status", test: "result" });
   private readonly begin: HTMLButtonElement;
   private readonly brain: BrainChoice;
   private readonly budget: BudgetView;
+  /** The name of the last run's recording. */
+  private recording = "";
   private catalogue: Catalogue = { scenarios: [], brains: [], presets: [] };
 
   constructor(
@@ -53,6 +57,15 @@ export class StartDialog {
       class: "primary",
       test: "start-run",
     });
+    this.save = button(
+      "Save the recording",
+      "Save the recording of this run as a file",
+      () => void this.saveRecording(),
+      {
+        hidden: true,
+        test: "save-recording",
+      },
+    );
     this.pace.append(...PACES.map(([value, text]) => el("option", { value, text })));
     this.scenario.addEventListener("change", () => void this.chosen());
     this.toml.addEventListener("input", () => this.budget.clear());
@@ -71,9 +84,11 @@ export class StartDialog {
         { class: "dialog-row" },
         el("label", {}, "Pace ", this.pace),
         el("label", {}, "Seconds ", this.seconds),
+        el("label", {}, this.records, " record it"),
       ),
       this.error,
       this.result,
+      this.save,
       el(
         "div",
         { class: "dialog-row end" },
@@ -102,7 +117,13 @@ export class StartDialog {
 
   /** Lets a robot drive that nobody has asked for, for as long as somebody looks. */
   async demonstrate(): Promise<void> {
-    const what = { toml: this.toml.value, brain: this.brain.choice, pace: "realTime" as const, seconds: undefined };
+    const what = {
+      toml: this.toml.value,
+      brain: this.brain.choice,
+      pace: "realTime" as const,
+      seconds: undefined,
+      records: false,
+    };
     await run(this, what);
   }
 
@@ -113,9 +134,12 @@ export class StartDialog {
     setText(this.result, "The world is made…");
     try {
       const pace = this.pace.value as PaceKind;
-      const what = { toml: this.toml.value, brain: this.brain.choice, pace, seconds: this.seconds_wanted };
+      const [seconds, records] = [this.seconds_wanted, this.records.checked];
+      const what = { toml: this.toml.value, brain: this.brain.choice, pace, seconds, records };
       const result = await run(this, what);
       setText(this.result, result ? words(result) : "");
+      this.recording = result?.recording ?? "";
+      this.save.hidden = this.recording === "";
       if (!result) this.element.close();
     } catch (error) {
       setText(this.result, "");
@@ -123,6 +147,10 @@ export class StartDialog {
     } finally {
       this.begin.disabled = false;
     }
+  }
+
+  private async saveRecording(): Promise<void> {
+    download(await this.host.recording(this.recording), "application/octet-stream", `${this.recording}.mcap`);
   }
 
   private get seconds_wanted(): number | undefined {
