@@ -35,6 +35,7 @@ pub(crate) fn of(at: SystemTime) -> OffsetDateTime {
 }
 
 /// The beginning of its second: what a file keeps of it.
+#[cfg(feature = "files")]
 pub(crate) fn whole(at: SystemTime) -> SystemTime {
     UNIX_EPOCH + Duration::from_secs(of(at).unix_timestamp().cast_unsigned())
 }

@@ -9,7 +9,8 @@
 //! - [`local`] is the token of the user who runs the server, for programs of the same user on the same machine.
 //! - `certificates`, with the feature of that name, makes a certificate authority and its certificates.
 //!
-//! Clients need tokens and [`local`] only; all the rest is the feature `grants`, which is a default.
+//! Clients need tokens and [`local`] only; all the rest is the feature `grants`. What is kept in files is the feature `files`. Both are
+//! defaults.
 //!
 //! A server has one [`Watched`], and does this for each call:
 //!
@@ -42,29 +43,31 @@
 pub mod certificates;
 #[cfg(feature = "grants")]
 pub mod date;
-#[cfg(feature = "grants")]
+#[cfg(all(feature = "files", feature = "grants"))]
 mod file;
 #[cfg(feature = "grants")]
 mod grant;
 #[cfg(feature = "grants")]
 mod lifetime;
+#[cfg(feature = "files")]
 pub mod local;
-#[cfg(feature = "grants")]
+#[cfg(all(feature = "files", feature = "grants"))]
 mod lock;
 #[cfg(feature = "grants")]
 mod need;
 #[cfg(feature = "grants")]
 mod pattern;
+#[cfg(feature = "files")]
 mod private;
 #[cfg(feature = "grants")]
 mod right;
 mod token;
 #[cfg(feature = "grants")]
 mod tokens;
-#[cfg(feature = "grants")]
+#[cfg(all(feature = "files", feature = "grants"))]
 mod watched;
 
-#[cfg(feature = "grants")]
+#[cfg(all(feature = "files", feature = "grants"))]
 pub use file::{FileError, NewGrant, TokenFile};
 #[cfg(feature = "grants")]
 pub use grant::{BadName, Denied, Grant, GrantName};
@@ -74,11 +77,12 @@ pub use lifetime::{BadLifetime, Lifetime};
 pub use need::{Door, Need, RPCS, Service, needs, needs_at};
 #[cfg(feature = "grants")]
 pub use pattern::{BadPattern, DrivePattern, Half, PatternProblem};
+#[cfg(feature = "files")]
 pub use private::PrivateError;
 #[cfg(feature = "grants")]
 pub use right::{BadRight, Right};
 pub use token::{BadHash, BadToken, NoRandomness, PREFIX, Token, TokenHash};
 #[cfg(feature = "grants")]
 pub use tokens::{Refused, Tokens, bearer};
-#[cfg(feature = "grants")]
+#[cfg(all(feature = "files", feature = "grants"))]
 pub use watched::{News, Watched};

@@ -7,8 +7,8 @@ use baudbot_brain::{Body, Brain};
 use thiserror::Error as ThisError;
 use tokio::time::Instant;
 
-use crate::client::{connect, connect_with};
 use crate::comeback::come_back;
+use crate::connect::{connect, connect_with};
 use crate::credentials::Credentials;
 use crate::error::Error;
 use crate::fleet::Fleet;

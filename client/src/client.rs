@@ -4,33 +4,13 @@ use std::time::Duration;
 
 use baudbot_proto::v1;
 
-use crate::address;
 use crate::channel::Channel;
-use crate::credentials::Credentials;
 use crate::error::Error;
 use crate::fleet::Fleet;
 use crate::protocol;
 use crate::raw::RawRobot;
 use crate::robot::Robot;
 use crate::session::Session;
-
-/// Connects to the server at `HOST:PORT`, `http://HOST:PORT`, `https://HOST:PORT` or `unix:/PATH`, with the [credentials of the
-/// environment](Credentials).
-///
-/// # Errors
-/// [`Error::Address`] if that is no address, [`Error::Connect`] if no server answers there within 5 s, or something takes
-/// connections there and says nothing for as long; [`Error::Credentials`] if the environment has unsound ones.
-pub async fn connect(address: &str) -> Result<Client, Error> {
-    connect_with(address, &Credentials::from_environment()?).await
-}
-
-/// The same with these credentials.
-///
-/// # Errors
-/// As [`connect`].
-pub async fn connect_with(address: &str, credentials: &Credentials) -> Result<Client, Error> {
-    Ok(Client::from_channel(address::connect(address, credentials).await?))
-}
 
 /// A connection to a server. Clones share it.
 #[derive(Clone, Debug)]

@@ -103,10 +103,12 @@ impl Error {
     }
 
     /// Whether another connection has the robot.
+    #[cfg(feature = "network")]
     pub(crate) fn is_held(&self) -> bool {
         matches!(self, Self::Status { code: Code::AlreadyExists, .. })
     }
 
+    #[cfg(feature = "network")]
     pub(crate) fn connect(address: &str, error: &tonic::transport::Error) -> Self {
         Self::Connect { address: address.to_owned(), cause: root(error).to_string() }
     }

@@ -48,16 +48,24 @@
 //! }
 //! ```
 
+#[cfg(feature = "network")]
 mod address;
+#[cfg(feature = "network")]
 mod attachment;
+#[cfg_attr(not(feature = "network"), path = "in_memory.rs")]
 mod channel;
 mod client;
+#[cfg(feature = "network")]
 mod comeback;
+#[cfg(feature = "network")]
+mod connect;
+#[cfg(feature = "network")]
 mod credentials;
 mod error;
 mod fleet;
 mod protocol;
 mod raw;
+#[cfg(feature = "network")]
 mod reconnect;
 mod robot;
 mod run;
@@ -70,15 +78,21 @@ pub use baudbot_brain::{
     RawTurn, Reading, Sensor, SensorKind, Signals, Sweep, Turn, Until, Utility, WireLayout,
 };
 
+#[cfg(feature = "network")]
 pub use attachment::{Attachment, AttachmentError};
 pub use baudbot_proto::convert::Breach;
 pub use channel::Channel;
-pub use client::{Client, connect, connect_with};
+pub use client::Client;
+#[cfg(feature = "network")]
 pub use comeback::come_back;
+#[cfg(feature = "network")]
+pub use connect::{connect, connect_with};
+#[cfg(feature = "network")]
 pub use credentials::Credentials;
 pub use error::Error;
 pub use fleet::Fleet;
 pub use raw::RawRobot;
+#[cfg(feature = "network")]
 pub use reconnect::{BadReconnect, Reconnect};
 pub use robot::Robot;
 pub use run::{Looks, Summary, run, run_fleet};

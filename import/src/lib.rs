@@ -20,6 +20,7 @@ mod file;
 mod lookup;
 #[cfg_attr(not(feature = "maps"), path = "no_maps.rs")]
 mod maps;
+#[cfg_attr(not(unix), path = "opened_elsewhere.rs")]
 pub mod opened;
 mod program;
 pub mod source;

@@ -11,13 +11,13 @@ use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status};
 
-use crate::blocking::blocking;
 use crate::cables::WatchCable;
 use crate::convert;
 use crate::message::{Message, Watch};
 use crate::observers::MAX_DETAILS;
 use crate::quote::brief;
 use crate::registry::Registry;
+use crate::system::apart;
 
 /// Frames that wait for an observer that does not read. Further ones are missed.
 const FRAMES_AHEAD: usize = 8;
@@ -53,7 +53,7 @@ impl ObserveService for Observe {
         let world = self.registry.find("world", &request.get_ref().world)?;
         let report = world.ask(Message::Cover).await?;
         // This takes a while for millions of cells.
-        let coverage = blocking(move || convert::coverage(&report)).await?;
+        let coverage = apart(move || convert::coverage(&report)).await?;
         let none = || {
             let text = "does not measure coverage; set metrics.cell_m in its scenario";
             Status::failed_precondition(format!("world: `{}` {text}", world.name()))

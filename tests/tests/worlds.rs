@@ -18,7 +18,8 @@ async fn on_a_port(worlds: impl IntoIterator<Item = WorldConfig>) -> (Server, Co
     let builder = worlds.into_iter().fold(Server::builder(), baudbot_server::Builder::world);
     let server = builder.listen("127.0.0.1:0".parse().unwrap()).serve().await.unwrap();
     let address = format!("http://{}", server.addresses()[0]);
-    let operator = ControlServiceClient::connect(address).await.unwrap();
+    let channel = tonic::transport::Endpoint::new(address).unwrap().connect().await.unwrap();
+    let operator = ControlServiceClient::new(channel);
     (server, operator)
 }
 

@@ -6,10 +6,11 @@ import { Hands } from "./arena/hands";
 import type { Held } from "./arena/scene";
 import { el, find, setPressed } from "./dom";
 import { PlaceRobotSchema, PlaceThingSchema } from "./gen/baudbot/v1/control_pb";
+import { host } from "./host";
 import { listen } from "./keys";
 import { wrapped } from "./model/pose";
 import { Store } from "./model/store";
-import { connectionHome } from "./net/connection";
+import { Connection } from "./net/connection";
 import { Drive } from "./net/drive";
 import { Orders } from "./net/orders";
 import { Recordings } from "./net/recordings";
@@ -43,11 +44,11 @@ const LIST_MS = 1000;
 /** How often the list of recordings is. */
 const RECORDINGS_MS = 5000;
 
-const connection = connectionHome();
-const store = new Store();
+export const connection = new Connection(() => host.connect());
+export const store = new Store();
 const themes = new ThemeSwitch();
 const watcher = new Watcher(connection, store);
-const orders = new Orders(connection, store, watcher);
+export const orders = new Orders(connection, store, watcher);
 const drive = new Drive(connection, store);
 const replayer = new Replayer(connection, store, orders);
 const recordings = new Recordings(connection, store, orders);
@@ -71,7 +72,7 @@ const toolbar = new Toolbar(
   () => themes.toggle(),
 );
 const create_dialog = new CreateDialog(orders);
-const worlds = new WorldsPanel(store, orders, new RecordingsSection(recordings), () => create_dialog.show());
+const worlds = new WorldsPanel(store, orders, new RecordingsSection(recordings, store), () => create_dialog.show());
 const chart = new ChartPanel(store, themes.theme);
 const robot = new RobotPanel(store, chart, new HandSection(store, orders, drive), themes.theme);
 const timing = new TimingPanel(store, themes.theme, cable);

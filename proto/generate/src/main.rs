@@ -67,6 +67,8 @@ impl Contract {
         }
         let services = r#"#[cfg(feature = "services")]"#;
         tonic_prost_build::configure()
+            // Channels are made elsewhere; in a browser there are none.
+            .build_transport(false)
             .client_mod_attribute("baudbot.v1", services)
             .server_mod_attribute("baudbot.v1", services)
             .out_dir(folder)

@@ -1463,17 +1463,6 @@ pub mod control_service_client {
     pub struct ControlServiceClient<T> {
         inner: tonic::client::Grpc<T>,
     }
-    impl ControlServiceClient<tonic::transport::Channel> {
-        /// Attempt to create a new client by connecting to a given endpoint.
-        pub async fn connect<D>(dst: D) -> Result<Self, tonic::transport::Error>
-        where
-            D: TryInto<tonic::transport::Endpoint>,
-            D::Error: Into<StdError>,
-        {
-            let conn = tonic::transport::Endpoint::new(dst)?.connect().await?;
-            Ok(Self::new(conn))
-        }
-    }
     impl<T> ControlServiceClient<T>
     where
         T: tonic::client::GrpcService<tonic::body::Body>,
@@ -4340,17 +4329,6 @@ pub mod brain_link_service_client {
     pub struct BrainLinkServiceClient<T> {
         inner: tonic::client::Grpc<T>,
     }
-    impl BrainLinkServiceClient<tonic::transport::Channel> {
-        /// Attempt to create a new client by connecting to a given endpoint.
-        pub async fn connect<D>(dst: D) -> Result<Self, tonic::transport::Error>
-        where
-            D: TryInto<tonic::transport::Endpoint>,
-            D::Error: Into<StdError>,
-        {
-            let conn = tonic::transport::Endpoint::new(dst)?.connect().await?;
-            Ok(Self::new(conn))
-        }
-    }
     impl<T> BrainLinkServiceClient<T>
     where
         T: tonic::client::GrpcService<tonic::body::Body>,
@@ -5554,17 +5532,6 @@ pub mod observe_service_client {
     pub struct ObserveServiceClient<T> {
         inner: tonic::client::Grpc<T>,
     }
-    impl ObserveServiceClient<tonic::transport::Channel> {
-        /// Attempt to create a new client by connecting to a given endpoint.
-        pub async fn connect<D>(dst: D) -> Result<Self, tonic::transport::Error>
-        where
-            D: TryInto<tonic::transport::Endpoint>,
-            D::Error: Into<StdError>,
-        {
-            let conn = tonic::transport::Endpoint::new(dst)?.connect().await?;
-            Ok(Self::new(conn))
-        }
-    }
     impl<T> ObserveServiceClient<T>
     where
         T: tonic::client::GrpcService<tonic::body::Body>,
@@ -6543,17 +6510,6 @@ pub mod trainer_service_client {
     #[derive(Debug, Clone)]
     pub struct TrainerServiceClient<T> {
         inner: tonic::client::Grpc<T>,
-    }
-    impl TrainerServiceClient<tonic::transport::Channel> {
-        /// Attempt to create a new client by connecting to a given endpoint.
-        pub async fn connect<D>(dst: D) -> Result<Self, tonic::transport::Error>
-        where
-            D: TryInto<tonic::transport::Endpoint>,
-            D::Error: Into<StdError>,
-        {
-            let conn = tonic::transport::Endpoint::new(dst)?.connect().await?;
-            Ok(Self::new(conn))
-        }
     }
     impl<T> TrainerServiceClient<T>
     where

@@ -15,7 +15,8 @@ use tonic::Status;
 use tonic::body::Body;
 use tonic::codegen::http::HeaderMap;
 
-use super::{Access, Caller};
+use super::Caller;
+use super::tokens::Access;
 
 /// The body of a response to the holder of a token. It ends with a status when the token is revoked, has expired, or is good for
 /// something else than when the call began.

@@ -1,8 +1,6 @@
 //! The file of the audit log, and the thread that writes it.
 
-use std::fs::OpenOptions;
 use std::io::{self, Write};
-use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -15,6 +13,7 @@ use time::OffsetDateTime;
 use time::format_description::well_known::Rfc3339;
 
 use crate::log::Throttle;
+use crate::system::open_private_log;
 
 /// Lines that wait for the disk, at most; more are counted and lost.
 const WAITING: usize = 65_536;
@@ -52,8 +51,7 @@ impl AuditLog {
     /// # Errors
     /// If it cannot be opened for appending, or there is no thread for it.
     pub fn open(path: &Path) -> io::Result<Self> {
-        let file = OpenOptions::new().append(true).create(true).mode(0o600).open(path)?;
-        Self::into_file(file)
+        Self::into_file(open_private_log(path)?)
     }
 
     fn into_file(file: impl Write + Send + 'static) -> io::Result<Self> {

@@ -10,10 +10,10 @@ use tokio::time::{Instant, timeout_at};
 use tonic::Status;
 
 use super::Control;
-use crate::blocking::blocking;
 use crate::convert;
 use crate::message::{Message, Reply, Request};
 use crate::report::Report;
+use crate::system::apart;
 
 /// How long worlds have to answer. One within a very long tick, whose `OnTick` blocks, or that waits for a brain that hangs,
 /// does not.
@@ -78,7 +78,7 @@ impl Control {
                 }
             }
             let work = move || reports.iter().map(convert::status).collect::<Vec<_>>();
-            let fresh = blocking(work).await?;
+            let fresh = apart(work).await?;
             fresh.iter().for_each(|status| self.told.note(status));
             statuses.extend(fresh);
         }

@@ -14,7 +14,6 @@ use tokio::sync::{Semaphore, SemaphorePermit};
 use tonic::{Code, Request, Response, Status};
 use tracing::Instrument;
 
-use crate::blocking::blocking;
 use crate::convert;
 use crate::limits::{Cancelled, Limit};
 use crate::message::{Message, Request as Asked};
@@ -22,6 +21,7 @@ use crate::quote::brief;
 use crate::recording::Folder;
 use crate::registry::Registry;
 use crate::report::Report;
+use crate::system::apart;
 
 use create::{parse_scenario, parsing_bytes, payer};
 pub(crate) use list::Told;
@@ -69,7 +69,7 @@ pub(crate) async fn status_of(report: Report) -> Result<(Report, v1::WorldStatus
         let status = convert::status(&report);
         (report, status)
     };
-    blocking(work).await
+    apart(work).await
 }
 
 /// Most robots whose budget one call asks for: each takes a while.

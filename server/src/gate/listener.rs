@@ -15,6 +15,7 @@ use super::{Admission, Connection, Gate};
 use crate::access::Caller;
 use crate::clock;
 use crate::limits::Account;
+use crate::system::is_this_user;
 
 /// How long a listener rests that cannot take connections.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -51,7 +52,7 @@ impl Accept for UnixListener {
         let (stream, _) = Self::accept(self).await?;
         // Who cannot be told is nobody.
         let user = stream.peer_cred().map_or(u32::MAX, |peer| peer.uid());
-        let is_own = user == rustix::process::geteuid().as_raw();
+        let is_own = is_this_user(user);
         Ok((stream, is_own.then_some(Caller::Trusted), Account::User(user)))
     }
 }

@@ -11,6 +11,7 @@ use baudbot_access::{GrantName, TokenHash};
 
 use super::bucket::Bucket;
 use crate::access::Caller;
+use crate::system::is_this_user;
 
 /// Whom something is counted for.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -46,7 +47,7 @@ impl Account {
     fn is_own(&self) -> bool {
         match self {
             Self::Process => true,
-            Self::User(uid) => *uid == rustix::process::geteuid().as_raw(),
+            Self::User(uid) => is_this_user(*uid),
             Self::Address(ip) => ip.is_loopback(),
             Self::Token(_, name) => name.as_str() == LOCAL,
         }

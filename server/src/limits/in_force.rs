@@ -13,9 +13,9 @@ use super::memory::{Held, Memory, ScenarioHeld};
 use super::overload::Overload;
 use super::parsing::{Cancelled, Parsing, Waiter};
 use super::{Limits, SOON};
-use crate::blocking::blocking;
 use crate::clock;
 use crate::log::Throttle;
+use crate::system::apart;
 
 /// The limits of a running server. Clones share what is used of them.
 #[derive(Clone)]
@@ -349,7 +349,7 @@ impl InForce {
             let _kept = (permit, held);
             work(&cancelled)
         };
-        let done = blocking(work).await;
+        let done = apart(work).await;
         drop(waiter);
         done
     }

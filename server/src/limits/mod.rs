@@ -37,7 +37,7 @@ pub(crate) use limit::{Exceeded, Limit};
 pub(crate) use memory::{Held, ScenarioHeld};
 pub(crate) use parsing::Cancelled;
 
-use crate::descriptors::usual_connections;
+use crate::system::usual_connections;
 
 /// The limits of a server. `docs/reference/limits.md` has what each of them is for.
 ///

@@ -1,7 +1,7 @@
 //! The viewer: a page for browsers, on a port of its own, and the socket that it speaks over.
 //!
 //! The page comes with the program ([`files`]), and connects to nothing but this server. Its calls go through one WebSocket
-//! ([`socket`]) to the same gRPC services that all other clients use ([`method`]), over a pipe in memory: a page can do what
+//! ([`socket`]) to the same gRPC services that all other clients use ([`calls`](crate::calls)), over a pipe in memory: a page can do what
 //! any program can that reaches the server, and not more.
 //!
 //! A page is the holder of a token, which it shows once for a [`session`].
@@ -17,13 +17,12 @@
 mod files;
 mod film;
 mod guard;
-mod method;
-mod requests;
 mod session;
 mod socket;
 
 use crate::access::{Access, Caller};
 use crate::audit::{AuditLog, Record};
+use crate::calls::MAX_MESSAGE;
 use crate::gate::{GatedListener, PageConnection, TcpEntry};
 use crate::limits::{Account, Exceeded, Peer};
 use crate::metrics::{self, Metrics};
@@ -41,9 +40,6 @@ pub(crate) use guard::Guard;
 use session::Sessions;
 use tokio::sync::{mpsc, watch};
 use tonic::Status;
-
-/// Bytes of the longest message of the socket: a scenario, and a little around it.
-const MAX_MESSAGE: usize = baudbot_scenario::MAX_BYTES + (1 << 16);
 
 /// What pages are served with.
 pub(crate) struct Services {

@@ -7,8 +7,9 @@ use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 
 use baudbot_proto::v1;
-use rustix::fs::{Mode, OFlags};
 use tonic::Status;
+
+use crate::system::open_plain_file;
 
 /// A folder of recordings.
 #[derive(Clone, Debug)]
@@ -45,13 +46,9 @@ impl Folder {
     /// Opens the recording of this name for reading. Only plain files in this very folder are opened: a link may lead out of it,
     /// and opening a pipe may wait for ever.
     pub(crate) fn open(&self, name: &str) -> Result<File, Status> {
-        let flags = OFlags::RDONLY | OFlags::CLOEXEC | OFlags::NOFOLLOW | OFlags::NONBLOCK;
         let no_file = || Status::failed_precondition(format!("recording: `{name}` is not a file"));
-        let file = match rustix::fs::open(self.file(name)?, flags, Mode::empty()) {
-            Ok(file) => File::from(file),
-            Err(rustix::io::Errno::LOOP | rustix::io::Errno::NXIO) => return Err(no_file()),
-            Err(error) => return Err(unreadable(name, &error.into())),
-        };
+        let file = open_plain_file(&self.file(name)?).map_err(|error| unreadable(name, &error))?;
+        let file = file.ok_or_else(no_file)?;
         let metadata = file.metadata().map_err(|error| unreadable(name, &error))?;
         if metadata.is_file() { Ok(file) } else { Err(no_file()) }
     }

@@ -1,8 +1,8 @@
-//! The thread that writes a recording.
+//! The thread that writes a recording. Where there are no threads, the world writes it itself.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use baudbot_proto::v1;
@@ -19,9 +19,15 @@ const BATCHES: usize = 64;
 
 /// The handle of the thread. When it is dropped, the thread ends the file, and is waited for.
 pub(super) struct RecorderThread {
-    work: Option<SyncSender<Work>>,
-    thread: Option<JoinHandle<()>>,
+    worker: Option<Worker>,
     progress: Arc<Progress>,
+}
+
+/// What writes.
+enum Worker {
+    Thread(SyncSender<Work>, JoinHandle<()>),
+    /// Whoever sends.
+    Sender(Box<Mutex<Recorder>>),
 }
 
 enum Work {
@@ -52,30 +58,46 @@ impl RecorderThread {
         header: v1::RecordingHeader,
         described: Option<(u64, v1::DescribeWorldResponse)>,
     ) -> Result<Self, Status> {
-        let (work, to_do) = sync_channel(BATCHES);
         let progress = Arc::new(Progress::default());
         let own = Arc::clone(&progress);
-        let thread = thread::Builder::new().name(format!("recording {}", header.world));
-        let thread = thread.spawn(move || write_all(file, &header, described.as_ref(), &to_do, &own));
-        let thread = thread
-            .map_err(|error| Status::resource_exhausted(format!("no thread for a recording: {error}")))?;
-        Ok(Self { work: Some(work), thread: Some(thread), progress })
+        let name = format!("recording {}", header.world);
+        let recorder = move || Recorder::new(file, &header, described.as_ref(), own);
+        let worker = if cfg!(target_family = "wasm") {
+            Worker::Sender(Box::new(Mutex::new(recorder())))
+        } else {
+            let (work, to_do) = sync_channel(BATCHES);
+            let thread = thread::Builder::new().name(name).spawn(move || recorder().write_all(&to_do));
+            let thread = thread
+                .map_err(|error| Status::resource_exhausted(format!("no thread for a recording: {error}")))?;
+            Worker::Thread(work, thread)
+        };
+        Ok(Self { worker: Some(worker), progress })
     }
 
     /// Sends a batch without waiting.
     pub(super) fn send(&self, batch: Vec<Entry>) -> Sent {
-        let Some(work) = &self.work else { return Sent::Taken };
-        match work.try_send(Work::Batch(batch)) {
-            Err(TrySendError::Full(Work::Batch(batch))) => Sent::Full(batch),
-            Ok(()) | Err(TrySendError::Full(Work::Close(..)) | TrySendError::Disconnected(_)) => Sent::Taken,
+        match &self.worker {
+            None => Sent::Taken,
+            Some(Worker::Sender(recorder)) => {
+                locked(recorder).write(batch);
+                Sent::Taken
+            }
+            Some(Worker::Thread(work, _)) => match work.try_send(Work::Batch(batch)) {
+                Err(TrySendError::Full(Work::Batch(batch))) => Sent::Full(batch),
+                Ok(()) | Err(TrySendError::Full(Work::Close(..)) | TrySendError::Disconnected(_)) => {
+                    Sent::Taken
+                }
+            },
         }
     }
 
     /// Sends a batch, and waits until there is room.
     pub(super) fn send_at_last(&self, batch: Vec<Entry>) {
-        if let Some(work) = &self.work {
+        match &self.worker {
+            None => {}
+            Some(Worker::Sender(recorder)) => locked(recorder).write(batch),
             // The thread takes all until it is dropped.
-            let _ = work.send(Work::Batch(batch));
+            Some(Worker::Thread(work, _)) => drop(work.send(Work::Batch(batch))),
         }
     }
 
@@ -86,10 +108,17 @@ impl RecorderThread {
 
     /// Ends the file, and waits until it is closed, unless there is a `reply`: that then gets this report, brought up to date.
     pub(super) fn close(mut self, report: RecordingReport, reply: Option<oneshot::Sender<RecordingReport>>) {
-        if let Some(work) = self.work.take() {
-            let is_told = reply.is_some();
-            let _ = work.send(Work::Close(report, reply));
-            self.thread.take_if(|_| is_told);
+        match self.worker.take() {
+            None => {}
+            Some(Worker::Sender(recorder)) => unlocked(*recorder).end(Some((report, reply))),
+            Some(Worker::Thread(work, thread)) => {
+                let is_told = reply.is_some();
+                let _ = work.send(Work::Close(report, reply));
+                if !is_told {
+                    // Its panic is on stderr already.
+                    let _ = thread.join();
+                }
+            }
         }
     }
 
@@ -101,10 +130,13 @@ impl RecorderThread {
 
 impl Drop for RecorderThread {
     fn drop(&mut self) {
-        self.work = None;
-        if let Some(thread) = self.thread.take() {
-            // Its panic is on stderr already.
-            let _ = thread.join();
+        match self.worker.take() {
+            None => {}
+            Some(Worker::Sender(recorder)) => unlocked(*recorder).end(None),
+            Some(Worker::Thread(work, thread)) => {
+                drop(work);
+                let _ = thread.join();
+            }
         }
     }
 }
@@ -124,48 +156,81 @@ impl Progress {
     }
 }
 
-/// The thread. After an error it takes what comes, and throws it away.
-fn write_all(
-    file: RecordingFile,
-    header: &v1::RecordingHeader,
-    described: Option<&(u64, v1::DescribeWorldResponse)>,
-    work: &Receiver<Work>,
-    progress: &Progress,
-) {
-    let length = file.length();
-    let mut writer = begin(file, header, described).map_err(|error| progress.fail(error.to_string())).ok();
-    let mut waiting = None;
-    let mut is_whole = writer.is_some();
-    while let Ok(work) = work.recv() {
-        match work {
-            Work::Batch(batch) => {
-                if let Some(open) = writer.as_mut().filter(|_| is_whole)
-                    && let Err(error) = batch.into_iter().try_for_each(|entry| write(open, entry))
-                {
-                    is_whole = false;
-                    progress.fail(error.to_string());
+/// What has the file.
+struct Recorder {
+    /// `None` if nothing could be written.
+    writer: Option<Writer<RecordingFile>>,
+    /// Whether all has been written. After an error what comes is thrown away.
+    is_whole: bool,
+    length: Arc<AtomicU64>,
+    progress: Arc<Progress>,
+}
+
+impl Recorder {
+    fn new(
+        file: RecordingFile,
+        header: &v1::RecordingHeader,
+        described: Option<&(u64, v1::DescribeWorldResponse)>,
+        progress: Arc<Progress>,
+    ) -> Self {
+        let length = file.length();
+        let writer = begin(file, header, described).map_err(|error| progress.fail(error.to_string())).ok();
+        Self { is_whole: writer.is_some(), writer, length, progress }
+    }
+
+    /// The thread.
+    fn write_all(mut self, work: &Receiver<Work>) {
+        let mut waiting = None;
+        while let Ok(work) = work.recv() {
+            match work {
+                Work::Batch(batch) => self.write(batch),
+                Work::Close(report, reply) => {
+                    waiting = Some((report, reply));
+                    break;
                 }
-                progress.bytes.store(length.load(Ordering::Relaxed), Ordering::Relaxed);
-            }
-            Work::Close(report, reply) => {
-                waiting = Some((report, reply));
-                break;
             }
         }
+        self.end(waiting);
     }
-    if let Some(open) = writer.take() {
-        if !is_whole {
-            // The file ends where it is still whole.
-            open.abandon();
-        } else if let Err(error) = open.finish() {
-            progress.fail(error.to_string());
+
+    fn write(&mut self, batch: Vec<Entry>) {
+        if let Some(open) = self.writer.as_mut().filter(|_| self.is_whole)
+            && let Err(error) = batch.into_iter().try_for_each(|entry| write(open, entry))
+        {
+            self.is_whole = false;
+            self.progress.fail(error.to_string());
+        }
+        self.note_length();
+    }
+
+    /// Ends the file. The report, brought up to date, goes to the sender.
+    fn end(mut self, waiting: Option<(RecordingReport, Option<oneshot::Sender<RecordingReport>>)>) {
+        if let Some(open) = self.writer.take() {
+            if !self.is_whole {
+                // The file ends where it is still whole.
+                open.abandon();
+            } else if let Err(error) = open.finish() {
+                self.progress.fail(error.to_string());
+            }
+        }
+        self.note_length();
+        if let Some((report, Some(reply))) = waiting {
+            let (bytes, problem) = self.progress.get();
+            let _ = reply.send(RecordingReport { bytes, problem, ..report });
         }
     }
-    progress.bytes.store(length.load(Ordering::Relaxed), Ordering::Relaxed);
-    if let Some((report, Some(reply))) = waiting {
-        let (bytes, problem) = progress.get();
-        let _ = reply.send(RecordingReport { bytes, problem, ..report });
+
+    fn note_length(&self) {
+        self.progress.bytes.store(self.length.load(Ordering::Relaxed), Ordering::Relaxed);
     }
+}
+
+fn locked(recorder: &Mutex<Recorder>) -> MutexGuard<'_, Recorder> {
+    recorder.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn unlocked(recorder: Mutex<Recorder>) -> Recorder {
+    recorder.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn begin(

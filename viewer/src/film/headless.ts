@@ -4,7 +4,8 @@ import { FIRST_LAYERS } from "../arena/scene";
 import { ControlService } from "../gen/baudbot/v1/control_pb";
 import { Store } from "../model/store";
 import { secondsOf } from "../model/units";
-import { ask, connectionHome, type Connection } from "../net/connection";
+import { host } from "../host";
+import { ask, Connection } from "../net/connection";
 import { Orders } from "../net/orders";
 import { Surveyor } from "../net/surveyor";
 import { Watcher } from "../net/watcher";
@@ -30,7 +31,7 @@ export function filmWasAskedFor(): boolean {
 async function make(): Promise<void> {
   const request = readFilmRequest(location.search, location.origin);
   if (!request) return;
-  const connection = connectionHome();
+  const connection = new Connection(() => host.connect());
   connection.open();
   const film = await render(connection, request);
   const headers = { "content-type": TYPES[request.format] };

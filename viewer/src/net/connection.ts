@@ -54,12 +54,6 @@ export type Socket = Pick<WebSocket, "send" | "close" | "readyState"> & {
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 10_000;
 
-/** To the server that the page came from. */
-export function connectionHome(): Connection {
-  const scheme = location.protocol === "https:" ? "wss" : "ws";
-  return new Connection(() => new WebSocket(`${scheme}://${location.host}/page`));
-}
-
 export class Connection {
   link: Link = { state: "connecting" };
   /** Called when `link` has changed. */

@@ -1,6 +1,8 @@
 /** The recordings that the server has, below its worlds. */
-import { button, el } from "../dom";
+import { button, download, el } from "../dom";
 import type { RecordingFile } from "../gen/baudbot/v1/control_pb";
+import { host } from "../host";
+import type { Store } from "../model/store";
 import { bytesText } from "../model/units";
 import type { Recordings } from "../net/recordings";
 
@@ -14,7 +16,10 @@ export class RecordingsSection {
   private readonly hint = el("p", { class: "about", text: NO_FOLDER, hidden: true, test: "recordings-hint" });
   private shown = "";
 
-  constructor(private readonly recordings: Recordings) {
+  constructor(
+    private readonly recordings: Recordings,
+    private readonly store: Store,
+  ) {
     this.section = el(
       "details",
       { class: "section", hidden: true, test: "recordings", attributes: { open: "" } },
@@ -44,6 +49,11 @@ export class RecordingsSection {
       test: `recording-open-${recording}`,
       label: `Replay ${recording}`,
     });
+    const save = button("Save", `Save the file ${recording}.mcap`, () => void this.save(recording), {
+      test: `recording-save-${recording}`,
+      label: `Save ${recording}`,
+      hidden: !host.recording,
+    });
     return el(
       "li",
       { class: "recording" },
@@ -53,7 +63,17 @@ export class RecordingsSection {
         el("strong", { text: recording }),
         el("span", { class: "world-line", text: `${bytesText(Number(bytes))} · ${text}` }),
       ),
+      save,
       open,
     );
+  }
+
+  private async save(recording: string): Promise<void> {
+    try {
+      const bytes = await host.recording?.(recording);
+      if (bytes) download(bytes, "application/octet-stream", `${recording}.mcap`);
+    } catch (error) {
+      this.store.note(error instanceof Error ? error.message : String(error), "error");
+    }
   }
 }

@@ -6,7 +6,6 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use axum::http::uri::PathAndQuery;
 use baudbot_proto::v1::brain_link_service_server::SERVICE_NAME as BRAIN_LINK;
 use baudbot_proto::v1::control_service_server::SERVICE_NAME as CONTROL;
 use baudbot_proto::v1::observe_service_server::SERVICE_NAME as OBSERVE;
@@ -14,13 +13,26 @@ use prost::Message as _;
 use prost::bytes::{Buf as _, BufMut as _, Bytes};
 use prost_types::FileDescriptorSet;
 use tokio_stream::Stream;
-use tonic::client::Grpc;
+use tonic::body::Body;
+use tonic::client::{Grpc, GrpcService};
 use tonic::codec::{Codec, DecodeBuf, Decoder, EncodeBuf, Encoder};
-use tonic::transport::Channel;
+use tonic::codegen::StdError as BoxError;
+use tonic::codegen::http::uri::PathAndQuery;
 use tonic::{IntoStreamingRequest, Request, Status, Streaming};
 
 use super::MAX_MESSAGE;
 use crate::quote::brief;
+
+/// The services of a server, over a connection or in memory.
+pub(crate) trait Services:
+    GrpcService<Body, ResponseBody = Body, Error: Into<BoxError>, Future: Send> + Clone + Send + 'static
+{
+}
+
+impl<S> Services for S where
+    S: GrpcService<Body, ResponseBody = Body, Error: Into<BoxError>, Future: Send> + Clone + Send + 'static
+{
+}
 
 /// Whether a method takes and gives single messages or streams of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,38 +64,41 @@ impl Method {
     }
 
     /// Calls a method with a single request and a single response.
-    pub(super) async fn unary(self, channel: Channel, request: Bytes) -> Result<Bytes, Status> {
-        let mut client = client(channel).await?;
+    pub(super) async fn unary<S: Services>(self, services: S, request: Bytes) -> Result<Bytes, Status> {
+        let mut client = client(services).await?;
         Ok(client.unary(Request::new(request), self.path, Passthrough).await?.into_inner())
     }
 
     /// Calls a method with a single request and a stream of responses.
-    pub(super) async fn server_streaming(
+    pub(super) async fn server_streaming<S: Services>(
         self,
-        channel: Channel,
+        services: S,
         request: Bytes,
     ) -> Result<Streaming<Bytes>, Status> {
-        let mut client = client(channel).await?;
+        let mut client = client(services).await?;
         Ok(client.server_streaming(Request::new(request), self.path, Passthrough).await?.into_inner())
     }
 
     /// Calls a method with a stream of requests.
-    pub(super) async fn client_streaming(
+    pub(super) async fn client_streaming<S: Services>(
         self,
-        channel: Channel,
+        services: S,
         requests: impl Stream<Item = Bytes> + Send + 'static,
     ) -> Result<Streaming<Bytes>, Status> {
-        let mut client = client(channel).await?;
+        let mut client = client(services).await?;
         let requests = requests.into_streaming_request();
         Ok(client.streaming(requests, self.path, Passthrough).await?.into_inner())
     }
 }
 
 /// A client that takes messages as long as the page's socket does: a frame of many robots is long.
-async fn client(channel: Channel) -> Result<Grpc<Channel>, Status> {
+async fn client<S: Services>(services: S) -> Result<Grpc<S>, Status> {
     let mut client =
-        Grpc::new(channel).max_decoding_message_size(MAX_MESSAGE).max_encoding_message_size(MAX_MESSAGE);
-    client.ready().await.map_err(|error| Status::unknown(format!("service was not ready: {error}")))?;
+        Grpc::new(services).max_decoding_message_size(MAX_MESSAGE).max_encoding_message_size(MAX_MESSAGE);
+    client
+        .ready()
+        .await
+        .map_err(|error| Status::unknown(format!("service was not ready: {}", error.into())))?;
     Ok(client)
 }
 

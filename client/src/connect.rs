@@ -1,0 +1,24 @@
+//! From an address to a client.
+
+use crate::address;
+use crate::client::Client;
+use crate::credentials::Credentials;
+use crate::error::Error;
+
+/// Connects to the server at `HOST:PORT`, `http://HOST:PORT`, `https://HOST:PORT` or `unix:/PATH`, with the [credentials of the
+/// environment](Credentials).
+///
+/// # Errors
+/// [`Error::Address`] if that is no address, [`Error::Connect`] if no server answers there within 5 s, or something takes
+/// connections there and says nothing for as long; [`Error::Credentials`] if the environment has unsound ones.
+pub async fn connect(address: &str) -> Result<Client, Error> {
+    connect_with(address, &Credentials::from_environment()?).await
+}
+
+/// The same with these credentials.
+///
+/// # Errors
+/// As [`connect`].
+pub async fn connect_with(address: &str, credentials: &Credentials) -> Result<Client, Error> {
+    Ok(Client::from_channel(address::connect(address, credentials).await?))
+}

@@ -1,0 +1,100 @@
+//! A server without a network, in the program of its only client: a page that has the world in it.
+//!
+//! # Need
+//!
+//! In a browser there are neither sockets nor threads. A page there still speaks to a server, with the worlds and the services of any
+//! other, and knows no difference.
+//!
+//! # Mechanism
+//!
+//! Its worlds are tasks of the runtime in which it is made ([`pool`](crate::pool)). What a page sends over its socket elsewhere comes
+//! through a channel ([`calls`](crate::calls)), and clients in the same program call its services as functions. Everybody who can is this
+//! process, and may do everything.
+
+use std::convert::Infallible;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+use std::time::Duration;
+
+use baudbot_proto::v1::control_service_server::ControlServiceServer;
+use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
+use bytes::Bytes;
+use futures_util::stream;
+use tokio::sync::mpsc;
+use tonic::body::Body;
+use tonic::codegen::http::{Request, Response};
+use tonic::service::{Routes, RoutesBuilder};
+use tower::Service;
+
+use crate::access::Caller;
+use crate::brain_link::{BrainLink, BrainLinkServer};
+use crate::calls::{RESPONSES_AHEAD, take_calls};
+use crate::control::{Control, Told};
+use crate::limits::{InForce, Limits};
+use crate::observe::Observe;
+use crate::recording::Folder;
+use crate::registry::Registry;
+
+/// A server without a network and without threads. Its worlds are stopped when this is dropped and all clients are gone.
+pub struct Embedded {
+    services: Services,
+}
+
+/// The services of an [`Embedded`] server, for gRPC clients of package `baudbot.v1` in the same program. Clones share them.
+#[derive(Clone)]
+pub struct Services(Routes);
+
+impl Embedded {
+    /// A server without worlds. Its recordings are in this folder, which must be there.
+    pub fn new(limits: Limits, recordings: PathBuf) -> Self {
+        let registry = Registry::new(InForce::new(limits)).without_threads();
+        let observe = Observe { registry: registry.clone() };
+        let brain_link = BrainLink { registry: registry.clone(), patience: PATIENCE };
+        let control = Control { registry, recordings: Some(Folder::new(recordings)), told: Told::default() };
+        let control = ControlServiceServer::from_arc(Arc::new(control));
+        let mut routes = RoutesBuilder::default();
+        routes
+            .add_service(control.max_decoding_message_size(crate::calls::MAX_MESSAGE))
+            .add_service(ObserveServiceServer::new(observe))
+            .add_service(BrainLinkServer::new(brain_link));
+        Self { services: Services(routes.routes().prepare()) }
+    }
+
+    /// Its services.
+    pub fn services(&self) -> Services {
+        self.services.clone()
+    }
+
+    /// A page: what it sends, and what it is sent (`page.proto`). It is served by a task until it sends nothing more.
+    pub fn page(&self) -> (mpsc::UnboundedSender<Bytes>, mpsc::Receiver<Bytes>) {
+        let (requests, messages) = mpsc::unbounded_channel();
+        let (responses, queue) = mpsc::channel(RESPONSES_AHEAD);
+        let services = self.services();
+        tokio::spawn(async move {
+            let messages = stream::unfold(messages, async |mut messages: mpsc::UnboundedReceiver<Bytes>| {
+                Some((messages.recv().await?, messages))
+            });
+            take_calls(std::pin::pin!(messages), services, responses).await;
+        });
+        (requests, queue)
+    }
+}
+
+impl Service<Request<Body>> for Services {
+    type Response = Response<Body>;
+    type Error = Infallible;
+    type Future = <Routes as Service<Request<Body>>>::Future;
+
+    fn poll_ready(&mut self, context: &mut Context<'_>) -> Poll<Result<(), Infallible>> {
+        Service::<Request<Body>>::poll_ready(&mut self.0, context)
+    }
+
+    fn call(&mut self, mut request: Request<Body>) -> Self::Future {
+        request.extensions_mut().insert(Caller::Trusted);
+        self.0.call(request)
+    }
+}
+
+/// How long a brain's stream may be open without a Hello.
+const PATIENCE: Duration = Duration::from_secs(10);

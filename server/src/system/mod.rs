@@ -1,0 +1,15 @@
+//! What the operating system is asked: threads, open files, users, files that are opened with care. One file a system.
+
+#[cfg(unix)]
+mod unix;
+#[cfg(unix)]
+pub use unix::raise_descriptor_limit;
+#[cfg(unix)]
+pub(crate) use unix::{apart, is_this_user, open_plain_file, open_private_log, usual_connections};
+
+#[cfg(not(unix))]
+mod elsewhere;
+#[cfg(not(unix))]
+pub use elsewhere::raise_descriptor_limit;
+#[cfg(not(unix))]
+pub(crate) use elsewhere::{apart, is_this_user, open_plain_file, open_private_log, usual_connections};

@@ -1,0 +1,70 @@
+//! Unix: how many files and connections the process may have open at a time, users, links.
+
+use std::fs::{File, OpenOptions};
+use std::io;
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::Path;
+
+use rustix::fs::{Mode, OFlags};
+use rustix::io::Errno;
+use rustix::process::{Resource, Rlimit, geteuid, getrlimit, setrlimit};
+use tokio::task::spawn_blocking;
+use tonic::Status;
+
+/// Raises the process' limit of open files, connections included, to the highest that the system allows. A server that is to
+/// have many should do this first.
+pub fn raise_descriptor_limit() {
+    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
+    if current != maximum {
+        // If that is not allowed, the limit stays, and the server has fewer connections.
+        let _ = setrlimit(Resource::Nofile, Rlimit { current: maximum, maximum });
+    }
+}
+
+/// The limit of connections of a server that is not told a number: three quarters of the process' open files, but so that 32
+/// files are left, and not more than 16,384. Worlds, recordings and the listeners themselves need the rest.
+pub(crate) fn usual_connections() -> usize {
+    let files = getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX);
+    let connections = files.saturating_sub((files / 4).max(LEAST_OTHERS));
+    usize::try_from(connections).unwrap_or(usize::MAX).clamp(1, MOST_CONNECTIONS)
+}
+
+/// Whether this is the user who runs the server.
+pub(crate) fn is_this_user(uid: u32) -> bool {
+    uid == geteuid().as_raw()
+}
+
+/// Opens a file for reading, but no link, and without waiting, as opening a pipe may; `None` for what is no file.
+///
+/// # Errors
+/// If it cannot be opened.
+pub(crate) fn open_plain_file(path: &Path) -> io::Result<Option<File>> {
+    let flags = OFlags::RDONLY | OFlags::CLOEXEC | OFlags::NOFOLLOW | OFlags::NONBLOCK;
+    match rustix::fs::open(path, flags, Mode::empty()) {
+        Ok(file) => Ok(Some(File::from(file))),
+        Err(Errno::LOOP | Errno::NXIO) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Opens a file for appending, which is made with mode 0600 if it is not there.
+///
+/// # Errors
+/// If it cannot be opened.
+pub(crate) fn open_private_log(path: &Path) -> io::Result<File> {
+    OpenOptions::new().append(true).create(true).mode(0o600).open(path)
+}
+
+/// Does work that takes long on a thread of its own, while other calls go on.
+///
+/// # Errors
+/// `INTERNAL` if the work panics.
+pub(crate) async fn apart<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, Status> {
+    spawn_blocking(work).await.map_err(|error| Status::internal(error.to_string()))
+}
+
+/// Files that a server with a few worlds needs besides its connections: an idle one has sixteen.
+const LEAST_OTHERS: u64 = 32;
+
+/// Each takes some tens of kilobytes while it is open.
+const MOST_CONNECTIONS: usize = 16_384;

@@ -1,0 +1,48 @@
+/** The parts of the page that are loaded by themselves: in the page, if it is a single file, or else beside it. */
+
+export interface Parts {
+  /** Addresses of the workers' scripts. */
+  world: string;
+  brain: string;
+  /** The world's program. */
+  wasm(): Promise<ArrayBuffer>;
+  /** The folder of Pyodide. */
+  pyodide: string;
+}
+
+declare const __PYODIDE__: string;
+
+export function parts(): Parts {
+  const [world, brain, wasm] = ["world-worker", "brain-worker", "world-wasm"].map((id) => document.getElementById(id));
+  if (world && brain && wasm) {
+    return {
+      world: addressOf(world.textContent),
+      brain: addressOf(brain.textContent),
+      wasm: () => unpacked(wasm.textContent),
+      // A file has no folder beside it; this one is the package's at npm.
+      pyodide: `https://cdn.jsdelivr.net/npm/pyodide@${__PYODIDE__}/`,
+    };
+  }
+  const beside = (name: string) => new URL(name, document.baseURI).href;
+  return {
+    world: beside("world-worker.js"),
+    brain: beside("brain-worker.js"),
+    wasm: async () => {
+      const response = await fetch(beside("baudbot.wasm"));
+      if (!response.ok) throw new Error(`baudbot.wasm: ${response.status} ${response.statusText}`);
+      return response.arrayBuffer();
+    },
+    pyodide: beside("pyodide/"),
+  };
+}
+
+function addressOf(script: string): string {
+  return URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
+}
+
+/** Base64 of what gzip has packed. */
+function unpacked(text: string): Promise<ArrayBuffer> {
+  const bytes = Uint8Array.from(atob(text.trim()), (character) => character.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Response(stream).arrayBuffer();
+}
