@@ -7,7 +7,7 @@ use baudbot_server::{Address, Lockstep, Pace, Server};
 use baudbot_tests::system::serve_on_ports;
 use baudbot_tests::{WANDER, scenario};
 use tokio::task::JoinHandle;
-use tonic::transport::Channel;
+use tonic::transport::{Channel, Endpoint};
 use tonic::{Code, Status};
 
 type Operator = ControlServiceClient<Channel>;
@@ -17,7 +17,8 @@ async fn serve() -> (Server, Operator, Client) {
     let server = serve_on_ports(scenario(WANDER, &[]), Pace::Stepped(Lockstep::default())).await;
     let tcp = |address: &Address| if let Address::Tcp(tcp) = address { Some(*tcp) } else { None };
     let address = server.addresses().iter().find_map(tcp).unwrap();
-    let operator = Operator::connect(format!("http://{address}")).await.unwrap();
+    let endpoint = Endpoint::new(format!("http://{address}")).unwrap();
+    let operator = Operator::new(endpoint.connect().await.unwrap());
     let client = connect(&address.to_string()).await.unwrap();
     (server, operator, client)
 }
