@@ -160,7 +160,15 @@ pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Assigned, Assig
             None => assigned.brains.push(Assignment { brain: brain.to_owned(), robots }),
             Some(program) => {
                 let (parameters, lifetime, output) = (BTreeMap::new(), Lifetime::Run, Output::Kept);
-                assigned.programs.push(Task { program: program?, robots, parameters, lifetime, output });
+                let token = None;
+                assigned.programs.push(Task {
+                    program: program?,
+                    robots,
+                    parameters,
+                    lifetime,
+                    output,
+                    token,
+                });
             }
         }
     }

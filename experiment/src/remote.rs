@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 use std::time::Duration;
 
-use baudbot_client::{Channel, Client, Error as ClientError, connect};
+use baudbot_client::{Channel, Client, Credentials, Error as ClientError, connect_with};
 use baudbot_launch::{Crew, Failure as Broken, Held, Idle, Lifetime, Problem};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
@@ -14,6 +14,7 @@ use crate::assignment::{Assigned, Assignment, AssignmentError, AttachedBrains, S
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::metrics::Counted;
+use crate::private_server::{Keys, PrivateServer};
 use crate::run_record::{Ran, Row, Task};
 use crate::setup::{self, Setup};
 
@@ -24,6 +25,8 @@ pub(crate) struct Remote {
     /// Where the server is, for programs that attach to it.
     address: String,
     name: String,
+    /// What programs show the server, if they have a token of their own.
+    token: Option<String>,
     /// Programs that have done a run and wait for another.
     idle: Cell<Idle>,
     /// The last run of a process that has done others, unless a new process has done it again.
@@ -46,15 +49,35 @@ enum Failure {
 
 impl Remote {
     pub(crate) fn connect(address: &str, name: &str) -> Result<Self, Error> {
-        let failed = |error: &dyn ToString| Error::Server(error.to_string());
+        let credentials = Credentials::from_environment().map_err(|error| failed(&error))?;
+        Self::connect_with(address, name, &credentials, None)
+    }
+
+    /// To a server of this process, with the keys that it asks for.
+    pub(crate) fn to_private(server: &PrivateServer, name: &str) -> Result<Self, Error> {
+        match server.keys() {
+            None => Self::connect(&server.address, name),
+            Some(Keys { own, program }) => {
+                Self::connect_with(&server.address, name, own, Some(program.clone()))
+            }
+        }
+    }
+
+    fn connect_with(
+        address: &str,
+        name: &str,
+        credentials: &Credentials,
+        token: Option<String>,
+    ) -> Result<Self, Error> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| failed(&error))?;
-        let client = runtime.block_on(connect(address)).map_err(|error| failed(&error))?;
+        let client = runtime.block_on(connect_with(address, credentials)).map_err(|error| failed(&error))?;
         Ok(Self {
             runtime,
             client,
             address: address.to_owned(),
             name: name.to_owned(),
+            token,
             idle: Cell::default(),
             unchecked: RefCell::default(),
         })
@@ -147,8 +170,9 @@ impl Remote {
         &self,
         control: &mut ControlServiceClient<Channel>,
         world: &str,
-        setup: Setup,
+        mut setup: Setup,
     ) -> Result<Done, Failure> {
+        setup.assigned.programs.iter_mut().for_each(|task| task.token.clone_from(&self.token));
         let seed = setup.scenario.seed;
         let wanted = setup.assigned.clone();
         let attached = self.attach(world, setup.assigned.brains, seed).await?;
@@ -209,6 +233,10 @@ impl Remote {
         self.idle.set(idle);
         done
     }
+}
+
+fn failed(error: &dyn ToString) -> Error {
+    Error::Server(error.to_string())
 }
 
 /// That a process keeps something from run to run.

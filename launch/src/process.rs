@@ -76,7 +76,7 @@ impl Process {
 
     /// Gives it another run. One that no longer reads is found out by its end.
     pub(crate) async fn give(&mut self, task: &Task, connect: &str, world: &str, seed: u64) {
-        let variables: BTreeMap<_, _> = task.environment(connect, world, seed).into();
+        let variables: BTreeMap<_, _> = task.environment(connect, world, seed).into_iter().collect();
         let line = serde_json::to_string(&variables).expect("names are texts") + "\n";
         if let Some(runs) = &mut self.runs {
             // A program that reads nothing for long has no room for it at last.

@@ -19,6 +19,8 @@ pub struct Task {
     pub lifetime: Lifetime,
     /// What becomes of its output.
     pub output: Output,
+    /// The token that it shows the server, if it is to have one of its own (`BAUDBOT_TOKEN`).
+    pub token: Option<String>,
 }
 
 /// What becomes of what a program prints. Its end is always kept, and shown if the program fails.
@@ -45,10 +47,12 @@ pub enum Lifetime {
 impl Task {
     /// The variables that the program finds in its environment: where it attaches, to which world, as which robots (names with
     /// commas between them), with which seed and parameters (JSON). It is not to come back to a server that it loses, since its
-    /// run is then over. `BAUDBOT_REUSE` is 1 if it is to read further runs from its standard input, and else empty.
-    pub fn environment(&self, connect: &str, world: &str, seed: u64) -> [(&'static str, String); 7] {
+    /// run is then over. `BAUDBOT_REUSE` is 1 if it is to read further runs from its standard input, and else empty. A token of its
+    /// own takes the place of the user's.
+    pub fn environment(&self, connect: &str, world: &str, seed: u64) -> Vec<(&'static str, String)> {
         let parameters = serde_json::to_string(&self.parameters).expect("names are texts");
-        [
+        let token = self.token.iter().map(|token| ("BAUDBOT_TOKEN", token.clone()));
+        let variables = [
             ("BAUDBOT_CONNECT", connect.to_owned()),
             ("BAUDBOT_WORLD", world.to_owned()),
             ("BAUDBOT_ROBOT", self.robots.join(",")),
@@ -56,6 +60,7 @@ impl Task {
             ("BAUDBOT_PARAMETERS", parameters),
             ("BAUDBOT_RECONNECT_S", "0".to_owned()),
             ("BAUDBOT_REUSE", if self.lifetime == Lifetime::ManyRuns { "1" } else { "" }.to_owned()),
-        ]
+        ];
+        variables.into_iter().chain(token).collect()
     }
 }

@@ -12,6 +12,7 @@ fn task(program: &str) -> Task {
         parameters: BTreeMap::new(),
         lifetime: Lifetime::Run,
         output: Output::Kept,
+        token: None,
     }
 }
 

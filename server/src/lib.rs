@@ -78,7 +78,7 @@ mod thinking;
 mod trainer;
 mod truth;
 
-pub use actor::{DirectWorld, OnTick, Progress};
+pub use actor::{DirectWorld, OnBelief, OnTick, Progress};
 
 pub use address::{Address, BadAddress};
 pub use audit::AuditLog;
