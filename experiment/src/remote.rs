@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::time::Duration;
 
 use baudbot_client::{Channel, Client, Credentials, Error as ClientError, connect_with};
-use baudbot_launch::{Crew, Failure as Broken, Held, Idle, Lifetime, Problem};
+use baudbot_launch::{Crew, Failure as Broken, Held, Idle, Lifetime, Problem, Task as Program};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use tokio::runtime::Runtime;
@@ -170,15 +170,14 @@ impl Remote {
         &self,
         control: &mut ControlServiceClient<Channel>,
         world: &str,
-        mut setup: Setup,
+        setup: Setup,
     ) -> Result<Done, Failure> {
-        setup.assigned.programs.iter_mut().for_each(|task| task.token.clone_from(&self.token));
         let seed = setup.scenario.seed;
         let wanted = setup.assigned.clone();
         let attached = self.attach(world, setup.assigned.brains, seed).await?;
-        let programs = &setup.assigned.programs;
+        let programs = self.with_token(setup.assigned.programs);
         let mut crew = self
-            .with_idle(async |idle| Crew::start_or_reuse(programs, idle, &self.address, world, seed).await)
+            .with_idle(async |idle| Crew::start_or_reuse(&programs, idle, &self.address, world, seed).await)
             .await?;
         crew.attached(START_PATIENCE, async || held(control, world, &wanted).await).await?;
         let start = v1::StartWorldRequest { world: world.to_owned() };
@@ -190,7 +189,7 @@ impl Remote {
         }
         let mut over = control.clone();
         // A world whose program has gone waits for brains; that the program has gone is soon known.
-        let may_wait = !setup.assigned.programs.is_empty();
+        let may_wait = !programs.is_empty();
         let status = tokio::select! {
             biased;
             status = async {
@@ -211,6 +210,12 @@ impl Remote {
         let earlier_runs = crew.earlier_runs();
         self.with_idle(async |idle| crew.release(idle).await).await?;
         Ok(Done { ran: Ran::of(&Counted::of_status(&status)), earlier_runs })
+    }
+
+    /// Programs that show the server what it asks for.
+    fn with_token(&self, mut programs: Vec<Program>) -> Vec<Program> {
+        programs.iter_mut().for_each(|task| task.token.clone_from(&self.token));
+        programs
     }
 
     async fn attach(
