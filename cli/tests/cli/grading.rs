@@ -19,6 +19,9 @@ name = "it drives"
 needs = { distance_m_at_least = 0.1 }
 "#;
 
+/// Arguments with which the program of the tests is itself a brain that is started.
+const AVOID: &str = "brain avoid --connect $BAUDBOT_CONNECT --world $BAUDBOT_WORLD --robot $BAUDBOT_ROBOT";
+
 /// An exercise file of this text.
 fn exercise(name: &str, toml: &str) -> String {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("grading");
@@ -138,7 +141,7 @@ fn a_brain_that_hangs_loses_its_run_and_is_ended() {
     let file = exercise("hangs", &ROOM.replace("seconds = 5.0", "seconds = 3000.0"));
     // It attaches, drives for a moment, and then stands still for good.
     let program = env!("CARGO_BIN_EXE_baudbot");
-    let script = format!("{program} brain avoid & sleep 1; kill -STOP $!; sleep 600");
+    let script = format!("{program} {AVOID} & sleep 3; kill -STOP $!; sleep 600");
     let begun = Instant::now();
     let (code, json) = graded(&file, &format!("exec:sh -c '{script}'"));
     assert_eq!((code, &json["verdict"]), (3, &"failed".into()), "{json:#}");
@@ -159,7 +162,7 @@ fn a_brain_cannot_ask_for_the_truth() {
     let said = folder.join("curious.txt");
     let said = said.to_str().unwrap();
     let script = format!(
-        "{program} watch --connect $BAUDBOT_CONNECT >{said} 2>&1; echo $? >>{said}; exec {program} brain avoid"
+        "{program} watch --connect $BAUDBOT_CONNECT >{said} 2>&1; echo $? >>{said}; exec {program} {AVOID}"
     );
     let (code, json) = graded(&file, &format!("exec:sh -c '{script}'"));
     assert_eq!(code, 0, "{json:#}");
