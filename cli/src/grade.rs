@@ -77,9 +77,9 @@ fn print_file(name: &str) -> anyhow::Result<ExitCode> {
 
 fn show(exercise: &Exercise, is_json: bool) -> anyhow::Result<ExitCode> {
     if is_json {
-        print_json(&exercise.json())?
+        print_json(&exercise.json())?;
     } else {
-        print(&exercise.described())?
+        print(&exercise.described())?;
     }
     Ok(ExitCode::SUCCESS)
 }
