@@ -1,7 +1,7 @@
-//! Lists the scenarios and experiments of this repository, so that an installed program has them all.
+//! Lists the scenarios, experiments and exercises of this repository, so that an installed program has them all.
 //!
-//! The result is `embedded.rs` in the build's folder: three lists of names and contents. A scenario is called by its path below
-//! `scenarios/` without `.toml`, an experiment by its path below `experiments/`, a program of a microcontroller by its path below `scenarios/`.
+//! The result is `embedded.rs` in the build's folder: four lists of names and contents. A scenario is called by its path below
+//! `scenarios/` without `.toml`, an experiment by its path below `experiments/`, an exercise by its name in `exercises/`, a program of a microcontroller by its path below `scenarios/`.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -12,12 +12,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?);
     let root = root.parent().ok_or("the crate is not in a workspace")?;
     let (mut scenarios, mut experiments, mut programs) = (Vec::new(), Vec::new(), Vec::new());
+    let (exercises, mut exercise_files) = (root.join("exercises"), Vec::new());
     collect(&root.join("scenarios"), "toml", &mut scenarios)?;
     collect(&root.join("experiments"), "toml", &mut experiments)?;
+    collect(&exercises, "toml", &mut exercise_files)?;
+    // Folders below have brains.
+    exercise_files.retain(|path| path.parent() == Some(&exercises));
     collect(&root.join("scenarios"), "hex", &mut programs)?;
     let mut code = String::new();
     list(&mut code, "SCENARIOS", "str", &root.join("scenarios"), &scenarios, ".toml")?;
     list(&mut code, "EXPERIMENTS", "str", &root.join("experiments"), &experiments, ".toml")?;
+    list(&mut code, "EXERCISES", "str", &exercises, &exercise_files, ".toml")?;
     list(&mut code, "PROGRAMS", "[u8]", &root.join("scenarios"), &programs, "")?;
     fs::write(PathBuf::from(env::var("OUT_DIR")?).join("embedded.rs"), code)?;
     Ok(())

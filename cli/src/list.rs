@@ -17,7 +17,7 @@ use crate::text::{pairs, print, print_json};
 /// A section of the list: its title with what to do with its entries, and these.
 type Section = (&'static str, &'static str, Vec<(&'static str, String)>);
 
-fn sections() -> [Section; 4] {
+fn sections() -> [Section; 5] {
     let told = |(name, text): (&'static str, &str)| (name, embedded::summary(text));
     let preset = |preset: &'static Preset| (preset.name, preset.description.to_owned());
     let brains = catalogue().into_iter().map(|entry| (entry.name, entry.summary.to_owned()));
@@ -28,6 +28,7 @@ fn sections() -> [Section; 4] {
             "baudbot sweep NAME, those that begin with `tune-` baudbot tune NAME",
             embedded::experiments().map(told).collect(),
         ),
+        ("exercises", "baudbot grade NAME", embedded::exercises().map(told).collect()),
         ("brains", "--brain NAME", brains.collect()),
         ("presets", "preset = \"NAME\" in a scenario", presets().map(preset).collect()),
     ]

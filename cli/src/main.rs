@@ -3,9 +3,9 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
+//! 2. `run`, `sweep`, `tune`, `grade`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
 //!    `preset`, `evidence`, `fit`, `export`, `watch`, `new`, `token`, `cert`, `list` and `pages` are the commands, one a file or folder; `work` is
-//!    what `sweep` and `tune` share.
+//!    what `sweep`, `tune` and `grade` share.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `state` finds the worlds that a server has left, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
 //! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
@@ -36,6 +36,7 @@ mod export;
 mod fit;
 mod foxglove;
 mod gdb;
+mod grade;
 mod link;
 mod list;
 mod locate;
@@ -118,6 +119,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Run(args) => return runtime.block_on(run::run(&args)),
         Command::Sweep(args) => return runtime.block_on(sweep::sweep(args)),
         Command::Tune(args) => return runtime.block_on(tune::tune(args)),
+        Command::Grade(args) => return runtime.block_on(grade::grade(args)),
         Command::Serve(args) => runtime.block_on(serve::serve(&args)),
         Command::Brain(args) => runtime.block_on(brain::brain(args)),
         Command::Diagram(args) => return runtime.block_on(diagram::diagram(args)),

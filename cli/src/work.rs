@@ -1,4 +1,4 @@
-//! An experiment's file and what its runs are done with, for `sweep` and `tune`.
+//! An experiment's file and what its runs are done with, for `sweep` and `tune`; runs on threads, for `grade`, too.
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -57,8 +57,13 @@ pub(crate) fn place(args: &WorkArgs) -> Place {
 }
 
 pub(crate) fn jobs(args: &WorkArgs) -> usize {
+    jobs_of(args.jobs)
+}
+
+/// As many as there are processors, unless the arguments say how many.
+pub(crate) fn jobs_of(jobs: Option<u16>) -> usize {
     let processors = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    args.jobs.map_or_else(processors, usize::from)
+    jobs.map_or_else(processors, usize::from)
 }
 
 /// The folder for what comes of it.

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_client::{Brain, Client, Error, Fleet, Summary, run_fleet};
-use baudbot_launch::{BadProgram, EXEC, Held, Lifetime, Output, Program, Task};
+use baudbot_launch::{BadProgram, EXEC, Held, Program, Task};
 use baudbot_proto::v1;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Device;
@@ -158,10 +158,7 @@ pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Assigned, Assig
     for (brain, robots) in shared {
         match Program::of_brain(brain) {
             None => assigned.brains.push(Assignment { brain: brain.to_owned(), robots }),
-            Some(program) => {
-                let (parameters, lifetime, output) = (BTreeMap::new(), Lifetime::Run, Output::Kept);
-                assigned.programs.push(Task { program: program?, robots, parameters, lifetime, output });
-            }
+            Some(program) => assigned.programs.push(Task::new(program?, robots)),
         }
     }
     Ok(assigned)

@@ -47,7 +47,8 @@ impl Error {
         }
     }
 
-    pub(crate) fn field(path: impl fmt::Display, problem: impl fmt::Display) -> Self {
+    /// A field at this path is wrong.
+    pub fn field(path: impl fmt::Display, problem: impl fmt::Display) -> Self {
         Self::Field { path: Printable(path).to_string(), problem: Printable(problem).to_string() }
     }
 

@@ -106,7 +106,7 @@ impl Experiment {
         let fields: Vec<_> =
             fields.map(|(i, field)| Field::new(&format!("fields[{i}]"), field)).collect::<Result<_, _>>()?;
         unique(&fields)?;
-        let success = raw.success.as_ref().map(Success::new).transpose()?;
+        let success = raw.success.as_ref().map(|table| Success::new("success", table)).transpose()?;
         let charts = raw.charts.into_iter().enumerate();
         let charts = charts.map(|(i, chart)| chart_of(i, chart, &fields, success.is_some()));
         let (brains, lifetime) = brains(raw.brain, raw.brains)?;

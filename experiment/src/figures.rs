@@ -3,6 +3,8 @@
 //! More figures go in three places of this file: a variant of [`Figure`], a line of [`INFOS`] in the same place, and
 //! `Figures::of`. What they are made of is in `metrics`, which takes it from a world here or from a server's status.
 
+use baudbot_sim::World;
+
 use crate::metrics::{Ages, Counted, RobotCounted};
 use crate::suggest::UnknownName;
 
@@ -174,6 +176,11 @@ impl Figures {
 
     pub(crate) fn set(&mut self, figure: Figure, value: Option<f64>) {
         self.0[figure as usize] = value.filter(|value| value.is_finite());
+    }
+
+    /// Those of a run so far.
+    pub fn of_world(world: &World) -> Self {
+        Self::of(&Counted::of_world(world))
     }
 
     pub(crate) fn of(run: &Counted) -> Self {

@@ -75,7 +75,7 @@ pub use read::ReadError;
 pub use run_record::{Ran, Row, Task};
 pub use seeds::Seeds;
 pub use shard::{Shard, ShardError};
-pub use success::Success;
+pub use success::{Condition, Conditions, Quantity, Success};
 pub use suggest::UnknownName;
 pub use sweep::{Options, Swept, sweep};
 pub use tune::{Tuned, tune};

@@ -75,7 +75,11 @@ impl Seeds {
         Ok(Self::List(seeds))
     }
 
-    pub(crate) fn of(value: Option<&Value>) -> Result<Self, Error> {
+    /// Those of a file's field: how many, or a list of them. 10 if it has none.
+    ///
+    /// # Errors
+    /// If it is neither.
+    pub fn of(value: Option<&Value>) -> Result<Self, Error> {
         let problem = || {
             Error::field(
                 "seeds",

@@ -2,9 +2,11 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use baudbot_proto::v1;
 use baudbot_server::{Lockstep, Pace, WorldConfig};
 use baudbot_sim::{Scenario, World};
 use tokio::sync::oneshot;
@@ -22,6 +24,27 @@ pub struct Served<T> {
     run: Option<JoinHandle<Result<(), Error>>>,
 }
 
+/// What comes next of a run.
+pub enum Next<T> {
+    /// What was seen of the next tick.
+    Seen(T),
+    /// Nothing: the run is over, or is given up because it is to stop.
+    Over,
+    /// Nothing has come in time.
+    Late,
+}
+
+/// Where a brain believes its robot to be, as it has published it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Believed {
+    /// The place of its robot.
+    pub robot: usize,
+    /// In metres.
+    pub x_m: f64,
+    /// In metres.
+    pub y_m: f64,
+}
+
 impl<T: Send + 'static> Served<T> {
     /// Starts a run of a world at its start, with brains of the catalogue and programs. What `look` makes of the world at the beginning
     /// of each tick, and at the run's end, is what [`next`](Self::next) gives; the world is at most a few ticks ahead of it.
@@ -33,15 +56,34 @@ impl<T: Send + 'static> Served<T> {
         assigned: Assigned,
         mut look: impl FnMut(&World) -> T + Send + 'static,
     ) -> Result<Self, Error> {
+        Self::start_with_beliefs(world, assigned, move |world, _| look(world))
+    }
+
+    /// The same; `look` also gets the poses that brains have published since the tick before.
+    ///
+    /// # Errors
+    /// If no server can be started.
+    pub fn start_with_beliefs(
+        world: World,
+        assigned: Assigned,
+        mut look: impl FnMut(&World, &[Believed]) -> T + Send + 'static,
+    ) -> Result<Self, Error> {
         let (send, seen) = sync_channel(AHEAD);
         let (stop, stopped) = oneshot::channel();
+        let believed = Arc::new(Mutex::new(Vec::new()));
+        let told = Arc::clone(&believed);
+        let on_belief = Box::new(move |_: &World, robot, belief: &v1::Belief| {
+            let pose = belief.pose.as_ref().map(|pose| Believed { robot, x_m: pose.x_m, y_m: pose.y_m });
+            told.lock().unwrap_or_else(PoisonError::into_inner).extend(pose);
+        });
         let on_tick = Box::new(move |world: &World| {
             // Nobody watches a run that is given up.
-            let _ = send.send(look(world));
+            let believed = std::mem::take(&mut *believed.lock().unwrap_or_else(PoisonError::into_inner));
+            let _ = send.send(look(world, &believed));
         });
         let scenario = Scenario::clone(world.scenario());
         let world = WorldConfig::from_state(WORLD, world).pace(Pace::Lockstep(Lockstep::default()));
-        let server = PrivateServer::start([world.paused(true).on_tick(on_tick)])?;
+        let server = PrivateServer::start([world.paused(true).on_belief(on_belief).on_tick(on_tick)])?;
         let run = std::thread::Builder::new().name("run".to_owned()).spawn(move || {
             let remote = Remote::connect(Host::Private(&server), WORLD)?;
             remote.run_world(WORLD, Setup { scenario, assigned }, stopped)
@@ -55,17 +97,33 @@ impl<T: Send + 'static> Served<T> {
     /// # Errors
     /// If a brain has failed, or the server.
     pub fn next(&mut self, stop: &AtomicBool) -> Result<Option<T>, Error> {
+        loop {
+            match self.next_within(FOR_EVER, stop)? {
+                Next::Seen(seen) => return Ok(Some(seen)),
+                Next::Over => return Ok(None),
+                Next::Late => {}
+            }
+        }
+    }
+
+    /// What was seen of the next tick, if it comes within `patience` by the wall clock.
+    ///
+    /// # Errors
+    /// If a brain has failed, or the server.
+    pub fn next_within(&mut self, patience: Duration, stop: &AtomicBool) -> Result<Next<T>, Error> {
+        let begun = Instant::now();
         while let Some(seen) = &self.seen
             && !stop.load(Ordering::Relaxed)
         {
-            match seen.recv_timeout(LOOK) {
-                Ok(next) => return Ok(Some(next)),
+            match seen.recv_timeout(LOOK.min(patience)) {
+                Ok(next) => return Ok(Next::Seen(next)),
+                Err(RecvTimeoutError::Timeout) if begun.elapsed() >= patience => return Ok(Next::Late),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
             }
         }
         self.end()?;
-        Ok(None)
+        Ok(Next::Over)
     }
 
     fn end(&mut self) -> Result<(), Error> {
@@ -91,6 +149,9 @@ impl<T> Drop for Served<T> {
 
 /// How often is looked whether the run is to be given up.
 const LOOK: Duration = Duration::from_millis(50);
+
+/// Longer than any run.
+const FOR_EVER: Duration = Duration::from_secs(u32::MAX as u64);
 
 const WORLD: &str = "run";
 

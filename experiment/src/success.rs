@@ -1,4 +1,4 @@
-//! Criteria of success: limits of figures, all of which a run must keep.
+//! Criteria of success: limits of figures, or of other quantities of a run, all of which it must keep.
 
 use std::fmt;
 
@@ -7,30 +7,73 @@ use toml::Table;
 use crate::error::Error;
 use crate::factor::number;
 use crate::figures::{Figure, Figures};
+use crate::suggest::UnknownName;
+
+/// Conditions on figures, of which there is at least one.
+pub type Success = Conditions<Figure>;
+
+/// A number of a run.
+pub trait Quantity: Copy {
+    /// The quantity of this name.
+    ///
+    /// # Errors
+    /// Says which there are, the nearest first.
+    fn named(name: &str) -> Result<Self, UnknownName>;
+
+    /// Its name in files.
+    fn name(self) -> &'static str;
+}
+
+impl Quantity for Figure {
+    fn named(name: &str) -> Result<Self, UnknownName> {
+        Self::named(name)
+    }
+
+    fn name(self) -> &'static str {
+        self.info().name
+    }
+}
 
 /// Conditions, of which there is at least one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Success {
-    conditions: Vec<Condition>,
+pub struct Conditions<Q> {
+    conditions: Vec<Condition<Q>>,
 }
 
+/// A limit of a quantity.
 #[derive(Clone, Debug, PartialEq)]
-struct Condition {
-    figure: Figure,
-    limit: f64,
-    at_least: bool,
+pub struct Condition<Q> {
+    /// Of what.
+    pub quantity: Q,
+    /// The limit, in the quantity's unit.
+    pub limit: f64,
+    /// It is a lower limit.
+    pub at_least: bool,
 }
 
-impl Success {
-    pub(crate) fn new(table: &Table) -> Result<Self, Error> {
+impl<Q: Quantity> Condition<Q> {
+    /// Whether a value keeps the limit. What was not counted keeps none.
+    pub fn holds(&self, value: Option<f64>) -> bool {
+        value.is_some_and(|value| if self.at_least { value >= self.limit } else { value <= self.limit })
+    }
+}
+
+impl<Q: Quantity> Conditions<Q> {
+    /// Those of a table, which is at this place in its file: `FIGURE_at_most`, `FIGURE_at_least` and `goal_reached`.
+    ///
+    /// # Errors
+    /// If it has none, or something else in it.
+    pub fn new(place: &str, table: &Table) -> Result<Self, Error> {
         let mut conditions = Vec::new();
         for (key, value) in table {
-            let at = format!("success.{key}");
+            let at = format!("{place}.{key}");
             if key == "goal_reached" {
                 if value.as_bool() != Some(true) {
                     return Err(Error::field(at, "can only be true; leave it out otherwise"));
                 }
-                conditions.push(Condition { figure: Figure::GoalTimeS, limit: 0.0, at_least: true });
+                let quantity =
+                    Q::named(Figure::GoalTimeS.name()).map_err(|error| Error::field(&at, error))?;
+                conditions.push(Condition { quantity, limit: 0.0, at_least: true });
                 continue;
             }
             let ends = [("_at_most", false), ("_at_least", true)];
@@ -40,44 +83,57 @@ impl Success {
                                collisions_at_most = 0";
                 return Err(Error::field(at, problem));
             };
-            let figure = Figure::named(name).map_err(|problem| Error::field(&at, problem))?;
+            let quantity = Q::named(name).map_err(|problem| Error::field(&at, problem))?;
             let Some(limit) = number(value) else {
                 return Err(Error::field(at, format!("must be a number, is {value}")));
             };
-            conditions.push(Condition { figure, limit, at_least });
+            conditions.push(Condition { quantity, limit, at_least });
         }
         if conditions.is_empty() {
-            return Err(Error::field("success", "is empty; give a condition such as collisions_at_most = 0"));
+            return Err(Error::field(place, "is empty; give a condition such as collisions_at_most = 0"));
         }
         Ok(Self { conditions })
     }
 
-    /// Whether a run succeeded. A figure that was not counted keeps no limit.
+    /// Whether all hold of these values. A quantity that was not counted keeps no limit.
+    pub fn hold(&self, value: impl Fn(Q) -> Option<f64>) -> bool {
+        self.conditions.iter().all(|condition| condition.holds(value(condition.quantity)))
+    }
+
+    /// Each of them.
+    pub fn iter(&self) -> impl Iterator<Item = &Condition<Q>> {
+        self.conditions.iter()
+    }
+}
+
+impl Success {
+    /// Whether a run succeeded.
     pub fn of(&self, figures: &Figures) -> bool {
-        self.conditions.iter().all(|condition| {
-            figures.get(condition.figure).is_some_and(|value| match condition.at_least {
-                true => value >= condition.limit,
-                false => value <= condition.limit,
-            })
-        })
+        self.hold(|figure| figures.get(figure))
     }
 
     /// The figures that it uses.
     pub fn figures(&self) -> impl Iterator<Item = Figure> {
-        self.conditions.iter().map(|condition| condition.figure)
+        self.iter().map(|condition| condition.quantity)
     }
 }
 
-impl fmt::Display for Success {
+impl<Q: Quantity> fmt::Display for Condition<Q> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, Condition { figure, limit, at_least }) in self.conditions.iter().enumerate() {
-            let and = if i > 0 { ", " } else { "" };
-            match (figure, at_least) {
-                (Figure::GoalTimeS, true) if *limit == 0.0 => write!(f, "{and}the goal reached")?,
-                (Figure::Collisions, false) if *limit == 0.0 => write!(f, "{and}no collision")?,
-                (figure, true) => write!(f, "{and}{} at least {limit}", figure.info().name)?,
-                (figure, false) => write!(f, "{and}{} at most {limit}", figure.info().name)?,
-            }
+        let (name, limit) = (self.quantity.name(), self.limit);
+        match self.at_least {
+            true if limit == 0.0 && name == Figure::GoalTimeS.name() => f.write_str("the goal reached"),
+            false if limit == 0.0 && name == Figure::Collisions.name() => f.write_str("no collision"),
+            true => write!(f, "{name} at least {limit}"),
+            false => write!(f, "{name} at most {limit}"),
+        }
+    }
+}
+
+impl<Q: Quantity> fmt::Display for Conditions<Q> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, condition) in self.conditions.iter().enumerate() {
+            write!(f, "{}{condition}", if i > 0 { ", " } else { "" })?;
         }
         Ok(())
     }
@@ -88,7 +144,7 @@ mod tests {
     use super::*;
 
     fn success(toml: &str) -> Result<Success, String> {
-        Success::new(&toml.parse().unwrap()).map_err(|error| error.to_string())
+        Success::new("success", &toml.parse().unwrap()).map_err(|error| error.to_string())
     }
 
     #[test]

@@ -15,13 +15,13 @@ pub struct UnknownName {
 
 impl UnknownName {
     /// `kind` is what it is a name of, in words.
-    pub(crate) fn new(kind: &'static str, name: &str, known: &[&str]) -> Self {
+    pub fn new(kind: &'static str, name: &str, known: &[&str]) -> Self {
         let known = known.iter().copied().map(str::to_owned).collect();
         Self { kind, name: name.to_owned(), known }
     }
 
     /// The name that is not there, if that is what is wrong.
-    pub(crate) fn of(cause: &Cause) -> Option<Self> {
+    pub fn of(cause: &Cause) -> Option<Self> {
         match cause {
             Cause::UnknownField { name, known } => Some(Self::new("field", name, known)),
             Cause::UnknownElement { name, known } => {

@@ -1,10 +1,10 @@
-//! The scenarios and experiments that each program has in it, wherever it is installed.
+//! The scenarios, experiments and exercises that each program has in it, wherever it is installed.
 
 mod list {
     include!(concat!(env!("OUT_DIR"), "/embedded.rs"));
 }
 
-use list::{EXPERIMENTS, PROGRAMS, SCENARIOS};
+use list::{EXERCISES, EXPERIMENTS, PROGRAMS, SCENARIOS};
 
 /// Scenarios, with their texts, in the order of their names: `wander`, `devices/laser`.
 pub fn scenarios() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -14,6 +14,11 @@ pub fn scenarios() -> impl Iterator<Item = (&'static str, &'static str)> {
 /// The same of experiments.
 pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
     EXPERIMENTS.iter().copied()
+}
+
+/// The same of exercises, for `baudbot grade`.
+pub fn exercises() -> impl Iterator<Item = (&'static str, &'static str)> {
+    EXERCISES.iter().copied()
 }
 
 /// Programs of microcontrollers that these scenarios refer to: their paths below the folder of scenarios, and their bytes.
@@ -29,6 +34,11 @@ pub fn scenario(name: &str) -> Option<&'static str> {
 /// The text of this experiment, if there is one of this name.
 pub fn experiment(name: &str) -> Option<&'static str> {
     found(EXPERIMENTS, name)
+}
+
+/// The text of this exercise, if there is one of this name.
+pub fn exercise(name: &str) -> Option<&'static str> {
+    found(EXERCISES, name)
 }
 
 fn found(all: &[(&'static str, &'static str)], name: &str) -> Option<&'static str> {
@@ -52,12 +62,21 @@ pub fn summary(text: &str) -> String {
 /// The scenarios that a wrong name may mean, by the last parts of their names. A file of another name is likely, so that a third of
 /// it may be wrong at most.
 pub fn nearest(wrong: &str) -> Vec<&'static str> {
+    near(wrong, SCENARIOS)
+}
+
+/// The same of exercises.
+pub fn nearest_exercises(wrong: &str) -> Vec<&'static str> {
+    near(wrong, EXERCISES)
+}
+
+fn near(wrong: &str, all: &[(&'static str, &'static str)]) -> Vec<&'static str> {
     let wrong = last(wrong.strip_suffix(".toml").unwrap_or(wrong));
     let letters: Vec<char> = wrong.chars().collect();
     let is_near = |name: &&str| {
         last(name).contains(wrong) || 3 * baudbot_fields::edits(&letters, last(name)) <= letters.len()
     };
-    let names = scenarios().map(|(name, _)| name);
+    let names = all.iter().map(|(name, _)| *name);
     let near = baudbot_fields::nearest(wrong, names, |name| last(name));
     near.into_iter().filter(is_near).collect()
 }
@@ -72,7 +91,7 @@ mod tests {
 
     #[test]
     fn each_has_a_summary_of_one_line() {
-        for (name, text) in scenarios().chain(experiments()) {
+        for (name, text) in scenarios().chain(experiments()).chain(exercises()) {
             let summary = summary(text);
             assert!((10..=140).contains(&summary.len()), "{name}: {summary}");
         }

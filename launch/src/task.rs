@@ -43,6 +43,12 @@ pub enum Lifetime {
 }
 
 impl Task {
+    /// A program for these robots: a process a run, without parameters, whose output is only kept.
+    pub fn new(program: Program, robots: Vec<String>) -> Self {
+        let parameters = BTreeMap::new();
+        Self { program, robots, parameters, lifetime: Lifetime::Run, output: Output::Kept }
+    }
+
     /// The variables that the program finds in its environment: where it attaches, to which world, as which robots (names with
     /// commas between them), with which seed and parameters (JSON). It is not to come back to a server that it loses, since its
     /// run is then over. `BAUDBOT_REUSE` is 1 if it is to read further runs from its standard input, and else empty.

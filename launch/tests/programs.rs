@@ -3,16 +3,10 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use baudbot_launch::{Crew, Failure, Held, Idle, Lifetime, Output, Problem, Program, Task};
+use baudbot_launch::{Crew, Failure, Held, Idle, Lifetime, Problem, Program, Task};
 
 fn task(program: &str) -> Task {
-    Task {
-        program: Program::parse(program).unwrap(),
-        robots: vec!["alice".to_owned()],
-        parameters: BTreeMap::new(),
-        lifetime: Lifetime::Run,
-        output: Output::Kept,
-    }
+    Task::new(Program::parse(program).unwrap(), vec!["alice".to_owned()])
 }
 
 fn start(program: &str) -> Result<Crew, Failure> {

@@ -91,7 +91,7 @@ mod thinking;
 mod trainer;
 mod truth;
 
-pub use actor::{DirectWorld, OnTick, Progress};
+pub use actor::{DirectWorld, OnBelief, OnTick, Progress};
 
 #[cfg(feature = "network")]
 pub use address::{Address, BadAddress};

@@ -11,7 +11,7 @@ use crate::text::tell;
 
 /// What somebody wants to do, with the commands for it. `help` is clap's own.
 const GROUPS: &[(&str, &[&str])] = &[
-    ("Run", &["run", "diagram", "sweep", "tune", "replay", "export"]),
+    ("Run", &["run", "grade", "diagram", "sweep", "tune", "replay", "export"]),
     ("Serve, and connect", &["serve", "brain", "watch", "port", "token", "cert"]),
     ("Look into a scenario", &["check", "budget", "plan", "locate", "umbmark"]),
     ("Real robots", &["preset", "evidence", "measure", "fit"]),

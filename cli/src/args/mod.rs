@@ -9,6 +9,7 @@ mod diagram;
 mod export;
 mod fit;
 mod gdb;
+mod grade;
 mod groups;
 mod help;
 mod limits;
@@ -43,6 +44,7 @@ pub(crate) use self::diagram::DiagramArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 pub(crate) use self::fit::FitArgs;
 pub(crate) use self::gdb::GdbAddress;
+pub(crate) use self::grade::GradeArgs;
 pub(crate) use self::groups::{command, parsed};
 use self::help::{
     BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, EVIDENCE_EXAMPLES, PACE_HELP,
@@ -96,6 +98,9 @@ pub(crate) enum Command {
     /// Searches for the parameters of a brain, or of a scenario, with which an experiment scores best
     #[command(after_long_help = TUNE_EXAMPLES)]
     Tune(TuneArgs),
+    /// Grades a brain by an exercise: points, and words about what went wrong; without one, lists the exercises
+    #[command(after_long_help = grade::EXAMPLES)]
+    Grade(GradeArgs),
     /// Serves worlds to brains in other processes until Ctrl-C
     #[command(after_long_help = SERVE_EXAMPLES)]
     Serve(ServeArgs),
@@ -150,7 +155,7 @@ pub(crate) enum Command {
     /// Makes tokens, which say what clients may do on a server, lists and revokes them
     #[command(subcommand)]
     Token(TokenCommand),
-    /// Lists the scenarios, experiments, brains and presets that are built in
+    /// Lists the scenarios, experiments, exercises, brains and presets that are built in
     #[command(after_long_help = list::LIST_EXAMPLES)]
     List(ListArgs),
     /// Writes a built-in scenario or experiment into a file, to be changed

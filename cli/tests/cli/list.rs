@@ -23,7 +23,9 @@ fn the_list_has_all_that_can_be_named() {
     }
     assert!(text.lines().all(|line| line.chars().count() <= 200), "a line each");
     let json: serde_json::Value = serde_json::from_str(&good(&["list", "--json"])).unwrap();
-    for (kind, least) in [("scenarios", 40), ("experiments", 10), ("brains", 10), ("presets", 20)] {
+    for (kind, least) in
+        [("scenarios", 40), ("experiments", 10), ("exercises", 10), ("brains", 10), ("presets", 20)]
+    {
         let entries = json[kind].as_array().unwrap();
         assert!(entries.len() >= least, "{kind}: {}", entries.len());
         assert!(entries.iter().all(|entry| !entry["summary"].as_str().unwrap().is_empty()), "{kind}");

@@ -11,6 +11,7 @@ mod export;
 mod firmware;
 mod fitting;
 mod foxglove;
+mod grading;
 mod hostile;
 mod list;
 mod locating;

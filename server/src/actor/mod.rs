@@ -49,8 +49,8 @@ use crate::report::Activity;
 use crate::sessions::Sessions;
 pub use direct::DirectWorld;
 use interventions::Interventions;
-pub use new_world::OnTick;
 pub(crate) use new_world::{NewWorld, start};
+pub use new_world::{OnBelief, OnTick};
 use pacer::Pacer;
 use ports::{Pending, Ports, ToDevice};
 pub use progress::Progress;
@@ -83,6 +83,8 @@ pub(crate) struct WorldActor {
     /// `None` in a live world.
     replaying: Option<Replaying>,
     on_tick: Option<OnTick>,
+    /// And the number of the last belief that it was told.
+    on_belief: Option<(OnBelief, u64)>,
     progress: Option<Telling>,
     /// Messages that would see the world, which is ahead of its brains; oldest first.
     deferred: VecDeque<Message>,
@@ -135,7 +137,7 @@ use view;
 impl WorldActor {
     fn new(
         name: Arc<str>,
-        NewWorld { world, replay, pace, paused, on_tick, progress, processor, state, .. }: NewWorld,
+        NewWorld { world, replay, pace, paused, on_tick, on_belief, progress, processor, state, .. }: NewWorld,
         charges: Charges,
         neighbours: Arc<AtomicU32>,
     ) -> Self {
@@ -157,6 +159,7 @@ impl WorldActor {
             resumed_snapshots: Vec::new(),
             replaying: replay.map(Replaying::new),
             on_tick,
+            on_belief: on_belief.map(|on_belief| (on_belief, 0)),
             progress: progress.map(Telling::new),
             deferred: VecDeque::new(),
             schedule: Schedule::new(neighbours),
@@ -285,6 +288,11 @@ impl WorldActor {
 
     /// Shows the world at the start of a tick to `on_tick` and to observers, and says how far it is.
     fn show(&mut self) {
+        if let Some((on_belief, seen)) = &mut self.on_belief {
+            for (robot, belief) in self.beliefs.since(seen) {
+                on_belief(&self.world, robot, &belief);
+            }
+        }
         if let Some(on_tick) = &mut self.on_tick {
             on_tick(&self.world);
         }

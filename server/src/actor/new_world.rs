@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 
+use baudbot_proto::v1;
 use baudbot_recording::Replay;
 use baudbot_sim::World;
 use tonic::Status;
@@ -20,6 +21,10 @@ use crate::thinking::ProcessorTime;
 /// Called at the start of every tick, when the sensors have been read, on the world's own thread.
 pub type OnTick = Box<dyn FnMut(&World) + Send>;
 
+/// Called with a robot's place and what its brain has published, just before [`OnTick`] of the tick behind. In lockstep it is the
+/// same on any machine, if the world has an [`OnTick`], too.
+pub type OnBelief = Box<dyn FnMut(&World, usize, &v1::Belief) + Send>;
+
 /// A world that is about to be made.
 pub(crate) struct NewWorld {
     pub(crate) name: String,
@@ -29,6 +34,7 @@ pub(crate) struct NewWorld {
     pub(crate) pace: Pace,
     pub(crate) paused: bool,
     pub(crate) on_tick: Option<OnTick>,
+    pub(crate) on_belief: Option<OnBelief>,
     pub(crate) progress: Option<Arc<Progress>>,
     /// Where it is recorded from its beginning on.
     pub(crate) record: Option<RecordConfig>,
@@ -59,6 +65,7 @@ impl NewWorld {
             pace,
             paused: false,
             on_tick: None,
+            on_belief: None,
             progress: None,
             record: None,
             processor: None,

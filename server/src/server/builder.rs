@@ -16,7 +16,7 @@ use tokio_stream::Stream;
 use super::access_config::AccessConfig;
 use super::listeners::{Listener, Listeners, listen_for_pages};
 use super::{Guards, Server, ServerError};
-use crate::actor::{DirectWorld, NewWorld, OnTick, Progress};
+use crate::actor::{DirectWorld, NewWorld, OnBelief, OnTick, Progress};
 use crate::address::Address;
 use crate::audit::AuditLog;
 use crate::control::{Control, Told};
@@ -89,6 +89,13 @@ impl WorldConfig {
     #[must_use]
     pub fn on_tick(mut self, on_tick: OnTick) -> Self {
         self.new.on_tick = Some(on_tick);
+        self
+    }
+
+    /// Calls this with each belief that a brain has published since the tick before, before what [`on_tick`](Self::on_tick) calls.
+    #[must_use]
+    pub fn on_belief(mut self, on_belief: OnBelief) -> Self {
+        self.new.on_belief = Some(on_belief);
         self
     }
 

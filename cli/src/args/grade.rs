@@ -1,0 +1,62 @@
+//! The arguments of `baudbot grade`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+#[derive(Debug, Args)]
+pub(crate) struct GradeArgs {
+    /// An exercise that is built in, or an exercise file (docs/how-to/grading.md); without one, lists those that are built in
+    pub(crate) exercise: Option<String>,
+    /// The brain that is graded, for one robot, or for all robots that have no other
+    ///
+    /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own. As for `baudbot run`.
+    #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
+    pub(crate) brains: Vec<String>,
+    /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
+    #[arg(long = "parameter", value_name = "NAME=VALUE")]
+    pub(crate) parameters: Vec<String>,
+    /// List the exercises that are built in
+    #[arg(long, conflicts_with_all = ["exercise", "brains", "show"])]
+    pub(crate) list: bool,
+    /// Show the task of the exercise and what earns points, and grade nothing
+    #[arg(long, requires = "exercise", conflicts_with = "brains")]
+    pub(crate) show: bool,
+    /// Print the file of an exercise that is built in, as a beginning of one's own
+    #[arg(long, requires = "exercise", conflicts_with_all = ["brains", "show"])]
+    pub(crate) toml: bool,
+    /// Other seeds than the exercise's: N (1 to N), A..B (inclusive) or A,B,C
+    #[arg(long, value_name = "SEEDS")]
+    pub(crate) seeds: Option<String>,
+    /// Number of parallel runs [default: the number of processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
+    /// Show on stderr what brains print that are programs; otherwise the end of it is shown if one fails
+    #[arg(long)]
+    pub(crate) show_output: bool,
+    /// Write the result as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write the result as JUnit XML, which systems for continuous integration show; `-` is stdout
+    #[arg(long, value_name = "FILE")]
+    pub(crate) junit: Option<PathBuf>,
+    /// No progress bar, no text (JSON is still written)
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  baudbot grade                                  the exercises
+  baudbot grade wander --show                    the task of one
+  baudbot grade wander --toml > my.toml          an exercise file, to be changed
+  baudbot grade wander --brain 'exec:python3 brain.py'
+  baudbot grade wander --brain avoid --json --quiet
+  baudbot grade my.toml --brain brain.toml --junit result.xml
+
+Exit codes:
+  0    passed; or there was nothing to grade
+  1    could not be graded: the brain drove in no run, or an error occurred
+  2    the exercise, the brain or the options cannot be used
+  3    graded, and not passed
+  130  stopped by Ctrl-C";

@@ -1,0 +1,144 @@
+//! `baudbot grade`: holds a brain against the criteria of an exercise.
+
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+
+use anyhow::Context;
+use baudbot_experiment::Seeds;
+use baudbot_grade::junit::junit;
+use baudbot_grade::{Exercise, Grading, Options, Verdict, all, grade as grade_all};
+use baudbot_import::embedded;
+use baudbot_launch::Output;
+use serde_json::{Value, json};
+
+use crate::args::GradeArgs;
+use crate::assignment::{self, Assigned};
+use crate::error::Refused;
+use crate::signals::INTERRUPTED;
+use crate::text::{pairs, print, print_json, tell};
+use crate::{text, work};
+
+pub(crate) async fn grade(args: GradeArgs) -> anyhow::Result<ExitCode> {
+    let Some(name) = args.exercise.clone().filter(|_| !args.list) else {
+        refuse_brains(&args)?;
+        return list(args.json);
+    };
+    if args.toml {
+        return print_file(&name);
+    }
+    let exercise = read(&name, &args)?;
+    if args.show {
+        return show(&exercise, args.json);
+    }
+    if args.brains.is_empty() {
+        return Err(Refused::error(format!(
+            "which brain is to be graded? Add --brain NAME, --brain FILE.toml or --brain 'exec:PROGRAM'; `baudbot grade {name} --show` \
+             tells the task"
+        )));
+    }
+    let assigned = assigned(&exercise, &args)?;
+    work::until_stopped(move |stop| run(&exercise, &args, &assigned, stop)).await
+}
+
+/// Without an exercise there is nothing that a brain could do.
+fn refuse_brains(args: &GradeArgs) -> anyhow::Result<()> {
+    if args.brains.is_empty() && args.junit.is_none() {
+        return Ok(());
+    }
+    Err(Refused::error(
+        "which exercise? `baudbot grade` lists them; then baudbot grade EXERCISE --brain BRAIN",
+    ))
+}
+
+fn list(is_json: bool) -> anyhow::Result<ExitCode> {
+    let exercises = all()?;
+    if is_json {
+        print_json(&exercises.iter().map(Exercise::json).collect::<Value>())?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let line =
+        |exercise: &Exercise| (exercise.name.clone(), format!("{:<6} {}", exercise.section, exercise.title));
+    let lines: Vec<_> = exercises.iter().map(line).collect();
+    let lines: Vec<_> = lines.iter().map(|(name, title)| (name.as_str(), title.clone())).collect();
+    print(&format!(
+        "exercises, by section of the notes: baudbot grade NAME --show\n{}",
+        pairs("  ", &lines)
+    ))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The file as it is in the program.
+fn print_file(name: &str) -> anyhow::Result<ExitCode> {
+    let unknown =
+        || Refused::error(format!("{name}: there is no exercise of this name; `baudbot grade` lists them"));
+    print(embedded::exercise(name).ok_or_else(unknown)?)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn show(exercise: &Exercise, is_json: bool) -> anyhow::Result<ExitCode> {
+    if is_json {
+        print_json(&exercise.json())?;
+    } else {
+        print(&exercise.described())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn read(name: &str, args: &GradeArgs) -> anyhow::Result<Exercise> {
+    let mut exercise = Exercise::read(name).map_err(|error| Refused::error(error.to_string()))?;
+    if let Some(seeds) = &args.seeds {
+        exercise.seeds = Seeds::parse(seeds).map_err(|error| Refused::error(format!("--{error}")))?;
+    }
+    Ok(exercise)
+}
+
+/// The brain that is graded, and those that the exercise has for other robots.
+fn assigned(exercise: &Exercise, args: &GradeArgs) -> anyhow::Result<Assigned> {
+    let scenario = exercise.scenario_with(exercise.seeds.get(0))?;
+    let brains: Vec<_> = args.brains.iter().chain(&exercise.brains).cloned().collect();
+    let mut assigned = assignment::assign(&brains, &scenario.robots)?;
+    assignment::set_parameters(&mut assigned, &args.parameters)?;
+    if args.show_output {
+        assigned.programs.iter_mut().for_each(|task| task.output = Output::Shown);
+    }
+    Ok(assigned)
+}
+
+fn run(
+    exercise: &Exercise,
+    args: &GradeArgs,
+    assigned: &Assigned,
+    stop: &AtomicBool,
+) -> anyhow::Result<ExitCode> {
+    let bar = work::progress(args.quiet);
+    bar.set_length(exercise.seeds.count());
+    let progress = |done| bar.set_position(done);
+    let grading =
+        grade_all(exercise, assigned, &Options { jobs: work::jobs_of(args.jobs), stop, progress: &progress });
+    bar.finish_and_clear();
+    let Some(grading) = grading.context("could not be graded")? else {
+        tell!("stopped; nothing was graded");
+        return Ok(ExitCode::from(INTERRUPTED));
+    };
+    report(exercise, args, &grading)?;
+    Ok(match grading.verdict {
+        Verdict::Passed => ExitCode::SUCCESS,
+        Verdict::NotGraded => ExitCode::FAILURE,
+        Verdict::Failed => ExitCode::from(NOT_PASSED),
+    })
+}
+
+fn report(exercise: &Exercise, args: &GradeArgs, grading: &Grading) -> anyhow::Result<()> {
+    if let Some(file) = &args.junit {
+        text::write(file, &junit(exercise, grading))?;
+    }
+    if args.json {
+        let mut json = grading.json(exercise);
+        json["brains"] = json!(args.brains);
+        return print_json(&json);
+    }
+    if args.quiet { Ok(()) } else { print(&grading.text(exercise)) }
+}
+
+/// The exit code of a brain that is not good enough.
+const NOT_PASSED: u8 = 3;

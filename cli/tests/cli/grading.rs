@@ -1,0 +1,197 @@
+//! `baudbot grade`: exercises, their solutions and typical mistakes, and brains that fail or hang.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::{baudbot, good};
+
+const ROOM: &str = r#"
+title = "Wander"
+task = "Drive about."
+scenario = "wander"
+seconds = 5.0
+seeds = 2
+limits = { answer_s = 1.0 }
+[[criteria]]
+name = "it drives"
+needs = { distance_m_at_least = 0.1 }
+"#;
+
+/// Arguments with which the program of the tests is itself a brain that is started.
+const AVOID: &str = "brain avoid --connect $BAUDBOT_CONNECT --world $BAUDBOT_WORLD --robot $BAUDBOT_ROBOT";
+
+/// An exercise file of this text.
+fn exercise(name: &str, toml: &str) -> String {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("grading");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(format!("{name}.toml"));
+    std::fs::write(&path, toml).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// Exit code and JSON.
+fn graded(exercise: &str, brain: &str) -> (i32, Value) {
+    let (code, out, err) = baudbot(&["grade", exercise, "--brain", brain, "--json", "--quiet"]);
+    (code, serde_json::from_str(&out).unwrap_or_else(|error| panic!("{error}: {out}{err}")))
+}
+
+fn findings(json: &Value) -> Vec<&str> {
+    json["findings"].as_array().unwrap().iter().map(|finding| finding.as_str().unwrap()).collect()
+}
+
+/// Those in Python, and those that compute much, are run by `exercises/check.py` with a program that is optimised.
+#[test]
+fn each_solution_passes_and_each_mistake_gets_its_word() {
+    let brains: toml::Table = include_str!("../../../exercises/solutions/brains.toml").parse().unwrap();
+    let is_here = |brain: &str| !brain.starts_with("exec:");
+    let is_slow = |name: &str| ["charge", "errands", "explore", "localize"].contains(&name);
+    for (name, of) in brains.iter().filter(|(name, _)| !is_slow(name)) {
+        let solution = of["solution"].as_str().unwrap();
+        if is_here(solution) {
+            let (code, json) = graded(name, solution);
+            assert_eq!((code, &json["verdict"]), (0, &"passed".into()), "{name}: {json:#}");
+            assert_eq!(json["points"], json["points_of"], "{name}");
+        }
+        for mistake in of["mistakes"].as_array().unwrap() {
+            let [brain, says] = ["brain", "says"].map(|field| mistake[field].as_str().unwrap());
+            if is_here(brain) {
+                let (code, json) = graded(name, brain);
+                assert_eq!((code, &json["verdict"]), (3, &"failed".into()), "{name}: {brain}: {json:#}");
+                assert!(
+                    findings(&json).iter().any(|finding| finding.contains(says)),
+                    "{name}: {brain}: {json:#}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_grading_is_the_same_with_any_number_of_jobs_and_its_json_has_the_fields_that_the_book_has() {
+    let with = |jobs: &str| {
+        good(&["grade", "wander", "--brain", "avoid", "--seeds", "3", "--json", "--quiet", "--jobs", jobs])
+    };
+    let text = with("1");
+    assert_eq!(text, with("3"));
+    let json: Value = serde_json::from_str(&text).unwrap();
+    let book = include_str!("../../../docs/how-to/grading.md");
+    for (name, _) in json.as_object().unwrap().iter().chain(json["runs"][0].as_object().unwrap()) {
+        assert!(book.contains(&format!("`{name}`")), "{name}");
+    }
+}
+
+#[test]
+fn the_list_the_task_and_the_file_of_an_exercise_are_told() {
+    let list = good(&["grade"]);
+    for name in ["circle", "wander", "localize"] {
+        assert!(list.lines().any(|line| line.trim_start().starts_with(&format!("{name} "))), "{list}");
+        assert!(
+            include_str!("../../../docs/how-to/grading.md").contains(&format!("\n| `{name}` | ")),
+            "{name}"
+        );
+    }
+    assert_eq!(list, good(&["grade", "--list"]));
+    let task = good(&["grade", "circle", "--show"]);
+    assert!(task.starts_with("circle: Drive a circle") && task.contains("end_error_m at most 0.1"), "{task}");
+    let toml = good(&["grade", "circle", "--toml"]);
+    assert_eq!(toml, include_str!("../../../exercises/circle.toml"));
+    assert!(
+        serde_json::from_str::<Value>(&good(&["grade", "--json"])).unwrap().as_array().unwrap().len() >= 10
+    );
+}
+
+#[test]
+fn what_cannot_be_graded_is_refused_with_the_name_that_was_meant() {
+    for (args, expected) in [
+        (&["grade", "wandr", "--brain", "avoid"][..], "did you mean `wander`?"),
+        (&["grade", "wander"], "which brain is to be graded?"),
+        (&["grade", "--brain", "avoid"], "which exercise?"),
+        (&["grade", "wander", "--brain", "avod"], "did you mean `avoid`?"),
+        (&["grade", "wander", "--brain", "bob=avoid"], "there is no robot `bob`"),
+        (&["grade", "wander", "--brain", "avoid", "--seeds", "0"], "--seeds: must be at least 1"),
+    ] {
+        let (code, _, err) = baudbot(args);
+        assert_eq!(code, 2, "{args:?}: {err}");
+        assert!(err.contains(expected), "{args:?}: {err}");
+    }
+    let file = exercise("wrong", &ROOM.replace("distance_m", "distnce_m"));
+    let (code, _, err) = baudbot(&["grade", &file, "--brain", "avoid"]);
+    assert_eq!(code, 2);
+    let expected = "wrong.toml: criteria[0].needs.distnce_m_at_least: there is no measure `distnce_m`; did you mean `distance_m`?";
+    assert!(err.contains(expected), "{err}");
+}
+
+#[test]
+fn a_program_that_is_not_there_is_no_failure_of_its_author() {
+    let file = exercise("missing", ROOM);
+    let (code, json) = graded(&file, "exec:there-is-no-such-program");
+    assert_eq!((code, &json["verdict"]), (1, &"not-graded".into()), "{json:#}");
+    assert!(findings(&json)[0].contains("there is no program `there-is-no-such-program`"), "{json:#}");
+    let (code, json) = graded(&file, "exec:sh -c 'echo oh no >&2; exit 3'");
+    assert_eq!(code, 1, "{json:#}");
+    assert!(
+        findings(&json)[0].contains("exited with code 3 before it attached")
+            && findings(&json)[0].contains("oh no"),
+        "{json:#}"
+    );
+}
+
+/// The program of the tests is itself a brain: one that is stopped hangs.
+#[test]
+fn a_brain_that_hangs_loses_its_run_and_is_ended() {
+    let file = exercise("hangs", &ROOM.replace("seconds = 5.0", "seconds = 3000.0"));
+    // It attaches, drives for a moment, and then stands still for good.
+    let program = env!("CARGO_BIN_EXE_baudbot");
+    let script = format!("{program} {AVOID} & sleep 3; kill -STOP $!; sleep 600");
+    let begun = Instant::now();
+    let (code, json) = graded(&file, &format!("exec:sh -c '{script}'"));
+    assert_eq!((code, &json["verdict"]), (3, &"failed".into()), "{json:#}");
+    let found = findings(&json)[0];
+    assert!(
+        found.starts_with("at ") && found.contains("did not answer for 1 s by the wall clock"),
+        "{json:#}"
+    );
+    assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
+}
+
+/// It may drive, and nothing else.
+#[test]
+fn a_brain_cannot_ask_for_the_truth() {
+    let file = exercise("curious", &ROOM.replace("seeds = 2", "seeds = 1"));
+    let program = env!("CARGO_BIN_EXE_baudbot");
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("grading");
+    let said = folder.join("curious.txt");
+    let said = said.to_str().unwrap();
+    let script = format!(
+        "{program} watch --connect $BAUDBOT_CONNECT >{said} 2>&1; echo $? >>{said}; exec {program} {AVOID}"
+    );
+    let (code, json) = graded(&file, &format!("exec:sh -c '{script}'"));
+    assert_eq!(code, 0, "{json:#}");
+    let said = std::fs::read_to_string(said).unwrap();
+    assert!(said.contains("has no right to this") && said.trim_end().ends_with('1'), "{said}");
+}
+
+#[test]
+fn junit_has_a_case_for_each_criterion() {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("grading");
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("result.xml");
+    let (code, out, _) = baudbot(&[
+        "grade",
+        "circle",
+        "--brain",
+        "constant:left=0.375,right=0.225",
+        "--junit",
+        file.to_str().unwrap(),
+    ]);
+    assert_eq!(code, 3);
+    assert!(out.contains("not passed: ") && out.contains("\n- the robot turned to the right"), "{out}");
+    let text = std::fs::read_to_string(file).unwrap();
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let suite = document.root_element();
+    let cases: Vec<_> = suite.children().filter(|node| node.has_tag_name("testcase")).collect();
+    assert_eq!((cases.len(), suite.attribute("failures")), (3, Some("1")), "{text}");
+    assert!(text.contains("left comes first"), "{text}");
+}
