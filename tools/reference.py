@@ -50,7 +50,7 @@ KINDS = {
     "battery": ("Batteries", "For `[robots.battery]`."),
 }
 # What all commands have, once.
-COMMON = re.compile(r"^ +--log(?:-format)? <.*?(?=^ {2,6}-|^\S)", re.M | re.S)
+COMMON = re.compile(r"^Log:\n.*?(?=^\S|\Z)", re.M | re.S)
 
 
 def said(*arguments):
@@ -65,9 +65,15 @@ def help_of(*command):
 
 
 def commands(text):
-    """The commands and what they do, from the list in the help."""
-    listed = text.split("Commands:\n", 1)[1].split("\n\n", 1)[0]
-    return [tuple(re.split(r" {2,}", line.strip(), maxsplit=1)) for line in listed.splitlines() if re.match(r"  \w", line)]
+    """The commands and what they do, from the list in the help, which may be in groups and has lines that go on below."""
+    listed = text.split("Usage:", 1)[1].split("\n\n", 1)[1].split("\nOptions:\n", 1)[0]
+    known = []
+    for line in listed.splitlines():
+        if command := re.match(r"  (\w+) +(.*)", line):
+            known.append(command.groups())
+        elif known and line.startswith(" " * 8):
+            known[-1] = (known[-1][0], f"{known[-1][1]} {line.strip()}")
+    return known
 
 
 def section(name):

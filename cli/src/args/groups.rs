@@ -72,7 +72,9 @@ fn listed(command: &Command) -> String {
         Some(about) => about.to_string(),
         None => "Shows this, or the options of a command with examples".to_owned(),
     };
-    let columns = usize::from(Term::stdout().size().1).clamp(60, WIDEST);
+    // As wide as clap makes what it writes itself.
+    let columns =
+        Term::stdout().size_checked().map_or(WIDEST, |(_, columns)| columns.into()).clamp(60, WIDEST);
     let mut text = String::new();
     for (group, names) in GROUPS {
         let _ = writeln!(text, "{group}:");
