@@ -1,25 +1,37 @@
-//! A connection that shows a token with each call.
+//! A connection that shows a token with each call, or a way to services in the same program.
 
+use std::fmt;
 use std::task::{Context, Poll};
 
+#[cfg(feature = "network")]
 use baudbot_access::Token;
 use tonic::body::Body;
 use tonic::codegen::http::header::AUTHORIZATION;
 use tonic::codegen::http::{HeaderValue, Request, Response};
-use tonic::transport;
-use tonic::transport::channel::ResponseFuture;
-use tower::Service;
+use tonic::codegen::{BoxFuture, StdError};
+use tower::util::BoxCloneSyncService;
+use tower::{Service, ServiceExt};
 
 /// A connection to a server, for clients of any of its services. Clones share it.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Channel {
-    inner: transport::Channel,
+    inner: BoxCloneSyncService<Request<Body>, Response<Body>, StdError>,
     /// What is shown with each call.
     authorization: Option<HeaderValue>,
 }
 
 impl Channel {
-    pub(crate) fn new(inner: transport::Channel, token: Option<&Token>) -> Self {
+    /// To services in the same program, which are called as functions.
+    pub fn to<S>(services: S) -> Self
+    where
+        S: Service<Request<Body>, Response = Response<Body>, Error: Into<StdError>, Future: Send + 'static>,
+        S: Clone + Send + Sync + 'static,
+    {
+        Self { inner: BoxCloneSyncService::new(services.map_err(Into::into)), authorization: None }
+    }
+
+    #[cfg(feature = "network")]
+    pub(crate) fn new(inner: tonic::transport::Channel, token: Option<&Token>) -> Self {
         let authorization = token.map(|token| {
             let text = format!("Bearer {}", token.reveal());
             let mut value =
@@ -27,27 +39,34 @@ impl Channel {
             value.set_sensitive(true);
             value
         });
-        Self { inner, authorization }
+        Self { authorization, ..Self::to(inner) }
     }
 }
 
 /// One that shows no token, such as one to a server in the same process.
-impl From<transport::Channel> for Channel {
-    fn from(inner: transport::Channel) -> Self {
+#[cfg(feature = "network")]
+impl From<tonic::transport::Channel> for Channel {
+    fn from(inner: tonic::transport::Channel) -> Self {
         Self::new(inner, None)
+    }
+}
+
+impl fmt::Debug for Channel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Channel").field("authorization", &self.authorization).finish_non_exhaustive()
     }
 }
 
 impl Service<Request<Body>> for Channel {
     type Response = Response<Body>;
-    type Error = transport::Error;
-    type Future = ResponseFuture;
+    type Error = StdError;
+    type Future = BoxFuture<Response<Body>, StdError>;
 
-    fn poll_ready(&mut self, context: &mut Context<'_>) -> Poll<Result<(), transport::Error>> {
+    fn poll_ready(&mut self, context: &mut Context<'_>) -> Poll<Result<(), StdError>> {
         self.inner.poll_ready(context)
     }
 
-    fn call(&mut self, mut request: Request<Body>) -> ResponseFuture {
+    fn call(&mut self, mut request: Request<Body>) -> Self::Future {
         if let Some(authorization) = &self.authorization {
             request.headers_mut().insert(AUTHORIZATION, authorization.clone());
         }

@@ -52,7 +52,6 @@
 mod address;
 #[cfg(feature = "network")]
 mod attachment;
-#[cfg_attr(not(feature = "network"), path = "in_memory.rs")]
 mod channel;
 mod client;
 #[cfg(feature = "network")]

@@ -61,8 +61,9 @@ mod tests {
     fn runtime() -> (Runtime, Parked) {
         let parked = Parked::default();
         let noted = parked.clone();
-        let runtime = Builder::new_current_thread().enable_time().on_thread_park(move || noted.note());
-        (runtime.build().unwrap(), parked)
+        let mut builder = Builder::new_current_thread();
+        let runtime = builder.enable_time().on_thread_park(move || noted.note()).build();
+        (runtime.unwrap(), parked)
     }
 
     #[test]
