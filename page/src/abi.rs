@@ -68,7 +68,7 @@ pub extern "C" fn baudbot_turn(at_most_ms: u32) -> bool {
 #[unsafe(no_mangle)]
 pub extern "C" fn baudbot_next() -> usize {
     with(0, |all| {
-        all.outgoing = all.page.next().unwrap_or_default();
+        all.outgoing = all.page.next_message().unwrap_or_default();
         all.outgoing.1.len()
     })
 }

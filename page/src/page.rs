@@ -85,7 +85,7 @@ impl Page {
     }
 
     /// The next message for a client, with its port.
-    pub fn next(&mut self) -> Option<(u32, Bytes)> {
+    pub fn next_message(&mut self) -> Option<(u32, Bytes)> {
         self.outbox.lock().pop_front()
     }
 }

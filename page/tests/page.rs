@@ -30,7 +30,7 @@ impl Asks {
     fn hear(&mut self, port: u32) -> Vec<u8> {
         let deadline = Instant::now() + Duration::from_secs(120);
         while Instant::now() < deadline {
-            match self.page.next() {
+            match self.page.next_message() {
                 Some((from, message)) if from == port => return message.to_vec(),
                 Some(_) => {}
                 None => drop(self.page.turn(Duration::from_millis(8))),
