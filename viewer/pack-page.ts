@@ -4,7 +4,7 @@ import { join } from "node:path";
 import { gzipSync } from "node:zlib";
 
 /** What Pyodide loads, of its package. */
-const PYODIDE = ["pyodide.js", "pyodide.asm.mjs", "pyodide.asm.wasm", "pyodide-lock.json", "python_stdlib.zip"];
+const PYODIDE = ["pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "pyodide-lock.json", "python_stdlib.zip"];
 /** What is loaded before a brain in Python is wanted. */
 const OWN = ["index.html", "page.js", "page.css", "world-worker.js", "brain-worker.js", "baudbot.wasm"];
 

@@ -68,7 +68,7 @@ export class Crew extends Emitter<{ changed: void }> {
   private beginOwn(language: ToBrain["language"], code: string, world: string, robots: string[]): Promise<void> {
     const { port, close } = this.host.port();
     const name = language === "javascript" ? "own JavaScript" : "own Python";
-    const own: Own = { worker: new Worker(this.parts.brain), close, world, robots, name };
+    const own: Own = { worker: this.worker(language), close, world, robots, name };
     this.own.add(own);
     const { pyodide } = this.parts;
     return new Promise((resolve, reject) => {
@@ -93,6 +93,12 @@ export class Crew extends Emitter<{ changed: void }> {
     if (!this.own.has(own)) return;
     this.dismiss(own);
     this.say(`${own.name} was ended.`);
+  }
+
+  /** Pyodide wants a module, which a browser does not load from a page on a disk by the address of a blob. */
+  private worker(language: ToBrain["language"]): Worker {
+    const { brain, module } = this.parts;
+    return language === "python" ? new Worker(module, { type: "module" }) : new Worker(brain);
   }
 
   private dismiss(own: Own): void {

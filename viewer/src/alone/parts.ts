@@ -4,6 +4,8 @@ export interface Parts {
   /** Addresses of the workers' scripts. */
   world: string;
   brain: string;
+  /** The brain's as a module. */
+  module: string;
   /** The world's program. */
   wasm(): Promise<ArrayBuffer>;
   /** The folder of Pyodide. */
@@ -18,6 +20,7 @@ export function parts(): Parts {
     return {
       world: addressOf(world.textContent),
       brain: addressOf(brain.textContent),
+      module: `data:text/javascript;charset=utf-8,${encodeURIComponent(brain.textContent)}`,
       wasm: () => unpacked(wasm.textContent),
       // A file has no folder beside it; this one is the package's at npm.
       pyodide: `https://cdn.jsdelivr.net/npm/pyodide@${__PYODIDE__}/`,
@@ -27,6 +30,7 @@ export function parts(): Parts {
   return {
     world: beside("world-worker.js"),
     brain: beside("brain-worker.js"),
+    module: beside("brain-worker.js"),
     wasm: async () => {
       const response = await fetch(beside("baudbot.wasm"));
       if (!response.ok) throw new Error(`baudbot.wasm: ${response.status} ${response.statusText}`);

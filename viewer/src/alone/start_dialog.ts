@@ -35,7 +35,7 @@ export class StartDialog {
   });
   private readonly records = el("input", { type: "checkbox", test: "records" });
   private readonly save: HTMLButtonElement;
-  private readonly presets = el("ul", { class: "presets", label: "Presets" });
+  private readonly presets = el("ul", { class: "presets", label: "Presets", attributes: { tabindex: "0" } });
   private readonly error = el("p", { class: "error", role: "alert", test: "start-error" });
   private readonly result = el("p", { role: "status", test: "result" });
   private readonly begin: HTMLButtonElement;

@@ -52,9 +52,13 @@ def _step(turn):
     return None if command is None else (command.left, command.right)
 `;
 
-/** Those of workers, and of the script that they load. */
-declare function importScripts(address: string): void;
-declare function loadPyodide(options: object): Promise<Pyodide>;
+/** An import that stays one, so that the same script is a module and none. */
+const load = new Function("address", "return import(address)") as (address: string) => Promise<unknown>;
+
+/** What the script of Pyodide exports. */
+interface Script {
+  loadPyodide(options: object): Promise<Pyodide>;
+}
 
 /** What is used of Pyodide. */
 interface Pyodide {
@@ -65,7 +69,7 @@ type Proxy = { (turn: BrainTurn): undefined | { toJs(): [number, number]; destro
 
 /** The brain that a text hands to `baudbot.main`. */
 export async function stepOfPython(code: string, folder: string, say: (text: string) => void): Promise<Step> {
-  importScripts(`${folder}pyodide.js`);
+  const { loadPyodide } = (await load(`${folder}pyodide.mjs`)) as Script;
   const python: Pyodide = await loadPyodide({ indexURL: folder, stdout: say, stderr: say });
   python.runPython(PACKAGE);
   python.runPython(code, { filename: "brain.py" });
