@@ -108,7 +108,7 @@ fn what_cannot_be_graded_is_refused_with_the_name_that_was_meant() {
         (&["grade", "wandr", "--brain", "avoid"][..], "did you mean `wander`?"),
         (&["grade", "wander"], "which brain is to be graded?"),
         (&["grade", "--brain", "avoid"], "which exercise?"),
-        (&["grade", "wander", "--brain", "avod"], "did you mean `avoid`?"),
+        (&["grade", "wander", "--brain", "avod"], "no brain `avod`; there are: avoid, "),
         (&["grade", "wander", "--brain", "bob=avoid"], "there is no robot `bob`"),
         (&["grade", "wander", "--brain", "avoid", "--seeds", "0"], "--seeds: must be at least 1"),
     ] {
@@ -170,7 +170,7 @@ fn a_brain_cannot_ask_for_the_truth() {
     let (code, json) = graded(&file, &format!("exec:sh -c '{script}'"));
     assert_eq!(code, 0, "{json:#}");
     let said = std::fs::read_to_string(said).unwrap();
-    assert!(said.contains("has no right to this") && said.trim_end().ends_with('1'), "{said}");
+    assert!(said.contains("there is no such call") && said.trim_end().ends_with('1'), "{said}");
 }
 
 #[test]
