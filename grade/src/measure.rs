@@ -127,8 +127,8 @@ mod tests {
 
     #[test]
     fn a_wrong_name_is_told_with_the_nearest() {
-        let error = Measure::named("turned").unwrap_err().to_string();
-        assert!(error.starts_with("there is no measure `turned`; did you mean `turned_rad`?"), "{error}");
+        let error = Measure::named("turnd_rad").unwrap_err().to_string();
+        assert!(error.starts_with("there is no measure `turnd_rad`; did you mean `turned_rad`?"), "{error}");
         assert_eq!(Measure::named("collisions"), Ok(Measure::Figure(Figure::Collisions)));
     }
 }

@@ -69,7 +69,7 @@ mod tests {
     #[test]
     fn a_runtime_without_tasks_or_with_timers_only_is_idle_at_once() {
         let (runtime, parked) = runtime();
-        runtime.spawn(sleep(Duration::from_secs(3600)));
+        runtime.spawn(async { sleep(Duration::from_secs(3600)).await });
         let begun = Instant::now();
         assert!((0..10).all(|_| runtime.block_on(parked.work(Duration::from_secs(60)))));
         assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn a_timer_that_is_due_is_no_rest() {
         let (runtime, parked) = runtime();
-        let timed = runtime.spawn(sleep(Duration::from_millis(5)));
+        let timed = runtime.spawn(async { sleep(Duration::from_millis(5)).await });
         runtime.block_on(parked.work(Duration::from_secs(60)));
         std::thread::sleep(Duration::from_millis(20));
         assert!(runtime.block_on(parked.work(Duration::from_secs(60))));
