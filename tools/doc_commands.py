@@ -120,7 +120,8 @@ class Page:
         self.environment = {
             "CARGO_HOME": str(home / ".cargo"),
             "RUSTUP_HOME": str(home / ".rustup"),
-            **os.environ,
+            # The reader has the program on the path, and no variable with where it is.
+            **{name: value for name, value in os.environ.items() if name != "BAUDBOT"},
             "HOME": str(folder),
             "XDG_CONFIG_HOME": str(folder / "config"),
             "XDG_RUNTIME_DIR": str(self.state),
