@@ -16,7 +16,7 @@ use tokio::sync::mpsc;
 use crate::idle::Parked;
 use crate::orders;
 
-/// The port of [orders](crate::orders); all others are of pages and brains.
+/// The port of [orders]; all others are of pages and brains.
 pub const ORDERS: u32 = 0;
 
 /// A server and what it has to say.
