@@ -43,8 +43,8 @@ impl Page {
         let noted = parked.clone();
         let runtime =
             Builder::new_current_thread().enable_time().on_thread_park(move || noted.note()).build()?;
-        // Nobody else is there to take more than their share.
-        let limits = Limits { memory_bytes: MEMORY_BYTES, ..Limits::default() };
+        // Nobody else is there to take more than their share, or to be harmed by a world that lags.
+        let limits = Limits { memory_bytes: MEMORY_BYTES, overload_after_s: 0, ..Limits::default() };
         let server = Embedded::new(limits, recordings);
         Ok(Self { runtime, parked, server, ports: BTreeMap::new(), outbox: Outbox::default() })
     }
