@@ -26,7 +26,7 @@ done
 
 case $(uname -s) in
   Linux) ;;
-  *) fail "this is $(uname -s); there are programs for Linux only, also in WSL (docs: what runs where)" ;;
+  *) fail "this is $(uname -s); the programs of a release are for Linux, also in WSL; elsewhere there is the page that needs no installation" ;;
 esac
 case $(uname -m) in
   x86_64 | amd64) target=x86_64-unknown-linux-musl ;;
