@@ -47,15 +47,18 @@ impl Driver {
     /// # Errors
     /// If the server refuses, or the catalogue has no such brain for a robot.
     pub(crate) async fn attach(channel: Channel, mut assignment: Assignment) -> Result<Self, BrainError> {
-        if let Some(text) = &assignment.text {
-            // The catalogue reads such brains from files, and says of which file and line an error is.
-            fs::write(OWN, text)?;
+        if assignment.text.is_some() {
             assignment.brain = OWN.to_owned();
         }
         let robots: Vec<_> = assignment.robots.iter().map(String::as_str).collect();
         let client = Client::from_channel(channel.clone()).brain(catalogue::shown_name(&assignment.brain));
         // No brain of the catalogue says how long it thought.
         let fleet = client.thinks_as_scenario().attach_many(&assignment.world, &robots).await?;
+        if let Some(text) = &assignment.text {
+            // The catalogue reads such brains from files, and says of which file and line an error is. Nothing is waited for until it has
+            // read this one, as that of another brain may be written then.
+            fs::write(OWN, text)?;
+        }
         let make = |body| catalogue::brain(&assignment.brain, assignment.seed, body);
         let brains = fleet.bodies().iter().map(|body| make(body)).collect::<Result<_, _>>()?;
         Ok(Self { channel, assignment, fleet, brains })
