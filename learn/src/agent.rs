@@ -158,8 +158,11 @@ impl Agent {
             if reading.readable {
                 *is_readable = true;
                 *sampled_at = reading.sampled_at.unwrap_or(self.now);
-                for (to, value) in values[part.values.clone()].iter_mut().zip(&*reading.values) {
-                    *to = *value;
+                let to = &mut values[part.values.clone()];
+                // Most sensors have one value.
+                match (&mut *to, &*reading.values) {
+                    ([to], [value]) => *to = *value,
+                    (to, values) => to.iter_mut().zip(values).for_each(|(to, value)| *to = *value),
                 }
             }
         }

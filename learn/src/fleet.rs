@@ -1,6 +1,7 @@
 //! Many environments with one agent each, stepped on some threads.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::env::{Env, Stepped};
 use crate::error::LearnError;
@@ -167,7 +168,7 @@ impl Fleet {
         })
     }
 
-    /// A step of each environment. `actions` has shape (environments, actions).
+    /// A step of each environment. `actions` has shape (environments, actions). Whether a run ended in it.
     ///
     /// # Errors
     /// If an action is NaN, or a new run's scenario makes no sense.
@@ -180,7 +181,7 @@ impl Fleet {
         reward: &Reward,
         arrays: Arrays<'_>,
         out: Rewards<'_>,
-    ) -> Result<(), LearnError> {
+    ) -> Result<bool, LearnError> {
         let signals = self.envs[0].agents()[0].layout().actions.len();
         if let Some(place) = actions.iter().position(|signal| signal.is_nan()) {
             let path = format!("actions[{}, {}]", place / signals, place % signals);
@@ -189,6 +190,7 @@ impl Fleet {
         self.threads.are_there()?;
         let (width, autoreset) = (self.width(), self.autoreset);
         let Rewards { rewards, terminated, truncated, tallies, finals } = out;
+        let has_ended = AtomicBool::new(false);
         let Self { envs, runs, threads, .. } = self;
         let mut finals = finals.map(|arrays| arrays.rows(width));
         let environments =
@@ -204,7 +206,13 @@ impl Fleet {
                 Work { env, run, action, row, last, reward: rewards, terminated, truncated, tally }
             },
         );
-        threads.each(work, |mut work| work.step(reward, autoreset))
+        threads.each(work, |mut work| {
+            if work.step(reward, autoreset)? {
+                has_ended.store(true, Ordering::Relaxed);
+            }
+            Ok(())
+        })?;
+        Ok(has_ended.into_inner())
     }
 
     /// Values and sensors of a row.
@@ -215,7 +223,8 @@ impl Fleet {
 }
 
 impl Work<'_> {
-    fn step(&mut self, reward: &Reward, autoreset: Autoreset) -> Result<(), LearnError> {
+    /// Whether the run ended.
+    fn step(&mut self, reward: &Reward, autoreset: Autoreset) -> Result<bool, LearnError> {
         let Self { env, run, .. } = self;
         let mut stepped = Stepped::default();
         if run.is_over && autoreset == Autoreset::NextStep {
@@ -232,6 +241,7 @@ impl Work<'_> {
         (*self.terminated, *self.truncated) = (stepped.is_terminated, stepped.is_truncated);
         // A run that is over as soon as it begins has a step in which that is told.
         run.is_over = stepped.is_terminated || stepped.is_truncated;
+        let has_ended = run.is_over;
         if run.is_over && autoreset == Autoreset::SameStep {
             if let Some(last) = &mut self.last {
                 last.observe(env);
@@ -240,7 +250,7 @@ impl Work<'_> {
             run.begin(env)?;
         }
         self.row.observe(env);
-        Ok(())
+        Ok(has_ended)
     }
 }
 
@@ -261,15 +271,9 @@ impl<'a> Arrays<'a> {
 impl Row<'_> {
     fn observe(&mut self, env: &Env) {
         let agent = &env.agents()[0];
-        for (to, value) in self.values.iter_mut().zip(agent.values()) {
-            *to = *value as f32;
-        }
-        for (to, age_s) in self.ages_s.iter_mut().zip(agent.ages_s()) {
-            *to = age_s as f32;
-        }
-        for (to, readable) in self.readable.iter_mut().zip(agent.readable()) {
-            *to = i8::from(*readable);
-        }
+        self.values.iter_mut().zip(agent.values()).for_each(|(to, value)| *to = *value as f32);
+        self.ages_s.iter_mut().zip(agent.ages_s()).for_each(|(to, age_s)| *to = age_s as f32);
+        self.readable.iter_mut().zip(agent.readable()).for_each(|(to, readable)| *to = i8::from(*readable));
     }
 }
 

@@ -87,7 +87,7 @@ impl Fleet {
         Ok(())
     }
 
-    /// A step of each environment. The last three arrays get what runs that ended observed last.
+    /// A step of each environment; whether a run ended. The last three arrays get what runs that ended observed last.
     #[expect(
         clippy::too_many_arguments,
         reason = "the interpreter is one of them, and a Python module passes the others"
@@ -101,7 +101,7 @@ impl Fleet {
         over: (PyReadwriteArray1<'_, bool>, PyReadwriteArray1<'_, bool>),
         tallies: PyReadwriteArray2<'_, f64>,
         finals: (Floats<'_>, Floats<'_>, Flags<'_>),
-    ) -> PyResult<()> {
+    ) -> PyResult<bool> {
         let [count, .., signals] = self.shape;
         if actions.as_array().dim() != (count, signals) {
             let (rows, columns) = actions.as_array().dim();
@@ -131,10 +131,13 @@ impl Fleet {
         let actions = actions.as_slice()?;
         let mut fleet = locked(py, &self.fleet)?;
         let (fleet, reward) = (&mut *fleet, &self.reward);
-        apart(py, || fleet.step(actions, reward, arrays, out))?.map_err(|error| of_learning(py, &error))?;
+        let has_ended = apart(py, || fleet.step(actions, reward, arrays, out))?
+            .map_err(|error| of_learning(py, &error))?;
         limit(&mut ages_s, self.max_age_s);
-        limit(&mut last_ages_s, self.max_age_s);
-        Ok(())
+        if has_ended {
+            limit(&mut last_ages_s, self.max_age_s);
+        }
+        Ok(has_ended)
     }
 
     /// The fingerprints of all worlds in one.

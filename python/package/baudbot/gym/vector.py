@@ -82,6 +82,7 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
         self._over = (np.zeros(num_envs, np.bool_), np.zeros(num_envs, np.bool_))
         # Those whose runs ended in the last step.
         self._ended = np.zeros(num_envs, np.bool_)
+        self._had_ended = False
         self._tallies = np.zeros((num_envs, len(TALLY)))
 
     def __reduce_ex__(self, protocol: object) -> str:
@@ -107,7 +108,7 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
             raise closed_or_new(False)
         array = signals(actions, self.action_space.shape or (), "actions")
         try:
-            fleet.step(
+            has_ended = fleet.step(
                 np.ascontiguousarray(array), self._observed, self._rewards, self._over, self._tallies, self._finals
             )
         except TypeError as error:
@@ -122,7 +123,9 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
             if rewards.shape != (self.num_envs,):
                 raise Invalid(f"reward: has shape {rewards.shape}, ({self.num_envs},) is needed", "reward")
         terminated, truncated = self._over
-        info = self._step_infos(terminated | truncated)
+        # Of most steps there is nothing to tell.
+        info = self._step_infos(terminated | truncated) if has_ended or self._had_ended else {}
+        self._had_ended = has_ended
         if self._copy:
             rewards, terminated, truncated = rewards.copy(), terminated.copy(), truncated.copy()
         return observation, rewards, terminated, truncated, info
