@@ -85,6 +85,10 @@ use tokio::runtime::Runtime;
 use crate::args::{Command, NewCommand, PortCommand};
 use crate::text::tell;
 
+/// A server whose worlds and clients come and go for weeks keeps its memory: the system's allocator grew by 9 MB an hour.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> ExitCode {
     let cli = args::parsed();
     let (filter, format) = (cli.log.clone(), cli.log_format);

@@ -1,6 +1,6 @@
 //! A server for hours, with all that clients do at once: `./test soak [HOURS]`.
 //!
-//! The server is a process of its own, with tokens and TLS. Fifty viewers watch its worlds, one of which never reads; a thousand
+//! The server is `baudbot serve`, with tokens and TLS. Fifty viewers watch its worlds, one of which never reads; a thousand
 //! brains come, drive for a while and go; recordings follow one another; worlds are made and deleted. Memory, descriptors and threads
 //! of the server are sampled, and a line is fitted through what comes after the first minutes: it must be flat. The world that the
 //! stalled viewer watches must lag no more than another one with as many viewers that read.
@@ -9,12 +9,10 @@ mod clients;
 mod samples;
 mod server;
 
-use std::path::PathBuf;
-use std::process::{ExitCode, Stdio};
+use std::path::Path;
+use std::process::ExitCode;
 use std::time::Duration;
 
-use tokio::io::{AsyncBufReadExt, BufReader};
-use tokio::process::Command;
 use tokio::time::{Instant, sleep};
 
 use clients::Crowd;
@@ -25,30 +23,20 @@ const EVERY: Duration = Duration::from_secs(5);
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
+    let (Some(program), minutes) = (arguments.next(), arguments.next()) else {
+        eprintln!("usage: soak PROGRAM [MINUTES]");
+        return ExitCode::FAILURE;
+    };
+    let minutes = minutes.map_or(10.0, |text| text.parse().expect("minutes"));
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
     baudbot_server::raise_descriptor_limit();
-    match arguments.next().as_deref() {
-        Some("serve") => {
-            let folder = arguments.next().expect("a folder");
-            runtime.block_on(server::serve(&PathBuf::from(folder)));
-            ExitCode::SUCCESS
-        }
-        time => {
-            let minutes = time.map_or(10.0, |text| text.parse().expect("minutes"));
-            if runtime.block_on(soak(minutes)) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
-        }
-    }
+    if runtime.block_on(soak(Path::new(&program), minutes)) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// Runs a server and its clients for so long, and says how it went.
-async fn soak(minutes: f64) -> bool {
+async fn soak(program: &Path, minutes: f64) -> bool {
     let folder = tempfile::tempdir().expect("a folder");
-    let program = std::env::current_exe().expect("this program");
-    let mut command = Command::new(program);
-    command.arg("serve").arg(folder.path()).stdout(Stdio::piped());
-    let mut child = command.kill_on_drop(true).spawn().expect("a server");
-    let mut lines = BufReader::new(child.stdout.take().expect("it is piped")).lines();
-    let address = lines.next_line().await.expect("its words").expect("its address");
+    let (child, address) = server::start(program, folder.path()).await;
     let process = child.id().expect("it runs");
     println!("the server listens on {address}, process {process}");
     let crowd = Crowd::start(&address, folder.path()).await;
