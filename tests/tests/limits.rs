@@ -185,6 +185,22 @@ async fn a_token_has_so_many_connections_and_another_token_its_own() {
 }
 
 #[tokio::test]
+async fn calls_without_a_token_keep_nobody_out_who_has_one() {
+    let (server, [alice, bob], _folder) = serve_class(Limits { connections: 4, ..Limits::default() }).await;
+    let _alice = connect(&server, Some(&alice)).await.attach("w", "r0").await.unwrap();
+    let mut strangers = Vec::new();
+    for _ in 0..20 {
+        let stranger = connect(&server, None).await;
+        assert!(stranger.attach("w", "r1").await.is_err());
+        strangers.push(stranger);
+    }
+    let bob = connect(&server, Some(&bob)).await;
+    let _bob = bob.attach("w", "r1").await.unwrap();
+    assert!(bob.attach("w", "r0").await.is_err(), "alice has it still");
+    server.shutdown().await;
+}
+
+#[tokio::test]
 async fn a_connection_has_so_many_open_calls_and_the_next_are_refused_in_words() {
     let server = serve(Limits { streams_per_connection: 3, ..Limits::default() }).await;
     let client = connect(&server, None).await;

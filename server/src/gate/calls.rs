@@ -174,6 +174,9 @@ impl CheckCalls {
                 return Err(status);
             }
         };
+        if let (Some(admission), Caller::Trusted | Caller::Holder(_)) = (&admission, &caller) {
+            admission.note_known();
+        }
         let account = Account::of(&caller, from.account());
         let tally = if account == *from.account() { from } else { self.limits.tally(&account) };
         let open = match account {

@@ -8,16 +8,17 @@
 //!
 //! # Assumptions
 //!
-//! A client connects because it wants something, and calls at once. One that has made a call is in use from then on and may
-//! be silent for as long as it likes: a brain in a world that stands says nothing for hours. One that has not is broken,
-//! lost, or hostile, and another client can use its place.
+//! A client connects because it wants something, and calls at once. One that has made a call that it may make is in use from then on and may
+//! be silent for as long as it likes: a brain in a world that stands says nothing for hours. One that has made no call is broken,
+//! lost, or hostile, and another client can use its place. So it is with a stranger, which has only made calls that were refused, or calls
+//! that anybody may make.
 //!
 //! # Mechanism
 //!
 //! - A connection takes a place, as long as one is free. It then has to make its first call within some seconds
 //!   (`patience`), or it is closed.
-//! - When no place is free, a new connection gets that of the connection which has been silent for longest, and which is
-//!   closed for it. A flood of connections without calls so displaces itself, and never those that are in use.
+//! - When no place is free, a new connection gets that of the connection which has been silent for longest, or else that of the oldest stranger,
+//!   which is closed for it. A flood of connections without calls, or without a token, so displaces itself, and never those that are in use.
 //! - A connection that abandons a thousand calls more than it lets be answered is closed: it wants work and no answers.
 //! - So that no address takes all places, each may have so many, as may the holder of a token; a connection belongs to the first token
 //!   that is shown on it.
@@ -73,6 +74,8 @@ struct Occupancy {
     last_number: u64,
     /// Connections with a place that have not made a call.
     silent: BTreeMap<u64, Arc<Admission>>,
+    /// Connections with a place that have made calls, but none that only a known caller may make.
+    strangers: BTreeMap<u64, Arc<Admission>>,
     /// Connections without a place.
     refused: BTreeMap<u64, Arc<Admission>>,
 }
@@ -93,8 +96,10 @@ pub(crate) struct Admission {
     calls: AtomicUsize,
     /// Changes only while the occupancy is locked.
     has_place: AtomicBool,
-    /// Whether it has made a call, and stays.
+    /// Whether it has made a call.
     has_called: AtomicBool,
+    /// Whether it has made a call that only a known caller may make, and stays.
+    is_known: AtomicBool,
     /// Whether another connection needs its place, or it makes calls only to abandon them.
     is_evicted: AtomicBool,
     /// Calls that ended before they were answered, less those that were answered.
@@ -147,6 +152,7 @@ impl Gate {
             calls: AtomicUsize::new(0),
             has_place: has_place.into(),
             has_called: false.into(),
+            is_known: false.into(),
             is_evicted: false.into(),
             abandoned: 0.into(),
             reader: AtomicWaker::new(),
@@ -165,6 +171,7 @@ impl Gate {
     fn leave(&self, admission: &Admission) {
         let mut occupancy = self.occupancy();
         occupancy.silent.remove(&admission.number);
+        occupancy.strangers.remove(&admission.number);
         occupancy.refused.remove(&admission.number);
         occupancy.taken -= usize::from(admission.has_place.load(Ordering::Relaxed));
         self.0.limits.note_connections(occupancy.taken);
@@ -177,13 +184,14 @@ impl Gate {
 }
 
 impl Occupancy {
-    /// Takes a place that is free, or that of the connection that has been silent for longest.
+    /// Takes a place that is free, or that of the connection that has been silent for longest, or that of the oldest stranger.
     fn find_place(&mut self, places: usize) -> bool {
         if self.taken < places {
             self.taken += 1;
             return true;
         }
-        let Some((_, oldest)) = self.silent.pop_first() else { return false };
+        let oldest = self.silent.pop_first().or_else(|| self.strangers.pop_first());
+        let Some((_, oldest)) = oldest else { return false };
         oldest.has_place.store(false, Ordering::Relaxed);
         oldest.evict();
         true
@@ -210,7 +218,7 @@ impl Admission {
         self.gate.0.limits.request(&self.tally)
     }
 
-    /// The connection makes a call: from its first one on it stays.
+    /// The connection makes a call: from its first one on it stays as long as nobody else needs its place.
     ///
     /// # Errors
     /// If it has no place.
@@ -219,12 +227,22 @@ impl Admission {
             return Ok(());
         }
         let mut occupancy = self.gate.occupancy();
-        if occupancy.silent.remove(&self.number).is_some() {
+        if let Some(this) = occupancy.silent.remove(&self.number) {
+            occupancy.strangers.insert(self.number, this);
             self.has_called.store(true, Ordering::Relaxed);
             return Ok(());
         }
         // One that was let in, and has had to make room since.
         Err(self.counted.as_ref().err().cloned().unwrap_or_else(|| self.gate.0.limits.no_connection()))
+    }
+
+    /// The connection makes a call that its caller may make and not just anybody: it stays.
+    pub(crate) fn note_known(&self) {
+        if !self.is_known.load(Ordering::Relaxed)
+            && self.gate.occupancy().strangers.remove(&self.number).is_some()
+        {
+            self.is_known.store(true, Ordering::Relaxed);
+        }
     }
 
     /// The connection makes a call of this caller. Gives what counts the call while it is open.
@@ -300,6 +318,12 @@ mod tests {
         gate.admit(None, &Account::of_address([127, 0, 0, 1].into()))
     }
 
+    /// A call that it may make.
+    fn call(admission: &Admission) {
+        admission.note_call().unwrap();
+        admission.note_known();
+    }
+
     fn is_evicted(admission: &Admission) -> bool {
         admission.is_evicted.load(Ordering::Relaxed)
     }
@@ -313,24 +337,45 @@ mod tests {
         // It leaves late, and takes no place along.
         gate.leave(&first);
         assert_eq!(gate.occupancy().taken, 2);
-        second.note_call().unwrap();
+        call(&second);
         let fourth = admit(&gate);
         assert!(is_evicted(&third) && !is_evicted(&second), "a connection that has made a call stays");
-        fourth.note_call().unwrap();
+        call(&fourth);
+    }
+
+    #[test]
+    fn strangers_give_their_places_to_others_once_nobody_is_silent() {
+        let gate = gate(3);
+        let [first, second, third] = [(); 3].map(|()| admit(&gate));
+        call(&first);
+        second.note_call().unwrap();
+        let fourth = admit(&gate);
+        assert!(is_evicted(&third), "it has not even called");
+        call(&fourth);
+        let fifth = admit(&gate);
+        assert!(is_evicted(&second), "none of its calls was more than anybody may");
+        call(&fifth);
+        assert!([&first, &fourth, &fifth].iter().all(|known| !is_evicted(known)));
+        assert!(admit(&gate).note_call().is_err(), "all are known");
+        for one in [&first, &second, &third, &fourth, &fifth] {
+            gate.leave(one);
+        }
+        let occupancy = gate.occupancy();
+        assert_eq!((occupancy.taken, occupancy.strangers.len()), (0, 0));
     }
 
     #[test]
     fn where_all_places_are_in_use_a_new_connection_is_refused_until_one_leaves() {
         let gate = gate(2);
         let both = [admit(&gate), admit(&gate)];
-        both.iter().for_each(|one| one.note_call().unwrap());
+        both.iter().for_each(|one| call(one));
         let late = admit(&gate);
         let refused = late.note_call().unwrap_err().to_string();
         assert!(refused.starts_with("the server has 2 connections, which is its limit; "), "{refused}");
         gate.leave(&both[0]);
         assert!(late.note_call().is_err(), "a refused connection stays refused");
         gate.leave(&late);
-        admit(&gate).note_call().unwrap();
+        call(&admit(&gate));
         assert_eq!(gate.occupancy().taken, 2);
     }
 
@@ -374,7 +419,7 @@ mod tests {
     #[test]
     fn connections_without_a_place_are_few() {
         let gate = gate(1);
-        admit(&gate).note_call().unwrap();
+        call(&admit(&gate));
         let away: Vec<_> = (0..=max_refused(1)).map(|_| admit(&gate)).collect();
         assert!(is_evicted(&away[0]) && !away[1..].iter().any(|one| is_evicted(one)));
         away.iter().for_each(|one| gate.leave(one));

@@ -199,6 +199,7 @@ async fn open_socket(
         Ok(caller) => caller,
         Err(refusal) => return refusal.into_response(),
     };
+    admission.note_known();
     // As with calls of gRPC: what a page asks for is counted for its token, or for its address.
     let account = Account::of(&caller, admission.tally().account());
     let peer = Peer { caller, account };
