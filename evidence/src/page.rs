@@ -121,7 +121,7 @@ points it agrees with a real one.
 fn guesses_section() -> String {
     let guesses = guesses();
     let mut text = format!(
-        "\n## Guesses\n\n{} numbers of presets are guesses. By what would settle them:\n",
+        "\n## Guesses\n\n{} numbers of presets are guesses; `baudbot preset NAME` has all values. By what would settle them:\n",
         guesses.len()
     );
     for settled_by in SettledBy::ALL {
@@ -139,7 +139,10 @@ fn guesses_section() -> String {
 
 /// A row for each reason of a preset; presets with the same row share it.
 fn rows<'a>(guesses: impl Iterator<Item = &'a Guess>) -> String {
-    let fact = |fact: &Fact| format!("`{} = {}`", fact.path, fact.value);
+    let fact = |Fact { path, value, .. }: &Fact| {
+        let is_long = value.is_table() || value.is_array();
+        if is_long { format!("`{path}`") } else { format!("`{path} = {value}`") }
+    };
     let rows = gathered(guesses.map(|guess| ((guess.preset.name, guess.fact.source), fact(&guess.fact))));
     let rows = rows.into_iter().map(|((preset, why), facts)| ((facts.join(", "), why), preset.to_owned()));
     let row = |((facts, why), presets): ((String, &str), Vec<String>)| {
