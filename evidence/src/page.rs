@@ -127,7 +127,9 @@ fn guesses_section() -> String {
     for settled_by in SettledBy::ALL {
         let (heading, how) = settled_by.words();
         let rows = rows(guesses.iter().filter(|guess| guess.settled_by == settled_by));
-        if !rows.is_empty() {
+        if settled_by == SettledBy::Choice {
+            let _ = write!(text, "\n### {heading}\n\n{how}\n");
+        } else if !rows.is_empty() {
             let _ = write!(
                 text,
                 "\n### {heading}\n\n{how}\n\n| preset | guess | why so |\n|---|---|---|\n{rows}"
