@@ -44,7 +44,8 @@ const INTRODUCTION: &str = "\
 
 Presets of real robots compared with measurements of real robots. `baudbot evidence` makes this page: it repeats each
 experiment with the preset. `./test` makes it again, and fails if it differs or if an unmarked point disagrees. Points
-that disagree are red, with the reason. [`baudbot measure`](how-to/measure.md) and [`baudbot fit`](how-to/fit.md) measure
+that disagree are red, with the reason. A number was *read* in its source, *computed* from its data, read in an *excerpt*
+or a thread, or *recalled* without finding the source. [`baudbot measure`](how-to/measure.md) and [`baudbot fit`](how-to/fit.md) measure
 your own robot.
 
 | comparison | presets | points that agree |
@@ -70,29 +71,45 @@ fn section(comparison: &Comparison, points: &[Compared<'_>], picture: &str) -> S
         simulated.trim(),
         bound.words()
     );
-    let _ =
-        write!(text, "![{title}]({picture})\n\n| {x} | measured: {y} | simulated | |\n|---|---|---|---|\n");
-    for Compared { measured, simulated, agrees } in points {
-        let count = measured.n.map(|n| format!(", n {n}")).unwrap_or_default();
-        let spread = measured.sd.map(|sd| format!(" ± {}", short(sd))).unwrap_or_default();
-        let range = measured.range.map(|[least, most]| format!(", {} to {}", short(least), short(most)));
-        let verdict = match (agrees, &measured.disagrees) {
-            (true, None) => "agrees".into(),
-            (true, Some(why)) => format!("agrees, although: {why}"),
-            (false, why) => format!("{RED}{}", why.as_deref().unwrap_or("disagrees")),
-        };
-        let _ = writeln!(
-            text,
-            "| {} | {}{spread}{}{count} | {} ± {}, n {} | {verdict} |",
-            measured.at,
-            short(measured.mean),
-            range.unwrap_or_default(),
-            short(simulated.mean),
-            short(simulated.sd),
-            simulated.n
-        );
-    }
+    let heading = |n: Option<usize>| n.map(|n| format!(", n {n}")).unwrap_or_default();
+    let (n, simulated_n) =
+        (common(points, |point| point.measured.n), common(points, |point| Some(point.simulated.n)));
+    let (measured, simulated) = (heading(n), heading(simulated_n));
+    let _ = write!(
+        text,
+        "![{title}]({picture})\n\n| {x} | measured: {y}{measured} | simulated{simulated} | |\n|---|---|---|---|\n"
+    );
+    points.iter().for_each(|point| text += &row(point, n.is_none(), simulated_n.is_none()));
     text
+}
+
+/// How many there are at each point, if that is the same for all and known.
+fn common(points: &[Compared<'_>], n: impl Fn(&Compared<'_>) -> Option<usize>) -> Option<usize> {
+    let first = n(points.first()?);
+    first.filter(|_| points.iter().all(|point| n(point) == first))
+}
+
+/// A point; how many there were, where the heading does not say it.
+fn row(point: &Compared<'_>, with_n: bool, with_simulated_n: bool) -> String {
+    let Compared { measured, simulated, agrees } = point;
+    let count = |n: Option<usize>| n.map(|n| format!(", n {n}")).unwrap_or_default();
+    let spread = measured.sd.map(|sd| format!(" ± {}", short(sd))).unwrap_or_default();
+    let range = measured.range.map(|[least, most]| format!(", {} to {}", short(least), short(most)));
+    let verdict = match (agrees, &measured.disagrees) {
+        (true, None) => "agrees".into(),
+        (true, Some(why)) => format!("agrees, although: {why}"),
+        (false, why) => format!("{RED}{}", why.as_deref().unwrap_or("disagrees")),
+    };
+    format!(
+        "| {} | {}{spread}{}{} | {} ± {}{} | {verdict} |\n",
+        measured.at,
+        short(measured.mean),
+        range.unwrap_or_default(),
+        count(measured.n.filter(|_| with_n)),
+        short(simulated.mean),
+        short(simulated.sd),
+        count(Some(simulated.n).filter(|_| with_simulated_n)),
+    )
 }
 
 fn fields_section() -> String {
