@@ -7,7 +7,7 @@ use anyhow::Context;
 use crate::args::{self, CompletionsArgs, ManArgs};
 use crate::text;
 
-/// Prints what lets a shell complete commands and options.
+/// Prints a shell's completions of commands and options.
 pub(crate) fn completions(args: &CompletionsArgs) -> anyhow::Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut args::command(), "baudbot", &mut script);

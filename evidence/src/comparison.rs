@@ -178,10 +178,10 @@ impl Reliability {
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
-            Self::Read => "read in the source",
-            Self::Computed => "computed from the source's data",
-            Self::Excerpt => "read in an excerpt or a thread",
-            Self::Recalled => "recalled; the source was not found",
+            Self::Read => "read",
+            Self::Computed => "computed",
+            Self::Excerpt => "excerpt",
+            Self::Recalled => "recalled",
         }
     }
 }

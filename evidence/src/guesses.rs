@@ -80,7 +80,7 @@ impl SettledBy {
             }
             Self::Choice => (
                 "Choices of the simulation",
-                "They are no property of the robot: how finely it is simulated, or a default that a scenario replaces.",
+                "Not listed here: how finely a robot is simulated, or a default that a scenario replaces, is no property of the robot.",
             ),
         }
     }

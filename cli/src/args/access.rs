@@ -15,23 +15,23 @@ use crate::error::Refused;
 pub(crate) struct AccessArgs {
     /// Let any user of this machine do everything, without a token
     ///
-    /// By default a token for your own programs is in a file that only you can read, and the clients of baudbot find it there by
-    /// themselves. Others need --tokens (docs/reference/trust.md).
+    /// By default a token for your own programs is in a file that only you can read, and the clients of baudbot find it.
+    /// Others need --tokens (docs/reference/trust.md).
     #[arg(long)]
     pub(crate) open: bool,
-    /// Let those connect who have a token of this file, for what it is good for (`baudbot token`)
+    /// Admit clients with a token of this file, with its rights (`baudbot token`)
     #[arg(long, value_name = "FILE", conflicts_with = "open")]
     pub(crate) tokens: Option<PathBuf>,
     /// Encrypt connections, with this certificate and its key, both in PEM (`baudbot cert`)
     #[arg(long, value_name = "CERTIFICATE,KEY")]
     pub(crate) tls: Option<TlsFiles>,
-    /// Let only those connect who show a certificate of one of these authorities, in PEM
+    /// Admit only clients with a certificate of one of these authorities, in PEM
     #[arg(long, value_name = "FILE", requires = "tls")]
     pub(crate) client_ca: Option<PathBuf>,
     /// Other machines connect through a proxy, which encrypts
     #[arg(long, requires = "tokens")]
     pub(crate) behind_proxy: bool,
-    /// Append who did what to this file, in lines of JSON: calls that change something, drive a robot or train, and refused ones
+    /// Append an audit log to this file, in lines of JSON: calls that change something, drive a robot or train, and refused ones
     #[arg(long, value_name = "FILE")]
     pub(crate) audit: Option<PathBuf>,
     /// A name under which browsers reach the viewer, besides localhost and its address

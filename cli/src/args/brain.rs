@@ -24,7 +24,7 @@ pub(crate) struct BrainArgs {
     /// Seed of the brain's own random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// For how many seconds to try to reconnect when the server is lost; `off` is not at all
+    /// Seconds for which to try to reconnect to a lost server; `off` for never
     #[arg(long, value_name = "S|off", default_value = "600")]
     pub(crate) reconnect: Reconnect,
 }

@@ -21,11 +21,11 @@ pub(crate) struct BudgetArgs {
     pub(crate) svg: Option<PathBuf>,
     /// Take the thinking times that were measured in a recorded run instead of the scenario's
     ///
-    /// They are measured in real time, and in lockstep of brains that are programs (`baudbot run --brain 'exec:…' --record FILE`).
-    /// The longest that was measured stands for the worst case.
+    /// They are measured in real time, and in lockstep for brains that are programs (`baudbot run --brain 'exec:…' --record FILE`).
+    /// The longest one stands for the worst case.
     #[arg(long, value_name = "RUN.mcap")]
     pub(crate) measured: Option<PathBuf>,
-    /// How many simulated seconds a program on a robot's chip runs to be measured; other robots are computed without a run
+    /// Simulated seconds for which a program on a robot's chip is measured; other robots are computed without a run
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = measure::seconds)]
     pub(crate) seconds: f64,
     /// Exit with 1 if a robot misses its deadline

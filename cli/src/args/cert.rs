@@ -7,26 +7,26 @@ use clap::{Args, Subcommand};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum CertCommand {
-    /// Makes a certificate authority: ca.pem, and its key ca-key.pem
+    /// Creates a certificate authority: ca.pem, and its key ca-key.pem
     #[command(after_long_help = EXAMPLES)]
     Ca(AuthorityArgs),
-    /// Makes a certificate for a server, with its key
+    /// Creates a certificate for a server, with its key
     #[command(after_long_help = EXAMPLES)]
     Server(ServerCertificateArgs),
-    /// Makes a certificate for a client, with its key
+    /// Creates a certificate for a client, with its key
     #[command(after_long_help = EXAMPLES)]
     Client(ClientCertificateArgs),
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct AuthorityArgs {
-    /// The folder, which is made if it is not there
+    /// The folder, which is created if needed
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
-    /// What the authority is called: 1 to 64 letters, digits, _, -, . or @
+    /// Name of the authority: 1 to 64 letters, digits, _, -, . or @
     #[arg(long, default_value = "baudbot")]
     pub(crate) name: GrantName,
-    /// The authority is valid for so long
+    /// Validity of the authority
     #[arg(long, value_name = "TIME", default_value = "3650d")]
     pub(crate) expires: Lifetime,
 }
@@ -36,10 +36,10 @@ pub(crate) struct ServerCertificateArgs {
     /// The folder with the authority
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
-    /// Names and addresses by which clients reach the server: robots.lab, 10.0.0.7; the files have the first name
+    /// Names and addresses by which clients reach the server: robots.lab, 10.0.0.7; the files are called by the first one
     #[arg(value_name = "NAME", required = true)]
     pub(crate) names: Vec<String>,
-    /// The certificate is valid for so long
+    /// Validity of the certificate
     #[arg(long, value_name = "TIME", default_value = "365d")]
     pub(crate) expires: Lifetime,
 }
@@ -49,10 +49,10 @@ pub(crate) struct ClientCertificateArgs {
     /// The folder with the authority
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
-    /// What the client is called, as are the files: 1 to 64 letters, digits, _, -, . or @
+    /// Name of the client and of the files: 1 to 64 letters, digits, _, -, . or @
     #[arg(value_name = "NAME")]
     pub(crate) name: GrantName,
-    /// The certificate is valid for so long
+    /// Validity of the certificate
     #[arg(long, value_name = "TIME", default_value = "365d")]
     pub(crate) expires: Lifetime,
 }

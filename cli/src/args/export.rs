@@ -22,7 +22,7 @@ pub(crate) struct ExportArgs {
     /// Write the same events as a CSV table, with collisions, brains and manual changes
     #[arg(long, value_name = "FILE")]
     pub(crate) events: Option<PathBuf>,
-    /// Write a bag of ROS 2 into this folder, which must not be there yet: scans, odometry, inertia, commands, frames, the clock
+    /// Write a bag of ROS 2 into this folder, which must not exist yet: scans, odometry, inertia, commands, frames, the clock
     #[arg(long, value_name = "DIR")]
     pub(crate) rosbag2: Option<PathBuf>,
     /// Draw the arena from above with the robots' paths
@@ -31,7 +31,7 @@ pub(crate) struct ExportArgs {
     /// Write the beliefs of brains as a CSV table: state, pose, and each process's utility and whether it was active
     #[arg(long, value_name = "FILE")]
     pub(crate) beliefs_csv: Option<PathBuf>,
-    /// Draw utilities over time, and which processes were active
+    /// Draw utilities and active processes over time
     #[arg(long, value_name = "FILE")]
     pub(crate) utilities_svg: Option<PathBuf>,
     /// With --utilities-svg, draw this column of --csv above, such as a sensor's readings; may be given several times
@@ -46,7 +46,7 @@ pub(crate) struct ExportArgs {
     /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = super::chips::output)]
     pub(crate) vcd: Vec<ChipOutput>,
-    /// Write what the program of a robot's microcontroller sent, as it came to the laptop; may be given several times
+    /// Write what the program of a robot's microcontroller sent to the laptop; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = super::chips::output)]
     pub(crate) serial: Vec<ChipOutput>,
     #[command(flatten)]
@@ -77,7 +77,7 @@ pub(crate) struct WindowArgs {
 /// Which rows the tables have.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct RowArgs {
-    /// Only every N-th tick in --csv, --parquet, and in what --rosbag2 has with each tick
+    /// Only every N-th tick in --csv and --parquet, and for what --rosbag2 writes at each tick
     #[arg(long, value_name = "N", conflicts_with = "hz", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
     /// About this many ticks per simulated second in --csv, --parquet and --rosbag2, at a fixed interval of whole ticks

@@ -9,10 +9,10 @@ pub(crate) struct FitArgs {
     /// A log: a table whose columns have their unit in their name, or a recording in MCAP; `-` is stdin
     #[arg(value_name = "LOG", required_unless_present = "list")]
     pub(crate) file: Option<PathBuf>,
-    /// The preset of a robot, a sensor, motors, a link or an adapter whose numbers are looked for
+    /// The preset of a robot, a sensor, motors, a link or an adapter to fit
     #[arg(long, value_name = "PRESET", conflicts_with = "scenario", required_unless_present = "scenario")]
     pub(crate) preset: Option<String>,
-    /// A scenario with the robot whose numbers are looked for
+    /// A scenario with the robot to fit
     #[arg(long, value_name = "FILE")]
     pub(crate) scenario: Option<String>,
     /// The robot, in the scenario and in the log [default: the only one]
@@ -27,10 +27,10 @@ pub(crate) struct FitArgs {
     /// Change one field of the scenario before, such as robots.robot.link.baud=57600
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
-    /// List the fields that can be fitted, and the columns that are understood
+    /// List the fields that can be fitted, and the known columns
     #[arg(long)]
     pub(crate) list: bool,
-    /// Draw what is left between log and model as an SVG picture; `-` is stdout, and nothing else is then written there
+    /// Draw the residuals between log and model as an SVG picture; `-` is stdout, without other output
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
     /// Write the numbers as one JSON object

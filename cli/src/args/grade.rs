@@ -6,7 +6,7 @@ use clap::Args;
 
 #[derive(Debug, Args)]
 pub(crate) struct GradeArgs {
-    /// An exercise that is built in, or an exercise file (docs/how-to/grading.md); without one, lists those that are built in
+    /// A built-in exercise, or an exercise file (docs/how-to/grading.md); without one, lists the built-in ones
     pub(crate) exercise: Option<String>,
     /// The brain that is graded, for one robot, or for all robots that have no other
     ///
@@ -16,28 +16,28 @@ pub(crate) struct GradeArgs {
     /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
     #[arg(long = "parameter", value_name = "NAME=VALUE")]
     pub(crate) parameters: Vec<String>,
-    /// List the exercises that are built in
+    /// List the built-in exercises
     #[arg(long, conflicts_with_all = ["exercise", "brains", "show"])]
     pub(crate) list: bool,
     /// Show the task of the exercise and what earns points, and grade nothing
     #[arg(long, requires = "exercise", conflicts_with = "brains")]
     pub(crate) show: bool,
-    /// Print the file of an exercise that is built in, as a beginning of one's own
+    /// Print the file of a built-in exercise, as a starting point for your own
     #[arg(long, requires = "exercise", conflicts_with_all = ["brains", "show"])]
     pub(crate) toml: bool,
-    /// Other seeds than the exercise's: N (1 to N), A..B (inclusive) or A,B,C
+    /// Seeds in place of the exercise's: N (1 to N), A..B (inclusive) or A,B,C
     #[arg(long, value_name = "SEEDS")]
     pub(crate) seeds: Option<String>,
     /// Number of parallel runs [default: the number of processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
-    /// Show on stderr what brains print that are programs; otherwise the end of it is shown if one fails
+    /// Show on stderr what programs that are brains print; by default only the last lines of one that fails
     #[arg(long)]
     pub(crate) show_output: bool,
     /// Write the result as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write the result as JUnit XML, which systems for continuous integration show; `-` is stdout
+    /// Write the result as JUnit XML, for continuous integration; `-` is stdout
     #[arg(long, value_name = "FILE")]
     pub(crate) junit: Option<PathBuf>,
     /// No progress bar, no text (JSON is still written)
@@ -55,8 +55,8 @@ Examples:
   baudbot grade my.toml --brain brain.toml --junit result.xml
 
 Exit codes:
-  0    passed; or there was nothing to grade
-  1    could not be graded: the brain drove in no run, or an error occurred
+  0    passed, or nothing to grade
+  1    not graded: the brain drove in no run, or an error occurred
   2    the exercise, the brain or the options cannot be used
   3    graded, and not passed
   130  stopped by Ctrl-C";

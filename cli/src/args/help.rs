@@ -29,8 +29,8 @@ Examples:
   baudbot sweep my.toml --seeds 101..120         the same with other seeds
   baudbot sweep my.toml --find baud              the lowest sufficient baud rate
   baudbot sweep my.toml --connect 127.0.0.1:7400
-  baudbot sweep my.toml --shard 0/8              the first of eight shares of the runs; the last is 7/8
-  baudbot sweep my.toml --merge my.shards        the outputs, from the journals of all shares
+  baudbot sweep my.toml --shard 0/8              the first of eight shards; the last is 7/8
+  baudbot sweep my.toml --merge my.shards        the outputs, from the journals of all shards
 
 The folder DIR gets rows.jsonl (one line per run, as they end), and at the end rows.csv, rows.parquet, summary.txt and
 the charts. If a sweep was stopped, by Ctrl-C (exit code 130), a full disk or a power cut, the same command resumes it.
@@ -56,7 +56,7 @@ Examples:
   baudbot serve --recordings runs                record and replay in the viewer, or over gRPC
   baudbot serve --trainer unix:/tmp/t.sock       for a program that learns: it creates its worlds itself
   baudbot serve scenarios/devices/khepera-ascii.toml --port khepera=pty:khepera.tty
-                                                 a serial port for programs that know nothing of baudbot";
+                                                 a serial port for programs that do not know baudbot";
 
 pub(super) const REPLAY_EXAMPLES: &str = "\
 Examples:

@@ -27,7 +27,7 @@ pub(crate) struct LimitArgs {
     /// Calls of one caller, a token or an address, that are open at a time [default: 1024; for your own programs, any number]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_streams_per_caller: Option<u32>,
-    /// Calls that one caller may begin in a second; what is sent in an open stream is no call [default: 2000; for your own programs,
+    /// Calls that one caller may begin in a second; messages in an open stream do not count [default: 2000; for your own programs,
     /// any number]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     max_requests_per_s: Option<u32>,
@@ -46,21 +46,21 @@ pub(crate) struct LimitArgs {
     /// Snapshots of all worlds [default: 65536]
     #[arg(long, value_name = "N")]
     max_snapshots: Option<u32>,
-    /// Snapshots of one world; the oldest goes when there would be more [default: 64]
+    /// Snapshots of one world; further ones replace the oldest [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_snapshots_per_world: Option<u32>,
     /// Memory of scenarios, states and snapshots, such as 500M, 8G or 25% [default: 50% of the machine's, or of its container's]
     #[arg(long, value_name = "SIZE")]
     max_memory: Option<Size>,
-    /// Scenarios, states and recordings that are read at a time [default: one for each processor]
+    /// Scenarios, states and recordings that are parsed at a time [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_parsing: Option<u32>,
-    /// Requests that wait until theirs is read [default: 256]
+    /// Requests that wait for parsing [default: 256]
     #[arg(long, value_name = "N")]
     max_waiting: Option<u32>,
-    /// Refuse to start worlds once those in real time have lagged for so many seconds; 0 for never [default: 3]
+    /// Refuse to start worlds once those in real time have lagged for this many seconds; 0 for never [default: 3]
     ///
-    /// A world lags that lets time go, since it is behind the wall clock by more than its pace allows. Worlds in lockstep are always
+    /// A world lags if it drops time, because it is behind the wall clock by more than its pace allows. Worlds in lockstep are always
     /// started.
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32).range(..=3600))]
     overload_after: Option<u32>,

@@ -28,7 +28,7 @@ pub(crate) struct CompletionsArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ManArgs {
-    /// The folder for the pages, which is made if it is not there: then `man -M FOLDER baudbot`
+    /// The folder for the pages, which is created if needed: then `man -M FOLDER baudbot`
     pub(crate) folder: PathBuf,
 }
 

@@ -12,7 +12,7 @@ use super::{ChangeArgs, finite};
 pub(crate) struct LocateArgs {
     /// A scenario file, or a built-in scenario; one of its robots needs a laser
     pub(crate) scenario: String,
-    /// The pose that the robot believes in, in metres and radians
+    /// The robot's believed pose, in metres and radians
     #[arg(long, value_name = "X,Y,RAD", allow_hyphen_values = true, value_parser = pose)]
     pub(crate) guess: Pose,
     /// Its true pose, in metres and radians [default: its start]
@@ -24,7 +24,7 @@ pub(crate) struct LocateArgs {
     /// The laser to use [default: its first that is not on a turret]
     #[arg(long, value_name = "SENSOR")]
     pub(crate) laser: Option<String>,
-    /// How the pose is searched
+    /// Search method
     #[arg(long, value_name = "METHOD", default_value = "search")]
     pub(crate) method: Search,
     /// Approximate number of rays of the scan to match
@@ -34,11 +34,10 @@ pub(crate) struct LocateArgs {
     pub(crate) search: SearchArgs,
     #[command(flatten)]
     pub(crate) refine: RefineArgs,
-    /// Draw the scan and the poses that were tried as an SVG picture; `-` is stdout, and nothing else is then written
-    /// there
+    /// Draw the scan and the tried poses as an SVG picture; `-` is stdout, without other output
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
-    /// Write the result, and all poses that were tried, as one JSON object
+    /// Write the result, and all tried poses, as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]

@@ -9,13 +9,13 @@ use crate::escapes::unescaped;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum MeasureCommand {
-    /// Measures how long bytes take to a device on a serial port and back
+    /// Measures round-trip times of bytes to a device on a serial port
     #[command(after_long_help = ECHO_EXAMPLES)]
     Echo(EchoArgs),
-    /// Measures a sensor's readings at distances that you type
+    /// Measures a sensor's readings at distances that you enter
     #[command(after_long_help = CURVE_EXAMPLES)]
     Curve(CurveArgs),
-    /// Measures how a robot's wheels answer to a step of their command; THE ROBOT MOVES
+    /// Measures how a robot's wheels respond to a step of the command; THE ROBOT MOVES
     #[command(after_long_help = STEP_EXAMPLES)]
     Step(StepArgs),
 }
@@ -63,13 +63,13 @@ pub(crate) struct EchoArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct CurveArgs {
-    /// Write the table to this file; one that is there is continued
+    /// Write the table to this file; an existing one is continued
     #[arg(short, long, value_name = "FILE", default_value = "curve.csv")]
     pub(crate) output: PathBuf,
-    /// Take readings from this serial port [default: you type them]
+    /// Take readings from this serial port [default: you enter them]
     #[arg(long, value_name = "PATH", requires = "ask")]
     pub(crate) device: Option<PathBuf>,
-    /// What makes the device send a reading, with \n, \r, \t and \xNN
+    /// Text that makes the device send a reading, with \n, \r, \t and \xNN
     #[arg(long, value_name = "TEXT", requires = "device", value_parser = bytes)]
     pub(crate) ask: Option<Bytes>,
     /// Which number of the answer is the reading
@@ -93,7 +93,7 @@ pub(crate) struct StepArgs {
     /// The command that sets the motors, with {left} and {right} in it, such as 'D,{left},{right}\n'
     #[arg(long, value_name = "TEXT", value_parser = template)]
     pub(crate) command: String,
-    /// What makes the robot send its wheel counts, such as 'H\n'
+    /// Text that makes the robot send its wheel counts, such as 'H\n'
     #[arg(long, value_name = "TEXT", value_parser = bytes)]
     pub(crate) ask: Bytes,
     /// Which number of the answer is the left count; the right one is the next
@@ -105,19 +105,19 @@ pub(crate) struct StepArgs {
     /// Command of the right motor, in the robot's own units
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = finite)]
     pub(crate) right: f64,
-    /// The robot's command that is the signal 1 in the table
+    /// The robot's command at full speed, which is the signal 1 in the table
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
     pub(crate) full: f64,
     /// How long the robot drives, in seconds
     #[arg(long, value_name = "S", default_value_t = 2.0, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) seconds: f64,
-    /// How long it is watched before and after that, in seconds
+    /// How long it is recorded before and after that, in seconds
     #[arg(long, value_name = "S", default_value_t = 0.5, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) rest_s: f64,
-    /// From one sample to the next, in milliseconds
+    /// Time between two samples, in milliseconds
     #[arg(long, value_name = "MS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=60_000))]
     pub(crate) period_ms: u32,
-    /// Way of a wheel from one count to the next, in metres: adds a column speed_m_s
+    /// Distance per count of a wheel, in metres: adds a column speed_m_s
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) m_per_count: Option<f64>,
     /// Distance between the wheels, in metres: adds a column turn_rate_rad_s
@@ -176,11 +176,11 @@ Examples:
   baudbot measure echo --device /dev/ttyUSB0 -o echo.csv
   baudbot measure echo --device /dev/ttyUSB0 --baud 9600 --bytes 16 --count 200 --pause-ms 3
 
-A message is sent when the one before has come back. See docs/how-to/measure.md. Ctrl-C ends early: what was measured is kept.";
+A message is sent when the one before has come back. See docs/how-to/measure.md. Ctrl-C ends early, and keeps the measurements.";
 
 const CURVE_EXAMPLES: &str = "\
 Examples:
-  baudbot measure curve -o ir.csv                you type distances and readings
+  baudbot measure curve -o ir.csv                you enter distances and readings
   baudbot measure curve -o ir.csv --device /dev/ttyUSB0 --baud 9600 --ask 'N\\n' --number 3 --readings 20
 
 At the prompt: a distance with its unit (`50 mm`, `5 cm`, `0.05 m`), `undo`, or Ctrl-D to end. The file is written after
@@ -191,5 +191,5 @@ Examples:
   baudbot measure step --device /dev/ttyUSB0 --baud 9600 --command 'D,{left},{right}\\n' --ask 'H\\n' \\
       --left 20 --right 20 --full 127 --m-per-count 0.00008333 -o step.csv
 
-THE ROBOT MOVES: put its wheels in the air, or give it room, and have its switch at hand. It is stopped at the end, and
+THE ROBOT MOVES: lift its wheels, or give it room, and have its switch at hand. It is stopped at the end, and
 at Ctrl-C, by the command with 0 and 0. See docs/how-to/measure.md.";

@@ -98,7 +98,7 @@ pub(crate) enum Command {
     /// Searches for the parameters of a brain, or of a scenario, with which an experiment scores best
     #[command(after_long_help = TUNE_EXAMPLES)]
     Tune(TuneArgs),
-    /// Grades a brain by an exercise: points, and words about what went wrong; without one, lists the exercises
+    /// Grades a brain by an exercise, with points and advice; without one, lists the exercises
     #[command(after_long_help = grade::EXAMPLES)]
     Grade(GradeArgs),
     /// Serves worlds to brains in other processes until Ctrl-C
@@ -110,19 +110,19 @@ pub(crate) enum Command {
     /// Runs a brain against a server; without a name, lists the brains
     #[command(after_long_help = BRAIN_EXAMPLES)]
     Brain(BrainArgs),
-    /// Describes a scenario, or says what is wrong with it
+    /// Describes a scenario, or reports its errors
     #[command(after_long_help = CHECK_EXAMPLES)]
     Check(CheckArgs),
-    /// Shows what happened when in a run: sensors, microcontroller, cable, brain and motors over time
+    /// Draws a timing diagram of a run: sensors, microcontroller, cable, brain and motors over time
     #[command(after_long_help = DIAGRAM_EXAMPLES)]
     Diagram(DiagramArgs),
-    /// Computes what a control cycle of each robot costs, whether it meets its deadline, and what would fix it
+    /// Computes the cost of each robot's control cycle, whether it meets its deadline, and remedies
     #[command(after_long_help = BUDGET_EXAMPLES)]
     Budget(BudgetArgs),
-    /// Plans a path through a scenario's arena, and shows which cells were examined
+    /// Plans a path through a scenario's arena, and shows the examined cells
     #[command(after_long_help = plan::EXAMPLES)]
     Plan(PlanArgs),
-    /// Localizes a robot by a scan of its laser, and shows which poses were tried
+    /// Localizes a robot by a scan of its laser, and shows the tried poses
     #[command(after_long_help = locate::EXAMPLES)]
     Locate(LocateArgs),
     /// Measures the systematic errors of a robot's odometry by squares in both directions (UMBmark)
@@ -134,7 +134,7 @@ pub(crate) enum Command {
     /// Lists presets of robots and their parts, or shows one with the sources of its numbers
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),
-    /// Holds presets against measurements of real robots: all, or some by their names or presets
+    /// Compares presets with measurements of real robots: all, or some by their names or presets
     #[command(after_long_help = EVIDENCE_EXAMPLES)]
     Evidence(EvidenceArgs),
     /// Fits numbers of a robot to a log of a real one, with 95 % intervals
@@ -152,21 +152,21 @@ pub(crate) enum Command {
     /// Opens serial ports at the far side of a connection to a server
     #[command(subcommand)]
     Port(PortCommand),
-    /// Makes tokens, which say what clients may do on a server, lists and revokes them
+    /// Creates, lists and revokes tokens, which say what clients may do on a server
     #[command(subcommand)]
     Token(TokenCommand),
-    /// Lists the scenarios, experiments, exercises, brains and presets that are built in
+    /// Lists the built-in scenarios, experiments, exercises, brains and presets
     #[command(after_long_help = list::LIST_EXAMPLES)]
     List(ListArgs),
-    /// Writes a built-in scenario or experiment into a file, to be changed
+    /// Writes a built-in scenario or experiment into a file, for your changes
     #[command(after_long_help = list::LIST_EXAMPLES)]
     Init(InitArgs),
-    /// Prints what lets a shell complete commands and options
+    /// Prints a shell's completions of commands and options
     #[command(after_long_help = list::COMPLETIONS_EXAMPLES)]
     Completions(CompletionsArgs),
-    /// Writes the pages of the manual into a folder
+    /// Writes man pages into a folder
     Man(ManArgs),
-    /// Makes certificates for servers and clients, and an authority for them
+    /// Creates certificates for servers and clients, and an authority for them
     #[command(subcommand)]
     Cert(CertCommand),
 }
@@ -188,7 +188,7 @@ pub(crate) struct RunArgs {
     /// Before the run begins, wait until programs from elsewhere hold N robots; robots that no --brain names are left to them
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) external: Option<u16>,
-    /// Show on stderr what brains print that are programs; otherwise the end of it is shown if one fails
+    /// Show on stderr what programs that are brains print; by default only the last lines of one that fails
     #[arg(long)]
     pub(crate) show_output: bool,
     /// End after this much simulated time
@@ -212,7 +212,7 @@ pub(crate) struct RunArgs {
     /// When a tick ends: lockstep, real-time, scaled:X or free
     #[arg(long, value_name = "PACE", default_value = "lockstep", long_help = PACE_HELP, help_heading = PACE)]
     pub(crate) pace: PaceName,
-    /// How the brains are joined to their world; the run is the same [default: direct, or grpc where a server is needed]
+    /// How the brains are connected to their world; the run is the same [default: direct, or grpc where a server is needed]
     ///
     /// A server is needed for paces other than lockstep, for --listen, --viewer, limits and who may
     /// connect, for --watchdog-ms, --on-timeout and --lookahead, and to export traces. `direct` is many times as fast.
@@ -242,24 +242,24 @@ pub(crate) struct ServeArgs {
     /// When a tick ends: lockstep, real-time, scaled:X or free [default: real-time; with --resume, as recorded]
     #[arg(long, value_name = "PACE", long_help = PACE_HELP, help_heading = PACE)]
     pub(crate) pace: Option<PaceName>,
-    /// Let operators record worlds into this folder, and replay what is in it
+    /// Let operators record worlds into this folder, and replay its recordings
     #[arg(long, value_name = "FOLDER", help_heading = record::HEADING)]
     pub(crate) recordings: Option<PathBuf>,
-    /// Keep worlds, snapshots and recordings in this folder: they are there again after a restart, whatever has ended the server
+    /// Keep worlds, snapshots and recordings in this folder, so that they survive any end of the server
     ///
-    /// The folder is made if it is not there. Worlds that are in it go on, and a scenario whose world is among them is not made
+    /// The folder is created if needed. Worlds that are in it continue, and a scenario whose world is among them is not started
     /// again (docs/reference/state.md).
     #[arg(long, value_name = "FOLDER")]
     pub(crate) state: Option<PathBuf>,
-    /// After Ctrl-C or SIGTERM, end with exit code 1 if worlds and recordings have not ended in good order within this time
+    /// After Ctrl-C or SIGTERM, end with exit code 1 if worlds and recordings have not been closed within this time
     #[arg(long, value_name = "S", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=3600))]
     pub(crate) stop_within: u32,
-    /// Listen for trainers, which drive robots and are told the truth: 127.0.0.1:PORT or unix:/PATH
+    /// Listen for trainers, which drive robots and get the truth: 127.0.0.1:PORT or unix:/PATH
     ///
     /// A trainer also creates worlds here (docs/how-to/training.md). Only this machine can reach the address.
     #[arg(long, value_name = "ADDR")]
     pub(crate) trainer: Option<Address>,
-    /// Open a serial port at a robot's cable, or at that of one of its sensors, for programs that know nothing of baudbot
+    /// Open a serial port on the cable of a robot, or of one of its sensors, for programs that do not know baudbot
     #[arg(long = "port", value_name = "ROBOT[/SENSOR]=KIND:WHERE", long_help = port::PORT_HELP)]
     pub(crate) ports: Vec<PortAddress>,
     /// Continue the world of a recording from its end; its brains may attach again
@@ -279,10 +279,10 @@ pub(crate) struct ServeArgs {
 pub(crate) struct CheckArgs {
     /// A scenario file, or a built-in scenario, such as wander or devices/laser (`baudbot list`)
     pub(crate) scenario: String,
-    /// Draw the arena from above as an SVG picture; `-` is stdout, and nothing else is then written there
+    /// Draw the arena from above as an SVG picture; `-` is stdout, without other output
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
-    /// Write the description as one JSON object, also of a scenario that is refused
+    /// Write the description as one JSON object, also for an invalid scenario
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
@@ -300,7 +300,7 @@ pub(crate) struct PresetArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct EvidenceArgs {
-    /// Comparisons, or presets whose comparisons are done, with all their points [default: all, in a line each]
+    /// Comparisons, or presets with all their comparisons, in full [default: all, a line each]
     pub(crate) names: Vec<String>,
     /// Write JSON
     #[arg(long)]
@@ -308,10 +308,10 @@ pub(crate) struct EvidenceArgs {
     /// Write the page `evidence.md` and its pictures into this folder
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["names", "json"])]
     pub(crate) write: Option<PathBuf>,
-    /// Fail if the page in this folder is not what would be written
+    /// Fail if the page in this folder is not up to date
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["names", "json", "write"])]
     pub(crate) check: Option<PathBuf>,
-    /// Do not tell which experiment is being done
+    /// Do not report progress
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }
@@ -343,7 +343,7 @@ pub(crate) struct ChangeArgs {
     /// Change one field of the scenario, such as robots.robot.start.x_m=0.5
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
-    /// Let a robot's microcontroller run a program of yours (Intel HEX or ELF), in place of the scenario's
+    /// Run your own program (Intel HEX or ELF) on a robot's microcontroller, in place of the scenario's
     #[arg(long, value_name = "ROBOT=FILE")]
     pub(crate) firmware: Vec<String>,
     /// Seed of all random numbers in the world, and of the brains in this process

@@ -21,7 +21,7 @@ pub(crate) struct NewBrainArgs {
     /// The language
     #[arg(long, value_name = "LANGUAGE", default_value = "rust")]
     pub(crate) lang: Language,
-    /// For Rust: build with the crates of a clone of baudbot, in this folder [default: the project gets them with it]
+    /// For Rust: use the crates of a clone of baudbot, in this folder [default: the project contains them]
     #[arg(long, value_name = "DIR")]
     pub(crate) baudbot: Option<PathBuf>,
 }
@@ -49,7 +49,7 @@ pub(crate) enum FirmwareLanguage {
 pub(crate) enum Language {
     /// With behaviours of baudbot, and one of its own
     Rust,
-    /// With the package `baudbot`, which the project has in it
+    /// With the package `baudbot`, which the project contains
     Python,
 }
 
@@ -57,7 +57,7 @@ const FIRMWARE_EXAMPLES: &str = "\
 Examples:
   baudbot new firmware rover                     a sketch for an Arduino Uno
   baudbot new firmware rover --lang c            the same in C
-  cd rover && make && make run                   builds it, and lets it drive";
+  cd rover && make && make run                   builds and runs it";
 
 const EXAMPLES: &str = "\
 Examples:

@@ -30,13 +30,13 @@ pub(crate) struct PlanArgs {
     /// Side of a cell, in metres
     #[arg(long, value_name = "M", default_value_t = 0.1, allow_negative_numbers = true, value_parser = finite)]
     pub(crate) cell_m: f64,
-    /// How far the robot's rim stays from walls, in metres
+    /// Clearance between the robot's rim and walls, in metres
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
     pub(crate) margin_m: f64,
     /// The robot to plan for [default: the first]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
-    /// Draw the examined cells and the path as an SVG picture; `-` is stdout, and nothing else is then written there
+    /// Draw the examined cells and the path as an SVG picture; `-` is stdout, without other output
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
     /// Write the result as one JSON object
@@ -49,7 +49,7 @@ pub(crate) struct PlanArgs {
 /// How a path is planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Method {
-    /// Always on to the neighbour that seems nearest, and never back: Fig. 6.7 as printed
+    /// Always the neighbour nearest to the goal, and never back: Fig. 6.7 as printed
     Walker,
     /// Best-first search with a list of open cells: quick, but not the shortest path
     Greedy,
@@ -69,7 +69,7 @@ pub(crate) enum Steps {
     /// Along rows and columns
     #[value(name = "4")]
     Four,
-    /// Also diagonally, where no corner is cut
+    /// Also diagonally, without cutting corners
     #[value(name = "8")]
     Eight,
     /// Also diagonally, past any corner

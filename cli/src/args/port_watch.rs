@@ -11,7 +11,7 @@ pub(crate) struct WatchPortArgs {
     /// The cable: that of the robot, or that of a sensor's own [default: that of the only robot]
     #[arg(value_name = "ROBOT[/SENSOR]", default_value = "", hide_default_value = true)]
     pub(crate) cable: String,
-    /// Ends after so many rows
+    /// End after this many rows
     #[arg(long, value_name = "ROWS")]
     pub(crate) rows: Option<u64>,
 }

@@ -7,14 +7,14 @@ use clap::{ArgGroup, Args, Subcommand};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum TokenCommand {
-    /// Makes a token and prints it, this once
+    /// Creates a token and prints it, only once
     #[command(after_long_help = NEW_EXAMPLES)]
     New(NewTokenArgs),
     /// Lists the tokens of a file: their names, rights and dates
     List(ListTokensArgs),
     /// Revokes a token
     Revoke(RevokeTokenArgs),
-    /// Prints the token of your own server on this machine, for programs that do not find it by themselves
+    /// Prints the token of your own server on this machine, for programs that do not find it automatically
     Local(LocalTokenArgs),
 }
 
@@ -28,22 +28,22 @@ pub(crate) struct LocalTokenArgs {
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("rights").required(true).multiple(true)))]
 pub(crate) struct NewTokenArgs {
-    /// What the token is called in lists and logs: 1 to 64 letters, digits, _, -, . or @
+    /// Name of the token in lists and logs: 1 to 64 letters, digits, _, -, . or @
     #[arg(long)]
     pub(crate) name: GrantName,
-    /// Allow to watch worlds, which shows the truth
+    /// Allow watching worlds, which shows the truth
     #[arg(long, group = "rights")]
     pub(crate) observe: bool,
-    /// Allow to make worlds, to run them and to delete them; and to observe
+    /// Allow creating, running and deleting worlds, and observing
     #[arg(long, group = "rights")]
     pub(crate) operate: bool,
-    /// Allow to train: to drive robots in lockstep and to be told the truth; and to observe
+    /// Allow training (driving robots in lockstep and getting the truth), and observing
     #[arg(long, group = "rights")]
     pub(crate) train: bool,
-    /// Allow to drive robots; `*` stands for any characters of a name, as in 'class-*/robot1' and '*/*'
+    /// Allow driving robots; `*` stands for any characters of a name, as in 'class-*/robot1' and '*/*'
     #[arg(long, value_name = "WORLD/ROBOT", group = "rights")]
     pub(crate) drive: Vec<DrivePattern>,
-    /// The token is valid for so long, such as 12h, 30d or 8w [default: until it is revoked]
+    /// Validity of the token, such as 12h, 30d or 8w [default: until it is revoked]
     #[arg(long, value_name = "TIME")]
     pub(crate) expires: Option<Lifetime>,
     #[command(flatten)]
@@ -71,7 +71,7 @@ pub(crate) struct RevokeTokenArgs {
 pub(crate) struct TokenFileArgs {
     /// The file of tokens, which has only their hashes [default: ~/.config/baudbot/tokens.toml]
     ///
-    /// The default is $XDG_CONFIG_HOME/baudbot/tokens.toml if there is such a variable. docs/reference/trust.md describes the file.
+    /// The default is $XDG_CONFIG_HOME/baudbot/tokens.toml if that variable is set. docs/reference/trust.md describes the file.
     #[arg(long, value_name = "FILE")]
     pub(crate) file: Option<PathBuf>,
 }

@@ -12,13 +12,13 @@ pub(crate) struct SweepArgs {
     /// Search for the limit of a field, by its label or path, at which the brain still succeeds
     #[arg(long, value_name = "FIELD", conflicts_with_all = ["out", "fresh"])]
     pub(crate) find: Option<String>,
-    /// Do only share I of N of the runs, I from 0 (as Kubernetes' JOB_COMPLETION_INDEX), and write only their journal
+    /// Do only shard I of N of the runs, counted from 0, and write only their journal
     ///
-    /// Each of N machines does one, in any order; --merge then makes the outputs. In Kubernetes it is
+    /// Each of N machines does one, in any order; --merge then writes the outputs. In Kubernetes it is
     /// "$(JOB_COMPLETION_INDEX)/8", in a shell "$JOB_COMPLETION_INDEX/8". The default folder is NAME.shards/I-of-N.
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
-    /// Run nothing: make the outputs from the journals of all shards, or say what is missing and which command does it
+    /// Write the outputs from the journals of all shards, or report which runs are missing and which command does them
     ///
     /// Each DIR is the folder of a shard, a folder of such folders, or a journal itself. Journals are only read.
     #[arg(
@@ -53,7 +53,7 @@ pub(crate) struct WorkArgs {
     /// Run on a server instead of in this process: HOST:PORT or unix:/PATH
     #[arg(long, value_name = "ADDR")]
     pub(crate) connect: Option<String>,
-    /// Other seeds than the file's: N (1 to N), A..B (inclusive) or A,B,C
+    /// Seeds in place of the file's: N (1 to N), A..B (inclusive) or A,B,C
     #[arg(long, value_name = "SEEDS")]
     pub(crate) seeds: Option<String>,
     /// Confirm a long experiment: more than 10,000 runs, or more than an hour
