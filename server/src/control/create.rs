@@ -124,7 +124,7 @@ pub(super) fn parse_scenario(
 }
 
 /// What nobody is told: the client has gone.
-fn gone() -> Status {
+pub(super) fn gone() -> Status {
     Status::cancelled("the client has gone")
 }
 

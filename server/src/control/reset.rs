@@ -10,7 +10,7 @@ use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 use tonic::Status;
 
-use super::create::{parse_overrides, parsing_bytes, scenario_error};
+use super::create::{gone, parse_overrides, parsing_bytes, scenario_error};
 use crate::limits::{Cancelled, ScenarioHeld};
 use crate::message::WorldHandle;
 use crate::quote::brief;
@@ -28,18 +28,23 @@ pub(crate) async fn scenario_of_reset(
         return Ok((made, None));
     }
     let limits = world.limits().clone();
-    let read = move |_: &Cancelled| {
-        let scenario = changed(&made, &request)?;
+    let read = move |cancelled: &Cancelled| {
+        let scenario = changed(&made, &request, cancelled)?;
         let held = limits.hold_scenario(&scenario)?;
         Ok((scenario, Some(held)))
     };
     world.limits().read(parsing_bytes(&world.made().source.toml), read).await?
 }
 
-fn changed(made: &Scenario, request: &v1::ResetWorldRequest) -> Result<Arc<Scenario>, Status> {
+fn changed(
+    made: &Scenario,
+    request: &v1::ResetWorldRequest,
+    cancelled: &Cancelled,
+) -> Result<Arc<Scenario>, Status> {
     let numbers = overrides(made, request)?;
     let starts = starts(made, &request.starts)?;
-    let parse = |changes: &[Override]| baudbot_scenario::parse_with(&made.source.toml, changes);
+    let is_wanted = || !cancelled.is_so();
+    let parse = |changes: &[Override]| baudbot_scenario::parse_while(&made.source.toml, changes, &is_wanted);
     let scenario = parse(&[&*numbers, &*starts].concat()).map_err(|error| {
         // Whose fault is it? What was there before has been parsed once.
         match parse(&numbers) {
@@ -47,6 +52,7 @@ fn changed(made: &Scenario, request: &v1::ResetWorldRequest) -> Result<Arc<Scena
             Ok(_) => scenario_error("starts", &error),
         }
     })?;
+    let scenario = scenario.ok_or_else(gone)?;
     keeps_promises(made, &scenario)?;
     Ok(scenario.into())
 }
@@ -137,4 +143,18 @@ fn changed_field(old: &RobotSpec, new: &RobotSpec) -> Option<String> {
         Some(_) | None => String::new(),
     };
     Some(format!("robots.{}{part}{sensor}", old.name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_reads_a_scenario_for_a_client_that_has_gone() {
+        let made = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
+        let request = v1::ResetWorldRequest { seed: Some(7), ..Default::default() };
+        assert_eq!(changed(&made, &request, &Cancelled::default()).unwrap().seed, 7);
+        let gone = changed(&made, &request, &Cancelled::gone()).unwrap_err();
+        assert_eq!(gone.code(), tonic::Code::Cancelled);
+    }
 }

@@ -24,6 +24,12 @@ impl Cancelled {
     pub(crate) fn is_so(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
+
+    /// That of a client that has gone.
+    #[cfg(test)]
+    pub(crate) fn gone() -> Self {
+        Self(Arc::new(true.into()))
+    }
 }
 
 /// Cancels what it is for when it is dropped.
