@@ -17,7 +17,7 @@ use crate::message::{Message, Watch};
 use crate::observers::MAX_DETAILS;
 use crate::quote::brief;
 use crate::registry::Registry;
-use crate::system::apart;
+use crate::system::blocking;
 
 /// Frames that wait for an observer that does not read. Further ones are missed.
 const FRAMES_AHEAD: usize = 8;
@@ -53,7 +53,7 @@ impl ObserveService for Observe {
         let world = self.registry.find("world", &request.get_ref().world)?;
         let report = world.ask(Message::Cover).await?;
         // This takes a while for millions of cells.
-        let coverage = apart(move || convert::coverage(&report)).await?;
+        let coverage = blocking(move || convert::coverage(&report)).await?;
         let none = || {
             let text = "does not measure coverage; set metrics.cell_m in its scenario";
             Status::failed_precondition(format!("world: `{}` {text}", world.name()))

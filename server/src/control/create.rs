@@ -12,7 +12,7 @@ use crate::limits::{Cancelled, InForce, Payer};
 use crate::message::Request as Asked;
 use crate::pace::Pace;
 use crate::quote::brief;
-use crate::system::apart;
+use crate::system::blocking;
 
 impl Control {
     /// Creates a world for a client.
@@ -61,7 +61,7 @@ impl Control {
     ) -> Result<v1::WorldStatus, Status> {
         let registry = self.registry.clone();
         // To count the memory of a large one takes a while.
-        let world = apart(move || registry.create(new, payer.as_ref())).await??;
+        let world = blocking(move || registry.create(new, payer.as_ref())).await??;
         let status = status_of(world.request(Asked::Report).await?).await?.1;
         self.told.note(&status);
         Ok(status)

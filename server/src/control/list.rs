@@ -13,7 +13,7 @@ use super::Control;
 use crate::convert;
 use crate::message::{Message, Reply, Request};
 use crate::report::Report;
-use crate::system::apart;
+use crate::system::blocking;
 
 /// How long worlds have to answer. One within a very long tick, whose `OnTick` blocks, or that waits for a brain that hangs,
 /// does not.
@@ -78,7 +78,7 @@ impl Control {
                 }
             }
             let work = move || reports.iter().map(convert::status).collect::<Vec<_>>();
-            let fresh = apart(work).await?;
+            let fresh = blocking(work).await?;
             fresh.iter().for_each(|status| self.told.note(status));
             statuses.extend(fresh);
         }

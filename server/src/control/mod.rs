@@ -21,7 +21,7 @@ use crate::quote::brief;
 use crate::recording::Folder;
 use crate::registry::Registry;
 use crate::report::Report;
-use crate::system::apart;
+use crate::system::blocking;
 
 use create::{parse_scenario, parsing_bytes, payer};
 pub(crate) use list::Told;
@@ -69,7 +69,7 @@ pub(crate) async fn status_of(report: Report) -> Result<(Report, v1::WorldStatus
         let status = convert::status(&report);
         (report, status)
     };
-    apart(work).await
+    blocking(work).await
 }
 
 /// Most robots whose budget one call asks for: each takes a while.

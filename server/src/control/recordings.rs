@@ -19,7 +19,7 @@ use crate::quote::brief;
 use crate::recording::Folder;
 use crate::registry::Registry;
 use crate::report::{RecordingReport, Report};
-use crate::system::apart;
+use crate::system::blocking;
 
 impl Control {
     fn folder(&self) -> Result<&Folder, Status> {
@@ -34,7 +34,7 @@ impl Control {
     pub(super) async fn save(&self, request: v1::SaveWorldRequest) -> Result<v1::SaveWorldResponse, Status> {
         let v1::SaveWorldRequest { world: name, snapshot } = request;
         let world = self.request(&name, Request::Save { snapshot }).await?.world;
-        apart(move || {
+        blocking(move || {
             let saved_mcap =
                 saved::to_bytes(&name, &world).map_err(|error| Status::internal(error.to_string()))?;
             if saved_mcap.len() > MAX_SAVED {
@@ -71,7 +71,7 @@ impl Control {
 
     pub(super) async fn list(&self) -> Result<v1::ListRecordingsResponse, Status> {
         let folder = self.folder()?.clone();
-        let recordings = apart(move || folder.list()).await??;
+        let recordings = blocking(move || folder.list()).await??;
         Ok(v1::ListRecordingsResponse { recordings })
     }
 

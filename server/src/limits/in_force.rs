@@ -15,7 +15,7 @@ use super::parsing::{Cancelled, Parsing, Waiter};
 use super::{Limits, SOON};
 use crate::clock;
 use crate::log::Throttle;
-use crate::system::apart;
+use crate::system::blocking;
 
 /// The limits of a running server. Clones share what is used of them.
 #[derive(Clone)]
@@ -349,7 +349,7 @@ impl InForce {
             let _kept = (permit, held);
             work(&cancelled)
         };
-        let done = apart(work).await;
+        let done = blocking(work).await;
         drop(waiter);
         done
     }

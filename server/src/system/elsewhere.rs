@@ -39,6 +39,8 @@ pub(crate) fn open_private_log(path: &Path) -> io::Result<File> {
 ///
 /// # Errors
 /// None.
-pub(crate) async fn apart<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, Status> {
+pub(crate) async fn blocking<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, Status> {
     Ok(work())
 }

@@ -5,11 +5,11 @@ mod unix;
 #[cfg(unix)]
 pub use unix::raise_descriptor_limit;
 #[cfg(unix)]
-pub(crate) use unix::{apart, is_this_user, open_plain_file, open_private_log, usual_connections};
+pub(crate) use unix::{blocking, is_this_user, open_plain_file, open_private_log, usual_connections};
 
 #[cfg(not(unix))]
 mod elsewhere;
 #[cfg(not(unix))]
 pub use elsewhere::raise_descriptor_limit;
 #[cfg(not(unix))]
-pub(crate) use elsewhere::{apart, is_this_user, open_plain_file, open_private_log, usual_connections};
+pub(crate) use elsewhere::{blocking, is_this_user, open_plain_file, open_private_log, usual_connections};

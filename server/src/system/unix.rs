@@ -59,7 +59,9 @@ pub(crate) fn open_private_log(path: &Path) -> io::Result<File> {
 ///
 /// # Errors
 /// `INTERNAL` if the work panics.
-pub(crate) async fn apart<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, Status> {
+pub(crate) async fn blocking<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, Status> {
     spawn_blocking(work).await.map_err(|error| Status::internal(error.to_string()))
 }
 
