@@ -157,7 +157,9 @@ async function alone(robots: number): Promise<void> {
     await page.getByTestId("open-start").click();
     const dialog = page.getByTestId("start");
     await dialog.locator("summary").first().waitFor();
-    await page.evaluate(() => document.querySelectorAll("dialog[open] details").forEach((part) => part.setAttribute("open", "")));
+    await page.evaluate(() =>
+      document.querySelectorAll("dialog[open] details").forEach((part) => part.setAttribute("open", "")),
+    );
     await dialog.getByTestId("scenario-text").fill(crowd(robots));
     await dialog.getByTestId("brain").selectOption(":wander");
     await dialog.getByTestId("pace-choice").selectOption("realTime");
