@@ -1,8 +1,8 @@
 /**
  * What a picture of the viewer costs: `npm run measure:frames [-- ROBOTS…]`, by default with 100 and 2,000 robots.
  *
- * The world is of the program (BAUDBOT, or where `cargo build --release` puts it), in real time; then of the page that has the world in it
- * (PAGE, or target/page), if that was built. For each it writes the processor time of the page's main thread and of all of the browser's
+ * The world is of the program (BAUDBOT, or where `cargo build --release` puts it), in real time, before the page of `dist`; then of the page
+ * that has the world in it (PAGE, or target/page), if that was built. For each it writes the processor time of the page's main thread and of all of the browser's
  * processes, both for each picture of the arena and in a second, over SECONDS (10); and the same while the world is paused.
  *
  * Needs a Chromium: in CHROMIUM, or where Debian has it. On a machine that does other work give it a program that starts a
@@ -13,7 +13,7 @@ import { once } from "node:events";
 import { existsSync } from "node:fs";
 import { mkdtemp, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { basename, join } from "node:path";
 import { createInterface } from "node:readline";
 import { chromium, type Browser, type CDPSession, type Page } from "playwright-core";
 
@@ -22,6 +22,8 @@ const PROGRAM = process.env.BAUDBOT ?? join(ROOT, "target/release/baudbot");
 const BUILT = process.env.PAGE ?? join(ROOT, "target/page");
 const BROWSER = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const SECONDS = Number(process.env.SECONDS ?? 10);
+/** Until trails are as long as they get. */
+const SETTLE_S = 30;
 /** Between two robots at the start, in metres. */
 const APART_M = 0.8;
 
@@ -101,7 +103,7 @@ async function measureAll(what: string, begin: (page: Page) => Promise<void>): P
   page.on("pageerror", (error) => console.error(error));
   await begin(page);
   await page.waitForFunction(() => window.baudbotViewer?.frames > 20, undefined, { timeout: 120_000 });
-  await new Promise((resolve) => setTimeout(resolve, 3000));
+  await new Promise((resolve) => setTimeout(resolve, 1000 * SETTLE_S));
   await measure(`${what}, running`, browser, page);
   if (process.env.SHOTS) await page.screenshot({ path: join(process.env.SHOTS, `${what.replace(/\W+/g, "-")}.png`) });
   if (process.env.PROFILE) await profile(page, join(process.env.PROFILE, `${what.replace(/\W+/g, "-")}.cpuprofile`));
@@ -130,7 +132,13 @@ async function overNetwork(robots: number, folder: string): Promise<void> {
   const program = spawn(PROGRAM, ["run", file, ...options], { stdio: ["ignore", "pipe", "pipe"] });
   try {
     const link = await linkOf(program);
-    await measureAll(`${robots} robots over a network`, async (page) => void (await page.goto(link)));
+    await measureAll(`${robots} robots over a network`, async (page) => {
+      // As it is built now, and not as it was when the program was.
+      await page.route(/\/viewer\.(js|css)$/, (route) =>
+        route.fulfill({ path: join(ROOT, "viewer/dist", basename(new URL(route.request().url()).pathname)) }),
+      );
+      await page.goto(link);
+    });
   } finally {
     program.kill("SIGINT");
     if (program.exitCode === null) await once(program, "exit");
