@@ -2,11 +2,14 @@
 import { cpSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
+import { compress, init } from "@bokuweb/zstd-wasm";
 
 /** What Pyodide loads, of its package. */
 const PYODIDE = ["pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "pyodide-lock.json", "python_stdlib.zip"];
 /** What is loaded before a brain in Python is wanted. */
-const OWN = ["index.html", "page.js", "page.css", "world-worker.js", "brain-worker.js", "baudbot.wasm"];
+const OWN = ["index.html", "page.js", "page.css", "world-worker.js", "brain-worker.js", "baudbot.wasm.zst"];
+/** The level of Zstandard that packs most. */
+const MOST = 22;
 
 const [out, wasm] = process.argv.slice(2);
 if (!out || !wasm) throw new Error("usage: tsx pack-page.ts FOLDER WASM");
@@ -14,12 +17,13 @@ const site = join(out, "site");
 const read = (name: string) => readFileSync(join(site, name), "utf8");
 
 renameSync(join(site, "page.html"), join(site, "index.html"));
-cpSync(wasm, join(site, "baudbot.wasm"));
+await init();
+const program = compress(readFileSync(wasm), MOST);
+writeFileSync(join(site, "baudbot.wasm.zst"), program);
 rmSync(join(site, "pyodide"), { recursive: true, force: true });
 mkdirSync(join(site, "pyodide"));
 for (const name of PYODIDE) cpSync(join("node_modules/pyodide", name), join(site, "pyodide", name));
 
-const program = gzipSync(readFileSync(wasm), { level: 9 }).toString("base64");
 // The replacements are functions: in a text `$&` would mean something.
 const single = read("index.html")
   .replace(/<link rel="stylesheet"[^>]*>/, () => `<style>${read("page.css")}</style>`)
@@ -29,7 +33,7 @@ const single = read("index.html")
     () =>
       `<script type="text/plain" id="world-worker">${script("world-worker.js")}</script>\n` +
       `<script type="text/plain" id="brain-worker">${script("brain-worker.js")}</script>\n` +
-      `<script type="text/plain" id="world-wasm">${program}</script>\n` +
+      `<script type="text/plain" id="world-wasm">${Buffer.from(program).toString("base64")}</script>\n` +
       `<script type="module">${script("page.js")}</script>\n</body>`,
   );
 writeFileSync(join(out, "baudbot.html"), single);

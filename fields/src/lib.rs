@@ -11,6 +11,8 @@ extern crate alloc;
 mod cause;
 pub mod endpoint;
 mod nearest;
+#[cfg(feature = "toml")]
+mod parts;
 pub mod printable;
 #[cfg(feature = "toml")]
 mod read;

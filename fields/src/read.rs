@@ -1,13 +1,14 @@
 //! From a value of TOML to a type. The reader of the crate `toml` gives its errors as text only; this one keeps the cause.
 
+use alloc::boxed::Box;
 use alloc::string::{String, ToString};
 use core::fmt::{self, Display};
 
-use serde::de::value::{MapDeserializer, SeqDeserializer};
-use serde::de::{self, DeserializeOwned, IntoDeserializer, Unexpected, Visitor};
+use serde::de::{self, DeserializeOwned, Error as _, Unexpected, Visitor};
 use serde::forward_to_deserialize_any;
 use toml::Value;
 
+use crate::parts::{Elements, Entries, Variant};
 use crate::{Cause, words};
 
 /// Why a value of TOML is not of a type.
@@ -27,36 +28,49 @@ pub struct Misread {
 /// # Errors
 /// Names the field that is missing, unknown, or of the wrong type.
 pub fn read<T: DeserializeOwned>(value: impl Into<Value>) -> Result<T, Misread> {
-    serde_path_to_error::deserialize(Tree(value.into())).map_err(|error| {
-        let path = error.path().to_string();
-        let Problem { words, cause } = error.into_inner();
-        Misread { path: if path == "." { String::new() } else { path }, problem: words, cause }
-    })
+    T::deserialize(Tree(value.into())).map_err(|problem| *problem.0)
 }
 
 /// A value whose errors have causes.
-struct Tree(Value);
+pub(crate) struct Tree(pub(crate) Value);
 
+/// What is wrong, and where below the value that is read: each part of a value adds its place on the way out. In a box, as code for
+/// values that fit passes it on everywhere.
 #[derive(Debug)]
-struct Problem {
-    words: String,
-    cause: Cause,
-}
+pub(crate) struct Problem(Box<Misread>);
 
 impl Problem {
-    fn value(words: String) -> Self {
-        Self { words, cause: Cause::Value }
+    fn new(problem: String, cause: Cause) -> Self {
+        Self(Box::new(Misread { path: String::new(), problem, cause }))
     }
 
-    /// In the words that serde has for it.
-    fn new(error: &de::value::Error, cause: Cause) -> Self {
-        Self { words: error.to_string(), cause }
+    fn value(words: String) -> Self {
+        Self::new(words, Cause::Value)
+    }
+
+    /// The same below the field of this name.
+    pub(crate) fn in_field(self, name: &str) -> Self {
+        self.below(name)
+    }
+
+    /// The same below this element of a list.
+    pub(crate) fn in_element(self, i: usize) -> Self {
+        self.below(&alloc::format!("[{i}]"))
+    }
+
+    fn below(mut self, place: &str) -> Self {
+        let path = &mut self.0.path;
+        if !path.is_empty() && !path.starts_with('[') {
+            path.insert(0, '.');
+        }
+        path.insert_str(0, place);
+        self
     }
 }
 
 impl Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.words)
+        f.write_str(&self.0.problem)
     }
 }
 
@@ -81,19 +95,11 @@ impl de::Error for Problem {
 
     fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
         let cause = Cause::UnknownField { name: field.into(), known: expected.into() };
-        Self::new(&de::Error::unknown_field(field, expected), cause)
+        Self::new(de::value::Error::unknown_field(field, expected).to_string(), cause)
     }
 
     fn missing_field(field: &'static str) -> Self {
-        Self::new(&de::Error::missing_field(field), Cause::MissingField)
-    }
-}
-
-impl IntoDeserializer<'_, Problem> for Tree {
-    type Deserializer = Self;
-
-    fn into_deserializer(self) -> Self {
-        self
+        Self::new(de::value::Error::missing_field(field).to_string(), Cause::MissingField)
     }
 }
 
@@ -107,13 +113,34 @@ impl<'de> de::Deserializer<'de> for Tree {
             Value::Float(value) => visitor.visit_f64(value),
             Value::String(value) => visitor.visit_string(value),
             Value::Datetime(value) => visitor.visit_string(value.to_string()),
-            Value::Array(values) => {
-                visitor.visit_seq(&mut SeqDeserializer::new(values.into_iter().map(Tree)))
-            }
+            Value::Array(values) => visitor.visit_seq(Elements::new(values)),
             // A visitor of a map takes all of it, or says which field is wrong.
-            Value::Table(table) => visitor
-                .visit_map(MapDeserializer::new(table.into_iter().map(|(key, value)| (key, Self(value))))),
+            Value::Table(table) => visitor.visit_map(Entries::new(table)),
         }
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
+        match self.0 {
+            Value::Array(values) => visitor.visit_seq(Elements::new(values)),
+            other => Err(wrong(&other, &visitor)),
+        }
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
+        match self.0 {
+            Value::Table(table) => visitor.visit_map(Entries::new(table)),
+            other => Err(wrong(&other, &visitor)),
+        }
+    }
+
+    /// From a table only. Serde would take a list, too, of values in the order in which the program has the fields.
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Problem> {
+        self.deserialize_map(visitor)
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Problem> {
@@ -122,7 +149,7 @@ impl<'de> de::Deserializer<'de> for Tree {
         {
             return Err(Problem::value(words::wrong_length(values.len(), length)));
         }
-        self.deserialize_any(visitor)
+        self.deserialize_seq(visitor)
     }
 
     fn deserialize_tuple_struct<V: Visitor<'de>>(
@@ -154,34 +181,44 @@ impl<'de> de::Deserializer<'de> for Tree {
         visitor: V,
     ) -> Result<V::Value, Problem> {
         match self.0 {
-            Value::String(variant) => visitor.visit_enum(variant.into_deserializer()),
-            Value::Table(table) if table.len() == 1 => {
-                let entries = table.into_iter().map(|(key, value)| (key, Self(value)));
-                visitor.visit_enum(de::value::MapAccessDeserializer::new(MapDeserializer::new(entries)))
-            }
+            Value::String(name) => visitor.visit_enum(Variant { name, content: None }),
             Value::Table(table) => {
-                Err(Problem::value(alloc::format!("must be a table with 1 field, has {}", table.len())))
+                let fields = table.len();
+                let mut entries = table.into_iter();
+                match (entries.next(), entries.next()) {
+                    (Some((name, content)), None) => {
+                        visitor.visit_enum(Variant { name, content: Some(Self(content)) })
+                    }
+                    _ => Err(Problem::value(alloc::format!("must be a table with 1 field, has {fields}"))),
+                }
             }
-            Value::Boolean(value) => Err(not_a_name(Unexpected::Bool(value))),
-            Value::Integer(value) => Err(not_a_name(Unexpected::Signed(value))),
-            Value::Float(value) => Err(not_a_name(Unexpected::Float(value))),
-            Value::Datetime(_) => Err(not_a_name(Unexpected::Other("a date"))),
-            Value::Array(_) => Err(not_a_name(Unexpected::Seq)),
+            other => Err(wrong(&other, &"a string")),
         }
     }
 
     forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq
-        map struct identifier ignored_any
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct
+        identifier ignored_any
     }
 }
 
-fn not_a_name(found: Unexpected<'_>) -> Problem {
-    de::Error::invalid_type(found, &"a string")
+/// A value of another type than is expected.
+fn wrong(found: &Value, expected: &dyn de::Expected) -> Problem {
+    let found = match found {
+        Value::Boolean(value) => Unexpected::Bool(*value),
+        Value::Integer(value) => Unexpected::Signed(*value),
+        Value::Float(value) => Unexpected::Float(*value),
+        Value::String(value) => Unexpected::Str(value),
+        Value::Datetime(_) => Unexpected::Other("a date"),
+        Value::Array(_) => Unexpected::Seq,
+        Value::Table(_) => Unexpected::Map,
+    };
+    Problem::invalid_type(found, expected)
 }
 
 #[cfg(test)]
 mod tests {
+    use alloc::collections::BTreeMap;
     use alloc::vec;
     use alloc::vec::Vec;
 
@@ -207,6 +244,24 @@ mod tests {
         Rgb([u8; 3]),
     }
 
+    #[derive(Debug, Deserialize, PartialEq)]
+    #[serde(deny_unknown_fields)]
+    struct Drawer {
+        #[serde(default)]
+        sheets: BTreeMap<String, Sheet>,
+        #[serde(default)]
+        kind: Option<Kind>,
+    }
+
+    #[derive(Debug, Deserialize, PartialEq)]
+    #[serde(rename_all = "kebab-case")]
+    enum Kind {
+        Plain,
+        Depth(f64),
+        Pair(u8, u8),
+        Shade { depth: f64 },
+    }
+
     fn misread(toml: &str) -> Misread {
         read::<Sheet>(toml.parse::<Table>().unwrap()).unwrap_err()
     }
@@ -217,6 +272,17 @@ mod tests {
         let sheet = read("range_m = 2\nmark = { rgb = [1, 2, 3] }\nplaces = [[0.5, 1]]");
         assert_eq!(sheet, Sheet { range_m: 2.0, mark: Some(Mark::Rgb([1, 2, 3])), places: vec![[0.5, 1.0]] });
         assert_eq!(read("range_m = 2.0\nmark = \"light-grey\"").mark, Some(Mark::LightGrey));
+        let read = |toml: &str| super::read::<Drawer>(toml.parse::<Table>().unwrap()).unwrap();
+        assert_eq!(read("sheets.a.range_m = 1.0").sheets["a"].range_m, 1.0);
+        let kinds = [
+            ("\"plain\"", Kind::Plain),
+            ("{ depth = 1 }", Kind::Depth(1.0)),
+            ("{ pair = [1, 2] }", Kind::Pair(1, 2)),
+            ("{ shade = { depth = 0.5 } }", Kind::Shade { depth: 0.5 }),
+        ];
+        for (toml, kind) in kinds {
+            assert_eq!(read(&alloc::format!("kind = {toml}")).kind, Some(kind));
+        }
     }
 
     #[test]
@@ -256,6 +322,49 @@ mod tests {
             assert_eq!(ours.problem, words, "{toml}");
             let theirs: Result<Sheet, _> = serde_path_to_error::deserialize(toml.parse::<Table>().unwrap());
             let path = if ours.path.is_empty() { "." } else { &ours.path };
+            assert_eq!(path, theirs.unwrap_err().path().to_string(), "{toml}");
+        }
+    }
+
+    /// As above, in what is deeper.
+    #[test]
+    fn what_does_not_fit_in_a_variant_or_an_entry_has_its_path() {
+        let wrong = [
+            ("kind = \"depth\"", "kind.depth", "must be newtype variant, is unit variant"),
+            ("kind = \"pair\"", "kind.pair", "must be tuple variant, is unit variant"),
+            ("kind = \"shade\"", "kind.shade", "must be a table, is unit variant"),
+            ("kind = { plain = 1 }", "kind.plain", "must be unit, is 1"),
+            ("kind = { depth = \"far\" }", "kind.depth", "must be a number, is \"far\""),
+            ("kind = { pair = [1] }", "kind.pair", "must have 2 elements, has 1"),
+            (
+                "kind = { pair = [1, \"b\"] }",
+                "kind.pair[1]",
+                "must be a whole number from 0 to 255, is \"b\"",
+            ),
+            ("kind = { shade = 1 }", "kind.shade", "must be a table, is 1"),
+            ("kind = { shade = {} }", "kind.shade", "missing field `depth`"),
+            ("kind = { shade = { depth = [1] } }", "kind.shade.depth", "must be a number, is a list"),
+            (
+                "kind = { dark = 1 }",
+                "kind",
+                "must be one of `plain`, `depth`, `pair`, `shade`, is `dark`; did you mean `pair`?",
+            ),
+            (
+                "sheets = { a = { range_m = 1.0 }, b = { range_m = 1.0, places = [[1, true]] } }",
+                "sheets.b.places[0][1]",
+                "must be a number, is true",
+            ),
+            (
+                "sheets = { \"a.b\" = { range_m = 1.0, x = 2.0 } }",
+                "sheets.a.b.x",
+                "unknown field `x`, expected one of `range_m`, `mark`, `places`",
+            ),
+            ("sheets = [1]", "sheets", "must be a table, is a list"),
+        ];
+        for (toml, path, words) in wrong {
+            let ours = read::<Drawer>(toml.parse::<Table>().unwrap()).unwrap_err();
+            assert_eq!((ours.path.as_str(), ours.problem.as_str()), (path, words), "{toml}");
+            let theirs: Result<Drawer, _> = serde_path_to_error::deserialize(toml.parse::<Table>().unwrap());
             assert_eq!(path, theirs.unwrap_err().path().to_string(), "{toml}");
         }
     }

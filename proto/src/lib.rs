@@ -26,5 +26,8 @@ pub const REASON: &str = "baudbot-reason";
 /// The reason that the operator restarts the brain.
 pub const RESTART: &str = "restart";
 
-/// The contract as a serialised `FileDescriptorSet`, for server reflection.
-pub const DESCRIPTORS: &[u8] = include_bytes!("generated/descriptors.bin");
+/// The contract as a serialised `FileDescriptorSet` with its comments, for server reflection.
+pub static DESCRIPTORS: &[u8] = include_bytes!("generated/descriptors.bin");
+
+/// The contract as a serialised `FileDescriptorSet` without comments, a fifth as long: messages, services and their methods.
+pub static TYPES: &[u8] = include_bytes!("generated/types.bin");

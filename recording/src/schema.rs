@@ -8,12 +8,11 @@ use prost_types::{DescriptorProto, FileDescriptorSet};
 /// The descriptors of a message of `baudbot.v1` and of all that is in it, as MCAP has them.
 pub(crate) fn of(message: &str) -> Vec<u8> {
     // They are made by our own build from our own files.
-    let mut set = FileDescriptorSet::decode(baudbot_proto::DESCRIPTORS).expect("our own descriptors");
+    let mut set = FileDescriptorSet::decode(baudbot_proto::TYPES).expect("our own descriptors");
     let mut needed = BTreeSet::new();
     note(&set, &format!(".{PACKAGE}.{message}"), &mut needed);
     let is_needed = |name: &str| needed.contains(&format!(".{PACKAGE}.{name}"));
     for file in &mut set.file {
-        file.source_code_info = None;
         file.service.clear();
         file.message_type.retain(|message| is_needed(message.name()));
         file.enum_type.retain(|kind| is_needed(kind.name()));

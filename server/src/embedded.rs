@@ -22,9 +22,11 @@ use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
 use bytes::Bytes;
 use futures_util::stream;
 use tokio::sync::mpsc;
+use tonic::Status;
 use tonic::body::Body;
+use tonic::codegen::BoxFuture;
 use tonic::codegen::http::{Request, Response};
-use tonic::service::{Routes, RoutesBuilder};
+use tonic::server::NamedService;
 use tower::Service;
 
 use crate::access::Caller;
@@ -43,7 +45,11 @@ pub struct Embedded {
 
 /// The services of an [`Embedded`] server, for gRPC clients of package `baudbot.v1` in the same program. Clones share them.
 #[derive(Clone)]
-pub struct Services(Routes);
+pub struct Services {
+    control: ControlServiceServer<Control>,
+    observe: ObserveServiceServer<Observe>,
+    brain_link: BrainLinkServer,
+}
 
 impl Embedded {
     /// A server without worlds. Its recordings are in this folder, which must be there.
@@ -53,12 +59,13 @@ impl Embedded {
         let brain_link = BrainLink { registry: registry.clone(), patience: PATIENCE };
         let control = Control { registry, recordings: Some(Folder::new(recordings)), told: Told::default() };
         let control = ControlServiceServer::from_arc(Arc::new(control));
-        let mut routes = RoutesBuilder::default();
-        routes
-            .add_service(control.max_decoding_message_size(crate::calls::MAX_MESSAGE))
-            .add_service(ObserveServiceServer::new(observe))
-            .add_service(BrainLinkServer::new(brain_link));
-        Self { services: Services(routes.routes().prepare()) }
+        Self {
+            services: Services {
+                control: control.max_decoding_message_size(crate::calls::MAX_MESSAGE),
+                observe: ObserveServiceServer::new(observe),
+                brain_link: BrainLinkServer::new(brain_link),
+            },
+        }
     }
 
     /// Its services.
@@ -81,18 +88,24 @@ impl Embedded {
     }
 }
 
+/// By the path of a method, `/SERVICE/METHOD`. A router for any services is larger than what it leads to here.
 impl Service<Request<Body>> for Services {
     type Response = Response<Body>;
     type Error = Infallible;
-    type Future = <Routes as Service<Request<Body>>>::Future;
+    type Future = BoxFuture<Response<Body>, Infallible>;
 
-    fn poll_ready(&mut self, context: &mut Context<'_>) -> Poll<Result<(), Infallible>> {
-        Service::<Request<Body>>::poll_ready(&mut self.0, context)
+    fn poll_ready(&mut self, _: &mut Context<'_>) -> Poll<Result<(), Infallible>> {
+        Poll::Ready(Ok(()))
     }
 
     fn call(&mut self, mut request: Request<Body>) -> Self::Future {
         request.extensions_mut().insert(Caller::Trusted);
-        self.0.call(request)
+        match request.uri().path().split('/').nth(1) {
+            Some(ControlServiceServer::<Control>::NAME) => self.control.call(request),
+            Some(ObserveServiceServer::<Observe>::NAME) => self.observe.call(request),
+            Some(BrainLinkServer::NAME) => self.brain_link.call(request),
+            _ => Box::pin(async { Ok(Status::unimplemented("").into_http()) }),
+        }
     }
 }
 

@@ -35,7 +35,7 @@ const CONTRACTS: [Contract; 2] = [
             "baudbot/v1/trainer.proto",
         ],
         generated: "proto/src/generated",
-        made: &["baudbot.v1.rs", DESCRIPTORS],
+        made: &["baudbot.v1.rs", DESCRIPTORS, TYPES],
     },
     Contract {
         protos: "bench/proto",
@@ -47,6 +47,8 @@ const CONTRACTS: [Contract; 2] = [
 
 /// All messages and services, serialised: what reflection tells clients.
 const DESCRIPTORS: &str = "descriptors.bin";
+/// The same without comments and places in the files.
+const TYPES: &str = "types.bin";
 
 fn main() -> anyhow::Result<()> {
     CONTRACTS.iter().try_for_each(|contract| contract.generate(&root().join(contract.generated)))
@@ -64,6 +66,9 @@ impl Contract {
         fs::create_dir_all(folder)?;
         if self.made.contains(&DESCRIPTORS) {
             fs::write(folder.join(DESCRIPTORS), descriptors.encode_to_vec())?;
+            let mut types = descriptors.clone();
+            types.file.iter_mut().for_each(|file| file.source_code_info = None);
+            fs::write(folder.join(TYPES), types.encode_to_vec())?;
         }
         let services = r#"#[cfg(feature = "services")]"#;
         tonic_prost_build::configure()

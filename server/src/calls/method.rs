@@ -104,7 +104,7 @@ async fn client<S: Services>(services: S) -> Result<Grpc<S>, Status> {
 
 /// The methods of the three services, by full name.
 static METHODS: LazyLock<BTreeMap<String, Method>> = LazyLock::new(|| {
-    let contract = FileDescriptorSet::decode(baudbot_proto::DESCRIPTORS).expect("the contract is sound");
+    let contract = FileDescriptorSet::decode(baudbot_proto::TYPES).expect("the contract is sound");
     let mut methods = BTreeMap::new();
     for file in &contract.file {
         for service in &file.service {

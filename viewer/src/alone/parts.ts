@@ -6,7 +6,7 @@ export interface Parts {
   brain: string;
   /** The brain's as a module. */
   module: string;
-  /** The world's program. */
+  /** The world's program, packed. */
   wasm(): Promise<ArrayBuffer>;
   /** The folder of Pyodide. */
   pyodide: string;
@@ -21,7 +21,7 @@ export function parts(): Parts {
       world: addressOf(world.textContent),
       brain: addressOf(brain.textContent),
       module: `data:text/javascript;charset=utf-8,${encodeURIComponent(brain.textContent)}`,
-      wasm: () => unpacked(wasm.textContent),
+      wasm: async () => bytesOf(wasm.textContent),
       // A file has no folder beside it; this one is the package's at npm.
       pyodide: `https://cdn.jsdelivr.net/npm/pyodide@${__PYODIDE__}/`,
     };
@@ -32,8 +32,8 @@ export function parts(): Parts {
     brain: beside("brain-worker.js"),
     module: beside("brain-worker.js"),
     wasm: async () => {
-      const response = await fetch(beside("baudbot.wasm"));
-      if (!response.ok) throw new Error(`baudbot.wasm: ${response.status} ${response.statusText}`);
+      const response = await fetch(beside("baudbot.wasm.zst"));
+      if (!response.ok) throw new Error(`baudbot.wasm.zst: ${response.status} ${response.statusText}`);
       return response.arrayBuffer();
     },
     pyodide: beside("pyodide/"),
@@ -44,9 +44,7 @@ function addressOf(script: string): string {
   return URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
 }
 
-/** Base64 of what gzip has packed. */
-function unpacked(text: string): Promise<ArrayBuffer> {
-  const bytes = Uint8Array.from(atob(text.trim()), (character) => character.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Response(stream).arrayBuffer();
+/** What is in base64. */
+function bytesOf(text: string): ArrayBuffer {
+  return Uint8Array.from(atob(text.trim()), (character) => character.charCodeAt(0)).buffer;
 }

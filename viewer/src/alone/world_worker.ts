@@ -1,6 +1,7 @@
 /** The worker that has the world: it lets the world's program work in turns, and carries messages to and fro. */
 import { Engine, ORDERS } from "./engine";
 import type { FromWorld, ToWorld } from "./messages";
+import { unpack } from "./unpack";
 
 /** The longest turn: others wait so long until they are heard. */
 const TURN_MS = 8;
@@ -34,9 +35,9 @@ onmessage = ({ data }: MessageEvent<ToWorld>) => {
   });
 };
 
-async function begin(wasm: ArrayBuffer): Promise<void> {
+async function begin(packed: ArrayBuffer): Promise<void> {
   try {
-    engine = await Engine.begin(wasm, (line) => console.error(line));
+    engine = await Engine.begin(unpack(packed), (line) => console.error(line));
     for (const does of early) does(engine);
     early = [];
     wake();

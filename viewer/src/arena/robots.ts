@@ -48,27 +48,28 @@ function drawBatched(scene: Scene, robots: ObservedRobot[], shown: number[]): vo
 
 function drawGroup(scene: Scene, robots: ObservedRobot[], members: number[], body: string, rim: string): void {
   const { context, view, poses } = scene;
-  const bodies = new Path2D();
+  let bodies: Path2D | undefined;
   const headings = new Path2D();
-  let dots = true;
+  context.fillStyle = rim;
   for (const i of members) {
     const [x, y] = toPixel(view, poses?.x_m[i] ?? 0, poses?.y_m[i] ?? 0);
     const radius = (robots[i]?.radiusM ?? 0) * view.scale;
-    const size = Math.max(1.25, radius);
     if (radius < DOT) {
-      bodies.rect(x - size, y - size, 2 * size, 2 * size);
+      // Thousands of squares one by one are much less work for a browser than a path of all of them.
+      const size = Math.max(1.25, radius);
+      context.fillRect(x - size, y - size, 2 * size, 2 * size);
       continue;
     }
-    dots = false;
+    bodies ??= new Path2D();
     bodies.moveTo(x + radius, y);
     bodies.arc(x, y, radius, 0, 2 * Math.PI);
     const heading = poses?.heading_rad[i] ?? 0;
     headings.moveTo(x, y);
     headings.lineTo(x + radius * Math.cos(heading), y - radius * Math.sin(heading));
   }
-  context.fillStyle = dots ? rim : body;
+  if (!bodies) return;
+  context.fillStyle = body;
   context.fill(bodies);
-  if (dots) return;
   context.strokeStyle = rim;
   context.lineWidth = 1;
   context.stroke(bodies);
@@ -189,22 +190,19 @@ function names(scene: Scene, robots: ObservedRobot[], shown: number[]): void {
 /** Trails of robots. */
 export function drawTrails(scene: Scene): void {
   const { context, view, store, theme, poses } = scene;
+  if (!poses) return;
+  const chosen = store.robotIndex;
+  context.save();
+  useMetres(context, view);
   context.lineJoin = "round";
   store.trails.all.forEach((trail, robot) => {
-    const isChosen = robot === store.robotIndex;
-    context.beginPath();
-    for (let i = 0; i < trail.length; i++) {
-      const [x, y] = toPixel(view, ...trail.at(i));
-      if (trail.isJump(i)) context.moveTo(x, y);
-      else context.lineTo(x, y);
-    }
-    const pose = poses && poseOf(poses, robot);
-    if (!pose) return;
+    if (robot >= poses.count || trail.length < 2) return;
     const { rim } = robotColors(store.description?.robots[robot]?.look, theme);
-    context.strokeStyle = withAlpha(rim, isChosen ? 0.65 : 0.28);
-    context.lineWidth = isChosen ? 1.6 : 1;
-    context.stroke();
+    context.strokeStyle = withAlpha(rim, robot === chosen ? 0.65 : 0.28);
+    context.lineWidth = (robot === chosen ? 1.6 : 1) / view.scale;
+    context.stroke(trail.path);
   });
+  context.restore();
 }
 
 /** The robot at a place of the picture: the nearest of those within reach. */

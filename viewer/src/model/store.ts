@@ -73,6 +73,8 @@ export class Store extends Emitter<Events> {
   filmStride = 0;
   /** The time that shows how old what is drawn is, in milliseconds. */
   clock: () => number = () => performance.now();
+  /** Robots' places in the description, by name. */
+  private places = new Map<string, number>();
   /** When each robot last ran into something, by `clock`. */
   bumpedAt = new Float64Array(0);
 
@@ -83,7 +85,7 @@ export class Store extends Emitter<Events> {
 
   /** The chosen robot's place in the description; -1 if there is none. */
   get robotIndex(): number {
-    return this.description?.robots.findIndex((robot) => robot.robot === this.robot) ?? -1;
+    return this.places.get(this.robot) ?? -1;
   }
 
   /** Over more ticks than this it is not known how things came to where they are. */
@@ -131,6 +133,7 @@ export class Store extends Emitter<Events> {
 
   describe(description: DescribeWorldResponse | undefined): void {
     this.description = description;
+    this.places = new Map(description?.robots.map((robot, i) => [robot.robot, i]));
     this.frame = this.coverage = undefined;
     this.forget();
     if (this.robotIndex < 0) this.robot = description?.robots[0]?.robot ?? this.robot;
@@ -225,9 +228,8 @@ export class Store extends Emitter<Events> {
     const bump = (robot: number) => (this.bumpedAt[robot] = now);
     frame.poses.collided.forEach((collided, i) => collided && bump(i));
     if (frame.rest.collisions.length === 0) return;
-    const places = new Map(this.description?.robots.map((robot, i) => [robot.robot, i]));
     for (const collision of frame.rest.collisions) {
-      const place = places.get(collision.robot);
+      const place = this.places.get(collision.robot);
       if (place !== undefined) bump(place);
     }
     const time_s = secondsOf(frame.timeNs);

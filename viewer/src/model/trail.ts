@@ -13,6 +13,7 @@ export class Trail {
   private readonly jumps: Uint8Array;
   private head = 0;
   length = 0;
+  private drawn: Path2D | undefined;
 
   constructor(readonly capacity: number) {
     this.places = new Float32Array(2 * capacity);
@@ -31,6 +32,13 @@ export class Trail {
     this.jumps[this.head] = Number(isLost);
     this.head = (this.head + 1) % this.capacity;
     this.length = Math.min(this.length + 1, this.capacity);
+    this.drawn = undefined;
+  }
+
+  /** The way as it is drawn, in metres. It is kept until there is another point: pictures are more frequent than frames. */
+  get path(): Path2D {
+    this.drawn ??= this.draw();
+    return this.drawn;
   }
 
   /** The i-th point, 0 being the oldest. */
@@ -49,6 +57,7 @@ export class Trail {
     while (this.length > 0 && (this.ticks[2 * this.place(this.length - 1)] ?? 0) > tick) {
       this.head = this.place(this.length - 1);
       this.length--;
+      this.drawn = undefined;
     }
     const until = 2 * this.place(this.length - 1) + 1;
     if (this.length > 0) this.ticks[until] = Math.min(tick, this.ticks[until] ?? tick);
@@ -57,6 +66,18 @@ export class Trail {
   clear(): void {
     this.length = 0;
     this.head = 0;
+    this.drawn = undefined;
+  }
+
+  private draw(): Path2D {
+    const path = new Path2D();
+    for (let i = 0; i < this.length; i++) {
+      const place = this.place(i);
+      const [x_m, y_m] = [this.places[2 * place] ?? 0, this.places[2 * place + 1] ?? 0];
+      if (this.jumps[place] === 1) path.moveTo(x_m, y_m);
+      else path.lineTo(x_m, y_m);
+    }
+    return path;
   }
 
   private place(i: number): number {

@@ -1,11 +1,14 @@
 /** The bar at the top: what the chosen world does, and what the operator can order. */
-import { button, el, setPressed, setText } from "../dom";
+import { button, el, setPressed, setText, Throttle } from "../dom";
 import { WorldState } from "../gen/baudbot/v1/world_pb";
 import type { Store } from "../model/store";
 import { clock, count, secondsOf } from "../model/units";
 import { paceOf, type Orders, type PaceKind } from "../net/orders";
 import type { RecordControl } from "./record_control";
 import { stateWords } from "./words";
+
+/** How often the time is written: more could not be read. */
+const RATE_HZ = 10;
 
 const PACES: [PaceKind, string][] = [
   ["realTime", "real time"],
@@ -21,6 +24,8 @@ export class Controls {
   private readonly pill = el("span", { class: "pill", test: "state" });
   private readonly time = el("span", { class: "time", test: "time", title: "Simulated time of the newest frame" });
   private readonly tick = el("span", { class: "tick" });
+  /** Each change of a text is laid out by the browser. */
+  private readonly throttle = new Throttle(1000 / RATE_HZ, () => this.showTime());
   private readonly run: HTMLButtonElement;
   private readonly pause: HTMLButtonElement;
   private readonly pace = el("select", { title: "Pace: how simulated time follows the wall clock", label: "Pace" });
@@ -83,11 +88,16 @@ export class Controls {
     );
     store.on("worlds", () => this.refresh());
     store.on("world", () => this.refresh());
-    store.on("frame", (frame) => {
-      setText(this.time, clock(secondsOf(frame.timeNs)));
-      setText(this.tick, `tick ${count(frame.tick)}`);
-    });
+    store.on("frame", () => this.throttle.ask());
     this.refresh();
+  }
+
+  /** The time of the newest frame. */
+  private showTime(): void {
+    const { frame } = this.store;
+    if (!frame) return;
+    setText(this.time, clock(secondsOf(frame.timeNs)));
+    setText(this.tick, `tick ${count(frame.tick)}`);
   }
 
   private setPace(): void {

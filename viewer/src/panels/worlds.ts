@@ -22,6 +22,7 @@ export class WorldsPanel {
   private readonly score = el("dl", { class: "facts" });
   private readonly bumps = el("ol", { class: "bumps", label: "Last collisions" });
   private readonly rows = new Map<string, Row>();
+  private told: string[] = [];
   private bumpsShown: unknown;
 
   constructor(
@@ -109,14 +110,22 @@ export class WorldsPanel {
     if (score && score.goals > 0) facts.push(["goals reached", `${score.goalsReached} of ${score.goals}`]);
     for (const zone of score?.zones.slice(0, 12) ?? [])
       facts.push([zone.zone, zone.visited ? "visited" : "not visited"]);
-    this.score.replaceChildren(
-      ...facts.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]),
-    );
+    this.tell(facts);
     if (this.bumpsShown === this.store.bumps) return;
     this.bumpsShown = this.store.bumps;
     const last = this.store.bumps.slice(-8).reverse();
     this.bumps.replaceChildren(
       ...last.map((bump) => el("li", { text: `${clock(bump.time_s)}  ${bump.robot} × ${bump.with}` })),
+    );
+  }
+
+  /** Makes the list of facts again if there is another one: while a world stands nothing is laid out. */
+  private tell(facts: [string, string][]): void {
+    const words = facts.flat();
+    if (words.length === this.told.length && words.every((word, i) => word === this.told[i])) return;
+    this.told = words;
+    this.score.replaceChildren(
+      ...facts.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]),
     );
   }
 }

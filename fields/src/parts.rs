@@ -1,0 +1,148 @@
+//! The parts of a value of TOML as serde takes them. Each adds its place to the path of an error in it.
+
+use alloc::string::String;
+use alloc::vec::{self, Vec};
+
+use serde::Deserialize as _;
+use serde::de::value::StringDeserializer;
+use serde::de::{
+    DeserializeSeed, Deserializer as _, EnumAccess, Error as _, IntoDeserializer as _, MapAccess, SeqAccess,
+    Unexpected, VariantAccess, Visitor,
+};
+use toml::{Table, Value};
+
+use crate::read::{Problem, Tree};
+
+/// The elements of a list.
+pub(crate) struct Elements {
+    rest: vec::IntoIter<Value>,
+    /// How many were taken.
+    taken: usize,
+}
+
+impl Elements {
+    pub(crate) fn new(values: Vec<Value>) -> Self {
+        Self { rest: values.into_iter(), taken: 0 }
+    }
+
+    fn next(&mut self) -> Option<Tree> {
+        let value = self.rest.next()?;
+        self.taken += 1;
+        Some(Tree(value))
+    }
+
+    /// A problem in the element that was taken last.
+    fn in_last(&self, problem: Problem) -> Problem {
+        problem.in_element(self.taken - 1)
+    }
+}
+
+impl<'de> SeqAccess<'de> for Elements {
+    type Error = Problem;
+
+    fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Problem> {
+        let Some(value) = self.next() else { return Ok(None) };
+        seed.deserialize(value).map(Some).map_err(|problem| self.in_last(problem))
+    }
+
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.rest.len())
+    }
+}
+
+/// The entries of a table.
+pub(crate) struct Entries {
+    rest: toml::map::IntoIter<String, Value>,
+    key: String,
+    value: Option<Value>,
+}
+
+impl Entries {
+    pub(crate) fn new(table: Table) -> Self {
+        Self { rest: table.into_iter(), key: String::new(), value: None }
+    }
+
+    /// Goes to the next entry.
+    fn next(&mut self) -> Option<StringDeserializer<Problem>> {
+        let (key, value) = self.rest.next()?;
+        (self.key, self.value) = (key, Some(value));
+        Some(name(&self.key))
+    }
+
+    fn take(&mut self) -> Result<Tree, Problem> {
+        self.value.take().map(Tree).ok_or_else(|| Problem::custom("a value without a key"))
+    }
+
+    /// A problem in this entry.
+    fn in_this(&self, problem: Problem) -> Problem {
+        problem.in_field(&self.key)
+    }
+}
+
+impl<'de> MapAccess<'de> for Entries {
+    type Error = Problem;
+
+    fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Problem> {
+        let Some(key) = self.next() else { return Ok(None) };
+        seed.deserialize(key).map(Some).map_err(|problem| self.in_this(problem))
+    }
+
+    fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, Problem> {
+        seed.deserialize(self.take()?).map_err(|problem| self.in_this(problem))
+    }
+
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.rest.len())
+    }
+}
+
+/// A variant of an enum: a name, or a table with this name as its only field.
+pub(crate) struct Variant {
+    pub(crate) name: String,
+    pub(crate) content: Option<Tree>,
+}
+
+impl<'de> EnumAccess<'de> for Variant {
+    type Error = Problem;
+    type Variant = Self;
+
+    fn variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<(S::Value, Self), Problem> {
+        Ok((seed.deserialize(name(&self.name))?, self))
+    }
+}
+
+impl Variant {
+    /// Reads the content, which is expected to be of this kind.
+    fn read<T>(self, kind: &str, read: impl FnOnce(Tree) -> Result<T, Problem>) -> Result<T, Problem> {
+        let missing = || Problem::invalid_type(Unexpected::UnitVariant, &kind);
+        self.content.map_or_else(|| Err(missing()), read).map_err(|problem| problem.in_field(&self.name))
+    }
+}
+
+impl<'de> VariantAccess<'de> for Variant {
+    type Error = Problem;
+
+    fn unit_variant(self) -> Result<(), Problem> {
+        if self.content.is_none() { Ok(()) } else { self.read("unit variant", <()>::deserialize) }
+    }
+
+    fn newtype_variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, Problem> {
+        self.read("newtype variant", |content| seed.deserialize(content))
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Problem> {
+        self.read("tuple variant", |content| content.deserialize_tuple(length, visitor))
+    }
+
+    fn struct_variant<V: Visitor<'de>>(
+        self,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Problem> {
+        self.read("struct variant", |content| content.deserialize_map(visitor))
+    }
+}
+
+fn name(text: &str) -> StringDeserializer<Problem> {
+    String::from(text).into_deserializer()
+}
