@@ -40,6 +40,8 @@ mod preset;
 pub mod presets;
 mod raw;
 mod robots;
+#[cfg(feature = "schema")]
+mod schema;
 mod sensors;
 mod serial_ports;
 mod shapes;
@@ -59,6 +61,8 @@ use toml::de::DeTable;
 pub use error::ScenarioError;
 use error::Sheet;
 pub use overrides::Override;
+#[cfg(feature = "schema")]
+pub use schema::schema;
 pub use warnings::{Warning, warnings};
 
 /// Length of the longest scenario that is read, in bytes.

@@ -12,7 +12,8 @@ use super::error::Sheet;
 use baudbot_fields::{FieldError, Fields, Path};
 use baudbot_sim::motor::{DcMotor, MotorNoise, Motors, Servo, Stepper, VelocityMotor};
 use baudbot_sim::sensor::{Device, Sensor};
-use raw::{COMMON_FIELDS, MotorKind, RawDcMotor, RawMotors, RawServo, RawStepper, RawVelocityMotor};
+use raw::{COMMON_FIELDS, MotorKind};
+pub(super) use raw::{RawDcMotor, RawMotors, RawServo, RawStepper, RawVelocityMotor};
 
 type Result<T> = core::result::Result<T, FieldError>;
 

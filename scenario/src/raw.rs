@@ -14,33 +14,48 @@ use super::arena::RawArena;
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Scenario {
+    /// A short name on one line, without control characters. It becomes the name of the world on a server;
+    /// without it the file's name does.
     #[serde(default)]
     pub(super) name: String,
+    /// What the scenario is about, for people.
     #[serde(default)]
     pub(super) description: String,
+    /// Seed of all random streams ([determinism](../explanation/determinism.md)). Range: 0 to 2^63 − 1.
     #[serde(default = "default::seed")]
     pub(super) seed: u64,
+    /// Length of a tick Δt ([timing](../explanation/timing.md)). Range: 0.01 to 1000.
     #[serde(default = "default::step_ms")]
     pub(super) step_ms: f64,
+    /// Euler steps of the bodies in a tick. They must divide the tick into whole nanoseconds. Range: 1 to
+    /// 10,000.
     #[serde(default = "default::substeps")]
     pub(super) substeps: u32,
+    /// Whether sensors and motors are noisy. Byte errors of the link do not count as noise and remain.
     #[serde(default = "default::yes")]
     pub(super) noise: bool,
+    /// What the first collision does: the robot stops, or the run ends.
     #[serde(default)]
     pub(super) collision: Collision,
+    /// When the run ends. Default: none.
     #[serde(default)]
     pub(super) end: End,
+    /// Area coverage. Default: none.
     #[serde(default)]
     pub(super) metrics: Metrics,
+    /// Everything besides the robots.
     #[serde(default)]
     pub(super) arena: RawArena,
+    /// The robots. Their order in the file changes nothing. Range: at most 10,000 robots.
     #[serde(default)]
     pub(super) robots: Vec<Robot>,
 }
 
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema, serde::Serialize))]
 pub(super) enum Collision {
     #[default]
     StopRobot,
@@ -49,31 +64,51 @@ pub(super) enum Collision {
 
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct End {
+    /// The run ends at the end of the first tick that ends at or after this time. Range: 10^−9 to 10^8.
     pub(super) after_s: Option<f64>,
+    /// The run ends when the centre of any robot is in this disc at the end of a tick.
     pub(super) goal: Option<Goal>,
+    /// The run ends when all robots together have had this number of collisions. Range: at least 1.
     pub(super) collisions: Option<u64>,
+    /// The run ends when every zone that is a goal has had a robot's centre in it. Range: needs a zone with
+    /// `goal`.
     #[serde(default)]
     pub(super) all_goals: bool,
+    /// The run ends when this share of the free floor is covered. Range: 0 to 1; needs `metrics.cell_m`.
     pub(super) covered: Option<f64>,
+    /// The run ends when this share of the free floor is sensed. Range: 0 to 1; needs `metrics.sensed_by`.
     pub(super) sensed: Option<f64>,
+    /// The run ends when any battery is empty. Range: needs a robot with a battery.
     #[serde(default)]
     pub(super) battery_empty: bool,
 }
 
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Metrics {
+    /// Side of a cell. Without it nothing is counted. The arena must have walls around the robots. Range: 10^−6
+    /// to 10^6; at most 4,000,000 cells.
     pub(super) cell_m: Option<f64>,
+    /// The sensor whose rays are counted, on each robot that has one of this name. Range: name of a sensor with
+    /// rays and a range; needs `cell_m`.
     pub(super) sensed_by: Option<String>,
+    /// How often its rays are cast, at the end of a tick. This takes time on your machine, not in the
+    /// simulation. Default: 100.0. Range: 0.01 to 10^6.
     pub(super) sense_ms: Option<f64>,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Goal {
+    /// Centre of the disc. Range: −10^6 to 10^6.
     pub(super) x_m: f64,
+    /// Centre of the disc. Range: −10^6 to 10^6.
     pub(super) y_m: f64,
+    /// Radius of the disc. Range: 10^−6 to 10^6.
     pub(super) radius_m: f64,
 }
 
