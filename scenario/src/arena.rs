@@ -113,14 +113,14 @@ struct RawCircle {
 struct RawZone {
     /// Unique among the zones. Range: see [names](#names).
     name: String,
-    /// Corners in order; the outline must not cross itself. Type: list of `[x, y]`. Range: 3 to 4096 points;
-    /// each −10^6 to 10^6.
+    /// Corners in order; the outline must not cross itself. Type: list of `[x, y]`. Default: this or
+    /// `radius_m`. Range: 3 to 4096 points; each −10^6 to 10^6.
     points_m: Option<Vec<[f64; 2]>>,
-    /// Centre of a disc. Range: −10^6 to 10^6.
+    /// Centre of a disc. Default: required with `radius_m`. Range: −10^6 to 10^6.
     x_m: Option<f64>,
-    /// Centre of a disc. Range: −10^6 to 10^6.
+    /// Centre of a disc. Default: required with `radius_m`. Range: −10^6 to 10^6.
     y_m: Option<f64>,
-    /// Radius of a disc. Range: 10^−6 to 10^6.
+    /// Radius of a disc. Default: this or `points_m`. Range: 10^−6 to 10^6.
     radius_m: Option<f64>,
     /// Power with which batteries are charged here. Chargers add up. Range: not negative.
     #[serde(default)]

@@ -24,9 +24,9 @@ const MAX_FAULTS: usize = 64;
 pub(super) struct RawFault {
     /// What fails.
     kind: Kind,
-    /// When it comes. Default: required without `every_s`. Range: 0 to 10^8.
+    /// When it comes. Default: this or `every_s`. Range: 0 to 10^8.
     from_s: Option<f64>,
-    /// It comes once in each such span of time. Default: required without `from_s`. Range: 10^−6 to 10^8.
+    /// It comes once in each such span of time. Default: this or `from_s`. Range: 10^−6 to 10^8.
     every_s: Option<f64>,
     /// How long it lasts. Range: 10^−9 to 10^8, at most `every_s`.
     for_s: f64,

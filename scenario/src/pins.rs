@@ -11,10 +11,10 @@ use baudbot_board::{Decay, LitBy, Pull};
 pub(super) struct Options {
     /// What is on the pin, such as `sensors.ir_left`.
     pub(super) to: String,
-    /// Of a voltage: what the pin has at the value 0, in volts. Default: 0.0.
+    /// Of a voltage: what the pin has at the value 0, in volts. Default: 0.0. Range: −10^12 to 10^12.
     pub(super) volts_at_0: Option<f64>,
     /// Of a voltage: how much more for each unit of the value, in volts. Default: the range of the sensor's
-    /// code is that of the supply.
+    /// code is that of the supply. Range: −10^12 to 10^12.
     pub(super) volts_per_unit: Option<f64>,
     /// Of a voltage: the share that the pin gets. Default: 1.0. Range: 0 to 1.
     pub(super) divider: Option<f64>,

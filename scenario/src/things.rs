@@ -18,10 +18,10 @@ use baudbot_sim::mover::{AfterLast, Mover, Path as Way};
 pub(super) struct RawMover {
     /// Unique among all obstacles. `NAME/path` is its random stream. Range: see [names](#names).
     name: String,
-    /// Radius of a disc. Range: 10^−6 to 10^6.
+    /// Radius of a disc. Default: this or `outline_m`. Range: 10^−6 to 10^6.
     radius_m: Option<f64>,
-    /// Corners in its own frame; the outline must not cross itself. Type: list of `[x, y]`. Range: 3 to 4096
-    /// points; each −10^6 to 10^6; not with `wander`.
+    /// Corners in its own frame; the outline must not cross itself. Type: list of `[x, y]`. Default: this or
+    /// `radius_m`. Range: 3 to 4096 points; each −10^6 to 10^6; not with `wander`.
     outline_m: Option<Vec<[f64; 2]>>,
     /// Sensors that are mounted higher see over it. Default: unlimited. Range: 10^−6 to 10^6.
     height_m: Option<f64>,
@@ -36,11 +36,13 @@ pub(super) struct RawMover {
     /// Heading at the start. Range: −10 to 10.
     #[serde(default)]
     heading_rad: f64,
-    /// It goes from point to point, without turning.
+    /// It goes from point to point, without turning. Default: this, `swing` or `wander`.
     stops: Option<RawStops>,
-    /// It turns about the origin of its own frame and back, like a door on its hinge.
+    /// It turns about the origin of its own frame and back, like a door on its hinge. Default: this, `stops` or
+    /// `wander`.
     swing: Option<RawSwing>,
-    /// It goes straight, in a direction that changes at random from time to time.
+    /// It goes straight, in a direction that changes at random from time to time. Default: this, `stops` or
+    /// `swing`.
     wander: Option<RawWander>,
 }
 
@@ -100,11 +102,13 @@ struct RawWander {
 pub(super) struct RawMovable {
     /// Unique among all obstacles. Range: see [names](#names).
     name: String,
-    /// Radius of a ball. Range: 10^−6 to 10^6.
+    /// Radius of a ball. Default: this, `size_m` or `outline_m`. Range: 10^−6 to 10^6.
     radius_m: Option<f64>,
-    /// Sides of a box along its own x and y. Type: `[length, width]`. Range: each 10^−6 to 10^6.
+    /// Sides of a box along its own x and y. Type: `[length, width]`. Default: this, `radius_m` or `outline_m`.
+    /// Range: each 10^−6 to 10^6.
     size_m: Option<[f64; 2]>,
-    /// Corners in its own frame. Type: list of `[x, y]`. Range: 3 to 4096 points, convex; each −10^6 to 10^6.
+    /// Corners in its own frame. Type: list of `[x, y]`. Default: this, `radius_m` or `size_m`. Range: 3 to
+    /// 4096 points, convex; each −10^6 to 10^6.
     outline_m: Option<Vec<[f64; 2]>>,
     /// Start position of its frame's origin. Range: −10^6 to 10^6.
     x_m: f64,

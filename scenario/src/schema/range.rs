@@ -53,10 +53,18 @@ fn apply_clause(node: &mut Map<String, Value>, clause: &str, form: Option<&str>)
     } else if first == "each" {
         each_number(node, &bounds(rest));
     } else if let Some(place) = place(form, first) {
-        let pairs = node.get_mut("items").and_then(|items| items.get_mut("items"));
-        if let Some(Value::Object(number)) = pairs.and_then(|pairs| pairs.get_mut(place)) {
-            bounds(rest).into_iter().for_each(|(keyword, bound)| set(number, keyword, bound));
-        }
+        of_place(node, place, &bounds(rest));
+    }
+}
+
+/// Sets bounds of the numbers in this place of each pair in a list.
+fn of_place(node: &mut Map<String, Value>, place: usize, of_each: &[(&'static str, f64)]) {
+    let Some(items) = node.get_mut("items").and_then(|pairs| pairs.get_mut("items")) else { return };
+    if items.is_object() {
+        *items = [items.clone(), items.clone()].into_iter().collect();
+    }
+    if let Some(Value::Object(number)) = items.get_mut(place) {
+        of_each.iter().for_each(|(keyword, bound)| set(number, keyword, *bound));
     }
 }
 
@@ -112,7 +120,10 @@ fn bounds(clause: &str) -> Vec<(&'static str, f64)> {
         _ => {}
     }
     if let Some((least, most)) = clause.split_once(" to ") {
-        // What depends on another field is in backticks, and is no bound here.
+        // What depends on another field is in backticks, and is no bound here; nor is what only one kind has.
+        if least.starts_with('`') && !least.ends_with('`') {
+            return Vec::new();
+        }
         let least = number(least).map(|least| ("minimum", least));
         return least.into_iter().chain(number(most).map(|most| ("maximum", most))).collect();
     }
@@ -190,6 +201,7 @@ mod tests {
         assert_eq!(of("positive; required with `bits`"), json!({ "type": "number", "exclusiveMinimum": 0 }));
         assert_eq!(of("0 to `max_m`"), json!({ "type": "number", "minimum": 0 }));
         assert_eq!(of("8, 10 or 11; only `uart`"), json!({ "type": "number", "enum": [8, 10, 11] }));
+        assert_eq!(of("`max_m` to 9"), json!({ "type": "number", "maximum": 9 }));
         assert_eq!(of("`ftdi` 1 to 255"), json!({ "type": "number" }));
     }
 
@@ -202,6 +214,9 @@ mod tests {
         let share = json!({ "type": "number", "minimum": 0 });
         let items = json!({ "type": "array", "items": [current, share] });
         assert_eq!(found, json!({ "type": "array", "minItems": 2, "maxItems": 9, "items": items }));
+        let pairs = json!({ "type": "array", "items": { "type": "array", "items": number } });
+        let found = schema(pairs, "list of `[current, share]`", "currents 0 to 5; shares not negative");
+        assert_eq!(found, json!({ "type": "array", "items": items }));
         let list = json!({ "type": "array", "items": number });
         let each = json!({ "type": "number", "minimum": 0, "maximum": 255 });
         let expected = json!({ "type": "array", "minItems": 3, "maxItems": 3, "items": each });

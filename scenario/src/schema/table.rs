@@ -87,9 +87,14 @@ fn without_null(map: &mut Map<String, Value>) {
     }
     for keyword in ["type", "enum"] {
         let Some(Value::Array(those)) = map.get_mut(keyword) else { continue };
+        let number = those.len();
         those.retain(|one| !one.is_null() && one != "null");
+        let is_optional = those.len() < number;
         if let ("type", [one]) = (keyword, &those[..]) {
             map[keyword] = one.clone();
+        }
+        if is_optional {
+            map.insert("x-optional".into(), true.into());
         }
     }
     let Some(Value::Array(ways)) = map.get_mut("anyOf") else { return };
@@ -142,6 +147,7 @@ fn describe(table: &mut Map<String, Value>) {
 
 /// The default, as the code or else the comment has it, in both places.
 fn defaults(field: &mut Map<String, Value>, text: &mut Text, is_required: bool) {
+    let is_optional = field.remove("x-optional").is_some();
     if is_required {
         text.default = Some("required".into());
     } else if let Some(words) = &text.default {
@@ -152,7 +158,7 @@ fn defaults(field: &mut Map<String, Value>, text: &mut Text, is_required: bool) 
     } else {
         text.default = Some(match (field.get("default"), field.get("type").and_then(Value::as_str)) {
             (Some(default), _) => in_words(default),
-            (None, Some("array")) => "empty".into(),
+            (None, Some("array")) if !is_optional => "empty".into(),
             (None, _) => "none".into(),
         });
     }
@@ -195,7 +201,7 @@ impl Needs {
     fn read(&mut self, texts: &[(String, Text)]) {
         for (name, text) in texts {
             let named = |words| Text::named(text.default.as_ref(), words);
-            let others = named("this or ");
+            let others = [named("this or "), named("this, ")].concat();
             if !others.is_empty() {
                 let mut ways: Vec<_> = others.into_iter().chain([name.clone()]).collect();
                 ways.sort();
@@ -220,9 +226,9 @@ impl Needs {
         let kinds = names(&table["properties"]["kind"]["enum"]);
         let mut conditions = Vec::new();
         for ways in self.one_of {
-            let (first, others) = ways.split_first().expect("it has this and another");
+            let (one, others) = ways.split_last().expect("it has this and another");
             let others: Vec<_> = others.iter().map(|other| json!({ "required": [other] })).collect();
-            conditions.push(json!({ "if": { "anyOf": others }, "else": { "required": [first] } }));
+            conditions.push(json!({ "if": { "anyOf": others }, "else": { "required": [one] } }));
         }
         for (with, field) in self.along {
             conditions.push(json!({ "if": { "required": [with] }, "then": { "required": [field] } }));
@@ -233,7 +239,13 @@ impl Needs {
             let refused: Map<_, _> =
                 fields_of(&self.only, is_of_others).into_iter().map(|field| (field, false.into())).collect();
             if !needed.is_empty() || !refused.is_empty() {
-                let then = json!({ "required": needed, "properties": refused });
+                let mut then = json!({});
+                if !needed.is_empty() {
+                    then["required"] = needed.into();
+                }
+                if !refused.is_empty() {
+                    then["properties"] = refused.into();
+                }
                 conditions.push(json!({ "if": if_kind(&[kind]), "then": then }));
             }
         }
