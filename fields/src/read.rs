@@ -125,6 +125,19 @@ impl<'de> de::Deserializer<'de> for Tree {
         self.deserialize_any(visitor)
     }
 
+    /// Fields have names: a list of their values is no table.
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Problem> {
+        if matches!(self.0, Value::Array(_)) {
+            return Err(de::Error::invalid_type(Unexpected::Seq, &visitor));
+        }
+        self.deserialize_any(visitor)
+    }
+
     fn deserialize_tuple_struct<V: Visitor<'de>>(
         self,
         _: &'static str,
@@ -172,7 +185,7 @@ impl<'de> de::Deserializer<'de> for Tree {
 
     forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq
-        map struct identifier ignored_any
+        map identifier ignored_any
     }
 }
 
@@ -258,6 +271,13 @@ mod tests {
             let path = if ours.path.is_empty() { "." } else { &ours.path };
             assert_eq!(path, theirs.unwrap_err().path().to_string(), "{toml}");
         }
+    }
+
+    /// Otherwise `sheet = [1.0]` would be a sheet whose fields have no names.
+    #[test]
+    fn a_list_is_no_table() {
+        let sheets: toml::Value = "sheet = [1.0]".parse::<Table>().unwrap().remove("sheet").unwrap();
+        assert_eq!(read::<Sheet>(sheets).unwrap_err().problem, "must be a table, is a list");
     }
 
     #[test]

@@ -140,7 +140,7 @@ pub(crate) struct RawServo {
     /// Time constant of its speed. Range: 0 to 10^6.
     pub(crate) lag_ms: f64,
     /// Time between two pulses. A command takes effect with the next one; with 0, immediately. Range: 0 to
-    /// 10^6.
+    /// 1000.
     pub(crate) frame_ms: f64,
     /// Electrical power at standstill. Range: not negative.
     pub(crate) idle_w: f64,

@@ -92,7 +92,8 @@ pub(super) fn sensors() -> Value {
 /// A table that may also be the name of a file.
 fn file_or_table(node: &mut Value) {
     let Value::Object(mut table) = node.take() else { return };
-    let words: Map<_, _> = ["description", "x-manual"].iter().filter_map(|word| table.remove_entry(*word)).collect();
+    let words: Map<_, _> =
+        ["description", "x-manual"].iter().filter_map(|word| table.remove_entry(*word)).collect();
     *node = json!({ "anyOf": [{ "type": "string" }, table] });
     set(node, words.into());
 }
@@ -119,14 +120,21 @@ impl Kinds {
         all.push(json!({ "properties": self.words_of_any() }));
         let mut any: Map<String, Value> = of_all.iter().map(|name| (name.clone(), true.into())).collect();
         for one in &all {
-            any.extend(one["properties"].as_object().into_iter().flatten().map(|(name, _)| (name.clone(), true.into())));
+            any.extend(
+                one["properties"]
+                    .as_object()
+                    .into_iter()
+                    .flatten()
+                    .map(|(name, _)| (name.clone(), true.into())),
+            );
         }
         all.extend(branches);
         let without = json!({ "properties": any, "additionalProperties": false });
         let says_kind = json!({ "anyOf": [{ "required": ["kind"] }, { "required": ["preset"] }] });
         all.push(json!({ "if": says_kind, "else": without }));
         let usual = self.kinds.iter().find(|kind| Some(kind.name) == self.usual);
-        let usual = usual.map(|kind| json!({ "properties": self.closed(kind, &of_all), "additionalProperties": false }));
+        let usual = usual
+            .map(|kind| json!({ "properties": self.closed(kind, &of_all), "additionalProperties": false }));
         (json!({ "type": "object", "allOf": all }), json!({ "if": says_kind, "else": usual }))
     }
 

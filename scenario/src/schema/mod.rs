@@ -32,7 +32,10 @@ use table::{properties, table};
 pub fn schema() -> Value {
     let mut schema = table::<raw::Scenario>();
     let maps = table::<map::Map>();
-    set(&mut properties(&mut properties(&mut schema)["arena"])["maps"], json!({ "type": "array", "items": maps }));
+    set(
+        &mut properties(&mut properties(&mut schema)["arena"])["maps"],
+        json!({ "type": "array", "items": maps }),
+    );
     robot(&mut properties(&mut schema)["robots"]["items"]);
     set(
         &mut schema,
@@ -60,7 +63,8 @@ fn robot(robot: &mut Value) {
     add_preset(&mut fields["microcontroller"], PresetKind::Microcontroller);
     add_preset(&mut fields["battery"], PresetKind::Battery);
     add_preset(robot, PresetKind::Robot);
-    let without = "Sensors of the preset that this robot does not have. Range: only with `preset`.";
+    let without =
+        "Sensors of the preset that this robot does not have. Default: empty. Range: only with `preset`.";
     properties(robot).insert(
         "without".into(),
         json!({ "type": "array", "items": { "type": "string" }, "description": without }),
@@ -112,7 +116,8 @@ fn preset(kind: PresetKind) -> Value {
         .map(|preset| (preset.name, preset.description))
         .unzip();
     json!({
-        "description": "The preset that fills what this table leaves out: `baudbot preset NAME` shows it.",
+        "description": "The preset that fills what this table leaves out: `baudbot preset NAME` shows it. Default: none.",
+        "x-manual": "The [preset](presets.md) that fills what this table leaves out. Default: none.",
         "enum": names,
         "x-taplo": { "docs": { "enumValues": descriptions } },
     })

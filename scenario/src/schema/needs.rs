@@ -36,7 +36,9 @@ pub(super) fn take(node: &mut Value) -> Option<Value> {
     if needs.is_empty() {
         return None;
     }
-    let has_preset = |node: &Map<String, Value>| node.get("properties").is_some_and(|fields| fields.get("preset").is_some());
+    let has_preset = |node: &Map<String, Value>| {
+        node.get("properties").is_some_and(|fields| fields.get("preset").is_some())
+    };
     let common = map.get("allOf").and_then(|all| all[0].as_object());
     if has_preset(map) || common.is_some_and(has_preset) {
         return Some(json!({ "if": { "required": ["preset"] }, "else": needs }));
@@ -51,7 +53,8 @@ fn of_condition(node: &mut Value) -> Option<Value> {
     for branch in ["then", "else"] {
         let Some(needed) = node.get_mut(branch).and_then(take) else { continue };
         needs[branch] = needed;
-        let is_left = node[branch].as_object().is_some_and(|branch| branch.values().any(|value| *value != json!({})));
+        let is_left =
+            node[branch].as_object().is_some_and(|branch| branch.values().any(|value| *value != json!({})));
         if !is_left && let Value::Object(node) = node {
             node.remove(branch);
         }

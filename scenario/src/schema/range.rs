@@ -113,7 +113,8 @@ fn set(node: &mut Map<String, Value>, keyword: &str, bound: f64) {
 
 /// The bounds that a clause gives a number; none if it does not.
 fn bounds(clause: &str) -> Vec<(&'static str, f64)> {
-    let one = |keyword, words: &str| clause.strip_prefix(words).and_then(number).map(|bound| (keyword, bound));
+    let one =
+        |keyword, words: &str| clause.strip_prefix(words).and_then(number).map(|bound| (keyword, bound));
     match clause {
         "positive" => return alloc::vec![("exclusiveMinimum", 0.0)],
         "not negative" => return alloc::vec![("minimum", 0.0)],
@@ -162,7 +163,11 @@ pub(super) fn number(text: &str) -> Option<f64> {
         return format!("1e{exponent}").parse().ok();
     }
     if let Some(exponent) = text.strip_prefix("2^") {
-        return exponent.parse().ok().filter(|exponent| *exponent < 53).map(|exponent: u32| (1_u64 << exponent) as f64);
+        return exponent
+            .parse()
+            .ok()
+            .filter(|exponent| *exponent < 53)
+            .map(|exponent: u32| (1_u64 << exponent) as f64);
     }
     match &*text {
         "π" => Some(PI),
@@ -197,7 +202,10 @@ mod tests {
         let of = |range| schema(json!({ "type": "number" }), "", range);
         let both = json!({ "type": "number", "minimum": 0, "maximum": 0.5 });
         assert_eq!(of("0 to 0.5; only `uart`"), both);
-        assert_eq!(of("above 0, at most 1"), json!({ "type": "number", "exclusiveMinimum": 0, "maximum": 1 }));
+        assert_eq!(
+            of("above 0, at most 1"),
+            json!({ "type": "number", "exclusiveMinimum": 0, "maximum": 1 })
+        );
         assert_eq!(of("positive; required with `bits`"), json!({ "type": "number", "exclusiveMinimum": 0 }));
         assert_eq!(of("0 to `max_m`"), json!({ "type": "number", "minimum": 0 }));
         assert_eq!(of("8, 10 or 11; only `uart`"), json!({ "type": "number", "enum": [8, 10, 11] }));
@@ -209,7 +217,11 @@ mod tests {
     fn bounds_in_a_list() {
         let number = json!({ "type": "number" });
         let pairs = json!({ "type": "array", "items": { "type": "array", "items": [number, number] } });
-        let found = schema(pairs, "list of `[current, share]`", "2 to 9 points; currents 0 to 5, increasing; shares not negative");
+        let found = schema(
+            pairs,
+            "list of `[current, share]`",
+            "2 to 9 points; currents 0 to 5, increasing; shares not negative",
+        );
         let current = json!({ "type": "number", "minimum": 0, "maximum": 5 });
         let share = json!({ "type": "number", "minimum": 0 });
         let items = json!({ "type": "array", "items": [current, share] });

@@ -48,7 +48,8 @@ pub(super) fn beside_conditions(node: &mut Value) {
                 return;
             }
             let keywords = ["type", "properties", "additionalProperties", "required"];
-            let fields: Map<_, _> = keywords.iter().filter_map(|keyword| map.remove_entry(*keyword)).collect();
+            let fields: Map<_, _> =
+                keywords.iter().filter_map(|keyword| map.remove_entry(*keyword)).collect();
             if let Some(Value::Array(all)) = map.get_mut("allOf") {
                 all.insert(0, fields.into());
             }
@@ -235,7 +236,8 @@ impl Needs {
         }
         for kind in &kinds {
             let needed: Vec<_> = fields_of(&self.of_kinds, |kinds| kinds.contains(kind));
-            let is_of_others = |only: &[String]| only.iter().all(|one| kinds.contains(one)) && !only.contains(kind);
+            let is_of_others =
+                |only: &[String]| only.iter().all(|one| kinds.contains(one)) && !only.contains(kind);
             let refused: Map<_, _> =
                 fields_of(&self.only, is_of_others).into_iter().map(|field| (field, false.into())).collect();
             if !needed.is_empty() || !refused.is_empty() {

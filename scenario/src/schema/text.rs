@@ -26,7 +26,8 @@ pub(super) struct Text {
 impl Text {
     /// The parts of a doc comment.
     pub(super) fn of(comment: &str) -> Self {
-        let mut text = Self { meaning: comment.split_whitespace().collect::<Vec<_>>().join(" "), ..Self::default() };
+        let mut text =
+            Self { meaning: comment.split_whitespace().collect::<Vec<_>>().join(" "), ..Self::default() };
         text.range = text.take(" Range: ");
         text.default = text.take(" Default: ");
         text.form = text.take(" Type: ");
@@ -85,7 +86,8 @@ mod tests {
 
     #[test]
     fn a_comment_has_parts() {
-        let text = Text::of("How long\nit is lit. Type: list of `[x, y]`. Default: half. Range: 0 to 1; only `a`.");
+        let text =
+            Text::of("How long\nit is lit. Type: list of `[x, y]`. Default: half. Range: 0 to 1; only `a`.");
         let part = |text: &str| Some(text.to_owned());
         let meaning = "How long it is lit.".to_owned();
         let (form, default, range) = (part("list of `[x, y]`"), part("half"), part("0 to 1; only `a`"));

@@ -30,7 +30,7 @@ pub struct FieldSensor {
 pub(crate) struct FieldSheet {
     /// What it measures. Range: name of one of the arena's fields.
     field: String,
-    /// Value of the largest code. Range: positive; required with `bits`.
+    /// Value of the largest code. Default: required with `bits`. Range: positive.
     max: Option<f64>,
 }
 
@@ -82,7 +82,7 @@ pub struct Microphone;
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct MicrophoneSheet {
-    /// Value of the largest code. Range: positive; required with `bits`.
+    /// Value of the largest code. Default: required with `bits`. Range: positive.
     max: Option<f64>,
 }
 

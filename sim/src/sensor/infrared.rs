@@ -96,15 +96,16 @@ pub(crate) struct Sheet {
     rays: u64,
     /// Range D. Range: 10^−6 to 10^6.
     range_m: f64,
-    /// c₁ of Eq. (3.13). Range: not negative.
+    /// c₁ of Eq. (3.13). Default: this, `lookup` or `ambient_saturation_lux`. Range: not negative.
     c1_m2: Option<f64>,
-    /// c₂ of Eq. (3.13). Range: not negative.
+    /// c₂ of Eq. (3.13). Default: required with `c1_m2`. Range: not negative.
     c2: Option<f64>,
     /// Samples of a real sensor. Type: table, or the name of a
-    /// [file](scenario.md#files-that-a-scenario-refers-to).
+    /// [file](scenario.md#files-that-a-scenario-refers-to). Default: this, `c1_m2` or `ambient_saturation_lux`.
     lookup: Option<LookupSheet>,
     /// It measures the light around it: 1 in the dark, falling to 0 at so many lux, within `opening_rad`. With
-    /// one ray it sees no lamp unless that is straight ahead. Range: positive.
+    /// one ray it sees no lamp unless that is straight ahead. Default: this, `c1_m2` or `lookup`. Range:
+    /// positive.
     ambient_saturation_lux: Option<f64>,
     /// Short for `noise.multiplicative`, σ of Eq. (3.1). Range: 0 to 1000.
     #[serde(default)]

@@ -61,6 +61,9 @@ pub(crate) struct Sheet {
     max_counts: u64,
 }
 
+/// Shortest count, in microseconds: a nanosecond.
+const LEAST_UNIT_US: f64 = 1e-3;
+
 fn unit_us() -> f64 {
     2.0
 }
@@ -86,7 +89,7 @@ impl Sense for Photoresistor {
         };
         let max_counts = path.whole_within("max_counts", sheet.max_counts, 1, u64::from(u32::MAX))? as u32;
         let unit_ns = path.us("unit_us", sheet.unit_us, 1e6)?;
-        if unit_ns == 0 {
+        if sheet.unit_us < LEAST_UNIT_US {
             return Err(path.field("unit_us").error("must be at least a nanosecond"));
         }
         let device = Self {
