@@ -10,7 +10,7 @@ the fields of a place, and `… kind = NAME` for those of a kind. The rows keep 
 
 import re
 
-BLOCK = re.compile(r"^<!-- fields: (.+) -->\n(.*?)^<!-- end -->$", re.M | re.S)
+BLOCK = re.compile(r"^<!-- fields: ([^\n]+) -->\n(.*?)^<!-- end -->$", re.M | re.S)
 HEAD = "\n| field | type | default | range | meaning |\n|---|---|---|---|---|\n"
 TOP = "top level"
 # The same table in another place, which has its own block.
@@ -88,7 +88,7 @@ def row(name, field):
     for mark in ("Range", "Default", "Type"):
         text, found, behind = text.partition(f" {mark}: ")
         parts[mark] = behind.removesuffix(".") if found else ""
-    cells = [f"`{name}`", parts["Type"] or type_of(field), parts["Default"] or "none", parts["Range"], text]
+    cells = [f"`{name}`", parts["Type"] or ("string" if name == "preset" else type_of(field)), parts["Default"] or "none", parts["Range"], text]
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells).replace("|  |", "| |") + " |\n"
 
 
@@ -101,7 +101,9 @@ def type_of(field):
         return either([f'`"{word}"`' for word in words]) if len(words) <= MOST_WORDS else "string"
     if field.get("type") == "array":
         items = field["items"]
-        return "list of " + type_of(items[0] if isinstance(items, list) else items) + "s"
+        of_each = type_of(items[0] if isinstance(items, list) else items)
+        number = f"{field['minItems']} " if field.get("minItems") == field.get("maxItems", -1) else ""
+        return f"list of {number}{re.sub('^(list|[a-z]+$)', lambda word: word[0] + 's', of_each)}"
     if field.get("type") == "object" or "allOf" in field:
         each = field.get("additionalProperties")
         return "table of tables" if isinstance(each, dict) and "anyOf" not in each else "table"

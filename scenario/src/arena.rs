@@ -178,7 +178,7 @@ struct RawField {
     /// Value at the origin without bells, in the field's own unit. Range: −10^9 to 10^9.
     #[serde(default)]
     background: f64,
-    /// Change per metre along x and along y. Range: each −10^9 to 10^9.
+    /// Change per metre along x and along y. Type: `[x, y]`. Range: each −10^9 to 10^9.
     #[serde(default)]
     slope_per_m: [f64; 2],
     /// Bells.

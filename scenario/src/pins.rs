@@ -45,7 +45,7 @@ pub(super) struct Inline {
     pub(super) eeprom_hex: Option<String>,
     /// The part that it was built for, as the compiler notes it.
     pub(super) device: Option<String>,
-    /// The fuse bytes of the ELF file.
+    /// The fuse bytes of the ELF file. Range: each 0 to 255.
     pub(super) fuses: Option<[u8; 3]>,
     /// The address behind the last variable, below which the stack overwrites variables.
     pub(super) data_end: Option<u16>,

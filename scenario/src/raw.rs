@@ -1,5 +1,5 @@
-//! The fields of a scenario file, as they are written. `docs/reference/scenario.md` is its description; the two are
-//! kept equal by a test.
+//! The fields of a scenario file, as they are written. Their comments are their descriptions in editors and in the manual, and say at their
+//! end what type, default and range are where the code does not (`schema/text.rs`).
 
 mod cable;
 mod robot;
@@ -45,7 +45,7 @@ pub(super) struct Scenario {
     /// Area coverage. Default: none.
     #[serde(default)]
     pub(super) metrics: Metrics,
-    /// Everything besides the robots.
+    /// Everything besides the robots. Default: empty.
     #[serde(default)]
     pub(super) arena: RawArena,
     /// The robots. Their order in the file changes nothing. Range: at most 10,000 robots.

@@ -54,7 +54,7 @@ pub(crate) struct Robot {
     /// Duration of a brain's step that declares none, and its deadline. Default: no time at all.
     #[serde(default)]
     pub(crate) brain: Brain,
-    /// [Faults](#robotsfaults). Range: at most 64 faults. Default: none.
+    /// [Faults](#robotsfaults). Default: none. Range: at most 64 faults.
     #[serde(default)]
     pub(crate) faults: Vec<RawFault>,
 }
@@ -149,8 +149,7 @@ pub(crate) struct Microcontroller {
     /// Time from the start of the run until the firmware starts, as opening a serial port resets the chip of
     /// many boards ([timing](../explanation/timing.md#a-chip-that-is-reset)). Range: 0 to 60; not on board.
     pub(crate) bootloader_s: f64,
-    /// The chip that runs `program`. Default: `"atmega328p"`. Range: `"atmega48a"`, `"atmega48pa"`,
-    /// `"atmega88a"`, `"atmega88pa"`, `"atmega168a"`, `"atmega168pa"`, `"atmega328"`, `"atmega328p"`.
+    /// The chip that runs `program`. Default: `"atmega328p"`.
     pub(crate) chip: Option<String>,
     /// The frequency of its clock source. Default: 16 × 10^6. Range: 32,000 to 32 × 10^6, whole.
     pub(crate) clock_hz: Option<f64>,

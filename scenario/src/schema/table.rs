@@ -168,6 +168,7 @@ fn defaults(field: &mut Map<String, Value>, text: &mut Text, is_required: bool) 
 /// A value as it stands in a file.
 fn in_words(value: &Value) -> String {
     match value {
+        Value::Array(list) if list.is_empty() => "empty".into(),
         Value::String(_) | Value::Array(_) => format!("`{value}`").replace(',', ", "),
         Value::Number(number) if number.as_f64() == Some(core::f64::consts::PI) => "π".into(),
         Value::Number(number) => grouped(&format!("{number}")),

@@ -114,9 +114,9 @@ pub(crate) enum Sentences {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Place {
     /// On the body's rim at this angle from the heading, looking outwards. Of a body with corners the rim is
-    /// that of the disc around it. Range: −2π to 2π.
+    /// that of the disc around it. Default: this one, or `mount`. Range: −2π to 2π.
     pub(crate) bearing_rad: Option<f64>,
-    /// Anywhere on the robot, looking any way.
+    /// Anywhere on the robot, looking any way. Default: this one, or `bearing_rad`.
     pub(crate) mount: Option<Mount>,
     /// How high it sits. It sees what reaches up to there. Default: 0.0. Range: 0 to 100.
     pub(crate) height_m: Option<f64>,

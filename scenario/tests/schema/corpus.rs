@@ -12,7 +12,7 @@ pub(crate) static SCHEMA: LazyLock<Value> = LazyLock::new(baudbot_scenario::sche
 
 /// The scenarios, each with all its robots' tables.
 pub(crate) fn scenarios() -> Vec<Value> {
-    include_str!("all_fields.toml").split("# ----\n").skip(1).map(read).collect()
+    include_str!("all_fields.txt").split("# ----\n").skip(1).map(read).collect()
 }
 
 /// What a text says.
