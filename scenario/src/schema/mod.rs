@@ -46,6 +46,7 @@ pub fn schema() -> Value {
         }),
     );
     table::beside_conditions(&mut schema);
+    table::open(&mut schema);
     schema
 }
 

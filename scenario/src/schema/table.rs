@@ -58,6 +58,22 @@ pub(super) fn beside_conditions(node: &mut Value) {
     }
 }
 
+/// Says of each part of a table's schema that other parts may know more fields: tombi takes it for the whole otherwise.
+pub(super) fn open(node: &mut Value) {
+    match node {
+        Value::Array(nodes) => nodes.iter_mut().for_each(open),
+        Value::Object(map) => {
+            map.values_mut().for_each(open);
+            let is_of_table = map.get("properties").is_some_and(Value::is_object)
+                || map.get("required").is_some_and(Value::is_array);
+            if is_of_table {
+                map.entry("additionalProperties").or_insert(true.into());
+            }
+        }
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+    }
+}
+
 fn tidy(node: &mut Value) {
     let Value::Object(map) = node else { return };
     for keyword in ["format", "title"] {

@@ -1,9 +1,9 @@
 //! What the documentation of a field says besides its meaning. It stands at the end of a doc comment, in this order:
 //!
-//! - `Type: list of `[x, y]`.`, where JSON's words for types say too little;
-//! - `Default: half the period.`, where the default is not that of the code; also `this or `other``, which says that one of them
-//!   must be given, `required with `other``, and `required for `kind``;
-//! - `Range: 0 to 10^6; only `uart`.`, which [`super::range`] reads.
+//! - ``Type: list of `[x, y]`.``, where JSON's words for types say too little;
+//! - ``Default: half the period.``, where the default is not that of the code; also ``this or `other` ``, which says that one of them must be
+//!   given, ``required with `other` ``, and ``required for `kind` ``;
+//! - ``Range: 0 to 10^6; only `uart`.``, which [`super::range`] reads.
 
 use alloc::borrow::ToOwned;
 use alloc::format;
@@ -53,7 +53,7 @@ impl Text {
         whole
     }
 
-    /// The names that stand in it behind these words: `this or `a` or `b``, `required for `a` and `b``.
+    /// The names that stand in it behind these words: ``this or `a` ``, ``required for `a` and `b` ``.
     pub(super) fn named(text: Option<&String>, words: &str) -> Vec<String> {
         let Some((_, behind)) = text.and_then(|text| text.split_once(words)) else { return Vec::new() };
         let mut names = Vec::new();
