@@ -276,8 +276,8 @@ mod tests {
     /// Otherwise `sheet = [1.0]` would be a sheet whose fields have no names.
     #[test]
     fn a_list_is_no_table() {
-        let sheets: toml::Value = "sheet = [1.0]".parse::<Table>().unwrap().remove("sheet").unwrap();
-        assert_eq!(read::<Sheet>(sheets).unwrap_err().problem, "must be a table, is a list");
+        let sheet: Value = "sheet = [1.0]".parse::<Table>().unwrap().remove("sheet").unwrap();
+        assert_eq!(read::<Sheet>(sheet).unwrap_err().problem, "must be a table, is a list");
     }
 
     #[test]
