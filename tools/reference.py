@@ -2,7 +2,7 @@
 """Makes the pages of the reference that are generated: `tools/reference.py [--check]`.
 
 docs/reference/cli.md is the help of the program that `BAUDBOT` names, docs/reference/preset-list.md its presets, docs/reference/contract.md
-the services of the contract.
+the services of the contract. The tables of fields in the pages about scenarios are those of the program's schema (reference_tables.py).
 """
 
 import json
@@ -11,6 +11,8 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+
+import reference_tables
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = ROOT / "docs" / "reference"
@@ -49,6 +51,8 @@ KINDS = {
     "adapter": ("Adapters", "For `[robots.link.adapter]`, and the `port.link.adapter` of a sensor; only in a link of kind `uart`."),
     "battery": ("Batteries", "For `[robots.battery]`."),
 }
+# Their tables are generated, and what is around them is written.
+SCENARIOS = ("scenario.md", "actuators.md", "sensors.md")
 # What all commands have, once.
 COMMON = re.compile(r"^Log:\n.*?(?=^\S|\Z)", re.M | re.S)
 
@@ -122,6 +126,15 @@ def contract():
     return text.rstrip() + "\n"
 
 
+def scenarios():
+    """The pages about scenarios, with their tables."""
+    schema, known = json.loads(said("schema")), []
+    pages = [(name, reference_tables.filled((PAGES / name).read_text(), schema, known)) for name in SCENARIOS]
+    if missing := reference_tables.missing(schema, known):
+        sys.exit(f"these tables of fields must be in one page each: {', '.join(missing)}")
+    return pages
+
+
 def words(comment):
     """The text of a comment, on one line."""
     lines = (line.strip().removeprefix("//").strip() for line in comment.splitlines())
@@ -131,7 +144,7 @@ def words(comment):
 def main():
     if not BAUDBOT.is_file():
         sys.exit(f"{BAUDBOT} is not there: cargo build --release")
-    for name, text in [("cli.md", cli()), ("preset-list.md", presets()), ("contract.md", contract())]:
+    for name, text in [("cli.md", cli()), ("preset-list.md", presets()), ("contract.md", contract()), *scenarios()]:
         page = PAGES / name
         if sys.argv[1:] != ["--check"]:
             page.write_text(text)

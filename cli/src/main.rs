@@ -147,6 +147,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Cert(command) => cert::cert(&command),
         Command::List(args) => list::list(&args),
         Command::Init(args) => list::init(&args),
+        Command::Schema => text::print_json(&baudbot_scenario::schema()),
         Command::Completions(args) => pages::completions(&args),
         Command::Man(args) => pages::man(&args),
     }?;

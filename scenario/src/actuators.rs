@@ -13,9 +13,11 @@ use baudbot_sim::actuator::{Actuator, ActuatorKind};
 use baudbot_sim::battery::Battery;
 use baudbot_sim::motor::PositionalServo;
 
+/// The kind of actuator. Default: required.
 #[derive(Clone, Copy, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum RawActuatorKind {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) enum RawActuatorKind {
     Turret,
     Lamp,
     Speaker,
@@ -23,42 +25,66 @@ enum RawActuatorKind {
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawTurret {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct RawTurret {
+    /// Limit to the right. Range: −2π to 0.
     min_rad: f64,
+    /// Limit to the left. Range: 0 to 2π.
     max_rad: f64,
+    /// How fast it turns. Range: positive.
     rate_rad_s: f64,
+    /// The turret does not move if the commanded angle is this close. Range: 0 to 1.
     #[serde(default)]
     dead_band_rad: f64,
+    /// Time between two pulses. A command takes effect with the next one; with 0, immediately. Range: 0 to
+    /// 1000.
     #[serde(default = "frame_ms")]
     frame_ms: f64,
 }
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawLamp {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct RawLamp {
+    /// Luminous intensity at signal 1, the same in all directions, in candela. Range: positive.
     intensity_cd: f64,
+    /// Height above the floor. Range: 0 to 1000.
     #[serde(default)]
     height_m: f64,
 }
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawSpeaker {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct RawSpeaker {
+    /// Loudness at signal 1, at a distance of 1 m. Range: above 0, at most 10^9.
     level: f64,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct RawBattery {
+    /// Nominal voltage. Range: 0.001 to 10^6.
     nominal_v: f64,
+    /// Charge when full, in mAh. Range: positive.
     capacity_mah: f64,
+    /// Lowers the voltage under load. Range: not negative.
     #[serde(default)]
     internal_resistance_ohm: f64,
+    /// Constant power of the robot's electronics. Range: not negative.
     #[serde(default)]
     idle_w: f64,
+    /// Voltage without load, relative to the nominal one, over the remaining share of the charge: linear
+    /// between the points, constant beyond the ends. Type: list of `[charge, voltage]`. Default: one for NiMH
+    /// cells. Range: at least 1 point; charges 0 to 1, increasing; voltages 0 to 10.
     curve_share_v: Option<Vec<(f64, f64)>>,
+    /// Share of the capacity that a constant current in A gets out of the full battery: linear between the
+    /// points, constant beyond the ends. Without it every current gets all of it. Type: list of `[current,
+    /// share]`. Default: none. Range: currents 0 to 10^6, increasing; shares 0.001 to 1.
     #[serde(default)]
     capacity_a_share: Vec<(f64, f64)>,
+    /// Share of the charge at the start. Default: 1.0. Range: 0 to 1.
     charge: Option<f64>,
 }
 

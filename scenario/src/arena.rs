@@ -15,20 +15,34 @@ use baudbot_sim::surroundings::{Field, Light, Region, Source, Surroundings, Zone
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct RawArena {
+    /// Walls and obstacles with corners.
     polygons: Vec<RawPolygon>,
+    /// Round obstacles, such as pillars.
     circles: Vec<RawCircle>,
+    /// Regions of the floor with special properties.
     zones: Vec<RawZone>,
+    /// Lamps.
     lights: Vec<RawLight>,
+    /// Scents and the like.
     fields: Vec<RawField>,
+    /// Things that move by themselves: doors, people.
     pub(super) movers: Vec<RawMover>,
+    /// Things that robots push: boxes, balls.
     pub(super) movables: Vec<RawMovable>,
+    /// Light that is everywhere and casts no shadows. Range: not negative.
     ambient_lux: f64,
+    /// Brightness of the floor where no zone says otherwise; 1 is white. Range: 0 to 1.
     floor: f64,
+    /// The sky is hidden everywhere: satellite receivers have no fix.
     indoors: bool,
+    /// Latitude of the arena's origin. x is east, y is north. Range: −89 to 89.
     latitude_deg: f64,
+    /// Longitude of the arena's origin. Range: −179 to 179.
     longitude_deg: f64,
-    /// Maps are put in place of their names before a scenario is read; here they are only refused.
+    /// Maps in other files: see [below](#files-that-a-scenario-refers-to).
+    #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
     maps: Vec<toml::Table>,
 }
 
@@ -54,82 +68,135 @@ impl Default for RawArena {
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawPolygon {
+    /// Unique among all obstacles. Range: see [names](#names).
     name: String,
+    /// Corners in order. The last one is joined to the first. Type: list of `[x, y]`. Range: 2 to 4096 points,
+    /// at least 3 if solid; each −10^6 to 10^6.
     points_m: Vec<[f64; 2]>,
+    /// Filled: nothing can stand in it, and its outline must not cross itself. `false`: an outline only, such
+    /// as the border of a room.
     #[serde(default = "yes")]
     solid: bool,
+    /// `false`: the last point is not joined to the first; a wall with a gap. Range: a solid one is closed.
     #[serde(default = "yes")]
     closed: bool,
+    /// Sensors that are mounted higher see over it. Bodies hit it at any height. Default: unlimited. Range:
+    /// 10^−6 to 10^6.
     height_m: Option<f64>,
+    /// Its colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
     color: Option<[u8; 3]>,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawCircle {
+    /// Unique among all obstacles. Range: see [names](#names).
     name: String,
+    /// Centre. Range: −10^6 to 10^6.
     x_m: f64,
+    /// Centre. Range: −10^6 to 10^6.
     y_m: f64,
+    /// Radius. A circle is solid. Range: 10^−6 to 10^6.
     radius_m: f64,
+    /// Sensors that are mounted higher see over it. Default: unlimited. Range: 10^−6 to 10^6.
     height_m: Option<f64>,
+    /// Its colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
     color: Option<[u8; 3]>,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawZone {
+    /// Unique among the zones. Range: see [names](#names).
     name: String,
+    /// Corners in order; the outline must not cross itself. Type: list of `[x, y]`. Default: this or
+    /// `radius_m`. Range: 3 to 4096 points; each −10^6 to 10^6.
     points_m: Option<Vec<[f64; 2]>>,
+    /// Centre of a disc. Default: required with `radius_m`. Range: −10^6 to 10^6.
     x_m: Option<f64>,
+    /// Centre of a disc. Default: required with `radius_m`. Range: −10^6 to 10^6.
     y_m: Option<f64>,
+    /// Radius of a disc. Default: this or `points_m`. Range: 10^−6 to 10^6.
     radius_m: Option<f64>,
+    /// Power with which batteries are charged here. Chargers add up. Range: not negative.
     #[serde(default)]
     charger_w: f64,
+    /// Brightness of the floor here. Of several zones the last in the file counts. Default: the arena's. Range:
+    /// 0 to 1.
     floor: Option<f64>,
+    /// Share of its rolling that a wheel loses here: 1 spins on the spot. The largest counts, for each wheel
+    /// separately. Encoders count the rolling; gyroscope, accelerometer and gps measure the body's motion.
+    /// Range: 0 to 1.
     #[serde(default)]
     slip: f64,
+    /// The sky is hidden here.
     #[serde(default)]
     indoors: bool,
+    /// Deviation of compasses here. Offsets add up. Range: −10 to 10.
     #[serde(default)]
     compass_offset_rad: f64,
+    /// A place to reach, for `end.all_goals`.
     #[serde(default)]
     goal: bool,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawLight {
+    /// Unique among the lights. Range: see [names](#names).
     name: String,
+    /// Position. Range: −10^6 to 10^6.
     x_m: f64,
+    /// Position. Range: −10^6 to 10^6.
     y_m: f64,
+    /// Height above the floor. Range: 0 to 1000.
     #[serde(default)]
     height_m: f64,
+    /// Luminous intensity, the same in all directions, in candela. Range: positive.
     intensity_cd: f64,
+    /// It blinks with this period. Range: 0.01 to 10^8.
     blink_ms: Option<f64>,
+    /// How long it is lit in each period, from its start. Default: half the period. Range: 0 to `blink_ms`;
+    /// only with it.
     lit_ms: Option<f64>,
+    /// Whether obstacles cast shadows.
     #[serde(default = "yes")]
     shadows: bool,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawField {
+    /// Unique among the fields. Range: see [names](#names).
     name: String,
+    /// Value at the origin without bells, in the field's own unit. Range: −10^9 to 10^9.
     #[serde(default)]
     background: f64,
+    /// Change per metre along x and along y. Type: `[x, y]`. Range: each −10^9 to 10^9.
     #[serde(default)]
     slope_per_m: [f64; 2],
+    /// Bells.
     #[serde(default)]
     sources: Vec<RawSource>,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawSource {
+    /// Its centre. Range: −10^6 to 10^6.
     x_m: f64,
+    /// Its centre. Range: −10^6 to 10^6.
     y_m: f64,
+    /// Its height; a negative one makes a dip. Range: −10^9 to 10^9.
     strength: f64,
+    /// Its standard deviation. Range: 10^−6 to 10^6.
     width_m: f64,
 }
 

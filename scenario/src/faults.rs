@@ -20,17 +20,27 @@ const MAX_FAULTS: usize = 64;
 /// A fault of a robot.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct RawFault {
+    /// What fails.
     kind: Kind,
+    /// When it comes. Default: this or `every_s`. Range: 0 to 10^8.
     from_s: Option<f64>,
+    /// It comes once in each such span of time. Default: this or `from_s`. Range: 10^−6 to 10^8.
     every_s: Option<f64>,
+    /// How long it lasts. Range: 10^−9 to 10^8, at most `every_s`.
     for_s: f64,
+    /// Probability that a byte sent meanwhile arrives with a wrong bit. The cable's own rate counts if it is
+    /// larger. Default: required for `byte-errors`. Range: 0 to 1; only `byte-errors`.
     byte_error_rate: Option<f64>,
+    /// The sensor's name. Default: required for `sensor` and `lost-signal`. Range: only `sensor` and
+    /// `lost-signal`.
     sensor: Option<String>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum Kind {
     Cable,
     ByteErrors,
@@ -41,6 +51,7 @@ enum Kind {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) enum RawOnLate {
     #[default]
     Hold,

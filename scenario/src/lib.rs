@@ -9,7 +9,8 @@
 //! 5. `build`, `robots` and the other modules check every value and make the world's own types of it, by the rules for single values of
 //!    [`baudbot_fields`]. A sensor reads its own data sheet.
 //!
-//! [`warnings`] reports what is allowed and hardly intended. `docs/reference/scenario.md` describes the format to its users.
+//! [`warnings`] reports what is allowed and hardly intended. With the feature `schema`, `schema` is a JSON Schema of all this, made of
+//! the types of `raw` and their comments; the tables of `docs/reference/scenario.md` are made of it.
 //!
 //! This crate has no files and no clock, as [`baudbot_sim`]: text comes in, types go out.
 
@@ -40,6 +41,8 @@ mod preset;
 pub mod presets;
 mod raw;
 mod robots;
+#[cfg(feature = "schema")]
+mod schema;
 mod sensors;
 mod serial_ports;
 mod shapes;
@@ -59,6 +62,8 @@ use toml::de::DeTable;
 pub use error::ScenarioError;
 use error::Sheet;
 pub use overrides::Override;
+#[cfg(feature = "schema")]
+pub use schema::schema;
 pub use warnings::{Warning, warnings};
 
 /// Length of the longest scenario that is read, in bytes.

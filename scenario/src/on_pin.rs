@@ -78,6 +78,7 @@ impl Connection {
 /// A program that is in the text.
 #[derive(Debug, serde::Deserialize)]
 #[serde(untagged)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) enum RawProgram {
     /// The name of a file, which somebody else must have replaced.
     File(String),

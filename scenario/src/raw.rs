@@ -1,46 +1,61 @@
-//! The fields of a scenario file, as they are written. `docs/reference/scenario.md` is its description; the two are
-//! kept equal by a test.
+//! The fields of a scenario file, as they are written. Their comments are their descriptions in editors and in the manual, and say at their
+//! end what type, default and range are where the code does not (`schema/text.rs`).
 
-use alloc::collections::BTreeMap;
+mod cable;
+mod robot;
+
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_wire::create::Version;
+pub(super) use cable::{Adapter, AdapterKind, Firmware, Link, LinkKind, Mode, Outage, Protocol};
+pub(super) use robot::{Body, Brain, Microcontroller, Robot, Start, Tables};
 
-use super::actuators::RawBattery;
 use super::arena::RawArena;
-use super::faults::{RawFault, RawOnLate};
-use super::on_pin::{Pins, RawProgram};
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Scenario {
+    /// A short name on one line, without control characters. It becomes the name of the world on a server;
+    /// without it the file's name does.
     #[serde(default)]
     pub(super) name: String,
+    /// What the scenario is about, for people.
     #[serde(default)]
     pub(super) description: String,
+    /// Seed of all random streams ([determinism](../explanation/determinism.md)). Range: 0 to 2^63 − 1.
     #[serde(default = "default::seed")]
     pub(super) seed: u64,
+    /// Length of a tick Δt ([timing](../explanation/timing.md)). Range: 0.01 to 1000.
     #[serde(default = "default::step_ms")]
     pub(super) step_ms: f64,
+    /// Euler steps of the bodies in a tick. They must divide the tick into whole nanoseconds. Range: 1 to
+    /// 10,000.
     #[serde(default = "default::substeps")]
     pub(super) substeps: u32,
+    /// Whether sensors and motors are noisy. Byte errors of the link do not count as noise and remain.
     #[serde(default = "default::yes")]
     pub(super) noise: bool,
+    /// What the first collision does: the robot stops, or the run ends.
     #[serde(default)]
     pub(super) collision: Collision,
+    /// When the run ends. Default: none.
     #[serde(default)]
     pub(super) end: End,
+    /// Area coverage. Default: none.
     #[serde(default)]
     pub(super) metrics: Metrics,
+    /// Everything besides the robots. Default: empty.
     #[serde(default)]
     pub(super) arena: RawArena,
+    /// The robots. Their order in the file changes nothing. Range: at most 10,000 robots.
     #[serde(default)]
     pub(super) robots: Vec<Robot>,
 }
 
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema, serde::Serialize))]
 pub(super) enum Collision {
     #[default]
     StopRobot,
@@ -49,263 +64,52 @@ pub(super) enum Collision {
 
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct End {
+    /// The run ends at the end of the first tick that ends at or after this time. Range: 10^−9 to 10^8.
     pub(super) after_s: Option<f64>,
+    /// The run ends when the centre of any robot is in this disc at the end of a tick.
     pub(super) goal: Option<Goal>,
+    /// The run ends when all robots together have had this number of collisions. Range: at least 1.
     pub(super) collisions: Option<u64>,
+    /// The run ends when every zone that is a goal has had a robot's centre in it. Range: needs a zone with
+    /// `goal`.
     #[serde(default)]
     pub(super) all_goals: bool,
+    /// The run ends when this share of the free floor is covered. Range: 0 to 1; needs `metrics.cell_m`.
     pub(super) covered: Option<f64>,
+    /// The run ends when this share of the free floor is sensed. Range: 0 to 1; needs `metrics.sensed_by`.
     pub(super) sensed: Option<f64>,
+    /// The run ends when any battery is empty. Range: needs a robot with a battery.
     #[serde(default)]
     pub(super) battery_empty: bool,
 }
 
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Metrics {
+    /// Side of a cell. Without it nothing is counted. The arena must have walls around the robots. Range: 10^−6
+    /// to 10^6; at most 4,000,000 cells.
     pub(super) cell_m: Option<f64>,
+    /// The sensor whose rays are counted, on each robot that has one of this name. Range: name of a sensor with
+    /// rays and a range; needs `cell_m`.
     pub(super) sensed_by: Option<String>,
+    /// How often its rays are cast, at the end of a tick. This takes time on your machine, not in the
+    /// simulation. Default: 100.0. Range: 0.01 to 10^6.
     pub(super) sense_ms: Option<f64>,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Goal {
+    /// Centre of the disc. Range: −10^6 to 10^6.
     pub(super) x_m: f64,
+    /// Centre of the disc. Range: −10^6 to 10^6.
     pub(super) y_m: f64,
+    /// Radius of the disc. Range: 10^−6 to 10^6.
     pub(super) radius_m: f64,
-}
-
-/// What motors may contain depends on their kind, so they are kept as a table until it is known.
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Robot {
-    pub(super) name: String,
-    pub(super) start: Option<Start>,
-    pub(super) starts: Option<Vec<Start>>,
-    pub(super) body: Body,
-    #[serde(default)]
-    pub(super) motors: toml::Table,
-    #[serde(default)]
-    pub(super) actuators: Tables,
-    pub(super) battery: Option<RawBattery>,
-    #[serde(default)]
-    pub(super) sensors: Tables,
-    #[serde(default)]
-    pub(super) microcontroller: Microcontroller,
-    #[serde(default)]
-    pub(super) pins: Pins,
-    #[serde(default)]
-    pub(super) firmware: Firmware,
-    #[serde(default)]
-    pub(super) link: Link,
-    #[serde(default)]
-    pub(super) brain: Brain,
-    #[serde(default)]
-    pub(super) faults: Vec<RawFault>,
-}
-
-#[derive(Debug, Default, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Start {
-    #[serde(default)]
-    pub(super) x_m: f64,
-    #[serde(default)]
-    pub(super) y_m: f64,
-    #[serde(default)]
-    pub(super) heading_rad: f64,
-    #[serde(default)]
-    pub(super) speed_m_s: f64,
-    #[serde(default)]
-    pub(super) turn_rate_rad_s: f64,
-    #[serde(default)]
-    pub(super) wheels_at_rest: bool,
-    pub(super) name: Option<String>,
-}
-
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Body {
-    pub(super) radius_m: Option<f64>,
-    pub(super) outline_m: Option<Vec<[f64; 2]>>,
-    pub(super) height_m: Option<f64>,
-    pub(super) color: Option<[u8; 3]>,
-    pub(super) mass_kg: f64,
-    pub(super) inertia_kg_m2: f64,
-    pub(super) wheel_radius_m: f64,
-    pub(super) half_track_m: Option<f64>,
-    pub(super) wheel_ratio: Option<f64>,
-    pub(super) wheel_scale: Option<f64>,
-    pub(super) track_ratio: Option<f64>,
-    #[serde(default)]
-    pub(super) wheel_mass_kg: f64,
-    #[serde(default)]
-    pub(super) wheel_inertia_kg_m2: f64,
-    #[serde(default)]
-    pub(super) damping_n_s_m: f64,
-    #[serde(default)]
-    pub(super) turn_damping_nm_s: f64,
-}
-
-#[derive(Debug, Default, serde::Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct Microcontroller {
-    pub(super) framing_us_per_byte: f64,
-    pub(super) receiving_us_per_byte: f64,
-    pub(super) obeying_us: f64,
-    pub(super) operations_per_s: Option<f64>,
-    pub(super) ram_bytes: Option<u64>,
-    pub(super) bootloader_s: f64,
-    pub(super) chip: Option<String>,
-    pub(super) clock_hz: Option<f64>,
-    pub(super) clock_ppm: Option<f64>,
-    pub(super) fuses: Option<Vec<u64>>,
-    pub(super) program: Option<RawProgram>,
-}
-
-#[derive(Debug, Default, serde::Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct Firmware {
-    pub(super) protocol: Option<Protocol>,
-    pub(super) mode: Option<Mode>,
-    pub(super) period_ms: Option<f64>,
-    pub(super) phase_ms: Option<f64>,
-    pub(super) ages: Option<bool>,
-    pub(super) gap_ms: Option<f64>,
-}
-
-impl Firmware {
-    /// What is spoken: if nothing is said, what the model speaks, or a program of the user's own.
-    pub(super) fn protocol(&self, microcontroller: &Microcontroller) -> Protocol {
-        let usual = if microcontroller.program.is_some() { Protocol::Own } else { Protocol::default() };
-        self.protocol.unwrap_or(usual)
-    }
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Protocol {
-    #[default]
-    Framed,
-    Bare,
-    Khepera,
-    Create,
-    #[serde(rename = "create-2")]
-    Create2,
-    /// That of a program of the user's own.
-    Own,
-}
-
-impl Protocol {
-    /// Which Create speaks, if one does.
-    pub(super) fn create(self) -> Option<Version> {
-        match self {
-            Self::Create => Some(Version::One),
-            Self::Create2 => Some(Version::Two),
-            Self::Framed | Self::Bare | Self::Khepera | Self::Own => None,
-        }
-    }
-
-    /// Whether a brain on board has its bytes, too.
-    pub(super) fn is_dialogue(self) -> bool {
-        self == Self::Khepera || self.create().is_some()
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Mode {
-    Stream,
-    Poll,
-}
-
-#[derive(Debug, Default, serde::Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct Link {
-    pub(super) kind: LinkKind,
-    pub(super) baud: Option<u64>,
-    pub(super) bits_per_character: Option<u64>,
-    pub(super) receive_depth: Option<u64>,
-    pub(super) transmit_depth: Option<u64>,
-    pub(super) laptop_buffer_bytes: Option<u64>,
-    pub(super) byte_error_rate: Option<f64>,
-    pub(super) half_duplex: Option<bool>,
-    pub(super) turnaround_us: Option<f64>,
-    pub(super) adapter: Option<Adapter>,
-    pub(super) frame_ms: Option<f64>,
-    pub(super) bytes_per_frame: Option<u64>,
-    pub(super) outages: Option<Vec<Outage>>,
-    pub(super) serial_port: Option<toml::Value>,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum LinkKind {
-    #[default]
-    Ideal,
-    Onboard,
-    Uart,
-    Usb,
-}
-
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Adapter {
-    pub(super) kind: AdapterKind,
-    pub(super) latency_ms: Option<f64>,
-    pub(super) packet_bytes: Option<u64>,
-    pub(super) frame_ms: Option<f64>,
-    pub(super) extra_frames: Option<u64>,
-    pub(super) jitter_us: Option<f64>,
-    pub(super) down_us: Option<f64>,
-    pub(super) spread_ms: Option<f64>,
-    pub(super) burst_probability: Option<f64>,
-    pub(super) burst_ms: Option<f64>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum AdapterKind {
-    Ftdi,
-    Cdc,
-    Bluetooth,
-}
-
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Outage {
-    pub(super) from_s: f64,
-    pub(super) for_s: f64,
-}
-
-#[derive(Debug, Default, serde::Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct Brain {
-    pub(super) thinking_us: Option<f64>,
-    pub(super) operations: Option<u64>,
-    pub(super) memory_bytes: Option<u64>,
-    pub(super) deadline_ms: Option<f64>,
-    pub(super) on_late: Option<RawOnLate>,
-}
-
-/// A robot's sensors or actuators by name. What one may contain depends on its kind, so each is kept as a table
-/// until its kind is known.
-#[derive(Debug, Default, serde::Deserialize)]
-#[serde(from = "BTreeMap<String, toml::Table>")]
-pub(super) struct Tables(pub(super) Vec<(String, toml::Table)>);
-
-impl From<BTreeMap<String, toml::Table>> for Tables {
-    fn from(tables: BTreeMap<String, toml::Table>) -> Self {
-        Self(tables.into_iter().collect())
-    }
-}
-
-impl Tables {
-    /// Puts them into the order of `names`; those that an override added come last.
-    pub(super) fn arrange(&mut self, names: &[String]) {
-        self.0.sort_by_key(|(name, _)| names.iter().position(|other| other == name).unwrap_or(names.len()));
-    }
 }
 
 mod default {

@@ -14,36 +14,57 @@ use baudbot_sim::mover::{AfterLast, Mover, Path as Way};
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct RawMover {
+    /// Unique among all obstacles. `NAME/path` is its random stream. Range: see [names](#names).
     name: String,
+    /// Radius of a disc. Default: this or `outline_m`. Range: 10^−6 to 10^6.
     radius_m: Option<f64>,
+    /// Corners in its own frame; the outline must not cross itself. Type: list of `[x, y]`. Default: this or
+    /// `radius_m`. Range: 3 to 4096 points; each −10^6 to 10^6; not with `wander`.
     outline_m: Option<Vec<[f64; 2]>>,
+    /// Sensors that are mounted higher see over it. Default: unlimited. Range: 10^−6 to 10^6.
     height_m: Option<f64>,
+    /// Its colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
     color: Option<[u8; 3]>,
+    /// Start position; with `stops` the first of these. Range: −10^6 to 10^6.
     #[serde(default)]
     x_m: f64,
+    /// Start position; with `stops` the first of these. Range: −10^6 to 10^6.
     #[serde(default)]
     y_m: f64,
+    /// Heading at the start. Range: −10 to 10.
     #[serde(default)]
     heading_rad: f64,
+    /// It goes from point to point, without turning. Default: this, `swing` or `wander`.
     stops: Option<RawStops>,
+    /// It turns about the origin of its own frame and back, like a door on its hinge. Default: this, `stops` or
+    /// `wander`.
     swing: Option<RawSwing>,
+    /// It goes straight, in a direction that changes at random from time to time. Default: this, `stops` or
+    /// `swing`.
     wander: Option<RawWander>,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawStops {
+    /// Its points; it starts at the first. Type: list of `[x, y]`. Range: 2 to 4096 points; each −10^6 to 10^6.
     points_m: Vec<[f64; 2]>,
+    /// Speed. Range: above 0, at most 1000.
     speed_m_s: f64,
+    /// How long it stays at each. Range: 0 to 10^6.
     #[serde(default)]
     pause_s: f64,
+    /// After the last point: all the way back, straight to the first, or nothing more.
     #[serde(default)]
     then: RawThen,
 }
 
 #[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema, serde::Serialize))]
 enum RawThen {
     #[default]
     Return,
@@ -53,36 +74,59 @@ enum RawThen {
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawSwing {
+    /// The other end of the swing; it starts at `heading_rad`. Range: −10 to 10.
     to_rad: f64,
+    /// Turn rate. Range: above 0, at most 1000.
     rate_rad_s: f64,
+    /// How long it stays at each end. Range: 0 to 10^6.
     #[serde(default)]
     pause_s: f64,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawWander {
+    /// Speed. Range: above 0, at most 1000.
     speed_m_s: f64,
+    /// It keeps a direction for a time between half of this and all of it, or until something is in the way.
+    /// Range: 0 to 10^6.
     turn_s: f64,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct RawMovable {
+    /// Unique among all obstacles. Range: see [names](#names).
     name: String,
+    /// Radius of a ball. Default: this, `size_m` or `outline_m`. Range: 10^−6 to 10^6.
     radius_m: Option<f64>,
+    /// Sides of a box along its own x and y. Type: `[length, width]`. Default: this, `radius_m` or `outline_m`.
+    /// Range: each 10^−6 to 10^6.
     size_m: Option<[f64; 2]>,
+    /// Corners in its own frame. Type: list of `[x, y]`. Default: this, `radius_m` or `size_m`. Range: 3 to
+    /// 4096 points, convex; each −10^6 to 10^6.
     outline_m: Option<Vec<[f64; 2]>>,
+    /// Start position of its frame's origin. Range: −10^6 to 10^6.
     x_m: f64,
+    /// Start position of its frame's origin. Range: −10^6 to 10^6.
     y_m: f64,
+    /// Heading at the start. Range: −10 to 10.
     #[serde(default)]
     heading_rad: f64,
+    /// Mass, uniform over its area. Range: positive.
     mass_kg: f64,
+    /// Coulomb friction coefficient with the floor; for a ball the rolling resistance. Range: not negative.
     friction: f64,
+    /// Coefficient of restitution: speed of parting / speed of meeting. Range: 0 to 1.
     #[serde(default)]
     restitution: f64,
+    /// Sensors that are mounted higher see over it. Default: unlimited. Range: 10^−6 to 10^6.
     height_m: Option<f64>,
+    /// Its colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
     color: Option<[u8; 3]>,
 }
 

@@ -45,6 +45,7 @@ impl BridgeKind {
 /// What happens to the motor's current while nothing drives it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Decay {
     /// The motor is shorted: slow decay.
     Brake,

@@ -9,6 +9,7 @@ use super::meter::Meter;
 /// Which level lights a diode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum LitBy {
     /// It is between the pin and ground.
     High,

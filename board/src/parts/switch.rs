@@ -15,6 +15,7 @@ use crate::role::Role;
 /// What makes the wire of an open switch high.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Pull {
     /// A resistor on the board.
     External,

@@ -15,7 +15,7 @@ const GROUPS: &[(&str, &[&str])] = &[
     ("Serve, and connect", &["serve", "brain", "watch", "port", "token", "cert"]),
     ("Look into a scenario", &["check", "budget", "plan", "locate", "umbmark"]),
     ("Real robots", &["preset", "evidence", "measure", "fit"]),
-    ("Begin", &["list", "init", "new", "completions", "man", "help"]),
+    ("Begin", &["list", "init", "new", "schema", "completions", "man", "help"]),
 ];
 
 /// Columns of the names, and most columns of a line: clap breaks longer ones itself.

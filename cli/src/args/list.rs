@@ -39,6 +39,19 @@ Examples:
   baudbot init devices/laser                     writes laser.toml, to be changed
   baudbot init baud-vs-speed my.toml && baudbot sweep my.toml";
 
+pub(super) const SCHEMA_EXAMPLES: &str = "\
+Examples:
+  baudbot schema > scenario.schema.json          then, as the first line of a scenario beside it:
+      #:schema ./scenario.schema.json
+
+Visual Studio Code reads that line with the extension Even Better TOML, other editors with taplo or tombi. In place of a line in
+each file, a file `.taplo.toml` in the folder names all that are scenarios:
+      [[rule]]
+      include = [\"scenarios/**/*.toml\"]
+      schema.path = \"./scenario.schema.json\"
+
+`taplo lint FILE` and `tombi lint FILE` say the same on a command line. What depends on other numbers only `baudbot check` knows.";
+
 pub(super) const COMPLETIONS_EXAMPLES: &str = "\
 Examples:
   baudbot completions bash > ~/.local/share/bash-completion/completions/baudbot

@@ -161,6 +161,9 @@ pub(crate) enum Command {
     /// Writes a built-in scenario or experiment into a file, for your changes
     #[command(after_long_help = list::LIST_EXAMPLES)]
     Init(InitArgs),
+    /// Prints a JSON Schema of scenario files, by which editors complete fields and show mistakes
+    #[command(after_long_help = list::SCHEMA_EXAMPLES)]
+    Schema,
     /// Prints a shell's completions of commands and options
     #[command(after_long_help = list::COMPLETIONS_EXAMPLES)]
     Completions(CompletionsArgs),

@@ -1,4 +1,4 @@
-//! What an installed program has in it: `list`, `init`, `completions`, `man`.
+//! What an installed program has in it: `list`, `init`, `schema`, `completions`, `man`.
 
 use std::path::PathBuf;
 
@@ -72,6 +72,13 @@ fn shells_and_man_know_the_commands() {
     let page = std::fs::read_to_string(folder.join("man1/baudbot-run.1")).unwrap();
     assert!(page.contains(".SH OPTIONS"), "{page}");
     assert!(folder.join("man1/baudbot.1").exists());
+}
+
+#[test]
+fn editors_get_a_schema() {
+    let schema: serde_json::Value = serde_json::from_str(&good(&["schema"])).unwrap();
+    assert_eq!(schema["$schema"], "http://json-schema.org/draft-07/schema#");
+    assert_eq!(schema["properties"]["step_ms"]["maximum"], 1000);
 }
 
 #[test]

@@ -24,7 +24,8 @@ use baudbot_sim::schedule::Schedule;
 use baudbot_sim::sensor::port::{Format, Port};
 use baudbot_sim::sensor::{Built, Device, Fit, Mount, Noise, OwnClock, Place, Sensor};
 use baudbot_sim::surroundings::Surroundings;
-use raw::{COMMON, Common};
+use raw::COMMON;
+pub(super) use raw::{Common, PLACE, Place as RawPlace};
 
 type Result<T> = core::result::Result<T, FieldError>;
 

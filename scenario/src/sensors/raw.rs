@@ -9,58 +9,91 @@ use crate::raw::Link;
 /// The fields that every kind of sensor has.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Common {
-    pub(super) kind: SensorKind,
-    pub(super) period_ms: Option<f64>,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Common {
+    /// The device: one of the kinds of this page.
+    #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
+    pub(crate) kind: SensorKind,
+    /// Time between two reads by the microcontroller. Default: `step_ms`. Range: 0.01 to 10^7.
+    pub(crate) period_ms: Option<f64>,
+    /// Instant of the first read. Range: 0 to 10^7.
     #[serde(default)]
-    pub(super) phase_ms: f64,
+    pub(crate) phase_ms: f64,
+    /// How long a read keeps the microcontroller busy. What the device itself keeps it waiting (`sonar`,
+    /// `photoresistor`) comes on top. Range: 0 to 10^9.
     #[serde(default)]
-    pub(super) acquisition_us: f64,
-    pub(super) bits: Option<u64>,
+    pub(crate) acquisition_us: f64,
+    /// Bits of each value on the wire. Without it a value crosses as an exact 64-bit number. Range: 1 to 32;
+    /// `encoders`, `steps`, `optical-flow` 8 to 32; not with `port`.
+    pub(crate) bits: Option<u64>,
+    /// What disturbs its readings: [noise](#noise). Default: none. Range: not for digital kinds.
     #[serde(default)]
-    pub(super) noise: Noise,
-    pub(super) clock: Option<Clock>,
-    pub(super) port: Option<Port>,
+    pub(crate) noise: Noise,
+    /// It measures at its own pace: [clock](#clock). Range: not `sonar`, `photoresistor`, `optical-flow`.
+    pub(crate) clock: Option<Clock>,
+    /// It has a cable of its own to the laptop: [port](#port). Range: `laser`, `line-camera`, `gps`.
+    pub(crate) port: Option<Port>,
 }
 
-pub(super) const COMMON: [&str; 8] =
+pub(crate) const COMMON: [&str; 8] =
     ["kind", "period_ms", "phase_ms", "acquisition_us", "bits", "noise", "clock", "port"];
 
 /// A device that measures at its own pace.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Clock {
-    pub(super) period_ms: f64,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Clock {
+    /// Time between the starts of two measurements. Range: 0.01 to 10^7.
+    pub(crate) period_ms: f64,
+    /// How far a specimen's period may be off, either way. Uniform, drawn once a run. Range: 0 to 0.9 periods.
     #[serde(default)]
-    pub(super) spread_ms: f64,
+    pub(crate) spread_ms: f64,
+    /// How far each measurement may begin late. Uniform, drawn each time. It does not add up. Range: 0 to one
+    /// period.
     #[serde(default)]
-    pub(super) jitter_ms: f64,
-    pub(super) phase_ms: Option<f64>,
+    pub(crate) jitter_ms: f64,
+    /// When the first measurement begins. Default: anywhere in the first period, drawn once a run. Range: 0 to
+    /// 10^7.
+    pub(crate) phase_ms: Option<f64>,
+    /// Time from the end of a measurement until its value is at the output. Range: 0 to 10^6.
     #[serde(default)]
-    pub(super) latency_ms: f64,
+    pub(crate) latency_ms: f64,
 }
 
 /// A cable of a device's own.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Port {
-    pub(super) link: Link,
-    pub(super) characters: Option<u64>,
-    pub(super) first_step: Option<u64>,
-    pub(super) sentences: Option<Sentences>,
-    pub(super) dialogue: Option<Dialogue>,
-    pub(super) model: Option<Model>,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Port {
+    /// The cable, with the fields of [`robots.link`](scenario.md#robotslink). Range: any link but `onboard`.
+    pub(crate) link: Link,
+    /// Characters of a distance: 2 reach 4.095 m, 3 reach 262 m. Default: 3. Range: 2 or 3; only `laser`.
+    pub(crate) characters: Option<u64>,
+    /// Number of the first ray in the messages. Default: 0. Range: 0 to 9999, the last step included; only
+    /// `laser`.
+    pub(crate) first_step: Option<u64>,
+    /// What a receiver says of each fix: `RMC` alone, or `GGA`, `GSA`, three `GSV` and `RMC`. Default: `"all"`.
+    /// Range: only `gps`.
+    pub(crate) sentences: Option<Sentences>,
+    /// Without it the device speaks by itself from the beginning. `"asked"`: it is silent and
+    /// [answers](#dialogues-on-a-port). `"driver"`: the same, but a driver of the laptop's starts its scans.
+    /// Range: only `laser`, not `clockwise`; not with `turnaround_us`.
+    pub(crate) dialogue: Option<Dialogue>,
+    /// Which commands it knows, and what it calls itself. Default: `"urg-04lx"`. Range: only with `dialogue`.
+    pub(crate) model: Option<Model>,
 }
 
 #[derive(Clone, Copy, PartialEq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Dialogue {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) enum Dialogue {
     Asked,
     Driver,
 }
 
 #[derive(Clone, Copy, PartialEq, serde::Deserialize)]
-pub(super) enum Model {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) enum Model {
     #[serde(rename = "urg-04lx")]
     Urg04lx,
     #[serde(rename = "ust-10lx")]
@@ -69,7 +102,8 @@ pub(super) enum Model {
 
 #[derive(Clone, Copy, PartialEq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Sentences {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) enum Sentences {
     Rmc,
     All,
 }
@@ -77,22 +111,34 @@ pub(super) enum Sentences {
 /// Where a sensor sits and which way it looks.
 #[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Place {
-    pub(super) bearing_rad: Option<f64>,
-    pub(super) mount: Option<Mount>,
-    pub(super) height_m: Option<f64>,
-    pub(super) turret: Option<String>,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Place {
+    /// On the body's rim at this angle from the heading, looking outwards. Of a body with corners the rim is
+    /// that of the disc around it. Default: this one, or `mount`. Range: −2π to 2π.
+    pub(crate) bearing_rad: Option<f64>,
+    /// Anywhere on the robot, looking any way. Default: this one, or `bearing_rad`.
+    pub(crate) mount: Option<Mount>,
+    /// How high it sits. It sees what reaches up to there. Default: 0.0. Range: 0 to 100.
+    pub(crate) height_m: Option<f64>,
+    /// It sits on it and turns with it about the robot's centre. Bearing and mount are then those at the
+    /// turret's 0. Range: name of a [turret](actuators.md#kind--turret-a-servo-that-turns-sensors) of the
+    /// robot.
+    pub(crate) turret: Option<String>,
 }
 
-pub(super) const PLACE: [&str; 4] = ["bearing_rad", "mount", "height_m", "turret"];
+pub(crate) const PLACE: [&str; 4] = ["bearing_rad", "mount", "height_m", "turret"];
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Mount {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Mount {
+    /// Forwards of the robot's centre. Range: at most two body radii either way.
     #[serde(default)]
-    pub(super) x_m: f64,
+    pub(crate) x_m: f64,
+    /// To the left of the robot's centre. Range: at most two body radii either way.
     #[serde(default)]
-    pub(super) y_m: f64,
+    pub(crate) y_m: f64,
+    /// Which way it looks, from the robot's heading. Range: −2π to 2π.
     #[serde(default)]
-    pub(super) heading_rad: f64,
+    pub(crate) heading_rad: f64,
 }

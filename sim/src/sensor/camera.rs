@@ -33,12 +33,19 @@ pub struct LineCamera {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Field of view. Range: 0 to 2π.
     opening_rad: f64,
+    /// A ray for each. Range: 1 to 4096.
     columns: u64,
+    /// How far it sees. Range: 10^−6 to 65.
     range_m: f64,
+    /// What it sees where there is nothing. Type: `[red, green, blue]`. Range: each 0 to 255.
     #[serde(default)]
     background: [u8; 3],
+    /// Rows of the image on a port, all alike: they cost time on the cable and show nothing more. Range: 1 to
+    /// 4096; at most 1,048,576 pixels.
     #[serde(default = "one_row")]
     rows: u64,
 }

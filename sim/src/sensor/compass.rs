@@ -24,11 +24,17 @@ pub struct Compass {
 /// The fields of its table.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Short for `noise.additive`. Range: 0 to 1000.
     sigma_rad: f64,
+    /// Size of the error of something magnetic on the robot. Range: −2π to 2π.
     hard_iron_rad: f64,
+    /// Where in the turn that error is. Range: −2π to 2π.
     hard_iron_phase_rad: f64,
+    /// Size of the error of iron on the robot. Range: −2π to 2π.
     soft_iron_rad: f64,
+    /// Where in the turn that error is. Range: −2π to 2π.
     soft_iron_phase_rad: f64,
 }
 

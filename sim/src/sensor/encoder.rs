@@ -45,10 +45,14 @@ impl Seen {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Counts a turn of the wheel. Range: 1 to 1,000,000.
     counts_per_turn: u64,
+    /// It tells the direction, and counts backwards. `false`: a single detector that counts up both ways.
     #[serde(default = "yes")]
     quadrature: bool,
+    /// Probability that a mark passes unseen. Only with noise. Range: 0 to 1.
     #[serde(default)]
     loss: f64,
 }

@@ -26,8 +26,11 @@ pub struct FieldSensor {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct FieldSheet {
+    /// What it measures. Range: name of one of the arena's fields.
     field: String,
+    /// Value of the largest code. Default: required with `bits`. Range: positive.
     max: Option<f64>,
 }
 
@@ -77,7 +80,9 @@ pub struct Microphone;
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct MicrophoneSheet {
+    /// Value of the largest code. Default: required with `bits`. Range: positive.
     max: Option<f64>,
 }
 

@@ -60,19 +60,27 @@ impl Wander {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Standard deviation of an error that wanders slowly, along x and y each. Range: 0 to 1000.
     #[serde(default)]
     wander_sigma_m: f64,
+    /// Time constant of that error. Range: positive.
     #[serde(default = "wander_time_s")]
     wander_time_s: f64,
+    /// Standard deviation of a second error, which wanders faster, along x and y each. Range: 0 to 1000.
     #[serde(default)]
     short_wander_sigma_m: f64,
+    /// Time constant of the second error. Range: positive.
     #[serde(default = "short_wander_time_s")]
     short_wander_time_s: f64,
+    /// Standard deviation of what is added to each fix, along x and y each. Range: 0 to 1000.
     #[serde(default)]
     sigma_m: f64,
+    /// Standard deviation of what is added to the speed. Range: 0 to 1000.
     #[serde(default)]
     speed_sigma_m_s: f64,
+    /// How long the sky must be seen until a lost fix is back. Range: 0 to 10^6.
     #[serde(default)]
     reacquire_s: f64,
 }

@@ -26,8 +26,11 @@ pub struct Gyroscope {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// No reading is larger, either way. Range: positive.
     range_rad_s: f64,
+    /// It follows as a low-pass filter of first order does. Without it, at once. Range: positive.
     bandwidth_hz: Option<f64>,
 }
 

@@ -88,17 +88,33 @@ pub enum InfraredModel {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Opening angle γ. Range: 0 to π.
     opening_rad: f64,
+    /// Number of rays N. One ray looks straight ahead. Range: 1 to 10,000.
     rays: u64,
+    /// Range D. Range: 10^−6 to 10^6.
     range_m: f64,
+    /// c₁ of Eq. (3.13). Default: this, `lookup` or `ambient_saturation_lux`. Range: not negative.
     c1_m2: Option<f64>,
+    /// c₂ of Eq. (3.13). Default: required with `c1_m2`. Range: not negative.
     c2: Option<f64>,
+    /// Samples of a real sensor. Type: table, or the name of a
+    /// [file](scenario.md#files-that-a-scenario-refers-to). Default: this, `c1_m2` or `ambient_saturation_lux`.
     lookup: Option<LookupSheet>,
+    /// It measures the light around it: 1 in the dark, falling to 0 at so many lux, within `opening_rad`. With
+    /// one ray it sees no lamp unless that is straight ahead. Default: this, `c1_m2` or `lookup`. Range:
+    /// positive.
     ambient_saturation_lux: Option<f64>,
+    /// Short for `noise.multiplicative`, σ of Eq. (3.1). Range: 0 to 1000.
     #[serde(default)]
     sigma: f64,
+    /// The code of a reading of 1. A Thymio II sends 13 bits, but nothing above 4505. Default: 2^`bits` − 1.
+    /// Range: 1 to 2^`bits` − 1; with `bits`.
     full_scale: Option<u64>,
+    /// Bits of its converter, if the lower bits of its codes are always 0: with 8 of 10 all codes are multiples
+    /// of 4, and 1020 is the largest. Default: `bits`. Range: 1 to `bits`; with `bits`.
     converter_bits: Option<u64>,
 }
 

@@ -194,6 +194,7 @@ pub(super) fn fan(path: &Path, opening_rad: f64, max_rad: f64, rays: u64) -> Res
 /// The data sheet of a kind that has no fields of its own.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct NoFields {}
 
 /// A part of a reading: what its column in a table is called, with its unit.

@@ -42,14 +42,21 @@ pub struct Laser {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Angle between the first ray and the last. Of a full turn the two coincide. Range: 0 to 2π.
     opening_rad: f64,
+    /// How many distances a scan has. Range: 1 to 10,000.
     rays: u64,
+    /// What is nearer is read as this. Range: 0 to `range_m`.
     #[serde(default)]
     min_m: f64,
+    /// Range D. Range: 10^−6 to 10^6.
     range_m: f64,
+    /// Time from the first ray to the last. Range: 0 to 10^6, not longer than a period.
     #[serde(default)]
     sweep_ms: f64,
+    /// It sweeps from left to right, and its values come in that order.
     #[serde(default)]
     clockwise: bool,
 }

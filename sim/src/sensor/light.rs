@@ -33,10 +33,14 @@ pub struct LightSensor {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Lamps within it are seen. Range: 0 to 2π.
     #[serde(default = "half_turn")]
     opening_rad: f64,
+    /// No reading is larger. Range: positive.
     range_lux: f64,
+    /// Time constant with which it follows. Range: 0 to 1000.
     #[serde(default)]
     lag_s: f64,
 }

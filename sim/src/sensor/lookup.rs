@@ -34,10 +34,14 @@ pub struct Lookup {
 #[derive(Debug, Deserialize)]
 #[serde(expecting = "a table of samples (only the program that reads scenario files can look at a file)")]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sheet {
+    /// Where samples were taken. Range: at least 2 distances; each not negative, increasing.
     distances_m: Vec<f64>,
+    /// At which angles they were taken. Range: none or at least 2 angles; each 0 to π/2, increasing.
     #[serde(default)]
     angles_rad: Vec<f64>,
+    /// The samples. Range: a row a distance; in it a list an angle, one if there are no angles; no list empty.
     samples: Vec<Vec<Vec<f64>>>,
 }
 

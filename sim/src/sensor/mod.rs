@@ -180,6 +180,14 @@ macro_rules! devices {
                 }
             }
 
+            /// A JSON Schema of the fields of its table, besides those of all sensors and those of its place.
+            #[cfg(feature = "schema")]
+            pub fn schema(self, generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                match self {
+                    $(Self::$kind => generator.subschema_for::<<$device as Sense>::Sheet>()),*
+                }
+            }
+
             /// The sensor of this kind whose table stands at `path`.
             ///
             /// # Errors

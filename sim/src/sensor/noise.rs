@@ -36,23 +36,23 @@ use baudbot_fields::{FieldError, Path};
 /// Noise of one sensor, applied to each of its readings in the order of the fields. 0 and `None` are off.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Noise {
-    /// Standard deviation of the gain: a specimen's readings are multiplied by one N(1, σ), drawn once a run.
+    /// Standard deviation of the specimen's gain, N(1, σ), drawn once a run. Range: 0 to 1000.
     pub gain_spread: f64,
-    /// Standard deviation of the offset: a specimen's readings have one N(0, σ) added, drawn once a run. In
-    /// the reading's unit.
+    /// Standard deviation of the specimen's offset, drawn once a run, in the reading's unit. Range: 0 to 1000.
     pub offset_spread: f64,
     /// A bias that wanders.
     pub drift: Option<Drift>,
-    /// σ of (3.1): a factor N(1, σ) of each reading.
+    /// σ of Eq. (3.1): each reading is multiplied by an N(1, σ). Range: 0 to 1000.
     pub multiplicative: f64,
-    /// Standard deviation of what is added to each reading, N(0, σ), in the reading's unit.
+    /// Standard deviation of what is added to each reading, in its unit. Range: 0 to 1000.
     pub additive: f64,
-    /// Half width w of what is added to each reading, uniform in [−w, w), in the reading's unit.
+    /// Half width of a uniform noise that is added, in the reading's unit. Range: 0 to 10^9.
     pub uniform: f64,
     /// Readings that are far off now and then.
     pub spikes: Option<Spikes>,
-    /// Readings that fail now and then. Nothing else disturbs the value of a dropout.
+    /// Readings that fail now and then.
     pub dropout: Option<Dropout>,
 }
 
@@ -60,30 +60,33 @@ pub struct Noise {
 /// start of the run. Its values at two instants Δt apart have the correlation exp(−Δt/τ).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Drift {
-    /// Standard deviation of the bias at any instant, in the reading's unit.
+    /// Standard deviation of the bias at any instant, in the reading's unit. Range: 0 to 1000.
     pub sigma: f64,
-    /// τ, in seconds; positive.
+    /// After this time the bias has forgotten 63 % of what it was. Range: 10^−6 to 10^9.
     pub time_constant_s: f64,
 }
 
 /// Readings that are far off now and then.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spikes {
-    /// That a reading has one, in [0, 1].
+    /// That a reading has one. Range: 0 to 1.
     pub probability: f64,
-    /// Each component gets a number that is uniform in ±this added, in the reading's unit.
+    /// Each value gets a number added that is uniform within ± this, in its unit. Range: 0 to 10^9.
     pub magnitude: f64,
 }
 
 /// Readings that fail now and then.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Dropout {
-    /// That a reading fails, in [0, 1].
+    /// That a reading fails. Range: 0 to 1.
     pub probability: f64,
-    /// What all components of the reading then are, in the reading's unit.
+    /// What all its values then are. Range: −10^9 to 10^9.
     pub value: f64,
 }
 

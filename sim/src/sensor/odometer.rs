@@ -47,10 +47,13 @@ impl Estimate {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Standard deviation of the noise on each wheel's displacement, a read. Range: 0 to 1000.
     #[serde(default)]
     sigma_m: f64,
-    /// Farthest position that an odometer of few bits can tell.
+    /// With `bits`: x and y cross as levels from minus this to this, the heading as a level from −π to π.
+    /// Range: 10^−6 to 10^6.
     #[serde(default = "position_range_m")]
     position_range_m: f64,
 }

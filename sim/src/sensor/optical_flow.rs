@@ -66,11 +66,17 @@ impl Track {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Resolution. 400 counts an inch are 15,748 a metre. Brains are told. Range: 1 to 10^6.
     counts_per_m: f64,
+    /// If it went faster since the last read, it has lost track and counts nothing. Range: positive.
     max_speed_m_s: f64,
+    /// Standard deviation of the specimen's gain, N(1, σ), drawn once a run. Range: 0 to 1000.
     #[serde(default)]
     gain_spread: f64,
+    /// Standard deviation of the error of each axis after a metre of way. It grows as the root of the way.
+    /// Range: 0 to 1000.
     #[serde(default)]
     sigma_m: f64,
 }

@@ -39,19 +39,30 @@ pub struct Photoresistor {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Lamps within it are seen. Range: 0 to 2π.
     #[serde(default = "light::half_turn")]
     opening_rad: f64,
+    /// Time constant with which the resistance follows the light. Range: 0 to 1000.
     #[serde(default)]
     lag_s: f64,
+    /// Resistance at 10 lx. Range: positive.
     resistance_10lux_ohm: f64,
+    /// Steepness γ: the resistance at E lux is R₁₀ (E / 10 lx)^−γ. Range: positive.
     gamma: f64,
+    /// Of the capacitor, in µF. Range: positive.
     capacitance_uf: f64,
+    /// Length of a count. Range: 0.001 to 10^6.
     #[serde(default = "unit_us")]
     unit_us: f64,
+    /// Where the count ends. Range: 1 to 2^32 − 1.
     #[serde(default = "max_counts")]
     max_counts: u64,
 }
+
+/// Shortest count, in microseconds: a nanosecond.
+const LEAST_UNIT_US: f64 = 1e-3;
 
 fn unit_us() -> f64 {
     2.0
@@ -78,7 +89,7 @@ impl Sense for Photoresistor {
         };
         let max_counts = path.whole_within("max_counts", sheet.max_counts, 1, u64::from(u32::MAX))? as u32;
         let unit_ns = path.us("unit_us", sheet.unit_us, 1e6)?;
-        if unit_ns == 0 {
+        if sheet.unit_us < LEAST_UNIT_US {
             return Err(path.field("unit_us").error("must be at least a nanosecond"));
         }
         let device = Self {

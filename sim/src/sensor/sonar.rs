@@ -59,20 +59,33 @@ pub enum CrossTalk {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Opening angle of the cone. Range: 0 to π.
     opening_rad: f64,
+    /// Rays over it; the notes have about 3. Range: 1 to 10,000.
     rays: u64,
+    /// D_min: what is nearer is read as this. Range: 0 to `max_m`.
     min_m: f64,
+    /// D_max: the range, and the reading when nothing is heard. Range: 10^−6 to 10^6.
     max_m: f64,
+    /// p: probability that an echo is heard. Only with noise. Range: 0 to 1.
     #[serde(default = "certain")]
     detection: f64,
+    /// Speed of sound. Range: 1 to 10^5.
     #[serde(default = "sound_m_s")]
     sound_m_s: f64,
+    /// Time from the trigger until the sensor listens. Range: 0 to 10^6.
     #[serde(default)]
     holdoff_us: f64,
+    /// How long it listens at most. Default: the way to `max_m` and back. Range: 0.001 to 10^6.
     timeout_ms: Option<f64>,
+    /// Whether it sends pulses that other robots' sonars take for echoes, and does so with theirs. Both need
+    /// it. A pulse is heard from the next tick on, for 30 ms.
     #[serde(default)]
     cross_talk: bool,
+    /// How far away a wide wall would be heard if it listened that long. With it, [small
+    /// targets](#small-targets) are lost before `max_m`. Range: `max_m` to 10^6.
     wall_range_m: Option<f64>,
 }
 

@@ -67,10 +67,15 @@ impl Contact {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct WhiskerSheet {
+    /// How far it reaches. Range: 10^−6 to 10^6.
     length_m: f64,
+    /// A pressed contact reads 0, a free one 1, as on a Boe-Bot.
     #[serde(default)]
     active_low: bool,
+    /// How long after each change the contact bounces: until then it reads 0 or 1 by chance. Only with noise.
+    /// Range: 0 to 10,000.
     #[serde(default)]
     bounce_ms: f64,
 }
@@ -78,14 +83,22 @@ pub(crate) struct WhiskerSheet {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct BumperSheet {
+    /// How much of the rim it covers, about its bearing. Range: 0 to 2π.
     opening_rad: f64,
+    /// Directions, from the robot's centre, in which it feels. Range: 1 to 10,000.
     #[serde(default = "bumper_rays")]
     rays: u64,
+    /// How far from the rim something presses it. A robot stops up to a substep's way short of what it runs
+    /// into: a smaller travel may feel nothing. Range: 10^−6 to 10^6.
     #[serde(default = "travel_m")]
     travel_m: f64,
+    /// A pressed contact reads 0, a free one 1.
     #[serde(default)]
     active_low: bool,
+    /// How long after each change the contact bounces: until then it reads 0 or 1 by chance. Only with noise.
+    /// Range: 0 to 10,000.
     #[serde(default)]
     bounce_ms: f64,
 }

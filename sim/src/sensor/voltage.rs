@@ -38,12 +38,20 @@ pub struct VoltageRanger {
 /// The fields of its table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
+    /// Opening angle of its beam. Range: 0 to π.
     opening_rad: f64,
+    /// Rays over it. The nearest counts. Range: 1 to 10,000.
     rays: u64,
+    /// Beyond this nothing comes back. Range: 10^−6 to 10^6.
     range_m: f64,
+    /// Straight lines in between, the ends beyond. Type: list of `[distance, voltage]`. Range: at least 2
+    /// points; distances not negative, increasing; voltages not negative.
     curve_m_v: Vec<[f64; 2]>,
+    /// Voltage when nothing comes back. Range: 0 to `supply_v`.
     idle_v: f64,
+    /// No output is higher. Range: positive.
     supply_v: f64,
 }
 

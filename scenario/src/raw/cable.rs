@@ -1,0 +1,185 @@
+//! The fields of a robot's cable: what is on it, and what it is made of.
+
+use alloc::vec::Vec;
+
+use baudbot_wire::create::Version;
+
+use super::robot::Microcontroller;
+
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Firmware {
+    /// The form of the messages ([wire](wire.md)). `"own"` is what only your own programs understand. Default:
+    /// `"framed"`; `"own"` with a `microcontroller.program`.
+    pub(crate) protocol: Option<Protocol>,
+    /// Readings on a schedule, or in answer to each command (framed: and to each poll; `khepera`: to each poll
+    /// alone). Default: `"stream"`; `"poll"` for `khepera`, its only mode.
+    pub(crate) mode: Option<Mode>,
+    /// Time between two messages of readings. Default: `step_ms`. Range: 0.01 to 10^7; only `stream`.
+    pub(crate) period_ms: Option<f64>,
+    /// When the first message is due. Default: 0.0. Range: 0 to 10^7; only `stream`.
+    pub(crate) phase_ms: Option<f64>,
+    /// Whether each reading carries its age, at a byte each. Default: true. Range: only `framed`.
+    pub(crate) ages: Option<bool>,
+    /// Silence after which a partial message is discarded. Default: 20.0, or 4 characters if longer, plus the
+    /// longest delay of a byte in an adapter. Range: 0.01 to 10^6, longer than a character plus that delay;
+    /// only `bare`.
+    pub(crate) gap_ms: Option<f64>,
+}
+
+impl Firmware {
+    /// What is spoken: if nothing is said, what the model speaks, or a program of the user's own.
+    pub(crate) fn protocol(&self, microcontroller: &Microcontroller) -> Protocol {
+        let usual = if microcontroller.program.is_some() { Protocol::Own } else { Protocol::default() };
+        self.protocol.unwrap_or(usual)
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) enum Protocol {
+    #[default]
+    Framed,
+    Bare,
+    Khepera,
+    Create,
+    #[serde(rename = "create-2")]
+    Create2,
+    /// That of a program of the user's own.
+    Own,
+}
+
+impl Protocol {
+    /// Which Create speaks, if one does.
+    pub(crate) fn create(self) -> Option<Version> {
+        match self {
+            Self::Create => Some(Version::One),
+            Self::Create2 => Some(Version::Two),
+            Self::Framed | Self::Bare | Self::Khepera | Self::Own => None,
+        }
+    }
+
+    /// Whether a brain on board has its bytes, too.
+    pub(crate) fn is_dialogue(self) -> bool {
+        self == Self::Khepera || self.create().is_some()
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) enum Mode {
+    Stream,
+    Poll,
+}
+
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Link {
+    /// No time and no loss; a serial cable; a USB cable to a microcontroller with its own USB; or no cable, as
+    /// the brain [is on board](#the-brain-on-board). `ideal` has no other field but `serial_port`, `onboard`
+    /// has none.
+    pub(crate) kind: LinkKind,
+    /// Bits a second. Default: required for `uart`. Range: 50 to 100,000,000; only `uart`.
+    pub(crate) baud: Option<u64>,
+    /// 8 as the lecture notes count, 10 for 8N1, 11 with parity or a second stop bit. Default: 10. Range: 8, 10
+    /// or 11; only `uart`.
+    pub(crate) bits_per_character: Option<u64>,
+    /// Unread characters that the microcontroller can hold; more are lost. Default: 64. Range: 1 to 1,048,576;
+    /// only `uart`.
+    pub(crate) receive_depth: Option<u64>,
+    /// Unsent characters that it can hold, including the one being sent; when the buffer is full it waits.
+    /// Default: 64. Range: 1 to 1,048,576; only `uart`.
+    pub(crate) transmit_depth: Option<u64>,
+    /// Bytes that the laptop's driver holds each way: to be sent (more are refused) and to be read by the brain
+    /// (more are lost). Default: 4096. Range: 1 to 1,048,576, at least the longest message.
+    pub(crate) laptop_buffer_bytes: Option<u64>,
+    /// Probability that a byte arrives with one wrong bit, in either direction. Default: 0.0. Range: 0 to 1;
+    /// only `uart`.
+    pub(crate) byte_error_rate: Option<f64>,
+    /// Both directions share the wire ([timing](../explanation/timing.md#half-duplex)). Default: false. Range:
+    /// only `uart`.
+    pub(crate) half_duplex: Option<bool>,
+    /// Pause from the end of one side's last character to the start of the other's first. Default: 0.0. Range:
+    /// 0 to 10^6; only with `half_duplex`.
+    pub(crate) turnaround_us: Option<f64>,
+    /// The adapter between the serial cable and the laptop. Range: only `uart`.
+    pub(crate) adapter: Option<Adapter>,
+    /// Length of a USB frame. Default: 1.0. Range: 0.125 to 100; only `usb`.
+    pub(crate) frame_ms: Option<f64>,
+    /// Bytes each way in a frame: 19 packets of 64. Default: 1216. Range: 1 to 1,048,576; only `usb`.
+    pub(crate) bytes_per_frame: Option<u64>,
+    /// When the cable is out. Range: at most 1000 outages.
+    pub(crate) outages: Option<Vec<Outage>>,
+    /// Where `baudbot serve` opens [serial ports](ports.md#ports-in-a-scenario) at the laptop's end, for
+    /// programs of others. No part of the world: it changes no run, and other commands ignore it. Type: text,
+    /// or list of at most 8. Range: `"pty:NAME"`, `"tcp:ADDRESS"`, `"rfc2217:ADDRESS"` or `"unix:PATH"`; not
+    /// `onboard`; not with several `starts`.
+    #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
+    pub(crate) serial_port: Option<toml::Value>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema, serde::Serialize))]
+pub(crate) enum LinkKind {
+    #[default]
+    Ideal,
+    Onboard,
+    Uart,
+    Usb,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Adapter {
+    /// A USB serial port with a latency timer; one without (CP210x, CH340, CDC-ACM); or a radio.
+    pub(crate) kind: AdapterKind,
+    /// Period of the latency timer; or mean latency of a radio's packet. Default: `ftdi` 16.0, `bluetooth`
+    /// 30.0. Range: 0 to 10^4; `ftdi` 1 to 255.
+    pub(crate) latency_ms: Option<f64>,
+    /// Bytes that make a chip send a packet at once; or the maximum in a radio's packet. Default: `ftdi` 62,
+    /// `bluetooth` 330. Range: 1 to 4096; `ftdi` at most 510.
+    pub(crate) packet_bytes: Option<u64>,
+    /// Length of a USB frame. Default: 1.0. Range: 0.125 to 100; only `ftdi` and `cdc`.
+    pub(crate) frame_ms: Option<f64>,
+    /// Whole frames that bytes to the laptop need besides, by the program of the chip. Default: 0. Range: 0 to
+    /// 100; only `ftdi` and `cdc`.
+    pub(crate) extra_frames: Option<u64>,
+    /// Bytes are at the laptop up to this long after the frame's boundary: a random time, uniform, one for all
+    /// bytes of a packet. Default: 0.0. Range: 0 to 10^5; only `ftdi` and `cdc`.
+    pub(crate) jitter_us: Option<f64>,
+    /// Time from a brain's write until the bytes are at the chip. Without it they wait for the next frame.
+    /// Range: 0 to 10^5; only `ftdi` and `cdc`.
+    pub(crate) down_us: Option<f64>,
+    /// A packet's latency is uniform within `latency_ms` ± this. Default: 10.0, or `latency_ms` if shorter.
+    /// Range: 0 to `latency_ms`; only `bluetooth`.
+    pub(crate) spread_ms: Option<f64>,
+    /// Probability that a packet is held up. Default: 0.02. Range: 0 to 1; only `bluetooth`.
+    pub(crate) burst_probability: Option<f64>,
+    /// Its additional delay then. Default: 100.0. Range: 0 to 10^4; only `bluetooth`.
+    pub(crate) burst_ms: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) enum AdapterKind {
+    Ftdi,
+    Cdc,
+    Bluetooth,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Outage {
+    /// When the cable is pulled. Range: 0 to 10^8, not before the end of the outage before.
+    pub(crate) from_s: f64,
+    /// Time until it is plugged in again. Range: 0 to 10^8.
+    pub(crate) for_s: f64,
+}

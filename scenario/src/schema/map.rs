@@ -1,0 +1,39 @@
+//! A map in another file. The program puts polygons in its place before a scenario is read, so that no type of this crate reads it.
+
+use alloc::string::String;
+
+/// The fields of a map.
+#[derive(schemars::JsonSchema)]
+#[schemars(deny_unknown_fields)]
+#[allow(dead_code, reason = "its schema is what it is for")]
+pub(super) struct Map {
+    /// Unique among the maps. Range: 1 to 40 letters, digits, `_` or `-`.
+    name: String,
+    /// The YAML file of a map of ROS's `map_server`, with its image in PGM or PNG. Occupied cells become solid
+    /// rectangles. Default: this or `svg`.
+    ros: Option<String>,
+    /// How the map's unknown cells are treated. Default: `"free"`. Range: only with `ros`.
+    unknown: Option<Unknown>,
+    /// A plan in SVG. Filled shapes become solid; other lines become walls without thickness. Default: this or
+    /// `ros`.
+    svg: Option<String>,
+    /// Metres per unit of the drawing. Default: required with `svg`. Range: above 0, at most 10^6.
+    m_per_unit: Option<f64>,
+    /// Position of the drawing's lower left corner. Type: `[x, y]`. Default: `[0, 0]`. Range: each −10^6 to
+    /// 10^6; only with `svg`.
+    origin_m: Option<[f64; 2]>,
+    /// Maximum distance of a straight segment from the curve that it approximates. Default: 0.005. Range:
+    /// 10^−6 to 10^6; only with `svg`.
+    tolerance_m: Option<f64>,
+    /// Height of the whole map. Default: unlimited.
+    height_m: Option<f64>,
+}
+
+/// How unknown cells are treated.
+#[derive(schemars::JsonSchema)]
+#[schemars(rename_all = "kebab-case")]
+#[allow(dead_code, reason = "its schema is what it is for")]
+enum Unknown {
+    Free,
+    Occupied,
+}

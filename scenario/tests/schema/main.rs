@@ -1,0 +1,7 @@
+//! The schema and the parser say the same: of all scenarios of the project, of each field of each table, and of each bound.
+
+mod bounds;
+mod corpus;
+mod files;
+mod mutations;
+mod validator;
