@@ -1062,7 +1062,7 @@ pub struct SnapshotWorldRequest {
 /// The snapshot.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct SnapshotWorldResponse {
-    /// Its number, within this world; at most 64 snapshots are kept: the oldest is dropped.
+    /// Its number, within this world. The oldest snapshot is dropped once there are more than the server keeps of a world (64 by default).
     #[prost(uint64, tag = "1")]
     pub snapshot: u64,
     /// The world in the snapshot.

@@ -540,7 +540,7 @@ class SnapshotWorldResponse(_message.Message):
     SNAPSHOT_FIELD_NUMBER: _builtins.int
     STATUS_FIELD_NUMBER: _builtins.int
     snapshot: _builtins.int
-    """Its number, within this world; at most 64 snapshots are kept: the oldest is dropped."""
+    """Its number, within this world. The oldest snapshot is dropped once there are more than the server keeps of a world (64 by default)."""
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
         """The world in the snapshot."""
