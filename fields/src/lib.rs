@@ -10,12 +10,14 @@ extern crate alloc;
 
 mod cause;
 pub mod endpoint;
-mod nearest;
 #[cfg(feature = "toml")]
-mod parts;
+mod misread;
+mod nearest;
 pub mod printable;
 #[cfg(feature = "toml")]
 mod read;
+#[cfg(feature = "toml")]
+mod tree;
 #[cfg(feature = "toml")]
 mod words;
 
@@ -26,10 +28,12 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 pub use cause::Cause;
+#[cfg(feature = "toml")]
+pub use misread::Misread;
 pub use nearest::{edits, nearest};
 use printable::Printable;
 #[cfg(feature = "toml")]
-pub use read::{Misread, read};
+pub use read::read;
 
 /// An error in a field. Path and problem are [`printable`], whatever they quote.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -1,27 +1,10 @@
 //! From a value of TOML to a type. The reader of the crate `toml` gives its errors as text only; this one keeps the cause.
 
-use alloc::boxed::Box;
-use alloc::string::{String, ToString};
-use core::fmt::{self, Display};
-
-use serde::de::{self, DeserializeOwned, Error as _, Unexpected, Visitor};
-use serde::forward_to_deserialize_any;
+use serde::de::DeserializeOwned;
 use toml::Value;
 
-use crate::parts::{Elements, Entries, Variant};
-use crate::{Cause, words};
-
-/// Why a value of TOML is not of a type.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}{problem}", if path.is_empty() { String::new() } else { alloc::format!("{path}: ") })]
-pub struct Misread {
-    /// Where in the value, such as `start.x_m`; empty for the value itself.
-    pub path: String,
-    /// The problem.
-    pub problem: String,
-    /// The kind of problem.
-    pub cause: Cause,
-}
+use crate::misread::Misread;
+use crate::tree::Tree;
 
 /// Reads a value of TOML.
 ///
@@ -31,194 +14,10 @@ pub fn read<T: DeserializeOwned>(value: impl Into<Value>) -> Result<T, Misread> 
     T::deserialize(Tree(value.into())).map_err(|problem| *problem.0)
 }
 
-/// A value whose errors have causes.
-pub(crate) struct Tree(pub(crate) Value);
-
-/// What is wrong, and where below the value that is read: each part of a value adds its place on the way out. In a box, as code for
-/// values that fit passes it on everywhere.
-#[derive(Debug)]
-pub(crate) struct Problem(Box<Misread>);
-
-impl Problem {
-    fn new(problem: String, cause: Cause) -> Self {
-        Self(Box::new(Misread { path: String::new(), problem, cause }))
-    }
-
-    fn value(words: String) -> Self {
-        Self::new(words, Cause::Value)
-    }
-
-    /// The same below the field of this name.
-    pub(crate) fn in_field(self, name: &str) -> Self {
-        self.below(name)
-    }
-
-    /// The same below this element of a list.
-    pub(crate) fn in_element(self, i: usize) -> Self {
-        self.below(&alloc::format!("[{i}]"))
-    }
-
-    fn below(mut self, place: &str) -> Self {
-        let path = &mut self.0.path;
-        if !path.is_empty() && !path.starts_with('[') {
-            path.insert(0, '.');
-        }
-        path.insert_str(0, place);
-        self
-    }
-}
-
-impl Display for Problem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0.problem)
-    }
-}
-
-impl core::error::Error for Problem {}
-
-impl de::Error for Problem {
-    fn custom<T: Display>(words: T) -> Self {
-        Self::value(words.to_string())
-    }
-
-    fn invalid_type(found: Unexpected<'_>, expected: &dyn de::Expected) -> Self {
-        Self::value(words::wrong(&found, expected))
-    }
-
-    fn invalid_value(found: Unexpected<'_>, expected: &dyn de::Expected) -> Self {
-        Self::value(words::wrong(&found, expected))
-    }
-
-    fn unknown_variant(name: &str, known: &'static [&'static str]) -> Self {
-        Self::value(words::unknown(name, known))
-    }
-
-    fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
-        let cause = Cause::UnknownField { name: field.into(), known: expected.into() };
-        Self::new(de::value::Error::unknown_field(field, expected).to_string(), cause)
-    }
-
-    fn missing_field(field: &'static str) -> Self {
-        Self::new(de::value::Error::missing_field(field).to_string(), Cause::MissingField)
-    }
-}
-
-impl<'de> de::Deserializer<'de> for Tree {
-    type Error = Problem;
-
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
-        match self.0 {
-            Value::Boolean(value) => visitor.visit_bool(value),
-            Value::Integer(value) => visitor.visit_i64(value),
-            Value::Float(value) => visitor.visit_f64(value),
-            Value::String(value) => visitor.visit_string(value),
-            Value::Datetime(value) => visitor.visit_string(value.to_string()),
-            Value::Array(values) => visitor.visit_seq(Elements::new(values)),
-            // A visitor of a map takes all of it, or says which field is wrong.
-            Value::Table(table) => visitor.visit_map(Entries::new(table)),
-        }
-    }
-
-    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
-        match self.0 {
-            Value::Array(values) => visitor.visit_seq(Elements::new(values)),
-            other => Err(wrong(&other, &visitor)),
-        }
-    }
-
-    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
-        match self.0 {
-            Value::Table(table) => visitor.visit_map(Entries::new(table)),
-            other => Err(wrong(&other, &visitor)),
-        }
-    }
-
-    /// From a table only. Serde would take a list, too, of values in the order in which the program has the fields.
-    fn deserialize_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        _: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Problem> {
-        self.deserialize_map(visitor)
-    }
-
-    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Problem> {
-        if let Value::Array(values) = &self.0
-            && values.len() != length
-        {
-            return Err(Problem::value(words::wrong_length(values.len(), length)));
-        }
-        self.deserialize_seq(visitor)
-    }
-
-    fn deserialize_tuple_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        length: usize,
-        visitor: V,
-    ) -> Result<V::Value, Problem> {
-        self.deserialize_tuple(length, visitor)
-    }
-
-    /// TOML has no null: what stands there is some value.
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
-        visitor.visit_some(self)
-    }
-
-    fn deserialize_newtype_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        visitor: V,
-    ) -> Result<V::Value, Problem> {
-        visitor.visit_newtype_struct(self)
-    }
-
-    fn deserialize_enum<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        _: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Problem> {
-        match self.0 {
-            Value::String(name) => visitor.visit_enum(Variant { name, content: None }),
-            Value::Table(table) => {
-                let fields = table.len();
-                let mut entries = table.into_iter();
-                match (entries.next(), entries.next()) {
-                    (Some((name, content)), None) => {
-                        visitor.visit_enum(Variant { name, content: Some(Self(content)) })
-                    }
-                    _ => Err(Problem::value(alloc::format!("must be a table with 1 field, has {fields}"))),
-                }
-            }
-            other => Err(wrong(&other, &"a string")),
-        }
-    }
-
-    forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct
-        identifier ignored_any
-    }
-}
-
-/// A value of another type than is expected.
-fn wrong(found: &Value, expected: &dyn de::Expected) -> Problem {
-    let found = match found {
-        Value::Boolean(value) => Unexpected::Bool(*value),
-        Value::Integer(value) => Unexpected::Signed(*value),
-        Value::Float(value) => Unexpected::Float(*value),
-        Value::String(value) => Unexpected::Str(value),
-        Value::Datetime(_) => Unexpected::Other("a date"),
-        Value::Array(_) => Unexpected::Seq,
-        Value::Table(_) => Unexpected::Map,
-    };
-    Problem::invalid_type(found, expected)
-}
-
 #[cfg(test)]
 mod tests {
     use alloc::collections::BTreeMap;
+    use alloc::string::{String, ToString};
     use alloc::vec;
     use alloc::vec::Vec;
 
@@ -226,6 +25,7 @@ mod tests {
     use toml::Table;
 
     use super::*;
+    use crate::{Cause, words};
 
     #[derive(Debug, Deserialize, PartialEq)]
     #[serde(deny_unknown_fields)]

@@ -1,17 +1,121 @@
-//! The parts of a value of TOML as serde takes them. Each adds its place to the path of an error in it.
+//! A value of TOML and its parts as serde takes them. Each part adds its place to the path of an error in it.
 
-use alloc::string::String;
+use alloc::string::{String, ToString};
 use alloc::vec::{self, Vec};
 
 use serde::Deserialize as _;
 use serde::de::value::StringDeserializer;
 use serde::de::{
-    DeserializeSeed, Deserializer as _, EnumAccess, Error as _, IntoDeserializer as _, MapAccess, SeqAccess,
+    DeserializeSeed, Deserializer, EnumAccess, Error as _, IntoDeserializer as _, MapAccess, SeqAccess,
     Unexpected, VariantAccess, Visitor,
 };
+use serde::forward_to_deserialize_any;
 use toml::{Table, Value};
 
-use crate::read::{Problem, Tree};
+use crate::misread::{Problem, wrong};
+use crate::words;
+
+/// A value whose errors have causes.
+pub(crate) struct Tree(pub(crate) Value);
+
+impl<'de> Deserializer<'de> for Tree {
+    type Error = Problem;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
+        match self.0 {
+            Value::Boolean(value) => visitor.visit_bool(value),
+            Value::Integer(value) => visitor.visit_i64(value),
+            Value::Float(value) => visitor.visit_f64(value),
+            Value::String(value) => visitor.visit_string(value),
+            Value::Datetime(value) => visitor.visit_string(value.to_string()),
+            Value::Array(values) => visitor.visit_seq(Elements::new(values)),
+            // A visitor of a map takes all of it, or says which field is wrong.
+            Value::Table(table) => visitor.visit_map(Entries::new(table)),
+        }
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
+        match self.0 {
+            Value::Array(values) => visitor.visit_seq(Elements::new(values)),
+            other => Err(wrong(&other, &visitor)),
+        }
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
+        match self.0 {
+            Value::Table(table) => visitor.visit_map(Entries::new(table)),
+            other => Err(wrong(&other, &visitor)),
+        }
+    }
+
+    /// From a table only. Serde would take a list, too, of values in the order in which the program has the fields.
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Problem> {
+        self.deserialize_map(visitor)
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Problem> {
+        if let Value::Array(values) = &self.0
+            && values.len() != length
+        {
+            return Err(Problem::value(words::wrong_length(values.len(), length)));
+        }
+        self.deserialize_seq(visitor)
+    }
+
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        length: usize,
+        visitor: V,
+    ) -> Result<V::Value, Problem> {
+        self.deserialize_tuple(length, visitor)
+    }
+
+    /// TOML has no null: what stands there is some value.
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
+        visitor.visit_some(self)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Problem> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Problem> {
+        match self.0 {
+            Value::String(name) => visitor.visit_enum(Variant { name, content: None }),
+            Value::Table(table) => {
+                let fields = table.len();
+                let mut entries = table.into_iter();
+                match (entries.next(), entries.next()) {
+                    (Some((name, content)), None) => {
+                        visitor.visit_enum(Variant { name, content: Some(Self(content)) })
+                    }
+                    _ => Err(Problem::value(alloc::format!("must be a table with 1 field, has {fields}"))),
+                }
+            }
+            other => Err(wrong(&other, &"a string")),
+        }
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct
+        identifier ignored_any
+    }
+}
 
 /// The elements of a list.
 pub(crate) struct Elements {
