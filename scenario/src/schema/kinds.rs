@@ -107,8 +107,7 @@ impl Kinds {
         if let Some(kind) = self.presets {
             properties(&mut self.common[0]).insert("preset".into(), preset(kind));
         }
-        let of_all = self.common[0]["properties"].as_object().into_iter().flatten();
-        let of_all: Vec<String> = of_all.map(|(name, _)| name.clone()).collect();
+        let of_all: Vec<String> = fields(&self.common[0]).map(|(name, _)| name.clone()).collect();
         let branches: Vec<_> = self.kinds.iter().map(|kind| self.branch(kind, &of_all)).collect();
         let mut all: Vec<Value> = core::mem::take(&mut self.common);
         for one in &mut all {
@@ -118,16 +117,8 @@ impl Kinds {
             }
         }
         all.push(json!({ "properties": self.words_of_any() }));
-        let mut any: Map<String, Value> = of_all.iter().map(|name| (name.clone(), true.into())).collect();
-        for one in &all {
-            any.extend(
-                one["properties"]
-                    .as_object()
-                    .into_iter()
-                    .flatten()
-                    .map(|(name, _)| (name.clone(), true.into())),
-            );
-        }
+        let any: Map<_, _> =
+            all.iter().flat_map(fields).map(|(name, _)| (name.clone(), true.into())).collect();
         all.extend(branches);
         let without = json!({ "properties": any, "additionalProperties": false });
         let says_kind = json!({ "anyOf": [{ "required": ["kind"] }, { "required": ["preset"] }] });
@@ -140,10 +131,9 @@ impl Kinds {
 
     /// What holds for a table of this kind.
     fn branch(&self, kind: &Kind, of_all: &[String]) -> Value {
-        let mut fields = self.closed(kind, of_all);
-        let own = kind.table["properties"].as_object().into_iter().flatten();
-        fields.extend(own.map(|(name, field)| (name.clone(), field.clone())));
-        let mut then = json!({ "properties": fields, "additionalProperties": false });
+        let mut known = self.closed(kind, of_all);
+        known.extend(fields(&kind.table).map(|(name, field)| (name.clone(), field.clone())));
+        let mut then = json!({ "properties": known, "additionalProperties": false });
         for keyword in ["required", "allOf"] {
             if let Some(value) = kind.table.get(keyword) {
                 then[keyword] = value.clone();
@@ -162,7 +152,7 @@ impl Kinds {
 
     /// The names of its fields.
     fn closed(&self, kind: &Kind, of_all: &[String]) -> Map<String, Value> {
-        let own = kind.table["properties"].as_object().into_iter().flatten().map(|(name, _)| name.clone());
+        let own = fields(&kind.table).map(|(name, _)| name.clone());
         let place = kind.place.iter().map(|name| String::from(*name));
         own.chain(place).chain(of_all.iter().cloned()).map(|name| (name, true.into())).collect()
     }
@@ -171,10 +161,10 @@ impl Kinds {
     fn words_of_any(&self) -> Map<String, Value> {
         let mut words: Map<String, Value> = Map::new();
         for kind in &self.kinds {
-            for (name, field) in kind.table["properties"].as_object().into_iter().flatten() {
+            for (name, field) in fields(&kind.table) {
                 let own = format!("`{}`: {}", kind.name, field["description"].as_str().unwrap_or_default());
                 let before = words.get(name).and_then(|field| field["description"].as_str());
-                let all = before.map_or(own.clone(), |before| format!("{before}\n\n{own}"));
+                let all = before.map_or_else(|| own.clone(), |before| format!("{before}\n\n{own}"));
                 words.insert(name.clone(), json!({ "description": all }));
             }
         }
@@ -191,4 +181,9 @@ impl Kinds {
         };
         those.filter(|preset| is_of_kind(preset.text, preset.kind.word())).map(|preset| preset.name).collect()
     }
+}
+
+/// The fields of a table, if it has any.
+fn fields(table: &Value) -> impl Iterator<Item = (&String, &Value)> {
+    table["properties"].as_object().into_iter().flatten()
 }

@@ -101,7 +101,8 @@ impl Tried<'_> {
             (None, Some(above)) => vec![(above, false)],
             (None, None) => vec![(-far, true)],
         };
-        let beyond = most.map_or(vec![(far, true)], |most| vec![(most, true), (most + step(most), false)]);
+        let beyond =
+            most.map_or_else(|| vec![(far, true)], |most| vec![(most, true), (most + step(most), false)]);
         [below, beyond].concat()
     }
 

@@ -39,7 +39,7 @@ pub(crate) fn places(value: &Value) -> Vec<String> {
             table.iter().for_each(|(name, value)| below(format!("/{name}"), value));
         }
         Value::Array(list) => list.iter().enumerate().for_each(|(i, value)| below(format!("/{i}"), value)),
-        _ => {}
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
     }
     all
 }

@@ -39,12 +39,13 @@ pub(crate) fn is_valid(schema: &Value, value: &Value) -> bool {
 
 impl Findings {
     fn check(&mut self, schema: &Value, value: &Value, at: &str) {
-        let schema = match schema {
-            Value::Bool(true) => return,
-            Value::Bool(false) => return self.wrong.push(format!("{at}: false")),
-            Value::Object(schema) => schema,
-            other => panic!("no schema: {other}"),
-        };
+        if let Value::Bool(is_right) = schema {
+            if !is_right {
+                self.wrong.push(format!("{at}: false"));
+            }
+            return;
+        }
+        let Value::Object(schema) = schema else { panic!("no schema: {schema}") };
         for (keyword, rule) in schema {
             if !self.holds(keyword, rule, schema, value, at) {
                 self.wrong.push(format!("{at}: {keyword} {rule}"));
@@ -136,9 +137,9 @@ impl Findings {
     fn note(&mut self, schema: &Map<String, Value>, at: &str) {
         let bounds = self.numbers.entry(at.to_owned()).or_default();
         let number = |keyword: &str| schema.get(keyword).and_then(Value::as_f64);
-        bounds.least = bounds.least.or(number("minimum"));
-        bounds.above = bounds.above.or(number("exclusiveMinimum"));
-        bounds.most = bounds.most.or(number("maximum"));
+        bounds.least = bounds.least.or_else(|| number("minimum"));
+        bounds.above = bounds.above.or_else(|| number("exclusiveMinimum"));
+        bounds.most = bounds.most.or_else(|| number("maximum"));
         bounds.is_whole |= schema.get("type").is_some_and(|name| name == "integer");
         bounds.is_one_of |= schema.contains_key("enum");
     }
