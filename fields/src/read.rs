@@ -169,6 +169,13 @@ mod tests {
         }
     }
 
+    /// Serde takes one as the fields in the order in which the program has them.
+    #[test]
+    fn a_list_is_no_table() {
+        let error = read::<Drawer>("sheets.a = [1.0]".parse::<Table>().unwrap()).unwrap_err();
+        assert_eq!((error.path.as_str(), error.problem.as_str()), ("sheets.a", "must be a table, is a list"));
+    }
+
     #[test]
     fn the_name_that_was_meant_is_suggested() {
         assert_eq!(
