@@ -165,15 +165,11 @@ impl CheckCalls {
             }
             None => peer.map(|peer| &peer.caller),
         };
-        let caller = self.access.check(request.uri().path(), known, request.headers());
-        let caller = match caller {
-            Ok(caller) => caller,
-            Err(status) => {
-                // Who tries tokens, or methods that are none, does not do so for nothing.
-                self.limits.request(&from)?;
-                return Err(status);
-            }
-        };
+        let caller = self.access.check(request.uri().path(), known, request.headers()).or_else(|status| {
+            // Who tries tokens, or methods that are none, does not do so for nothing.
+            self.limits.request(&from)?;
+            Err(status)
+        })?;
         if let (Some(admission), Caller::Trusted | Caller::Holder(_)) = (&admission, &caller) {
             admission.note_known();
         }
