@@ -278,9 +278,9 @@ mod tests {
         let (none, check) = (InputModes::empty(), InputModes::INPCK);
         assert_eq!(given(none, &read(7, Some(LineError::Parity))), [7]);
         assert_eq!(given(check, &read(7, Some(LineError::Parity))), [0]);
-        assert_eq!(given(check | InputModes::IGNPAR, &read(7, Some(LineError::Framing))), []);
+        assert!(given(check | InputModes::IGNPAR, &read(7, Some(LineError::Framing))).is_empty());
         assert_eq!(given(InputModes::PARMRK, &read(0xff, None)), [0xff], "the terminal doubles it itself");
         assert_eq!(given(none, &read(0, Some(LineError::Framing))), [0], "a break");
-        assert_eq!(given(InputModes::IGNBRK, &read(0, Some(LineError::Framing))), []);
+        assert!(given(InputModes::IGNBRK, &read(0, Some(LineError::Framing))).is_empty());
     }
 }
