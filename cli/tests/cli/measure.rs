@@ -156,7 +156,7 @@ fn an_echo_that_is_lost_is_counted_and_one_that_is_wrong_is_no_echo() {
         "--settle-ms",
         "0",
         "--timeout-ms",
-        "100",
+        "2000",
         "-o",
         "-",
     ]);
