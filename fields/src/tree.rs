@@ -35,17 +35,13 @@ impl<'de> Deserializer<'de> for Tree {
     }
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
-        match self.0 {
-            Value::Array(values) => visitor.visit_seq(Elements::new(values)),
-            other => Err(wrong(&other, &visitor)),
-        }
+        let Value::Array(values) = self.0 else { return Err(wrong(&self.0, &visitor)) };
+        visitor.visit_seq(Elements::new(values))
     }
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Problem> {
-        match self.0 {
-            Value::Table(table) => visitor.visit_map(Entries::new(table)),
-            other => Err(wrong(&other, &visitor)),
-        }
+        let Value::Table(table) = self.0 else { return Err(wrong(&self.0, &visitor)) };
+        visitor.visit_map(Entries::new(table))
     }
 
     /// From a table only. Serde would take a list, too, of values in the order in which the program has the fields.
@@ -107,7 +103,11 @@ impl<'de> Deserializer<'de> for Tree {
                     _ => Err(Problem::value(alloc::format!("must be a table with 1 field, has {fields}"))),
                 }
             }
-            other => Err(wrong(&other, &"a string")),
+            Value::Boolean(_)
+            | Value::Integer(_)
+            | Value::Float(_)
+            | Value::Datetime(_)
+            | Value::Array(_) => Err(wrong(&self.0, &"a string")),
         }
     }
 
