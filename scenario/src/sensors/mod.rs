@@ -25,7 +25,9 @@ use baudbot_sim::sensor::port::{Format, Port};
 use baudbot_sim::sensor::{Built, Device, Fit, Mount, Noise, OwnClock, Place, Sensor};
 use baudbot_sim::surroundings::Surroundings;
 use raw::COMMON;
-pub(super) use raw::{Common, PLACE, Place as RawPlace};
+pub(super) use raw::Common;
+#[cfg(feature = "schema")]
+pub(super) use raw::{PLACE, Place as RawPlace};
 
 type Result<T> = core::result::Result<T, FieldError>;
 
