@@ -35,22 +35,18 @@ impl Problem {
         Self::new(words, Cause::Value)
     }
 
-    /// The same below the field of this name.
-    pub(crate) fn in_field(self, name: &str) -> Self {
-        self.below(name)
-    }
-
     /// The same below this element of a list.
     pub(crate) fn in_element(self, i: usize) -> Self {
-        self.below(&alloc::format!("[{i}]"))
+        self.in_field(&alloc::format!("[{i}]"))
     }
 
-    fn below(mut self, place: &str) -> Self {
+    /// The same below the field of this name.
+    pub(crate) fn in_field(mut self, name: &str) -> Self {
         let path = &mut self.0.path;
         if !path.is_empty() && !path.starts_with('[') {
             path.insert(0, '.');
         }
-        path.insert_str(0, place);
+        path.insert_str(0, name);
         self
     }
 }

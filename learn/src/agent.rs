@@ -158,9 +158,8 @@ impl Agent {
             if reading.readable {
                 *is_readable = true;
                 *sampled_at = reading.sampled_at.unwrap_or(self.now);
-                let to = &mut values[part.values.clone()];
                 // Most sensors have one value.
-                match (&mut *to, &*reading.values) {
+                match (&mut values[part.values.clone()], &*reading.values) {
                     ([to], [value]) => *to = *value,
                     (to, values) => to.iter_mut().zip(values).for_each(|(to, value)| *to = *value),
                 }

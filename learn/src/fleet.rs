@@ -1,7 +1,6 @@
 //! Many environments with one agent each, stepped on some threads.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::env::{Env, Stepped};
 use crate::error::LearnError;
@@ -190,15 +189,14 @@ impl Fleet {
         self.threads.are_there()?;
         let (width, autoreset) = (self.width(), self.autoreset);
         let Rewards { rewards, terminated, truncated, tallies, finals } = out;
-        let has_ended = AtomicBool::new(false);
         let Self { envs, runs, threads, .. } = self;
         let mut finals = finals.map(|arrays| arrays.rows(width));
         let environments =
             envs.iter_mut().zip(runs).zip(actions.chunks_exact(signals)).zip(arrays.rows(width));
         let outcomes = rewards
             .iter_mut()
-            .zip(terminated)
-            .zip(truncated)
+            .zip(&mut *terminated)
+            .zip(&mut *truncated)
             .zip(tallies.chunks_exact_mut(Tally::NAMES.len()));
         let work = environments.zip(outcomes).map(
             |((((env, run), action), row), (((rewards, terminated), truncated), tally))| {
@@ -206,13 +204,8 @@ impl Fleet {
                 Work { env, run, action, row, last, reward: rewards, terminated, truncated, tally }
             },
         );
-        threads.each(work, |mut work| {
-            if work.step(reward, autoreset)? {
-                has_ended.store(true, Ordering::Relaxed);
-            }
-            Ok(())
-        })?;
-        Ok(has_ended.into_inner())
+        threads.each(work, |mut work| work.step(reward, autoreset))?;
+        Ok(terminated.iter().chain(&*truncated).any(|has_ended| *has_ended))
     }
 
     /// Values and sensors of a row.
@@ -223,8 +216,7 @@ impl Fleet {
 }
 
 impl Work<'_> {
-    /// Whether the run ended.
-    fn step(&mut self, reward: &Reward, autoreset: Autoreset) -> Result<bool, LearnError> {
+    fn step(&mut self, reward: &Reward, autoreset: Autoreset) -> Result<(), LearnError> {
         let Self { env, run, .. } = self;
         let mut stepped = Stepped::default();
         if run.is_over && autoreset == Autoreset::NextStep {
@@ -241,7 +233,6 @@ impl Work<'_> {
         (*self.terminated, *self.truncated) = (stepped.is_terminated, stepped.is_truncated);
         // A run that is over as soon as it begins has a step in which that is told.
         run.is_over = stepped.is_terminated || stepped.is_truncated;
-        let has_ended = run.is_over;
         if run.is_over && autoreset == Autoreset::SameStep {
             if let Some(last) = &mut self.last {
                 last.observe(env);
@@ -250,7 +241,7 @@ impl Work<'_> {
             run.begin(env)?;
         }
         self.row.observe(env);
-        Ok(has_ended)
+        Ok(())
     }
 }
 

@@ -29,5 +29,5 @@ pub const RESTART: &str = "restart";
 /// The contract as a serialised `FileDescriptorSet` with its comments, for server reflection.
 pub static DESCRIPTORS: &[u8] = include_bytes!("generated/descriptors.bin");
 
-/// The contract as a serialised `FileDescriptorSet` without comments, a fifth as long: messages, services and their methods.
+/// The contract as a serialised `FileDescriptorSet` without comments, a quarter as long: messages, services and their methods.
 pub static TYPES: &[u8] = include_bytes!("generated/types.bin");

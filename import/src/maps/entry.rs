@@ -127,3 +127,29 @@ const TOLERANCE: f64 = 0.005;
 
 /// In metres. Corners are rounded to that, and a curve has no end of them if nothing is too fine.
 const MIN_TOLERANCE: f64 = 1e-6;
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    /// The words in backticks of the error for a field or a variant that there is not.
+    fn known(toml: &str) -> BTreeSet<String> {
+        let error = toml::from_str::<Raw>(toml).unwrap_err().to_string();
+        let (_, known) = error.split_once("expected ").unwrap_or_else(|| panic!("{error}"));
+        known.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+    }
+
+    /// The crate `scenario` describes maps without reading them.
+    #[test]
+    fn the_schema_of_scenarios_has_the_fields_of_a_map() {
+        let schema = baudbot_scenario::schema();
+        let map = schema.pointer("/properties/arena/properties/maps/items/allOf/0").expect("its maps");
+        let fields = map["properties"].as_object().expect("their fields");
+        assert_eq!(known("nothing = 1"), fields.keys().cloned().collect());
+        let unknown = fields["unknown"]["enum"].as_array().expect("its words").iter();
+        let unknown = unknown.filter_map(|word| word.as_str()).map(str::to_owned).collect();
+        assert_eq!(known("name = \"a\"\nunknown = \"nothing\""), unknown);
+    }
+}
