@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::fmt;
+use std::io;
 use std::process::ExitCode;
 
 use baudbot_fields::printable::Printable;
@@ -27,9 +28,33 @@ impl fmt::Display for Refused {
 
 impl Error for Refused {}
 
-/// The exit code of an error.
+/// Who read an output has read enough, as `head` does: there is nothing to say, and nobody to say it to.
+#[derive(Debug)]
+pub(crate) struct ReaderGone;
+
+impl fmt::Display for ReaderGone {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("nobody reads the output any more")
+    }
+}
+
+impl Error for ReaderGone {}
+
+/// That an output, such as stdout, could not be written.
+pub(crate) fn from_output(error: io::Error, name: &str) -> anyhow::Error {
+    match error.kind() {
+        io::ErrorKind::BrokenPipe => ReaderGone.into(),
+        _ => anyhow::Error::from(error).context(format!("cannot write {name}")),
+    }
+}
+
+/// The exit code of an error. For [`ReaderGone`] it is that of a program which the signal SIGPIPE has ended.
 pub(crate) fn exit_code(error: &anyhow::Error) -> ExitCode {
-    ExitCode::from(if error.is::<Refused>() { 2 } else { 1 })
+    ExitCode::from(match error {
+        error if error.is::<Refused>() => 2,
+        error if error.is::<ReaderGone>() => 141,
+        _ => 1,
+    })
 }
 
 /// The error with its causes. A cause that the text before it already tells is left out.

@@ -100,7 +100,9 @@ fn main() -> ExitCode {
     match execute(command) {
         Ok(code) => code,
         Err(error) => {
-            tell!("error: {}", error::text(&error));
+            if !error.is::<error::ReaderGone>() {
+                tell!("error: {}", error::text(&error));
+            }
             error::exit_code(&error)
         }
     }

@@ -9,7 +9,7 @@ use anyhow::Context;
 use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 
-use crate::error::Refused;
+use crate::error::{self, Refused};
 
 /// How it goes with the files that are being written.
 #[derive(Default)]
@@ -20,7 +20,7 @@ impl Files {
     pub(crate) fn watch(&mut self, name: String, outcome: oneshot::Receiver<io::Result<()>>) {
         self.0.spawn(async move {
             match outcome.await {
-                Ok(result) => result.with_context(|| format!("cannot write {name}")),
+                Ok(result) => result.map_err(|error| error::from_output(error, &name)),
                 // The writer is gone without a word: it panicked, and that is reported elsewhere.
                 Err(_) => Ok(()),
             }

@@ -14,6 +14,8 @@ use baudbot_plot::quantity::NOTHING;
 use baudbot_plot::text::columns;
 use serde::Serialize;
 
+use crate::error;
+
 /// Rows of cells as lines, each column as wide as its widest cell: the first to the left, the others to the
 /// right.
 pub(crate) fn table<const N: usize>(indent: &str, rows: &[[String; N]]) -> String {
@@ -60,7 +62,8 @@ pub(crate) fn control(sequences: &str) -> anyhow::Result<()> {
 
 fn write_out(text: &str) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("cannot write to stdout")
+    let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    written.map_err(|error| error::from_output(error, "stdout"))
 }
 
 /// JSON in which only printable characters stand for themselves: all others are in strings, or between lines.

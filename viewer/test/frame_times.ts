@@ -24,6 +24,8 @@ const BROWSER = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const SECONDS = Number(process.env.SECONDS ?? 10);
 /** Until trails are as long as they get. */
 const SETTLE_S = 30;
+/** Until the last frames before a pause have been drawn. */
+const STAND_S = 5;
 /** Between two robots at the start, in metres. */
 const APART_M = 0.8;
 
@@ -108,7 +110,7 @@ async function measureAll(what: string, begin: (page: Page) => Promise<void>): P
   if (process.env.SHOTS) await page.screenshot({ path: join(process.env.SHOTS, `${what.replace(/\W+/g, "-")}.png`) });
   if (process.env.PROFILE) await profile(page, join(process.env.PROFILE, `${what.replace(/\W+/g, "-")}.cpuprofile`));
   await page.getByTestId("pause").click();
-  await new Promise((resolve) => setTimeout(resolve, 2000));
+  await new Promise((resolve) => setTimeout(resolve, 1000 * STAND_S));
   await measure(`${what}, paused`, browser, page);
   await browser.close();
 }

@@ -7,6 +7,7 @@ use baudbot_recording::Replay;
 use baudbot_sim::World;
 
 use super::window::Window;
+use crate::error;
 use crate::run;
 use crate::signals::Stop;
 use crate::text::tell;
@@ -34,11 +35,11 @@ impl Output {
         if !world.tick().is_multiple_of(self.every) {
             return Ok(());
         }
-        self.sink.tick(world).with_context(|| format!("cannot write {}", self.name))
+        self.sink.tick(world).map_err(|error| error::from_output(error, &self.name))
     }
 
     fn finish(self) -> anyhow::Result<()> {
-        self.sink.finish().with_context(|| format!("cannot write {}", self.name))
+        self.sink.finish().map_err(|error| error::from_output(error, &self.name))
     }
 }
 

@@ -1,5 +1,8 @@
 //! What others wrote is shown on a terminal, and never obeyed by it.
 
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+
 use crate::{baudbot, good, place};
 
 const WANDER: &str = include_str!("../../../scenarios/wander.toml");
@@ -89,4 +92,31 @@ fn a_brain_with_a_name_that_a_terminal_obeys_does_not_attach() {
         "{err:?}"
     );
     assert!(is_shown(&err), "{err:?}");
+}
+
+#[test]
+fn a_reader_who_has_read_enough_is_no_error() {
+    let recording = place("long.mcap");
+    let recording = recording.to_str().unwrap();
+    good(&["run", "wander", "--seconds", "60", "--quiet", "--record", recording]);
+    // Each of these writes more than a pipe holds.
+    for command in [
+        &["schema"][..],
+        &["run", "wander", "--seconds", "600", "--quiet", "--csv", "-"],
+        &["export", recording, "--csv", "-"],
+    ] {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_baudbot"))
+            .args(command)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        BufReader::new(program.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let ended = program.wait_with_output().unwrap();
+        assert!(!line.is_empty(), "{command:?}");
+        assert_eq!(String::from_utf8(ended.stderr).unwrap(), "", "{command:?}");
+        assert_eq!(ended.status.code(), Some(141), "{command:?}: as if SIGPIPE had ended it");
+    }
 }
