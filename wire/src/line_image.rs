@@ -230,7 +230,7 @@ mod tests {
         vec(any::<([u8; 3], u16)>().prop_map(|(rgb, depth_mm)| column(rgb, depth_mm)), 0..40)
     }
 
-    /// By hand; the CRC is that of the Python in docs/reference/wire.md.
+    /// By hand; the CRC is that of wire/frames.py.
     #[test]
     fn a_frame_by_hand() {
         let wire = [
