@@ -123,7 +123,7 @@ Examples:
   baudbot evidence khepera-ir --json
   baudbot evidence --write docs                  the page docs/evidence.md, with pictures in docs/pictures
 
-Ends with 1 if a point disagrees that is not known to, or that is known to and agrees.";
+The exit code is 1 if a point disagrees that should agree, or agrees that is known to disagree.";
 
 pub(super) const WATCH_EXAMPLES: &str = "\
 Examples:
