@@ -26,7 +26,7 @@ pub(crate) struct DiagramArgs {
     pub(crate) at: Option<f64>,
     /// Show the N-th control cycle, from reading its sensors to its command; beyond Δt it is red [default: a window
     /// around the third; of a robot with a program of your own, the first round of its main loop in which it reads a sensor and
-    /// then drives a wheel otherwise, else where it first sends a character or drives a wheel]
+    /// then changes a wheel, else where it first sends a character or drives a wheel]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) cycle: Option<u32>,
     /// Length of the window, in simulated milliseconds [default: 3 Δt, or the whole cycle]

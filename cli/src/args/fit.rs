@@ -24,7 +24,7 @@ pub(crate) struct FitArgs {
     /// Names for columns that have others in the log, such as time_s=stamp,command_left=l
     #[arg(long, value_name = "NAME=COLUMN,…", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
-    /// Change one field of the scenario before, such as robots.robot.link.baud=57600
+    /// Before the fit, change one field of the scenario, such as robots.robot.link.baud=57600
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
     /// List the fields that can be fitted, and the known columns
@@ -49,8 +49,8 @@ Examples:
   baudbot fit drive.csv --scenario my.toml --robot alice --fields 'motors.*' --svg rest.svg
   baudbot fit drive.csv --preset create-2 --fields motors.dead_time_ms --columns time_s=stamp,command_left=l,command_right=r
 
-Stdout is TOML that goes into the robot's table of a scenario; each line is also one for --set, behind `robots.NAME.`. What
-the log cannot tell is a comment with the reason. The exit code is 1 if the log tells none of the fields.
+Stdout is TOML that goes into the robot's table of a scenario; each line also fits --set, after `robots.NAME.`. What
+the log cannot determine is a comment with the reason. The exit code is 1 if the log determines none of the fields.
 
 A column's name ends in its unit: time _s _ms _us _ns, lengths _m _cm _mm, angles _rad _deg, speeds _m_s _cm_s _mm_s, turn
 rates _rad_s _deg_s, values of sensors _raw _fraction _v. Lines that begin with # are comments; `# baud: 9600` is read.";

@@ -14,7 +14,7 @@ Examples:
   baudbot run khepera --set robots.khepera.link.baud=9600
   baudbot run --seconds 2 --timeline run.pftrace   a trace for ui.perfetto.dev
   baudbot run --record run.mcap                  for a replay: see `baudbot help replay`
-  baudbot run firmware.toml --gdb robot=1234     waits for avr-gdb: see docs/how-to/debugging.md
+  baudbot run firmware --gdb robot=1234          waits for avr-gdb: see docs/how-to/debugging.md
   baudbot run --over grpc                        the same run through a server in this process
   baudbot run my.toml --brain alice=avoid --brain none --seed 7 --csv run.csv
   baudbot run wander --json --quiet | python3 -m json.tool
@@ -24,7 +24,7 @@ ends the program at once, without a summary. The exit code is 1 if a recording c
 
 pub(super) const SWEEP_EXAMPLES: &str = "\
 Examples:
-  baudbot sweep experiments/baud-vs-speed.toml
+  baudbot sweep baud-vs-speed
   baudbot sweep my.toml --out /tmp/my --jobs 2
   baudbot sweep my.toml --seeds 101..120         the same with other seeds
   baudbot sweep my.toml --find baud              the lowest sufficient baud rate
@@ -38,7 +38,7 @@ The exit code is 1 if some of the runs failed.";
 
 pub(super) const TUNE_EXAMPLES: &str = "\
 Examples:
-  baudbot tune experiments/tune-sweeper.toml
+  baudbot tune tune-sweeper
   baudbot tune my.toml --out /tmp/my --jobs 2
   baudbot tune my.toml --seeds 101..105 --out my-101.tune      the same with other seeds
 
@@ -55,7 +55,7 @@ Examples:
   baudbot serve my.toml --record run.mcap        if it is killed: baudbot serve --resume run.mcap
   baudbot serve --recordings runs                record and replay in the viewer, or over gRPC
   baudbot serve --trainer unix:/tmp/t.sock       for a program that learns: it creates its worlds itself
-  baudbot serve scenarios/devices/khepera-ascii.toml --port khepera=pty:khepera.tty
+  baudbot serve devices/khepera-ascii --port khepera=pty:khepera.tty
                                                  a serial port for programs that do not know baudbot";
 
 pub(super) const REPLAY_EXAMPLES: &str = "\
@@ -96,7 +96,7 @@ Examples:
   baudbot diagram khepera --cycle 5 --svg -      one control cycle, red where it takes longer than Δt
   baudbot diagram my.toml --robot alice --brain avoid --at 12.5 --span 100
   baudbot diagram run.mcap --at 12.5             the same of a recorded run
-  baudbot diagram firmware.toml --pins D9,A0 --svg -    what is on the pins of a chip with a program of your own";
+  baudbot diagram firmware --pins D9,A0 --svg -  what is on the pins of a chip with a program of your own";
 
 pub(super) const BUDGET_EXAMPLES: &str = "\
 Examples:
@@ -123,7 +123,7 @@ Examples:
   baudbot evidence khepera-ir --json
   baudbot evidence --write docs                  the page docs/evidence.md, with pictures in docs/pictures
 
-Ends with 1 if a point disagrees that is not known to, or that is known to and agrees.";
+The exit code is 1 if a point disagrees that should agree, or agrees that is known to disagree.";
 
 pub(super) const WATCH_EXAMPLES: &str = "\
 Examples:

@@ -45,12 +45,12 @@ Examples:
       #:schema ./scenario.schema.json
 
 Visual Studio Code reads that line with the extension Even Better TOML, other editors with taplo or tombi. In place of a line in
-each file, a file `.taplo.toml` in the folder names all that are scenarios:
+each file, a file `.taplo.toml` in the folder can name all scenarios:
       [[rule]]
       include = [\"scenarios/**/*.toml\"]
       schema.path = \"./scenario.schema.json\"
 
-`taplo lint FILE` and `tombi lint FILE` say the same on a command line. What depends on other numbers only `baudbot check` knows.";
+`taplo lint FILE` and `tombi lint FILE` do the same on the command line. Only `baudbot check` finds what depends on other fields.";
 
 pub(super) const COMPLETIONS_EXAMPLES: &str = "\
 Examples:

@@ -171,9 +171,9 @@ const MOST_PLACE: f64 = 1e6;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
-  baudbot locate scenarios/tour.toml --guess 2.3,1.8,0.2
-  baudbot locate scenarios/tour.toml --guess 2.3,1.8,0.2 --threshold 0 --seed 2 --svg poses.svg
-  baudbot locate scenarios/tour.toml --at 6,3,1.5 --guess 5.5,3.3,1.9 --method refine
+  baudbot locate tour --guess 2.3,1.8,0.2
+  baudbot locate tour --guess 2.3,1.8,0.2 --threshold 0 --seed 2 --svg poses.svg
+  baudbot locate tour --at 6,3,1.5 --guess 5.5,3.3,1.9 --method refine
   baudbot locate my.toml --robot alice --laser urg --guess 0.1,0,0.05 --iterations 1000 --shrink --json
 
 The robot stands still, and its laser takes one scan as in a run, with its noise. The map holds what stands still in the

@@ -149,7 +149,7 @@ pub(crate) enum Command {
     /// Shows a running world of a server
     #[command(after_long_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),
-    /// Opens serial ports at the far side of a connection to a server
+    /// Opens serial ports on this machine for robots of a server, or prints the bytes of a cable
     #[command(subcommand)]
     Port(PortCommand),
     /// Creates, lists and revokes tokens, which say what clients may do on a server

@@ -119,8 +119,8 @@ fn point(text: &str) -> Result<Point, String> {
 pub(super) const EXAMPLES: &str = "\
 Examples:
   baudbot plan wander --to 1.4,1.4               the length of the path, and the cells examined
-  baudbot plan scenarios/explore-office.toml --to 11,8 --method cells --svg way.svg
-  baudbot plan scenarios/grid-wall.toml --to 17.5,10.5 --cell-m 1 --method walker --svg -
+  baudbot plan explore-office --to 11,8 --method cells --svg way.svg
+  baudbot plan grid-wall --to 17.5,10.5 --cell-m 1 --method walker --svg -
   baudbot plan my.toml --from 1,1 --to 3,2 --cell-m 0.05 --margin-m 0.1 --json
 
 The map holds what stands still in the arena, whatever its height; moving things are not in it. A cell is free if all of

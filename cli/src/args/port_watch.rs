@@ -8,7 +8,7 @@ use super::ConnectArgs;
 pub(crate) struct WatchPortArgs {
     #[command(flatten)]
     pub(crate) server: ConnectArgs,
-    /// The cable: that of the robot, or that of a sensor's own [default: that of the only robot]
+    /// The cable: the robot's, or a sensor's own [default: that of the only robot]
     #[arg(value_name = "ROBOT[/SENSOR]", default_value = "", hide_default_value = true)]
     pub(crate) cable: String,
     /// End after this many rows

@@ -41,9 +41,9 @@ impl FromStr for LogFilter {
 /// How events are logged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum LogFormat {
-    /// A line of text for each
+    /// A line of text for each event
     Text,
-    /// A JSON object on a line for each
+    /// A JSON object on a line for each event
     Json,
 }
 
