@@ -10,14 +10,18 @@ pub(crate) use baudbot_experiment::assignment::{Assigned, Assignment, NONE, fitt
 
 use crate::error::Refused;
 
-/// Shares the robots out to the brains that `--brain` arguments name.
-pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec]) -> anyhow::Result<Assigned> {
+/// Shares the robots out to the brains that `--brain` arguments name. The brains with which a scenario shows itself are named where one
+/// is missing.
+pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec], shown: &[&str]) -> anyhow::Result<Assigned> {
     let assigned = assignment::assign(arguments, robots).map_err(|error| {
         Refused::error(if let AssignmentError::Blind { robot } = error {
+            let shown: String = shown.iter().map(|brain| format!(" --brain {brain}")).collect();
+            let shown =
+                if shown.is_empty() { shown } else { format!("; the scenario itself names{shown}") };
             format!(
                 "robot `{robot}` has no IR sensors, so the default brain `{}` cannot drive it; give it another \
                  with --brain {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain), or its microcontroller a \
-                 program of yours with --firmware {robot}=FILE (`baudbot new firmware` begins one)",
+                 program of yours with --firmware {robot}=FILE (`baudbot new firmware` begins one){shown}",
                 assignment::DEFAULT
             )
         } else {

@@ -55,7 +55,9 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
         }
     })?;
     let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
-    text::print(&format!("the run is over after {}\n", count(turns, "turn")))
+    let again = "; who operates the server can reset the world, as by Reset on its page";
+    let again = if turns == 0 { again } else { "" };
+    text::print(&format!("the run is over after {}{again}\n", count(turns, "turn")))
 }
 
 /// The world and the robots, if the arguments name them in full.

@@ -81,6 +81,13 @@ pub(crate) fn from_builder(error: ServerError) -> anyhow::Error {
         | ServerError::Reflection(_)
         | ServerError::Pipe(_) => false,
     };
+    if let ServerError::Bind { source, .. } = &error
+        && source.kind() == io::ErrorKind::AddrInUse
+    {
+        let remedy = "another program listens there, perhaps a server of baudbot; end it, or choose another address with \
+                      --listen or --viewer (127.0.0.1:0 is a free one)";
+        return anyhow::anyhow!("{error}: {remedy}");
+    }
     if refused { Refused::error(error.to_string()) } else { error.into() }
 }
 
@@ -91,6 +98,10 @@ pub(crate) fn from_server(status: &tonic::Status) -> anyhow::Error {
         Some(_) => anyhow::anyhow!("the connection to the server is lost ({})", Printable(status.message())),
         None if status.code() == Code::Unimplemented && status.message().is_empty() => anyhow::anyhow!(
             "there is no such call at this address: that of a run's brains serves brains only, and an older server has fewer calls"
+        ),
+        // What tonic makes of an answer of HTTP that is none of gRPC.
+        None if status.message().contains("invalid compression flag") => anyhow::anyhow!(
+            "there is no gRPC at this address, perhaps as it is that of the page; connect to that of `baudbot serve --listen`"
         ),
         None => anyhow::anyhow!("the server says: {}", Printable(status.message())),
     }

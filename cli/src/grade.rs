@@ -96,7 +96,7 @@ fn read(name: &str, args: &GradeArgs) -> anyhow::Result<Exercise> {
 fn assigned(exercise: &Exercise, args: &GradeArgs) -> anyhow::Result<Assigned> {
     let scenario = exercise.scenario_with(exercise.seeds.get(0))?;
     let brains: Vec<_> = args.brains.iter().chain(&exercise.brains).cloned().collect();
-    let mut assigned = assignment::assign(&brains, &scenario.robots)?;
+    let mut assigned = assignment::assign(&brains, &scenario.robots, &[])?;
     assignment::set_parameters(&mut assigned, &args.parameters)?;
     if args.show_output {
         assigned.programs.iter_mut().for_each(|task| task.output = Output::Shown);

@@ -1,35 +1,62 @@
 //! `baudbot list` and `baudbot init`: what a program has in it, wherever it is installed.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use baudbot_brains::catalogue::catalogue;
+use baudbot_brains::catalogue;
 use baudbot_import::embedded;
 use baudbot_scenario::presets::{Preset, presets};
-use serde_json::json;
+use serde::Serialize;
 
 use crate::args::{InitArgs, ListArgs};
 use crate::error::Refused;
 use crate::text::{pairs, print, print_json};
 
-/// A section of the list: its title with what to do with its entries, and these.
-type Section = (&'static str, &'static str, Vec<(&'static str, String)>);
+/// A section of the list: its title, what to do with its entries, and these.
+type Section = (&'static str, &'static str, Vec<Entry>);
+
+/// What can be named.
+#[derive(Serialize)]
+struct Entry {
+    name: &'static str,
+    summary: String,
+    /// The brains with which a scenario shows itself, if the default one does not do.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    brains: Vec<&'static str>,
+}
+
+impl Entry {
+    fn new(name: &'static str, summary: impl Into<String>) -> Self {
+        Self { name, summary: summary.into(), brains: Vec::new() }
+    }
+
+    fn line(&self) -> String {
+        let brains: Vec<_> = self.brains.iter().map(|brain| format!("--brain {brain}")).collect();
+        if brains.is_empty() {
+            self.summary.clone()
+        } else {
+            format!("{} ({})", self.summary, brains.join(" "))
+        }
+    }
+}
 
 fn sections() -> [Section; 5] {
-    let told = |(name, text): (&'static str, &str)| (name, embedded::summary(text));
-    let preset = |preset: &'static Preset| (preset.name, preset.description.to_owned());
-    let brains = catalogue().into_iter().map(|entry| (entry.name, entry.summary.to_owned()));
+    let told = |(name, text): (&'static str, &str)| Entry::new(name, embedded::summary(text));
+    let scenario = |(name, text)| Entry { brains: embedded::shown_brains(text), ..told((name, text)) };
+    let preset = |preset: &'static Preset| Entry::new(preset.name, preset.description);
+    let brain = |entry: catalogue::Entry| Entry::new(entry.name, entry.summary);
     [
-        ("scenarios", "baudbot run NAME", embedded::scenarios().map(told).collect()),
+        ("scenarios", "baudbot run NAME", embedded::scenarios().map(scenario).collect()),
         (
             "experiments",
             "baudbot sweep NAME, those that begin with `tune-` baudbot tune NAME",
             embedded::experiments().map(told).collect(),
         ),
         ("exercises", "baudbot grade NAME", embedded::exercises().map(told).collect()),
-        ("brains", "--brain NAME", brains.collect()),
+        ("brains", "--brain NAME", catalogue::catalogue().into_iter().map(brain).collect()),
         ("presets", "preset = \"NAME\" in a scenario", presets().map(preset).collect()),
     ]
 }
@@ -37,12 +64,13 @@ fn sections() -> [Section; 5] {
 pub(crate) fn list(args: &ListArgs) -> anyhow::Result<()> {
     let sections = sections();
     if args.json {
-        let entry = |(name, summary): &(&str, String)| json!({ "name": name, "summary": summary });
-        let of = |(title, _, entries): &Section| ((*title).to_owned(), entries.iter().map(entry).collect());
-        return print_json(&sections.iter().map(of).collect::<serde_json::Map<_, serde_json::Value>>());
+        let by_title: BTreeMap<_, _> = sections.iter().map(|(title, _, entries)| (title, entries)).collect();
+        return print_json(&by_title);
     }
-    let text =
-        sections.iter().map(|(title, what, entries)| format!("{title}: {what}\n{}", pairs("  ", entries)));
+    let text = sections.iter().map(|(title, what, entries)| {
+        let lines: Vec<_> = entries.iter().map(|entry| (entry.name, entry.line())).collect();
+        format!("{title}: {what}\n{}", pairs("  ", &lines))
+    });
     print(&text.collect::<Vec<_>>().join("\n"))
 }
 

@@ -33,7 +33,11 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
         "{} s simulated in {:.3} s by the wall clock, {} times real time",
         handy(summary.simulated_s),
         summary.wall_s,
-        handy(summary.simulated_per_wall)
+        if summary.simulated_per_wall.is_finite() {
+            handy(summary.simulated_per_wall)
+        } else {
+            NOTHING.to_owned()
+        }
     );
     let path = match (summary.over, has_brains(summary)) {
         (Over::Direct, true) => "direct: the world and its brains on one thread",

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use baudbot_import::embedded;
 use baudbot_import::source::{self, SourceError};
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
@@ -30,6 +31,11 @@ impl Source {
     pub(crate) fn parse(&self, overrides: &[Override]) -> anyhow::Result<Scenario> {
         let parsed = baudbot_scenario::parse_with(&self.0.text, overrides);
         parsed.map_err(|error| Refused::error(format!("{}: {error}", self.0.label)))
+    }
+
+    /// The brains with which the scenario shows itself, if it does.
+    pub(crate) fn shown_brains(&self) -> Vec<&str> {
+        embedded::shown_brains(&self.0.text)
     }
 
     pub(crate) fn label(&self) -> &str {
@@ -96,7 +102,7 @@ mod tests {
 
     #[test]
     fn every_embedded_scenario_is_sound() {
-        for (name, _) in baudbot_import::embedded::scenarios() {
+        for (name, _) in embedded::scenarios() {
             let scenario = Source::find(name).unwrap().parse(&[]).unwrap();
             assert!(!scenario.name.is_empty(), "{name}");
         }

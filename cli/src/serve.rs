@@ -9,6 +9,7 @@ use anyhow::Context;
 use baudbot_server::WorldConfig;
 
 use crate::args::{PaceName, ServeArgs};
+use crate::assignment;
 use crate::error::Refused;
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
@@ -59,6 +60,12 @@ fn worlds(args: &ServeArgs, kept: &Kept, serving: &mut Serving<'_>) -> anyhow::R
         let scenario = Arc::new(scenario);
         let config = WorldConfig::new(world.clone(), Arc::clone(&scenario)).pace(pace).paused(args.paused);
         serving.add(&world, &scenario, record::add(config, &args.record));
+        if let [brain] = *source.shown_brains()
+            && assignment::is_for_all(brain)
+            && brain != assignment::NONE
+        {
+            serving.suggest(brain);
+        }
     }
     Ok(())
 }

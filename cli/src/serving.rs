@@ -44,7 +44,7 @@ pub(crate) struct Serving<'a> {
 }
 
 /// A world's name, what is in it, and a robot with a brain that can drive it.
-type Described = (String, String, Option<(String, &'static str)>);
+type Described = (String, String, Option<(String, String)>);
 
 impl<'a> Serving<'a> {
     /// # Errors
@@ -83,10 +83,19 @@ impl<'a> Serving<'a> {
 
     /// A world that brains can come to.
     pub(crate) fn add(&mut self, name: &str, scenario: &Arc<Scenario>, world: WorldConfig) {
-        let robot = scenario.robots.first().map(|spec| (spec.name.clone(), assignment::fitting_brain(spec)));
+        // One with a program of its own has no use for a brain of the catalogue.
+        let robot = scenario.robots.iter().find(|spec| spec.chip.is_none());
+        let robot = robot.map(|spec| (spec.name.clone(), assignment::fitting_brain(spec).to_owned()));
         self.worlds.push((name.to_owned(), describe(name, scenario), robot));
         self.live.push((name.to_owned(), Arc::clone(scenario)));
         self.builder = std::mem::take(&mut self.builder).world(world);
+    }
+
+    /// Names a brain for the world that was added last, instead of one that only fits its robots.
+    pub(crate) fn suggest(&mut self, brain: &str) {
+        if let Some((_, _, Some((_, fitting)))) = self.worlds.last_mut() {
+            brain.clone_into(fitting);
+        }
     }
 
     /// Opens the serial ports that scenarios ask for, and these at robots of the only world.

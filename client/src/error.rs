@@ -68,6 +68,13 @@ pub enum Error {
 /// The remedy for a connection to the wrong one of a server's listeners.
 const OTHER_ADDRESS: &str = "this address is not for brains; connect to that of `baudbot serve --listen`, and not to that of `--trainer`";
 
+/// The same for an address at which another server of HTTP listens.
+const NO_GRPC: &str = "this address is not for brains; perhaps it is that of the page: connect to that of `baudbot serve --listen`";
+
+/// Why a server's certificate cannot be looked at.
+#[cfg(feature = "network")]
+const NO_TLS: &str = "what listens there does not speak TLS; write the address without https://";
+
 impl From<tonic::Status> for Error {
     fn from(status: tonic::Status) -> Self {
         // A status that the transport makes up says from what; one that the server sent has no source.
@@ -80,6 +87,8 @@ impl From<tonic::Status> for Error {
         let words = match (status.code(), status.message()) {
             // What a server answers for a service that it does not have.
             (Code::Unimplemented, "") => OTHER_ADDRESS,
+            // What tonic makes of an answer of HTTP that is none of gRPC.
+            (Code::Internal, words) if words.contains("invalid compression flag") => NO_GRPC,
             (_, words) => words,
         };
         Self::Status { code: status.code(), message: Printable(words).to_string() }
@@ -110,7 +119,10 @@ impl Error {
 
     #[cfg(feature = "network")]
     pub(crate) fn connect(address: &str, error: &tonic::transport::Error) -> Self {
-        Self::Connect { address: address.to_owned(), cause: root(error).to_string() }
+        let cause = root(error).to_string();
+        // What rustls calls an answer in which there is no TLS.
+        let cause = if cause.contains("InvalidContentType") { NO_TLS.to_owned() } else { cause };
+        Self::Connect { address: address.to_owned(), cause }
     }
 }
 
@@ -141,5 +153,13 @@ mod tests {
         assert!(text.contains("connect to that of `baudbot serve --listen`"), "{text}");
         let text = Error::from(tonic::Status::unimplemented("no such thing")).to_string();
         assert_eq!(text, "the server says: no such thing (Unimplemented)");
+    }
+
+    #[test]
+    fn a_brain_at_the_address_of_the_page_is_told_so() {
+        let made =
+            "protocol error: received message with invalid compression flag: 72 (valid flags are 0 and 1)";
+        let text = Error::from(tonic::Status::internal(made)).to_string();
+        assert!(text.contains("perhaps it is that of the page"), "{text}");
     }
 }

@@ -78,7 +78,9 @@ impl de::Error for Problem {
 
     fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
         let cause = Cause::UnknownField { name: field.into(), known: expected.into() };
-        Self::new(de::value::Error::unknown_field(field, expected).to_string(), cause)
+        let text =
+            de::value::Error::unknown_field(field, expected).to_string() + &words::meant(field, expected);
+        Self::new(text, cause)
     }
 
     fn missing_field(field: &'static str) -> Self {

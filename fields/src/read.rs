@@ -90,7 +90,8 @@ mod tests {
         let error = misread("range_m = 1.0\nrnge_m = 2.0");
         let known = ["range_m", "mark", "places"].into();
         assert_eq!(error.cause, Cause::UnknownField { name: "rnge_m".into(), known });
-        let expected = "unknown field `rnge_m`, expected one of `range_m`, `mark`, `places`";
+        let expected =
+            "unknown field `rnge_m`, expected one of `range_m`, `mark`, `places`; did you mean `range_m`?";
         assert_eq!((error.path.as_str(), error.problem.as_str()), ("rnge_m", expected));
         let error = misread("places = []");
         assert_eq!((error.path.as_str(), error.problem.as_str()), ("", "missing field `range_m`"));

@@ -22,16 +22,20 @@ pub(crate) fn wrong_length(found: usize, expected: usize) -> String {
 /// A name that is none of those that there are.
 pub(crate) fn unknown(name: &str, known: &[&str]) -> String {
     let names: Vec<_> = known.iter().map(|name| format!("`{name}`")).collect();
-    let meant = nearest(name, known.iter(), |known| known);
-    let meant = match meant.as_slice() {
-        [one] if names.len() > 2 => format!("; did you mean `{one}`?"),
-        _ => String::new(),
-    };
+    let meant = meant(name, known);
     match names.as_slice() {
         [] => format!("there is no `{name}` here"),
         [one] => format!("must be {one}, is `{name}`"),
         [one, other] => format!("must be {one} or {other}, is `{name}`"),
         _ => format!("must be one of {}, is `{name}`{meant}", names.join(", ")),
+    }
+}
+
+/// Which of several names is likely to be meant by one that is none of them.
+pub(crate) fn meant(name: &str, known: &[&str]) -> String {
+    match nearest(name, known.iter(), |known| known).as_slice() {
+        [one] if known.len() > 2 => format!("; did you mean `{one}`?"),
+        _ => String::new(),
     }
 }
 

@@ -59,6 +59,14 @@ pub fn summary(text: &str) -> String {
     whole[..end].trim_end_matches('.').to_owned()
 }
 
+/// The brains with which the first comment of a scenario's text shows it: what its `baudbot run` has behind `--brain`.
+pub fn shown_brains(text: &str) -> Vec<&str> {
+    let comment = text.lines().map_while(|line| line.strip_prefix('#'));
+    let mut words = comment.filter(|line| line.trim_start().starts_with("baudbot run ")).take(1);
+    let words: Vec<_> = words.next().unwrap_or_default().split_whitespace().collect();
+    words.windows(2).filter(|pair| pair[0] == "--brain").map(|pair| pair[1]).collect()
+}
+
 /// The scenarios that a wrong name may mean, by the last parts of their names. A file of another name is likely, so that a third of
 /// it may be wrong at most.
 pub fn nearest(wrong: &str) -> Vec<&'static str> {

@@ -141,7 +141,7 @@ fn an_error_names_the_file_the_field_and_the_remedy() {
     );
     assert_eq!(
         with("rights", "right"),
-        "tokens[1].right: unknown field `right`, expected one of `name`, `hash`, `rights`, `created_at`, `expires_at` (token `bob`)"
+        "tokens[1].right: unknown field `right`, expected one of `name`, `hash`, `rights`, `created_at`, `expires_at`; did you mean `rights`? (token `bob`)"
     );
     assert_eq!(
         with(OTHER, "xyz"),

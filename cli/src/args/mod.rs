@@ -350,7 +350,7 @@ pub(crate) struct ChangeArgs {
     #[arg(long, value_name = "ROBOT=FILE")]
     pub(crate) firmware: Vec<String>,
     /// Seed of all random numbers in the world, and of the brains in this process
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
     /// Switch off sensor noise
     #[arg(long)]

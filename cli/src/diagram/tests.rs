@@ -136,7 +136,7 @@ fn a_diagram_tells_what_a_range_finder_was_asked_and_answered() {
     let robot = scenario.robots[0].clone();
     let stop = AtomicBool::new(false);
     let wanted = Wanted { place: Place::At(0), span_ns: Some(300_000_000) };
-    let brains = crate::assignment::assign(&["scout=constant".to_owned()], &scenario.robots).unwrap();
+    let brains = crate::assignment::assign(&["scout=constant".to_owned()], &scenario.robots, &[]).unwrap();
     let tick = ticks(scenario, &brains, (0, View::Signals(0)), &stop).unwrap();
     let kept = wanted.record(&robot, STEP_NS, tick).unwrap();
     let window = wanted.window(&robot, &kept, STEP_NS);

@@ -22,7 +22,7 @@ use self::scan_source::ScanSource;
 use crate::args::LocateArgs;
 use crate::run::overrides;
 use crate::scenarios::Source;
-use crate::text::{self, pairs};
+use crate::text::{self, pairs, tell};
 
 pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
     let source = Source::find(&args.scenario)?;
@@ -36,6 +36,12 @@ pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
     let rays = whole.distances_m.len();
     let told = Told { args, scan_source, search: &search, scan: &scan, rays, truth, error_at_truth };
     let code = if search.error().is_finite() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
+    if !search.error().is_finite() {
+        tell!(
+            "error: at none of the poses that were tried could enough rays be compared with the map: the guess is outside of the arena, or \
+             too little is within the laser's range"
+        );
+    }
     if let Some(path) = &args.svg {
         text::write(path, &arena::draw_pose_search(&scenario, source.label(), &told.search()))?;
         if path == Path::new("-") {

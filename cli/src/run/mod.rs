@@ -135,7 +135,7 @@ impl Plan {
             note = args.scenario.is_some().then(text);
         }
         scenarios::warn(&scenario);
-        let mut assigned = assigned(args, &scenario)?;
+        let mut assigned = assigned(args, &scenario, &source.shown_brains())?;
         assignment::set_parameters(&mut assigned, &args.parameters)?;
         if args.show_output {
             if assigned.programs.is_empty() {
@@ -189,13 +189,15 @@ impl Plan {
 }
 
 /// Who drives the robots; with `--external` those that no brain is named for are left to others.
-fn assigned(args: &RunArgs, scenario: &Scenario) -> anyhow::Result<Assigned> {
-    let Some(external) = args.external else { return assignment::assign(&args.brains, &scenario.robots) };
+fn assigned(args: &RunArgs, scenario: &Scenario, shown: &[&str]) -> anyhow::Result<Assigned> {
+    let Some(external) = args.external else {
+        return assignment::assign(&args.brains, &scenario.robots, shown);
+    };
     let mut brains = args.brains.clone();
     if !brains.iter().any(|brain| assignment::is_for_all(brain)) {
         brains.push(assignment::NONE.to_owned());
     }
-    let assigned = assignment::assign(&brains, &scenario.robots)?;
+    let assigned = assignment::assign(&brains, &scenario.robots, shown)?;
     let free = scenario.robots.iter().filter(|spec| assigned.brain_of(&spec.name).is_none()).count();
     if free < external.into() {
         return Err(Refused::error(format!(

@@ -22,7 +22,13 @@ fn the_list_has_all_that_can_be_named() {
         );
     }
     assert!(text.lines().all(|line| line.chars().count() <= 200), "a line each");
+    let tour = text.lines().find(|line| line.starts_with("  tour ")).unwrap();
+    assert!(tour.ends_with("(--brain tour)"), "the default brain cannot drive there: {tour}");
     let json: serde_json::Value = serde_json::from_str(&good(&["list", "--json"])).unwrap();
+    let scenarios = json["scenarios"].as_array().unwrap();
+    let brains = |name: &str| &scenarios.iter().find(|entry| entry["name"] == name).unwrap()["brains"];
+    assert_eq!(brains("tour"), &serde_json::json!(["tour"]));
+    assert_eq!(brains("devices/heights"), &serde_json::json!(["tall=constant:left=0.2,right=0.2", "none"]));
     for (kind, least) in
         [("scenarios", 40), ("experiments", 10), ("exercises", 10), ("brains", 10), ("presets", 20)]
     {

@@ -51,7 +51,10 @@ fn an_observer_sees_a_world_in_real_time() {
     assert!(err.ends_with("there is no world `maze`; there are: khepera, wander\n"), "{err}");
     let (code, _, err) = baudbot(&["serve", "--listen", &tcp]);
     assert_eq!(code, 1);
-    assert!(err.starts_with(&format!("error: cannot listen on {tcp}: ")), "{err}");
+    assert!(
+        err.starts_with(&format!("error: cannot listen on {tcp}: another program listens there")),
+        "{err}"
+    );
     server.signal("-INT");
     assert_eq!(server.end().0, 0);
 }

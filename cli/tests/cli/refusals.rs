@@ -93,6 +93,14 @@ fn brains_that_do_not_fit_are_refused() {
         blind.starts_with("robot `bat` has no IR sensors") && blind.contains("--brain bat=NAME"),
         "{blind}"
     );
+    let tour = refusal(2, &["run", "tour"]);
+    assert!(tour.ends_with("; the scenario itself names --brain tour"), "{tour}");
+}
+
+#[test]
+fn a_seed_below_zero_is_out_of_range() {
+    let seed = refusal(2, &["run", "--seed", "-1"]);
+    assert!(seed.contains("invalid value '-1' for '--seed <N>'"), "{seed}");
 }
 
 #[test]
