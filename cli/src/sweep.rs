@@ -31,10 +31,7 @@ fn run(experiment: &Experiment, args: &SweepArgs, stop: &AtomicBool) -> anyhow::
         None => work::out(&args.work, experiment, "sweep"),
     };
     let bar = work::progress(args.work.quiet);
-    let progress = |done, total| {
-        bar.set_length(total);
-        bar.set_position(done);
-    };
+    let progress = |done, total| work::advance(&bar, done, total);
     let tell = |text: &str| bar.suspend(|| tell!("warning: {text}"));
     let options = work::options(&args.work, &out, args.shard, stop, &progress, &tell);
     let merged = match args.merge.as_slice() {

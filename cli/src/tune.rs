@@ -19,10 +19,7 @@ fn run(experiment: &Experiment, args: &TuneArgs, stop: &AtomicBool) -> anyhow::R
     let (shard, args) = (args.shard, &args.work);
     let out = work::out(args, experiment, "tune");
     let bar = work::progress(args.quiet);
-    let progress = |done, total| {
-        bar.set_length(total);
-        bar.set_position(done);
-    };
+    let progress = |done, total| work::advance(&bar, done, total);
     let tell = |text: &str| bar.suspend(|| tell!("warning: {text}"));
     let tuned =
         baudbot_experiment::tune(experiment, &work::options(args, &out, shard, stop, &progress, &tell));

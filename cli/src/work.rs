@@ -1,14 +1,16 @@
 //! An experiment's file and what its runs are done with, for `sweep` and `tune`; runs on threads, for `grade`, too.
 
+use std::fmt;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use anyhow::Context;
 use baudbot_experiment::{Error, Experiment, Options, Place, Seeds, Shard};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::args::WorkArgs;
 use crate::error::Refused;
@@ -89,11 +91,51 @@ pub(crate) fn from_experiment(args: &WorkArgs, error: Error) -> anyhow::Error {
     }
 }
 
+/// A bar on stderr, if that is a terminal.
 pub(crate) fn progress(quiet: bool) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {eta} to go");
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    bar.with_style(style())
+}
+
+/// Shows how many runs of how many are done. Those of an earlier command say nothing about the time that is needed.
+pub(crate) fn advance(bar: &ProgressBar, done: u64, total: u64) {
+    let is_first = bar.length().is_none();
+    bar.set_length(total);
+    bar.set_position(done);
+    if is_first {
+        bar.reset_eta();
+    }
+}
+
+fn style() -> ProgressStyle {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} runs{to_go}");
+    style.unwrap_or_else(|_| ProgressStyle::default_bar()).with_key("to_go", to_go)
+}
+
+fn to_go(state: &ProgressState, out: &mut dyn fmt::Write) {
+    // What cannot be drawn is left out.
+    let _ = out.write_str(&left(state.eta()));
+}
+
+/// The time that is still needed, once a run has shown it.
+fn left(time: Duration) -> String {
+    if time.is_zero() { String::new() } else { format!(", {:#} to go", HumanDuration(time)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bar_names_no_time_until_a_run_has_shown_it() {
+        let bar = ProgressBar::hidden();
+        advance(&bar, 400, 803);
+        std::thread::sleep(Duration::from_millis(20));
+        assert_eq!(left(bar.eta()), "", "runs of an earlier command took no time");
+        advance(&bar, 401, 803);
+        assert!(left(bar.eta()).ends_with("s to go"), "{:?}", bar.eta());
+    }
 }
