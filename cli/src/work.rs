@@ -9,12 +9,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::Context;
-use baudbot_experiment::{Error, Experiment, Options, Place, Seeds, Shard};
+use baudbot_experiment::{Error, Experiment, Options, Place, Seeds, Shard, Told};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::args::WorkArgs;
 use crate::error::Refused;
 use crate::signals::Stop;
+use crate::text::tell;
 
 /// Lets work be done on threads of its own. A signal sets what the work is given; the work then ends by itself.
 pub(crate) async fn until_stopped(
@@ -48,7 +49,7 @@ pub(crate) fn options<'a>(
     shard: Option<Shard>,
     stop: &'a AtomicBool,
     progress: &'a (dyn Fn(u64, u64) + Sync),
-    tell: &'a (dyn Fn(&str) + Sync),
+    tell: &'a (dyn Fn(&Told) + Sync),
 ) -> Options<'a> {
     let (place, jobs) = (place(args), jobs(args));
     Options { out, fresh: args.fresh, shard, place, jobs, confirmed: args.yes, stop, progress, tell }
@@ -98,6 +99,14 @@ pub(crate) fn progress(quiet: bool) -> ProgressBar {
     }
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
     bar.with_style(style())
+}
+
+/// Writes a line above the bar; no notes if all is to be quiet.
+pub(crate) fn tell(bar: &ProgressBar, quiet: bool, told: &Told) {
+    match told {
+        Told::Note(_) if quiet => {}
+        Told::Note(_) | Told::Warning(_) => bar.suspend(|| tell!("{told}")),
+    }
 }
 
 /// Shows how many runs of how many are done. Those of an earlier command say nothing about the time that is needed.
