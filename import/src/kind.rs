@@ -22,7 +22,7 @@ impl Kind {
     pub fn of_text(text: &str) -> Option<Self> {
         let document = text.parse::<DocumentMut>().ok()?;
         let has = |field: &&str| document.contains_key(field);
-        let mut kinds = TEXTS.iter().filter(|(_, own)| own.iter().any(|field| has(field)));
+        let mut kinds = TEXTS.iter().filter(|(_, own)| own.iter().any(&has));
         let (kind, _) = kinds.next().filter(|_| kinds.next().is_none())?;
         // A scenario refers to no other.
         (*kind != Self::Scenario || !has(&"scenario")).then_some(*kind)
