@@ -42,10 +42,10 @@ impl Error for ReaderGone {}
 
 /// That an output, such as stdout, could not be written.
 pub(crate) fn from_output(error: io::Error, name: &str) -> anyhow::Error {
-    match error.kind() {
-        io::ErrorKind::BrokenPipe => ReaderGone.into(),
-        _ => anyhow::Error::from(error).context(format!("cannot write {name}")),
+    if error.kind() == io::ErrorKind::BrokenPipe {
+        return ReaderGone.into();
     }
+    anyhow::Error::from(error).context(format!("cannot write {name}"))
 }
 
 /// The exit code of an error. For [`ReaderGone`] it is that of a program which the signal SIGPIPE has ended.

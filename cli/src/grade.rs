@@ -111,8 +111,8 @@ fn run(
     stop: &AtomicBool,
 ) -> anyhow::Result<ExitCode> {
     let bar = work::progress(args.quiet);
-    bar.set_length(exercise.seeds.count());
-    let progress = |done| bar.set_position(done);
+    let progress = |done| work::advance(&bar, done, exercise.seeds.count());
+    progress(0);
     let grading =
         grade_all(exercise, assigned, &Options { jobs: work::jobs_of(args.jobs), stop, progress: &progress });
     bar.finish_and_clear();

@@ -160,8 +160,16 @@ pub(crate) fn pace(
     watchdog.apply(asked.map_or_else(as_recorded, PaceName::pace))
 }
 
+/// The reason why there is no recording, or that something else is in its place.
 pub(crate) fn refused(path: &Path, error: &RecordingError) -> anyhow::Error {
-    Refused::error(format!("{}: {error}", path.display()))
+    let is_absent =
+        matches!(error, RecordingError::Io(cause) if cause.kind() == std::io::ErrorKind::NotFound);
+    let no_recording = (is_absent || matches!(error, RecordingError::NotMcap(_)))
+        .then(|| baudbot_import::source::no_recording(path));
+    match no_recording.flatten() {
+        Some(mistaken) => Refused::error(mistaken.to_string()),
+        None => Refused::error(format!("{}: {error}", path.display())),
+    }
 }
 
 /// Goes where `--to` says.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use baudbot_import::embedded;
+use baudbot_import::kind::Kind;
 use baudbot_import::source::{self, SourceError};
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
@@ -30,7 +31,10 @@ impl Source {
     /// Parses it, some of its fields changed.
     pub(crate) fn parse(&self, overrides: &[Override]) -> anyhow::Result<Scenario> {
         let parsed = baudbot_scenario::parse_with(&self.0.text, overrides);
-        parsed.map_err(|error| Refused::error(format!("{}: {error}", self.0.label)))
+        parsed.map_err(|error| match source::mistaken(&self.0.label, &self.0.text, Kind::Scenario) {
+            Some(mistaken) => refused(mistaken),
+            None => Refused::error(format!("{}: {error}", self.0.label)),
+        })
     }
 
     /// The brains with which the scenario shows itself, if it does.

@@ -34,7 +34,8 @@ fn default_folder(experiment: &Experiment, shard: Shard) -> PathBuf {
     work::default_out(experiment, "shards").join(shard.folder())
 }
 
-/// The report at the end of a shard, and the exit code. Runs that failed are results, which no other machine would do better: the merge tells them.
+/// The report at the end of a shard, and the exit code. Runs that failed are results: the merge tells them, and the same
+/// command does them again.
 pub(crate) fn show(args: &SweepArgs, shard: Shard, out: &Path, swept: &Swept) -> anyhow::Result<ExitCode> {
     let journal = out.join("rows.jsonl");
     if args.work.json {

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
 use baudbot_experiment::find::{Limit, find};
-use baudbot_experiment::{Experiment, Merged, Swept, Workers, merge, table, unique_name};
+use baudbot_experiment::{Experiment, Merged, Swept, Told, Workers, merge, table, unique_name};
 use baudbot_fields::printable::Printable;
 use indicatif::ProgressBar;
 
@@ -31,11 +31,8 @@ fn run(experiment: &Experiment, args: &SweepArgs, stop: &AtomicBool) -> anyhow::
         None => work::out(&args.work, experiment, "sweep"),
     };
     let bar = work::progress(args.work.quiet);
-    let progress = |done, total| {
-        bar.set_length(total);
-        bar.set_position(done);
-    };
-    let tell = |text: &str| bar.suspend(|| tell!("warning: {text}"));
+    let progress = |done, total| work::advance(&bar, done, total);
+    let tell = |told: &Told| work::tell(&bar, args.work.quiet, told);
     let options = work::options(&args.work, &out, args.shard, stop, &progress, &tell);
     let merged = match args.merge.as_slice() {
         [] => baudbot_experiment::sweep(experiment, &options).map(Merged::Whole),

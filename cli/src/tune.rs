@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
-use baudbot_experiment::{Experiment, Tuned};
+use baudbot_experiment::{Experiment, Told, Tuned};
 
 use crate::args::{TuneArgs, WorkArgs};
 use crate::signals::INTERRUPTED;
@@ -19,11 +19,8 @@ fn run(experiment: &Experiment, args: &TuneArgs, stop: &AtomicBool) -> anyhow::R
     let (shard, args) = (args.shard, &args.work);
     let out = work::out(args, experiment, "tune");
     let bar = work::progress(args.quiet);
-    let progress = |done, total| {
-        bar.set_length(total);
-        bar.set_position(done);
-    };
-    let tell = |text: &str| bar.suspend(|| tell!("warning: {text}"));
+    let progress = |done, total| work::advance(&bar, done, total);
+    let tell = |told: &Told| work::tell(&bar, args.quiet, told);
     let tuned =
         baudbot_experiment::tune(experiment, &work::options(args, &out, shard, stop, &progress, &tell));
     bar.finish_and_clear();

@@ -1,18 +1,21 @@
 //! An experiment's file and what its runs are done with, for `sweep` and `tune`; runs on threads, for `grade`, too.
 
+use std::fmt;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use anyhow::Context;
-use baudbot_experiment::{Error, Experiment, Options, Place, Seeds, Shard};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use baudbot_experiment::{Error, Experiment, Options, Place, Seeds, Shard, Told};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::args::WorkArgs;
 use crate::error::Refused;
 use crate::signals::Stop;
+use crate::text::tell;
 
 /// Lets work be done on threads of its own. A signal sets what the work is given; the work then ends by itself.
 pub(crate) async fn until_stopped(
@@ -46,7 +49,7 @@ pub(crate) fn options<'a>(
     shard: Option<Shard>,
     stop: &'a AtomicBool,
     progress: &'a (dyn Fn(u64, u64) + Sync),
-    tell: &'a (dyn Fn(&str) + Sync),
+    tell: &'a (dyn Fn(&Told) + Sync),
 ) -> Options<'a> {
     let (place, jobs) = (place(args), jobs(args));
     Options { out, fresh: args.fresh, shard, place, jobs, confirmed: args.yes, stop, progress, tell }
@@ -89,11 +92,59 @@ pub(crate) fn from_experiment(args: &WorkArgs, error: Error) -> anyhow::Error {
     }
 }
 
+/// A bar on stderr, if that is a terminal.
 pub(crate) fn progress(quiet: bool) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {eta} to go");
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    bar.with_style(style())
+}
+
+/// Writes a line above the bar; no notes if all is to be quiet.
+pub(crate) fn tell(bar: &ProgressBar, quiet: bool, told: &Told) {
+    match told {
+        Told::Note(_) if quiet => {}
+        Told::Note(_) | Told::Warning(_) => bar.suspend(|| tell!("{told}")),
+    }
+}
+
+/// Shows how many runs of how many are done. Those of an earlier command say nothing about the time that is needed.
+pub(crate) fn advance(bar: &ProgressBar, done: u64, total: u64) {
+    let is_first = bar.length().is_none();
+    bar.set_length(total);
+    bar.set_position(done);
+    if is_first {
+        bar.reset_eta();
+    }
+}
+
+fn style() -> ProgressStyle {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} runs{to_go}");
+    style.unwrap_or_else(|_| ProgressStyle::default_bar()).with_key("to_go", to_go)
+}
+
+fn to_go(state: &ProgressState, out: &mut dyn fmt::Write) {
+    // What cannot be drawn is left out.
+    let _ = out.write_str(&left(state.eta()));
+}
+
+/// The time that is still needed, once a run has shown it.
+fn left(time: Duration) -> String {
+    if time.is_zero() { String::new() } else { format!(", {:#} to go", HumanDuration(time)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bar_names_no_time_until_a_run_has_shown_it() {
+        let bar = ProgressBar::hidden();
+        advance(&bar, 400, 803);
+        std::thread::sleep(Duration::from_millis(20));
+        assert_eq!(left(bar.eta()), "", "runs of an earlier command took no time");
+        advance(&bar, 401, 803);
+        assert!(left(bar.eta()).ends_with("s to go"), "{:?}", bar.eta());
+    }
 }

@@ -44,6 +44,7 @@ mod private_server;
 mod raw;
 mod read;
 mod remote;
+mod resumed;
 mod run_record;
 mod seeds;
 pub mod served;
@@ -57,6 +58,7 @@ mod sweep;
 pub mod table;
 #[cfg(test)]
 mod tests;
+mod told;
 pub mod tune;
 mod tuning;
 
@@ -78,5 +80,6 @@ pub use shard::{Shard, ShardError};
 pub use success::{Condition, Conditions, Quantity, Success};
 pub use suggest::UnknownName;
 pub use sweep::{Options, Swept, sweep};
+pub use told::Told;
 pub use tune::{Tuned, tune};
 pub use tuning::Tuning;

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use crate::experiment::Experiment;
 use crate::in_process;
 use crate::metrics::Counted;
-use crate::run_record::{PANICKED, Ran, Row, Task};
+use crate::run_record::{Ran, Row, Task};
 use crate::setup::Setup;
 
 /// Does a run with brains of the catalogue; others need a server ([`Workers`](crate::Workers)). Whatever goes wrong in it, a panic too, is the row's error, and touches no other run: a run shares nothing
@@ -27,7 +27,7 @@ pub fn run(experiment: &Experiment, task: &Task) -> Row {
 fn panicked(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
-    format!("{PANICKED}, which is a bug in baudbot: {text}")
+    format!("the run panicked, which is a bug in baudbot: {text}")
 }
 
 #[cfg(test)]

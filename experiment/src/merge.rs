@@ -57,7 +57,8 @@ pub fn merge(experiment: &Experiment, sources: &[PathBuf], options: &Options<'_>
     let total = experiment.runs()?;
     check(experiment)?;
     let header = Header::new(&experiment.name, fingerprint(experiment), build(), total);
-    let scan = |path: &PathBuf| Scan::read(path, &header, options.tell);
+    let warn = |text: &str| options.warn(text);
+    let scan = |path: &PathBuf| Scan::read(path, &header, &warn);
     let mut scans = journals(sources)?.iter().map(scan).collect::<Result<Vec<_>, _>>()?;
     let chosen = Chosen::new(&scans)?;
     if chosen.runs.len() as u64 != total {
@@ -69,7 +70,7 @@ pub fn merge(experiment: &Experiment, sources: &[PathBuf], options: &Options<'_>
     let done = journal.runs();
     if !options.fresh {
         // What an earlier merge made must not differ either.
-        scans.push(Scan::read(&folder.file(JOURNAL), &header, options.tell)?);
+        scans.push(Scan::read(&folder.file(JOURNAL), &header, &warn)?);
         Chosen::new(&scans)?;
     }
     (options.progress)(resumed, total);
@@ -131,7 +132,8 @@ struct Chosen {
 }
 
 impl Chosen {
-    /// Of rows that are the same, the first; refuses those that are not. A run that panicked everywhere is one that did.
+    /// Of rows that are the same, the first; refuses those that are not. A run that failed everywhere is one that did, with the same
+    /// one of its errors whatever the order of the journals.
     fn new(scans: &[Scan]) -> Result<Self, Error> {
         let mut chosen = Self { runs: Vec::new(), rows: vec![Vec::new(); scans.len()] };
         for of_a_run in sorted(scans, |scan| &scan.rows).chunk_by(|a, b| a.1.run == b.1.run) {
@@ -146,10 +148,10 @@ impl Chosen {
             chosen.take(first, row);
         }
         let done = chosen.runs.clone();
-        for of_a_run in sorted(scans, |scan| &scan.panicked).chunk_by(|a, b| a.1.run == b.1.run) {
-            let (first, row) = of_a_run[0];
-            if done.binary_search(&row.run).is_err() {
-                chosen.take(first, row);
+        for of_a_run in sorted(scans, |scan| &scan.failed).chunk_by(|a, b| a.1.run == b.1.run) {
+            let chance = of_a_run.iter().min_by_key(|(_, row)| row.sum);
+            if let Some((journal, row)) = chance.filter(|(_, row)| done.binary_search(&row.run).is_err()) {
+                chosen.take(*journal, *row);
             }
         }
         chosen.runs.sort_unstable();

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use baudbot_import::embedded;
+use baudbot_import::kind::Kind;
 use baudbot_import::source::{self, Source, SourceError};
 
 use crate::error::Error;
@@ -41,7 +42,7 @@ pub(crate) fn read(file: &Path, mut note: impl FnMut(&str, &str)) -> Result<(Str
     // A file comes first: an experiment may be called as one that is built in.
     let toml = match embedded::experiment(&path).filter(|_| !file.exists()) {
         Some(text) => text.to_owned(),
-        None => source::read(&path)?,
+        None => source::read(&path, Kind::Experiment)?,
     };
     let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or("experiment");
     let folder = file.parent().unwrap_or_else(|| Path::new(""));
@@ -56,7 +57,10 @@ pub(crate) fn read(file: &Path, mut note: impl FnMut(&str, &str)) -> Result<(Str
     };
     let parsed = Experiment::parse(&toml, stem, find);
     let parsed = parsed.and_then(|experiment| put_programs(experiment, program));
-    let mut experiment = parsed.map_err(|error| ReadError::Experiment { path, error })?;
+    let mut experiment = parsed.map_err(|error| match source::mistaken(&path, &toml, Kind::Experiment) {
+        Some(mistaken) => ReadError::File(mistaken),
+        None => ReadError::Experiment { path, error },
+    })?;
     experiment.folder = folder.to_owned();
     Ok((toml, experiment))
 }

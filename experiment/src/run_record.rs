@@ -38,14 +38,11 @@ pub struct Task {
 }
 
 impl Row {
-    /// Whether the program failed, and not the run: a better one may do it.
-    pub(crate) fn has_panicked(&self) -> bool {
-        self.outcome.as_ref().is_err_and(|error| error.starts_with(PANICKED))
+    /// Whether it could not be done: a program that is mended may do it.
+    pub(crate) fn has_failed(&self) -> bool {
+        self.outcome.is_err()
     }
 }
-
-/// Errors of runs that panicked begin with it.
-pub(crate) const PANICKED: &str = "the run panicked";
 
 impl Ran {
     pub(crate) fn of(run: &Counted) -> Self {

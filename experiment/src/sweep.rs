@@ -16,7 +16,8 @@ use crate::outputs::{Content, Folder};
 use crate::pool::{Place, Workers};
 use crate::shard::Shard;
 use crate::summary::Summary;
-use crate::{chart, csv_table, table};
+use crate::told::Told;
+use crate::{chart, csv_table, resumed, table};
 
 /// How a sweep is done.
 pub struct Options<'a> {
@@ -36,8 +37,15 @@ pub struct Options<'a> {
     pub stop: &'a AtomicBool,
     /// Is told how many runs of how many are done.
     pub progress: &'a (dyn Fn(u64, u64) + Sync),
-    /// Is told what is wrong with the journal that is there, and repaired: a line of text each.
-    pub tell: &'a (dyn Fn(&str) + Sync),
+    /// Is told what is in the journal that is there, and what is wrong with it, and repaired.
+    pub tell: &'a (dyn Fn(&Told) + Sync),
+}
+
+impl Options<'_> {
+    /// Tells that something may be wrong.
+    pub(crate) fn warn(&self, text: &str) {
+        (self.tell)(&Told::Warning(text.to_owned()));
+    }
 }
 
 /// How a sweep went.
@@ -47,7 +55,7 @@ pub struct Swept {
     pub interrupted: bool,
     /// Runs that are done, earlier ones too.
     pub done: u64,
-    /// Runs that were there at the start.
+    /// Runs that were there at the start, and are not done again.
     pub resumed: u64,
     /// All runs, of the shard if it is one.
     pub total: u64,
@@ -61,7 +69,7 @@ pub struct Swept {
 ///
 /// # Errors
 /// If the experiment makes no sense, the folder is another's, the sweep is long and not confirmed, a file cannot be
-/// written or the server fails. What was run is in the journal, and is not run again.
+/// written or the server fails. What was run is in the journal, and is not run again unless it failed.
 pub fn sweep(experiment: &Experiment, options: &Options<'_>) -> Result<Swept, Error> {
     let total = experiment.runs()?;
     check(experiment)?;
@@ -72,6 +80,7 @@ pub fn sweep(experiment: &Experiment, options: &Options<'_>) -> Result<Swept, Er
     let resumed = journal.done();
     let name = world_name(folder.id(), options.out);
     let shard = options.shard.unwrap_or(Shard::WHOLE);
+    resumed::tell(experiment, &journal, Some(shard.len(total)), options.tell);
     let mut runner = Runner { experiment, options, journal: &mut journal, total, shard, name };
     if !options.confirmed {
         let pilot = runner.pilot();
@@ -195,7 +204,8 @@ pub(crate) fn begin_journal(
     if options.fresh {
         folder.remove(FRESH)?;
     }
-    Journal::open(&folder.file(if options.fresh { FRESH } else { JOURNAL }), header, options.tell)
+    let file = folder.file(if options.fresh { FRESH } else { JOURNAL });
+    Journal::open(&file, header, &|text| options.warn(text))
 }
 
 /// A fresh journal is not wanted after all.

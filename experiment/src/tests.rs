@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crate::find::find;
 use crate::fingerprint::{build, fingerprint};
 use crate::journal::{Header, Journal};
-use crate::{Error, Experiment, Options, Place, Row, Swept, Workers, check, sweep};
+use crate::{Error, Experiment, Options, Place, Row, Swept, Told, Workers, check, sweep};
 
 const ROOM: &str = r#"
 name = "room"
@@ -148,7 +148,8 @@ fn a_sweep_that_was_stopped_and_torn_goes_on_to_the_same_bytes() {
         assert!(read(&whole, name) == read(&torn, name), "{name} differs");
     }
     // Nothing is missing, so nothing is run; and another experiment does not get in.
-    assert_eq!(run(&experiment, &torn).unwrap().resumed, 36);
+    // A third of the runs fails, and is tried again in vain.
+    assert_eq!(run(&experiment, &torn).unwrap().resumed, 24);
     let other = super::tests::experiment(&SMALL.replace("seeds = 3", "seeds = 4")).unwrap();
     let error = run(&other, &torn).unwrap_err().to_string();
     assert!(error.contains("belongs to another experiment") && error.contains("--fresh"), "{error}");
@@ -326,9 +327,10 @@ fn a_damaged_line_is_told_of_and_its_run_done_again_to_the_same_table() {
         std::fs::write(out.join("rows.jsonl"), &bytes).unwrap();
         let line = 1 + sound[..at].iter().filter(|byte| **byte == b'\n').count();
         let told = std::sync::Mutex::new(Vec::new());
-        let tell = |text: &str| told.lock().unwrap().push(text.to_owned());
+        let tell = |text: &Told| told.lock().unwrap().push(text.to_string());
         let swept = sweep(&experiment, &Options { tell: &tell, ..options(&out) }).unwrap();
         let told = told.into_inner().unwrap();
+        assert!(told[0].starts_with("warning: "), "{told:?}");
         assert!(told[0].contains(&format!("rows.jsonl: line {line} is ")), "byte {at}: {told:?}");
         assert_eq!(swept.resumed, if line == 1 { 2 } else { 1 }, "byte {at}");
         assert!(read(&out, "rows.csv") == table, "byte {at}");
@@ -337,8 +339,8 @@ fn a_damaged_line_is_told_of_and_its_run_done_again_to_the_same_table() {
 }
 
 #[test]
-fn a_run_that_panicked_is_done_again_and_one_that_could_not_be_is_not() {
-    let (experiment, out, _) = two_runs("panicked");
+fn a_run_that_failed_is_done_again_however_it_failed() {
+    let (experiment, out, _) = two_runs("failed");
     let expected = read(&out, "rows.csv");
     let with = |error: &str| {
         let mut journal = journal(&experiment, &out, build());
@@ -346,12 +348,58 @@ fn a_run_that_panicked_is_done_again_and_one_that_could_not_be_is_not() {
         journal.append(&crate::run(&experiment, &experiment.task(1))).unwrap();
         run(&experiment, &out).unwrap()
     };
-    let again = with("the run panicked, which is a bug in baudbot: at 7");
-    assert_eq!((again.resumed, again.done, again.summary.failed), (1, 2, 0));
-    assert!(read(&out, "rows.csv") == expected);
-    assert_eq!(run(&experiment, &out).unwrap().resumed, 2, "the better row is not found");
-    let refused = with("robots[0]: is too large");
-    assert_eq!((refused.resumed, refused.summary.failed), (2, 1));
+    for error in ["the run panicked, which is a bug in baudbot: at 7", "there is no program `follow`"] {
+        let again = with(error);
+        assert_eq!((again.resumed, again.done, again.summary.failed), (1, 2, 0), "{error}");
+        assert!(read(&out, "rows.csv") == expected, "{error}");
+        assert_eq!(run(&experiment, &out).unwrap().resumed, 2, "{error}: the better row is not found");
+    }
+}
+
+#[test]
+fn what_is_taken_from_a_journal_is_told_and_a_program_that_is_newer_is_named() {
+    let (mut experiment, out, _) = two_runs("told");
+    let told = |experiment: &Experiment| {
+        let told = std::sync::Mutex::new(Vec::new());
+        let tell = |text: &Told| told.lock().unwrap().push(text.to_string());
+        sweep(experiment, &Options { tell: &tell, ..options(&out) }).unwrap();
+        told.into_inner().unwrap()
+    };
+    let journal = out.join("rows.jsonl").display().to_string();
+    assert_eq!(
+        told(&experiment),
+        [format!("note: all 2 runs are in {journal} (the journal); --fresh does them again")]
+    );
+    let mut half = self::journal(&experiment, &out, build());
+    half.append(&crate::run(&experiment, &experiment.task(1))).unwrap();
+    drop(half);
+    let note = format!("note: 1 of 2 runs are in {journal} (the journal); --fresh does them again");
+    assert_eq!(told(&experiment), [note]);
+    let mut failed = self::journal(&experiment, &out, build());
+    failed.append(&crate::run(&experiment, &experiment.task(0))).unwrap();
+    failed.append(&Row { run: 1, outcome: Err("no".to_owned()) }).unwrap();
+    drop(failed);
+    let note = format!(
+        "note: 1 of 2 runs are in {journal} (the journal), 1 that failed are done again; --fresh does all again"
+    );
+    assert_eq!(told(&experiment), [note]);
+    // A program, which is not started: all runs are there.
+    experiment.folder.clone_from(&out);
+    experiment.brains = vec!["exec:python3 follow.py".to_owned()];
+    let header = Header::new("test", fingerprint(&experiment), build(), 2);
+    std::fs::remove_file(out.join("rows.jsonl")).unwrap();
+    let mut all = Journal::open(&out.join("rows.jsonl"), &header, &|_| {}).unwrap();
+    let row = crate::run(&two_runs("told-rows").0, &experiment.task(0));
+    (0..2).for_each(|run| all.append(&Row { run, ..row.clone() }).unwrap());
+    let program = std::fs::File::create(out.join("follow.py")).unwrap();
+    let hour = std::time::Duration::from_secs(3600);
+    let now = std::time::SystemTime::now();
+    program.set_modified(now - hour).unwrap();
+    assert_eq!(told(&experiment).len(), 1);
+    program.set_modified(now + hour).unwrap();
+    let file = out.join("follow.py").display().to_string();
+    let warning = format!("warning: {file} was changed after runs in the journal; --fresh does them again");
+    assert_eq!(told(&experiment)[1..], [warning]);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use baudbot_experiment::Error;
 use baudbot_import::embedded;
+use baudbot_import::kind::Kind;
 use baudbot_import::source::{self, Source, SourceError};
 
 use crate::exercise::Exercise;
@@ -14,17 +15,6 @@ pub enum ReadError {
     /// Its file cannot be.
     #[error(transparent)]
     File(#[from] SourceError),
-    /// There is neither a file nor an exercise of this name.
-    #[error(
-        "{name}: there is no such file, and no exercise of this name is built in{}; `baudbot grade --list` has them all",
-        meant(near)
-    )]
-    Unknown {
-        /// The name.
-        name: String,
-        /// Names that may be meant.
-        near: Vec<&'static str>,
-    },
     /// What is in it makes no sense.
     #[error("{path}: {error}")]
     Exercise {
@@ -44,11 +34,7 @@ impl Exercise {
         let path = Path::new(name);
         let toml = match embedded::exercise(name).filter(|_| !path.is_file()) {
             Some(text) => text.to_owned(),
-            None if !path.exists() => {
-                let near = embedded::nearest_exercises(name);
-                return Err(ReadError::Unknown { name: name.to_owned(), near });
-            }
-            None => source::read(name)?,
+            None => source::read(name, Kind::Exercise)?,
         };
         let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or(name);
         let folder = path.parent().unwrap_or_else(|| Path::new(""));
@@ -57,7 +43,10 @@ impl Exercise {
             Err(error) => Err(error.to_string()),
         };
         let parsed = Self::parse(&toml, stem, find);
-        parsed.map_err(|error| ReadError::Exercise { path: name.to_owned(), error })
+        parsed.map_err(|error| match source::mistaken(name, &toml, Kind::Exercise) {
+            Some(mistaken) => ReadError::File(mistaken),
+            None => ReadError::Exercise { path: name.to_owned(), error },
+        })
     }
 }
 
@@ -73,11 +62,6 @@ pub fn all() -> Result<Vec<Exercise>, ReadError> {
     };
     all.sort_by_key(key);
     Ok(all)
-}
-
-fn meant(near: &[&str]) -> String {
-    let near: Vec<_> = near.iter().map(|name| format!("`{name}`")).collect();
-    if near.is_empty() { String::new() } else { format!("; did you mean {}?", near.join(", ")) }
 }
 
 #[cfg(test)]

@@ -80,7 +80,7 @@ impl Grading {
         }
     }
 
-    /// The values of what was not kept: `; collisions was 1 to 3, at most 0`.
+    /// The values of what was not kept: `; collisions: 1 to 3, needed: no collision`.
     pub(crate) fn values(&self, criterion: &Criterion) -> Option<String> {
         let mut text = String::new();
         for condition in criterion.needs.iter() {
@@ -94,12 +94,12 @@ impl Grading {
             let least = known.iter().copied().reduce(f64::min).map(shown);
             let most = known.iter().copied().reduce(f64::max).map(shown);
             let was = match (least, most) {
-                (Some(least), Some(most)) if least == most => format!("{name} was {least}"),
-                (Some(least), Some(most)) => format!("{name} was {least} to {most}"),
-                _ => format!("there is no {name}"),
+                (Some(least), Some(most)) if least == most => least,
+                (Some(least), Some(most)) => format!("{least} to {most}"),
+                (None, _) | (_, None) => "missing".to_owned(),
             };
             let missing = if known.len() < values.len() && !known.is_empty() { " or missing" } else { "" };
-            let _ = write!(text, "; {was}{missing}, needed: {condition}");
+            let _ = write!(text, "; {name}: {was}{missing}, needed: {condition}");
         }
         (!text.is_empty()).then_some(text)
     }

@@ -73,6 +73,11 @@ pub fn nearest(wrong: &str) -> Vec<&'static str> {
     near(wrong, SCENARIOS)
 }
 
+/// The same of experiments.
+pub fn nearest_experiments(wrong: &str) -> Vec<&'static str> {
+    near(wrong, EXPERIMENTS)
+}
+
 /// The same of exercises.
 pub fn nearest_exercises(wrong: &str) -> Vec<&'static str> {
     near(wrong, EXERCISES)

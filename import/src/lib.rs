@@ -17,6 +17,7 @@
 pub mod embedded;
 mod error;
 mod file;
+pub mod kind;
 mod lookup;
 #[cfg_attr(not(feature = "maps"), path = "no_maps.rs")]
 mod maps;

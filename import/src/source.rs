@@ -7,6 +7,7 @@ use std::path::Path;
 
 use crate::embedded;
 use crate::error::ImportError;
+use crate::kind::Kind;
 use crate::{MAX_TEXT, inline, inline_embedded, opened};
 
 /// The text of a scenario, not yet parsed, with all that it refers to by file in it.
@@ -31,7 +32,7 @@ impl Source {
     pub fn find(name: &str) -> Result<Self, SourceError> {
         let text = match embedded::scenario(name) {
             Some(text) => whole(name, inline_embedded(text))?,
-            None => inlined(name, &read(name)?)?,
+            None => inlined(name, &read(name, Kind::Scenario)?)?,
         };
         Ok(Self { label: name.to_owned(), text })
     }
@@ -57,15 +58,16 @@ impl Source {
     }
 }
 
-/// Reads a scenario or an experiment as it stands, without what it refers to.
+/// Reads a file of this kind as it stands, without what it refers to.
 ///
 /// # Errors
 /// If it cannot be read, is no text or is too long.
-pub fn read(path: &str) -> Result<String, SourceError> {
-    let unreadable = |error: io::Error| SourceError(unreadable(path, &error));
+pub fn read(path: &str, wanted: Kind) -> Result<String, SourceError> {
+    let unreadable = |error: io::Error| SourceError(unreadable(path, wanted, &error));
+    let one = wanted.one();
     let metadata = fs::metadata(path).map_err(unreadable)?;
     if metadata.is_dir() {
-        return Err(SourceError(format!("{path}: is a directory, not a scenario file")));
+        return Err(SourceError(format!("{path}: is a directory, not {one} file")));
     }
     let mut file = opened::any(Path::new(path)).map_err(unreadable)?;
     // However long a recording is, that is not what is wrong with it.
@@ -73,21 +75,39 @@ pub fn read(path: &str) -> Result<String, SourceError> {
     file.by_ref().take(RECORDING.len() as u64).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes == RECORDING {
         return Err(SourceError(format!(
-            "{path}: is a recording, not a scenario; `baudbot replay {path}` does its run again, and `baudbot export {path}` describes it, draws it and \
+            "{path}: is a recording, not {one}; `baudbot replay {path}` does its run again, and `baudbot export {path}` describes it, draws it and \
              writes its tables"
         )));
     }
     if metadata.len() > MAX_TEXT as u64 {
-        let problem = format!("{path}: has {} bytes, a scenario has at most {MAX_TEXT}", metadata.len());
+        let problem = format!("{path}: has {} bytes, {one} has at most {MAX_TEXT}", metadata.len());
         return Err(SourceError(problem));
     }
     // A device or a pipe has no length, and may have no end.
     file.take(MAX_TEXT as u64 + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() > MAX_TEXT {
-        let problem = format!("{path}: has more than {MAX_TEXT} bytes, the most that a scenario may have");
+        let problem = format!("{path}: has more than {MAX_TEXT} bytes, the most that {one} may have");
         return Err(SourceError(problem));
     }
     String::from_utf8(bytes).map_err(|_| unreadable(io::ErrorKind::InvalidData.into()))
+}
+
+/// What is wrong with a text that makes no sense as this kind, if it is of another.
+pub fn mistaken(name: &str, text: &str, wanted: Kind) -> Option<SourceError> {
+    let found = Kind::of_text(text).filter(|found| *found != wanted)?;
+    let (is, not, command) = (found.one(), wanted.one(), found.command(name, text));
+    Some(SourceError(format!("{name}: is {is}, not {not}; run it with `{command}`")))
+}
+
+/// What is wrong with a path that has no recording, if a file of another kind is there, or it is a name that is built in.
+pub fn no_recording(path: &Path) -> Option<SourceError> {
+    let name = path.display().to_string();
+    if !path.exists() {
+        let built_in = other_built_in(&name, Kind::Recording)?;
+        return Some(SourceError(format!("{name}: there is no such file; {built_in}")));
+    }
+    let text = read(&name, Kind::Recording).ok()?;
+    mistaken(&name, &text, Kind::Recording)
 }
 
 /// What each file in MCAP begins with.
@@ -103,15 +123,28 @@ fn whole(path: &str, text: Result<Cow<'_, str>, ImportError>) -> Result<String, 
     text.map(Cow::into_owned).map_err(|error| SourceError(format!("{path}: {error}")))
 }
 
-fn unreadable(path: &str, error: &io::Error) -> String {
+fn unreadable(path: &str, wanted: Kind, error: &io::Error) -> String {
     if error.kind() == io::ErrorKind::NotFound {
-        let meant: Vec<_> = embedded::nearest(path).iter().map(|name| format!("`{name}`")).collect();
-        let meant =
-            if meant.is_empty() { String::new() } else { format!("; did you mean {}?", meant.join(", ")) };
-        format!("{path}: there is no such file, and no scenario of this name is built in{meant}")
+        let noun = wanted.noun();
+        let hint = other_built_in(path, wanted).or_else(|| meant(path, wanted));
+        let hint = hint.map_or_else(String::new, |hint| format!("; {hint}"));
+        let list = if wanted == Kind::Exercise { "; `baudbot grade --list` has them all" } else { "" };
+        format!("{path}: there is no such file, and no {noun} of this name is built in{hint}{list}")
     } else if error.kind() == io::ErrorKind::InvalidData {
         format!("{path}: is not text in UTF-8")
     } else {
         format!("{path}: {error}")
     }
+}
+
+/// That a name is one of something else that is built in, and the command for that.
+fn other_built_in(name: &str, wanted: Kind) -> Option<String> {
+    let (kind, text) = Kind::built_in(name).filter(|(kind, _)| *kind != wanted)?;
+    Some(format!("`{name}` is {}: `{}`", kind.one(), kind.command(name, text)))
+}
+
+/// The names that may be meant.
+fn meant(wrong: &str, wanted: Kind) -> Option<String> {
+    let meant: Vec<_> = wanted.nearest(wrong).iter().map(|name| format!("`{name}`")).collect();
+    (!meant.is_empty()).then(|| format!("did you mean {}?", meant.join(", ")))
 }

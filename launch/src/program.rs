@@ -1,7 +1,7 @@
 //! A program, as a command line or a file names it.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What stands before the words of a program, where a brain is named.
 pub const EXEC: &str = "exec:";
@@ -55,6 +55,16 @@ impl Program {
     pub fn in_folder(self, folder: PathBuf) -> Self {
         Self { folder: Some(folder).filter(|folder| !folder.as_os_str().is_empty()), ..self }
     }
+
+    /// The files that its words name: the program if it is a path, and its arguments. A program that is looked for along `PATH` is
+    /// none of them.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let folder = self.folder.as_deref().unwrap_or_else(|| Path::new(""));
+        let (program, arguments) = self.words.split_at(1);
+        let program = program.iter().filter(|word| word.contains('/'));
+        let paths = program.chain(arguments).map(|word| folder.join(word));
+        paths.filter(|path| path.is_file()).collect()
+    }
 }
 
 impl fmt::Display for Program {
@@ -79,6 +89,8 @@ mod tests {
         assert_eq!(words(" "), Err(BadProgram::Empty));
         assert_eq!(words("''"), Err(BadProgram::Empty));
         assert_eq!(words("a 'b"), Err(BadProgram::Quotes("a 'b".to_owned())));
+        let files = Program::parse("src/lib.rs -x src").unwrap().in_folder("../launch".into()).files();
+        assert_eq!(files, [Path::new("../launch/src/lib.rs")]);
         assert_eq!(Program::of_brain("avoid"), None);
         assert_eq!(Program::of_brain("exec:a b").unwrap().unwrap().to_string(), "a b");
     }

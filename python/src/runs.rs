@@ -188,7 +188,11 @@ impl Watched {
             shard: asked.shard,
             stop: &self.stop,
             progress: &count,
-            tell: &|text: &str| locked(&self.warnings).push(text.to_owned()),
+            tell: &|told| match told {
+                baudbot_experiment::Told::Warning(text) => locked(&self.warnings).push(text.clone()),
+                // A notebook that runs a cell again expects this.
+                baudbot_experiment::Told::Note(_) => {}
+            },
         };
         what(&experiment, &options)
             .map_err(|error| (format!("{}: {error}", name(&asked.experiment)), error.path()))

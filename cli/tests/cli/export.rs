@@ -303,6 +303,9 @@ fn what_is_no_recording_is_told() {
     fs::write(&toml, WANDER).unwrap();
     let toml = toml.to_str().unwrap();
     let error = refusal(2, &["export", toml, "--csv", "-"]);
+    assert_eq!(error, format!("{toml}: is a scenario, not a recording; run it with `baudbot run {toml}`"));
+    fs::write(toml, "none").unwrap();
+    let error = refusal(2, &["export", toml, "--csv", "-"]);
     assert!(error.starts_with(&format!("{toml}: is not an MCAP file: ")), "{error}");
     let error = refusal(2, &["export", "/nowhere.mcap"]);
     assert_eq!(error, "/nowhere.mcap: cannot be read: No such file or directory (os error 2)");

@@ -124,6 +124,16 @@ fn what_cannot_be_graded_is_refused_with_the_name_that_was_meant() {
 }
 
 #[test]
+fn values_that_miss_a_criterion_are_told_in_words_that_agree() {
+    let toml =
+        ROOM.replace("distance_m_at_least = 0.1", "commands_at_most = 0, first_collision_s_at_least = 0");
+    let (code, out, err) = baudbot(&["grade", &exercise("agree", &toml), "--brain", "avoid", "--seeds", "1"]);
+    assert_eq!(code, 3, "{err}");
+    assert!(out.contains("it drives: in 0 of 1 seeds; commands: "), "{out}");
+    assert!(out.contains("; first_collision_s: missing, needed: first_collision_s at least 0"), "{out}");
+}
+
+#[test]
 fn a_program_that_is_not_there_is_no_failure_of_its_author() {
     let file = exercise("missing", ROOM);
     let (code, json) = graded(&file, "exec:there-is-no-such-program");

@@ -171,6 +171,73 @@ fn mistakes_are_found_before_the_first_run() {
 }
 
 #[test]
+fn a_name_of_another_kind_is_told_with_its_command() {
+    for (args, expected) in [
+        (
+            &["sweep", "wander"][..],
+            "no experiment of this name is built in; `wander` is a scenario: `baudbot run wander`",
+        ),
+        (
+            &["tune", "wander"],
+            "no experiment of this name is built in; `wander` is a scenario: `baudbot run wander`",
+        ),
+        (&["sweep", "square"], "`square` is an exercise: `baudbot grade square --brain BRAIN`"),
+        (&["run", "baud-vs-speed"], "`baud-vs-speed` is an experiment: `baudbot sweep baud-vs-speed`"),
+        (&["run", "tune-sweeper"], "`tune-sweeper` is an experiment: `baudbot tune tune-sweeper`"),
+        (
+            &["grade", "baud-vs-speed"],
+            "no exercise of this name is built in; `baud-vs-speed` is an experiment",
+        ),
+        (&["replay", "wander"], "there is no such file; `wander` is a scenario: `baudbot run wander`"),
+        (
+            &["sweep", "nofile.toml"],
+            "nofile.toml: there is no such file, and no experiment of this name is built in\n",
+        ),
+        (&["sweep", "baud-vs-sped"], "did you mean `baud-vs-speed`?"),
+    ] {
+        let (code, _, err) = baudbot(args);
+        assert_eq!(code, 2, "{args:?}: {err}");
+        assert!(err.contains(expected), "{args:?}: {err}");
+    }
+}
+
+#[test]
+fn a_file_of_another_kind_is_told_with_its_command() {
+    let grid = experiment("kinds", GRID);
+    let beside = |name: &str| out(&grid, name);
+    let (room, task, run) = (beside("room.toml"), beside("task.toml"), beside("run.mcap"));
+    std::fs::write(&task, "title = \"Stop\"\ntask = \"Stop.\"\nscenario = \"wander\"\n").unwrap();
+    good(&["run", "wander", "--seconds", "0.1", "--quiet", "--record", &run]);
+    let told = |command: &str, file: &str, is: &str, not: &str, with: &str| {
+        let (code, _, err) = baudbot(&[command, file]);
+        let expected = format!("error: {file}: is {is}, not {not}; run it with `baudbot {with}`\n");
+        assert_eq!((code, err), (2, expected), "{command}");
+    };
+    for (command, not) in [
+        ("sweep", "an experiment"),
+        ("tune", "an experiment"),
+        ("grade", "an exercise"),
+        ("replay", "a recording"),
+        ("export", "a recording"),
+    ] {
+        told(command, &room, "a scenario", not, &format!("run {room}"));
+    }
+    for (command, not) in
+        [("run", "a scenario"), ("check", "a scenario"), ("grade", "an exercise"), ("replay", "a recording")]
+    {
+        told(command, &grid, "an experiment", not, &format!("sweep {grid}"));
+    }
+    for (command, not) in [("run", "a scenario"), ("sweep", "an experiment")] {
+        told(command, &task, "an exercise", not, &format!("grade {task} --brain BRAIN"));
+    }
+    for (command, not) in [("sweep", "an experiment"), ("grade", "an exercise"), ("run", "a scenario")] {
+        let (code, _, err) = baudbot(&[command, &run]);
+        assert_eq!(code, 2, "{err}");
+        assert!(err.contains(&format!("is a recording, not {not}; `baudbot replay {run}`")), "{err}");
+    }
+}
+
+#[test]
 fn what_cannot_be_run_is_told_and_the_others_are_run() {
     let path = experiment(
         "failing",
@@ -187,6 +254,42 @@ fn what_cannot_be_run_is_told_and_the_others_are_run() {
     assert_eq!(json["cells"][0]["values"]["sensors"], "all eight");
     assert_eq!(json["cells"][0]["figures"]["time_s"]["mean"], 0.1);
     assert!(json["cells"][4]["figures"]["time_s"]["mean"].is_null(), "it could not be run");
+}
+
+#[test]
+fn runs_that_failed_are_done_again_and_others_are_told_of_until_a_sweep_is_fresh() {
+    let path = experiment("again", "");
+    let (to, program) = (out(&path, "out"), out(&path, "late.sh"));
+    let toml = "scenario = \"room.toml\"\nbrain = { exec = \"sh late.sh\" }\nseconds = 0.2\nseeds = 2\n\
+        fields = [{ field = \"robots.alice.link.baud\", values = [19200] }]\n";
+    std::fs::write(&path, toml).unwrap();
+    let sweep = |more: &[&str]| {
+        let (code, _, err) = baudbot(&[&["sweep", &path, "--out", &to], more].concat());
+        (code, err.lines().filter(|line| !line.starts_with("wrote ")).collect::<Vec<_>>().join("\n"))
+    };
+    assert_eq!(sweep(&[]), (1, String::new()), "there is no program");
+    let brain = "brain avoid --connect $BAUDBOT_CONNECT --world $BAUDBOT_WORLD --robot $BAUDBOT_ROBOT";
+    std::fs::write(&program, format!("exec {} {brain}\n", env!("CARGO_BIN_EXE_baudbot"))).unwrap();
+    let journal = format!("{to}/rows.jsonl (the journal)");
+    let (code, told) = sweep(&[]);
+    assert_eq!(
+        (code, told),
+        (
+            0,
+            format!(
+                "note: 0 of 2 runs are in {journal}, 2 that failed are done again; --fresh does all again"
+            )
+        )
+    );
+    let note = format!("note: all 2 runs are in {journal}; --fresh does them again");
+    assert_eq!(sweep(&[]), (0, note.clone()), "the program is older than the runs that count");
+    assert_eq!(sweep(&["--quiet"]), (0, String::new()));
+    let later = std::time::SystemTime::now() + Duration::from_secs(60);
+    std::fs::File::options().append(true).open(&program).unwrap().set_modified(later).unwrap();
+    let warning =
+        format!("warning: {program} was changed after runs in the journal; --fresh does them again");
+    assert_eq!(sweep(&[]), (0, format!("{note}\n{warning}")));
+    assert_eq!(sweep(&["--fresh"]), (0, String::new()));
 }
 
 #[test]

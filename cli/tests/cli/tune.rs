@@ -44,7 +44,7 @@ fn the_tuning_of_the_book_can_be_run_and_what_it_found_drives() {
     };
     assert!(hash(&described).is_string() && hash(&described) == hash(&set), "{}", hash(&set));
     let json: serde_json::Value =
-        serde_json::from_str(&good(&["tune", &experiment, "--out", &out, "--json"])).unwrap();
+        serde_json::from_str(&good(&["tune", &experiment, "--out", &out, "--json", "--quiet"])).unwrap();
     assert_eq!(json["candidates"], 8);
 }
 

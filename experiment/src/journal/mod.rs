@@ -1,7 +1,8 @@
 //! The journal: a line a run, in the order in which they end, written at once. It is all that a sweep needs to resume.
 //!
 //! The first line says which experiment it is of, and each line ends with a checksum (`seal`). `reader` finds which lines are
-//! sound: the runs of all others are done again, after a sweep that was killed as after a disk that forgot a bit. Lines reach
+//! sound: the runs of all others are done again, after a sweep that was killed as after a disk that forgot a bit. So are runs that
+//! failed: a later line of such a run replaces the earlier one. Lines reach
 //! the disk within a tenth of a second or with the next one, so that a power cut takes a few of the last runs at most.
 
 mod reader;
@@ -13,7 +14,7 @@ mod tests;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +37,10 @@ pub(crate) struct Journal<M = File> {
     len: u64,
     /// Each run with where its line begins.
     rows: Vec<(u64, u64)>,
+    /// Runs that failed and are to be done again, in their order.
+    failed: Vec<Entry>,
+    /// How many runs failed before.
+    repeated: u64,
     /// When the disk last had all lines.
     synced: Option<Instant>,
     is_synced: bool,
@@ -123,7 +128,11 @@ impl Journal {
     fn go_on_with(mut self, found: &Found, header: &Header) -> Result<Self, Error> {
         self.len = found.len;
         self.rows = found.rows.iter().map(|row| (row.run, row.start)).collect();
-        if !found.is_sound {
+        self.repeated = found.failed.len() as u64;
+        // If nothing is kept, the file is to be as old as the first run that is.
+        let is_done_anew = self.rows.is_empty() && self.repeated > 0;
+        self.failed = if is_done_anew { Vec::new() } else { found.failed.clone() };
+        if !found.is_sound || is_done_anew {
             return self.mended(header);
         }
         if !found.is_whole {
@@ -142,6 +151,14 @@ impl Journal {
         for row in self.rows()? {
             mended.append(&row?)?;
         }
+        let done = mended.rows.len();
+        let failed = self.failed.iter().map(|row| row.start).collect();
+        for row in rows_at(&self.path, self.seal.clone(), failed)? {
+            mended.append(&row?)?;
+        }
+        let moved = mended.rows.split_off(done).into_iter().zip(self.failed);
+        mended.failed = moved.map(|((_, start), row)| Entry { start, ..row }).collect();
+        mended.repeated = self.repeated;
         mended.sync()?;
         mended.move_to(&self.path)?;
         Ok(mended)
@@ -152,6 +169,24 @@ impl Journal {
         fs::rename(&self.path, path).map_err(Error::file("write", path))?;
         path.clone_into(&mut self.path);
         Ok(())
+    }
+
+    /// Runs that failed are not done again after all.
+    pub(crate) fn keep_failed(&mut self) {
+        self.rows.extend(self.failed.drain(..).map(|row| (row.run, row.start)));
+        self.repeated = 0;
+    }
+
+    /// When the first of its lines was written, as far as the file system knows.
+    pub(crate) fn begun(&self) -> Option<SystemTime> {
+        let metadata = fs::metadata(&self.path).ok()?;
+        // A copy is younger than its lines.
+        [metadata.created(), metadata.modified()].into_iter().filter_map(Result::ok).min()
+    }
+
+    /// Where it is.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
     }
 
     /// All rows in the order of their runs.
@@ -190,7 +225,22 @@ fn rows_at(
 
 impl<M: Medium> Journal<M> {
     fn new(path: &Path, medium: M, seal: Seal) -> Self {
-        Self { path: path.to_owned(), medium, seal, len: 0, rows: Vec::new(), synced: None, is_synced: true }
+        Self {
+            path: path.to_owned(),
+            medium,
+            seal,
+            len: 0,
+            rows: Vec::new(),
+            failed: Vec::new(),
+            repeated: 0,
+            synced: None,
+            is_synced: true,
+        }
+    }
+
+    /// How many runs failed before, and are done again.
+    pub(crate) fn repeated(&self) -> u64 {
+        self.repeated
     }
 
     /// How many runs are in it.
@@ -207,10 +257,22 @@ impl<M: Medium> Journal<M> {
 
     /// Adds a row.
     pub(crate) fn append(&mut self, row: &Row) -> Result<(), Error> {
+        let line = self.seal.line(&Written::from(row));
+        if let Some(start) = line.as_ref().ok().and_then(|line| self.same_failure(row.run, line)) {
+            self.rows.push((row.run, start));
+            return Ok(());
+        }
         let at = self.len;
-        self.put(self.seal.line(&Written::from(row)))?;
+        self.put(line)?;
         self.rows.push((row.run, at));
         Ok(())
+    }
+
+    /// Where a run's line is that says the same: one that fails again and again needs no other.
+    fn same_failure(&self, run: u64, line: &[u8]) -> Option<u64> {
+        let place = self.failed.binary_search_by_key(&run, |row| row.run).ok()?;
+        let (before, (_, sum)) = (&self.failed[place], self.seal.open(line)?);
+        (before.sum == sum).then_some(before.start)
     }
 
     fn put_header(&mut self, header: &Header) -> Result<(), Error> {

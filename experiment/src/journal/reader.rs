@@ -1,5 +1,6 @@
 //! Reading a journal: which of its lines are sound, and what is wrong with the others.
 
+use std::cmp::Reverse;
 use std::io::{self, BufRead};
 
 use serde::Deserialize;
@@ -12,10 +13,10 @@ use crate::shard::Shard;
 /// The contents of a journal.
 #[derive(Debug, Default)]
 pub(super) struct Found {
-    /// The sound rows in the order of their runs, each once.
+    /// The sound rows of runs that were done, in the order of the runs, each once.
     pub(super) rows: Vec<Entry>,
-    /// Rows of runs that panicked, which are done again if there is a chance.
-    pub(super) panicked: Vec<Entry>,
+    /// The last row of each run that failed, in the order of the runs. They are done again if there is a chance.
+    pub(super) failed: Vec<Entry>,
     /// The first line, if it is sound.
     pub(super) header: Option<Header>,
     /// A problem with a line, and its consequence.
@@ -100,7 +101,7 @@ pub(super) fn read_with(
         found.len += line.len() as u64;
     }
     let is_begun = found.len == 0 && header.line().is_ok_and(|own| own.starts_with(&line));
-    if !(found.header.is_some() || is_begun) && found.rows.is_empty() {
+    if !(found.header.is_some() || is_begun) && found.rows.is_empty() && found.failed.is_empty() {
         return Err(Refusal::Foreign);
     }
     found.keep_each_once(consequence);
@@ -135,7 +136,7 @@ impl Found {
         let of_row = |row: &Entry| shard.map(|shard| Shard::of(row.run, shard.count()));
         let other = match &self.header {
             Some(own) => Some(own.shard).filter(|own| *own != shard),
-            None => self.rows.iter().map(of_row).find(|of_row| *of_row != shard),
+            None => self.rows.iter().chain(&self.failed).map(of_row).find(|of_row| *of_row != shard),
         };
         other.map_or(Ok(self), |other| Err(Refusal::OfAnotherShard(other)))
     }
@@ -151,12 +152,13 @@ impl Found {
         }
         self.is_sound &= row.is_some() && number > 1;
         if let Some((row, sum)) = row {
-            let rows = if row.has_panicked() { &mut self.panicked } else { &mut self.rows };
+            let rows = if row.has_failed() { &mut self.failed } else { &mut self.rows };
             rows.push(Entry { run: row.run, start: self.len, line: number, sum });
         }
     }
 
-    /// Duplicate lines count once; lines of a run that differ are both dropped, since either may be wrong.
+    /// Duplicate lines count once; lines of a run that differ are both dropped, since either may be wrong. A later line replaces that
+    /// of a run that failed.
     fn keep_each_once(&mut self, consequence: Consequence) {
         self.rows.sort_unstable_by_key(|row| (row.run, row.start));
         let (mut kept, mut told) = (Vec::with_capacity(self.rows.len()), Vec::new());
@@ -172,6 +174,9 @@ impl Found {
         }
         self.is_sound &= told.is_empty();
         self.rows = kept;
+        self.failed.sort_unstable_by_key(|row| (row.run, Reverse(row.start)));
+        self.failed.dedup_by_key(|row| row.run);
+        self.failed.retain(|row| self.rows.binary_search_by_key(&row.run, |done| done.run).is_err());
         self.damage.append(&mut told);
     }
 }

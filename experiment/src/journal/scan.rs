@@ -17,10 +17,10 @@ pub(crate) struct Scan {
     pub(crate) path: PathBuf,
     /// Whose runs it is for, if not for all, or unknown.
     pub(crate) shard: Option<Shard>,
-    /// The sound rows in the order of their runs, each once.
+    /// The sound rows of runs that were done, in the order of the runs, each once.
     pub(crate) rows: Vec<Entry>,
-    /// Rows of runs that panicked.
-    pub(crate) panicked: Vec<Entry>,
+    /// The last row of each run that failed.
+    pub(crate) failed: Vec<Entry>,
     seal: Seal,
 }
 
@@ -32,8 +32,8 @@ impl Scan {
             reader::read_with(lines, header, COUNTED).map_err(|refusal| refused(path, header, refusal))?;
         found.damage.iter().for_each(|damage| tell(&format!("{}: {damage}", path.display())));
         let shard = found.header.and_then(|header| header.shard);
-        let (rows, panicked) = (found.rows, found.panicked);
-        Ok(Self { path: path.to_owned(), shard, rows, panicked, seal: header.seal() })
+        let (rows, failed) = (found.rows, found.failed);
+        Ok(Self { path: path.to_owned(), shard, rows, failed, seal: header.seal() })
     }
 
     /// The rows whose lines begin there.

@@ -34,7 +34,7 @@ fn honest(bytes: &[u8]) -> Vec<String> {
         Err(refusal) => panic!("{refusal:?}"),
     };
     let mut missing = 5;
-    for entry in &found.rows {
+    for entry in found.rows.iter().chain(&found.failed) {
         let line = bytes[entry.start as usize..].split_inclusive(|byte| *byte == b'\n').next().unwrap();
         assert_eq!(reader::row(&seal(), line).map(|(row, _)| row), Some(row(entry.run)));
         missing -= 1;
@@ -90,7 +90,10 @@ fn lines_in_any_order_and_any_number_are_the_same_rows() {
     let lines = lines();
     let rows = |lines: &[Vec<u8>]| {
         honest(&lines.concat());
-        reader::read(&*lines.concat(), &header()).unwrap().rows.iter().map(|row| row.run).collect::<Vec<_>>()
+        let found = reader::read(&*lines.concat(), &header()).unwrap();
+        let mut runs: Vec<_> = found.rows.iter().chain(&found.failed).map(|row| row.run).collect();
+        runs.sort_unstable();
+        runs
     };
     for i in 0..lines.len() {
         for j in 0..lines.len() {
@@ -122,7 +125,7 @@ fn of_lines_that_differ_about_a_run_none_is_believed() {
     lines.push(seal().line(&Written::from(&Row { run: 1, ..row(2) })).unwrap());
     let found = reader::read(&*lines.concat(), &header()).unwrap();
     assert_eq!(found.damage, ["lines 4 and 7 differ about run 1; its run is repeated"]);
-    assert_eq!(found.rows.iter().map(|row| row.run).collect::<Vec<_>>(), [0, 2, 3, 4]);
+    assert_eq!(found.rows.iter().map(|row| row.run).collect::<Vec<_>>(), [0, 2, 4]);
     assert!(!found.is_sound, "it would be told for ever");
 }
 
@@ -145,8 +148,10 @@ fn a_damaged_journal_is_mended_in_its_place_and_told_of_once() {
     }
     assert_eq!(journal.runs(), [0, 2, 4]);
     [1, 3].iter().for_each(|run| journal.append(&row(*run)).unwrap());
-    let again = open();
+    let mut again = open();
     assert_eq!(told.take(), [""; 0]);
+    assert_eq!((again.runs(), again.repeated()), (vec![0, 1, 2, 4], 1));
+    again.keep_failed();
     assert_eq!(again.rows().unwrap().map(Result::unwrap).collect::<Vec<_>>(), [0, 1, 2, 3, 4].map(row));
     assert!(!path.with_extension("mended").exists());
     // What is damaged after that is no row of a table either.
@@ -155,6 +160,53 @@ fn a_damaged_journal_is_mended_in_its_place_and_told_of_once() {
     fs::write(&path, bytes).unwrap();
     let error = again.rows().unwrap().find_map(Result::err).unwrap().to_string();
     assert!(error.contains("a line was damaged while the experiment ran; repeat the command"), "{error}");
+    fs::remove_file(path).unwrap();
+}
+
+/// A journal of these rows, in the folder of temporary files.
+fn journal_of(name: &str, rows: &[Row]) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("baudbot-journal-{}-{name}.jsonl", std::process::id()));
+    let _ = fs::remove_file(&path);
+    let mut journal = Journal::open(&path, &header(), &|_| {}).unwrap();
+    rows.iter().for_each(|row| journal.append(row).unwrap());
+    path
+}
+
+#[test]
+fn a_later_line_replaces_that_of_a_run_that_failed_and_the_same_failure_is_not_written_again() {
+    let failed = |run, error: &str| Row { run, outcome: Err(error.to_owned()) };
+    let path = journal_of("failed", &[failed(0, "no"), row(1), failed(2, "no"), failed(2, "still no")]);
+    let open = || Journal::open(&path, &header(), &|text| panic!("{text}")).unwrap();
+    let mut journal = open();
+    assert_eq!((journal.runs(), journal.repeated()), (vec![1], 2));
+    let len = journal.len;
+    journal.append(&failed(2, "still no")).unwrap();
+    assert_eq!((journal.len, fs::metadata(&path).unwrap().len()), (len, len), "it is written again");
+    journal.append(&row(0)).unwrap();
+    let rows = journal.rows().unwrap().map(Result::unwrap).collect::<Vec<_>>();
+    assert_eq!(rows, [row(0), row(1), failed(2, "still no")]);
+    assert_eq!((open().runs(), open().repeated()), (vec![0, 1], 1));
+    fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn a_journal_in_which_every_run_failed_is_begun_anew_and_a_damaged_one_keeps_its_failures() {
+    let failed = |run| Row { run, outcome: Err("no".to_owned()) };
+    let path = journal_of("all-failed", &[failed(0), failed(1)]);
+    let old = fs::metadata(&path).unwrap().len();
+    let journal = Journal::open(&path, &header(), &|_| {}).unwrap();
+    assert_eq!((journal.done(), journal.repeated()), (0, 2));
+    assert!(fs::metadata(&path).unwrap().len() < old, "the failures are there");
+    let path = journal_of("all-failed", &[failed(0), row(1), row(2)]);
+    let mut bytes = fs::read(&path).unwrap();
+    let last = bytes.len() - 40;
+    bytes[last] ^= 1;
+    fs::write(&path, bytes).unwrap();
+    let mut journal = Journal::open(&path, &header(), &|_| {}).unwrap();
+    assert_eq!((journal.runs(), journal.repeated()), (vec![1], 1));
+    journal.keep_failed();
+    let rows = journal.rows().unwrap().map(Result::unwrap).collect::<Vec<_>>();
+    assert_eq!(rows, [failed(0), row(1)]);
     fs::remove_file(path).unwrap();
 }
 

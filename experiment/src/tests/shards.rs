@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use super::*;
-use crate::run_record::PANICKED;
 use crate::{Merged, Missing, Shard, merge};
 
 /// What a sweep leaves in its folder, but for what differs from sweep to sweep: the order of the journal's lines, and the lock.
@@ -77,7 +76,8 @@ fn shards_make_what_one_machine_makes_byte_for_byte_also_if_some_have_nothing_to
         assert_eq!((merged.total, merged.done, merged.interrupted), (36, 36, false));
         assert_same(&alone, &out);
         // It is the folder of a sweep that is over.
-        assert_eq!(run(&experiment, &out).unwrap().resumed, 36);
+        assert_eq!(run(&experiment, &out).unwrap().resumed, 24);
+        assert_same(&alone, &out);
     }
 }
 
@@ -183,10 +183,11 @@ fn journals_that_do_not_belong_together_are_refused_with_the_reason() {
     own.append(&row).unwrap();
     assert_eq!(whole(&experiment, std::slice::from_ref(&shards), &out).done, 36);
     // And again, into the same folder.
-    assert_eq!(whole(&experiment, std::slice::from_ref(&shards), &out).resumed, 36);
+    assert_eq!(whole(&experiment, std::slice::from_ref(&shards), &out).resumed, 24);
     // Not so another result of it, nor beside what was merged before.
     fs::remove_file(foreign.join("rows.jsonl")).unwrap();
-    let wrong = Row { outcome: Err("no".to_owned()), ..row };
+    let ran = row.outcome.clone().map(|ran| crate::Ran { hash: !ran.hash, ..ran });
+    let wrong = Row { outcome: ran, ..row };
     begin(of_build(build())).append(&wrong).unwrap();
     let error = refused();
     assert!(error.starts_with(&format!("run {} has different results in line ", wrong.run)), "{error}");
@@ -208,26 +209,36 @@ fn journals_that_do_not_belong_together_are_refused_with_the_reason() {
 }
 
 #[test]
-fn a_run_that_panicked_is_a_row_unless_another_shard_did_it() {
+fn a_run_that_failed_is_a_row_unless_another_shard_did_it() {
     let experiment = experiment(SMALL).unwrap();
-    let (shards, out, again) = (folder("shards-panic"), folder("merged-panic"), folder("merged-panic-again"));
+    let (shards, out, again) =
+        (folder("shards-failed"), folder("merged-failed"), folder("merged-failed-again"));
     run_shard(&experiment, "1/2", &shards.join("1"));
     let path = shards.join("0");
     run_shard(&experiment, "0/2", &path);
     let header = || Header::new("test", fingerprint(&experiment), build(), 36).of_shard(shard("0/2"));
-    let journal = Journal::open(&path.join("rows.jsonl"), &header(), &|_| {}).unwrap();
+    let mut journal = Journal::open(&path.join("rows.jsonl"), &header(), &|_| {}).unwrap();
+    let done = journal.done();
+    journal.keep_failed();
     let rows: Vec<_> = journal.rows().unwrap().map(Result::unwrap).collect();
     drop(journal);
     fs::remove_file(path.join("rows.jsonl")).unwrap();
     let mut journal = Journal::open(&path.join("rows.jsonl"), &header(), &|_| {}).unwrap();
-    let panicked = Row { outcome: Err(format!("{PANICKED}: a bug")), ..rows[0].clone() };
-    journal.append(&panicked).unwrap();
+    let failed = Row { outcome: Err("no program".to_owned()), ..rows[0].clone() };
+    journal.append(&failed).unwrap();
     rows[1..].iter().for_each(|row| journal.append(row).unwrap());
     let merged = whole(&experiment, std::slice::from_ref(&shards), &out);
-    assert!(merged.summary.failures.contains(&(panicked.run, format!("{PANICKED}: a bug"))));
+    assert!(merged.summary.failures.contains(&(failed.run, "no program".to_owned())));
     // The shard does it again.
-    assert_eq!(run_shard(&experiment, "0/2", &path).resumed, 17);
-    assert_eq!(whole(&experiment, &[shards], &again).summary.failed, merged.summary.failed - 1);
+    assert_eq!(run_shard(&experiment, "0/2", &path).resumed, done - 1);
+    assert_eq!(
+        whole(&experiment, std::slice::from_ref(&shards), &again).summary.failed,
+        merged.summary.failed - 1
+    );
+    // So does the folder of a merge, whatever it had before.
+    whole(&experiment, &[shards], &out);
+    assert!(read(&again, "rows.csv") == read(&out, "rows.csv"));
+    assert!(read(&again, "rows.parquet") == read(&out, "rows.parquet"));
 }
 
 #[test]
@@ -242,7 +253,7 @@ fn damage_is_told_and_counts_as_missing() {
     bytes[last] ^= 1;
     fs::write(&journal, bytes).unwrap();
     let told = std::sync::Mutex::new(Vec::new());
-    let tell = |text: &str| told.lock().unwrap().push(text.to_owned());
+    let tell = |text: &Told| told.lock().unwrap().push(text.to_string());
     let sources = [shards];
     let merged = merge(&experiment, &sources, &Options { tell: &tell, ..options(&out) }).unwrap();
     let Merged::Missing(lacks) = merged else { panic!("{merged:?}") };

@@ -34,6 +34,7 @@ use crate::experiment::Experiment;
 use crate::journal::Journal;
 use crate::outputs::Folder;
 use crate::pool::Workers;
+use crate::resumed;
 use crate::run_record::{Row, Task};
 use crate::sweep::{self, Options};
 use candidate::number_at;
@@ -56,7 +57,7 @@ pub fn tune(experiment: &Experiment, options: &Options<'_>) -> Result<Tuned, Err
         Estimate::new(plan.most_runs, 1, Duration::ZERO, 1).refuse_long("up to ")?;
     }
     let folder = Folder::take(options.out)?;
-    let mut journal = sweep::begin_journal(&folder, &plan.header(), options)?;
+    let mut journal = resume(&plan, &folder, options)?;
     let rows = journal.rows()?.map(|row| row.map(|row| (row.run, row))).collect::<Result<_, _>>()?;
     let name = sweep::world_name(folder.id(), options.out);
     let mut tuner = Tuner { plan, options, rows, journal: &mut journal, name };
@@ -80,6 +81,17 @@ pub fn tune(experiment: &Experiment, options: &Options<'_>) -> Result<Tuned, Err
         tuned.write(experiment, &folder)?;
     }
     Ok(tuned)
+}
+
+/// The journal of what was run before.
+fn resume(plan: &Plan<'_>, folder: &Folder, options: &Options<'_>) -> Result<Journal, Error> {
+    let mut journal = sweep::begin_journal(folder, &plan.header(), options)?;
+    if plan.has_candidates(&journal.runs()) {
+        // Later candidates came of these failures.
+        journal.keep_failed();
+    }
+    resumed::tell(plan.experiment, &journal, None, options.tell);
+    Ok(journal)
 }
 
 struct Tuner<'a> {

@@ -42,6 +42,12 @@ impl<'a> Plan<'a> {
         Header::new(&experiment.name, fingerprint_with(experiment, &own), build(), i64::MAX as u64)
     }
 
+    /// Whether a candidate is among these runs, and not only the untuned brain.
+    pub(super) fn has_candidates(&self, runs: &[u64]) -> bool {
+        let first = self.experiment.seeds.count() + self.tuning.check_seeds;
+        runs.last().is_some_and(|last| *last >= first)
+    }
+
     /// The runs of a candidate: those of the search, or those of the check.
     pub(super) fn tasks(&self, candidate: &Candidate, is_check: bool) -> Vec<Task> {
         let (seeds, checks) = (self.experiment.seeds.count(), self.tuning.check_seeds);

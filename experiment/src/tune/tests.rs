@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::{Tuned, tune};
-use crate::{Error, Experiment, Options, Place};
+use crate::{Error, Experiment, Options, Place, Told};
 
 const ROOM: &str = r#"
 name = "room"
@@ -63,7 +63,7 @@ fn run_and_tell(
     out: &Path,
     jobs: usize,
     runs: u64,
-    tell: &(dyn Fn(&str) + Sync),
+    tell: &(dyn Fn(&Told) + Sync),
 ) -> Result<Tuned, Error> {
     let (stop, seen) = (AtomicBool::new(false), AtomicU64::new(0));
     let progress = |done: u64, _| {
@@ -143,8 +143,9 @@ fn damaged_lines_are_told_of_and_their_runs_done_again_to_the_same_result() {
     let hit = lines.map(|line| line[line.len() / 2] ^= 1).count();
     std::fs::write(&path, &bytes).unwrap();
     let told = std::sync::Mutex::new(Vec::new());
-    run_and_tell(STRAIGHT, &out, 2, u64::MAX, &|text| told.lock().unwrap().push(text.to_owned())).unwrap();
-    let told = told.into_inner().unwrap();
+    run_and_tell(STRAIGHT, &out, 2, u64::MAX, &|text| told.lock().unwrap().push(text.to_string())).unwrap();
+    let mut told = told.into_inner().unwrap();
+    assert!(told.pop().unwrap().ends_with(" (the journal); --fresh does them again"));
     assert_eq!(told.len(), hit);
     for (i, told) in told.iter().enumerate() {
         assert!(told.contains(&format!("rows.jsonl: line {} is damaged", 4 + 7 * i)), "{told}");
@@ -233,7 +234,7 @@ fn the_way_to_a_goal_can_be_made_short() {
     let experiment = Experiment::parse(&toml, "test", |_| Ok(room)).unwrap();
     let (out, stop) = (folder("goal"), AtomicBool::new(false));
     let (place, fresh, confirmed) = (Place::Here, false, true);
-    let (progress, tell) = (&|_, _| {}, &|_: &str| {});
+    let (progress, tell) = (&|_, _| {}, &|_: &Told| {});
     let options =
         Options { out: &out, fresh, shard: None, place, jobs: 2, confirmed, stop: &stop, progress, tell };
     let tuned = tune(&experiment, &options).unwrap();
