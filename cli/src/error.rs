@@ -99,10 +99,6 @@ pub(crate) fn from_server(status: &tonic::Status) -> anyhow::Error {
         None if status.code() == Code::Unimplemented && status.message().is_empty() => anyhow::anyhow!(
             "there is no such call at this address: that of a run's brains serves brains only, and an older server has fewer calls"
         ),
-        // What tonic makes of an answer of HTTP that is none of gRPC.
-        None if status.message().contains("invalid compression flag") => anyhow::anyhow!(
-            "there is no gRPC at this address, perhaps as it is that of the page; connect to that of `baudbot serve --listen`"
-        ),
         None => anyhow::anyhow!("the server says: {}", Printable(status.message())),
     }
 }

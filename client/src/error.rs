@@ -1,11 +1,15 @@
 //! Errors between a brain and its server.
 
 use std::error::Error as StdError;
+#[cfg(feature = "network")]
+use std::io;
 
 use baudbot_fields::printable::Printable;
 use baudbot_proto::convert::Breach;
 use baudbot_proto::{REASON, RESTART};
 use thiserror::Error;
+#[cfg(feature = "network")]
+use tokio_rustls::rustls;
 use tonic::Code;
 
 /// The reason why a brain cannot continue.
@@ -68,9 +72,6 @@ pub enum Error {
 /// The remedy for a connection to the wrong one of a server's listeners.
 const OTHER_ADDRESS: &str = "this address is not for brains; connect to that of `baudbot serve --listen`, and not to that of `--trainer`";
 
-/// The same for an address at which another server of HTTP listens.
-const NO_GRPC: &str = "this address is not for brains; perhaps it is that of the page: connect to that of `baudbot serve --listen`";
-
 /// Why a server's certificate cannot be looked at.
 #[cfg(feature = "network")]
 const NO_TLS: &str = "what listens there does not speak TLS; write the address without https://";
@@ -87,8 +88,6 @@ impl From<tonic::Status> for Error {
         let words = match (status.code(), status.message()) {
             // What a server answers for a service that it does not have.
             (Code::Unimplemented, "") => OTHER_ADDRESS,
-            // What tonic makes of an answer of HTTP that is none of gRPC.
-            (Code::Internal, words) if words.contains("invalid compression flag") => NO_GRPC,
             (_, words) => words,
         };
         Self::Status { code: status.code(), message: Printable(words).to_string() }
@@ -119,11 +118,18 @@ impl Error {
 
     #[cfg(feature = "network")]
     pub(crate) fn connect(address: &str, error: &tonic::transport::Error) -> Self {
-        let cause = root(error).to_string();
-        // What rustls calls an answer in which there is no TLS.
-        let cause = if cause.contains("InvalidContentType") { NO_TLS.to_owned() } else { cause };
+        let root = root(error);
+        let cause = if speaks_no_tls(root) { NO_TLS.to_owned() } else { root.to_string() };
         Self::Connect { address: address.to_owned(), cause }
     }
+}
+
+/// Whether there is no TLS in an answer that should have it.
+#[cfg(feature = "network")]
+fn speaks_no_tls(error: &(dyn StdError + 'static)) -> bool {
+    let inner = error.downcast_ref::<io::Error>().and_then(io::Error::get_ref);
+    let found = inner.and_then(|inner| inner.downcast_ref::<rustls::Error>());
+    found == Some(&rustls::Error::InvalidMessage(rustls::InvalidMessage::InvalidContentType))
 }
 
 /// The innermost error says what happened ("connection refused"); those around it say only where.
@@ -153,13 +159,5 @@ mod tests {
         assert!(text.contains("connect to that of `baudbot serve --listen`"), "{text}");
         let text = Error::from(tonic::Status::unimplemented("no such thing")).to_string();
         assert_eq!(text, "the server says: no such thing (Unimplemented)");
-    }
-
-    #[test]
-    fn a_brain_at_the_address_of_the_page_is_told_so() {
-        let made =
-            "protocol error: received message with invalid compression flag: 72 (valid flags are 0 and 1)";
-        let text = Error::from(tonic::Status::internal(made)).to_string();
-        assert!(text.contains("perhaps it is that of the page"), "{text}");
     }
 }

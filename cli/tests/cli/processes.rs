@@ -49,6 +49,12 @@ fn an_observer_sees_a_world_in_real_time() {
     let (code, _, err) = baudbot(&["watch", "--once", "--connect", &tcp, "--world", "maze"]);
     assert_eq!(code, 1);
     assert!(err.ends_with("there is no world `maze`; there are: khepera, wander\n"), "{err}");
+    let (code, _, err) = baudbot(&["watch", "--once", "--connect", &format!("https://{tcp}")]);
+    assert_eq!(code, 1);
+    assert!(
+        err.contains("what listens there does not speak TLS; write the address without https://"),
+        "{err}"
+    );
     let (code, _, err) = baudbot(&["serve", "--listen", &tcp]);
     assert_eq!(code, 1);
     assert!(
