@@ -133,7 +133,7 @@ fn speaks_no_tls(error: &(dyn StdError + 'static)) -> bool {
 }
 
 /// The innermost error says what happened ("connection refused"); those around it say only where.
-fn root<'a>(error: &'a (dyn StdError + 'static)) -> &'a dyn StdError {
+fn root<'a>(error: &'a (dyn StdError + 'static)) -> &'a (dyn StdError + 'static) {
     let mut error = error;
     while let Some(source) = error.source() {
         error = source;
