@@ -10,14 +10,14 @@ pub(crate) use baudbot_experiment::assignment::{Assigned, Assignment, NONE, fitt
 
 use crate::error::Refused;
 
-/// Shares the robots out to the brains that `--brain` arguments name. The brains with which a scenario shows itself are named where one
-/// is missing.
+/// Shares the robots out to the brains that `--brain` arguments name. If one is missing, the error suggests those that the comment
+/// of the scenario's file shows.
 pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec], shown: &[&str]) -> anyhow::Result<Assigned> {
     let assigned = assignment::assign(arguments, robots).map_err(|error| {
         Refused::error(if let AssignmentError::Blind { robot } = error {
             let shown: String = shown.iter().map(|brain| format!(" --brain {brain}")).collect();
             let shown =
-                if shown.is_empty() { shown } else { format!("; the scenario itself names{shown}") };
+                if shown.is_empty() { shown } else { format!("; its file suggests{shown}") };
             format!(
                 "robot `{robot}` has no IR sensors, so the default brain `{}` cannot drive it; give it another \
                  with --brain {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain), or its microcontroller a \

@@ -55,8 +55,9 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
         }
     })?;
     let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
-    let again = "; who operates the server can reset the world, as by Reset on its page";
-    let again = if turns == 0 { again } else { "" };
+    // It was over before.
+    let again =
+        if turns == 0 { "; the server's operator can reset the world (Reset on the page)" } else { "" };
     text::print(&format!("the run is over after {}{again}\n", count(turns, "turn")))
 }
 

@@ -28,7 +28,7 @@ impl fmt::Display for Refused {
 
 impl Error for Refused {}
 
-/// Who read an output has read enough, as `head` does: there is nothing to say, and nobody to say it to.
+/// The reader of an output has closed it, as `head` does after its last line. That is no error to report.
 #[derive(Debug)]
 pub(crate) struct ReaderGone;
 
@@ -50,10 +50,12 @@ pub(crate) fn from_output(error: io::Error, name: &str) -> anyhow::Error {
 
 /// The exit code of an error. For [`ReaderGone`] it is that of a program which the signal SIGPIPE has ended.
 pub(crate) fn exit_code(error: &anyhow::Error) -> ExitCode {
-    ExitCode::from(match error {
-        error if error.is::<Refused>() => 2,
-        error if error.is::<ReaderGone>() => 141,
-        _ => 1,
+    ExitCode::from(if error.is::<Refused>() {
+        2
+    } else if error.is::<ReaderGone>() {
+        141
+    } else {
+        1
     })
 }
 

@@ -23,7 +23,7 @@ type Section = (&'static str, &'static str, Vec<Entry>);
 struct Entry {
     name: &'static str,
     summary: String,
-    /// The brains with which a scenario shows itself, if the default one does not do.
+    /// The brains that the comment of a scenario's file shows.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     brains: Vec<&'static str>,
 }

@@ -37,7 +37,7 @@ impl Source {
         })
     }
 
-    /// The brains with which the scenario shows itself, if it does.
+    /// The brains that the comment of its file shows.
     pub(crate) fn shown_brains(&self) -> Vec<&str> {
         embedded::shown_brains(&self.0.text)
     }

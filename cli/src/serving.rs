@@ -10,6 +10,7 @@ use baudbot_port::PortAddress;
 use baudbot_proto::v1;
 use baudbot_server::{Address, Builder, Server, StateFolder, WorldConfig};
 use baudbot_sim::Scenario;
+use baudbot_sim::model::RobotSpec;
 use tokio::time::{Instant, timeout_at};
 
 use crate::args::{DEFAULT_ADDRESS, ListenArgs, Over};
@@ -83,8 +84,9 @@ impl<'a> Serving<'a> {
 
     /// A world that brains can come to.
     pub(crate) fn add(&mut self, name: &str, scenario: &Arc<Scenario>, world: WorldConfig) {
-        // One with a program of its own has no use for a brain of the catalogue.
-        let robot = scenario.robots.iter().find(|spec| spec.chip.is_none());
+        // What a robot says whose program has a language of its own, no brain of the catalogue understands.
+        let is_understood = |spec: &&RobotSpec| spec.chip.as_ref().is_none_or(|chip| !chip.is_opaque());
+        let robot = scenario.robots.iter().find(is_understood);
         let robot = robot.map(|spec| (spec.name.clone(), assignment::fitting_brain(spec).to_owned()));
         self.worlds.push((name.to_owned(), describe(name, scenario), robot));
         self.live.push((name.to_owned(), Arc::clone(scenario)));
@@ -227,15 +229,19 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
     if let Some(link) = viewer::link(server) {
         let _ = writeln!(text, "\n{link}");
     }
-    let robot = worlds.iter().find_map(|(world, _, robot)| Some((world, robot.as_ref()?)));
-    if let (Some(address), Some((world, (robot, brain)))) = (server.addresses().first(), robot) {
+    let with_robot = worlds.iter().find(|(_, _, robot)| robot.is_some());
+    if let (Some(address), Some((world, _, robot))) =
+        (server.addresses().first(), with_robot.or(worlds.first()))
+    {
         let scheme =
             if server.is_encrypted() && matches!(address, Address::Tcp(_)) { "https://" } else { "" };
         let _ = writeln!(text, "\nIn a second terminal:");
-        let _ = writeln!(
-            text,
-            "  baudbot brain {brain} --connect {scheme}{address} --world {world} --robot {robot}"
-        );
+        if let Some((robot, brain)) = robot {
+            let _ = writeln!(
+                text,
+                "  baudbot brain {brain} --connect {scheme}{address} --world {world} --robot {robot}"
+            );
+        }
         let _ = writeln!(text, "  baudbot watch --connect {scheme}{address} --world {world}");
         let _ = writeln!(text, "Ctrl-C stops the server.");
     }

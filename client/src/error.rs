@@ -72,7 +72,7 @@ pub enum Error {
 /// The remedy for a connection to the wrong one of a server's listeners.
 const OTHER_ADDRESS: &str = "this address is not for brains; connect to that of `baudbot serve --listen`, and not to that of `--trainer`";
 
-/// Why a server's certificate cannot be looked at.
+/// The remedy for `https://` in front of an address without TLS.
 #[cfg(feature = "network")]
 const NO_TLS: &str = "what listens there does not speak TLS; write the address without https://";
 

@@ -59,11 +59,11 @@ pub fn summary(text: &str) -> String {
     whole[..end].trim_end_matches('.').to_owned()
 }
 
-/// The brains with which the first comment of a scenario's text shows it: what its `baudbot run` has behind `--brain`.
+/// The brains that the first comment of a scenario's text shows: what its first `baudbot run` has after `--brain`.
 pub fn shown_brains(text: &str) -> Vec<&str> {
-    let comment = text.lines().map_while(|line| line.strip_prefix('#'));
-    let mut words = comment.filter(|line| line.trim_start().starts_with("baudbot run ")).take(1);
-    let words: Vec<_> = words.next().unwrap_or_default().split_whitespace().collect();
+    let mut comment = text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim_start);
+    let command = comment.find(|line| line.starts_with("baudbot run "));
+    let words: Vec<_> = command.unwrap_or_default().split_whitespace().collect();
     words.windows(2).filter(|pair| pair[0] == "--brain").map(|pair| pair[1]).collect()
 }
 

@@ -35,13 +35,15 @@ pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
     let error_at_truth = error_at(&map, &scan, &truth);
     let rays = whole.distances_m.len();
     let told = Told { args, scan_source, search: &search, scan: &scan, rays, truth, error_at_truth };
-    let code = if search.error().is_finite() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
-    if !search.error().is_finite() {
+    let code = if search.error().is_finite() {
+        ExitCode::SUCCESS
+    } else {
         tell!(
-            "error: at none of the poses that were tried could enough rays be compared with the map: the guess is outside of the arena, or \
-             too little is within the laser's range"
+            "error: too few rays could be compared with the map at every pose that was tried: the guess is outside the arena, or too little \
+             is within the laser's range"
         );
-    }
+        ExitCode::FAILURE
+    };
     if let Some(path) = &args.svg {
         text::write(path, &arena::draw_pose_search(&scenario, source.label(), &told.search()))?;
         if path == Path::new("-") {

@@ -175,7 +175,7 @@ fn who_sees_nothing_finds_nothing_and_ends_with_1() {
     let (code, out, err) = baudbot(&["locate", path.to_str().unwrap(), "--guess", "20.1,20,0"]);
     assert_eq!(code, 1, "{out}");
     assert!(
-        err.starts_with("error: at none of the poses that were tried could enough rays be compared"),
+        err.starts_with("error: too few rays could be compared with the map at every pose that was tried"),
         "{err}"
     );
     assert!(out.contains("tried   301 poses, 1 accepted\n") && out.contains("rad off; ε —\n"), "{out}");

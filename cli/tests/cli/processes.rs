@@ -279,3 +279,19 @@ fn help_has_examples() {
 }
 
 const DRIVING: &str = "driving robot of world wander\n";
+
+/// The default brain cannot drive on the tour, and no brain understands a program with a language of its own.
+#[test]
+fn a_server_suggests_a_brain_that_can_drive() {
+    let greeting = |scenario: &str| {
+        let mut server = Running::start(&["serve", scenario, "--listen", "127.0.0.1:0"]);
+        let lines = server.lines_until("Ctrl-C");
+        server.signal("-INT");
+        assert_eq!(server.end().0, 0);
+        lines.join("\n")
+    };
+    let tour = greeting("tour");
+    assert!(tour.contains("  baudbot brain tour --connect ") && tour.contains("  baudbot watch "), "{tour}");
+    let firmware = greeting("firmware");
+    assert!(!firmware.contains("baudbot brain") && firmware.contains("  baudbot watch "), "{firmware}");
+}

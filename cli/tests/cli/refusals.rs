@@ -94,7 +94,7 @@ fn brains_that_do_not_fit_are_refused() {
         "{blind}"
     );
     let tour = refusal(2, &["run", "tour"]);
-    assert!(tour.ends_with("; the scenario itself names --brain tour"), "{tour}");
+    assert!(tour.ends_with("; its file suggests --brain tour"), "{tour}");
 }
 
 #[test]
