@@ -231,7 +231,7 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
     }
     let with_robot = worlds.iter().find(|(_, _, robot)| robot.is_some());
     if let (Some(address), Some((world, _, robot))) =
-        (server.addresses().first(), with_robot.or(worlds.first()))
+        (server.addresses().first(), with_robot.or_else(|| worlds.first()))
     {
         let scheme =
             if server.is_encrypted() && matches!(address, Address::Tcp(_)) { "https://" } else { "" };
