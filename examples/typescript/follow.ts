@@ -1,4 +1,4 @@
-// A brain in TypeScript that follows the wall at its right. It attaches where BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT say,
+// A brain in TypeScript that follows the wall on its right. It attaches where BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT say,
 // which `baudbot run --brain 'exec:npx tsx follow.ts'` sets, and drives until the run is over.
 import { create, fromBinary, toBinary, type MessageInitShape } from "@bufbuild/protobuf";
 import { existsSync, readFileSync } from "node:fs";

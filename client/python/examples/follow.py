@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A brain in Python: follows the wall at its right."""
+"""A brain in Python: follows the wall on its right."""
 
 import baudbot
 
 
 class Follow(baudbot.Brain):
-    """Follows the wall at its right."""
+    """Follows the wall on its right."""
 
     speed = 0.4
     gain = 1.0

@@ -1,8 +1,8 @@
-//! A brain that follows the wall at its right.
+//! A brain that follows the wall on its right.
 
 use baudbot_client::{Action, Brain, Turn};
 
-/// Follows the wall at its right.
+/// Follows the wall on its right.
 #[derive(Clone, Debug)]
 pub struct Follow {
     /// Signal of the wheels on a straight way, 0 to 1.

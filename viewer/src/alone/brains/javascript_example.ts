@@ -1,5 +1,5 @@
 /** A brain in JavaScript, to begin with: the same as in Python. */
-export const JAVASCRIPT = `// Follows the wall at its right. This is called at each step of the robot;
+export const JAVASCRIPT = `// Follows the wall on its right. This is called at each step of the robot;
 // what is kept in memory is there at the next one.
 const speed = 0.4;
 const gain = 1.0;

@@ -1,5 +1,5 @@
 /** A brain in Python, to begin with. */
-export const PYTHON = `"""Follows the wall at its right: the brain of client/python/examples/follow.py."""
+export const PYTHON = `"""Follows the wall on its right: the brain of client/python/examples/follow.py."""
 
 import baudbot
 
