@@ -8,7 +8,9 @@ import hokuyolx
 
 HALF_M = 2.0
 
-laser = hokuyolx.HokuyoLX(addr=("127.0.0.1", int(sys.argv[1])), timeout=20)
+# It takes a scan to end with what it has received by chance: two that a busy machine receives together would be one, which is
+# broken. Of single bytes none belongs to the next scan.
+laser = hokuyolx.HokuyoLX(addr=("127.0.0.1", int(sys.argv[1])), timeout=20, buf=1)
 angles = laser.get_angles()
 
 
