@@ -59,7 +59,15 @@ fn new(args: NewTokenArgs) -> anyhow::Result<()> {
 
 fn list(args: &ListTokensArgs) -> anyhow::Result<()> {
     let file = file(&args.file)?;
-    let grants = file.read().map_err(refused)?;
+    let grants = file.read().map_err(|error| {
+        if error.is_absent() {
+            let path = file.path().display();
+            return Refused::error(format!(
+                "{path} does not exist yet; `baudbot token new --name NAME --operate` creates it"
+            ));
+        }
+        refused(error)
+    })?;
     let now = SystemTime::now();
     if args.json {
         return text::print_json(&grants.iter().map(|grant| Row::new(grant, now)).collect::<Vec<_>>());

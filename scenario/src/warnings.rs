@@ -32,6 +32,12 @@ impl fmt::Display for Warning {
 pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let mut tables = BTreeSet::new();
+    if scenario.robots.is_empty() {
+        warnings.push(Warning {
+            path: "robots".into(),
+            problem: "there are none; add one with [[robots]]".into(),
+        });
+    }
     for robot in scenario.robots.iter().filter(|robot| tables.insert(robot.table_name())) {
         if robot.chip.is_none() {
             too_fast_to_read(robot, &mut warnings);

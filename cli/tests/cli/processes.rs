@@ -23,13 +23,15 @@ pub(crate) fn serve(socket: &str, args: &[&str]) -> (Running, String, String) {
 #[test]
 fn a_brain_in_another_process_drives_a_world_in_lockstep_to_its_end() {
     let lockstep = ["wander", "--pace", "lockstep", "--set", "end.after_s=1.0"];
-    let (server, tcp, unix) = serve("lockstep.sock", &lockstep);
+    let (mut server, tcp, unix) = serve("lockstep.sock", &lockstep);
     let frame = good(&["watch", "--once", "--connect", &tcp]);
     assert!(frame.starts_with("world wander  t = 0.0"), "{frame}");
     let (code, out, err) = baudbot(&["brain", "avoid", "--connect", &unix]);
     assert_eq!((code, err.as_str()), (0, DRIVING));
     // One for each message of 50 a second: in lockstep `avoid` is not asked at the other steps.
     assert_eq!(out, "the run is over after 50 turns\n");
+    let end = "note: the run of world wander ended at 1 s because the scenario's time is over; Reset on the page begins it again\n";
+    assert_eq!(server.first_complaint(), end);
     server.signal("-TERM");
     assert_eq!(server.end().0, 0);
     assert!(!std::path::Path::new(unix.strip_prefix("unix:").unwrap()).exists());
