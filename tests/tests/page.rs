@@ -202,7 +202,8 @@ async fn strangers_are_turned_away() {
 #[tokio::test]
 async fn a_program_at_the_pages_address_is_told_of_the_right_one() {
     let server = serve(lockstep()).await;
-    let channel = baudbot_client::connect(&format!("http://{}", server.viewers()[0])).await.unwrap();
+    let url = format!("http://{}", server.viewers()[0]);
+    let channel = tonic::transport::Channel::from_shared(url).unwrap().connect().await.unwrap();
     let request = v1::GetWorldRequest { world: "w".into() };
     let refused = ControlServiceClient::new(channel).get_world(request).await.unwrap_err();
     assert_eq!(refused.code(), tonic::Code::Unimplemented);
