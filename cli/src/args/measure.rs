@@ -139,7 +139,7 @@ pub(crate) struct Bytes(pub(crate) Vec<u8>);
 
 fn bytes(text: &str) -> Result<Bytes, String> {
     match unescaped(text) {
-        Ok(bytes) if bytes.is_empty() => Err("must have a byte at least".to_owned()),
+        Ok(bytes) if bytes.is_empty() => Err("must have at least one byte".to_owned()),
         Ok(bytes) => Ok(Bytes(bytes)),
         Err(error) => Err(error.to_string()),
     }
@@ -155,7 +155,7 @@ fn template(text: &str) -> Result<String, String> {
 fn word(text: &str) -> Result<String, String> {
     let is_word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
     let is_fine = !text.is_empty() && text.chars().all(is_word);
-    is_fine.then(|| text.to_owned()).ok_or_else(|| "must be of letters, digits, _, - and .".to_owned())
+    is_fine.then(|| text.to_owned()).ok_or_else(|| "must consist of letters, digits, _, - and .".to_owned())
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -403,7 +403,7 @@ fn what_cannot_be_sent_is_refused() {
     for (more, words) in [
         (["--command", "D,{left}", "--ask", "H"], "must have {left} and {right} in it"),
         (["--command", "D,{left},{right}\\q", "--ask", "H"], "`\\q` is not an escape"),
-        (["--command", "D,{left},{right}", "--ask", ""], "must have a byte at least"),
+        (["--command", "D,{left},{right}", "--ask", ""], "must have at least one byte"),
     ] {
         let (code, _, err) = baudbot(&[&step[..], &more].concat());
         assert!(code == 2 && err.contains(words), "{err}");
