@@ -115,7 +115,7 @@ impl<'a> Serving<'a> {
                 ports::by_robot(ports, &robots, false)?
             }
             _ => {
-                let text = "--port: takes a single world, and these are several; use `baudbot port open --world WORLD`";
+                let text = "--port: takes a single world, and there are several; use `baudbot port open --world WORLD`";
                 return Err(Refused::error(text));
             }
         };
@@ -188,7 +188,7 @@ async fn end(mut server: Server, limit: Instant, within: Duration) -> anyhow::Re
         let worlds = server.unended().join(", ");
         let within = within.as_secs();
         return Err(anyhow::anyhow!(
-            "not all has ended within {within} s (--stop-within), as after a kill: what {worlds} did since the last marks of \
+            "not everything has ended within {within} s (--stop-within), as after a kill: what {worlds} did since the last marks of \
              their recordings and of the state may be missing; is a disk slow or full?"
         ));
     }

@@ -37,7 +37,7 @@ fn new(args: NewTokenArgs) -> anyhow::Result<()> {
     let file = file(&args.file)?;
     let now = SystemTime::now();
     let end =
-        args.expires.map(|lifetime| lifetime.after(now).context("--expires: the clock does not go so far"));
+        args.expires.map(|lifetime| lifetime.after(now).context("--expires: the clock does not go that far"));
     let plain = [(args.observe, Right::Observe), (args.operate, Right::Operate), (args.train, Right::Train)];
     let plain = plain.into_iter().filter_map(|(given, right)| given.then_some(right));
     let rights: Vec<_> = plain.chain(args.drive.into_iter().map(Right::Drive)).collect();

@@ -153,7 +153,7 @@ fn outages_are_finite_and_in_their_order() {
     outages("{ from_s = nan, for_s = 1.0 }", "[0].from_s", "is NaN");
     outages("{ from_s = 1.0 }", "[0]", "missing field `for_s`");
     let two = "{ from_s = 1.0, for_s = 1.0 }, { from_s = 1.5, for_s = 1.0 }";
-    outages(two, "[1].from_s", "must not be before the end of the outage before, is 1.5");
+    outages(two, "[1].from_s", "must not be before the end of the previous outage, is 1.5");
     let link = "{ kind = \"usb\", outages = [{ from_s = 1, for_s = 1 }, { from_s = 2, for_s = 1 }] }";
     baudbot_scenario::parse(&robot(&format!("link = {link}"))).unwrap();
 }
@@ -428,10 +428,10 @@ fn serial_ports_are_read_from_the_links_of_a_robot_and_of_its_sensors() {
     assert!(scenario.serial_ports.iter().all(|port| port.robot == scenario.robots[0].name));
     assert_eq!(baudbot_scenario::parse(&with("[]", "[]")).unwrap().serial_ports, []);
 
-    refused(&with("\"com:3\"", "[]"), "robots[0].link.serial_port", "`com` is no kind of port");
+    refused(&with("\"com:3\"", "[]"), "robots[0].link.serial_port", "`com` is not a kind of port");
     refused(&with("7", "[]"), "robots[0].link.serial_port", "must be a text such as");
     let at = "robots[0].sensors.l.port.link.serial_port[1]";
-    refused(&with("[]", "[\"pty:a\", \"tcp:x\"]"), at, "`x` is no address");
+    refused(&with("[]", "[\"pty:a\", \"tcp:x\"]"), at, "`x` is not an address");
     let many = format!("[{}]", "\"tcp:0\",".repeat(9));
     refused(&with(&many, "[]"), "robots[0].link.serial_port", "there are 9, the limit is 8");
     let onboard = "link = { kind = \"onboard\", serial_port = \"pty:a\" }";

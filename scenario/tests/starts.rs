@@ -79,7 +79,7 @@ fn what_is_wrong_is_named() {
     let many = format!("{} {{}}", "{},".repeat(10_000));
     refused(&many, "robots: there are 10001, the limit is 10000");
     let message = refusal(&several("{}").replace("starts", "start = { x_m = 1 }\nstarts"));
-    assert_eq!(message, "robots[0].start: say either this or `starts`");
+    assert_eq!(message, "robots[0].start: give either this or `starts`");
     let message = refusal(&one("ann", "name = \"bob\""));
     assert!(message.starts_with("robots[0].start.name: only one of several `starts`"), "{message}");
     let message = refusal(&(several("{}") + &one("ann-1", "x_m = 5")));

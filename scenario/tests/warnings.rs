@@ -31,7 +31,7 @@ fn a_sensor_that_is_faster_than_its_processor_can_read_it() {
         warnings(&robot(sonar)),
         [
             "robots.alice.sensors.ping: a read takes the microcontroller up to 19.25 ms, but is due every 10 ms; reads \
-          will be left out"
+          will be skipped"
         ]
     );
     let compass = |name| {
@@ -42,7 +42,7 @@ fn a_sensor_that_is_faster_than_its_processor_can_read_it() {
         warnings(&two),
         [
             "robots.alice.sensors: reading all of them takes up to 120 % of the microcontroller's time; reads will be \
-          left out"
+          skipped"
         ]
     );
 }

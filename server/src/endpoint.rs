@@ -178,7 +178,7 @@ fn check_thinking(spec: &RobotSpec, thinking: Thinking) -> Result<(), Problem> {
     }
     let Some(operations) = thinking.operations else { return Ok(()) };
     if thinking.ns.is_some() {
-        return Err(("operations", "say either this or thinking_ns".into()));
+        return Err(("operations", "give either this or thinking_ns".into()));
     }
     if !matches!(spec.link, Link::Onboard) {
         let problem = format!("`{}` is not onboard: its brain thinks elsewhere; say thinking_ns", spec.name);

@@ -137,7 +137,7 @@ fn what_makes_no_sense_is_refused_with_its_path() {
         (
             UART,
             "{ kind = \"cable\", for_s = 1, from_s = 1, every_s = 2 }",
-            "faults[0].every_s: say either this",
+            "faults[0].every_s: give either this",
         ),
         (
             UART,

@@ -348,7 +348,7 @@ fn fields_of_another_kind_and_numbers_that_make_no_sense_name_their_path() {
     let servo = |more: &str, expected: &str| {
         refused(&format!("kind = \"servo\", {more}"), &format!("robots[0].motors.{expected}"));
     };
-    servo("curve_us_rpm = []", "curve_us_rpm: a curve has 1 to 1000 points, this one 0");
+    servo("curve_us_rpm = []", "curve_us_rpm: a curve has 1 to 1000 points; this one has 0");
     servo(
         "curve_us_rpm = [[1500, 0], [1400, 3]]",
         "curve_us_rpm[1]: pulses must increase, and 1400 follows 1500",

@@ -78,7 +78,7 @@ impl Line<'_> {
             }
             (Outcome::Estimate(estimate), Some(Err(problem))) => {
                 format!(
-                    "# {path} is {}, {}; the scenario does not take it: {problem}",
+                    "# {path} is {}, {}; the scenario does not accept it: {problem}",
                     value(estimate),
                     interval(estimate)
                 )

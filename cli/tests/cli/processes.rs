@@ -237,7 +237,7 @@ fn brains_are_listed_with_their_parameters() {
 fn every_embedded_scenario_is_explained() {
     for name in ["arsim", "khepera", "wander"] {
         let out = good(&["check", name]);
-        assert!(out.starts_with(&format!("{name}: sound\n  name         {name}\n")), "{out}");
+        assert!(out.starts_with(&format!("{name}: valid\n  name         {name}\n")), "{out}");
         assert!(!out.contains("warning"));
     }
     let wander = good(&["check", "wander"]);
@@ -245,15 +245,12 @@ fn every_embedded_scenario_is_explained() {
         "6 solid polygons; x from -2 to 2 m, y from -2 to 2 m\n",
         "9600 baud, 10 bits a character: 960 bytes/s\n",
         "19 bytes with all sensors, 19.792 ms on the link\n",
-        "up line   950 bytes/s, 99.0 % of its capacity\n",
+        "uplink    950 bytes/s, 99.0 % of its capacity\n",
     ] {
         assert!(wander.contains(part), "`{part}` is not in:\n{wander}");
     }
     let slow = good(&["check", "wander", "--set", "robots.robot.link.baud=4800"]);
-    assert!(
-        slow.contains("197.9 % of its capacity\n  warning: the up line cannot carry that much"),
-        "{slow}"
-    );
+    assert!(slow.contains("197.9 % of its capacity\n  warning: the uplink cannot carry that much"), "{slow}");
 }
 
 #[test]

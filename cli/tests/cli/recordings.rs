@@ -181,7 +181,7 @@ fn a_full_disk_ends_the_recording_and_not_the_run() {
     let program = command(&[]);
     let (code, out, err) = said(shell.args(["-c", &script]).arg(program.get_program()).output().unwrap());
     // Whoever asked for a recording does not have it.
-    assert!(code == 1 && err.contains("has ended before the run: File too large"), "{code}: {err}");
+    assert!(code == 1 && err.contains("ended before the run: File too large"), "{code}: {err}");
     let summary: Value = serde_json::from_str(&out).unwrap();
     assert_eq!(summary["ticks"], 6000);
     let problem = summary["recording"]["problem"].as_str().unwrap();

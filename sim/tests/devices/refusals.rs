@@ -342,7 +342,7 @@ fn brains_and_their_processors() {
             ),
             "",
         ),
-        "robots[0].brain.operations: say either this or thinking_us",
+        "robots[0].brain.operations: give either this or thinking_us",
     );
     refused(
         &scene("", "link = { kind = \"onboard\", baud = 9600 }", ""),
