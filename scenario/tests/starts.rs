@@ -70,7 +70,7 @@ fn what_is_wrong_is_named() {
     };
     refused("", "robots[0].starts: is empty");
     refused("{}, { x_m = true }", "robots[0].starts[1].x_m: must be a number, is true");
-    refused("{}, { x_m = 1e7 }", "robots[0].starts[1].x_m: must be within");
+    refused("{}, { x_m = 1e7 }", "robots[0].starts[1].x_m: must be between");
     refused("{}, { x_cm = 1 }", "robots[0].starts[1].x_cm: unknown field");
     refused("{}, { name = \"ann-1\", x_m = 2 }", "robots[0].starts[1].name: `ann-1` is taken");
     refused("{}, { name = \"ann\", x_m = 2 }", "robots[0].starts[1].name: `ann` is taken");

@@ -205,7 +205,7 @@ fn check_signals(spec: &RobotSpec, Signals { wheels, others }: &Signals) -> Resu
             return Err((field, format!("must be a finite number, is {signal}")));
         }
         if let Some(limit) = spec.signal_limit.filter(|limit| signal.abs() > *limit) {
-            return Err((field, format!("must be within -{limit} and {limit}, is {signal}")));
+            return Err((field, format!("must be between -{limit} and {limit}, is {signal}")));
         }
     }
     Ok(())
