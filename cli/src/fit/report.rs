@@ -86,7 +86,7 @@ impl Line<'_> {
             (Outcome::Estimate(estimate), None) => {
                 format!("# {path}: {}, {}", value(estimate), interval(estimate))
             }
-            (Outcome::CannotTell(reason), _) => format!("# cannot tell {path}: {reason}"),
+            (Outcome::CannotTell(reason), _) => format!("# cannot determine {path}: {reason}"),
         }
     }
 

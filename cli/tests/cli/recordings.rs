@@ -343,7 +343,7 @@ fn a_replay_is_shown_in_a_browser_beside_any_server() {
     let file = place("shown.mcap");
     good(&["run", "wander", "--seconds", "1", "--quiet", "--record", text(&file)]);
     let mut server = Running::start(&["replay", text(&file), "--view", "--viewer", "127.0.0.1:0"]);
-    let lines = server.lines_until("look at it: http://127.0.0.1:");
+    let lines = server.lines_until("open in a browser: http://127.0.0.1:");
     // The usual port of servers may be taken by one.
     assert_eq!(lines[0], "world wander: replays a recording");
     server.signal("-INT");
