@@ -96,6 +96,13 @@ pub enum FileError {
     Random(#[from] NoRandomness),
 }
 
+impl FileError {
+    /// Whether there is no such file.
+    pub fn is_absent(&self) -> bool {
+        matches!(self, Self::File(error) if error.is_absent())
+    }
+}
+
 /// A longer file than that of any server, in bytes: it is read as a whole.
 const MOST_BYTES: u64 = 16 << 20;
 
@@ -185,9 +192,7 @@ impl TokenFile {
     fn text_or_new(&self) -> Result<String, FileError> {
         match private::read(&self.path, MOST_BYTES) {
             Ok((text, _)) => Ok(text),
-            Err(PrivateError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
-                Ok(edit::empty())
-            }
+            Err(error) if error.is_absent() => Ok(edit::empty()),
             Err(error) => Err(error.into()),
         }
     }

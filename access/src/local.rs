@@ -93,7 +93,7 @@ fn find_in(folders: &[PathBuf], names: &[String]) -> Result<Option<Token>, Priva
     for folder in folders.iter().filter(|_| !names.is_empty()) {
         match private::check_folder(folder) {
             Ok(()) => {}
-            Err(PrivateError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => continue,
+            Err(error) if error.is_absent() => continue,
             Err(error) => return Err(error),
         }
         for name in names {
@@ -103,7 +103,7 @@ fn find_in(folders: &[PathBuf], names: &[String]) -> Result<Option<Token>, Priva
                     Ok(token) => return Ok(Some(token)),
                     Err(_) => continue,
                 },
-                Err(PrivateError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {}
+                Err(error) if error.is_absent() => {}
                 Err(error) => return Err(error),
             }
         }

@@ -84,6 +84,13 @@ pub enum PrivateError {
     },
 }
 
+impl PrivateError {
+    /// Whether there is no such file.
+    pub fn is_absent(&self) -> bool {
+        matches!(self, Self::Io { source, .. } if source.kind() == io::ErrorKind::NotFound)
+    }
+}
+
 /// What tells one content of a file from the next without reading it: any change of it, of its mode or its owner, and another
 /// file in its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,34 +16,34 @@ pub(crate) struct Args {
     /// List the workloads
     #[arg(long)]
     pub(crate) list: bool,
-    /// About so many seconds of measurement a repeat
+    /// About this many seconds of measurement per repeat
     #[arg(long, global = true, value_name = "S", default_value_t = 2.0, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) seconds: f64,
-    /// Repeats, of which the table has the median
+    /// Repeats; the table has their median
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) repeats: u32,
     /// Threads that step a world of W1 to W4 and G
     #[arg(long, global = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub(crate) threads: u16,
-    /// The program `baudbot` that R runs [default: that beside this program]
+    /// The program `baudbot` that R runs [default: the one beside this program]
     #[arg(long, global = true, value_name = "FILE")]
     pub(crate) program: Option<PathBuf>,
-    /// Run each of W1 to W4, G and V for exactly so many ticks and measure nothing: for profilers
+    /// Run each of W1 to W4, G and V for exactly this many ticks and measure nothing: for profilers
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["json", "csv"])]
     pub(crate) ticks: Option<u64>,
-    /// Count instructions by valgrind in place of time
+    /// Count instructions with valgrind instead of measuring time
     #[arg(long, conflicts_with_all = ["ticks", "csv"])]
     pub(crate) instructions: bool,
-    /// Compare the counts with those that are known; one that is more than 2 % more is a failure
+    /// Compare the counts with the known ones; one that is higher by more than 2 % is a failure
     #[arg(long, value_name = "FILE.toml", requires = "instructions")]
     pub(crate) check: Option<PathBuf>,
-    /// Write the counts as those that are known from now on
+    /// Write the counts as the known ones from now on
     #[arg(long, value_name = "FILE.toml", requires = "instructions", conflicts_with = "check")]
     pub(crate) renew: Option<PathBuf>,
     /// Write all that was measured as JSON; `-` is stdout, and the table is then left out
     #[arg(long, global = true, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
-    /// Write a line a workload, comma-separated; `-` is stdout, and the table is then left out
+    /// Write one line per workload, comma-separated; `-` is stdout, and the table is then left out
     #[arg(long, value_name = "FILE", conflicts_with = "json")]
     pub(crate) csv: Option<PathBuf>,
     /// No progress bar, no notes, no table (files are still written)
@@ -57,7 +57,7 @@ pub(crate) struct Args {
 /// What is done other than to measure.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Action {
-    /// Measure workloads by turns with another program, A B A B; the median of the ratios
+    /// Measure workloads and another program in turn, A B A B; report the median of the ratios
     Beside(BesideArgs),
 }
 
@@ -66,10 +66,10 @@ pub(crate) struct BesideArgs {
     /// The other program's command, for the shell
     #[arg(value_name = "CMD")]
     pub(crate) command: String,
-    /// Workloads of ours
+    /// Workloads of this program
     #[arg(value_name = "WORKLOAD", required = true)]
     pub(crate) workloads: Vec<String>,
-    /// A regular expression whose first group is the figure, where it is found last in the other's output [default: what
+    /// A regular expression whose first group is the figure; its last match in the other program's output counts [default: what
     /// baudbot-bench writes, as JSON or table]
     #[arg(long, value_name = "REGEX")]
     pub(crate) pattern: Option<String>,

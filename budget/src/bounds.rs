@@ -165,7 +165,7 @@ impl Fixed<'_> {
         }
         match estimate {
             Estimate { down: None, .. } if wire::radio(&self.plan.spec.link).is_none() => {
-                Some("commands come faster than the way down can carry them")
+                Some("commands come faster than the cable can carry them")
             }
             Estimate { wait_up: None, .. } | Estimate { down: None, .. } => {
                 Some("the cable or the radio cannot promise to keep up")

@@ -71,11 +71,11 @@ impl Part {
         match self {
             Self::Acquisition => "reading the sensors",
             Self::Framing => "framing",
-            Self::WireUp => "wire up",
+            Self::WireUp => "cable up",
             Self::WaitUp => "adapter and waiting, up",
             Self::Step => "waiting for the brain's step",
             Self::Thinking => "thinking",
-            Self::Down => "way down",
+            Self::Down => "cable down",
             Self::Obeying => "receiving and obeying",
             Self::Actuation => "waiting for the next pulse",
         }

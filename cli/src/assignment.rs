@@ -20,7 +20,7 @@ pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec], shown: &[&str])
                 if shown.is_empty() { shown } else { format!("; its file suggests{shown}") };
             format!(
                 "robot `{robot}` has no IR sensors, so the default brain `{}` cannot drive it; give it another \
-                 with --brain {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain), or its microcontroller a \
+                 with --brain {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain), or give its microcontroller a \
                  program of yours with --firmware {robot}=FILE (`baudbot new firmware` begins one){shown}",
                 assignment::DEFAULT
             )

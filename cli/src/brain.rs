@@ -84,7 +84,7 @@ fn only_robot(world: &v1::WorldStatus) -> anyhow::Result<String> {
         [robot] => Ok(robot.robot.clone()),
         robots => {
             let names = natural::sorted(robots.iter().map(|robot| robot.robot.as_str()), |name| name);
-            bail!("world `{}` has several robots, choose with --robot: {}", world.world, names.join(", "))
+            bail!("world `{}` has several robots; choose one with --robot: {}", world.world, names.join(", "))
         }
     }
 }

@@ -40,7 +40,7 @@ pub(crate) async fn world(channel: Channel, args: &ConnectArgs) -> anyhow::Resul
         1 => Ok(worlds.swap_remove(0)),
         _ => {
             let names = natural::sorted(worlds.iter().map(|world| world.world.as_str()), |name| name);
-            bail!("the server has several worlds, choose with --world: {}", names.join(", "))
+            bail!("the server has several worlds; choose one with --world: {}", names.join(", "))
         }
     }
 }

@@ -36,7 +36,7 @@ pub(crate) struct EscapeError(String);
 
 impl std::fmt::Display for EscapeError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "`\\{}` is no escape; there are \\n, \\r, \\t, \\\\ and \\xNN", self.0)
+        write!(f, "`\\{}` is not an escape; there are \\n, \\r, \\t, \\\\ and \\xNN", self.0)
     }
 }
 

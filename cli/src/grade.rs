@@ -33,7 +33,7 @@ pub(crate) async fn grade(args: GradeArgs) -> anyhow::Result<ExitCode> {
     if args.brains.is_empty() {
         return Err(Refused::error(format!(
             "which brain is to be graded? Add --brain NAME, --brain FILE.toml or --brain 'exec:PROGRAM'; `baudbot grade {name} --show` \
-             tells the task"
+             shows the task"
         )));
     }
     let assigned = assigned(&exercise, &args)?;

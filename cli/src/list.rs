@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use crate::args::{InitArgs, ListArgs};
 use crate::error::Refused;
+use crate::scenarios;
 use crate::text::{pairs, print, print_json};
 
 /// A section of the list: its title, what to do with its entries, and these.
@@ -113,7 +114,11 @@ fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 
 fn unknown(name: &str) -> anyhow::Error {
     let near: Vec<_> = embedded::nearest(name).iter().map(|near| format!("`{near}`")).collect();
-    let near = if near.is_empty() { String::new() } else { format!(" did you mean {}?", near.join(", ")) };
+    let near = match scenarios::brain_or_preset(name) {
+        Some(is) => format!(" {is};"),
+        None if near.is_empty() => String::new(),
+        None => format!(" did you mean {}?", near.join(", ")),
+    };
     Refused::error(format!(
         "{name}: there is no scenario and no experiment of this name;{near} `baudbot list` has them all"
     ))

@@ -1,9 +1,9 @@
 //! Files that are written during a run, on the world's thread, and how that goes as seen from outside.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::os::fd::AsFd;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use tokio::sync::oneshot;
@@ -46,16 +46,25 @@ impl Files {
     }
 }
 
-/// Opens a file, or stdout for `-`. What is in the file stays there until the first rows are written.
+/// Opens a file, or stdout for `-`. What is in the file stays there until the first rows are written; a file that is new, and into
+/// which nothing was written, goes again.
 pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Write + Send>> {
     if path == Path::new(STDOUT) {
         // Not the standard library's stdout: what that holds back is written at the program's exit, which
         // must not wait for a reader.
         return Ok(Box::new(File::from(io::stdout().as_fd().try_clone_to_owned()?)));
     }
-    let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
-    let is_old = file.metadata()?.is_file();
-    Ok(Box::new(Replaced { file, is_old }))
+    let (file, state) = match File::create_new(path) {
+        Ok(file) => (file, State::New(path.to_owned())),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            // What is no regular file, such as a FIFO, has nothing to be replaced.
+            let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
+            let state = if file.metadata()?.is_file() { State::Old } else { State::Written };
+            (file, state)
+        }
+        Err(error) => return Err(error),
+    };
+    Ok(Box::new(Replaced { file, state }))
 }
 
 /// Refuses outputs that would be written into each other. Each comes with its option.
@@ -91,13 +100,24 @@ pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
 /// A file that keeps what is in it until something new is written.
 struct Replaced {
     file: File,
-    is_old: bool,
+    state: State,
+}
+
+/// What is in a file that is written.
+enum State {
+    /// Nothing, and it is here for this only.
+    New(PathBuf),
+    /// What was in it before.
+    Old,
+    /// What was written.
+    Written,
 }
 
 impl Write for Replaced {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if std::mem::replace(&mut self.is_old, false) {
-            self.file.set_len(0)?;
+        match std::mem::replace(&mut self.state, State::Written) {
+            State::Old => self.file.set_len(0)?,
+            State::New(_) | State::Written => {}
         }
         self.file.write(bytes)
     }
@@ -107,5 +127,32 @@ impl Write for Replaced {
     }
 }
 
+impl Drop for Replaced {
+    fn drop(&mut self) {
+        match &self.state {
+            State::New(path) => drop(std::fs::remove_file(path)),
+            State::Old | State::Written => {}
+        }
+    }
+}
+
 /// The file name that means stdout.
 pub(crate) const STDOUT: &str = "-";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_new_and_not_written_goes_again_and_an_old_one_stays_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("film.gif");
+        drop(open(&path).unwrap());
+        assert!(!path.exists());
+        open(&path).unwrap().write_all(b"a long film").unwrap();
+        drop(open(&path).unwrap());
+        assert_eq!(std::fs::read(&path).unwrap(), b"a long film");
+        open(&path).unwrap().write_all(b"short").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"short");
+    }
+}

@@ -156,7 +156,7 @@ impl OpenPorts {
             Some(Ok((robot, Err(error)))) => {
                 Err(refused(error).context(format!("the ports of {robot} are closed")))
             }
-            Some(Ok((robot, Ok(_)))) => anyhow::bail!("the server has let go of {robot}"),
+            Some(Ok((robot, Ok(_)))) => anyhow::bail!("the server has released {robot}"),
             Some(Err(error)) => Err(error.into()),
             None => std::future::pending().await,
         }
@@ -182,7 +182,7 @@ fn tell_news(robot: &str, news: &News) {
         News::Closed(place) => tell!("no program has {place} of {robot} open any more"),
         News::Refused(place) => {
             tell!(
-                "a program that has opened {place} of {robot} was sent away: another port of that cable is in use"
+                "a program that has opened {place} of {robot} was disconnected: another port of that cable is in use"
             );
         }
         News::Ended => tell!("the run of {robot} is over; what programs write is not obeyed"),

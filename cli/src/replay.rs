@@ -109,11 +109,13 @@ fn check(args: &ReplayArgs) -> anyhow::Result<()> {
     }
     if listens && !args.fork && !args.view {
         return refused(
-            "--listen, --viewer, limits and what says who may connect need --view or --fork: else nothing is served",
+            "--listen, --viewer, limits and options about who may connect need --view or --fork: otherwise nothing is served",
         );
     }
     if waits && !args.fork {
-        return refused("--watchdog-ms, --on-timeout and --lookahead need --fork: else there are no brains");
+        return refused(
+            "--watchdog-ms, --on-timeout and --lookahead need --fork: otherwise there are no brains",
+        );
     }
     if lags && !args.fork {
         return refused("--max-lag-ms needs --fork: a view never catches up with more than 100 ms");

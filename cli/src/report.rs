@@ -88,7 +88,7 @@ fn pacing(summary: &Summary) -> Vec<(&'static str, String)> {
             let times = usize::try_from(clock.times_let_go).unwrap_or(usize::MAX);
             let lags = count(times, "lag");
             facts.push((
-                "let go",
+                "dropped",
                 format!("{} s of the wall clock, in {lags} that were too long", handy(clock.let_go_s)),
             ));
         }
@@ -100,7 +100,7 @@ fn recording(recording: &Recording) -> Vec<(&'static str, String)> {
     let Recording { file, bytes, ticks, problem } = recording;
     let mut facts = vec![("recorded", format!("{ticks} ticks in {file}, {bytes} bytes"))];
     let rest = if *bytes > 0 { "; what it holds can be replayed" } else { "" };
-    let ended = |problem: &String| format!("the recording has ended before the run: {problem}{rest}");
+    let ended = |problem: &String| format!("the recording ended before the run: {problem}{rest}");
     facts.extend(problem.as_ref().map(|problem| ("warning", ended(problem))));
     facts
 }
@@ -240,7 +240,7 @@ fn overload(robot: &Robot) -> impl Iterator<Item = (&'static str, String)> {
     let Robot { lost_deliveries, lost_steps, frames_missed, .. } = robot;
     let turns = format!("{lost_deliveries} turns were not delivered, as the brain did not read");
     let steps = format!("{lost_steps} steps were discarded, as there were too many in a tick");
-    let frames = format!("{frames_missed} frames left out by the microcontroller");
+    let frames = format!("{frames_missed} frames skipped by the microcontroller");
     let all = [
         (*lost_deliveries, ("slow brain", turns)),
         (*lost_steps, ("fast brain", steps)),

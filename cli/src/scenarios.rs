@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use baudbot_brains::catalogue;
 use baudbot_import::embedded;
 use baudbot_import::kind::Kind;
 use baudbot_import::source::{self, SourceError};
-use baudbot_scenario::Override;
+use baudbot_scenario::{Override, presets};
 use baudbot_sim::Scenario;
 
 use crate::error::Refused;
@@ -21,7 +22,10 @@ pub(crate) struct Source(source::Source);
 impl Source {
     /// Finds an embedded scenario of this name, or reads a file, and what that refers to by file.
     pub(crate) fn find(name: &str) -> anyhow::Result<Self> {
-        source::Source::find(name).map(Self).map_err(refused)
+        source::Source::find(name).map(Self).map_err(|error| {
+            let is = brain_or_preset(name).map_or_else(String::new, |is| format!("; {is}"));
+            Refused::error(format!("{error}{is}"))
+        })
     }
 
     pub(crate) fn into_text(self) -> String {
@@ -55,6 +59,15 @@ impl Source {
         let name: String = name.chars().take(64).map(|c| if fits(c) { c } else { '-' }).collect();
         if name.is_empty() { "world".to_owned() } else { name }
     }
+}
+
+/// That a name is a brain's or a preset's, and the command for that.
+pub(crate) fn brain_or_preset(name: &str) -> Option<String> {
+    if presets::preset(name).is_some() {
+        return Some(format!("`{name}` is a preset: `baudbot preset {name}`"));
+    }
+    let is_brain = !Path::new(name).exists() && catalogue::check(name).is_ok();
+    is_brain.then(|| format!("`{name}` is a brain: `baudbot run --brain {name}`"))
 }
 
 /// Tells what is allowed and yet hardly meant.

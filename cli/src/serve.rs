@@ -45,7 +45,7 @@ fn worlds(args: &ServeArgs, kept: &Kept, serving: &mut Serving<'_>) -> anyhow::R
     let names = if args.scenarios.is_empty() && kept.is_empty() { &default[..] } else { &args.scenarios };
     if names.len() > 1 && args.record.record.is_some() {
         return Err(Refused::error(
-            "--record: takes a single world, and these are several; use --recordings FOLDER",
+            "--record: takes a single world, and there are several; use --recordings FOLDER",
         ));
     }
     for name in names {
@@ -53,7 +53,7 @@ fn worlds(args: &ServeArgs, kept: &Kept, serving: &mut Serving<'_>) -> anyhow::R
         let scenario = source.parse(&overrides)?;
         let world = source.world_name(&scenario);
         if kept.has(&world) {
-            tell!("note: world {world} goes on as it was left; scenario {name} is not begun again");
+            tell!("note: world {world} continues as it was left; scenario {name} is not started again");
             continue;
         }
         scenarios::warn(&scenario);

@@ -8,9 +8,10 @@ use std::time::Duration;
 use anyhow::Context;
 use baudbot_port::PortAddress;
 use baudbot_proto::v1;
-use baudbot_server::{Address, Builder, Server, StateFolder, WorldConfig};
+use baudbot_server::{Address, Builder, Progress, Server, StateFolder, WorldConfig};
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
+use tokio::task::JoinSet;
 use tokio::time::{Instant, timeout_at};
 
 use crate::args::{DEFAULT_ADDRESS, ListenArgs, Over};
@@ -38,6 +39,8 @@ pub(crate) struct Serving<'a> {
     worlds: Vec<Described>,
     /// The live worlds, of which a summary is told at the end.
     live: Vec<(String, Arc<Scenario>)>,
+    /// The ends of their runs.
+    runs: Vec<(String, Arc<Progress>)>,
     /// The serial ports of each of these.
     ports: Vec<(String, PortsByRobot)>,
     /// How long worlds have to end in good order.
@@ -57,6 +60,7 @@ impl<'a> Serving<'a> {
             listen,
             worlds: Vec::new(),
             live: Vec::new(),
+            runs: Vec::new(),
             ports: Vec::new(),
             stop_within: STOP_WITHIN,
         })
@@ -90,7 +94,9 @@ impl<'a> Serving<'a> {
         let robot = robot.map(|spec| (spec.name.clone(), assignment::fitting_brain(spec).to_owned()));
         self.worlds.push((name.to_owned(), describe(name, scenario), robot));
         self.live.push((name.to_owned(), Arc::clone(scenario)));
-        self.builder = std::mem::take(&mut self.builder).world(world);
+        let run = Arc::new(Progress::default());
+        self.runs.push((name.to_owned(), Arc::clone(&run)));
+        self.builder = std::mem::take(&mut self.builder).world(world.progress(run));
     }
 
     /// Names a brain for the world that was added last, instead of one that only fits its robots.
@@ -109,7 +115,7 @@ impl<'a> Serving<'a> {
                 ports::by_robot(ports, &robots, false)?
             }
             _ => {
-                let text = "--port: takes a single world, and these are several; use `baudbot port open --world WORLD`";
+                let text = "--port: takes a single world, and there are several; use `baudbot port open --world WORLD`";
                 return Err(Refused::error(text));
             }
         };
@@ -128,7 +134,7 @@ impl<'a> Serving<'a> {
 
     /// Serves until it is stopped.
     pub(crate) async fn until_stopped(self, viewing: Viewing) -> anyhow::Result<()> {
-        let Self { mut builder, listen, worlds, live, ports, stop_within } = self;
+        let Self { mut builder, listen, worlds, live, runs, ports, stop_within } = self;
         let listening = addresses(listen, viewing)?;
         for address in listening.clone() {
             builder = builder.listen(address);
@@ -142,8 +148,10 @@ impl<'a> Serving<'a> {
         let mut open =
             OpenPorts::open(server.channel().await?.into(), &ports, ports::reach(listen.access.open)).await?;
         text::print(&open.greeting())?;
+        let mut ends = ends(runs);
         loop {
             tokio::select! {
+                Some(Ok(world)) = ends.join_next() => tell_end(&server, &world).await?,
                 // An operator may have deleted the world; the server has others, or will.
                 gone = open.gone() => if let Err(error) = gone {
                     tell!("note: {}", crate::error::text(&error));
@@ -180,12 +188,36 @@ async fn end(mut server: Server, limit: Instant, within: Duration) -> anyhow::Re
         let worlds = server.unended().join(", ");
         let within = within.as_secs();
         return Err(anyhow::anyhow!(
-            "not all has ended within {within} s (--stop-within), as after a kill: what {worlds} did since the last marks of \
+            "not everything has ended within {within} s (--stop-within), as after a kill: what {worlds} did since the last marks of \
              their recordings and of the state may be missing; is a disk slow or full?"
         ));
     }
     if timeout_at(Instant::now() + PATIENCE, server.end_streams()).await.is_err() {
         tell!("note: a client kept its connection open; it was closed");
+    }
+    Ok(())
+}
+
+/// The names of worlds, as their runs end for the first time.
+fn ends(runs: Vec<(String, Arc<Progress>)>) -> JoinSet<String> {
+    let end = |(name, run): (_, Arc<Progress>)| async move {
+        run.ended().await;
+        name
+    };
+    runs.into_iter().map(end).collect()
+}
+
+/// Tells that a world's run has ended, for the first time: with a brain that is trained it may end many times a second.
+async fn tell_end(server: &Server, world: &str) -> anyhow::Result<()> {
+    let mut control = connect::control(server.channel().await?.into());
+    // An operator may have deleted it.
+    let answer = control.get_world(v1::GetWorldRequest { world: world.to_owned() }).await;
+    let status = answer.ok().and_then(|answer| answer.into_inner().status);
+    if let Some(v1::WorldStatus { time_ns, ending, .. }) = status.filter(|status| !status.ending.is_empty()) {
+        let time_s = time_ns as f64 / 1e9;
+        tell!(
+            "note: the run of world {world} ended at {time_s} s because {ending}; Reset on the page begins it again"
+        );
     }
     Ok(())
 }

@@ -42,7 +42,7 @@ pub(crate) fn go_on(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Resu
             Found::SetAside { name, file, problem, to } => {
                 let (file, to) = (file.display(), to.display());
                 tell!(
-                    "warning: world {name} does not go on: {file} {problem}; its folder is set aside as {to}"
+                    "warning: world {name} does not continue: {file} {problem}; its folder is set aside as {to}"
                 );
             }
         }

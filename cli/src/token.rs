@@ -37,7 +37,7 @@ fn new(args: NewTokenArgs) -> anyhow::Result<()> {
     let file = file(&args.file)?;
     let now = SystemTime::now();
     let end =
-        args.expires.map(|lifetime| lifetime.after(now).context("--expires: the clock does not go so far"));
+        args.expires.map(|lifetime| lifetime.after(now).context("--expires: the clock does not go that far"));
     let plain = [(args.observe, Right::Observe), (args.operate, Right::Operate), (args.train, Right::Train)];
     let plain = plain.into_iter().filter_map(|(given, right)| given.then_some(right));
     let rights: Vec<_> = plain.chain(args.drive.into_iter().map(Right::Drive)).collect();
@@ -59,7 +59,15 @@ fn new(args: NewTokenArgs) -> anyhow::Result<()> {
 
 fn list(args: &ListTokensArgs) -> anyhow::Result<()> {
     let file = file(&args.file)?;
-    let grants = file.read().map_err(refused)?;
+    let grants = file.read().map_err(|error| {
+        if error.is_absent() {
+            let path = file.path().display();
+            return Refused::error(format!(
+                "{path} does not exist yet; `baudbot token new --name NAME --operate` creates it"
+            ));
+        }
+        refused(error)
+    })?;
     let now = SystemTime::now();
     if args.json {
         return text::print_json(&grants.iter().map(|grant| Row::new(grant, now)).collect::<Vec<_>>());

@@ -41,7 +41,7 @@ pub(crate) fn add(builder: Builder, asked: Option<Viewer>, usually: bool) -> Bui
 
 /// A line that leads people there; none if there is no viewer.
 pub(crate) fn link(server: &Server) -> Option<String> {
-    server.viewer_links().first().map(|link| format!("look at it: {link}"))
+    server.viewer_links().first().map(|link| format!("open in a browser: {link}"))
 }
 
 /// Beside the place that servers listen at.

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Grades a brain by an exercise, for continuous integration: result.json and result.xml (JUnit) are written whatever comes of it.
+# Grades a brain on an exercise, for continuous integration: result.json and result.xml (JUnit) are written whatever comes of it.
 #
 #     BAUDBOT=baudbot EXERCISE=wander BRAIN='exec:python brain.py' sh grade.sh
 #

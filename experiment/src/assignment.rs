@@ -78,7 +78,11 @@ impl Assigned {
 #[derive(Debug, thiserror::Error)]
 pub enum AssignmentError {
     /// A brain is for a robot that is not there.
-    #[error("there is no robot `{robot}`; there are: {}", known.join(", "))]
+    #[error(
+        "{} `{robot}`; there are: {}",
+        if is_pattern(robot) { "no robot has a name like" } else { "there is no robot" },
+        known.join(", ")
+    )]
     Robot {
         /// The name given.
         robot: String,
@@ -103,7 +107,7 @@ pub enum AssignmentError {
     /// A brain of messages is for a robot whose microcontroller speaks a language of its own.
     #[error(
         "the microcontroller of robot `{robot}` runs a program of its own, which brain `{brain}` does not understand; if the program \
-         speaks \"framed\" or \"bare\", say so in firmware.protocol, else leave the robot without a brain ({robot}=none)"
+         speaks \"framed\" or \"bare\", say so in firmware.protocol, otherwise leave the robot without a brain ({robot}=none)"
     )]
     OwnProgram {
         /// The robot.
@@ -196,9 +200,14 @@ fn brain_for<'a>(spec: &RobotSpec, brains: &[(Option<&str>, &'a str)]) -> Option
     found.or_else(|| named(None)).map(|(_, brain)| *brain)
 }
 
+/// Whether this means all names that match it.
+fn is_pattern(text: &str) -> bool {
+    text.contains(['*', '?'])
+}
+
 /// Whether a name is one that a pattern with `*` and `?` means.
 fn matches(pattern: &str, name: &str) -> bool {
-    pattern.contains(['*', '?']) && WildMatch::new(pattern).matches(name)
+    is_pattern(pattern) && WildMatch::new(pattern).matches(name)
 }
 
 /// The names that are meant: a name itself, or those that a pattern matches, in their natural order (`cell-2` before
@@ -397,7 +406,7 @@ mod tests {
         };
         assert_eq!(of(&["cell-*"]).unwrap(), ["cell-1", "cell-2", "cell-10"]);
         assert_eq!(of(&["cell-10", "*"]).unwrap(), ["cell-10", "ant", "cell-1", "cell-2"]);
-        let error = "there is no robot `bee-*`; there are: ant, cell-1, cell-2, cell-10";
+        let error = "no robot has a name like `bee-*`; there are: ant, cell-1, cell-2, cell-10";
         assert_eq!(of(&["bee-*"]).unwrap_err(), error);
     }
 

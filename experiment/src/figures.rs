@@ -87,7 +87,7 @@ pub const INFOS: [Info; COUNT] = [
     info(
         Figure::StalenessP95Ms,
         "staleness_p95_ms",
-        "staleness of 95 % (ms)",
+        "95th percentile of staleness (ms)",
         "95th percentile of the age of such readings, of the sensor with the oldest",
     ),
     info(
@@ -105,7 +105,7 @@ pub const INFOS: [Info; COUNT] = [
     info(
         Figure::CycleP95Ms,
         "cycle_p95_ms",
-        "control cycle of 95 % (ms)",
+        "95th percentile of control cycles (ms)",
         "95th percentile of the duration of answered control cycles, of the robot with the longest",
     ),
     info(

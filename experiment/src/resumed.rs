@@ -30,15 +30,14 @@ pub(crate) fn tell(experiment: &Experiment, journal: &Journal, total: Option<u64
 fn note(journal: &Journal, total: Option<u64>) -> Option<String> {
     let (done, repeated, place) = (journal.done(), journal.repeated(), journal.path().display());
     let runs = match total {
-        Some(total) if done == total => format!("all {total} runs"),
         Some(total) => format!("{done} of {total} runs"),
         None => format!("{done} runs"),
     };
     match (done, repeated) {
         (0, 0) => None,
-        (_, 0) => Some(format!("{runs} are in {place} (the journal); --fresh does them again")),
+        (_, 0) => Some(format!("{place} (the journal) has {runs}; --fresh does them again")),
         (_, _) => Some(format!(
-            "{runs} are in {place} (the journal), {repeated} that failed are done again; --fresh does all again"
+            "{place} (the journal) has {runs}; {repeated} that failed are done again; --fresh does all again"
         )),
     }
 }

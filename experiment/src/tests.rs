@@ -368,19 +368,19 @@ fn what_is_taken_from_a_journal_is_told_and_a_program_that_is_newer_is_named() {
     let journal = out.join("rows.jsonl").display().to_string();
     assert_eq!(
         told(&experiment),
-        [format!("note: all 2 runs are in {journal} (the journal); --fresh does them again")]
+        [format!("note: {journal} (the journal) has 2 of 2 runs; --fresh does them again")]
     );
     let mut half = self::journal(&experiment, &out, build());
     half.append(&crate::run(&experiment, &experiment.task(1))).unwrap();
     drop(half);
-    let note = format!("note: 1 of 2 runs are in {journal} (the journal); --fresh does them again");
+    let note = format!("note: {journal} (the journal) has 1 of 2 runs; --fresh does them again");
     assert_eq!(told(&experiment), [note]);
     let mut failed = self::journal(&experiment, &out, build());
     failed.append(&crate::run(&experiment, &experiment.task(0))).unwrap();
     failed.append(&Row { run: 1, outcome: Err("no".to_owned()) }).unwrap();
     drop(failed);
     let note = format!(
-        "note: 1 of 2 runs are in {journal} (the journal), 1 that failed are done again; --fresh does all again"
+        "note: {journal} (the journal) has 1 of 2 runs; 1 that failed are done again; --fresh does all again"
     );
     assert_eq!(told(&experiment), [note]);
     // A program, which is not started: all runs are there.

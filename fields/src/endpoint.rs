@@ -28,7 +28,7 @@ pub enum Endpoint {
 pub enum BadEndpoint {
     /// It has no `:`.
     #[error(
-        "`{}` is no serial port; write pty:NAME, tcp:ADDRESS, rfc2217:ADDRESS or unix:PATH",
+        "`{}` is not a serial port; write pty:NAME, tcp:ADDRESS, rfc2217:ADDRESS or unix:PATH",
         Printable(.text)
     )]
     Form {
@@ -36,14 +36,14 @@ pub enum BadEndpoint {
         text: String,
     },
     /// The kind is not known.
-    #[error("`{}` is no kind of port; there are pty, tcp, rfc2217 and unix", Printable(.kind))]
+    #[error("`{}` is not a kind of port; there are pty, tcp, rfc2217 and unix", Printable(.kind))]
     Kind {
         /// What stands there.
         kind: String,
     },
     /// No address.
     #[error(
-        "`{}` is no address; write a port's number, for this machine only, or HOST:PORT with a numeric host",
+        "`{}` is not an address; write a port's number, for this machine only, or HOST:PORT with a numeric host",
         Printable(.address)
     )]
     Address {
@@ -128,9 +128,9 @@ mod tests {
     #[test]
     fn a_text_that_is_none_is_told_what_one_is() {
         let error = |text: &str| text.parse::<Endpoint>().unwrap_err().to_string();
-        assert!(error("khepera").starts_with("`khepera` is no serial port; write pty:NAME"));
-        assert_eq!(error("com:3"), "`com` is no kind of port; there are pty, tcp, rfc2217 and unix");
-        assert!(error("tcp:host:1").starts_with("`host:1` is no address"));
+        assert!(error("khepera").starts_with("`khepera` is not a serial port; write pty:NAME"));
+        assert_eq!(error("com:3"), "`com` is not a kind of port; there are pty, tcp, rfc2217 and unix");
+        assert!(error("tcp:host:1").starts_with("`host:1` is not an address"));
         assert_eq!(error("pty:"), "a pty needs a path, e.g. pty:khepera.tty");
     }
 }

@@ -141,7 +141,7 @@ impl Path {
 
     /// A number in a closed interval.
     pub fn within(&self, field: &str, value: f64, min: f64, max: f64) -> Result<f64, FieldError> {
-        self.rule(field, value, value >= min && value <= max, &format!("must be within {min} and {max}"))
+        self.rule(field, value, value >= min && value <= max, &format!("must be between {min} and {max}"))
     }
 
     /// A whole number in a closed interval.
@@ -149,7 +149,7 @@ impl Path {
         if (min..=max).contains(&value) {
             return Ok(value);
         }
-        Err(self.field(field).error(format!("must be within {min} and {max}, is {value}")))
+        Err(self.field(field).error(format!("must be between {min} and {max}, is {value}")))
     }
 
     /// Seconds to nanoseconds.

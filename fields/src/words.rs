@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use serde::de::{Expected, Unexpected};
 
-use crate::nearest::nearest;
+use crate::nearest::{edits, nearest};
 
 /// A value of another type, or one that its type does not have.
 pub(crate) fn wrong(found: &Unexpected<'_>, expected: &dyn Expected) -> String {
@@ -34,9 +34,15 @@ pub(crate) fn unknown(name: &str, known: &[&str]) -> String {
 /// Which of several names is likely to be meant by one that is none of them.
 pub(crate) fn meant(name: &str, known: &[&str]) -> String {
     match nearest(name, known.iter(), |known| known).as_slice() {
-        [one] if known.len() > 2 => format!("; did you mean `{one}`?"),
+        [one] if known.len() > 2 && is_near(name, one) => format!("; did you mean `{one}`?"),
         _ => String::new(),
     }
+}
+
+/// Whether a name may be another one, misspelt: fields are so many that one of half the letters is found for any name.
+fn is_near(name: &str, other: &str) -> bool {
+    let letters: Vec<char> = name.chars().collect();
+    other.contains(name) || edits(&letters, other) <= letters.len().div_ceil(3)
 }
 
 /// What a type is called in a file.

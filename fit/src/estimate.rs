@@ -94,7 +94,7 @@ impl fmt::Display for Reason {
                 significant(*high)
             ),
             Self::AtEnd { low, high } => format!(
-                "its interval, {} to {}, reaches the end of what is tried",
+                "its interval, {} to {}, reaches the end of the range that was tried",
                 significant(*low),
                 significant(*high)
             ),

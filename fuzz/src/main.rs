@@ -38,22 +38,22 @@ struct Args {
     /// How long each is tried, in seconds
     #[arg(long, default_value_t = 5.0, value_parser = seconds)]
     seconds: f64,
-    /// Try so many altered inputs of each instead
+    /// Try this many altered inputs of each instead
     #[arg(long, conflicts_with = "seconds")]
     executions: Option<u64>,
-    /// Try as many as are wanted before a release: 100 million of a protocol, a million of others
+    /// Try as many as are wanted before a release: 100 million of each protocol, a million of the others
     #[arg(long, conflicts_with_all = ["seconds", "executions"])]
     wanted: bool,
-    /// Keep the shortest of what led to something new in fuzz/corpus/TARGET
+    /// Keep the shortest inputs that led to something new in fuzz/corpus/TARGET
     #[arg(long)]
     keep: bool,
-    /// What chance begins with; another one tries other inputs
+    /// Seed of the random numbers; another one tries other inputs
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Try this input alone
     #[arg(long, value_name = "FILE")]
     input: Option<PathBuf>,
-    /// Name the targets
+    /// List the targets
     #[arg(long)]
     list: bool,
 }

@@ -50,7 +50,7 @@ pub struct MeasureInfo {
 
 /// All measures that only exercises have.
 pub const MEASURES: [MeasureInfo; 19] = [
-    info(Own::TurnedRad, "turned_rad", "turns of the robot added up, positive to the left"),
+    info(Own::TurnedRad, "turned_rad", "sum of the robot's turns, positive to the left"),
     info(Own::FarthestM, "farthest_m", "largest distance from the start"),
     info(Own::EndErrorM, "end_error_m", "distance from `target` at the end"),
     info(

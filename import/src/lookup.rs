@@ -148,7 +148,7 @@ impl Columns {
         }
         if let Some(twice) = known.iter().find(|name| names.iter().filter(|other| other == name).count() > 1)
         {
-            return Err(format!("column {twice} is there more than once: {there}"));
+            return Err(format!("column {twice} appears more than once: {there}"));
         }
         let find = |name: &str| names.iter().position(|other| *other == name);
         let required =

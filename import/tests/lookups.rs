@@ -65,7 +65,7 @@ fn what_is_wrong_is_named() {
         ("distance_m,angle_rad\n1,2\n", "column reading is missing; there are distance_m, angle_rad"),
         ("reading\n1\n", "column distance_m is missing; there are reading"),
         ("distance_m,reading,angle\n1,2,3\n", "column `angle` is none of distance_m, angle_rad, reading"),
-        ("distance_m,reading,reading\n1,2,3\n", "column reading is there more than once"),
+        ("distance_m,reading,reading\n1,2,3\n", "column reading appears more than once"),
         ("distance_m,reading\n1,2\n\n2,far\n", "line 4, column reading: `far` is not a finite number"),
         ("distance_m,reading\n1,2\n,2\n", "line 3, column distance_m: `` is not a finite number"),
         ("distance_m,reading\nnan,2\n", "line 2, column distance_m: `nan` is not a finite number"),

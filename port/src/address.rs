@@ -21,7 +21,7 @@ pub struct PortAddress {
 pub enum BadPort {
     /// Nothing names the robot or the device before the `=`, or nothing says where the port is.
     #[error(
-        "`{text}` is no port; write ROBOT=pty:NAME, tcp:ADDRESS, rfc2217:ADDRESS or unix:PATH, e.g. khepera=pty:khepera.tty"
+        "`{text}` is not a port; write ROBOT=pty:NAME, tcp:ADDRESS, rfc2217:ADDRESS or unix:PATH, e.g. khepera=pty:khepera.tty"
     )]
     Form {
         /// The text.
@@ -75,8 +75,8 @@ mod tests {
         assert_eq!(port("pty:a.tty").unwrap().robot, None);
         assert_eq!(port("/gps=pty:a.tty").unwrap().device.as_deref(), Some("gps"));
         let error = |text: &str| port(text).unwrap_err().to_string();
-        assert!(error("khepera").contains("is no port; write ROBOT=pty:NAME"));
-        assert!(error("=pty:x").contains("is no port") && error("k/=pty:x").contains("is no port"));
-        assert_eq!(error("k=com:3"), "`com` is no kind of port; there are pty, tcp, rfc2217 and unix");
+        assert!(error("khepera").contains("is not a port; write ROBOT=pty:NAME"));
+        assert!(error("=pty:x").contains("is not a port") && error("k/=pty:x").contains("is not a port"));
+        assert_eq!(error("k=com:3"), "`com` is not a kind of port; there are pty, tcp, rfc2217 and unix");
     }
 }

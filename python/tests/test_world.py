@@ -182,7 +182,7 @@ class BadInput(unittest.TestCase):
         self.assertEqual(caught.exception.path, path)
 
     def test_fields_are_named(self) -> None:
-        self.invalid("robots[0].link.baud", "must be within", scenario="wander", robots__robot__link__baud=0)
+        self.invalid("robots[0].link.baud", "must be between", scenario="wander", robots__robot__link__baud=0)
         self.invalid(None, "no scenario of this name is built in", scenario="no-such-scenario")
         self.invalid("seed", "whole number", scenario="wander", seed=-1)
         self.invalid("seed", "whole number", scenario="wander", seed=1.5)

@@ -232,7 +232,7 @@ fn polygon(path: &Path, raw: &RawPolygon, names: &mut Names) -> Result<Polygon> 
     let points = points(&at, &raw.points_m)?;
     if points.len() < 2 || (raw.solid && points.len() < 3) {
         return Err(at.error(format!(
-            "a solid polygon has at least 3 points, a hollow one 2; here are {}",
+            "a solid polygon has at least 3 points, a hollow one 2; this one has {}",
             points.len()
         )));
     }

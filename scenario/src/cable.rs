@@ -29,7 +29,11 @@ pub(super) fn firmware(
 ) -> Result<Firmware> {
     let protocol = match spoken {
         raw::Protocol::Framed | raw::Protocol::Own => {
-            path.refuse("gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
+            path.refuse(
+                "gap_ms",
+                raw.gap_ms.is_some(),
+                "only the bare protocol separates messages by silence",
+            )?;
             Protocol::Framed { ages: raw.ages.unwrap_or(true) }
         }
         raw::Protocol::Bare => {
@@ -38,7 +42,11 @@ pub(super) fn firmware(
         }
         raw::Protocol::Khepera => {
             path.refuse("ages", raw.ages.is_some(), "the khepera protocol carries no ages")?;
-            path.refuse("gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
+            path.refuse(
+                "gap_ms",
+                raw.gap_ms.is_some(),
+                "only the bare protocol separates messages by silence",
+            )?;
             can_be_said_in_lines(path, sensors, &motors)?;
             Protocol::Khepera
         }
@@ -88,11 +96,11 @@ fn can_be_said_in_lines(path: &Path, sensors: &[&Sensor], motors: &[Encoding]) -
     let exact = |encodings: &[Encoding]| encodings.contains(&Encoding::Float64);
     if let Some(sensor) = sensors.iter().find(|sensor| exact(&sensor.encodings)) {
         let problem =
-            format!("\"khepera\" says whole numbers; give sensor `{}` a number of `bits`", sensor.name);
+            format!("\"khepera\" sends whole numbers; give sensor `{}` a number of `bits`", sensor.name);
         return Err(path.error(problem));
     }
     if exact(motors) {
-        return Err(path.error("\"khepera\" says whole numbers; give the motors a number of `signal_bits`"));
+        return Err(path.error("\"khepera\" sends whole numbers; give the motors a number of `signal_bits`"));
     }
     counts_two_wheels(&path, sensors)
 }
@@ -107,10 +115,10 @@ fn counts_two_wheels(path: &Path, sensors: &[&Sensor]) -> Result<()> {
         [] => return Ok(()),
         [one] if khepera::counted(&one.encodings, [0; 2]).is_some() => return Ok(()),
         [one] => {
-            format!("\"khepera\" tells the counters of two wheels, and sensor `{}` has others", one.name)
+            format!("\"khepera\" sends the counters of two wheels, and sensor `{}` has others", one.name)
         }
         [one, other, ..] => format!(
-            "\"khepera\" tells the counters of one sensor, and there are those of `{}` and `{}`; leave one out",
+            "\"khepera\" sends the counters of one sensor, and there are those of `{}` and `{}`; leave one out",
             one.name, other.name
         ),
     };

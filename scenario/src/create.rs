@@ -21,7 +21,7 @@ pub(super) fn protocol(
     (sensors, motors): (&[&Sensor], &[Encoding]),
 ) -> Result<Protocol> {
     path.refuse("ages", raw.ages.is_some(), "the Open Interface carries no ages")?;
-    path.refuse("gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
+    path.refuse("gap_ms", raw.gap_ms.is_some(), "only the bare protocol separates messages by silence")?;
     let path = path.field("protocol");
     let others = motors.len().saturating_sub(2);
     if others > 0 {
@@ -54,7 +54,7 @@ fn is_told(path: &Path, version: Version, sensor: &Sensor) -> Result<()> {
         };
         if bits(*encoding) != Some(signal.bits) {
             let problem = format!(
-                "the Open Interface tells sensor `{}` in {} bits; give it `bits` = {1}",
+                "the Open Interface sends sensor `{}` in {} bits; give it `bits` = {1}",
                 sensor.name, signal.bits
             );
             return Err(path.error(problem));

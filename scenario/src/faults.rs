@@ -125,7 +125,7 @@ fn when(path: &Path, raw: &RawFault, key: u64) -> Result<When> {
         (None, None) => {
             Err(path.field("from_s").error("is missing; say when: from_s, or every_s for once in each span"))
         }
-        (Some(_), Some(_)) => Err(path.field("every_s").error("say either this or from_s")),
+        (Some(_), Some(_)) => Err(path.field("every_s").error("give either this or from_s")),
     }
 }
 

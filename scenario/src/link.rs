@@ -238,7 +238,7 @@ fn outages(path: &Path, raw: &[raw::Outage]) -> Result<Vec<Outage>> {
         let from = SimTime::from_ns(ns("from_s", raw.from_s)?);
         let until = from + ns("for_s", raw.for_s)?;
         if outages.last().is_some_and(|before| from < before.until) {
-            let problem = format!("must not be before the end of the outage before, is {}", raw.from_s);
+            let problem = format!("must not be before the end of the previous outage, is {}", raw.from_s);
             return Err(path.field("from_s").error(problem));
         }
         outages.push(Outage { from, until });

@@ -174,7 +174,7 @@ fn has_points(path: &Path, points: &[(f64, f64)], least: usize) -> Result<()> {
     if (least..=MAX_POINTS).contains(&points.len()) {
         return Ok(());
     }
-    let problem = format!("a curve has {least} to {MAX_POINTS} points, this one {}", points.len());
+    let problem = format!("a curve has {least} to {MAX_POINTS} points; this one has {}", points.len());
     Err(path.error(problem))
 }
 

@@ -45,7 +45,7 @@ impl TryFrom<Value> for Connection {
             return Ok(Self::Plain(to));
         }
         let Value::Table(table) = value else {
-            return Err(format!("has a text, a list, or a table with `to`, and not {kind}"));
+            return Err(format!("takes a text, a list, or a table with `to`, not {kind}"));
         };
         table.try_into().map(Self::With).map_err(|error| error.message().to_string())
     }

@@ -130,7 +130,8 @@ fn index_of(list: &[Value], key: &str) -> Option<usize> {
 fn own_start<'a>(list: &'a mut [Value], robot: &str, path: &str) -> Result<&'a mut Table, FieldError> {
     let found = of_several(list, robot).map(|one| (one.element, one.start));
     let start = found.and_then(|(element, start)| list[element].get_mut("starts")?.get_mut(start));
-    let no_table = || FieldError::new(format!("{path}.{robot}.start"), "is no table").because(Cause::NoTable);
+    let no_table =
+        || FieldError::new(format!("{path}.{robot}.start"), "is not a table").because(Cause::NoTable);
     start.and_then(Value::as_table_mut).ok_or_else(no_table)
 }
 

@@ -8,6 +8,7 @@
 //! another `kind`. Where a file says something in another way than the preset does ([`ALTERNATIVES`]), that way of the
 //! preset goes.
 
+use alloc::borrow::ToOwned;
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
@@ -17,7 +18,7 @@ use toml::{Table, Value};
 
 use super::robots::MAX_ROBOTS;
 use crate::presets::{self, Preset, PresetKind};
-use baudbot_fields::{FieldError, Path};
+use baudbot_fields::{Cause, FieldError, Path, nearest};
 
 /// Alternative fields: a file that uses one drops the others of the preset.
 const ALTERNATIVES: [&[&[&str]]; 4] = [
@@ -92,6 +93,7 @@ impl Expander {
             for (name, sensor) in sensors.iter_mut() {
                 self.part(&path.field(name), Some(sensor), PresetKind::Sensor)?;
             }
+            all_have_a_kind(&path, sensors)?;
         }
         Ok(chain)
     }
@@ -161,6 +163,18 @@ fn unknown(name: &str, kind: PresetKind) -> String {
     let shortened: String = name.chars().take(80).collect();
     let stop = if meant.is_empty() { ";" } else { "" };
     format!("there is no preset `{shortened}`{meant}{stop} `baudbot preset` lists all")
+}
+
+/// Refuses a sensor of no kind. Its name may be that of another one, misspelt: then it changes nothing, and is a new one.
+fn all_have_a_kind(path: &Path, sensors: &Table) -> Result<()> {
+    let is_whole = |sensor: &Value| sensor.as_table().is_none_or(|table| table.contains_key("kind"));
+    let Some((name, _)) = sensors.iter().find(|(_, sensor)| !is_whole(sensor)) else { return Ok(()) };
+    let others = sensors.iter().filter(|(_, sensor)| is_whole(sensor)).map(|(name, _)| name);
+    let problem = match nearest(name, others, |name| name).as_slice() {
+        [] => "missing field `kind`".to_owned(),
+        [near, ..] => format!("there is no such sensor; did you mean `{near}`? A new one needs a `kind`"),
+    };
+    Err(path.field(name).error(problem).because(Cause::MissingField))
 }
 
 /// Takes the sensors that the file does `without` out of the preset.

@@ -340,7 +340,7 @@ fn brain(path: &Path, raw: &raw::Brain, processor: &Processor, link: &Link) -> R
         return Err(path.field("memory_bytes").error(problem));
     }
     match (raw.thinking_us, raw.operations) {
-        (Some(_), Some(_)) => Err(path.field("operations").error("say either this or thinking_us")),
+        (Some(_), Some(_)) => Err(path.field("operations").error("give either this or thinking_us")),
         (thinking, None) => path.us("thinking_us", thinking.unwrap_or(0.0), MAX_THINKING_US),
         (None, Some(operations)) => operations_ns(&path.field("operations"), operations, processor),
     }

@@ -25,7 +25,9 @@ pub(super) fn point(path: &Path, x_m: f64, y_m: f64) -> Result<Point> {
 /// Corners in order.
 pub(super) fn points(path: &Path, raw: &[[f64; 2]]) -> Result<Vec<Point>> {
     if raw.len() > MAX_POINTS {
-        return Err(path.error(format!("a polygon has at most {MAX_POINTS} points, this one {}", raw.len())));
+        return Err(
+            path.error(format!("a polygon has at most {MAX_POINTS} points; this one has {}", raw.len()))
+        );
     }
     let corner = |(i, &[x, y]): (usize, &[f64; 2])| {
         let at = path.index(i);
@@ -38,7 +40,7 @@ pub(super) fn points(path: &Path, raw: &[[f64; 2]]) -> Result<Vec<Point>> {
 pub(super) fn outline(path: &Path, raw: &[[f64; 2]]) -> Result<Vec<Point>> {
     let points = points(path, raw)?;
     if points.len() < 3 {
-        return Err(path.error(format!("an outline has at least 3 points; here are {}", points.len())));
+        return Err(path.error(format!("an outline has at least 3 points; this one has {}", points.len())));
     }
     if !is_simple(&points) {
         return Err(path.error("the outline crosses itself, so its inside is not defined"));

@@ -47,7 +47,7 @@ pub(super) fn places(
         return Ok(alloc::vec![(Place { robot: path.clone(), start: at }, table, start)]);
     };
     if raw.start.is_some() {
-        return Err(at.error("say either this or `starts`"));
+        return Err(at.error("give either this or `starts`"));
     }
     let at = path.field("starts");
     if starts.is_empty() {

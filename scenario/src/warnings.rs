@@ -32,6 +32,12 @@ impl fmt::Display for Warning {
 pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let mut tables = BTreeSet::new();
+    if scenario.robots.is_empty() {
+        warnings.push(Warning {
+            path: "robots".into(),
+            problem: "there are none; add one with [[robots]]".into(),
+        });
+    }
     for robot in scenario.robots.iter().filter(|robot| tables.insert(robot.table_name())) {
         if robot.chip.is_none() {
             too_fast_to_read(robot, &mut warnings);
@@ -72,7 +78,7 @@ fn too_fast_to_read(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
     for sensor in on_wire().filter(|sensor| share(sensor) > 1.0) {
         let takes_ms = ms(sensor.acquisition_ns + sensor.device.longest_wait_ns());
         let problem = format!(
-            "a read takes the microcontroller up to {takes_ms} ms, but is due every {} ms; reads will be left out",
+            "a read takes the microcontroller up to {takes_ms} ms, but is due every {} ms; reads will be skipped",
             ms(sensor.schedule.period_ns())
         );
         warnings.push(Warning {
@@ -84,7 +90,7 @@ fn too_fast_to_read(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
     if all > 1.0 && on_wire().all(|sensor| share(sensor) <= 1.0) {
         let percent = (100.0 * all + 0.5) as u64;
         let problem = format!(
-            "reading all of them takes up to {percent} % of the microcontroller's time; reads will be left out"
+            "reading all of them takes up to {percent} % of the microcontroller's time; reads will be skipped"
         );
         warnings.push(Warning { path: format!("robots.{}.sensors", robot.table_name()), problem });
     }
@@ -104,7 +110,7 @@ fn too_long_for_the_port(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
         if takes_ns > clock.period_ns {
             let problem = format!(
                 "a message of {bytes} bytes takes {} ms on its cable, but the device measures every {} ms; \
-                 measurements will be left out",
+                 measurements will be skipped",
                 ms(takes_ns),
                 ms(clock.period_ns)
             );

@@ -73,14 +73,14 @@ fn numbers_that_make_no_sense_name_their_path_and_value() {
         "must be positive, is NaN",
     );
     refused(&robot("start = { x_m = inf }"), "robots[0].start.x_m", "must be a finite number, is inf");
-    refused("step_ms = 0.0", "step_ms", "must be within 0.01 and 1000");
+    refused("step_ms = 0.0", "step_ms", "must be between 0.01 and 1000");
     refused("step_ms = 10.0\nsubsteps = 7", "substeps", "7 substeps do not divide 10000000 ns");
-    refused("substeps = 0", "substeps", "must be within 1 and 10000, is 0");
-    refused("end = { after_s = -1.0 }", "end.after_s", "must be within 0");
+    refused("substeps = 0", "substeps", "must be between 1 and 10000, is 0");
+    refused("end = { after_s = -1.0 }", "end.after_s", "must be between 0");
     let sensor = |more| robot(&format!("[robots.sensors.c]\nkind = \"compass\"\n{more}"));
-    refused(&sensor("bits = 33"), "robots[0].sensors.c.bits", "must be within 1 and 32, is 33");
+    refused(&sensor("bits = 33"), "robots[0].sensors.c.bits", "must be between 1 and 32, is 33");
     refused(&sensor("sigma_rad = -0.1"), "robots[0].sensors.c.sigma_rad", "must not be negative, is -0.1");
-    refused(&sensor("period_ms = 0.0"), "robots[0].sensors.c.period_ms", "must be within 0.01");
+    refused(&sensor("period_ms = 0.0"), "robots[0].sensors.c.period_ms", "must be between 0.01");
     refused("seed = -1", "seed", "must be a whole number of 0 or more, is -1");
 }
 
@@ -124,20 +124,20 @@ fn fields_of_another_link_or_adapter_are_refused_by_name() {
     };
     uart("bytes_per_frame = 64", "bytes_per_frame", "a uart has no frames; did you mean kind = \"usb\"");
     uart("turnaround_us = 10.0", "turnaround_us", "only with half_duplex = true");
-    uart("half_duplex = true, turnaround_us = -1", "turnaround_us", "must be within 0 and 1000000, is -1");
+    uart("half_duplex = true, turnaround_us = -1", "turnaround_us", "must be between 0 and 1000000, is -1");
     uart("adapter = { latency_ms = 16 }", "adapter", "missing field `kind`");
     let adapter = |fields: &str, path: &str, problem: &str| {
         uart(&format!("adapter = {{ kind = {fields} }}"), &format!("adapter.{path}"), problem);
     };
     adapter("\"usb\"", "kind", "must be one of `ftdi`, `cdc`, `bluetooth`, is `usb`");
-    adapter("\"ftdi\", latency_ms = 0.5", "latency_ms", "must be within 1 and 255, is 0.5");
-    adapter("\"ftdi\", latency_ms = 256", "latency_ms", "must be within 1 and 255, is 256");
-    adapter("\"ftdi\", packet_bytes = 0", "packet_bytes", "must be within 1 and 510, is 0");
+    adapter("\"ftdi\", latency_ms = 0.5", "latency_ms", "must be between 1 and 255, is 0.5");
+    adapter("\"ftdi\", latency_ms = 256", "latency_ms", "must be between 1 and 255, is 256");
+    adapter("\"ftdi\", packet_bytes = 0", "packet_bytes", "must be between 1 and 510, is 0");
     adapter("\"ftdi\", burst_ms = 1", "burst_ms", "only a radio has that");
     adapter("\"cdc\", latency_ms = 1", "latency_ms", "no latency timer; did you mean kind = \"ftdi\"?");
     adapter("\"bluetooth\", frame_ms = 1", "frame_ms", "a radio has no USB frames");
-    adapter("\"bluetooth\", spread_ms = 31", "spread_ms", "must be within 0 and 30, is 31");
-    adapter("\"bluetooth\", burst_probability = 2", "burst_probability", "must be within 0 and 1, is 2");
+    adapter("\"bluetooth\", spread_ms = 31", "spread_ms", "must be between 0 and 30, is 31");
+    adapter("\"bluetooth\", burst_probability = 2", "burst_probability", "must be between 0 and 1, is 2");
     let fast = "kind = \"uart\", baud = 50000000, adapter = { kind = \"ftdi\" }";
     link(fast, "adapter", "19 packets of 62 bytes a frame keep up with 11780000 baud, not with 50000000");
 }
@@ -148,12 +148,12 @@ fn outages_are_finite_and_in_their_order() {
         let link = format!("link = {{ kind = \"usb\", outages = [{windows}] }}");
         refused(&robot(&link), &format!("robots[0].link.outages{path}"), problem);
     };
-    outages("{ from_s = -1.0, for_s = 1.0 }", "[0].from_s", "must be within 0 and 100000000, is -1");
-    outages("{ from_s = 1.0, for_s = inf }", "[0].for_s", "must be within 0 and 100000000, is inf");
+    outages("{ from_s = -1.0, for_s = 1.0 }", "[0].from_s", "must be between 0 and 100000000, is -1");
+    outages("{ from_s = 1.0, for_s = inf }", "[0].for_s", "must be between 0 and 100000000, is inf");
     outages("{ from_s = nan, for_s = 1.0 }", "[0].from_s", "is NaN");
     outages("{ from_s = 1.0 }", "[0]", "missing field `for_s`");
     let two = "{ from_s = 1.0, for_s = 1.0 }, { from_s = 1.5, for_s = 1.0 }";
-    outages(two, "[1].from_s", "must not be before the end of the outage before, is 1.5");
+    outages(two, "[1].from_s", "must not be before the end of the previous outage, is 1.5");
     let link = "{ kind = \"usb\", outages = [{ from_s = 1, for_s = 1 }, { from_s = 2, for_s = 1 }] }";
     baudbot_scenario::parse(&robot(&format!("link = {link}"))).unwrap();
 }
@@ -285,14 +285,14 @@ fn an_override_with_an_endless_path_is_refused() {
 fn places_and_sizes_beyond_any_arena_are_refused() {
     let circle =
         |radius: &str| format!("[[arena.circles]]\nname = \"c\"\nx_m = 0\ny_m = 0\nradius_m = {radius}");
-    refused(&circle("1e308"), "arena.circles[0].radius_m", "must be within");
+    refused(&circle("1e308"), "arena.circles[0].radius_m", "must be between");
     let wall = "[[arena.polygons]]\nname = \"w\"\nsolid = false\npoints_m = [[0, 0], [1e155, 0]]";
-    refused(wall, "arena.polygons[0].points_m[1].x", "must be within");
+    refused(wall, "arena.polygons[0].points_m[1].x", "must be between");
     let far = "[robots.sensors.s]\nkind = \"ir\"\nmount = { x_m = 5.0, y_m = 0.0, heading_rad = 0.0 }\n\
                rays = 1\nopening_rad = 0.0\nrange_m = 1.0\nc1_m2 = 0.03\nc2 = 0.1";
-    refused(&robot(far), "robots[0].sensors.s.mount.x_m", "must be within -0.4 and 0.4, is 5");
+    refused(&robot(far), "robots[0].sensors.s.mount.x_m", "must be between -0.4 and 0.4, is 5");
     let noisy = "[robots.sensors.o]\nkind = \"odometer\"\nsigma_m = 1e308";
-    refused(&robot(noisy), "robots[0].sensors.o.sigma_m", "must be within 0 and 1000");
+    refused(&robot(noisy), "robots[0].sensors.o.sigma_m", "must be between 0 and 1000");
 }
 
 #[test]
@@ -316,14 +316,14 @@ fn an_error_in_a_very_long_line_does_not_repeat_it() {
 #[test]
 fn no_field_and_no_speaker_is_so_strong_that_readings_are_infinite() {
     let field = "[[arena.fields]]\nname = \"f\"\nbackground = 1e308\nslope_per_m = [1e308, 0.0]";
-    refused(&robot(field), "arena.fields[0].background", "must be within");
+    refused(&robot(field), "arena.fields[0].background", "must be between");
     refused(
         &robot(&field.replace("background = 1e308", "")),
         "arena.fields[0].slope_per_m.x",
-        "must be within",
+        "must be between",
     );
     let horn = "[robots.actuators.horn]\nkind = \"speaker\"\nlevel = 1e308";
-    refused(&robot(horn), "robots[0].actuators.horn.level", "must be within");
+    refused(&robot(horn), "robots[0].actuators.horn.level", "must be between");
 }
 
 #[test]
@@ -368,7 +368,7 @@ fn a_cable_that_no_message_gets_through_is_refused() {
 #[test]
 fn ends_that_cannot_come_or_have_come_already_are_refused() {
     let end = |field: &str| format!("[end]\n{field}\n{}", robot(""));
-    refused(&end("collisions = 0"), "end.collisions", "must be within 1 and");
+    refused(&end("collisions = 0"), "end.collisions", "must be between 1 and");
     refused(&end("all_goals = true"), "end.all_goals", "no zone of the arena has goal = true");
     refused(&end("battery_empty = true"), "end.battery_empty", "no robot has a battery");
     let goal = "[[arena.zones]]\nname = \"there\"\nx_m = 1.0\ny_m = 1.0\nradius_m = 0.1\ngoal = true\n";
@@ -428,10 +428,10 @@ fn serial_ports_are_read_from_the_links_of_a_robot_and_of_its_sensors() {
     assert!(scenario.serial_ports.iter().all(|port| port.robot == scenario.robots[0].name));
     assert_eq!(baudbot_scenario::parse(&with("[]", "[]")).unwrap().serial_ports, []);
 
-    refused(&with("\"com:3\"", "[]"), "robots[0].link.serial_port", "`com` is no kind of port");
+    refused(&with("\"com:3\"", "[]"), "robots[0].link.serial_port", "`com` is not a kind of port");
     refused(&with("7", "[]"), "robots[0].link.serial_port", "must be a text such as");
     let at = "robots[0].sensors.l.port.link.serial_port[1]";
-    refused(&with("[]", "[\"pty:a\", \"tcp:x\"]"), at, "`x` is no address");
+    refused(&with("[]", "[\"pty:a\", \"tcp:x\"]"), at, "`x` is not an address");
     let many = format!("[{}]", "\"tcp:0\",".repeat(9));
     refused(&with(&many, "[]"), "robots[0].link.serial_port", "there are 9, the limit is 8");
     let onboard = "link = { kind = \"onboard\", serial_port = \"pty:a\" }";

@@ -70,7 +70,7 @@ fn what_is_wrong_is_named() {
     };
     refused("", "robots[0].starts: is empty");
     refused("{}, { x_m = true }", "robots[0].starts[1].x_m: must be a number, is true");
-    refused("{}, { x_m = 1e7 }", "robots[0].starts[1].x_m: must be within");
+    refused("{}, { x_m = 1e7 }", "robots[0].starts[1].x_m: must be between");
     refused("{}, { x_cm = 1 }", "robots[0].starts[1].x_cm: unknown field");
     refused("{}, { name = \"ann-1\", x_m = 2 }", "robots[0].starts[1].name: `ann-1` is taken");
     refused("{}, { name = \"ann\", x_m = 2 }", "robots[0].starts[1].name: `ann` is taken");
@@ -79,7 +79,7 @@ fn what_is_wrong_is_named() {
     let many = format!("{} {{}}", "{},".repeat(10_000));
     refused(&many, "robots: there are 10001, the limit is 10000");
     let message = refusal(&several("{}").replace("starts", "start = { x_m = 1 }\nstarts"));
-    assert_eq!(message, "robots[0].start: say either this or `starts`");
+    assert_eq!(message, "robots[0].start: give either this or `starts`");
     let message = refusal(&one("ann", "name = \"bob\""));
     assert!(message.starts_with("robots[0].start.name: only one of several `starts`"), "{message}");
     let message = refusal(&(several("{}") + &one("ann-1", "x_m = 5")));

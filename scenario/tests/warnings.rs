@@ -19,6 +19,11 @@ fn a_sound_scenario_has_none() {
 }
 
 #[test]
+fn a_world_without_robots() {
+    assert_eq!(warnings("name = \"empty\""), ["robots: there are none; add one with [[robots]]"]);
+}
+
+#[test]
 fn a_sensor_that_is_faster_than_its_processor_can_read_it() {
     let sonar = "[robots.sensors.ping]\nkind = \"sonar\"\nbearing_rad = 0.0\nrays = 3\nopening_rad = 0.3\n\
                  min_m = 0.02\nmax_m = 3.0\nperiod_ms = 10.0\ntimeout_ms = 18.5\nholdoff_us = 750.0\n";
@@ -26,7 +31,7 @@ fn a_sensor_that_is_faster_than_its_processor_can_read_it() {
         warnings(&robot(sonar)),
         [
             "robots.alice.sensors.ping: a read takes the microcontroller up to 19.25 ms, but is due every 10 ms; reads \
-          will be left out"
+          will be skipped"
         ]
     );
     let compass = |name| {
@@ -37,7 +42,7 @@ fn a_sensor_that_is_faster_than_its_processor_can_read_it() {
         warnings(&two),
         [
             "robots.alice.sensors: reading all of them takes up to 120 % of the microcontroller's time; reads will be \
-          left out"
+          skipped"
         ]
     );
 }

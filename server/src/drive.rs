@@ -296,7 +296,7 @@ mod tests {
         assert_eq!(text(&two(), Straight::default(), 1.0), robots);
         for seconds in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
             let error = text(&wander(), Straight::default(), seconds);
-            assert!(error.starts_with("seconds: must be within "), "{error}");
+            assert!(error.starts_with("seconds: must be between "), "{error}");
         }
         let error = text(&wander(), Straight { left: f64::NAN, ..Straight::default() }, 1.0);
         assert!(error.starts_with("at 0.") && error.contains("the brain of `robot` failed: "), "{error}");

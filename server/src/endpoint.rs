@@ -178,7 +178,7 @@ fn check_thinking(spec: &RobotSpec, thinking: Thinking) -> Result<(), Problem> {
     }
     let Some(operations) = thinking.operations else { return Ok(()) };
     if thinking.ns.is_some() {
-        return Err(("operations", "say either this or thinking_ns".into()));
+        return Err(("operations", "give either this or thinking_ns".into()));
     }
     if !matches!(spec.link, Link::Onboard) {
         let problem = format!("`{}` is not onboard: its brain thinks elsewhere; say thinking_ns", spec.name);
@@ -205,7 +205,7 @@ fn check_signals(spec: &RobotSpec, Signals { wheels, others }: &Signals) -> Resu
             return Err((field, format!("must be a finite number, is {signal}")));
         }
         if let Some(limit) = spec.signal_limit.filter(|limit| signal.abs() > *limit) {
-            return Err((field, format!("must be within -{limit} and {limit}, is {signal}")));
+            return Err((field, format!("must be between -{limit} and {limit}, is {signal}")));
         }
     }
     Ok(())

@@ -145,5 +145,5 @@ fn on_board_nothing_opens_a_serial_port() {
     assert!(message.starts_with("robots[0].microcontroller.bootloader_s: "), "{message}");
     assert!(message.contains("on board nothing opens one") && message.contains("`atmega328p`"), "{message}");
     let long = toml.replace("preset = \"arduino-uno\"", "bootloader_s = 61").replace("onboard", "usb");
-    assert_eq!(refusal(&long), "robots[0].microcontroller.bootloader_s: must be within 0 and 60, is 61");
+    assert_eq!(refusal(&long), "robots[0].microcontroller.bootloader_s: must be between 0 and 60, is 61");
 }

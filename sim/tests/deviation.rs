@@ -88,7 +88,7 @@ fn ones_change_no_bit_and_the_numbers_of_the_data_sheet_stay() {
 fn factors_that_no_wheel_has_are_refused() {
     for field in ["wheel_ratio", "wheel_scale", "track_ratio"] {
         let message = refusal(&robot(&format!(", {field} = 0.0")));
-        let expected = format!("robots[0].body.{field}: must be within 0.5 and 2, is 0");
+        let expected = format!("robots[0].body.{field}: must be between 0.5 and 2, is 0");
         assert!(message.starts_with(&expected), "{message}");
     }
 }

@@ -137,14 +137,14 @@ fn what_makes_no_sense_is_refused_with_its_path() {
         (
             UART,
             "{ kind = \"cable\", for_s = 1, from_s = 1, every_s = 2 }",
-            "faults[0].every_s: say either this",
+            "faults[0].every_s: give either this",
         ),
         (
             UART,
             "{ kind = \"cable\", for_s = 3, every_s = 2 }",
             "faults[0].for_s: must not be longer than every_s",
         ),
-        (UART, "{ kind = \"cable\", for_s = -1, from_s = 2 }", "faults[0].for_s: must be within"),
+        (UART, "{ kind = \"cable\", for_s = -1, from_s = 2 }", "faults[0].for_s: must be between"),
         (UART, "{ kind = \"byte-errors\", for_s = 1, from_s = 2 }", "faults[0].byte_error_rate: is missing"),
         (
             UART,

@@ -304,7 +304,7 @@ fn robots_that_lines_cannot_speak_of_are_refused() {
         (firmware("ages = true"), "robots[0].firmware.ages: the khepera protocol carries no ages".into()),
         (
             firmware("gap_ms = 20.0"),
-            "robots[0].firmware.gap_ms: only the bare protocol tells messages by silence".into(),
+            "robots[0].firmware.gap_ms: only the bare protocol separates messages by silence".into(),
         ),
         (
             firmware("period_ms = 20.0"),
@@ -319,11 +319,11 @@ fn robots_that_lines_cannot_speak_of_are_refused() {
         ),
         (
             sound.replace("s3]\nkind = \"compass\"\nbits = 10", "s3]\nkind = \"compass\""),
-            format!("{protocol} says whole numbers; give sensor `s3` a number of `bits`"),
+            format!("{protocol} sends whole numbers; give sensor `s3` a number of `bits`"),
         ),
         (
             sound.replace("motors = { signal_bits = 8 }", ""),
-            format!("{protocol} says whole numbers; give the motors a number of `signal_bits`"),
+            format!("{protocol} sends whole numbers; give the motors a number of `signal_bits`"),
         ),
         (
             sound.replace("kind = \"ideal\"", "kind = \"usb\", laptop_buffer_bytes = 45"),

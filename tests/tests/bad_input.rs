@@ -104,7 +104,7 @@ async fn a_step_that_makes_no_sense_ends_its_stream_with_the_field_and_the_robot
         (
             messages(),
             step(0, 0, command(0.0, 1.5)),
-            "step.robots[0].command.right_signal: must be within -1 and 1, is 1.5",
+            "step.robots[0].command.right_signal: must be between -1 and 1, is 1.5",
         ),
         (
             messages(),

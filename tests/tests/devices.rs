@@ -355,7 +355,7 @@ async fn what_makes_no_sense_is_refused_with_its_field() {
             "command.other_signals: has 1 signals, but `little` has 0",
         ),
         (SCOUT, "scout", still().operations(5), "operations: `scout` is not onboard"),
-        (LITTLE, "little", still().operations(5).after(std::time::Duration::ZERO), "operations: say either"),
+        (LITTLE, "little", still().operations(5).after(std::time::Duration::ZERO), "operations: give either"),
         (LITTLE, "little", still().operations(u64::MAX), "operations: 18446744073709551615 would take"),
     ];
     for (toml, robot, action, expected) in cases {

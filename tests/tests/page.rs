@@ -5,6 +5,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use baudbot_proto::v1;
+use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_proto::v1::page_request::Request;
 use baudbot_proto::v1::page_response::Response;
 use baudbot_server::{Pace, Server, WorldConfig};
@@ -196,6 +197,17 @@ async fn strangers_are_turned_away() {
     request.headers_mut().insert("origin", own.parse().unwrap());
     connect_async(request).await.unwrap();
     server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_program_at_the_pages_address_is_told_of_the_right_one() {
+    let server = serve(lockstep()).await;
+    let url = format!("http://{}", server.viewers()[0]);
+    let channel = tonic::transport::Channel::from_shared(url).unwrap().connect().await.unwrap();
+    let request = v1::GetWorldRequest { world: "w".into() };
+    let refused = ControlServiceClient::new(channel).get_world(request).await.unwrap_err();
+    assert_eq!(refused.code(), tonic::Code::Unimplemented);
+    assert!(refused.message().starts_with("the viewer's page is at this address; "), "{refused}");
 }
 
 #[tokio::test]

@@ -140,7 +140,7 @@ async fn a_reset_that_is_refused_names_its_field_and_changes_nothing() {
             invalid,
             "starts[0].x_m: must be a finite number, is NaN",
         ),
-        (starts(vec![start("r0", 0.0, 1e9, 0.0)]), invalid, "starts: robots[0].start.y_m: must be within"),
+        (starts(vec![start("r0", 0.0, 1e9, 0.0)]), invalid, "starts: robots[0].start.y_m: must be between"),
         (
             starts(vec![start("r0", 0.0, 0.0, 0.0), start("r0", 1.0, 0.0, 0.0)]),
             invalid,

@@ -135,7 +135,7 @@ def main() -> None:
             file.touch(mode=0o600)
             file.write_text(made)
         with served(baudbot, "--tokens", tokens, "--behind-proxy", "--host", "localhost", home=folder) as lines:
-            own, page = place(lines, r"listening on (\S+)"), place(lines, r"look at it: http://([^/]+)/")
+            own, page = place(lines, r"listening on (\S+)"), place(lines, r"open in a browser: http://([^/]+)/")
             port = free_port()
             with nginx(folder, site(folder, port, own, page)):
                 address, ca = f"localhost:{port}", folder / "lab-ca.pem"

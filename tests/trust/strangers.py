@@ -78,7 +78,7 @@ def over_tls(baudbot: str, folder: pathlib.Path) -> None:
     token = said(baudbot, "token", "new", "--name", "ann", "--observe", "--file", tokens, stderr=subprocess.DEVNULL).strip()
     wrong = said(baudbot, "token", "new", "--name", "eve", "--observe", "--file", str(folder / "others.toml"), stderr=subprocess.DEVNULL).strip()
     with served(baudbot, "--tokens", tokens, "--tls", f"{cert},{key}", home=folder) as lines:
-        address, page = place(lines, r"listening on (\S+)"), place(lines, r"look at it: (https://[^/]+)/")
+        address, page = place(lines, r"listening on (\S+)"), place(lines, r"open in a browser: (https://[^/]+)/")
         with_openssl(address, ca, other_ca)
         with_buf(address, ca, other_ca, token, wrong)
         with_grpcio(address, ca, other_ca, token, wrong)
@@ -151,7 +151,7 @@ def by_another_user(baudbot: str, folder: pathlib.Path) -> None:
     socket, pty = folder / "socket", folder / "robot.tty"
     ports = ["--port", f"robot=pty:{pty}", "--port", "robot=tcp:0", "--port", f"robot=unix:{folder / 'robot.sock'}"]
     with served(baudbot, "--listen", f"unix:{socket}", *ports, home=folder) as lines:
-        address, link = place(lines, r"listening on (127\S+)"), place(lines, r"look at it: (http://[^/]+)/")
+        address, link = place(lines, r"listening on (127\S+)"), place(lines, r"open in a browser: (http://[^/]+)/")
         port = place(lines, r"serial port of \S+: tcp:(\S+)")
         assert NEEDED in tries(program, "watch", "--once", "--connect", address)
         assert NEEDED in tries(program, "brain", "avoid", "--connect", address, "--world", "wander", "--robot", "robot")

@@ -151,7 +151,7 @@ async function linkOf(program: ChildProcess): Promise<string> {
   for (const stream of [program.stdout!, program.stderr!]) stream.setEncoding("utf8");
   return new Promise((resolve, reject) => {
     const look = (line: string) => {
-      const link = /look at it: (\S+)/.exec(line)?.[1];
+      const link = /open in a browser: (\S+)/.exec(line)?.[1];
       if (link) resolve(link);
     };
     for (const stream of [program.stdout!, program.stderr!]) createInterface({ input: stream }).on("line", look);

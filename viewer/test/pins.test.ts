@@ -155,5 +155,5 @@ test("a robot with a program of its own has no lanes of steps that nobody knows"
   const up = { start_ns: 1e6, end_ns: 2e6, kind: TimelineKind.UP, part: undefined, bytes: 1 };
   const pins = pinLanes(SIGNALS, log([]), WINDOW, 30e6, 30_000);
   const made = lanes(robot, [up], WINDOW, undefined, undefined, pins).map(({ label }) => label);
-  assert.deepEqual(made, ["ir", "D8 motors.left.direction", "D9 motors.left.pwm", "adc0 sensors.ir", "transfer up"]);
+  assert.deepEqual(made, ["ir", "D8 motors.left.direction", "D9 motors.left.pwm", "adc0 sensors.ir", "cable up"]);
 });

@@ -37,7 +37,7 @@ before(async () => {
   let address = "";
   for await (const line of lines) {
     address ||= /^listening on (\S+)/.exec(line)?.[1] ?? "";
-    link = /^look at it: (\S+)/.exec(line)?.[1] ?? "";
+    link = /^open in a browser: (\S+)/.exec(line)?.[1] ?? "";
     if (link) break;
   }
   assert.ok(address && link, "the server says where it is");

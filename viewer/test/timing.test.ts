@@ -74,9 +74,9 @@ test("lanes go from the sensors to the motors, and other cycles are pale", () =>
   const made = lanes(ROBOT, all, { from_ns: 0, until_ns: 60_000_000 }, found);
   assert.deepEqual(
     made.map((lane) => lane.label),
-    ["left", "right", "framing", "transfer up", "thinking", "transfer down", "obeying", "actuation", "trouble"],
+    ["left", "right", "framing", "cable up", "thinking", "cable down", "obeying", "actuation", "trouble"],
   );
-  const up = made.find((lane) => lane.label === "transfer up");
+  const up = made.find((lane) => lane.label === "cable up");
   assert.deepEqual(
     up?.bars.map((bar) => [bar.pale, bar.label, bar.row]),
     [
@@ -91,7 +91,7 @@ test("lanes go from the sensors to the motors, and other cycles are pale", () =>
 test("what overlaps is in rows below each other, and rows are few", () => {
   const downs = Array.from({ length: 9 }, (_, i) => us(i, 1000, K.DOWN, 8));
   const lane = lanes(ROBOT, downs, { from_ns: 0, until_ns: 1e7 }, undefined).find(
-    (lane) => lane.label === "transfer down",
+    (lane) => lane.label === "cable down",
   );
   assert.equal(lane?.rows, 4);
   assert.equal(lane?.bars.length, 9);
@@ -196,7 +196,7 @@ test("sensors that are left out together are told together", () => {
 test("the names of lanes are whole where there is room", () => {
   for (const width of [360, 980]) {
     const { texts } = drawn(width, 200);
-    for (const name of ["transfer down", "actuation"])
+    for (const name of ["cable down", "actuation"])
       assert.ok(
         texts.some(({ text }) => text === name),
         `${width}: ${texts.map(({ text }) => text).join(", ")}`,

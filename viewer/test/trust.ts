@@ -79,7 +79,7 @@ before(async () => {
   const free = ["--listen", "127.0.0.1:0", "--viewer", "127.0.0.1:0"];
   server = spawn(PROGRAM, ["serve", "wander", ...guards, ...free], { stdio: ["ignore", "pipe", "inherit"] });
   for await (const line of createInterface({ input: server.stdout! })) {
-    link = /^look at it: (\S+)/.exec(line)?.[1] ?? "";
+    link = /^open in a browser: (\S+)/.exec(line)?.[1] ?? "";
     if (link) break;
   }
   page = new URL("/", link).href;

@@ -15,23 +15,23 @@ use crate::error::Refused;
 pub(crate) struct AccessArgs {
     /// Let any user of this machine do everything, without a token
     ///
-    /// By default a token for your own programs is in a file that only you can read, and the clients of baudbot find it.
-    /// Others need --tokens (docs/reference/trust.md).
+    /// By default, the token for your own programs is in a file that only you can read, where the clients of baudbot find it.
+    /// Other users need --tokens (docs/reference/trust.md).
     #[arg(long)]
     pub(crate) open: bool,
-    /// Admit clients with a token of this file, with its rights (`baudbot token`)
+    /// Admit clients with a token from this file, with the token's rights (`baudbot token`)
     #[arg(long, value_name = "FILE", conflicts_with = "open")]
     pub(crate) tokens: Option<PathBuf>,
-    /// Encrypt connections, with this certificate and its key, both in PEM (`baudbot cert`)
+    /// Encrypt connections with this certificate and its key, both in PEM (`baudbot cert`)
     #[arg(long, value_name = "CERTIFICATE,KEY")]
     pub(crate) tls: Option<TlsFiles>,
-    /// Admit only clients with a certificate of one of these authorities, in PEM
+    /// Admit only clients with a certificate from one of these authorities, in PEM
     #[arg(long, value_name = "FILE", requires = "tls")]
     pub(crate) client_ca: Option<PathBuf>,
-    /// Other machines connect through a proxy, which encrypts
+    /// Other machines connect through a proxy that encrypts
     #[arg(long, requires = "tokens")]
     pub(crate) behind_proxy: bool,
-    /// Append an audit log to this file, in lines of JSON: calls that change something, drive a robot or train, and refused ones
+    /// Append an audit log to this file, as JSON lines: calls that change something, drive a robot or train, and calls that are refused
     #[arg(long, value_name = "FILE")]
     pub(crate) audit: Option<PathBuf>,
     /// A name under which browsers reach the viewer, besides localhost and its address

@@ -13,8 +13,8 @@ pub(crate) struct BrainArgs {
     /// List the brains and their parameters
     #[arg(long)]
     pub(crate) list: bool,
-    /// With --list, write JSON
-    #[arg(long, requires = "list")]
+    /// List them as JSON
+    #[arg(long, conflicts_with = "brain")]
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) server: ConnectArgs,

@@ -19,7 +19,7 @@ pub(crate) struct BudgetArgs {
     /// Draw the typical cycle of a robot as a timing diagram in SVG; `-` is stdout
     #[arg(long, value_name = "FILE", conflicts_with = "json")]
     pub(crate) svg: Option<PathBuf>,
-    /// Take the thinking times that were measured in a recorded run instead of the scenario's
+    /// Use the thinking times measured in a recorded run instead of the scenario's
     ///
     /// They are measured in real time, and in lockstep for brains that are programs (`baudbot run --brain 'exec:…' --record FILE`).
     /// The longest one stands for the worst case.
@@ -28,7 +28,7 @@ pub(crate) struct BudgetArgs {
     /// Simulated seconds for which a program on a robot's chip is measured; other robots are computed without a run
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = measure::seconds)]
     pub(crate) seconds: f64,
-    /// Exit with 1 if a robot misses its deadline
+    /// Exit with code 1 if a robot misses its deadline
     #[arg(long)]
     pub(crate) check: bool,
     #[command(flatten)]

@@ -26,7 +26,7 @@ pub(crate) struct AuthorityArgs {
     /// Name of the authority: 1 to 64 letters, digits, _, -, . or @
     #[arg(long, default_value = "baudbot")]
     pub(crate) name: GrantName,
-    /// Validity of the authority
+    /// How long the authority is valid
     #[arg(long, value_name = "TIME", default_value = "3650d")]
     pub(crate) expires: Lifetime,
 }
@@ -36,10 +36,10 @@ pub(crate) struct ServerCertificateArgs {
     /// The folder with the authority
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
-    /// Names and addresses by which clients reach the server: robots.lab, 10.0.0.7; the files are called by the first one
+    /// Names and addresses by which clients reach the server: robots.lab, 10.0.0.7; the files are named after the first
     #[arg(value_name = "NAME", required = true)]
     pub(crate) names: Vec<String>,
-    /// Validity of the certificate
+    /// How long the certificate is valid
     #[arg(long, value_name = "TIME", default_value = "365d")]
     pub(crate) expires: Lifetime,
 }
@@ -52,7 +52,7 @@ pub(crate) struct ClientCertificateArgs {
     /// Name of the client and of the files: 1 to 64 letters, digits, _, -, . or @
     #[arg(value_name = "NAME")]
     pub(crate) name: GrantName,
-    /// Validity of the certificate
+    /// How long the certificate is valid
     #[arg(long, value_name = "TIME", default_value = "365d")]
     pub(crate) expires: Lifetime,
 }

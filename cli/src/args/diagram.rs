@@ -24,21 +24,21 @@ pub(crate) struct DiagramArgs {
     /// Show what happens from this simulated time on
     #[arg(long, value_name = "S", conflicts_with = "cycle", allow_negative_numbers = true, value_parser = instant)]
     pub(crate) at: Option<f64>,
-    /// Show the N-th control cycle, from reading its sensors to its command; beyond Δt it is red [default: a window
-    /// around the third; of a robot with a program of your own, the first round of its main loop in which it reads a sensor and
-    /// then changes a wheel, else where it first sends a character or drives a wheel]
+    /// Show the N-th control cycle, from reading its sensors to its command; what takes longer than Δt is red [default: a window
+    /// around the third; for a robot with a program of your own, the first round of its main loop in which it reads a sensor and
+    /// then drives a wheel differently, or else where it first sends a character or drives a wheel]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) cycle: Option<u32>,
     /// Length of the window, in simulated milliseconds [default: 3 Δt, or the whole cycle]
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = span)]
     pub(crate) span: Option<f64>,
-    /// Show these pins of the robot's chip, such as D9,A0 or PB1 [default: those with something on them, and those that move]
+    /// Show these pins of the robot's chip, such as D9,A0 or PB1 [default: those with something on them, and those that change]
     #[arg(long, value_name = "PIN,…", value_delimiter = ',')]
     pub(crate) pins: Vec<String>,
     /// Draw an SVG picture; `-` is stdout [default: a table as text]
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
-    /// Write the table as comma-separated values, with each edge of the pins; `-` is stdout
+    /// Write the table as comma-separated values, with each edge on the pins; `-` is stdout
     #[arg(long, value_name = "FILE", conflicts_with = "svg")]
     pub(crate) csv: Option<PathBuf>,
     #[command(flatten)]

@@ -22,7 +22,7 @@ pub(crate) struct ExportArgs {
     /// Write the same events as a CSV table, with collisions, brains and manual changes
     #[arg(long, value_name = "FILE")]
     pub(crate) events: Option<PathBuf>,
-    /// Write a bag of ROS 2 into this folder, which must not exist yet: scans, odometry, inertia, commands, frames, the clock
+    /// Write a ROS 2 bag into this folder, which must not exist yet: scans, odometry, inertial measurements, commands, frames, the clock
     #[arg(long, value_name = "DIR")]
     pub(crate) rosbag2: Option<PathBuf>,
     /// Draw the arena from above with the robots' paths
@@ -34,7 +34,7 @@ pub(crate) struct ExportArgs {
     /// Draw utilities and active processes over time
     #[arg(long, value_name = "FILE")]
     pub(crate) utilities_svg: Option<PathBuf>,
-    /// With --utilities-svg, draw this column of --csv above, such as a sensor's readings; may be given several times
+    /// With --utilities-svg, draw this column of --csv above them, such as a sensor's readings; may be given several times
     #[arg(long = "with", value_name = "COLUMN", requires = "utilities_svg")]
     pub(crate) with: Vec<String>,
     /// Make a film of the viewer's arena as GIF; this needs a browser
@@ -43,7 +43,7 @@ pub(crate) struct ExportArgs {
     /// Make a film of the viewer's arena as WebM; this needs a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) webm: Option<PathBuf>,
-    /// Write what a logic analyser on the pins of a robot's chip sees, for GTKWave; may be given several times
+    /// Write what a logic analyser on the pins of a robot's chip would see, for GTKWave; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = super::chips::output)]
     pub(crate) vcd: Vec<ChipOutput>,
     /// Write what the program of a robot's microcontroller sent to the laptop; may be given several times
@@ -88,7 +88,7 @@ pub(crate) struct RowArgs {
 /// How films are.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct FilmArgs {
-    /// Pictures per second of film
+    /// Frames per second of film
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=50))]
     pub(crate) fps: u32,
     /// Simulated seconds per second of film

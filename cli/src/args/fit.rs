@@ -18,10 +18,10 @@ pub(crate) struct FitArgs {
     /// The robot, in the scenario and in the log [default: the only one]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
-    /// Fields to fit, below the robot; `*` stands for any part of a name, and a table for all that is in it
+    /// Fields to fit, below the robot; `*` stands for any part of a name, and a table's name for all that is in it
     #[arg(long, value_name = "FIELD,…", value_delimiter = ',', required_unless_present = "list")]
     pub(crate) fields: Vec<String>,
-    /// Names for columns that have others in the log, such as time_s=stamp,command_left=l
+    /// Columns that have another name in the log, such as time_s=stamp,command_left=l
     #[arg(long, value_name = "NAME=COLUMN,…", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
     /// Before the fit, change one field of the scenario, such as robots.robot.link.baud=57600
@@ -49,8 +49,8 @@ Examples:
   baudbot fit drive.csv --scenario my.toml --robot alice --fields 'motors.*' --svg rest.svg
   baudbot fit drive.csv --preset create-2 --fields motors.dead_time_ms --columns time_s=stamp,command_left=l,command_right=r
 
-Stdout is TOML that goes into the robot's table of a scenario; each line also fits --set, after `robots.NAME.`. What
-the log cannot determine is a comment with the reason. The exit code is 1 if the log determines none of the fields.
+Stdout is TOML for the robot's table in a scenario; each line also works with --set, after `robots.NAME.`. What the
+log cannot determine is a comment with the reason. The exit code is 1 if the log determines none of the fields.
 
 A column's name ends in its unit: time _s _ms _us _ns, lengths _m _cm _mm, angles _rad _deg, speeds _m_s _cm_s _mm_s, turn
-rates _rad_s _deg_s, values of sensors _raw _fraction _v. Lines that begin with # are comments; `# baud: 9600` is read.";
+rates _rad_s _deg_s, values of sensors _raw _fraction _v. Lines that begin with # are comments, but `# baud: 9600` is read.";

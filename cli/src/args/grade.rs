@@ -8,9 +8,9 @@ use clap::Args;
 pub(crate) struct GradeArgs {
     /// A built-in exercise, or an exercise file (docs/how-to/grading.md); without one, lists the built-in ones
     pub(crate) exercise: Option<String>,
-    /// The brain that is graded, for one robot, or for all robots that have no other
+    /// The brain to grade, for one robot, or for all robots that no other --brain names
     ///
-    /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own. As for `baudbot run`.
+    /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own, as for `baudbot run`.
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
     /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
@@ -19,7 +19,7 @@ pub(crate) struct GradeArgs {
     /// List the built-in exercises
     #[arg(long, conflicts_with_all = ["exercise", "brains", "show"])]
     pub(crate) list: bool,
-    /// Show the task of the exercise and what earns points, and grade nothing
+    /// Show the task of the exercise and what earns points, without grading anything
     #[arg(long, requires = "exercise", conflicts_with = "brains")]
     pub(crate) show: bool,
     /// Print the file of a built-in exercise, as a starting point for your own
@@ -31,7 +31,7 @@ pub(crate) struct GradeArgs {
     /// Number of parallel runs [default: the number of processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
-    /// Show on stderr what programs that are brains print; by default only the last lines of one that fails
+    /// Show on stderr what brains that are programs print; by default, only the last lines of one that fails
     #[arg(long)]
     pub(crate) show_output: bool,
     /// Write the result as one JSON object

@@ -12,10 +12,10 @@ use crate::text::tell;
 /// What somebody wants to do, with the commands for it. `help` is clap's own.
 const GROUPS: &[(&str, &[&str])] = &[
     ("Run", &["run", "grade", "diagram", "sweep", "tune", "replay", "export"]),
-    ("Serve, and connect", &["serve", "brain", "watch", "port", "token", "cert"]),
-    ("Look into a scenario", &["check", "budget", "plan", "locate", "umbmark"]),
+    ("Serve and connect", &["serve", "brain", "watch", "port", "token", "cert"]),
+    ("Examine a scenario", &["check", "budget", "plan", "locate", "umbmark"]),
     ("Real robots", &["preset", "evidence", "measure", "fit"]),
-    ("Begin", &["list", "init", "new", "schema", "completions", "man", "help"]),
+    ("Get started", &["list", "init", "new", "schema", "completions", "man", "help"]),
 ];
 
 /// Columns of the names, and most columns of a line: clap breaks longer ones itself.
@@ -120,7 +120,7 @@ mod tests {
         let of = |heading: &str| options[heading].keys().copied().collect::<Vec<_>>();
         assert_eq!(of("Programs of microcontrollers"), ["gdb", "serial", "vcd"]);
         assert_eq!(of("Recordings"), ["record", "record_hz", "recordings"]);
-        assert_eq!(of("Changes of the scenario"), ["firmware", "no_noise", "seed", "sets"]);
+        assert_eq!(of("Changes to the scenario"), ["firmware", "no_noise", "seed", "sets"]);
         assert_eq!(of("Addresses"), ["listen", "viewer"]);
         assert_eq!(of("Pace"), ["lookahead", "max_lag_ms", "on_timeout", "pace", "watchdog_ms"]);
     }

@@ -32,7 +32,7 @@ Examples:
   baudbot sweep my.toml --shard 0/8              the first of eight shards; the last is 7/8
   baudbot sweep my.toml --merge my.shards        the outputs, from the journals of all shards
 
-The folder DIR gets rows.jsonl (one line per run, as they end), and at the end rows.csv, rows.parquet, summary.txt and
+The folder DIR gets rows.jsonl (a line as each run ends), and at the end rows.csv, rows.parquet, summary.txt and
 the charts. If a sweep was stopped, by Ctrl-C (exit code 130), a full disk or a power cut, the same command resumes it.
 The exit code is 1 if some of the runs failed.";
 
@@ -95,7 +95,7 @@ Examples:
   baudbot diagram wander --svg timing.svg        the same as a picture
   baudbot diagram khepera --cycle 5 --svg -      one control cycle, red where it takes longer than Δt
   baudbot diagram my.toml --robot alice --brain avoid --at 12.5 --span 100
-  baudbot diagram run.mcap --at 12.5             the same of a recorded run
+  baudbot diagram run.mcap --at 12.5             the same for a recorded run
   baudbot diagram firmware --pins D9,A0 --svg -  what is on the pins of a chip with a program of your own";
 
 pub(super) const BUDGET_EXAMPLES: &str = "\
@@ -114,16 +114,16 @@ Examples:
   baudbot preset gp2d12 --json
   baudbot preset khepera-1 --json | jq '.values[] | select(.standing == \"guess\")'
 
-A scenario uses a preset with `preset = \"khepera-1\"`: a robot's in [[robots]], others in the table of their part.";
+A scenario uses a preset with `preset = \"khepera-1\"`: a robot's in [[robots]], any other in the table of its part.";
 
 pub(super) const EVIDENCE_EXAMPLES: &str = "\
 Examples:
-  baudbot evidence                               all comparisons, a line each
+  baudbot evidence                               all comparisons, one line each
   baudbot evidence e-puck-ir                     the points of all comparisons about a preset
   baudbot evidence khepera-ir --json
   baudbot evidence --write docs                  the page docs/evidence.md, with pictures in docs/pictures
 
-The exit code is 1 if a point disagrees that should agree, or agrees that is known to disagree.";
+The exit code is 1 if a point that should agree disagrees, or one that is known to disagree agrees.";
 
 pub(super) const WATCH_EXAMPLES: &str = "\
 Examples:

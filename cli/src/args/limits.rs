@@ -15,19 +15,19 @@ pub(crate) struct LimitArgs {
     /// free, and at most 16,384.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_connections: Option<u32>,
-    /// Connections of one address, or of one user by Unix sockets [default: half of all; for this machine, all]
+    /// Connections from one address, or of one user over Unix sockets [default: half of all; for this machine, all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_connections_per_address: Option<u32>,
-    /// Connections of one token [default: 256; for your own, any number]
+    /// Connections with one token [default: 256; for your own, any number]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_connections_per_token: Option<u32>,
-    /// Calls of one connection that are open at a time [default: 4096]
+    /// Calls that one connection may have open at a time [default: 4096]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_streams_per_connection: Option<u32>,
-    /// Calls of one caller, a token or an address, that are open at a time [default: 1024; for your own programs, any number]
+    /// Calls that one caller, a token or an address, may have open at a time [default: 1024; for your own programs, any number]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_streams_per_caller: Option<u32>,
-    /// Calls that one caller may begin in a second; messages in an open stream do not count [default: 2000; for your own programs,
+    /// Calls that one caller may begin per second; messages in an open stream do not count [default: 2000; for your own programs,
     /// any number]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     max_requests_per_s: Option<u32>,
@@ -37,10 +37,10 @@ pub(crate) struct LimitArgs {
     /// Worlds that one caller has created [default: 512; for your own programs, any number]
     #[arg(long, value_name = "N")]
     max_worlds_per_caller: Option<u32>,
-    /// Robots of all worlds [default: 1000000]
+    /// Robots in all worlds [default: 1000000]
     #[arg(long, value_name = "N")]
     max_robots: Option<u32>,
-    /// Robots of one world [default: 10000]
+    /// Robots in one world [default: 10000]
     #[arg(long, value_name = "N")]
     max_robots_per_world: Option<u32>,
     /// Snapshots of all worlds [default: 65536]
@@ -49,7 +49,7 @@ pub(crate) struct LimitArgs {
     /// Snapshots of one world; further ones replace the oldest [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_snapshots_per_world: Option<u32>,
-    /// Memory of scenarios, states and snapshots, such as 500M, 8G or 25% [default: 50% of the machine's, or of its container's]
+    /// Memory for scenarios, states and snapshots, such as 500M, 8G or 25% [default: 50% of the machine's, or of its container's]
     #[arg(long, value_name = "SIZE")]
     max_memory: Option<Size>,
     /// Scenarios, states and recordings that are parsed at a time [default: one for each processor]

@@ -16,7 +16,7 @@ pub(crate) struct ListArgs {
 pub(crate) struct InitArgs {
     /// A built-in scenario or experiment (`baudbot list`)
     pub(crate) name: String,
-    /// Where to write it; nothing is overwritten [default: its name with .toml, here]
+    /// Where to write it; an existing file is not overwritten [default: its name with .toml, in the current folder]
     pub(crate) file: Option<PathBuf>,
 }
 
@@ -28,7 +28,7 @@ pub(crate) struct CompletionsArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ManArgs {
-    /// The folder for the pages, which is created if needed: then `man -M FOLDER baudbot`
+    /// The folder for the pages, which is created if needed; then try `man -M FOLDER baudbot`
     pub(crate) folder: PathBuf,
 }
 
@@ -50,7 +50,7 @@ each file, a file `.taplo.toml` in the folder can name all scenarios:
       include = [\"scenarios/**/*.toml\"]
       schema.path = \"./scenario.schema.json\"
 
-`taplo lint FILE` and `tombi lint FILE` do the same on the command line. Only `baudbot check` finds what depends on other fields.";
+`taplo lint FILE` and `tombi lint FILE` check a file on the command line. Only `baudbot check` finds what depends on other fields.";
 
 pub(super) const COMPLETIONS_EXAMPLES: &str = "\
 Examples:

@@ -15,13 +15,13 @@ pub(crate) struct LocateArgs {
     /// The robot's believed pose, in metres and radians
     #[arg(long, value_name = "X,Y,RAD", allow_hyphen_values = true, value_parser = pose)]
     pub(crate) guess: Pose,
-    /// Its true pose, in metres and radians [default: its start]
+    /// The robot's true pose, in metres and radians [default: its start]
     #[arg(long, value_name = "X,Y,RAD", allow_hyphen_values = true, value_parser = pose)]
     pub(crate) at: Option<Pose>,
     /// The robot to localize [default: the first with a laser]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
-    /// The laser to use [default: its first that is not on a turret]
+    /// The laser to use [default: the robot's first that is not on a turret]
     #[arg(long, value_name = "SENSOR")]
     pub(crate) laser: Option<String>,
     /// Search method
@@ -34,10 +34,10 @@ pub(crate) struct LocateArgs {
     pub(crate) search: SearchArgs,
     #[command(flatten)]
     pub(crate) refine: RefineArgs,
-    /// Draw the scan and the tried poses as an SVG picture; `-` is stdout, without other output
+    /// Draw the scan and the poses tried as an SVG picture; `-` is stdout, without other output
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
-    /// Write the result, and all tried poses, as one JSON object
+    /// Write the result, and all poses tried, as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
@@ -47,7 +47,7 @@ pub(crate) struct LocateArgs {
 /// How a pose is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Search {
-    /// As in the notes: random poses in a box around the best pose so far
+    /// As in the lecture notes: random poses in a box around the best pose so far
     Search,
     /// By robust least squares on the rays, from the guess and from poses drawn around it
     Refine,
@@ -68,7 +68,7 @@ pub(crate) struct SearchArgs {
     /// search: maximum number of poses besides the guess [default: 300]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     iterations: Option<u32>,
-    /// search: shrink the box after failures, unlike the notes
+    /// search: shrink the box after failures, unlike the lecture notes
     #[arg(long)]
     shrink: bool,
 }

@@ -99,10 +99,10 @@ pub(crate) struct StepArgs {
     /// Which number of the answer is the left count; the right one is the next
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub(crate) number: u16,
-    /// Command of the left motor, in the robot's own units
+    /// Command for the left motor, in the robot's own units
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = finite)]
     pub(crate) left: f64,
-    /// Command of the right motor, in the robot's own units
+    /// Command for the right motor, in the robot's own units
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = finite)]
     pub(crate) right: f64,
     /// The robot's command at full speed, which is the signal 1 in the table
@@ -139,7 +139,7 @@ pub(crate) struct Bytes(pub(crate) Vec<u8>);
 
 fn bytes(text: &str) -> Result<Bytes, String> {
     match unescaped(text) {
-        Ok(bytes) if bytes.is_empty() => Err("must have a byte at least".to_owned()),
+        Ok(bytes) if bytes.is_empty() => Err("must have at least one byte".to_owned()),
         Ok(bytes) => Ok(Bytes(bytes)),
         Err(error) => Err(error.to_string()),
     }
@@ -155,7 +155,7 @@ fn template(text: &str) -> Result<String, String> {
 fn word(text: &str) -> Result<String, String> {
     let is_word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
     let is_fine = !text.is_empty() && text.chars().all(is_word);
-    is_fine.then(|| text.to_owned()).ok_or_else(|| "must be of letters, digits, _, - and .".to_owned())
+    is_fine.then(|| text.to_owned()).ok_or_else(|| "must consist of letters, digits, _, - and .".to_owned())
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -176,7 +176,7 @@ Examples:
   baudbot measure echo --device /dev/ttyUSB0 -o echo.csv
   baudbot measure echo --device /dev/ttyUSB0 --baud 9600 --bytes 16 --count 200 --pause-ms 3
 
-A message is sent when the one before has come back. See docs/how-to/measure.md. Ctrl-C ends early, and keeps the measurements.";
+Each message is sent when the one before has come back. See docs/how-to/measure.md. Ctrl-C ends early, and keeps the measurements.";
 
 const CURVE_EXAMPLES: &str = "\
 Examples:
@@ -191,5 +191,5 @@ Examples:
   baudbot measure step --device /dev/ttyUSB0 --baud 9600 --command 'D,{left},{right}\\n' --ask 'H\\n' \\
       --left 20 --right 20 --full 127 --m-per-count 0.00008333 -o step.csv
 
-THE ROBOT MOVES: lift its wheels, or give it room, and have its switch at hand. It is stopped at the end, and
-at Ctrl-C, by the command with 0 and 0. See docs/how-to/measure.md.";
+THE ROBOT MOVES: lift its wheels, or give it room, and keep its switch within reach. It is stopped at the end, and
+on Ctrl-C, by the command with 0 and 0. See docs/how-to/measure.md.";

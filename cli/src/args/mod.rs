@@ -77,7 +77,7 @@ use crate::logs::{LogFilter, LogFormat};
     after_help = "`baudbot help COMMAND` shows a command's options with examples."
 )]
 pub(crate) struct Cli {
-    /// Log level on stderr: off, error, warn, info, debug or trace; also by module, such as warn,baudbot_server=info
+    /// Log level on stderr: off, error, warn, info, debug or trace; also per module, such as warn,baudbot_server=info
     #[arg(long, value_name = "LEVEL", default_value = "warn", env = "BAUDBOT_LOG", global = true, help_heading = LOG)]
     pub(crate) log: LogFilter,
     /// Log format: text, or one JSON object per line
@@ -98,7 +98,7 @@ pub(crate) enum Command {
     /// Searches for the parameters of a brain, or of a scenario, with which an experiment scores best
     #[command(after_long_help = TUNE_EXAMPLES)]
     Tune(TuneArgs),
-    /// Grades a brain by an exercise, with points and advice; without one, lists the exercises
+    /// Grades a brain on an exercise, with points and advice; without one, lists the exercises
     #[command(after_long_help = grade::EXAMPLES)]
     Grade(GradeArgs),
     /// Serves worlds to brains in other processes until Ctrl-C
@@ -116,40 +116,40 @@ pub(crate) enum Command {
     /// Draws a timing diagram of a run: sensors, microcontroller, cable, brain and motors over time
     #[command(after_long_help = DIAGRAM_EXAMPLES)]
     Diagram(DiagramArgs),
-    /// Computes the cost of each robot's control cycle, whether it meets its deadline, and remedies
+    /// Computes what each robot's control cycle costs and whether it meets its deadline, and suggests remedies
     #[command(after_long_help = BUDGET_EXAMPLES)]
     Budget(BudgetArgs),
     /// Plans a path through a scenario's arena, and shows the examined cells
     #[command(after_long_help = plan::EXAMPLES)]
     Plan(PlanArgs),
-    /// Localizes a robot by a scan of its laser, and shows the tried poses
+    /// Localizes a robot from a scan of its laser, and shows the poses tried
     #[command(after_long_help = locate::EXAMPLES)]
     Locate(LocateArgs),
-    /// Measures the systematic errors of a robot's odometry by squares in both directions (UMBmark)
+    /// Measures the systematic errors of a robot's odometry by driving squares in both directions (UMBmark)
     #[command(after_long_help = umbmark::EXAMPLES)]
     Umbmark(UmbmarkArgs),
-    /// Measures a real robot on the desk: echoes of its serial port, a sensor's curve, a step of its motors
+    /// Measures a real robot on the desk: echoes on its serial port, a sensor's curve, its motors' response to a step
     #[command(subcommand)]
     Measure(MeasureCommand),
     /// Lists presets of robots and their parts, or shows one with the sources of its numbers
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),
-    /// Compares presets with measurements of real robots: all, or some by their names or presets
+    /// Compares presets with measurements of real robots: all comparisons, or only the comparisons or presets named
     #[command(after_long_help = EVIDENCE_EXAMPLES)]
     Evidence(EvidenceArgs),
-    /// Fits numbers of a robot to a log of a real one, with 95 % intervals
+    /// Fits parameters of a robot to a log of a real one, with 95 % confidence intervals
     #[command(after_long_help = fit::EXAMPLES)]
     Fit(FitArgs),
-    /// Exports tables, traces, pictures and films of a recording, or describes it
+    /// Exports tables, traces, pictures and films from a recording, or describes it
     #[command(after_long_help = export::EXAMPLES)]
     Export(ExportArgs),
     /// Creates a small project as a starting point
     #[command(subcommand)]
     New(NewCommand),
-    /// Shows a running world of a server
+    /// Shows a running world on a server
     #[command(after_long_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),
-    /// Opens serial ports on this machine for robots of a server, or prints the bytes of a cable
+    /// Opens serial ports on this machine for a server's robots, or prints the bytes of a cable
     #[command(subcommand)]
     Port(PortCommand),
     /// Creates, lists and revokes tokens, which say what clients may do on a server
@@ -158,13 +158,13 @@ pub(crate) enum Command {
     /// Lists the built-in scenarios, experiments, exercises, brains and presets
     #[command(after_long_help = list::LIST_EXAMPLES)]
     List(ListArgs),
-    /// Writes a built-in scenario or experiment into a file, for your changes
+    /// Writes a built-in scenario or experiment to a file, for you to change
     #[command(after_long_help = list::LIST_EXAMPLES)]
     Init(InitArgs),
-    /// Prints a JSON Schema of scenario files, by which editors complete fields and show mistakes
+    /// Prints a JSON Schema of scenario files, with which editors complete fields and show mistakes
     #[command(after_long_help = list::SCHEMA_EXAMPLES)]
     Schema,
-    /// Prints a shell's completions of commands and options
+    /// Prints completions of commands and options for a shell
     #[command(after_long_help = list::COMPLETIONS_EXAMPLES)]
     Completions(CompletionsArgs),
     /// Writes man pages into a folder
@@ -180,18 +180,18 @@ pub(crate) struct RunArgs {
     pub(crate) scenario: Option<String>,
     /// A brain for one robot, or for all robots that no other --brain names; `none` leaves a robot without a brain
     ///
-    /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own, which finds in
-    /// BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT where it is to attach. ROBOT may be a pattern such as 'cell-*'. By default every robot gets `avoid`, which needs IR
+    /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own;
+    /// BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT tell it where to attach. ROBOT may be a pattern such as 'cell-*'. By default every robot gets `avoid`, which needs IR
     /// sensors. `baudbot brain --list` lists the brains.
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
     /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
     #[arg(long = "parameter", value_name = "NAME=VALUE")]
     pub(crate) parameters: Vec<String>,
-    /// Before the run begins, wait until programs from elsewhere hold N robots; robots that no --brain names are left to them
+    /// Before the run begins, wait until other programs have attached to N robots; robots that no --brain names are left to them
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) external: Option<u16>,
-    /// Show on stderr what programs that are brains print; by default only the last lines of one that fails
+    /// Show on stderr what brains that are programs print; by default, only the last lines of one that fails
     #[arg(long)]
     pub(crate) show_output: bool,
     /// End after this much simulated time
@@ -215,10 +215,10 @@ pub(crate) struct RunArgs {
     /// When a tick ends: lockstep, real-time, scaled:X or free
     #[arg(long, value_name = "PACE", default_value = "lockstep", long_help = PACE_HELP, help_heading = PACE)]
     pub(crate) pace: PaceName,
-    /// How the brains are connected to their world; the run is the same [default: direct, or grpc where a server is needed]
+    /// How the brains are connected to their world; the run is the same either way [default: direct, or grpc where a server is needed]
     ///
-    /// A server is needed for paces other than lockstep, for --listen, --viewer, limits and who may
-    /// connect, for --watchdog-ms, --on-timeout and --lookahead, and to export traces. `direct` is many times as fast.
+    /// A server is needed for paces other than lockstep, for --listen, --viewer, the limits and the
+    /// options about who may connect, for --watchdog-ms, --on-timeout and --lookahead, and to export traces. `direct` is many times faster.
     #[arg(long, value_name = "PATH")]
     pub(crate) over: Option<Over>,
     #[command(flatten)]
@@ -245,10 +245,10 @@ pub(crate) struct ServeArgs {
     /// When a tick ends: lockstep, real-time, scaled:X or free [default: real-time; with --resume, as recorded]
     #[arg(long, value_name = "PACE", long_help = PACE_HELP, help_heading = PACE)]
     pub(crate) pace: Option<PaceName>,
-    /// Let operators record worlds into this folder, and replay its recordings
+    /// Let operators record worlds into this folder, and replay the recordings in it
     #[arg(long, value_name = "FOLDER", help_heading = record::HEADING)]
     pub(crate) recordings: Option<PathBuf>,
-    /// Keep worlds, snapshots and recordings in this folder, so that they survive any end of the server
+    /// Keep worlds, snapshots and recordings in this folder, so that they survive however the server ends
     ///
     /// The folder is created if needed. Worlds that are in it continue, and a scenario whose world is among them is not started
     /// again (docs/reference/state.md).
@@ -265,7 +265,7 @@ pub(crate) struct ServeArgs {
     /// Open a serial port on the cable of a robot, or of one of its sensors, for programs that do not know baudbot
     #[arg(long = "port", value_name = "ROBOT[/SENSOR]=KIND:WHERE", long_help = port::PORT_HELP)]
     pub(crate) ports: Vec<PortAddress>,
-    /// Continue the world of a recording from its end; its brains may attach again
+    /// Continue the world of a recording from where the recording ends; brains can attach to it again
     #[arg(long, value_name = "FILE.mcap", conflicts_with_all = ["scenarios", "sets", "seed", "no_noise"])]
     pub(crate) resume: Option<PathBuf>,
     #[command(flatten)]
@@ -285,7 +285,7 @@ pub(crate) struct CheckArgs {
     /// Draw the arena from above as an SVG picture; `-` is stdout, without other output
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
-    /// Write the description as one JSON object, also for an invalid scenario
+    /// Write the description as one JSON object, even for an invalid scenario
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
@@ -303,7 +303,7 @@ pub(crate) struct PresetArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct EvidenceArgs {
-    /// Comparisons, or presets with all their comparisons, in full [default: all, a line each]
+    /// Comparisons to show in full, or presets, for all comparisons about them [default: all comparisons, one line each]
     pub(crate) names: Vec<String>,
     /// Write JSON
     #[arg(long)]
@@ -326,7 +326,7 @@ pub(crate) struct WatchArgs {
     /// Print one frame and stop
     #[arg(long)]
     pub(crate) once: bool,
-    /// Write each frame as a JSON object on a line
+    /// Write each frame as a JSON object on one line
     #[arg(long, conflicts_with = "foxglove")]
     pub(crate) json: bool,
     /// Show the world in Foxglove, which connects to ws://IP:PORT, instead of in the terminal
@@ -339,9 +339,9 @@ pub(crate) struct WatchArgs {
     pub(crate) foxglove: Option<Address>,
 }
 
-/// Changes of a scenario.
+/// Changes to a scenario.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Changes of the scenario")]
+#[command(next_help_heading = "Changes to the scenario")]
 pub(crate) struct ChangeArgs {
     /// Change one field of the scenario, such as robots.robot.start.x_m=0.5
     #[arg(long = "set", value_name = "PATH=VALUE")]

@@ -16,7 +16,7 @@ use crate::logs;
 pub(crate) enum Over {
     /// The world and its brains take turns on one thread
     Direct,
-    /// The brains attach to a server in this process, as those of other programs do
+    /// The brains attach to a server in this process, as brains in other programs do
     Grpc,
 }
 

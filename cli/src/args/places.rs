@@ -65,7 +65,7 @@ pub(crate) struct CredentialArgs {
     /// A file with the token to show [default: that of your own server on this machine]
     #[arg(long, value_name = "FILE")]
     pub(crate) token_file: Option<PathBuf>,
-    /// Trust servers with certificates of these authorities, in PEM [default: those of the system]
+    /// Trust servers with certificates from these authorities, in PEM [default: those of the system]
     #[arg(long, value_name = "FILE")]
     pub(crate) ca: Option<PathBuf>,
 }

@@ -49,7 +49,7 @@ pub(crate) struct PlanArgs {
 /// How a path is planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Method {
-    /// Always the neighbour nearest to the goal, and never back: Fig. 6.7 as printed
+    /// Always the neighbour nearest to the goal, and never back: Fig. 6.7 of the lecture notes, as printed
     Walker,
     /// Best-first search with a list of open cells: quick, but not the shortest path
     Greedy,
@@ -124,4 +124,4 @@ Examples:
   baudbot plan my.toml --from 1,1 --to 3,2 --cell-m 0.05 --margin-m 0.1 --json
 
 The map holds what stands still in the arena, whatever its height; moving things are not in it. A cell is free if all of
-it is farther from every wall than the robot's radius and the margin. The exit code is 1 if the walker gets stuck.";
+it is farther from every wall than the robot's radius plus the margin. The exit code is 1 if the walker gets stuck.";

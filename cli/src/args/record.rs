@@ -26,7 +26,7 @@ pub(crate) struct ReplayArgs {
     /// A recording, from `--record` or from a server's folder
     #[arg(value_name = "FILE.mcap")]
     pub(crate) recording: PathBuf,
-    /// Show the recording in a browser, with a time line, until Ctrl-C
+    /// Show the recording in a browser, with a timeline, until Ctrl-C
     #[arg(long, conflicts_with = "fork")]
     pub(crate) view: bool,
     /// Replay up to this simulated time

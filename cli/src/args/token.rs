@@ -43,7 +43,7 @@ pub(crate) struct NewTokenArgs {
     /// Allow driving robots; `*` stands for any characters of a name, as in 'class-*/robot1' and '*/*'
     #[arg(long, value_name = "WORLD/ROBOT", group = "rights")]
     pub(crate) drive: Vec<DrivePattern>,
-    /// Validity of the token, such as 12h, 30d or 8w [default: until it is revoked]
+    /// How long the token is valid, such as 12h, 30d or 8w [default: until it is revoked]
     #[arg(long, value_name = "TIME")]
     pub(crate) expires: Option<Lifetime>,
     #[command(flatten)]

@@ -27,7 +27,7 @@ impl Measured {
         let measured: BTreeMap<_, _> = recorded.thinking().iter().filter_map(of).collect();
         if measured.is_empty() {
             return Err(Refused::error(format!(
-                "--measured {}: no thinking time was measured in that run. It is measured in real time, and in lockstep of brains that are programs: baudbot run --brain 'exec:…' --record {}",
+                "--measured {}: no thinking time was measured in that run. It is measured in real time, and in lockstep for brains that are programs: baudbot run --brain 'exec:…' --record {}",
                 path.display(),
                 path.display()
             )));
@@ -48,7 +48,7 @@ impl Measured {
         }
         let known: Vec<_> = self.0.keys().map(|name| format!("`{name}`")).collect();
         Err(Refused::error(format!(
-            "--measured {}: it has thinking times of {}, and of none of the robots that are asked for",
+            "--measured {}: it has thinking times of {}, and of none of the robots asked for",
             path.display(),
             known.join(", ")
         )))

@@ -154,9 +154,9 @@ fn remedies(robot: &RobotBudget) -> String {
         let _ = writeln!(text, "  {left_out}");
     }
     if robot.remedies.is_empty() {
-        let known = if robot.left_out.is_some() { "was tried" } else { "is known here" };
+        let change = if robot.left_out.is_some() { "change that was tried" } else { "known change" };
         if robot.verdict == Verdict::Misses {
-            let _ = writeln!(text, "  no change that {known} fixes that");
+            let _ = writeln!(text, "  no {change} fixes this");
         }
         return text;
     }

@@ -51,7 +51,7 @@ fn read(args: &CheckArgs) -> anyhow::Result<(Source, Scenario)> {
 }
 
 fn describe(source: &Source, scenario: &Scenario) -> String {
-    let mut text = format!("{}: sound\n", source.label());
+    let mut text = format!("{}: valid\n", source.label());
     text += &pairs("  ", &facts(scenario));
     for (robot, count) in robot_groups::first_of_each(&scenario.robots) {
         text.push('\n');

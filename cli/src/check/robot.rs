@@ -26,12 +26,12 @@ pub(super) fn describe(robot: &RobotSpec) -> String {
     facts.extend(deadline(&robot.deadline).map(|deadline| ("deadline", deadline)));
     let fault = |fault: &Fault| ("fault", format!("{}, {}", fault.kind, when(&fault.when)));
     facts.extend(robot.faults.iter().map(fault));
-    let up_line =
-        |(bytes, used)| ("up line", format!("{} bytes/s, {} of its capacity", handy(bytes), percent(used)));
-    facts.extend(load.map(up_line));
+    let uplink =
+        |(bytes, used)| ("uplink", format!("{} bytes/s, {} of its capacity", handy(bytes), percent(used)));
+    facts.extend(load.map(uplink));
     let mut text = format!("robot {}\n{}", robot.name, pairs("  ", &facts));
     if load.is_some_and(|(_, used)| used > 1.0) {
-        let _ = writeln!(text, "  warning: the up line cannot carry that much; frames will be left out");
+        let _ = writeln!(text, "  warning: the uplink cannot carry that much; frames will be skipped");
     }
     if let Some(chip) = &robot.chip {
         text += "  pins\n";
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn a_slow_cable_is_warned_of() {
         let slow = scenario("wander", &["robots.robot.link.baud=4800"]);
-        assert!(describe(&slow.robots[0]).contains("warning: the up line cannot carry"));
+        assert!(describe(&slow.robots[0]).contains("warning: the uplink cannot carry"));
     }
 
     #[test]

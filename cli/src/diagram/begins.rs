@@ -60,9 +60,12 @@ impl Begins {
     pub(super) fn in_words(&self) -> String {
         match self {
             Self::Reacts { round_ns, what, .. } => {
-                format!("In the round of its main loop from {} ms on the program {what}.", ms(*round_ns, 3))
+                format!(
+                    "In the round of its main loop that begins at {} ms, the program {what}.",
+                    ms(*round_ns, 3)
+                )
             }
-            Self::Does { at_ns, what } => format!("At {} ms the program {what}.", ms(*at_ns, 3)),
+            Self::Does { at_ns, what } => format!("At {} ms, the program {what}.", ms(*at_ns, 3)),
             Self::Start => format!(
                 "Within {} s the program sends no character and drives no wheel: this is the start.",
                 handy(PATIENCE_NS as f64 * 1e-9)

@@ -96,7 +96,9 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
     }
     let mut to_stdout = args.outputs().filter(|(_, path)| *path == Path::new(STDOUT));
     if args.rosbag2.as_deref() == Some(Path::new(STDOUT)) {
-        return Err(Refused::error("--rosbag2 -: is a folder with several files, and cannot go to stdout"));
+        return Err(Refused::error(
+            "--rosbag2 -: a bag is a folder with several files, and cannot go to stdout",
+        ));
     }
     if let (Some((one, _)), Some((other, _))) = (to_stdout.next(), to_stdout.next()) {
         return Err(Refused::error(format!(

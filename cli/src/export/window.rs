@@ -30,7 +30,7 @@ impl Window {
         if let (Some(from_s), Some(to_s)) = (args.from_s, args.to_s)
             && from_s > to_s
         {
-            return Err(Refused::error(format!("--from-s {from_s} is after --to-s {to_s}; exchange them")));
+            return Err(Refused::error(format!("--from-s {from_s} is after --to-s {to_s}; swap them")));
         }
         if from_tick > to_tick {
             let (first, last) = (at(first), at(last));
@@ -75,7 +75,7 @@ mod tests {
         assert_eq!(window(Some(2.3), Some(2.9)), Ok((230, 290)), "no end is lost to rounding");
         assert_eq!(window(Some(2.301), Some(2.899)), Ok((231, 289)));
         assert_eq!(window(Some(60.0), None), Ok((6000, 6000)));
-        assert_eq!(window(Some(3.0), Some(2.0)).unwrap_err(), "--from-s 3 is after --to-s 2; exchange them");
+        assert_eq!(window(Some(3.0), Some(2.0)).unwrap_err(), "--from-s 3 is after --to-s 2; swap them");
         for (from_s, to_s) in [(Some(61.0), None), (None, Some(0.5)), (Some(2.301), Some(2.302))] {
             let problem = window(from_s, to_s).unwrap_err();
             assert!(problem.contains("the recording is from 1 s to 60 s"), "{problem}");

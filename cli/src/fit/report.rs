@@ -78,7 +78,7 @@ impl Line<'_> {
             }
             (Outcome::Estimate(estimate), Some(Err(problem))) => {
                 format!(
-                    "# {path} is {}, {}; the scenario does not take it: {problem}",
+                    "# {path} is {}, {}; the scenario does not accept it: {problem}",
                     value(estimate),
                     interval(estimate)
                 )
@@ -86,7 +86,7 @@ impl Line<'_> {
             (Outcome::Estimate(estimate), None) => {
                 format!("# {path}: {}, {}", value(estimate), interval(estimate))
             }
-            (Outcome::CannotTell(reason), _) => format!("# cannot tell {path}: {reason}"),
+            (Outcome::CannotTell(reason), _) => format!("# cannot determine {path}: {reason}"),
         }
     }
 

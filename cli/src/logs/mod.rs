@@ -29,8 +29,7 @@ impl FromStr for LogFilter {
         for part in text.split(',') {
             let level = part.rsplit_once('=').map_or(part, |(_, level)| level);
             if level.is_empty() || level.parse::<LevelFilter>().is_err() {
-                let text =
-                    "must be off, error, warn, info, debug or trace, or such as warn,baudbot_server=info";
+                let text = "must be off, error, warn, info, debug or trace, or a list such as warn,baudbot_server=info";
                 return Err(text.to_owned());
             }
         }

@@ -63,9 +63,9 @@ fn collect(args: &CurveArgs, table: &mut Table, source: &mut Source, stop: &Stop
             "undo" | "u" => {
                 match table.undo()? {
                     Some((distance_mm, rows)) => {
-                        tell!("took back {} at {distance_mm} mm", count(rows, "reading"));
+                        tell!("removed {} at {distance_mm} mm", count(rows, "reading"));
                     }
-                    None => tell!("there is nothing to take back"),
+                    None => tell!("there is nothing to undo"),
                 }
                 continue;
             }
@@ -73,7 +73,7 @@ fn collect(args: &CurveArgs, table: &mut Table, source: &mut Source, stop: &Stop
         }
         let Some(distance_mm) = distance_mm(&line) else {
             tell!(
-                "`{line}` is no distance; type a number with its unit, such as `50 mm`, `5 cm` or `0.05 m`"
+                "`{line}` is not a distance; type a number with its unit, such as `50 mm`, `5 cm` or `0.05 m`"
             );
             continue;
         };
@@ -112,7 +112,7 @@ impl Source {
                         Typed::Line(line) if line.is_empty() => break,
                         Typed::Line(line) => match line.parse() {
                             Ok(number) if f64::is_finite(number) => readings.push(number),
-                            _ => tell!("  `{line}` is no number"),
+                            _ => tell!("  `{line}` is not a number"),
                         },
                     }
                 }

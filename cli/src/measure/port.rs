@@ -59,7 +59,7 @@ impl Port {
         if now.is_ok_and(|now| now.output_speed() == baud) {
             return Ok(());
         }
-        Err(refused(&self.path, format!("does not do {baud} baud; choose another --baud")))
+        Err(refused(&self.path, format!("does not support {baud} baud; choose another --baud")))
     }
 
     /// Throws away what has come and was not read.
@@ -76,7 +76,7 @@ impl Port {
                 Ok(written) => left = &left[written..],
                 Err(error) if is_for_later(&error) => {
                     if !self.wait(PollFlags::OUT, deadline)? {
-                        anyhow::bail!(self.trouble("takes no bytes; is it connected?"));
+                        anyhow::bail!(self.trouble("accepts no bytes; is it connected?"));
                     }
                 }
                 Err(error) => return Err(self.lost(error)),

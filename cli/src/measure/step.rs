@@ -46,17 +46,17 @@ fn is_allowed(args: &StepArgs, stop: &Stop) -> anyhow::Result<bool> {
     }
     if !io::stdin().is_terminal() {
         return Err(Refused::error(
-            "the robot will move: give it room and say --yes, or run this in a terminal",
+            "the robot will move: give it room and add --yes, or run this in a terminal",
         ));
     }
     tell!(
-        "THE ROBOT WILL MOVE for {} s with the commands {} and {}. Put its wheels in the air, or give it room, and have its \
-         switch at hand.",
+        "THE ROBOT WILL MOVE for {} s with the commands {} and {}. Put its wheels in the air, or give it room, and keep its \
+         switch within reach.",
         args.seconds,
         args.left,
         args.right
     );
-    Ok(matches!(ask("Enter lets it go, Ctrl-C does not: ", stop)?, Typed::Line(_)))
+    Ok(matches!(ask("Enter starts it, Ctrl-C does not: ", stop)?, Typed::Line(_)))
 }
 
 /// What is above the table.

@@ -48,7 +48,8 @@ impl Table {
             }
             break;
         }
-        let problem = format!("is there, and its columns are not {columns}; choose another file with -o");
+        let problem =
+            format!("exists already, and its columns are not {columns}; choose another file with -o");
         Err(Refused::error(format!("{}: {problem}", path.display())))
     }
 

@@ -90,7 +90,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let unwritten = summary.recording.as_ref().and_then(|recording| recording.problem.as_ref());
     if let Some(problem) = unwritten {
         let file = args.record.record.clone().unwrap_or_default();
-        return Err(anyhow!("the recording {} has ended before the run: {problem}", file.display()));
+        return Err(anyhow!("the recording {} ended before the run: {problem}", file.display()));
     }
     Ok(if summary.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
@@ -201,7 +201,7 @@ fn assigned(args: &RunArgs, scenario: &Scenario, shown: &[&str]) -> anyhow::Resu
     let free = scenario.robots.iter().filter(|spec| assigned.brain_of(&spec.name).is_none()).count();
     if free < external.into() {
         return Err(Refused::error(format!(
-            "--external {external}: {} without a --brain; give fewer of them one, or ask for fewer",
+            "--external {external}: {} without a --brain; name fewer robots with --brain, or ask for fewer",
             if free == 1 { "1 robot is".to_owned() } else { format!("{free} robots are") }
         )));
     }

@@ -1,4 +1,4 @@
-//! A brain for a robot of baudbot's: behaviours of the crate `baudbot-brains`, and one of its own. `brain.toml` says which of
+//! A brain for a baudbot robot: behaviours of the crate `baudbot-brains`, and one of its own. `brain.toml` says which of
 //! them the brain has, and when each is useful.
 
 use std::process::ExitCode;

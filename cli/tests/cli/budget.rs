@@ -7,11 +7,12 @@ use crate::{baudbot, good};
 #[test]
 fn a_robot_that_does_not_keep_its_step_is_told_why_and_what_would_help() {
     let out = good(&["budget", "wander"]);
-    let first = "robot robot: MISSES its deadline of 10 ms: needs 28.805 ms; the bottleneck is the wire up\n";
+    let first =
+        "robot robot: MISSES its deadline of 10 ms: needs 28.805 ms; the bottleneck is the cable up\n";
     assert!(out.starts_with(first), "{out}");
     let squeezed = out.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in [
-        "wire up 19.792 19.792 19.792 ███",
+        "cable up 19.792 19.792 19.792 ███",
         "whole cycle 28.805 28.805 ",
         "38400 baud (a setting at both ends): ",
         " --set robots.robot.link.baud=38400 ",

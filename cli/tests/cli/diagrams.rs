@@ -69,8 +69,8 @@ fn without_an_instant_a_diagram_of_a_chip_is_of_the_first_round_in_which_its_pro
     }
     assert!(!texts.iter().any(|text| text.starts_with("D2")), "nothing is on it: {texts:?}");
     assert!(
-        texts.iter().any(|text| text.starts_with("In the round of its main loop from ")
-            && text.contains(" ms on the program reads ir_")
+        texts.iter().any(|text| text.starts_with("In the round of its main loop that begins at ")
+            && text.contains(" ms, the program reads ir_")
             && text.contains(" and changes D")),
         "{texts:?}"
     );

@@ -166,9 +166,9 @@ fn wires_that_nobody_would_make_are_refused_by_their_pin() {
         ("two-outputs", "2 = [\"sensors.whisker\", \"encoders.left.a\"]", "encoders"),
         ("open", "9 = \"motors.left.pwm\"", "direction"),
         ("terminal", "9 = \"motors.left.speed\"", "motors.left"),
-        ("wheel", "9 = \"motors.middle.pwm\"", "`middle` is no wheel"),
+        ("wheel", "9 = \"motors.middle.pwm\"", "`middle` is not a wheel"),
         ("option", "A0 = { to = \"sensors.ir\", colour = 3 }", "unknown field `colour`"),
-        ("number", "A0 = 3", "has a text, a list, or a table with `to`, and not integer"),
+        ("number", "A0 = 3", "takes a text, a list, or a table with `to`, not integer"),
         (
             "meaningless-option",
             "A0 = { to = \"sensors.ir\", pull = \"external\" }",
@@ -185,7 +185,7 @@ fn wires_that_nobody_would_make_are_refused_by_their_pin() {
             "robots[0].pins.5[1].lit_by: means nothing for `buzzers.b`, which has no options",
         ),
         ("crystal", "PB6 = \"leds.x\"", "robots[0].pins.PB6: is a pin of the clock source"),
-        ("reset", "PC6 = \"leds.x\"", "robots[0].pins.PC6: is the pin of the reset"),
+        ("reset", "PC6 = \"leds.x\"", "robots[0].pins.PC6: is the reset pin"),
     ] {
         let robot = scenario(name, &format!("{ROBOT}{CABLE}{sensors}[robots.pins]\n{pins}\n"));
         let (code, _, err) = baudbot(&["check", robot.to_str().unwrap()]);

@@ -140,9 +140,9 @@ fn what_cannot_be_told_is_said_with_the_reason() {
         "motors.gain_n_s,sensors.ir_0.noise.gain_spread",
     ]);
     assert_eq!(code, 1, "{out}");
-    assert!(out.contains("# cannot tell motors.gain_n_s: the log has 0 rows with commands"), "{out}");
+    assert!(out.contains("# cannot determine motors.gain_n_s: the log has 0 rows with commands"), "{out}");
     assert!(
-        out.contains("# cannot tell sensors.ir_0.noise.gain_spread: the log has no column `distance_m`"),
+        out.contains("# cannot determine sensors.ir_0.noise.gain_spread: the log has no column `distance_m`"),
         "{out}"
     );
 }
@@ -203,7 +203,7 @@ fn noise_about_a_table_goes_into_a_scenario() {
     assert_eq!(code, 0, "{err}");
     assert!(out.contains("\nsensors.ir_3.noise.uniform = 0.0"), "{out}");
     assert!(
-        out.contains("# cannot tell sensors.ir_3.noise.gain_spread: a spread over specimens needs"),
+        out.contains("# cannot determine sensors.ir_3.noise.gain_spread: a spread over specimens needs"),
         "{out}"
     );
     let scenario = format!("[[robots]]\nname = \"a\"\npreset = \"khepera-2\"\n{out}");

@@ -65,6 +65,15 @@ fn a_name_that_is_nearly_right_is_understood() {
     let (code, _, err) = baudbot(&["init", "baud-vs-sped"]);
     assert_eq!(code, 2);
     assert!(err.contains("`baudbot list` has them all"), "{err}");
+    for (arguments, is) in [
+        (["run", "avoid"], "`avoid` is a brain: `baudbot run --brain avoid`"),
+        (["run", "khepera-1"], "`khepera-1` is a preset: `baudbot preset khepera-1`"),
+        (["init", "khepera-1"], "`khepera-1` is a preset: `baudbot preset khepera-1`"),
+    ] {
+        let (code, _, err) = baudbot(&arguments);
+        assert_eq!(code, 2);
+        assert!(err.contains(is), "{err}");
+    }
 }
 
 #[test]

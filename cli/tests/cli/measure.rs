@@ -216,9 +216,9 @@ fn a_curve_is_typed_taken_back_and_continued() {
     let args = ["measure", "curve", "-o", out.to_str().unwrap(), "--readings", "2"];
     let (code, _, err) = typing(&args, "50 mm\n900\n905\n10 cm\n450\n\nundo\n50\n");
     assert_eq!(code, 0, "{err}");
-    assert!(err.contains("took back 1 reading at 100 mm") && err.contains("`50` is no distance"), "{err}");
+    assert!(err.contains("removed 1 reading at 100 mm") && err.contains("`50` is not a distance"), "{err}");
     let (code, words, err) = typing(&args, "0.2 m\n200\nx\n201\n");
-    assert!(code == 0 && err.contains("continuing: 2 rows") && err.contains("`x` is no number"), "{err}");
+    assert!(code == 0 && err.contains("continuing: 2 rows") && err.contains("`x` is not a number"), "{err}");
     assert!(words.starts_with("4 rows in "), "{words}");
     assert_eq!(rows(&out), ["distance_mm,value_raw", "50,900", "50,905", "200,200", "200,201"]);
     let (code, _, err) = typing(&[&args[..], &["--sensor", "left"]].concat(), "");
@@ -311,7 +311,7 @@ fn a_step_is_watched_and_the_robot_is_stopped() {
         path,
     ];
     let (code, _, err) = baudbot(&args);
-    assert!(code == 2 && err.contains("the robot will move: give it room and say --yes"), "{err}");
+    assert!(code == 2 && err.contains("the robot will move: give it room and add --yes"), "{err}");
     assert!(told.lock().unwrap().is_empty());
     let words = good(&[&args[..], &["--yes"]].concat());
     assert!(words.contains("unanswered  0\n"), "{words}");
@@ -402,8 +402,8 @@ fn what_cannot_be_sent_is_refused() {
     let step = ["measure", "step", "--device", "/dev/null", "--left", "1", "--right", "1"];
     for (more, words) in [
         (["--command", "D,{left}", "--ask", "H"], "must have {left} and {right} in it"),
-        (["--command", "D,{left},{right}\\q", "--ask", "H"], "`\\q` is no escape"),
-        (["--command", "D,{left},{right}", "--ask", ""], "must have a byte at least"),
+        (["--command", "D,{left},{right}\\q", "--ask", "H"], "`\\q` is not an escape"),
+        (["--command", "D,{left},{right}", "--ask", ""], "must have at least one byte"),
     ] {
         let (code, _, err) = baudbot(&[&step[..], &more].concat());
         assert!(code == 2 && err.contains(words), "{err}");

@@ -199,13 +199,13 @@ fn ports_that_cannot_be_are_refused_with_what_there_is() {
             "robot `k` has no sensor `c` with a port of its own; those with one: none",
         ),
         (&["--port", "pty:k.tty"], 2, "say of which robot, as in ROBOT=pty:k.tty; there are: k, n"),
-        (&["--port", "k=com:3"], 2, "`com` is no kind of port; there are pty, tcp, rfc2217 and unix"),
+        (&["--port", "k=com:3"], 2, "`com` is not a kind of port; there are pty, tcp, rfc2217 and unix"),
         (&["--port", "k=tcp:0.0.0.0:0"], 2, "other machines could reach this port and drive the robot"),
         (&["--port", &in_use], 1, "cannot be opened: Address already in use"),
         (&["--port", "k=pty:no/such/folder/k.tty"], 1, "cannot be opened: No such file or directory"),
         (&["--port", "k=pty:k.tty", "--pace", "lockstep"], 1, "the world does not follow the wall clock"),
         (&["--port", "k=pty:k.tty", "--pace", "free"], 1, "serial ports need the pace real-time or scaled"),
-        (&["--port", "k=pty:k.tty", "wander"], 2, "--port: takes a single world, and these are several"),
+        (&["--port", "k=pty:k.tty", "wander"], 2, "--port: takes a single world, and there are several"),
     ] {
         let (found, err) = refusal(&folder, KHEPERA, args);
         assert!(err.contains(what), "{args:?}: {err}");

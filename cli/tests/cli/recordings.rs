@@ -181,7 +181,7 @@ fn a_full_disk_ends_the_recording_and_not_the_run() {
     let program = command(&[]);
     let (code, out, err) = said(shell.args(["-c", &script]).arg(program.get_program()).output().unwrap());
     // Whoever asked for a recording does not have it.
-    assert!(code == 1 && err.contains("has ended before the run: File too large"), "{code}: {err}");
+    assert!(code == 1 && err.contains("ended before the run: File too large"), "{code}: {err}");
     let summary: Value = serde_json::from_str(&out).unwrap();
     assert_eq!(summary["ticks"], 6000);
     let problem = summary["recording"]["problem"].as_str().unwrap();
@@ -343,7 +343,7 @@ fn a_replay_is_shown_in_a_browser_beside_any_server() {
     let file = place("shown.mcap");
     good(&["run", "wander", "--seconds", "1", "--quiet", "--record", text(&file)]);
     let mut server = Running::start(&["replay", text(&file), "--view", "--viewer", "127.0.0.1:0"]);
-    let lines = server.lines_until("look at it: http://127.0.0.1:");
+    let lines = server.lines_until("open in a browser: http://127.0.0.1:");
     // The usual port of servers may be taken by one.
     assert_eq!(lines[0], "world wander: replays a recording");
     server.signal("-INT");

@@ -132,10 +132,10 @@ fn worlds_have_names_of_their_own() {
 fn an_end_that_cannot_be_is_told_with_its_option() {
     for seconds in ["0", "-1", "1e300"] {
         let refusal = refusal(2, &["run", "--seconds", seconds]);
-        assert!(refusal.starts_with("--seconds: wander: end.after_s: must be within"), "{refusal}");
+        assert!(refusal.starts_with("--seconds: wander: end.after_s: must be between"), "{refusal}");
     }
     let huge = refusal(2, &["run", "--ticks", "18446744073709551615"]);
-    assert!(huge.starts_with("--ticks: wander: end.after_s: must be within"), "{huge}");
+    assert!(huge.starts_with("--ticks: wander: end.after_s: must be between"), "{huge}");
     let none = refusal(2, &["run", "--ticks", "0"]);
     assert!(none.contains("'--ticks <N>'"), "{none}");
 }

@@ -274,14 +274,9 @@ fn runs_that_failed_are_done_again_and_others_are_told_of_until_a_sweep_is_fresh
     let (code, told) = sweep(&[]);
     assert_eq!(
         (code, told),
-        (
-            0,
-            format!(
-                "note: 0 of 2 runs are in {journal}, 2 that failed are done again; --fresh does all again"
-            )
-        )
+        (0, format!("note: {journal} has 0 of 2 runs; 2 that failed are done again; --fresh does all again"))
     );
-    let note = format!("note: all 2 runs are in {journal}; --fresh does them again");
+    let note = format!("note: {journal} has 2 of 2 runs; --fresh does them again");
     assert_eq!(sweep(&[]), (0, note.clone()), "the program is older than the runs that count");
     assert_eq!(sweep(&["--quiet"]), (0, String::new()));
     let later = std::time::SystemTime::now() + Duration::from_secs(60);

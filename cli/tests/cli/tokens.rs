@@ -17,6 +17,10 @@ fn a_token_is_alone_on_stdout_and_only_its_hash_is_kept() {
     let path = place("new-tokens").join("tokens.toml");
     let _ = fs::remove_dir_all(path.parent().unwrap());
     let file = path.to_str().unwrap();
+    let (code, _, err) = baudbot(&["token", "list", "--file", file]);
+    let absent =
+        format!("error: {file} does not exist yet; `baudbot token new --name NAME --operate` creates it\n");
+    assert_eq!((code, err), (2, absent));
     let rights = ["--observe", "--drive", "wander/alice", "--drive", "class-*/*", "--expires", "30d"];
     let (code, out, err) =
         baudbot(&[&["token", "new", "--name", "alice", "--file", file], &rights[..]].concat());

@@ -33,9 +33,9 @@ impl User {
     fn serves(&self, args: &[&str]) -> (Running, String, String) {
         let listen = ["serve", "--listen", "127.0.0.1:0", "--viewer", "127.0.0.1:0"];
         let mut server = Running(self.command(&[&listen, args].concat()).spawn().unwrap());
-        let lines = server.lines_until("look at it: ");
+        let lines = server.lines_until("open in a browser: ");
         let address = lines[0].strip_prefix("listening on ").unwrap().to_owned();
-        (server, address, lines.last().unwrap().strip_prefix("look at it: ").unwrap().to_owned())
+        (server, address, lines.last().unwrap().strip_prefix("open in a browser: ").unwrap().to_owned())
     }
 }
 

@@ -37,7 +37,7 @@ fn a_world_is_there_again_with_all_that_an_operator_has_done() {
     let server = Server::start(&folder, "operator", &["wander", "--pace", "lockstep"]);
     let log = server.log();
     assert!(
-        log.contains("note: world wander goes on as it was left; scenario wander is not begun again\n"),
+        log.contains("note: world wander continues as it was left; scenario wander is not started again\n"),
         "{log}"
     );
     let mut operator = server.operator();
@@ -121,7 +121,7 @@ fn a_damaged_world_is_set_aside_and_the_others_go_on() {
     let (log, aside) = (server.log(), folder.join("worlds/wander.damaged"));
     let (journal, shown) = (journal.display(), aside.display());
     assert!(
-        log.contains(&format!("warning: world wander does not go on: {journal} is damaged at byte ")),
+        log.contains(&format!("warning: world wander does not continue: {journal} is damaged at byte ")),
         "{log}"
     );
     assert!(log.contains(&format!("; its folder is set aside as {shown}\n")), "{log}");

@@ -55,7 +55,8 @@ fn a_server_whose_disk_hangs_ends_nonetheless_with_words_and_another_code() {
     let (code, log, took) = server.end();
     assert_eq!(code, Some(1), "{log}");
     assert!(
-        log.contains("error: not all has ended within 1 s (--stop-within)") && log.contains("what other did"),
+        log.contains("error: not everything has ended within 1 s (--stop-within)")
+            && log.contains("what other did"),
         "{log}"
     );
     assert!(took < Duration::from_secs(6), "{took:?}: {log}");

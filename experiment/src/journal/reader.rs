@@ -168,7 +168,7 @@ impl Found {
                 Some(other) => {
                     let (run, line) = (other.run, of_a_run[0].line);
                     let then = consequence.of_row;
-                    told.push(format!("lines {line} and {} differ about run {run}; {then}", other.line));
+                    told.push(format!("lines {line} and {} disagree about run {run}; {then}", other.line));
                 }
             }
         }

@@ -54,7 +54,7 @@ fn refused(path: &Path, header: &Header, refusal: Refusal) -> Error {
             format!("{place} is not the journal of an experiment, or is damaged throughout; leave it out")
         }
         Refusal::Before => format!(
-            "{place} is of an earlier version of baudbot, whose journals had no checksums; do its runs again with this one"
+            "{place} is from an earlier version of baudbot, whose journals had no checksums; do its runs again with this one"
         ),
         Refusal::OfAnother(found) => format!(
             "{place} belongs to another experiment, scenario or version (`{}`, {}… instead of {}…); leave it out, or merge \

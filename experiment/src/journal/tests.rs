@@ -124,7 +124,7 @@ fn of_lines_that_differ_about_a_run_none_is_believed() {
     let mut lines = lines();
     lines.push(seal().line(&Written::from(&Row { run: 1, ..row(2) })).unwrap());
     let found = reader::read(&*lines.concat(), &header()).unwrap();
-    assert_eq!(found.damage, ["lines 4 and 7 differ about run 1; its run is repeated"]);
+    assert_eq!(found.damage, ["lines 4 and 7 disagree about run 1; its run is repeated"]);
     assert_eq!(found.rows.iter().map(|row| row.run).collect::<Vec<_>>(), [0, 2, 4]);
     assert!(!found.is_sound, "it would be told for ever");
 }

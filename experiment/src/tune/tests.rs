@@ -145,7 +145,7 @@ fn damaged_lines_are_told_of_and_their_runs_done_again_to_the_same_result() {
     let told = std::sync::Mutex::new(Vec::new());
     run_and_tell(STRAIGHT, &out, 2, u64::MAX, &|text| told.lock().unwrap().push(text.to_string())).unwrap();
     let mut told = told.into_inner().unwrap();
-    assert!(told.pop().unwrap().ends_with(" (the journal); --fresh does them again"));
+    assert!(told.pop().unwrap().ends_with(" runs; --fresh does them again"));
     assert_eq!(told.len(), hit);
     for (i, told) in told.iter().enumerate() {
         assert!(told.contains(&format!("rows.jsonl: line {} is damaged", 4 + 7 * i)), "{told}");

@@ -116,7 +116,7 @@ fn side(path: &Path, name: &str) -> Result<Side> {
     match name {
         "left" => Ok(Side::Left),
         "right" => Ok(Side::Right),
-        _ => Err(path.error(format!("`{name}` is no wheel; there are left and right"))),
+        _ => Err(path.error(format!("`{name}` is not a wheel; there are left and right"))),
     }
 }
 
@@ -306,7 +306,7 @@ impl Part<'_> {
 
     fn encoder(&self, sensor: &Sensor) -> Result<Kind> {
         let Device::Encoders(encoders) = &sensor.device else {
-            return Err(self.path.error("is no encoder"));
+            return Err(self.path.error("is not an encoder"));
         };
         let channels = if self.uses("b") { Channels::Quadrature } else { Channels::Single };
         if encoders.quadrature && channels == Channels::Single {

@@ -85,9 +85,9 @@ pub(super) fn fuses(path: &Path, microcontroller: &raw::Microcontroller) -> Resu
         return Ok(inline.fuses.map(|[low, high, extended]| Fuses { low, high, extended }));
     };
     let at = path.field("fuses");
-    let byte = |byte: u64| u8::try_from(byte).map_err(|_| at.error(format!("{byte} is no byte")));
+    let byte = |byte: u64| u8::try_from(byte).map_err(|_| at.error(format!("{byte} is not a byte")));
     let [low, high, extended] = given[..] else {
-        return Err(at.error(format!("has the bytes low, high and extended, and not {}", given.len())));
+        return Err(at.error(format!("must be the bytes low, high and extended, has {}", given.len())));
     };
     Ok(Some(Fuses { low: byte(low)?, high: byte(high)?, extended: byte(extended)? }))
 }
@@ -98,11 +98,11 @@ pub(super) fn check_pin(path: &Path, pin: &str, fuses: Option<Fuses>) -> Result<
     let problem = match taken.and_then(|pin| fuses.unwrap_or(Fuses::ARDUINO_UNO).takes(pin)) {
         None => return Ok(()),
         Some(Taken::Clock) => {
-            "is a pin of the clock source: on a board with a crystal take another pin; it is free if \
+            "is a pin of the clock source: on a board with a crystal use another pin; it is free if \
              microcontroller.fuses choose an internal oscillator"
         }
         Some(Taken::Reset) => {
-            "is the pin of the reset: take another pin; it is free if microcontroller.fuses have RSTDISBL"
+            "is the reset pin: use another pin; it is free if microcontroller.fuses have RSTDISBL"
         }
     };
     Err(path.error(problem))

@@ -51,9 +51,9 @@ fn noise_that_makes_no_sense_is_refused() {
     let refusals = [
         ("gain_spread = -0.1", "front.noise.gain_spread: must not be negative, is -0.1"),
         ("offset_spread = nan", "front.noise.offset_spread: must not be negative, is NaN"),
-        ("multiplicative = 1e4", "front.noise.multiplicative: must be within 0 and 1000, is 10000"),
+        ("multiplicative = 1e4", "front.noise.multiplicative: must be between 0 and 1000, is 10000"),
         ("additive = -1.0", "front.noise.additive: must not be negative, is -1"),
-        ("uniform = inf", "front.noise.uniform: must be within 0 and 1000000000, is inf"),
+        ("uniform = inf", "front.noise.uniform: must be between 0 and 1000000000, is inf"),
         (
             "drift = { sigma = 1.0, time_constant_s = 0.0 }",
             "front.noise.drift.time_constant_s: must be positive, is 0",
@@ -64,19 +64,19 @@ fn noise_that_makes_no_sense_is_refused() {
         ),
         (
             "spikes = { probability = 1.5, magnitude = 1.0 }",
-            "front.noise.spikes.probability: must be within 0 and 1, is 1.5",
+            "front.noise.spikes.probability: must be between 0 and 1, is 1.5",
         ),
         (
             "spikes = { probability = 0.5, magnitude = -1.0 }",
-            "front.noise.spikes.magnitude: must be within 0 and 1000000000, is -1",
+            "front.noise.spikes.magnitude: must be between 0 and 1000000000, is -1",
         ),
         (
             "dropout = { probability = -0.5, value = 0.0 }",
-            "front.noise.dropout.probability: must be within 0 and 1, is -0.5",
+            "front.noise.dropout.probability: must be between 0 and 1, is -0.5",
         ),
         (
             "dropout = { probability = 0.5, value = nan }",
-            "front.noise.dropout.value: must be within -1000000000 and 1000000000, is NaN",
+            "front.noise.dropout.value: must be between -1000000000 and 1000000000, is NaN",
         ),
     ];
     for (toml, expected) in refusals {

@@ -82,6 +82,7 @@ pub(crate) async fn serve(
         .route("/metrics", get(tell_metrics))
         .fallback(get(file))
         .layer(axum::middleware::from_fn_with_state(page.clone(), check_host))
+        .layer(axum::middleware::from_fn(check_protocol))
         .layer(axum::middleware::from_fn_with_state(page.clone(), check_place))
         .with_state(page)
         .into_make_service_with_connect_info::<PageConnection>();
@@ -123,6 +124,19 @@ fn refused(exceeded: &Exceeded) -> Response {
     };
     let seconds = after.as_millis().div_ceil(1000).to_string();
     (StatusCode::TOO_MANY_REQUESTS, [(header::RETRY_AFTER, seconds)], text).into_response()
+}
+
+/// Answers calls of gRPC, which have their own address, in their own way.
+async fn check_protocol(request: Request, next: Next) -> Response {
+    let kind = request.headers().get(header::CONTENT_TYPE).map(HeaderValue::as_bytes);
+    if kind.is_some_and(|kind| kind.starts_with(b"application/grpc")) {
+        return Status::unimplemented(
+            "the viewer's page is at this address; brains and observers connect to the address of --listen, which \
+             `baudbot serve` prints as `listening on`",
+        )
+        .into_http();
+    }
+    next.run(request).await
 }
 
 async fn check_host(State(page): State<Page>, request: Request, next: Next) -> Response {

@@ -468,7 +468,7 @@ fn ten_thousand_rays_are_taken_and_ten_thousand_and_one_are_not() {
     };
     assert_eq!(first(&with_sensor(&wall(1.0), &laser(9_999))).len(), 9_999);
     let message = refusal(&with_sensor("", &laser(10_001)));
-    assert!(message.contains("sensors.s.rays: must be within 1 and 10000, is 10001"), "{message}");
+    assert!(message.contains("sensors.s.rays: must be between 1 and 10000, is 10001"), "{message}");
 }
 
 #[test]

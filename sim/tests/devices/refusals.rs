@@ -43,13 +43,13 @@ fn a_clock_that_is_shorter_than_the_sweep() {
     );
     sensor(
         &format!("{VOLTAGE}\ncurve_m_v = [[0.1, 2.0], [0.8, 0.4]]\nclock = {{ period_ms = 0.0 }}"),
-        ".clock.period_ms: must be within 0.01 and 10000000, is 0",
+        ".clock.period_ms: must be between 0.01 and 10000000, is 0",
     );
     sensor(
         &format!(
             "{VOLTAGE}\ncurve_m_v = [[0.1, 2.0], [0.8, 0.4]]\nclock = {{ period_ms = 10.0, spread_ms = 9.5 }}"
         ),
-        ".clock.spread_ms: must be within 0 and 9, is 9.5",
+        ".clock.spread_ms: must be between 0 and 9, is 9.5",
     );
 }
 
@@ -58,16 +58,16 @@ fn codes_of_an_infrared_sensor_that_do_not_fit_its_bits() {
     let ir = format!("{IR}\nc1_m2 = 0.03\nc2 = 0.1");
     sensor(&format!("{ir}\nconverter_bits = 8"), ".converter_bits: goes with `bits`, which is missing");
     sensor(&format!("{ir}\nfull_scale = 1000"), ".full_scale: goes with `bits`, which is missing");
-    sensor(&format!("{ir}\nbits = 8\nconverter_bits = 9"), ".converter_bits: must be within 1 and 8, is 9");
-    sensor(&format!("{ir}\nbits = 8\nfull_scale = 256"), ".full_scale: must be within 1 and 255, is 256");
-    sensor(&format!("{ir}\nbits = 33\nfull_scale = 256"), ".bits: must be within 1 and 32, is 33");
+    sensor(&format!("{ir}\nbits = 8\nconverter_bits = 9"), ".converter_bits: must be between 1 and 8, is 9");
+    sensor(&format!("{ir}\nbits = 8\nfull_scale = 256"), ".full_scale: must be between 1 and 255, is 256");
+    sensor(&format!("{ir}\nbits = 33\nfull_scale = 256"), ".bits: must be between 1 and 32, is 33");
 }
 
 #[test]
 fn a_sonar_that_hears_a_wall_less_far_than_it_measures() {
     sensor(
         &format!("{SONAR}\nmin_m = 0.0\nwall_range_m = 2.9"),
-        ".wall_range_m: must be within 3 and 1000000, is 2.9",
+        ".wall_range_m: must be between 3 and 1000000, is 2.9",
     );
 }
 
@@ -83,12 +83,12 @@ fn a_clock_for_what_the_processor_times_itself() {
 fn optical_flow_that_cannot_be() {
     let flow = "kind = \"optical-flow\"\nmount = {}\ncounts_per_m = 15748.0\nmax_speed_m_s = 1.0";
     sensor(&flow.replace("mount = {}\n", ""), ": needs either `bearing_rad`");
-    sensor(&flow.replace("15748.0", "0.5"), ".counts_per_m: must be within 1 and 1000000, is 0.5");
+    sensor(&flow.replace("15748.0", "0.5"), ".counts_per_m: must be between 1 and 1000000, is 0.5");
     sensor(&flow.replace("= 1.0", "= 0.0"), ".max_speed_m_s: must be positive, is 0");
     sensor(&format!("{flow}\ngain_spread = -0.1"), ".gain_spread: must not be negative, is -0.1");
     sensor(&format!("{flow}\nsigma_m = nan"), ".sigma_m: must not be negative, is NaN");
     sensor(&format!("{flow}\nbits = 7"), ".bits: a counter has 8 to 32 bits, not 7");
-    sensor(&format!("{flow}\nbits = 64"), ".bits: must be within 8 and 32, is 64");
+    sensor(&format!("{flow}\nbits = 64"), ".bits: must be between 8 and 32, is 64");
     sensor(
         &format!("{flow}\nnoise = {{ additive = 0.1 }}"),
         ".noise: a sensor of kind `optical-flow` is digital",
@@ -114,7 +114,7 @@ fn ports_of_the_wrong_kind() {
     sensor(&format!("{LASER}\n{}", port(", characters = 4")), ".port.characters: must be 2 or 3, is 4");
     sensor(
         &format!("{LASER}\n{}", port(", first_step = 9996")),
-        ".port.first_step: must be within 0 and 9999, is 10000",
+        ".port.first_step: must be between 0 and 9999, is 10000",
     );
     sensor(
         &format!("kind = \"gps\"\n{}", port(", characters = 2")),
@@ -183,10 +183,10 @@ fn gauges_counters_and_switches() {
     }
     sensor(
         "kind = \"encoders\"\ncounts_per_turn = 0",
-        ".counts_per_turn: must be within 1 and 1000000, is 0",
+        ".counts_per_turn: must be between 1 and 1000000, is 0",
     );
     sensor("kind = \"encoders\"\ncounts_per_turn = 8\nbits = 7", ".bits: a counter has 8 to 32 bits, not 7");
-    sensor("kind = \"encoders\"\ncounts_per_turn = 8\nloss = 1.5", ".loss: must be within 0 and 1, is 1.5");
+    sensor("kind = \"encoders\"\ncounts_per_turn = 8\nloss = 1.5", ".loss: must be between 0 and 1, is 1.5");
     sensor("kind = \"bumper\"\nopening_rad = 1.0\nmount = {}", ": is a part of the rim");
     sensor("kind = \"whisker\"\nlength_m = 0.1", ": needs either `bearing_rad`");
     sensor("kind = \"nose\"", ".kind: must be one of ");
@@ -208,12 +208,12 @@ fn curves_and_ranges_that_make_no_sense() {
     );
     sensor(
         &VOLTAGE.replace("idle_v = 0.3", "idle_v = 5.3\ncurve_m_v = [[0.1, 2.0], [0.2, 1.0]]"),
-        ".idle_v: must be within 0 and 5, is 5.3",
+        ".idle_v: must be between 0 and 5, is 5.3",
     );
-    sensor(&format!("{SONAR}\nmin_m = 3.5"), ".min_m: must be within 0 and 3, is 3.5");
-    sensor(&format!("{SONAR}\nmin_m = 0.0\ndetection = 1.1"), ".detection: must be within 0 and 1, is 1.1");
-    sensor(&format!("{LASER}\nmin_m = 5.0"), ".min_m: must be within 0 and 4, is 5");
-    sensor(&format!("{CAMERA}\ncolumns = 5000"), ".columns: must be within 1 and 4096, is 5000");
+    sensor(&format!("{SONAR}\nmin_m = 3.5"), ".min_m: must be between 0 and 3, is 3.5");
+    sensor(&format!("{SONAR}\nmin_m = 0.0\ndetection = 1.1"), ".detection: must be between 0 and 1, is 1.1");
+    sensor(&format!("{LASER}\nmin_m = 5.0"), ".min_m: must be between 0 and 4, is 5");
+    sensor(&format!("{CAMERA}\ncolumns = 5000"), ".columns: must be between 1 and 4096, is 5000");
     sensor(
         &format!("{CAMERA}\ncolumns = 4096\nrows = 1000"),
         ".rows: 4096 columns and 1000 rows are more than",
@@ -224,7 +224,7 @@ fn curves_and_ranges_that_make_no_sense() {
     );
     sensor("kind = \"gyroscope\"\nrange_rad_s = 0.0", ".range_rad_s: must be positive, is 0");
     sensor("kind = \"light\"\nbearing_rad = 0.0\nrange_lux = inf", ".range_lux: must be positive, is inf");
-    sensor("kind = \"compass\"\nperiod_ms = 0.0", ".period_ms: must be within 0.01 and 10000000, is 0");
+    sensor("kind = \"compass\"\nperiod_ms = 0.0", ".period_ms: must be between 0.01 and 10000000, is 0");
 }
 
 #[test]
@@ -268,7 +268,7 @@ fn actuators_and_batteries() {
     refused(&actuator("level = 1.0"), "robots[0].actuators.a.kind: is missing");
     refused(
         &actuator("kind = \"turret\"\nmin_rad = 0.1\nmax_rad = 1.0\nrate_rad_s = 1.0"),
-        "robots[0].actuators.a.min_rad: must be within",
+        "robots[0].actuators.a.min_rad: must be between",
     );
     refused(
         &actuator("kind = \"lamp\"\nintensity_cd = -1.0"),
@@ -287,11 +287,11 @@ fn actuators_and_batteries() {
     );
     refused(
         &battery("capacity_a_share = [[1.0, 0.0]]"),
-        "robots[0].battery.capacity_a_share[0].share: must be within 0.001 and 1, is 0",
+        "robots[0].battery.capacity_a_share[0].share: must be between 0.001 and 1, is 0",
     );
     let flat = scene("", "battery = { nominal_v = 1e-320, capacity_mah = 1000.0 }", "");
-    refused(&flat, "robots[0].battery.nominal_v: must be within 0.001 and 1000000");
-    refused(&battery("charge = 1.5"), "robots[0].battery.charge: must be within 0 and 1, is 1.5");
+    refused(&flat, "robots[0].battery.nominal_v: must be between 0.001 and 1000000");
+    refused(&battery("charge = 1.5"), "robots[0].battery.charge: must be between 0 and 1, is 1.5");
     refused(&battery("curve_share_v = []"), "robots[0].battery.curve_share_v: needs at least one pair");
     refused(
         &battery("curve_share_v = [[0.5, 1.0], [0.5, 1.1]]"),
@@ -310,7 +310,7 @@ fn motors_that_cannot_be() {
     );
     refused(
         &scene("", "motors = { timeout_ms = 0.0 }", ""),
-        "robots[0].motors.timeout_ms: must be within 0.01",
+        "robots[0].motors.timeout_ms: must be between 0.01",
     );
 }
 
@@ -342,7 +342,7 @@ fn brains_and_their_processors() {
             ),
             "",
         ),
-        "robots[0].brain.operations: say either this or thinking_us",
+        "robots[0].brain.operations: give either this or thinking_us",
     );
     refused(
         &scene("", "link = { kind = \"onboard\", baud = 9600 }", ""),
@@ -381,7 +381,7 @@ fn things_in_the_arena() {
     );
     top(
         &format!("{mover}radius_m = 0.1\nwander = {{ speed_m_s = 1e300, turn_s = 1.0 }}\n"),
-        "arena.movers[0].wander.speed_m_s: must be within",
+        "arena.movers[0].wander.speed_m_s: must be between",
     );
     let stuck = format!(
         "{}{mover}radius_m = 0.2\nwander = {{ speed_m_s = 1.0, turn_s = 1.0 }}\n",
@@ -408,7 +408,7 @@ fn things_to_push_zones_and_lights() {
     );
     top(
         "[[arena.zones]]\nname = \"z\"\nx_m = 0.0\ny_m = 0.0\nradius_m = 1.0\nslip = 1.1\n",
-        "arena.zones[0].slip: must be within 0 and 1, is 1.1",
+        "arena.zones[0].slip: must be between 0 and 1, is 1.1",
     );
     top(
         "[[arena.lights]]\nname = \"l\"\nx_m = 0.0\ny_m = 0.0\nintensity_cd = 1.0\nlit_ms = 5.0\n",
@@ -418,7 +418,7 @@ fn things_to_push_zones_and_lights() {
         "[[arena.circles]]\nname = \"m\"\nx_m = 9.0\ny_m = 0.0\nradius_m = 1.0\n[[arena.movers]]\nname = \"m\"\n",
         "arena.movers[0]",
     );
-    top("[arena]\nlatitude_deg = 90.0\n", "arena.latitude_deg: must be within -89 and 89, is 90");
+    top("[arena]\nlatitude_deg = 90.0\n", "arena.latitude_deg: must be between -89 and 89, is 90");
     top("[arena]\nmaps = [{ file = \"x\" }]\n", "arena.maps: refers to a file");
 }
 
@@ -426,7 +426,7 @@ fn things_to_push_zones_and_lights() {
 fn ends_that_a_run_can_never_have_or_has_at_once() {
     top("[end]\nall_goals = true\n", "end.all_goals: no zone of the arena has goal = true");
     top("[end]\nbattery_empty = true\n", "end.battery_empty: no robot has a battery");
-    top("[end]\ncollisions = 0\n", "end.collisions: must be within 1");
+    top("[end]\ncollisions = 0\n", "end.collisions: must be between 1");
     top("[end]\ncovered = 0.5\n", "metrics.cell_m: is missing");
     top("[metrics]\ncell_m = 0.1\n", "metrics.cell_m: ");
     let room = "[[arena.polygons]]\nname = \"room\"\nsolid = false\npoints_m = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n[metrics]\ncell_m = 0.1\n";

@@ -47,7 +47,7 @@ fn verdict(budget: &ProgramBudget) -> String {
 
 /// Of the two that make a cycle the one that the verdict goes by.
 fn longest(budget: &ProgramBudget) -> (&'static str, Span) {
-    let way = budget.readings_to_motors.map(|span| ("the way from the readings to the motors", span));
+    let way = budget.readings_to_motors.map(|span| ("the path from the readings to the motors", span));
     let all = way.into_iter().chain(budget.round.map(|span| ("a round of its main loop", span)));
     let misses = budget.verdict == Verdict::Misses;
     all.max_by_key(|(_, span)| if misses { span.typical_ns } else { span.worst_ns }).unwrap_or_default()
@@ -115,7 +115,7 @@ fn notes(budget: &ProgramBudget) -> String {
         );
     }
     if budget.readings_to_motors.is_none() {
-        text += "  the program has not changed what the motors do after a reading, so the way from one to the other is not known\n";
+        text += "  the program has not changed what the motors do after a reading, so the time from one to the other is not known\n";
     }
     text
 }

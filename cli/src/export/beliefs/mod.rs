@@ -91,7 +91,7 @@ impl Beliefs {
     fn check_size(&self) -> anyhow::Result<()> {
         if self.bytes > MOST_BYTES || self.processes.len() > MOST_PROCESSES {
             return Err(Refused::error(format!(
-                "more than {} MiB of beliefs, or more than {MOST_PROCESSES} processes; take less of it with --from-s and \
+                "more than {} MiB of beliefs, or more than {MOST_PROCESSES} processes; take a shorter part with --from-s and \
                  --to-s",
                 MOST_BYTES >> 20
             )));
