@@ -6,8 +6,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::Context;
+use baudbot_client::Channel;
 use baudbot_port::PortAddress;
 use baudbot_proto::v1;
+use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_server::{Address, Builder, Progress, Server, StateFolder, WorldConfig};
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
@@ -148,10 +150,9 @@ impl<'a> Serving<'a> {
         let mut open =
             OpenPorts::open(server.channel().await?.into(), &ports, ports::reach(listen.access.open)).await?;
         text::print(&open.greeting())?;
-        let mut ends = ends(runs);
+        let ends = tell_ends(&connect::control(server.channel().await?.into()), runs);
         loop {
             tokio::select! {
-                Some(Ok(world)) = ends.join_next() => tell_end(&server, &world).await?,
                 // An operator may have deleted the world; the server has others, or will.
                 gone = open.gone() => if let Err(error) = gone {
                     tell!("note: {}", crate::error::text(&error));
@@ -160,6 +161,7 @@ impl<'a> Serving<'a> {
             }
         }
         tell!("stopping");
+        drop(ends);
         server.refuse_worlds();
         let limit = Instant::now() + stop_within;
         let ports = timeout_at(limit, open.close()).await;
@@ -198,28 +200,25 @@ async fn end(mut server: Server, limit: Instant, within: Duration) -> anyhow::Re
     Ok(())
 }
 
-/// The names of worlds, as their runs end for the first time.
-fn ends(runs: Vec<(String, Arc<Progress>)>) -> JoinSet<String> {
-    let end = |(name, run): (_, Arc<Progress>)| async move {
-        run.ended().await;
-        name
+/// Tells when the runs of worlds end, each for the first time: with a brain that is trained a run may end many times a second.
+fn tell_ends(control: &ControlServiceClient<Channel>, runs: Vec<(String, Arc<Progress>)>) -> JoinSet<()> {
+    let tell_end = |(world, run): (String, Arc<Progress>)| {
+        let mut control = control.clone();
+        async move {
+            run.ended().await;
+            // An operator may have deleted it.
+            let answer = control.get_world(v1::GetWorldRequest { world: world.clone() }).await;
+            let status = answer.ok().and_then(|answer| answer.into_inner().status);
+            if let Some(status) = status.filter(|status| !status.ending.is_empty()) {
+                let v1::WorldStatus { time_ns, ending, .. } = status;
+                let time_s = time_ns as f64 / 1e9;
+                tell!(
+                    "note: the run of world {world} ended at {time_s} s because {ending}; Reset on the page begins it again"
+                );
+            }
+        }
     };
-    runs.into_iter().map(end).collect()
-}
-
-/// Tells that a world's run has ended, for the first time: with a brain that is trained it may end many times a second.
-async fn tell_end(server: &Server, world: &str) -> anyhow::Result<()> {
-    let mut control = connect::control(server.channel().await?.into());
-    // An operator may have deleted it.
-    let answer = control.get_world(v1::GetWorldRequest { world: world.to_owned() }).await;
-    let status = answer.ok().and_then(|answer| answer.into_inner().status);
-    if let Some(v1::WorldStatus { time_ns, ending, .. }) = status.filter(|status| !status.ending.is_empty()) {
-        let time_s = time_ns as f64 / 1e9;
-        tell!(
-            "note: the run of world {world} ended at {time_s} s because {ending}; Reset on the page begins it again"
-        );
-    }
-    Ok(())
+    runs.into_iter().map(tell_end).collect()
 }
 
 /// What has happened in the worlds that are still there and have begun.
