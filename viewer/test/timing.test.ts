@@ -189,8 +189,8 @@ test("no label is written over another one, nor over a mark", () => {
 
 test("sensors that are left out together are told together", () => {
   const { texts } = drawn(980, 200);
-  assert.equal(texts.filter(({ text }) => text === "5 × left out").length, 3);
-  assert.equal(texts.filter(({ text }) => text === "left out").length, 0);
+  assert.equal(texts.filter(({ text }) => text === "5 × skipped").length, 3);
+  assert.equal(texts.filter(({ text }) => text === "skipped").length, 0);
 });
 
 test("the names of lanes are whole where there is room", () => {

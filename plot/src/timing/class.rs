@@ -139,7 +139,7 @@ impl Class {
             Self::Obey => "a command is taken",
             Self::Act => "the motors obey",
             Self::Late => "not in time",
-            Self::Missed => "left out",
+            Self::Missed => "skipped",
             Self::Lost => "bytes lost",
             Self::Fault => "a fault",
             Self::Round => "a round of the main loop",

@@ -95,7 +95,7 @@ const ROBOTS: [Of<RobotMeasures>; 14] = [
     ("baudbot_robot_distance_meters_total", "Distance driven.", |r| r.distance_m),
     (
         "baudbot_robot_reading_frames_missed_total",
-        "Frames of readings left out because the microcontroller was busy.",
+        "Frames of readings skipped because the microcontroller was busy.",
         |r| r.frames_missed as f64,
     ),
     ("baudbot_brain_attached", "1 if a brain holds the robot, 0 if none does.", |r| {

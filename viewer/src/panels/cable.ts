@@ -39,7 +39,7 @@ export class CablePanel {
     );
     this.pause = button(
       "Pause",
-      "Let the list stand still; what comes meanwhile is left out",
+      "Let the list stand still; what comes meanwhile is skipped",
       () => this.togglePause(),
       {
         test: "cable-pause",
@@ -152,7 +152,7 @@ export class CablePanel {
     if (state instanceof Error) return state.message;
     if (state === "off") return "this robot has no cable";
     const parts = [
-      isPaused ? `paused, ${count(passed)} left out` : "",
+      isPaused ? `paused, ${count(passed)} skipped` : "",
       missed > 0 ? `${count(missed)} missed` : "",
       rows.length === 0 && !isPaused ? "nothing yet" : "",
       rows.length === MOST_ROWS ? `the last ${count(MOST_ROWS)}` : "",

@@ -29,7 +29,7 @@ const KINDS: Record<TimelineKind, Kind> = {
   [TimelineKind.OBEY]: { color: "#8f4a86", ink: WHITE, words: "a command is taken" },
   [TimelineKind.ACT]: { color: "#5a49b8", ink: WHITE, words: "the motors obey" },
   [TimelineKind.LATE]: { color: "#d0312d", ink: WHITE, words: "not in time", trouble: true },
-  [TimelineKind.MISSED]: { color: "#882255", ink: WHITE, words: "left out", trouble: true },
+  [TimelineKind.MISSED]: { color: "#882255", ink: WHITE, words: "skipped", trouble: true },
   [TimelineKind.LOST]: { color: "#b5651d", ink: WHITE, words: "bytes lost", trouble: true },
   [TimelineKind.FAULT]: { color: "#999933", ink: WHITE, words: "a fault", trouble: true },
 };

@@ -134,7 +134,7 @@ function barLabel(robot: RobotDescription, event: Happening): string {
     case K.LOST:
       return `${bytes} lost`;
     case K.MISSED:
-      return "left out";
+      return "skipped";
     default:
       return "";
   }
