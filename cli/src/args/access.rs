@@ -28,13 +28,13 @@ pub(crate) struct AccessArgs {
     /// Admit only clients with a certificate from one of these authorities, in PEM
     #[arg(long, value_name = "FILE", requires = "tls")]
     pub(crate) client_ca: Option<PathBuf>,
-    /// Other machines connect through a proxy that encrypts
+    /// Accept connections without TLS from other machines, because a proxy in front of the server encrypts
     #[arg(long, requires = "tokens")]
     pub(crate) behind_proxy: bool,
     /// Append an audit log to this file, as JSON lines: calls that change something, drive a robot or train, and calls that are refused
     #[arg(long, value_name = "FILE")]
     pub(crate) audit: Option<PathBuf>,
-    /// A name under which browsers reach the viewer, besides localhost and its address
+    /// A name under which browsers reach the page, besides localhost and its address
     #[arg(long, value_name = "NAME")]
     pub(crate) host: Vec<String>,
 }

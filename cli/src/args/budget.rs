@@ -21,7 +21,7 @@ pub(crate) struct BudgetArgs {
     pub(crate) svg: Option<PathBuf>,
     /// Use the thinking times measured in a recorded run instead of the scenario's
     ///
-    /// They are measured in real time, and in lockstep for brains that are programs (`baudbot run --brain 'exec:…' --record FILE`).
+    /// A run in real time records them; a run in lockstep does for brains that are programs (`baudbot run --brain 'exec:…' --record FILE`).
     /// The longest one stands for the worst case.
     #[arg(long, value_name = "RUN.mcap")]
     pub(crate) measured: Option<PathBuf>,

@@ -7,9 +7,9 @@ use clap::Args;
 use super::GdbAddress;
 
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Programs of microcontrollers")]
+#[command(next_help_heading = "Firmware")]
 pub(crate) struct ChipArgs {
-    /// Debug the program of a robot's microcontroller with avr-gdb, on a port of this machine; may be given several times
+    /// Debug a robot's firmware with avr-gdb, on a port of this machine; may be given several times
     ///
     /// The world waits at the chip's reset until a debugger has connected, and stands still whenever the chip is stopped. 0 is any free
     /// port. docs/how-to/debugging.md has an example.
@@ -18,7 +18,7 @@ pub(crate) struct ChipArgs {
     /// Write what a logic analyser on the pins of a robot's chip would see, for GTKWave; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = output)]
     pub(crate) vcd: Vec<ChipOutput>,
-    /// Write what the program of a robot's microcontroller sends to the laptop; `-` is stdout; may be given several times
+    /// Write what a robot's firmware sends to the laptop; `-` is stdout; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = output)]
     pub(crate) serial: Vec<ChipOutput>,
 }

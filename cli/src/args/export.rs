@@ -37,16 +37,16 @@ pub(crate) struct ExportArgs {
     /// With --utilities-svg, draw this column of --csv above them, such as a sensor's readings; may be given several times
     #[arg(long = "with", value_name = "COLUMN", requires = "utilities_svg")]
     pub(crate) with: Vec<String>,
-    /// Make a film of the viewer's arena as GIF; this needs a browser
+    /// Make a film of the page's arena as GIF; this needs a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) gif: Option<PathBuf>,
-    /// Make a film of the viewer's arena as WebM; this needs a browser
+    /// Make a film of the page's arena as WebM; this needs a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) webm: Option<PathBuf>,
     /// Write what a logic analyser on the pins of a robot's chip would see, for GTKWave; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = super::chips::output)]
     pub(crate) vcd: Vec<ChipOutput>,
-    /// Write what the program of a robot's microcontroller sent to the laptop; may be given several times
+    /// Write what a robot's firmware sent to the laptop; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = super::chips::output)]
     pub(crate) serial: Vec<ChipOutput>,
     #[command(flatten)]

@@ -118,7 +118,7 @@ mod tests {
             *options.entry(heading).or_default().entry(id).or_default() += 1;
         }
         let of = |heading: &str| options[heading].keys().copied().collect::<Vec<_>>();
-        assert_eq!(of("Programs of microcontrollers"), ["gdb", "serial", "vcd"]);
+        assert_eq!(of("Firmware"), ["gdb", "serial", "vcd"]);
         assert_eq!(of("Recordings"), ["record", "record_hz", "recordings"]);
         assert_eq!(of("Changes to the scenario"), ["firmware", "no_noise", "seed", "sets"]);
         assert_eq!(of("Addresses"), ["listen", "viewer"]);

@@ -5,7 +5,7 @@ When a tick ends:
   lockstep   when every brain has answered: the same run on any machine
   real-time  by the wall clock, without waiting for brains
   scaled:X   by the wall clock, X simulated seconds per second
-  free       immediately; a brain that has not answered yet is silent";
+  free       immediately; a brain that has not answered yet counts as silent";
 
 pub(super) const RUN_EXAMPLES: &str = "\
 Examples:
@@ -123,7 +123,7 @@ Examples:
   baudbot evidence khepera-ir --json
   baudbot evidence --write docs                  the page docs/evidence.md, with pictures in docs/pictures
 
-The exit code is 1 if a point that should agree disagrees, or one that is known to disagree agrees.";
+The exit code is 1 if a point is not as expected: it disagrees and should agree, or agrees and is known to disagree.";
 
 pub(super) const WATCH_EXAMPLES: &str = "\
 Examples:

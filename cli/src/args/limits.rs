@@ -10,7 +10,7 @@ use clap::Args;
 pub(crate) struct LimitArgs {
     /// Maximum number of connections at a time, including pages
     ///
-    /// At the limit, a new connection replaces one that has made no request yet or shown no token; if there is none, the new one is refused.
+    /// At the limit, a new connection replaces one that has made no request yet or presented no token; if there is none, the new one is refused.
     /// The default is three quarters of the files that the program may have open (`ulimit -Hn`), with at least 32 kept
     /// free, and at most 16,384.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]

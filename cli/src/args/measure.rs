@@ -15,7 +15,7 @@ pub(crate) enum MeasureCommand {
     /// Measures a sensor's readings at distances that you enter
     #[command(after_long_help = CURVE_EXAMPLES)]
     Curve(CurveArgs),
-    /// Measures how a robot's wheels respond to a step of the command; THE ROBOT MOVES
+    /// Measures how a robot's wheels respond to a step in the command; THE ROBOT MOVES
     #[command(after_long_help = STEP_EXAMPLES)]
     Step(StepArgs),
 }
@@ -63,13 +63,13 @@ pub(crate) struct EchoArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct CurveArgs {
-    /// Write the table to this file; an existing one is continued
+    /// Write the table to this file; rows are appended to an existing one
     #[arg(short, long, value_name = "FILE", default_value = "curve.csv")]
     pub(crate) output: PathBuf,
     /// Take readings from this serial port [default: you enter them]
     #[arg(long, value_name = "PATH", requires = "ask")]
     pub(crate) device: Option<PathBuf>,
-    /// Text that makes the device send a reading, with \n, \r, \t and \xNN
+    /// Text that makes the device send a reading; \n, \r, \t and \xNN are escapes
     #[arg(long, value_name = "TEXT", requires = "device", value_parser = bytes)]
     pub(crate) ask: Option<Bytes>,
     /// Which number of the answer is the reading

@@ -128,7 +128,7 @@ pub(crate) enum Command {
     /// Measures the systematic errors of a robot's odometry by driving squares in both directions (UMBmark)
     #[command(after_long_help = umbmark::EXAMPLES)]
     Umbmark(UmbmarkArgs),
-    /// Measures a real robot on the desk: echoes on its serial port, a sensor's curve, its motors' response to a step
+    /// Measures a real robot on the bench: echoes on its serial port, a sensor's curve, its motors' step response
     #[command(subcommand)]
     Measure(MeasureCommand),
     /// Lists presets of robots and their parts, or shows one with the sources of its numbers
@@ -218,7 +218,7 @@ pub(crate) struct RunArgs {
     /// How the brains are connected to their world; the run is the same either way [default: direct, or grpc where a server is needed]
     ///
     /// A server is needed for paces other than lockstep, for --listen, --viewer, the limits and the
-    /// options about who may connect, for --watchdog-ms, --on-timeout and --lookahead, and to export traces. `direct` is many times faster.
+    /// options about who may connect, for --watchdog-ms, --on-timeout and --lookahead, and to export OTLP traces. `direct` is many times faster.
     #[arg(long, value_name = "PATH")]
     pub(crate) over: Option<Over>,
     #[command(flatten)]
@@ -257,7 +257,7 @@ pub(crate) struct ServeArgs {
     /// After Ctrl-C or SIGTERM, end with exit code 1 if worlds and recordings have not been closed within this time
     #[arg(long, value_name = "S", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=3600))]
     pub(crate) stop_within: u32,
-    /// Listen for trainers, which drive robots and get the truth: 127.0.0.1:PORT or unix:/PATH
+    /// Listen for trainers, which drive robots and get their true poses: 127.0.0.1:PORT or unix:/PATH
     ///
     /// A trainer also creates worlds here (docs/how-to/training.md). Only this machine can reach the address.
     #[arg(long, value_name = "ADDR")]
@@ -296,7 +296,7 @@ pub(crate) struct CheckArgs {
 pub(crate) struct PresetArgs {
     /// A preset [default: list them all]
     pub(crate) name: Option<String>,
-    /// Write JSON: the list, or a preset's values, each with its standing and its source
+    /// Write JSON: the list, or a preset's values, each with its standing (such as datasheet, measured or guess) and its source
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -40,7 +40,7 @@ pub(crate) struct NewFirmwareArgs {
 pub(crate) enum FirmwareLanguage {
     /// A sketch in Arduino's C++, with Arduino's core
     Arduino,
-    /// C with the registers of the chip
+    /// C, using the chip's registers
     C,
 }
 
@@ -49,7 +49,7 @@ pub(crate) enum FirmwareLanguage {
 pub(crate) enum Language {
     /// With behaviours of baudbot, and one of its own
     Rust,
-    /// With the package `baudbot`, which the project contains
+    /// With the package `baudbot-client`, whose files the project contains
     Python,
 }
 

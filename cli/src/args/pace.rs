@@ -53,11 +53,11 @@ pub(crate) struct WatchdogArgs {
     /// In lockstep: what happens when a brain takes longer [default: wait]
     #[arg(long, value_name = "POLICY")]
     pub(crate) on_timeout: Option<OnTimeout>,
-    /// In lockstep: whether the world runs ahead while a brain waits for a message or its answer is on its way; the run
+    /// In lockstep: whether the world runs ahead while a brain waits for a message or its answer is still on the cable; the run
     /// is the same either way [default: on]
     #[arg(long, value_name = "on|off")]
     pub(crate) lookahead: Option<Lookahead>,
-    /// In real and scaled time: the most wall-clock lag that the world makes up for; it drops the rest [default: 100]
+    /// In real and scaled time: the most wall-clock lag that the world catches up on; the rest is dropped [default: 100]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_lag_ms: Option<u32>,
 }

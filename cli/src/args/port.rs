@@ -9,14 +9,14 @@ use super::port_watch::WatchPortArgs;
 pub(super) const PORT_HELP: &str = "\
 Open a serial port on the cable of a robot, or of one of its sensors, for programs that do not know baudbot
 
-  khepera=pty:khepera.tty        a pseudo-terminal; khepera.tty is a link to it, of mode 0600
-  create=rfc2217:2217            a terminal server at 127.0.0.1:2217: rfc2217://localhost:2217 of pyserial
+  khepera=pty:khepera.tty        a pseudo-terminal; khepera.tty is a symbolic link to it, mode 0600
+  create=rfc2217:2217            a terminal server at 127.0.0.1:2217: rfc2217://localhost:2217 in pyserial
   create=tcp:2218                the bytes alone
   khepera/urg=tcp:10940          the bytes of the sensor `urg`, which has a cable of its own
-  create=unix:create.sock        a Unix socket, of mode 0600
+  create=unix:create.sock        a Unix socket, mode 0600
 
 The robot's name can be left out if there is only one. If a cable has several ports, one program at a time can use it. `serve` opens
-these in place of those that the scenario has on the same cable (link.serial_port). A port holds its robot as a brain does (docs/reference/ports.md).";
+these in place of those that the scenario has on the same cable (link.serial_port). A program at a port takes the brain's place (docs/reference/ports.md).";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum PortCommand {

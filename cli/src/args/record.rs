@@ -32,7 +32,7 @@ pub(crate) struct ReplayArgs {
     /// Replay up to this simulated time
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = instant)]
     pub(crate) to: Option<f64>,
-    /// Serve the world from there as a live one, for new brains, until Ctrl-C
+    /// Then serve the world as a live one, from the last tick replayed, for new brains, until Ctrl-C
     #[arg(long)]
     pub(crate) fork: bool,
     /// With --fork, when a tick ends: lockstep, real-time, scaled:X or free [default: as recorded]

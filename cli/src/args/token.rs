@@ -7,7 +7,7 @@ use clap::{ArgGroup, Args, Subcommand};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum TokenCommand {
-    /// Creates a token and prints it, only once
+    /// Creates a token and prints it; it cannot be shown again
     #[command(after_long_help = NEW_EXAMPLES)]
     New(NewTokenArgs),
     /// Lists the tokens of a file: their names, rights and dates
@@ -31,13 +31,13 @@ pub(crate) struct NewTokenArgs {
     /// Name of the token in lists and logs: 1 to 64 letters, digits, _, -, . or @
     #[arg(long)]
     pub(crate) name: GrantName,
-    /// Allow watching worlds, which shows the truth
+    /// Allow watching worlds with their true poses
     #[arg(long, group = "rights")]
     pub(crate) observe: bool,
     /// Allow creating, running and deleting worlds, and observing
     #[arg(long, group = "rights")]
     pub(crate) operate: bool,
-    /// Allow training (driving robots in lockstep and getting the truth), and observing
+    /// Allow training (driving robots in lockstep and getting their true poses), and observing
     #[arg(long, group = "rights")]
     pub(crate) train: bool,
     /// Allow driving robots; `*` stands for any characters of a name, as in 'class-*/robot1' and '*/*'

@@ -12,7 +12,7 @@ pub(crate) struct SweepArgs {
     /// Search for the limit of a field, by its label or path, at which the brain still succeeds
     #[arg(long, value_name = "FIELD", conflicts_with_all = ["out", "fresh"])]
     pub(crate) find: Option<String>,
-    /// Do only the runs of shard I of N, counted from 0, and write only their journal
+    /// Do only the runs of shard I of N, counted from 0, and write only their journal (rows.jsonl)
     ///
     /// Each of N machines does one shard, in any order; --merge then writes the outputs. In Kubernetes I/N is
     /// "$(JOB_COMPLETION_INDEX)/8", in a shell "$JOB_COMPLETION_INDEX/8". The default folder is NAME.shards/I-of-N.
