@@ -11,7 +11,7 @@ WORLDS, PARENTS, SECONDS = 16, 4, 8.0
 
 
 def command(weights: Sequence[float], turn: baudbot.Turn) -> baudbot.Command:
-    """A policy: the signal of each motor is a weighted sum of what the infra-red sensors see, and a bias."""
+    """A policy: the signal of each motor is a weighted sum of what the infrared sensors see, and a bias."""
     seen = [turn.value(name, 0.0) for name in turn.body.sensor_names if name.startswith("ir_")] + [1.0]
     half = len(weights) // 2
     left, right = (sum(w * s for w, s in zip(part, seen)) for part in (weights[:half], weights[half:]))
