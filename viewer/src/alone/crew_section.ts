@@ -41,7 +41,7 @@ export class CrewSection {
         "div",
         { class: "dialog-row" },
         button("Run a scenario…", "Choose a scenario and a brain", start, { test: "open-start" }),
-        button("Brain…", "Choose a brain for the selected robot", () => this.dialog.showModal(), { test: "open-brain" }),
+        button("Brain…", "Choose the selected robot's brain", () => this.dialog.showModal(), { test: "open-brain" }),
         button("End your brains", "End all brains that were typed into the page", () => crew.endAll()),
       ),
       this.names,

@@ -39,7 +39,7 @@ export class CablePanel {
     );
     this.pause = button(
       "Pause",
-      "Hold the list still; what arrives meanwhile is left out",
+      "Hold the list still; whatever arrives meanwhile is left out",
       () => this.togglePause(),
       {
         test: "cable-pause",

@@ -31,7 +31,7 @@ export class Toolbar {
     help: () => void,
     theme: () => void,
   ) {
-    this.follow = button("Follow", "Keep the selected robot in the middle (f)", () => arena.setFollows(!arena.follows), {
+    this.follow = button("Follow", "Keep the selected robot centred (f)", () => arena.setFollows(!arena.follows), {
       test: "follow",
     });
     this.move = button(
