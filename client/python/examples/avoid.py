@@ -14,7 +14,7 @@ class Avoid(baudbot.Brain):
     clear_at = 0.2
 
     def start(self) -> None:
-        # Those that look aside or back are of no use here. Positive bearings are to the left.
+        # Those that look to the side or back are of no use here. Positive bearings are to the left.
         ahead = [sensor for sensor in self.body.of_kind("ir") if math.cos(sensor.heading_rad) > 0.3]
         if not ahead:
             raise baudbot.Error(f"robot `{self.body.robot}` has no infrared sensor that looks ahead")
@@ -29,7 +29,7 @@ class Avoid(baudbot.Brain):
         if nearest < self.clear_at:
             self.spin = 0.0
         elif nearest >= self.turn_at and self.spin == 0.0:
-            # Away from the nearer side, and the same way until all is clear: else it dithers in a corner.
+            # Away from the nearer side, and the same way until all is clear, or it dithers in a corner.
             side = sum(near * math.sin(self.bearings[name]) for name, near in nearness.items())
             self.spin = -1.0 if side > 0.0 else 1.0
         if self.spin != 0.0:
