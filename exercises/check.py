@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the brains of `solutions/brains.toml`: each solution passes its exercise, and each mistake gets its word.
+"""Runs the brains of `solutions/brains.toml`: each solution passes its exercise, and each mistake gets its advice.
 
     python exercises/check.py BAUDBOT [EXERCISE…]
 """
@@ -29,7 +29,7 @@ def main():
 
 
 def checked(program, name, brain, says):
-    """What is not as it is to be."""
+    """What is not as it should be."""
     # This interpreter has the package that the brains need.
     brain = brain.replace("exec:python ", f"exec:{sys.executable} ", 1)
     command = [program, "grade", name, "--brain", brain, "--json", "--quiet"]

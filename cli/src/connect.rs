@@ -36,7 +36,7 @@ pub(crate) async fn world(channel: Channel, args: &ConnectArgs) -> anyhow::Resul
     let answer = control.list_worlds(v1::ListWorldsRequest {}).await;
     let mut worlds = answer.map_err(|status| from_server(&status))?.into_inner().worlds;
     match worlds.len() {
-        0 => bail!("the server has no world"),
+        0 => bail!("the server has no worlds"),
         1 => Ok(worlds.swap_remove(0)),
         _ => {
             let names = natural::sorted(worlds.iter().map(|world| world.world.as_str()), |name| name);

@@ -1,13 +1,13 @@
 #!/bin/sh
-# Grades a brain on an exercise, for continuous integration: result.json and result.xml (JUnit) are written whatever comes of it.
+# Grades a brain on an exercise, for continuous integration: result.json and result.xml (JUnit) are written in any case.
 #
 #     BAUDBOT=baudbot EXERCISE=wander BRAIN='exec:python brain.py' sh grade.sh
 #
-# The exit code is that of `baudbot grade`: 0 passed, 3 not passed, others could not be graded.
+# The exit code is that of `baudbot grade`: 0 passed, 3 not passed, any other: it could not be graded.
 set -u
 status=0
 "${BAUDBOT:-baudbot}" grade "$EXERCISE" --brain "$BRAIN" --junit result.xml --json --quiet >result.json || status=$?
-# The words for whoever reads the log.
+# A summary for whoever reads the log.
 python3 - <<'PYTHON' || true
 import json
 

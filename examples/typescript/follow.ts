@@ -10,7 +10,7 @@ const { BAUDBOT_CONNECT = "127.0.0.1:7400", BAUDBOT_WORLD = "wander", BAUDBOT_RO
 // `wanted` is the nearness of the wall that it keeps: 0 is out of range, 1 is very near.
 const { speed, gain, wanted } = withParameters({ speed: 0.4, gain: 1.0, wanted: 0.3 });
 
-/** These numbers, or those that BAUDBOT_PARAMETERS has in their place, which a sweep sets. */
+/** These numbers, or the ones in BAUDBOT_PARAMETERS, which a sweep sets. */
 function withParameters<T extends Record<string, number>>(defaults: T): T {
   const given = JSON.parse(process.env.BAUDBOT_PARAMETERS || "{}") as Record<string, unknown>;
   for (const [name, value] of Object.entries(given)) {
@@ -22,7 +22,7 @@ function withParameters<T extends Record<string, number>>(defaults: T): T {
   return { ...defaults, ...given };
 }
 
-/** The token of one's own server on this machine (docs/reference/trust.md). */
+/** The token of the user's own server on this machine (docs/reference/trust.md). */
 function ownToken(): string | undefined {
   const { XDG_RUNTIME_DIR } = process.env;
   const folders = [XDG_RUNTIME_DIR && `${XDG_RUNTIME_DIR}/baudbot`, `/tmp/baudbot-${process.getuid?.()}`];
@@ -34,7 +34,7 @@ function tokenOf(file: string | undefined): string | undefined {
   return file ? readFileSync(file, "utf8").trim() : undefined;
 }
 
-/** What the brain does in a step. `value` gives a sensor's last reading, or the other value if none has arrived yet. */
+/** What the brain does in a step. `value` gives a sensor's last reading, or `unread` if none has arrived yet. */
 function step(value: (sensor: string, unread: number) => number): MessageInitShape<typeof pb.CommandSchema> {
   const ahead = Math.max(value("ir_front", 1), value("ir_front_left", 1));
   if (ahead > wanted) {
@@ -92,6 +92,6 @@ function answer({ robot, atNs, readings }: pb.RobotTurn): MessageInitShape<typeo
   const sensors = bodies[robot]?.sensors ?? [];
   const value = (name: string, unread: number) =>
     readings.find((reading) => sensors[reading.sensor]?.sensor === name)?.values[0] ?? unread;
-  // The next step is when readings have come, or after 0.1 s: the cable may have lost the command.
+  // The next step is when readings have arrived, or after 0.1 s: the cable may have lost the command.
   return { robot, output: { case: "command", value: step(value) }, untilMessage: { atLatestNs: atNs + 100_000_000n } };
 }

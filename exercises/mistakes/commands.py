@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The mistake: a command in each tick, a hundred a second, more than the cable carries."""
+"""The mistake: a command in each tick, a hundred a second, more than the cable can carry."""
 
 import baudbot
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The mistake: half of the track instead of all of it, so that the heading changes twice as much."""
+"""The mistake: half of the track instead of all of it, so that the heading changes by twice as much as it should."""
 
 import math
 
@@ -11,7 +11,7 @@ COUNTS_PER_TURN = 600
 
 
 class Odometry(baudbot.Brain):
-    """Drives eights in the middle of the floor."""
+    """Drives figures of eight in the middle of the floor."""
 
     speed = 0.5
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The mistake: down the potential field, and no way out of the place in front of the wedge from which all ways lead uphill."""
+"""The mistake: down the potential field, and no way out of the place in front of the wedge from which every direction leads uphill."""
 
 import math
 

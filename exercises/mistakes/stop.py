@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The mistake: it waits for the largest reading, which comes when it is too late."""
+"""The mistake: it waits for the largest reading, which comes too late."""
 
 import baudbot
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Wanders, and sends a command only if it is another than the last one."""
+"""Wanders, and sends a command only if it differs from the last one."""
 
 import baudbot
 
@@ -29,7 +29,7 @@ class Sparing(baudbot.Brain):
         if max(left, right, turn.value("ir_front", 0.0)) < self.near:
             self.turning = 0.0
             return baudbot.drive(self.speed, self.speed)
-        # To one side until the way is free, or it would turn to and fro in corners.
+        # To one side until the way is clear, or it would turn to and fro in corners.
         self.turning = self.turning or (0.2 if right >= left else -0.2)
         return baudbot.drive(-self.turning, self.turning)
 

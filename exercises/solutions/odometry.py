@@ -11,7 +11,7 @@ COUNTS_PER_TURN = 600
 
 
 class Odometry(baudbot.Brain):
-    """Drives eights in the middle of the floor."""
+    """Drives figures of eight in the middle of the floor."""
 
     speed = 0.5
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drives a square by the odometer: a sequence of states, and at its end a stop."""
+"""Drives a square by the odometer: a sequence of states, and a stop at the end."""
 
 import math
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Stops in front of a wall: the distance is Eq. (3.13) of the notes the other way round."""
+"""Stops in front of a wall: the distance comes from Eq. (3.13) of the notes, inverted."""
 
 import math
 

@@ -3,9 +3,9 @@
 
     python ages.py --out ages
 
-Policies learn to wander (`learn_wander.py`) at the end of 1200 baud, with the ages of their readings as inputs and without, from ten
+Policies learn to wander (`learn_wander.py`) over a cable of 1200 baud, with the ages of their readings as inputs and without, from ten
 seeds each, and one at 9600 baud. Each then drives for a minute from twenty places from which none of them has learnt, as a brain of
-the program; the one of the fast cable does so over gRPC, too. What is in the folder already is not learnt again.
+the program; the one for the fast cable does so over gRPC, too. Policies that are already in the folder are not learnt again.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ import numpy as np
 import pandas as pd
 from baudbot.gym import save_policy
 
-#: Generations in which a policy learns, in some minutes of a processor.
+#: Generations in which a policy learns, in some minutes of processor time.
 GENERATIONS = {9600: 1200, 1200: 600}
 PLACES, SECONDS = 20, 60.0
 #: Student's t by the number of seeds: two-sided, 95 %.
@@ -48,7 +48,7 @@ class Training:
         return f"{self.baud}-{'ages' if self.ages else 'no-ages'}-{self.seed}"
 
     def learn(self, folder: Path) -> float:
-        """Learns a policy, and writes it into the folder. Gives the minutes of processor time."""
+        """Learns a policy, and writes it into the folder. Returns the minutes of processor time."""
         begun = time.process_time()
         envs = learn_wander.worlds(self.baud, self.ages)
         *_, policy = islice(learn_wander.learn(envs, self.seed), GENERATIONS[self.baud])
@@ -58,7 +58,7 @@ class Training:
 
 
 def places() -> list[tuple[float, float, float]]:
-    """Where the robot begins: drawn as in training, from a seed of their own."""
+    """Where the robot starts: places drawn as in training, from a seed of their own."""
     chance = np.random.default_rng(2016)
     low, high = zip(*(drawn["uniform"] for drawn in learn_wander.STARTS.values()), strict=True)
     return [tuple(chance.uniform(low, high).tolist()) for _ in range(PLACES)]
@@ -103,7 +103,7 @@ def mean(values: pd.Series[float]) -> str:
 
 
 def table(runs: pd.DataFrame) -> Iterator[str]:
-    """What came out, for each cable and each kind of policy, in Markdown."""
+    """The results, for each cable and each kind of policy, in Markdown."""
     runs = runs.assign(kind=runs["policy"].str.rsplit("-", n=1).str[0], collided=runs["collisions"].clip(upper=1))
     figures = ["distance_m", "covered", "collided"]
     of_policies = runs.groupby(["kind", "policy"])[figures].mean()
@@ -115,7 +115,7 @@ def table(runs: pd.DataFrame) -> Iterator[str]:
 
 
 def check_by_program(program: str, folder: Path, runs: pd.DataFrame, training: Training) -> None:
-    """Drives by `baudbot run`, over gRPC, and compares what becomes of it with the table."""
+    """Drives with `baudbot run`, over gRPC, and compares the results with the table."""
     rows = runs[runs["policy"] == training.name].set_index("place")
     for number, place in enumerate(places(), 1):
         changes = [f"robots.robot.link.baud={training.baud}", "metrics.cell_m=0.1", f"end.after_s={SECONDS}", *start(place)]
@@ -134,7 +134,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("ages"), help="the folder of the policies and of their runs")
     parser.add_argument("--seeds", type=int, default=10, choices=sorted(STUDENT))
     parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--program", default="baudbot", help="the program that drives by the policy of the fast cable, too")
+    parser.add_argument("--program", default="baudbot", help="the program that drives with the policy for the fast cable, too")
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
     fast = Training(9600, False, 1)
@@ -144,7 +144,7 @@ def main() -> None:
     with ProcessPoolExecutor(given.processes, mp_context=get_context("spawn")) as pool:
         learnt = {pool.submit(training.learn, given.out): training for training in missing}
         for count, future in enumerate(as_completed(learnt), 1):
-            print(f"{count} of {len(missing)}: {learnt[future].name} has learnt in {future.result():.1f} min of a processor", flush=True)
+            print(f"{count} of {len(missing)}: {learnt[future].name} has learnt in {future.result():.1f} min of processor time", flush=True)
     file = given.out / "policies.toml"
     file.write_text("\n".join(experiment(given.out, [fast, *slow])), encoding="utf-8")
     runs = baudbot.sweep(file, out=given.out / "policies.sweep")
@@ -153,7 +153,7 @@ def main() -> None:
     print("\n".join(table(runs)))
     check_by_program(given.program, given.out, runs, fast)
     collided = runs[(runs["policy"] == fast.name) & (runs["collisions"] > 0)]
-    assert collided.empty, f"at {fast.baud} baud it ran into something from the places {collided['place'].tolist()}"
+    assert collided.empty, f"at {fast.baud} baud it ran into something, starting from the places {collided['place'].tolist()}"
 
 
 if __name__ == "__main__":

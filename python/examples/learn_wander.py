@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Learns to wander without running into anything, at the end of a cable, by an evolution strategy.
 
-The policy is a brain of the program then:
+The policy is then a brain of the program:
 
     python learn_wander.py --baud 9600 --minutes 4 --out wanderer.toml
     baudbot run wander --brain wanderer.toml
 
-Each generation tries pairs of networks, on either side of the present one, both of a pair in the same world. The present one moves
-towards those that came out better, by their ranks (Salimans et al. 2017, "Evolution Strategies as a Scalable Alternative to
+Each generation tries pairs of networks, on either side of the current one, both of a pair in the same world. The current one moves
+towards those that did better, by their ranks (Salimans et al. 2017, "Evolution Strategies as a Scalable Alternative to
 Reinforcement Learning").
 """
 
@@ -26,7 +26,7 @@ PAIRS, SECONDS, HIDDEN = 20, 30.0, 8
 SIGMA, RATE, MOMENTUM = 0.2, 0.2, 0.8
 #: What counts is the floor that is covered: for the distance alone a robot would drive in a small circle. A collision ends a run.
 REWARD = {"covered": 20.0, "collisions": -1.0}
-#: Robots start anywhere near the middle, so that they learn more than one way.
+#: Robots start anywhere near the middle, so that they learn more than one path.
 STARTS = {f"robots.robot.start.{name}": {"uniform": [-most, most]} for name, most in (("x_m", 0.5), ("y_m", 0.5), ("heading_rad", 3.14))}
 
 
@@ -73,7 +73,7 @@ def learn(envs: VectorEnv, seed: int) -> Iterator[Network]:
 
 
 def worlds(baud: int, ages: bool, seconds: float = SECONDS) -> VectorEnv:
-    """Worlds in which a run is so long, at the end of a cable of this rate."""
+    """Worlds in which a run is this long, at the end of a cable of this rate."""
     return VectorEnv(
         PAIRS,
         "wander",

@@ -29,7 +29,7 @@ pub(crate) fn pixels<'py>(py: Python<'py>, svg: &str, size: u32) -> PyResult<Bou
 
 fn drawn(svg: &str, size: u32) -> Result<Pixmap, String> {
     if !(1..=MOST).contains(&size) {
-        return Err(format!("render_size: {size} is not a number of pixels; write one of 1 to {MOST}"));
+        return Err(format!("render_size: {size} is not a number of pixels; write one from 1 to {MOST}"));
     }
     let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
     let tree =

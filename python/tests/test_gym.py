@@ -291,7 +291,7 @@ class BadInput(unittest.TestCase):
         self.refused("no range", lambda: Env("wander", randomize={"seed": {"uniform": [3, 1]}}))
         self.refused("max_age_s", lambda: Env("wander", max_age_s=0.0))
         self.refused("nothing.toml", lambda: Env("wander", randomize="nothing.toml"))
-        self.refused("no mapping", lambda: Env("wander", randomize=3))
+        self.refused("is not a mapping", lambda: Env("wander", randomize=3))
         self.refused("end.goal", lambda: Env("wander", reward={"progress_m": 1.0}))
         self.refused("metrics.cell_m", lambda: VectorEnv(2, "wander", reward={"covered": 1.0}))
         self.refused("no zones", lambda: parallel_env("wander", reward={"zones": 1.0}))

@@ -109,16 +109,16 @@ class Policies(unittest.TestCase):
             ([], "layers: there is none"),
             ([np.zeros((2, 5, 1, 1))], r"layers\[0\]: must be two arrays"),
             ([(np.zeros((2, 5)), np.zeros(3))], r"layers\[0\]: has the shapes \(2, 5\) and \(3,\)"),
-            ([zeros, zeros], r"layers\[1\]: has 5 inputs, the layer before it 2 neurons"),
+            ([zeros, zeros], r"layers\[1\]: has 5 inputs, but the layer before it has 2 neurons"),
             ([(np.full((2, 5), np.nan), np.zeros(2))], r"layers\[0\]: has numbers that are not finite"),
-            ([([["a"] * 5] * 2, np.zeros(2))], r"layers\[0\]: is no array of numbers"),
-            ([(np.zeros((2, 4)), np.zeros(2))], r"layers\[0\]: has 4 inputs, the environment observes 5: ir_left, "),
+            ([([["a"] * 5] * 2, np.zeros(2))], r"layers\[0\]: is not an array of numbers"),
+            ([(np.zeros((2, 4)), np.zeros(2))], r"layers\[0\]: has 4 inputs, but the environment observes 5: ir_left, "),
             ([(np.zeros((3, 5)), np.zeros(3))], r"layers\[0\]: has 3 neurons, an action has 2 signals: left, right"),
         ]
         for layers, problem in cases:
             with self.subTest(problem), self.assertRaisesRegex(Invalid, problem):
                 save_policy(self.file, env, layers)
-        with self.assertRaisesRegex(Invalid, r"scale: has shape \(4,\), \(5,\) is needed"):
+        with self.assertRaisesRegex(Invalid, r"scale: has shape \(4,\), but \(5,\) is needed"):
             save_policy(self.file, env, [zeros], scale=np.ones(4))
         with self.assertRaisesRegex(Invalid, "the network has its own"):
             save_policy(self.file, env, Network([zeros]), scale=np.ones(5))

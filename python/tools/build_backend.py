@@ -58,7 +58,7 @@ def _in_a_clone(metadata: str) -> str:
 
 
 def _rewrite(wheel: Path) -> None:
-    """The same wheel with its dependency as it is to be. Its list of files has the hash of each."""
+    """The same wheel with its dependency as it should be. Its list of files has the hash of each."""
     fresh = wheel.with_suffix(".new")
     with zipfile.ZipFile(wheel) as old, zipfile.ZipFile(fresh, "w", zipfile.ZIP_DEFLATED) as new:
         changed: dict[str, bytes] = {}

@@ -1,4 +1,4 @@
-// Wanders by five infrared sensors, and tells what it sees at 9600 baud. ATmega328P at 16 MHz.
+// Wanders with five infrared sensors, and sends what it sees at 9600 baud. ATmega328P at 16 MHz.
 //
 //     avr-gcc -mmcu=atmega328p -Os -o wander.elf wander.c && avr-objcopy -O ihex wander.elf wander.hex
 //
@@ -10,9 +10,9 @@
 #include <avr/interrupt.h>
 #include <avr/io.h>
 
-// A reading from which on something is near, of 1023.
+// From this reading on, of 1023, something is near.
 #define NEAR 160
-// The duty of the motors, of 255.
+// The duty cycle of the motors, out of 255.
 #define AHEAD 70
 #define TURNING 40
 
@@ -49,7 +49,7 @@ static void put_number(uint16_t number) {
   while (count) put(digits[--count]);
 }
 
-// Duties, negative backwards.
+// Duty cycles, negative for backwards.
 static void drive(int16_t left, int16_t right) {
   if (left < 0) PORTB &= ~(1 << PB0); else PORTB |= 1 << PB0;
   if (right < 0) PORTD &= ~(1 << PD7); else PORTD |= 1 << PD7;

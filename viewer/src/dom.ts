@@ -122,7 +122,7 @@ export function surface(canvas: HTMLCanvasElement, width: number, height: number
     canvas.height = high;
   }
   const context = canvas.getContext("2d");
-  if (!context) throw new Error("this browser draws no canvas");
+  if (!context) throw new Error("this browser cannot draw on a canvas");
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   return context;
 }

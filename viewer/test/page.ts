@@ -180,7 +180,7 @@ test("what is wrong with a brain is said, and one in an endless loop is ended", 
   await dialog.getByTestId("start-run").click();
   await dialog.waitFor({ state: "hidden" });
   await page.waitForFunction(() => window.baudbotViewer.frames > 5);
-  await page.getByRole("button", { name: "End own brains" }).click();
+  await page.getByRole("button", { name: "End your brains" }).click();
   await page.waitForFunction(() => document.querySelector(".brain")?.textContent === "no brain is attached");
   await page.close();
 });

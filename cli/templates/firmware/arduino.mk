@@ -2,7 +2,7 @@
 # apt install gcc-avr avr-libc binutils-avr arduino-core-avr make
 NAME = {name}
 BAUDBOT ?= baudbot
-# Libraries that the sketch includes, of those that come with the core: EEPROM SPI SoftwareSerial Wire. Others are put beside the sketch.
+# The core's libraries that the sketch includes, of EEPROM SPI SoftwareSerial Wire. Other libraries go beside the sketch.
 LIBRARIES =
 
 ARDUINO ?= /usr/share/arduino/hardware/arduino/avr
@@ -13,7 +13,7 @@ vpath %.c $(FOLDERS)
 vpath %.cpp $(FOLDERS)
 vpath %.S $(FOLDERS)
 
-# As the core's platform.txt has them. avr-libc of Debian lacks DECIMAL_DIG, which the core wants.
+# As the core's platform.txt has them. Debian's avr-libc lacks DECIMAL_DIG, which the core needs.
 OPTIONS = -mmcu=atmega328p -DF_CPU=16000000L -DARDUINO=10819 -DARDUINO_AVR_UNO -DARDUINO_ARCH_AVR -DDECIMAL_DIG=17 \
 	-g -Os -w -ffunction-sections -fdata-sections -flto -I$(ARDUINO)/variants/standard $(addprefix -I,$(FOLDERS))
 CPP = avr-g++ $(OPTIONS) -std=gnu++11 -fpermissive -fno-exceptions -fno-threadsafe-statics
@@ -38,7 +38,7 @@ build/%.S.o: %.S | build
 	avr-gcc $(OPTIONS) -x assembler-with-cpp -c -o $@ $<
 
 build:
-	@test -d $(ARDUINO) || { echo "$(ARDUINO) is not there: apt install arduino-core-avr, or say ARDUINO=..."; exit 1; }
+	@test -d $(ARDUINO) || { echo "$(ARDUINO) is not there: apt install arduino-core-avr, or set ARDUINO=..."; exit 1; }
 	mkdir -p build
 
 # Lets the robot drive for a minute.

@@ -1,4 +1,4 @@
-// Wanders by three infrared sensors, and tells what they see at 9600 baud. ATmega328P at 16 MHz.
+// Wanders with three infrared sensors, and sends what they see at 9600 baud. ATmega328P at 16 MHz.
 //
 // A0, A1, A2: sensors on the left, in front, on the right. 5, 7, 8: enable, in1 and in2 of the left motor at an L298N; 6, 9, 10: of
 // the right one. 13: the LED on the board.
@@ -49,7 +49,7 @@ static void set(volatile uint8_t *port, uint8_t bit, uint8_t high) {
   if (high) *port |= 1 << bit; else *port &= ~(1 << bit);
 }
 
-// Duties of 255, negative backwards.
+// Duty cycles out of 255, negative for backwards.
 static void drive(int16_t left, int16_t right) {
   set(&PORTD, PD7, left > 0);
   set(&PORTB, PB0, left < 0);
@@ -83,7 +83,7 @@ int main(void) {
     }
     if ((int16_t)(now_ms() - turn_until_ms) >= 0) side = 0;
     set(&PORTB, PB5, side != 0);
-    // Positive turns to the left.
+    // A positive side is to the left.
     if (side) drive(-90 * side, 90 * side); else drive(120, 120);
     if ((int16_t)(now_ms() - tell_at_ms) >= 0) {
       tell_at_ms = now_ms() + 200;

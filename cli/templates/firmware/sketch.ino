@@ -1,4 +1,4 @@
-// Wanders by three infrared sensors, and tells what they see.
+// Wanders with three infrared sensors, and sends what they see.
 //
 // A0, A1, A2: sensors on the left, in front, on the right. 5, 7, 8: enable, in1 and in2 of the left motor at an L298N; 6, 9, 10: of
 // the right one. 13: the LED on the board.
@@ -40,7 +40,7 @@ void loop() {
     is_turning = true;
   }
   digitalWrite(LED_BUILTIN, is_turning);
-  // Positive turns to the left.
+  // A positive side is to the left.
   if (is_turning) drive(-90 * side, 90 * side); else drive(120, 120);
   if (now_ms >= tell_at_ms) {
     tell_at_ms = now_ms + 200;

@@ -23,7 +23,7 @@ struct Weave {
 }
 
 impl MotorBehavior for Weave {
-    /// Called in each step in which the behaviour has the motors. `context.turn` has the readings.
+    /// Called in each step in which the behaviour is active. `context.turn` has the readings.
     fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
         self.elapsed_s += context.dt_s;
         let lean = if (self.elapsed_s as u64).is_multiple_of(2) { 0.3 } else { -0.3 };

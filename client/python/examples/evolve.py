@@ -11,7 +11,7 @@ WORLDS, PARENTS, SECONDS = 16, 4, 8.0
 
 
 def command(weights: Sequence[float], turn: baudbot.Turn) -> baudbot.Command:
-    """A policy: the signal of each motor is a weighted sum of what the infra-red sensors see, and a bias."""
+    """A policy: the signal of each motor is a weighted sum of what the infrared sensors see, and a bias."""
     seen = [turn.value(name, 0.0) for name in turn.body.sensor_names if name.startswith("ir_")] + [1.0]
     half = len(weights) // 2
     left, right = (sum(w * s for w, s in zip(part, seen)) for part in (weights[:half], weights[half:]))
@@ -19,7 +19,7 @@ def command(weights: Sequence[float], turn: baudbot.Turn) -> baudbot.Command:
 
 
 def scores(trainer: baudbot.Trainer, candidates: Sequence[Sequence[float]]) -> list[float]:
-    """How far each candidate drives, less what it runs into. A brain could not know that: it is the truth."""
+    """How far each candidate drives, less its collisions. A brain could not know that: it is the truth."""
     results = trainer.reset()
     while not all(result.ended for result in results):
         outputs = [None if r.ended else command(weights, r.turn) for weights, r in zip(candidates, results)]
@@ -28,7 +28,7 @@ def scores(trainer: baudbot.Trainer, candidates: Sequence[Sequence[float]]) -> l
 
 
 def evolve(trainer: baudbot.Trainer, generations: int, seed: int = 1) -> list[float]:
-    """The best score of each generation. The best candidate lives on, so that it never falls."""
+    """The best score of each generation. The best candidate lives on, so that the score never falls."""
     (body,) = trainer.results[0].turns.values()
     size = 2 * (1 + sum(name.startswith("ir_") for name in body.body.sensor_names))
     chance, best = random.Random(seed), []

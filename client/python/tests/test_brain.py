@@ -218,9 +218,9 @@ class Names(unittest.TestCase):
         self.assertEqual(Settings().choose([world("w", "r")]), ("w", ["r"]))
         self.assertEqual(Settings(world="v", robots=("*",)).choose([world("w", "r"), world("v", "b", "a")]), ("v", ["a", "b"]))
         for settings, worlds, words in [
-            (Settings(), [], "the server has no world"),
-            (Settings(), [world("b"), world("a")], "several worlds, choose one: a, b"),
-            (Settings(), [world("w", "b", "a")], "world `w` has several robots, choose some: a, b"),
+            (Settings(), [], "the server has no worlds"),
+            (Settings(), [world("b"), world("a")], "several worlds; choose one: a, b"),
+            (Settings(), [world("w", "b", "a")], "world `w` has several robots; choose some: a, b"),
             (Settings(world="w"), [world("w")], "world `w` has no robots"),
         ]:
             with self.assertRaisesRegex(baudbot.NotFound, words):

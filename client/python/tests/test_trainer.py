@@ -106,8 +106,8 @@ class Trains(WithTrainer):
             (lambda: trainer.reset(poses={"bob": (0.0, 0.0, 0.0)}), "starts[0].robot: there is no robot `bob`"),
             (lambda: trainer.reset(set={"robots.robot.body.radius_m": 0.15}), "brains are told this once"),
             (lambda: trainer.reset(["trained-3"]), "there is no world of this trainer `trained-3`; did you mean"),
-            (lambda: trainer.reset(seed=[1, 2, 3]), "seed: there are 3, one for each of 2 worlds is needed"),
-            (lambda: trainer.step([None]), "commands: there are 1, one for each of 2 worlds is needed"),
+            (lambda: trainer.reset(seed=[1, 2, 3]), "seed: there are 3, but one for each of 2 worlds is needed"),
+            (lambda: trainer.step([None]), "commands: there are 1, but one for each of 2 worlds is needed"),
             (lambda: trainer.step([{"bob": None}, None]), "there is no robot of world `trained-1` `bob`"),
             (lambda: trainer.create("wander"), "this trainer drives 2 worlds already"),
         ]:

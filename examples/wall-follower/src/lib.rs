@@ -5,9 +5,9 @@ use baudbot_client::{Action, Brain, Turn};
 /// Follows the wall on its right.
 #[derive(Clone, Debug)]
 pub struct Follow {
-    /// Signal of the wheels on a straight way, 0 to 1.
+    /// Signal of the wheels when driving straight, 0 to 1.
     pub speed: f64,
-    /// How much it turns for an error in the nearness of the wall.
+    /// How strongly it turns for an error in the nearness of the wall.
     pub gain: f64,
     /// The nearness of the wall that it keeps: 0 is out of range, 1 is very near.
     pub wanted: f64,
@@ -31,7 +31,7 @@ impl Brain for Follow {
             let turning = self.gain * self.speed * error; // too near: to the left
             Action::drive(self.speed - turning, self.speed + turning)
         };
-        // The next step is when readings have come, or after 0.1 s: the cable may have lost the command.
+        // The next step is when readings have arrived, or after 0.1 s: the cable may have lost the command.
         action.until_message_or(turn.at_ns + 100_000_000)
     }
 }

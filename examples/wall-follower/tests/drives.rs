@@ -36,7 +36,7 @@ fn the_same_arena_gives_the_same_drive() -> Tested {
 }
 
 #[test]
-fn a_brain_that_minds_no_wall_runs_into_one() -> Tested {
+fn a_brain_that_ignores_walls_runs_into_one() -> Tested {
     let careless = Follow { wanted: 1.0, gain: 0.0, ..Follow::default() };
     let drive = drive(&parse(ARENA)?, careless, 60.0)?;
     assert_eq!(drive.collisions.len(), 1, "{:?} at the end: {}", drive.collisions, drive.ending);

@@ -146,7 +146,7 @@ impl Class {
             Self::Rounds => "short rounds",
             Self::Convert => "the ADC holds a voltage",
             Self::Sent => "the program sends",
-            Self::Received => "the program is sent",
+            Self::Received => "the program receives",
         }
     }
 

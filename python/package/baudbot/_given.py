@@ -18,7 +18,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 def whole(value: object, name: str, least: int, most: int, what: str = "whole number") -> int:
     """A whole number, Python's or NumPy's."""
-    wrong = Mistyped(f"{name}: {short(value)} is not a {what}; write one of {_bound(least)} to {_bound(most)}", name)
+    wrong = Mistyped(f"{name}: {short(value)} is not a {what}; write one from {_bound(least)} to {_bound(most)}", name)
     # A truth value is a number to Python, and an array may be one.
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, SupportsIndex):
         raise wrong
@@ -27,7 +27,7 @@ def whole(value: object, name: str, least: int, most: int, what: str = "whole nu
     except TypeError:
         raise wrong from None
     if not least <= number <= most:
-        raise Invalid(f"{name}: {short(number)} is not a {what} of {_bound(least)} to {_bound(most)}", name)
+        raise Invalid(f"{name}: {short(number)} is not a {what} from {_bound(least)} to {_bound(most)}", name)
     return number
 
 
@@ -45,7 +45,7 @@ def seconds(value: object, name: str) -> float:
     """A time from now on."""
     time_s = number(value, name)
     if not 0 <= time_s < 1e9:
-        raise Invalid(f"{name}: {value!r} is not a time; write one of 0 to 1e9 seconds", name)
+        raise Invalid(f"{name}: {value!r} is not a time; write one from 0 to 1e9 seconds", name)
     return time_s
 
 
@@ -75,7 +75,7 @@ def function(value: F, name: str) -> F:
 
 
 def mapping(value: object, name: str, what: str = "mapping") -> Mapping[str, Any]:
-    """A mapping whose keys are texts."""
+    """A mapping whose keys are strings."""
     if not isinstance(value, Mapping):
         raise Mistyped(f"{name}: {short(value)} is not a {what}", name)
     for key in value:
@@ -84,7 +84,7 @@ def mapping(value: object, name: str, what: str = "mapping") -> Mapping[str, Any
 
 
 def names(value: object, name: str) -> list[str]:
-    """Names, of which a text is not a list."""
+    """Names; a single text is not a list of them."""
     if isinstance(value, str) or not isinstance(value, Iterable):
         raise Mistyped(f"{name}: {short(value)} is not a list of names", name)
     return [text(one, name, "name") for one in value]

@@ -23,7 +23,7 @@ MOST_JOBS = 1024
 
 
 class Runs:
-    """What came of a sweep: a folder as the command `baudbot sweep` writes it, with a journal from which either goes on."""
+    """The result of a sweep: a folder as the command `baudbot sweep` writes it, with a journal from which either continues."""
 
     def __init__(self, folder: Path, told: str) -> None:
         #: The folder with the journal, the tables and the charts.
@@ -36,11 +36,11 @@ class Runs:
         return _frame(self.folder / "rows.csv")
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
-        """The same for all that know Arrow: `pyarrow.table(runs)`, `polars.DataFrame(runs)`, DuckDB."""
+        """The same for libraries that know Arrow: `pyarrow.table(runs)`, `polars.DataFrame(runs)`, DuckDB."""
         return _native.stream_of_file(self.folder / "rows.parquet")
 
     def charts(self) -> list[Path]:
-        """The pictures of it, in SVG."""
+        """Its charts, in SVG."""
         return sorted(self.folder.glob("*.svg"))
 
     def _repr_html_(self) -> str:
@@ -60,10 +60,10 @@ def sweep(
     fresh: bool = False,
     progress: Progress | None = None,
 ) -> pandas.DataFrame:
-    """Runs an experiment's file, or what is missing of it, and gives back a row for each run as a DataFrame.
+    """Runs an experiment's file, or the runs that are still missing, and returns a row for each run as a DataFrame.
 
     It does what `baudbot sweep` does, with the same journal in the folder `out` (the experiment's name with `.sweep`): a sweep that was
-    stopped, by Ctrl-C too, goes on from there, here or by the command. `runs` gives back all of what came of it.
+    stopped, also by Ctrl-C, continues from there, here or by the command. `runs` returns the whole result.
     """
     return runs(experiment, out=out, seeds=seeds, jobs=jobs, fresh=fresh, progress=progress).frame()
 
@@ -77,7 +77,7 @@ def runs(
     fresh: bool = False,
     progress: Progress | None = None,
 ) -> Runs:
-    """As `sweep`, with the summary and the charts."""
+    """Like `sweep`, with the summary and the charts."""
     experiment, folder = folder_of(experiment, out, "sweep")
     options = seeds_text(seeds), _jobs(jobs), _given.flag(fresh, "fresh"), given_progress(progress)
     told = done(_native.sweep(experiment, folder, *options, None), folder)
@@ -103,7 +103,7 @@ def tune(
 
 
 def folder_of(experiment: object, out: object, ending: str) -> tuple[str, Path]:
-    """The file of an experiment, and the folder for what comes of it."""
+    """The file of an experiment, and the folder for its results."""
     file = _given.path(experiment, "experiment")
     return file, Path(f"{Path(file).stem}.{ending}" if out is None else _given.path(out, "out"))
 
@@ -131,7 +131,7 @@ def done(outcome: tuple[str, list[str], bool, list[str]], folder: Path) -> str:
     for note in notes:
         warnings.warn(note, stacklevel=3)
     if interrupted:
-        raise Error(f"stopped; what was run is recorded in {folder}, and the same call goes on from there")
+        raise Error(f"stopped; what was run is recorded in {folder}, and the same call continues from there")
     return told
 
 
@@ -140,5 +140,5 @@ def _frame(path: Path) -> pandas.DataFrame:
         import pandas
     except ModuleNotFoundError:
         raise Error(f"a DataFrame needs the package `pandas`: pip install pandas; the table is {path}") from None
-    # Fingerprints are no numbers.
+    # Fingerprints are not numbers.
     return pandas.read_csv(path, dtype={"state_hash": str})

@@ -23,7 +23,7 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 class Readings(Mapping[str, NDArray[np.float64]]):
     """What a robot's brain has of its sensors: by name, an array of a sensor's values in SI units.
 
-    The arrays are views of the same memory in each step: what is to be kept is to be copied. They cannot be written to.
+    The arrays are views of the same memory in each step: copy what is to be kept. They cannot be written to.
     """
 
     def __init__(self, task: Task, agent: int) -> None:
@@ -56,7 +56,7 @@ class Readings(Mapping[str, NDArray[np.float64]]):
 
     @property
     def ages_s(self) -> NDArray[np.float64]:
-        """How old each sensor's reading is, in seconds, as a brain can know it; infinite if none has come."""
+        """How old each sensor's reading is, in seconds, as a brain can know it; infinite if none has arrived."""
         return _read_only(self._ages_s)
 
     @property
@@ -185,9 +185,9 @@ class World:
         message again, or for a second if none comes. Without a driven robot it goes on by a tick.
 
         `action` has the signals of the left and the right wheel and those of the robot's other actuators, each in [-1, 1]; if
-        several robots are driven, it is a mapping from their names. A robot that is told nothing goes on as it did.
+        several robots are driven, it is a mapping from their names. A robot that is told nothing goes on as before.
 
-        Says whether the run goes on.
+        Returns whether the run goes on.
         """
         env = self._open
         if action is not None:
@@ -197,13 +197,13 @@ class World:
                 try:
                     env.act(place, signals)
                 except (TypeError, OverflowError):
-                    raise Mistyped(f"action: {signals!r} is no list of numbers", "action") from None
+                    raise Mistyped(f"action: {signals!r} is not a list of numbers", "action") from None
         env.step()
         self._observe()
         return env.ending is None
 
     def run(self, seconds: float | None = None) -> bool:
-        """On by so much simulated time, or to the end of the run. Driven robots go on as they did. Says whether the run goes on."""
+        """Runs for this much simulated time, or to the end of the run. Driven robots go on as before. Returns whether the run goes on."""
         env = self._open
         if seconds is None:
             until_ns = (1 << 63) - 1
@@ -235,18 +235,18 @@ class World:
     # What is kept of it, and shown.
 
     def snapshot(self) -> Snapshot:
-        """The world as it is now. A world with brains in it has none, since what they think cannot be copied."""
+        """A snapshot of the world as it is now. A world with brains in it has none, since what they think cannot be copied."""
         return Snapshot(self._open.snapshot())
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Takes the world back to a snapshot of it, or of what it is a copy of."""
+        """Takes the world back to a snapshot of it, or of the world that it is a copy of."""
         if not isinstance(snapshot, Snapshot):
             raise Mistyped(f"snapshot: {snapshot!r} is not a snapshot of a world", "snapshot")
         self._open.restore(snapshot._env)
         self._observe()
 
     def reset(self, seed: int | None = None, **fields: object) -> None:
-        """Begins another run, with this seed, and with these fields changed besides."""
+        """Begins another run, with this seed, and with these fields changed as well."""
         seed = self._open.seed if seed is None else checked_seed(seed)
         self._open.reset(seed, _task.lines(_task.fields(None, fields)))
         self._observe()
@@ -257,12 +257,12 @@ class World:
         return told
 
     def keep_events(self, events: int = 10_000) -> None:
-        """From now on keeps so many events of each robot, for `diagram`."""
+        """From now on keeps this many events of each robot, for `diagram`."""
         self._open.keep_events(_given.whole(events, "events", 0, MOST_EVENTS))
 
     def diagram(self, robot: str | None = None, seconds: float | None = None) -> Picture:
-        """What happened when, up to now: a timing diagram, of the last three ticks or so many seconds. `keep_events` says from when
-        on there is something to show."""
+        """What happened when, up to now: a timing diagram, of the last three ticks or this many seconds. It shows what
+        has happened since `keep_events`."""
         span_ns = 3 * self._task.step_ns if seconds is None else round(_given.seconds(seconds, "seconds") * 1e9)
         place = 0 if robot is None else _place(robot, self._task.robots)
         return Picture(self._open.diagram(place, span_ns))
@@ -284,7 +284,7 @@ class World:
         return f"<world {self.name}, seed {self.seed}, at {self.time_s:g} s{ended}>"
 
     def close(self) -> None:
-        """Gives the memory back. Nothing else can be done with it then. While another thread is in it this is `Busy`."""
+        """Frees the memory. The world cannot be used after that. Raises `Busy` while another thread uses it."""
         if self._env is not None:
             self._env.check_free()
         self._env = None
@@ -335,7 +335,7 @@ class Picture(str):
 
 
 def checked_seed(seed: object, worlds: int = 1) -> int:
-    """A seed, which is a whole number of 0 to 2**63 - 1; that of the first of so many worlds."""
+    """A seed, which is a whole number from 0 to 2**63 - 1; that of the first of this many worlds."""
     return _given.whole(seed, "seed", 0, (1 << 63) - worlds)
 
 

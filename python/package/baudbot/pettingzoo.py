@@ -21,7 +21,7 @@ from .local import Picture, checked_seed
 class Parallel(ParallelEnv[str, Any, NDArray[np.float32]]):
     """The robots of a scenario as agents, by their names.
 
-    Options are those of `baudbot.gym.Env`; `agents` names the robots that are driven (all without a brain). A step goes on until
+    Options are those of `baudbot.gym.Env`; `agents` names the robots that are driven (by default all without a brain). A step goes on until
     each of them has sent a message again. The run is over for all at once.
     """
 

@@ -33,11 +33,11 @@ def sweep(
     fresh: bool = False,
     progress: Progress | None = None,
 ) -> pandas.DataFrame:
-    """Runs an experiment's file on all processors of the cluster that Ray is connected to, and gives back a row for each run.
+    """Runs an experiment's file on all processors of the cluster that Ray is connected to, and returns a row for each run.
 
     The runs are cut into `shards` (four for each processor), each a task of Ray's on one processor. A task whose node dies is
-    done again elsewhere, up to so many `retries`. The journals of the shards come to the folder `out` + `.shards-N` as they are done; a
-    sweep that was stopped goes on from there. The tables in `out` are those of `baudbot.sweep`, to the byte.
+    done again elsewhere, up to so many `retries`. The journals of the shards come to the folder `out` + `.shards-N` as they are finished;
+    a sweep that was stopped continues from there. The tables in `out` are those of `baudbot.sweep`, to the byte.
 
     The package `baudbot` must be installed on all nodes in the same version. `ray.init()` is called if nobody has.
     """

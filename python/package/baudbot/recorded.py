@@ -18,7 +18,7 @@ class Replayed:
     hash: str
     #: In words, where it began to differ from the recording; None if it is the same to the bit as far as there is one.
     difference: str | None
-    #: In words, what is missing of the recording, and how much was compared; None if it is whole.
+    #: In words, what is missing from the recording, and how much was compared; None if it is whole.
     incomplete: str | None
 
 
@@ -30,7 +30,7 @@ class Compared:
     difference: int | None
     #: The last tick at which they were compared.
     last_tick: int
-    #: In words, what is missing of the files; None if they are whole.
+    #: In words, what is missing from the files; None if they are whole.
     incomplete: str | None
 
 

@@ -6,9 +6,9 @@ import type { Choice } from "./crew";
 import type { Catalogue, WorldHost } from "./world_host";
 
 const OWN: [kind: "toml" | "javascript" | "python", words: string][] = [
-  ["toml", "own, in TOML"],
-  ["javascript", "own, in JavaScript"],
-  ["python", "own, in Python (loads Pyodide, 13 MB)"],
+  ["toml", "your own, in TOML"],
+  ["javascript", "your own, in JavaScript"],
+  ["python", "your own, in Python (loads Pyodide, 13 MB)"],
 ];
 
 export class BrainChoice {

@@ -32,7 +32,7 @@ export class Crew extends Emitter<{ changed: void }> {
   ) {
     super();
     host.over = ({ brain, robots, error }) => {
-      if (error) this.say(`${brain} does not drive ${robots.join(", ")} any more: ${error}`);
+      if (error) this.say(`${brain} no longer drives ${robots.join(", ")}: ${error}`);
     };
   }
 
@@ -67,7 +67,7 @@ export class Crew extends Emitter<{ changed: void }> {
 
   private beginOwn(language: ToBrain["language"], code: string, world: string, robots: string[]): Promise<void> {
     const { port, close } = this.host.port();
-    const name = language === "javascript" ? "own JavaScript" : "own Python";
+    const name = language === "javascript" ? "JavaScript brain" : "Python brain";
     const own: Own = { worker: this.worker(language), close, world, robots, name };
     this.own.add(own);
     const { pyodide } = this.parts;
@@ -82,7 +82,7 @@ export class Crew extends Emitter<{ changed: void }> {
       own.worker.onmessage = ({ data }: MessageEvent<FromBrain>) => {
         if (data.kind === "drives") resolve();
         else if (data.kind === "over") over(data.error ?? "");
-        else this.say(data.kind === "loading" ? `${data.what} is being loaded…` : data.text);
+        else this.say(data.kind === "loading" ? `Loading ${data.what}…` : data.text);
       };
       const task: ToBrain = { port, world, robots, language, code, name, pyodide };
       own.worker.postMessage(task, [port]);

@@ -22,8 +22,8 @@ export class CrewSection {
     this.choice = new BrainChoice(host);
     this.dialog = el(
       "dialog",
-      { class: "start", label: "Brain of the chosen robot" },
-      el("h2", { text: "Brain of the chosen robot" }),
+      { class: "start", label: "Brain of the selected robot" },
+      el("h2", { text: "Brain of the selected robot" }),
       this.choice.element,
       this.error,
       el(
@@ -41,8 +41,8 @@ export class CrewSection {
         "div",
         { class: "dialog-row" },
         button("Run a scenario…", "Choose a scenario and a brain", start, { test: "open-start" }),
-        button("Brain…", "Choose a brain for the chosen robot", () => this.dialog.showModal(), { test: "open-brain" }),
-        button("End own brains", "End all brains that were typed into the page", () => crew.endAll()),
+        button("Brain…", "Choose the selected robot's brain", () => this.dialog.showModal(), { test: "open-brain" }),
+        button("End your brains", "End all brains that were typed into the page", () => crew.endAll()),
       ),
       this.names,
       this.log,

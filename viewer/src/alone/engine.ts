@@ -41,7 +41,7 @@ export class Engine {
       new DataView(exports.memory.buffer).setUint32(happened, count, true);
       return 0;
     }
-    if (!exports.baudbot_begin()) throw new Error("the world's program did not begin");
+    if (!exports.baudbot_begin()) throw new Error("the world's program did not start");
     return new Engine(exports, recordings);
   }
 

@@ -22,7 +22,7 @@ void begin();
 
 async function begin(): Promise<void> {
   const { connection, orders, store } = await import("../page");
-  host.failed = (error) => store.note(`The world has stopped: ${error}. Load the page again.`, "error");
+  host.failed = (error) => store.note(`The world has stopped: ${error}. Reload the page.`, "error");
   const crew = new Crew(host, parts);
   const start = new StartDialog(host, crew, connection, orders);
   const section = new CrewSection(host, crew, store, () => start.show());

@@ -81,7 +81,7 @@ async function make(
       const world = number === 1 ? "" : `${name.slice(0, 58)}-${number}`;
       const request = { world, scenarioToml, overrides, pace: paceOf(pace), paused: true };
       const { status } = await ask(connection, ControlService.method.createWorld, request);
-      if (!status) throw new Error("the server has made no world");
+      if (!status) throw new Error("the server made no world");
       return status;
     } catch (error) {
       if (!(error instanceof CallError) || error.code !== "ALREADY_EXISTS" || name === "") throw error;
@@ -95,7 +95,7 @@ async function end(connection: Connection, world: string): Promise<WorldStatus> 
     const { status } = await ask(connection, ControlService.method.getWorld, { world });
     if (!status || status.state === WorldState.ENDED) return status!;
     if (status.robots.some((robot) => !robot.attached))
-      throw new Error("a brain has let its robot go; the world waits");
+      throw new Error("a brain has released its robot; the world waits");
     await new Promise((resolve) => setTimeout(resolve, ASK_MS));
   }
 }

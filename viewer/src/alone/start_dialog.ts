@@ -131,7 +131,7 @@ export class StartDialog {
   private async run(): Promise<void> {
     this.begin.disabled = true;
     setText(this.error, "");
-    setText(this.result, "The world is made…");
+    setText(this.result, "Making the world…");
     try {
       const pace = this.pace.value as PaceKind;
       const [seconds, records] = [this.seconds_wanted, this.records.checked];
@@ -174,7 +174,7 @@ function more(title: string, content: HTMLElement): HTMLElement {
 function words({ simulated_s, took_s, ending, hash }: Result): string {
   const times = Math.round(simulated_s / took_s);
   return (
-    `${simulated_s} s simulated in ${took_s.toFixed(3)} s by the wall clock, ${times} times real time; ` +
+    `${simulated_s} s simulated in ${took_s.toFixed(3)} s of wall-clock time, ${times} times real time; ` +
     `the run ended because ${ending}; state hash ${hash}`
   );
 }

@@ -21,7 +21,7 @@ export class GifEncoder implements Encoder {
 
   async add(canvas: HTMLCanvasElement): Promise<void> {
     const context = canvas.getContext("2d");
-    if (!context) throw new Error("this browser draws no canvas");
+    if (!context) throw new Error("this browser cannot draw on a canvas");
     this.addPixels(context.getImageData(0, 0, this.width, this.height).data);
     // The page is to stay alive meanwhile.
     await new Promise((resolve) => setTimeout(resolve));

@@ -72,7 +72,7 @@ async function render(connection: Connection, request: FilmRequest): Promise<Uin
 async function until(what: string, is: () => boolean, connection: Connection): Promise<void> {
   const begun = performance.now();
   while (!is()) {
-    if (performance.now() - begun > MOST_MS) throw new Error(`${what} has not come (${connection.link.state})`);
+    if (performance.now() - begun > MOST_MS) throw new Error(`${what} has not arrived (${connection.link.state})`);
     await new Promise((resolve) => setTimeout(resolve, 20));
   }
 }

@@ -45,7 +45,7 @@ export class ReplayProjector implements Projector {
         const again = setInterval(() => watcher.again(), ASK_MS);
         const most = setTimeout(() => {
           clearInterval(again);
-          reject(new Error(`no frame of tick ${tick} has come`));
+          reject(new Error(`no frame of tick ${tick} has arrived`));
         }, MOST_MS);
         arrive = () => {
           clearInterval(again);

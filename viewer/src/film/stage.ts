@@ -21,7 +21,7 @@ export class Stage {
   ) {
     [this.canvas.width, this.canvas.height] = [view.width, view.height];
     const context = this.canvas.getContext("2d", { willReadFrequently: true });
-    if (!context) throw new Error("this browser draws no canvas");
+    if (!context) throw new Error("this browser cannot draw on a canvas");
     this.context = context;
   }
 

@@ -36,14 +36,14 @@ export class WebmEncoder implements Encoder {
 
   static async open(width: number, height: number, fps: number): Promise<WebmEncoder> {
     if (typeof VideoEncoder !== "function")
-      throw new Error("this browser encodes no video for this page (it does on localhost, and over https); choose GIF");
+      throw new Error("this browser cannot encode video for this page (only on localhost or over https); choose GIF");
     const bitrate = Math.round(BITS_PER_PIXEL * width * height * fps);
     for (const [name, codec] of CODECS) {
       const config: VideoEncoderConfig = { codec: name, width, height, bitrate, framerate: fps };
       const { supported } = await VideoEncoder.isConfigSupported(config);
       if (supported) return new WebmEncoder(config, codec, fps);
     }
-    throw new Error("this browser encodes neither VP9 nor VP8; choose GIF");
+    throw new Error("this browser can encode neither VP9 nor VP8; choose GIF");
   }
 
   async add(canvas: HTMLCanvasElement): Promise<void> {

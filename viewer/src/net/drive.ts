@@ -127,7 +127,7 @@ export class Drive extends Emitter<{ changed: void; rest: void }> {
       this.waiting = response.value;
       if (!this.isUnderWay) this.answer();
     } else if (response.case === "ended") {
-      this.store.note("The run is over; Reset brings the world back.");
+      this.store.note("The run is over; Reset takes the world back to its start.");
     }
   }
 

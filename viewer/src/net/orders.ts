@@ -186,7 +186,7 @@ export class Orders {
   /** Does something to the chosen world; what goes wrong is told. */
   async told(order: (world: string) => Promise<void>): Promise<void> {
     const { world } = this.store;
-    if (world === "") return this.store.note("No world is chosen.", "error");
+    if (world === "") return this.store.note("No world is selected.", "error");
     try {
       await order(world);
     } catch (error) {

@@ -18,7 +18,7 @@ export function takeToken(): string {
 /** Shows the token. Returns why it is not taken, or nothing. */
 export async function showToken(token: string): Promise<string> {
   // A header has no room for other characters, and a token has none of them.
-  if (!/^[\x21-\x7e]+$/.test(token)) return "a token has letters, digits, - and _ only";
+  if (!/^[\x21-\x7e]+$/.test(token)) return "a token has only letters, digits, - and _";
   try {
     const response = await fetch("/session", { method: "POST", headers: { authorization: `Bearer ${token}` } });
     return response.ok ? "" : (await response.text()).trim();

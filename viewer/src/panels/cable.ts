@@ -39,13 +39,13 @@ export class CablePanel {
     );
     this.pause = button(
       "Pause",
-      "Let the list stand still; what comes meanwhile is skipped",
+      "Hold the list still; whatever arrives meanwhile is skipped",
       () => this.togglePause(),
       {
         test: "cable-pause",
       },
     );
-    this.follow = button("Newest", "Keep the newest row in sight", () => this.setFollowing(!this.isFollowing));
+    this.follow = button("Newest", "Keep the newest row in view", () => this.setFollowing(!this.isFollowing));
     const clear = button("Clear", "Empty the list", () => this.clear(), { test: "cable-clear" });
     const close = button("×", "Close (y)", () => this.toggle(), { class: "quiet", label: "Close" });
     for (const [value, text] of [
@@ -173,6 +173,6 @@ function rowElement(row: CableRow): HTMLElement {
     el("span", { class: "way", text: row.isDown ? "↓" : "↑", title: row.isDown ? "to the robot" : "from the robot" }),
     el("code", { class: "hex", text: row.hex, title: row.hex }),
     el("span", { class: "says", text: row.text, title: row.text }),
-    el("span", { class: "age", text: age, title: age && "Age of its oldest reading when its last byte came" }),
+    el("span", { class: "age", text: age, title: age && "Age of its oldest reading when its last byte arrived" }),
   );
 }

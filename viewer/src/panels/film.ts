@@ -52,7 +52,7 @@ export class FilmDialog {
     this.element = el(
       "dialog",
       { class: "film", label: "Film", test: "film" },
-      el("h2", { text: "Save as film" }),
+      el("h2", { text: "Save as a film" }),
       row(labelled("Format", this.format), labelled("Width", this.width)),
       row(labelled("From", this.from), labelled("to", this.to)),
       row(labelled("Speed ×", this.speed), labelled("Pictures/s", this.fps)),

@@ -42,7 +42,7 @@ export class HandSection {
     );
     this.drive = button(
       "Drive",
-      "Be its brain: WASD, arrows, a gamepad's left stick, or the pad (d)",
+      "Drive it yourself: WASD, arrows, a gamepad's left stick, or the pad (d)",
       () => this.driver.toggle(),
       { test: "drive", class: "primary" },
     );
@@ -110,7 +110,7 @@ export class HandSection {
     if (!Number.isInteger(baud) || baud <= 0)
       return this.store.note("The baud rate must be a positive whole number.", "error");
     const done = await this.orders.intervene({ case: "setBaud", value: create(SetBaudSchema, { robot, baud }) });
-    if (done) this.store.note(`${robot}'s cable has ${baud} baud now.`);
+    if (done) this.store.note(`${robot}'s cable now runs at ${baud} baud.`);
   }
 
   private async throwOff(restart: boolean): Promise<void> {

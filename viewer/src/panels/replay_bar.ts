@@ -8,7 +8,7 @@ import type { Orders } from "../net/orders";
 import type { Replayer } from "../net/replayer";
 import { EventMarks } from "./event_marks";
 
-const CUT_OFF = "The file ends in the middle; it is replayed as far as it goes.";
+const CUT_OFF = "The file is cut off; it is replayed as far as it goes.";
 const FORK = "Continue from this tick as a live world, to which brains can attach. The recording does not change.";
 
 export class ReplayBar {
@@ -43,7 +43,7 @@ export class ReplayBar {
     this.marks = new EventMarks(replayer, (tick) => this.seconds(tick), theme);
     this.play = button("▶", "", () => void replayer.toggle(), { test: "replay-play", class: "primary" });
     const more = [
-      button("Film…", "Save a part of the replay as a film", film, { test: "film-open" }),
+      button("Film…", "Save part of the replay as a film", film, { test: "film-open" }),
       button("Go on from here", FORK, () => void this.orders.fork(), { test: "replay-fork" }),
     ];
     this.element = el(
@@ -69,12 +69,12 @@ export class ReplayBar {
       button(text, title, () => void click(), { label, test });
     return el(
       "div",
-      { class: "group", role: "group", label: "Go through the replay" },
+      { class: "group", role: "group", label: "Move through the replay" },
       made("|◂", "To its beginning", "To the beginning", "replay-first", () => replayer.seek(replayer.range.first)),
-      made("◆◂", "Previous event (<)", "Event before", "replay-previous-event", () => replayer.toEvent(-1)),
+      made("◆◂", "Previous event (<)", "Previous event", "replay-previous-event", () => replayer.toEvent(-1)),
       made("◂", "One tick back (,)", "One tick back", "replay-back", () => replayer.step(-1)),
       this.play,
-      made("▸", "One tick forward (.)", "One tick on", "replay-forward", () => replayer.step(1)),
+      made("▸", "One tick forward (.)", "One tick forward", "replay-forward", () => replayer.step(1)),
       made("▸◆", "Next event (>)", "Next event", "replay-next-event", () => replayer.toEvent(1)),
       made("▸|", "To its end", "To the end", "replay-last", () => replayer.seek(replayer.range.last)),
     );

@@ -64,7 +64,7 @@ export class RobotPanel {
     this.utilityRows.clear();
     this.utilities.replaceChildren();
     this.body.replaceChildren();
-    if (!record) return void this.body.append(el("p", { class: "hint", text: "No robot is chosen." }));
+    if (!record) return void this.body.append(el("p", { class: "hint", text: "No robot is selected." }));
     const chart = (key: string) => this.chart.toggle(key);
     this.rows = motorRows(record, chart);
     this.sensors = record.description.sensors.slice(0, MOST_SENSORS).map((_, i) => new SensorRows(record, i, chart));
@@ -106,7 +106,7 @@ export class RobotPanel {
         `x ${fixed(truth.xM, 3)} m   y ${fixed(truth.yM, 3)} m   heading ${degrees(truth.headingRad)}`,
       );
     const detail = record.now?.detail;
-    setText(this.brain, detail?.attached ? `brain: ${detail.brain || "without a name"}` : "no brain is attached");
+    setText(this.brain, detail?.attached ? `brain: ${detail.brain || "unnamed"}` : "no brain is attached");
     for (const row of this.rows) {
       const value = record.values.get(row.key);
       row.set(value, value === undefined ? "–" : bodyText(row.key, value));

@@ -49,7 +49,7 @@ export class StatusBar {
       `${count(missed)} missed`,
       `${fixed(this.watcher.speed, 2)} × real time`,
       description ? `${count(description.robots.length)} ${description.robots.length === 1 ? "robot" : "robots"}` : "",
-      letGo_s > 0 ? `${fixed(letGo_s, 1)} s let go` : "",
+      letGo_s > 0 ? `${fixed(letGo_s, 1)} s dropped` : "",
     ];
     this.parts.forEach((part, i) => setText(part, texts[i] ?? ""));
   }

@@ -44,7 +44,7 @@ export class TimingPanel {
     });
     setPressed(bytes, false);
     cable.changed = () => setPressed(bytes, cable.isOpen);
-    this.hold = button("Hold", "Keep this picture (it also stays while the mouse is on it)", () =>
+    this.hold = button("Hold", "Keep this picture (it also stays while the mouse is over it)", () =>
       this.setHeld(!this.isHeld),
     );
     this.pins = button("Pins", "What is on the pins of the chip", () => store.showPins(!store.showsPins), {

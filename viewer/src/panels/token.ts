@@ -18,7 +18,7 @@ export class TokenDialog {
     const form = el(
       "form",
       {},
-      el("h2", { text: "This server wants a token" }),
+      el("h2", { text: "This server requires a token" }),
       el("p", { text: "Its operator makes one with `baudbot token new`, or gives you a link." }),
       el("label", {}, "Token ", this.token),
       this.error,

@@ -5,17 +5,17 @@ import type { Hands } from "../arena/hands";
 import type { Layers } from "../arena/scene";
 
 const LAYERS: [keyof Layers, string, string][] = [
-  ["rays", "Rays", "Rays and readings of the chosen robot's sensors (r)"],
-  ["ghost", "Ghost", "Dead reckoning from the chosen robot's wheel sensors (g)"],
-  ["belief", "Belief", "What the chosen robot's brain publishes (b)"],
-  ["allBeliefs", "All", "Beliefs of all robots, not only of the chosen one"],
+  ["rays", "Rays", "Rays and readings of the selected robot's sensors (r)"],
+  ["ghost", "Ghost", "Dead reckoning from the selected robot's wheel sensors (g)"],
+  ["belief", "Belief", "What the selected robot's brain publishes (b)"],
+  ["allBeliefs", "All", "Beliefs of all robots, not only of the selected one"],
   ["trails", "Trails", "Trails of robots"],
   ["names", "Names", "Names of robots"],
   ["fields", "Fields", "Scalar fields, such as a scent"],
   [
     "coverage",
     "Coverage",
-    "Floor that bodies have covered, and in a paler colour what sensors have reached, if that is measured (c)",
+    "Floor that bodies have covered and, in a paler colour, that sensors have reached, if this is measured (c)",
   ],
 ];
 
@@ -31,7 +31,7 @@ export class Toolbar {
     help: () => void,
     theme: () => void,
   ) {
-    this.follow = button("Follow", "Keep the chosen robot in the middle (f)", () => arena.setFollows(!arena.follows), {
+    this.follow = button("Follow", "Keep the selected robot centred (f)", () => arena.setFollows(!arena.follows), {
       test: "follow",
     });
     this.move = button(
@@ -50,8 +50,8 @@ export class Toolbar {
       "div",
       { class: "toolbar", role: "toolbar", label: "View" },
       group(
-        button("−", "Smaller (−)", () => arena.zoom(1 / 1.4), { label: "Zoom out" }),
-        button("+", "Larger (+)", () => arena.zoom(1.4), { label: "Zoom in" }),
+        button("−", "Zoom out (−)", () => arena.zoom(1 / 1.4), { label: "Zoom out" }),
+        button("+", "Zoom in (+)", () => arena.zoom(1.4), { label: "Zoom in" }),
         button("Fit", "Show everything (0)", () => arena.fit(), { test: "fit" }),
         this.follow,
       ),

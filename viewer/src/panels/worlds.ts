@@ -56,7 +56,7 @@ export class WorldsPanel {
       if (this.list.children[i] !== row.element) this.list.insertBefore(row.element, this.list.children[i] ?? null);
       this.fill(row, status);
     });
-    setText(this.empty, this.store.hidden || "This server has no world. Make one from a scenario.");
+    setText(this.empty, this.store.hidden || "This server has no worlds. Make one from a scenario.");
     this.empty.hidden = worlds.length > 0;
     this.facts();
   }

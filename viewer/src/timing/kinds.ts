@@ -40,7 +40,7 @@ export const LINES = {
   rounds: { color: "#d6d0ee", ink: DARK_INK, words: "short rounds" },
   convert: { color: "#ddaa33", ink: DARK_INK, words: "the ADC holds a voltage" },
   sent: { color: "#117733", ink: WHITE, words: "the program sends" },
-  received: { color: "#aa4499", ink: WHITE, words: "the program is sent" },
+  received: { color: "#aa4499", ink: WHITE, words: "the program receives" },
 } satisfies Record<string, Kind>;
 
 /** Whether the brain had no news, so that nothing came of it. */

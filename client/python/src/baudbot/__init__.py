@@ -12,9 +12,9 @@ A brain is a class with a `step`; `attach` lets it drive a robot until the run i
     baudbot.attach(Follow)
 
 `open` is for recordings of runs, `Client` for operators and observers, `Trainer` for programs that learn, `baudbot.aio` for
-programs with asyncio, `baudbot.v1` the bare contract.
+programs with asyncio, `baudbot.v1` for the bare contract.
 
-With the package `baudbot`, which has the world itself in it, there are also `World`, a world in this process, `sweep` and `tune`, runs
+With the package `baudbot`, which contains the world itself, there are also `World`, a world in this process, `sweep` and `tune`, runs
 of an experiment, `replay` and `compare`, `baudbot.gym` and `baudbot.pettingzoo`.
 """
 

@@ -37,7 +37,7 @@ async def attach(
     tell: Tell = tell_on_stderr,
     announce: bool = False,
 ) -> Summary:
-    """As `baudbot.attach`. Cancelling it detaches the brains."""
+    """Like `baudbot.attach`. Cancelling it detaches the brains."""
     settings = Settings.find(connect, world, robots, seed, parameters, reconnect_s)
     for name, value in settings.parameters.items():
         brain.parameter(name, value)

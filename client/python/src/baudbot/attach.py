@@ -24,7 +24,7 @@ from .v1 import control_pb2
 from .v1.brain_link_pb2_grpc import BrainLinkServiceStub
 from .v1.control_pb2_grpc import ControlServiceStub
 
-#: A call of an operator's is answered at once, or the server is in trouble.
+#: An operator's call is answered at once, or the server is in trouble.
 PATIENCE_S = 30.0
 
 
@@ -32,9 +32,9 @@ PATIENCE_S = 30.0
 class Summary:
     """How a run went."""
 
-    #: Turns that all brains together had.
+    #: Turns of all brains together.
     turns: int
-    #: The tick of the last.
+    #: The tick of the last turn.
     last_tick: int
 
 
@@ -53,9 +53,9 @@ def attach(
     """Drives robots, each with a brain of its own, until the run is over.
 
     What is not given is taken from the environment (`BAUDBOT_CONNECT`, …), which `baudbot run` sets for the programs that it
-    starts, or else is the default: `127.0.0.1:7400`, the server's only world, its only robot. A server that is lost is tried
-    for `reconnect_s` seconds; the brains then start over, since the world may have changed meanwhile. `tell` gets the lines that
-    say so and, with `announce`, one that says what is driven.
+    starts, or else is the default: `127.0.0.1:7400`, the server's only world, its only robot. If the connection is lost, it
+    tries to reconnect for `reconnect_s` seconds; the brains then start over, since the world may have changed meanwhile. `tell` gets
+    the messages about this and, with `announce`, one that says what is driven.
 
     Raises an `Error`, whose text is a line for people.
     """
@@ -65,7 +65,7 @@ def attach(
 def drive(
     brain: type[Brain], settings: Settings, tell: Tell = tell_on_stderr, announce: bool = False
 ) -> Summary:
-    """As `attach`, with settings that have been found."""
+    """Like `attach`, with settings that have been found."""
     for name, value in settings.parameters.items():
         brain.parameter(name, value)
     if inspect.iscoroutinefunction(brain.step):
@@ -146,7 +146,7 @@ def _drive(
                 return Summary(session.turns, response.ended.tick)
             for seat, turn in session.asked(response.turn):
                 seat.answer(turn, seat.brain.step(turn))
-                # In lockstep, what is published before the answer is there at the next tick, on any machine.
+                # In lockstep, what is published before the answer is visible at the next tick, on any machine.
                 look = seat.look(turn)
                 if look is not None:
                     requests.put(look)

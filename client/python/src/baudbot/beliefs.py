@@ -19,7 +19,7 @@ class GridMap:
     cell_m: float
     #: Cells in a row.
     columns: int
-    #: A byte a cell: 0 is free for sure, 254 is occupied for sure, 255 is not known.
+    #: A byte per cell: 0 is certainly free, 254 is certainly occupied, 255 is unknown.
     cells: bytes
 
 
@@ -29,7 +29,7 @@ class Belief:
 
     #: The state or behaviour that is active, in a few words.
     state: str = ""
-    #: Where it believes that it is: x and y in metres, and the heading in radians.
+    #: Where it believes it is: x and y in metres, and the heading in radians.
     pose: tuple[float, float, float] | None = None
     #: Other poses that it thinks possible.
     particles: Sequence[tuple[float, float, float]] = ()
@@ -37,7 +37,7 @@ class Belief:
     path: Sequence[tuple[float, float]] = ()
     #: Utilities of behaviours by name.
     utilities: dict[str, float] = field(default_factory=dict)
-    #: The name of the behaviour that runs, among the utilities.
+    #: The name of the active behaviour, among the utilities.
     active: str = ""
     map: GridMap | None = None
 

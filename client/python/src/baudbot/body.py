@@ -41,11 +41,11 @@ class Sensor:
     #: Where it sits in the robot's frame, forwards and to the left of its centre.
     x_m: float
     y_m: float
-    #: Where it looks, counter-clockwise of the robot's heading.
+    #: Where it looks, counter-clockwise from the robot's heading.
     heading_rad: float
     #: None if it has no range.
     range_m: float | None
-    #: From the first of the rays that it looks along to the last; None if it looks along none.
+    #: The angle from the first of its rays to the last; None if it has no rays.
     opening_rad: float | None
     #: All of it, as the contract has it.
     description: pb.SensorDescription = field(repr=False)
@@ -97,7 +97,7 @@ class Body:
     sensors: Mapping[str, Sensor]
     #: Their names in that order.
     sensor_names: tuple[str, ...]
-    #: The place of each in that order.
+    #: The index of each in that order.
     places: Mapping[str, int] = field(repr=False)
     #: Names of the actuators besides the wheels, in the order of the wire.
     actuators: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""Brains: what a program of a robot is made from."""
+"""Brains: what a robot's program is made of."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Value = Union[bool, int, float, str]
 class Brain:
     """The brain of one robot: derive from it, and write `step`.
 
-    Class attributes that are numbers, truth values or texts are the brain's parameters: whoever starts the brain can set
+    Class attributes that are numbers, booleans or strings are the brain's parameters: whoever starts the brain can set
     them by name (`--set speed=0.4`, an experiment's `brain.speed`). ::
 
         class Follow(baudbot.Brain):
@@ -33,16 +33,16 @@ class Brain:
 
     #: Whether `step` is also called in ticks in which nothing has arrived.
     every_tick: ClassVar[bool] = False
-    #: Without anything new, `step` is called after so much simulated time, since the cable may have lost the last command;
-    #: None is never.
+    #: If nothing arrives, `step` is called after this much simulated time, since the cable may have lost the last command;
+    #: None: never.
     patience_s: ClassVar[float | None] = 0.1
     #: Whether commands say how long the brain has thought (`drive(..., thinking_s=...)`). The world then cannot run ahead.
     tells_thinking: ClassVar[bool] = False
     #: Whether the server stops the wheels when the program is gone. A real robot keeps its last command.
     stop_when_gone: ClassVar[bool] = False
-    #: Memory that the program's variables need, for a robot whose brain is on board; None: not told.
+    #: Memory that the program's variables need, for a robot whose brain is on board; None: not stated.
     memory_bytes: ClassVar[int | None] = None
-    #: Whether the brain speaks in bytes (`RawBrain`).
+    #: Whether the brain reads and writes bytes (`RawBrain`).
     raw: ClassVar[bool] = False
 
     def __init__(self, body: Body, seed: int = 1, parameters: Mapping[str, Value] | None = None) -> None:
@@ -56,7 +56,7 @@ class Brain:
             setattr(self, name, self.parameter(name, value))
 
     def start(self) -> None:
-        """Called once, before the first step, when `body` and the parameters are there."""
+        """Called once, before the first step, when `body` and the parameters are set."""
 
     def step(self, turn: Turn) -> Output | Awaitable[Output]:
         """Decides what the robot does next: `drive(left, right)`, `poll()`, or None for no new command.
@@ -66,7 +66,7 @@ class Brain:
         raise NotImplementedError(f"{type(self).__name__} has no `step`")
 
     def belief(self) -> Belief | None:
-        """What the brain believes, for people who watch; asked about twenty times a simulated second."""
+        """What the brain believes, for people who watch; asked for about twenty times per simulated second."""
         return None
 
     @classmethod
@@ -82,7 +82,7 @@ class Brain:
 
     @classmethod
     def parameter(cls, name: str, value: Any) -> Value:
-        """A parameter's value, or its text, as the type that its default has."""
+        """A parameter's value, or its text, converted to the type of its default."""
         defaults = cls.parameters()
         if name not in defaults:
             raise Refused(unknown("parameter", name, list(defaults), f" of {cls.__name__}"))

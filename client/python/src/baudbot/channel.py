@@ -12,12 +12,12 @@ from .credentials import Credentials
 _MAX_MESSAGE_BYTES = 64 << 20
 
 _OPTIONS: list[tuple[str, Any]] = [
-    # A server that is gone without a word is noticed: a brain that waits for its turn hears nothing for long.
+    # Notices a server that has gone without a word: a brain that waits for its turn hears nothing for a long time.
     ("grpc.keepalive_time_ms", 20_000),
     ("grpc.keepalive_timeout_ms", 20_000),
     ("grpc.http2.max_pings_without_data", 0),
     ("grpc.max_receive_message_length", _MAX_MESSAGE_BYTES),
-    # A proxy of the machine's has no business between a robot and its brain.
+    # The machine's proxy has no business between a robot and its brain.
     ("grpc.enable_http_proxy", 0),
 ]
 

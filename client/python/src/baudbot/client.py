@@ -53,7 +53,7 @@ class Client:
     def call(
         self, method: grpc.UnaryUnaryMultiCallable[Q, R], request: Q, timeout_s: float | None = PATIENCE_S
     ) -> R:
-        """Calls a method of a service of the contract; its errors are an `Error`."""
+        """Calls a method of a service of the contract; its errors are raised as an `Error`."""
         try:
             return method(request, timeout=timeout_s)
         except grpc.RpcError as error:
@@ -80,7 +80,7 @@ class Client:
         if name is None and len(there) == 1:
             return ServedWorld(self, there[0])
         if name is None:
-            raise LookupError(f"the server has {len(there)} worlds, name one: {', '.join(there)}")
+            raise LookupError(f"the server has {len(there)} worlds; name one: {', '.join(there)}")
         return ServedWorld(self, matching([name], there, "world")[0])
 
     def create_world(
@@ -93,7 +93,7 @@ class Client:
         set: Mapping[str, Any] | None = None,
         **fields: Any,
     ) -> ServedWorld:
-        """Makes a world from a scenario: a built-in one (`wander`), a file, or a text.
+        """Makes a world from a scenario: a built-in one (`wander`), a file, or TOML text.
 
         `fields` are changes of the scenario, such as `seed=7` or `baud=2400` (of every robot); `set` has any others by their
         path, such as `{"robots.robot.start.x_m": 0.5}`. In lockstep it waits for a brain of each of its robots.

@@ -15,7 +15,7 @@ class Command(NamedTuple):
     others: tuple[float, ...] = ()
     #: How long the brain says that it has thought, in simulated seconds; None: what the scenario says.
     thinking_s: float | None = None
-    #: For a robot whose brain is on board: how many operations the program did.
+    #: For a robot whose brain is on board: how many operations the program executed.
     operations: int | None = None
 
 

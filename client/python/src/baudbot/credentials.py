@@ -1,4 +1,4 @@
-"""What a client shows a server, and by what it knows the server: from the environment, else the token of the user's own server."""
+"""What a client shows a server, and how it recognizes the server: from the environment, else the token of the user's own server."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Credentials:
         return () if self.token is None else (("authorization", f"Bearer {self.token}"),)
 
     def tls(self) -> grpc.ChannelCredentials:
-        """What a connection by TLS needs."""
+        """What a connection over TLS needs."""
         return grpc.ssl_channel_credentials(self.ca, self.key, self.certificate)
 
 
@@ -68,7 +68,7 @@ def own_token(address: str) -> str | None:
     for folder in [f"{runtime}/baudbot"] * bool(runtime) + [f"/tmp/baudbot-{os.getuid()}"]:
         try:
             there = os.lstat(folder)
-            # Nobody else is to put a token there.
+            # Nobody else may put a token there.
             if stat.S_ISDIR(there.st_mode) and there.st_uid == os.getuid() and not there.st_mode & 0o077:
                 return Path(folder, f"{name}.token").read_text(encoding="ascii")
         except FileNotFoundError:

@@ -11,7 +11,7 @@ import grpc
 class Error(Exception):
     """A program of a robot cannot do what it was asked to. Its text is one line for people."""
 
-    #: Whether the same may go well a while later.
+    #: Whether the same may succeed a while later.
     may_pass = False
 
 
@@ -22,7 +22,7 @@ class NoServer(Error):
 
 
 class Taken(Error):
-    """Another brain holds the robot; it may be this program's own connection that the server has not given up yet."""
+    """Another brain holds the robot, or this program's own lost connection does, which the server has not given up yet."""
 
     may_pass = True
 
@@ -32,7 +32,7 @@ class NotFound(Error):
 
 
 class Refused(Error):
-    """The server does not accept what it was asked; its words name the field."""
+    """The server refuses the request; its message names the field."""
 
 
 class Restart(Error):
@@ -44,11 +44,11 @@ class Detached(Error):
 
 
 class NotARecording(Error):
-    """The file is no recording, or too little of one is left in it."""
+    """The file is not a recording, or too little of one is left in it."""
 
 
 class NoReading(Error):
-    """Nothing of this sensor has arrived yet, or the robot has no such sensor."""
+    """Nothing has arrived from this sensor yet, or the robot has no such sensor."""
 
 
 _KINDS: dict[grpc.StatusCode, type[Error]] = {
@@ -61,7 +61,7 @@ _KINDS: dict[grpc.StatusCode, type[Error]] = {
 
 
 def printable(text: str) -> str:
-    """A text of others, in which nothing is left that a terminal would obey."""
+    """A text from elsewhere, without anything that a terminal would obey."""
     return "".join(c if c.isprintable() else f"\\u{{{ord(c):x}}}" for c in text)
 
 

@@ -1,4 +1,4 @@
-"""The messages of a recording's file, one after the other; damaged parts are passed over."""
+"""The messages of a recording's file, one after the other; damaged parts are skipped."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .errors import Error, NotARecording, NotFound
 #: What the package `mcap`, and what it unpacks with, raise about bytes that are not as they were written.
 _BROKEN = (McapError, struct.error, ValueError, RuntimeError, OverflowError, MemoryError)
 
-#: Is told at which byte of a file something is damaged, and whether more is read behind it.
+#: Is told at which byte of a file something is damaged, and whether more is read after it.
 Damaged = Callable[[int, bool], None]
 
 

@@ -1,4 +1,4 @@
-"""Coming back to a server that was lost."""
+"""Reconnecting to a server that was lost."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def tell_on_stderr(line: str) -> None:
 
 
 class Backoff:
-    """How long to wait before each attempt to come back: longer each time, until the limit is over."""
+    """How long to wait before each attempt to reconnect: longer each time, until the limit is reached."""
 
     _end_s: float | None
     _held_since_s: float | None

@@ -30,7 +30,7 @@ M = TypeVar("M", bound=Message)
 def open(path: str | os.PathLike[str]) -> Recording:
     """Opens a recording. It needs the package `mcap`.
 
-    Of a file that is damaged or cut off, as a killed program leaves it, everything that is intact is read; a warning and
+    From a file that is damaged or cut off, as a killed program leaves it, everything intact is read; a warning and
     `Recording.problem` say what is wrong. A recording that is still being made is cut off, too.
 
     Raises `NotFound` if there is no such file, `NotARecording` if it is something else, `Error` if it cannot be read.
@@ -45,7 +45,7 @@ def open(path: str | os.PathLike[str]) -> Recording:
 
 
 class Table(Iterator[dict[str, Any]]):
-    """Rows of a table, one after the other. With the package `baudbot` all that know Arrow take what is left of them as a table:
+    """Rows of a table, one after the other. With the package `baudbot`, libraries that know Arrow take the remaining ones as a table:
     `pyarrow.table(recording.rows())`, `polars.DataFrame(…)`."""
 
     def __init__(self, rows: Iterator[dict[str, Any]]) -> None:
@@ -61,7 +61,7 @@ class Table(Iterator[dict[str, Any]]):
         try:
             native = importlib.import_module("._native", __package__)
         except ModuleNotFoundError:
-            raise Error("tables of Arrow need the package `baudbot`, and only `baudbot-client` is installed: pip install baudbot") from None
+            raise Error("Arrow tables need the package `baudbot`, and only `baudbot-client` is installed: pip install baudbot") from None
         rows = list(self._rows)
         names = list(dict.fromkeys(name for row in rows for name in row))
         return native.stream_of_columns(names, [[row.get(name) for row in rows] for name in names])
@@ -136,7 +136,7 @@ class Recording:
         return Table(rows(self._described(), self._frames()))
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
-        """The table `rows` for all that know Arrow."""
+        """The table `rows`, for libraries that know Arrow."""
         return self.rows().__arrow_c_stream__(requested_schema)
 
     def readings(self, robot: str, sensor: str) -> Table:
@@ -175,7 +175,7 @@ class Recording:
 
     def cycles(self) -> Table:
         """How the control cycles went so far, a row for each frame and robot: how many kept their deadline, were late, and
-        were not answered, and how long those took that were answered. The last rows are of the whole run.
+        were not answered, and how long the answered ones took. The last rows are of the whole run.
 
         A recording has the cycles of its first 64 robots.
         """

@@ -11,7 +11,7 @@ from .errors import Error
 from .turn import Turn
 from .v1 import brain_link_pb2 as pb
 
-#: People see a brain's beliefs so often, in simulated time.
+#: How often people see a brain's beliefs, in simulated time.
 _LOOKS_EVERY_NS = 50_000_000
 _NEVER_NS = 1 << 63
 
@@ -50,7 +50,7 @@ class Seat:
             part.robot = self.place
 
     def answer(self, turn: Turn, output: object) -> None:
-        """Writes what the brain has decided. Whatever is no `Output` is refused."""
+        """Writes what the brain has decided. Anything that is not an `Output` is refused."""
         part = self._part
         if isinstance(output, Command):
             self._command(part, output)
@@ -81,7 +81,7 @@ class Seat:
         if thinking_s is None and operations is None:
             return
         if not self.brain.tells_thinking:
-            raise Error(f"{type(self.brain).__name__} tells its thinking; set `tells_thinking = True` in the class")
+            raise Error(f"{type(self.brain).__name__} says how long it has thought; set `tells_thinking = True` in the class")
         if thinking_s is not None:
             part.thinking_ns = round(thinking_s * 1e9)
         if operations is not None:

@@ -30,7 +30,7 @@ class Settings:
     #: Seed of the brain's own random numbers.
     seed: int = 1
     parameters: Mapping[str, Value] = field(default_factory=dict)
-    #: For how long a brain tries to come back to a server that it has lost; 0 is not at all.
+    #: For how long a brain tries to reconnect to a server that it has lost; 0: not at all.
     reconnect_s: float = 600.0
 
     @classmethod
@@ -45,8 +45,8 @@ class Settings:
         environment: Mapping[str, str] = os.environ,
     ) -> Settings:
         """What is given; for the rest `BAUDBOT_CONNECT`, `_WORLD`, `_ROBOT` (separated by commas), `_SEED`, `_PARAMETERS`
-        (JSON) and `_RECONNECT_S`, which `baudbot run` sets for the programs that it starts; for the rest the defaults. Parameters that are
-        given are added to those of the environment.
+        (JSON) and `_RECONNECT_S`, which `baudbot run` sets for the programs that it starts; for what is left, the defaults. Parameters that
+        are given are added to those of the environment.
         """
         if robots is None:
             robots = [name for name in environment.get("BAUDBOT_ROBOT", "").split(",") if name]
@@ -70,12 +70,12 @@ class Settings:
         by_name = {status.world: status for status in worlds}
         names = sorted(by_name, key=natural)
         if self.world is None and len(names) != 1:
-            several = f"the server has several worlds, choose one: {', '.join(names)}"
-            raise NotFound(several if names else "the server has no world")
+            several = f"the server has several worlds; choose one: {', '.join(names)}"
+            raise NotFound(several if names else "the server has no worlds")
         (world,) = matching([self.world or names[0]], names, "world")
         there = [robot.robot for robot in by_name[world].robots]
         if not self.robots and len(there) != 1:
-            several = f"world `{world}` has several robots, choose some: {', '.join(sorted(there, key=natural))}"
+            several = f"world `{world}` has several robots; choose some: {', '.join(sorted(there, key=natural))}"
             raise NotFound(several if there else f"world `{world}` has no robots")
         return world, matching(self.robots or there, there, "robot", f" in world `{world}`")
 

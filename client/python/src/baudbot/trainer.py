@@ -79,7 +79,7 @@ class Result:
 
 
 class Trainer:
-    """Drives robots of many worlds of the server that has a trainer's address (`baudbot serve --trainer ADDRESS`). ::
+    """Drives robots of many worlds of a server that has an address for trainers (`baudbot serve --trainer ADDRESS`). ::
 
         with baudbot.Trainer("unix:/tmp/trainer.sock") as trainer:
             trainer.create("wander", count=64, seeds=range(64), baud=2400)
@@ -122,7 +122,7 @@ class Trainer:
 
     @property
     def results(self) -> list[Result]:
-        """How the worlds stood when they were last told of, in their order."""
+        """The state of the worlds as last reported, in their order."""
         return [trained.last for trained in self._trained.values()]
 
     def create(
@@ -177,11 +177,11 @@ class Trainer:
         set: Mapping[str, Any] | None = None,
         **fields: Any,
     ) -> list[Result]:
-        """Takes worlds back to their start, all unless some are named, and gives how they stand there.
+        """Takes worlds back to their start, all unless some are named, and returns their state there.
 
         `seed` and `poses` (by robot) are for all of these worlds, or a list with one for each. `set` and keywords change
         fields of the scenario as for `create`. What is not given is as `create` made it. Raises `Refused` or `NotFound` if a
-        world refuses its reset, which then stands as before; the others are reset.
+        world refuses its reset; that world then stays as it was, and the others are reset.
         """
         named = [worlds] if isinstance(worlds, (str, ServedWorld)) else worlds
         chosen = list(self._trained.values()) if named is None else [self._find(world) for world in named]
@@ -204,14 +204,14 @@ class Trainer:
     def step(self, commands: Sequence[Commands] | Mapping[str, Commands]) -> list[Result]:
         """Answers turns: with a list, those of all worlds in their order; with a mapping, those of the worlds that it names.
 
-        What is said to a world whose run has ended does not count. Gives how these worlds stand at their next turns.
+        Answers to a world whose run has ended are ignored. Returns the state of these worlds at their next turns.
         """
         if isinstance(commands, Mapping):
             pairs = [(self._find(world), command) for world, command in commands.items()]
         elif len(commands) == len(self._trained):
             pairs = list(zip(self._trained.values(), commands))
         else:
-            raise Refused(f"commands: there are {len(commands)}, one for each of {len(self._trained)} worlds is needed")
+            raise Refused(f"commands: there are {len(commands)}, but one for each of {len(self._trained)} worlds is needed")
         actions = {trained: trained.answer(command) for trained, command in pairs if trained.last.turns}
         refused = self._exchange(actions)
         if refused is not None:
@@ -229,7 +229,7 @@ class Trainer:
         return self._trained[name]
 
     def _delete(self, worlds: list[ServedWorld]) -> None:
-        """Deletes these worlds, as far as they are still there."""
+        """Deletes those of these worlds that still exist."""
         while worlds:
             try:
                 worlds.pop().delete()
@@ -367,5 +367,5 @@ def _for_each(worlds: Sequence[_Trained], given: object, what: str) -> list[Any]
         return [given] * len(worlds)
     each = list(given)
     if len(each) != len(worlds):
-        raise Refused(f"{what}: there are {len(each)}, one for each of {len(worlds)} worlds is needed")
+        raise Refused(f"{what}: there are {len(each)}, but one for each of {len(worlds)} worlds is needed")
     return each

@@ -1,4 +1,4 @@
-"""What has arrived for a brain, and when it is."""
+"""What has arrived for a brain, and the time."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Reading:
 class Turn(Mapping[str, Reading]):
     """A brain's step. As a mapping it has the last reading of each sensor from which one has arrived, by the sensor's name."""
 
-    # Nothing is made of a message before it is asked for: ten robots of five sensors have fifty readings in a turn.
+    # Nothing is made of a message before it is asked for: ten robots with five sensors each have fifty readings in a turn.
     __slots__ = ("_arrived", "_message", "_readings", "at_ns", "body", "tick")
 
     def __init__(self, body: Body, message: pb.RobotTurn, tick: int) -> None:
@@ -109,7 +109,7 @@ class Turn(Mapping[str, Reading]):
 
     @property
     def ports(self) -> dict[str, bytes]:
-        """The bytes that arrived on the cables of sensors' own since the last turn, for a `RawBrain`."""
+        """The bytes that arrived on the sensors' own cables since the last turn, for a `RawBrain`."""
         names = self.body.sensor_names
         return {names[port.sensor]: port.data for port in self._message.ports}
 

@@ -94,7 +94,7 @@ class ServedWorld:
         self.client.call(self.client.control.RestoreWorld, control_pb2.RestoreWorldRequest(world=self.name, snapshot=snapshot))
 
     def clone(self, name: str = "") -> ServedWorld:
-        """A new, paused world that goes on from the present state."""
+        """A new, paused world that continues from the present state."""
         request = control_pb2.CloneWorldRequest(original=self.name, world=name)
         return ServedWorld(self.client, self.client.call(self.client.control.CloneWorld, request).status.world)
 
@@ -122,7 +122,7 @@ class ServedWorld:
         self._intervene(control_pb2.InterveneRequest(world=self.name, set_baud=change))
 
     def detach_brain(self, robot: str, restart: bool = False) -> None:
-        """Ends the stream that holds the robot; or has its brain made afresh."""
+        """Ends the stream that holds the robot; or has its brain started afresh."""
         detached = control_pb2.DetachBrain(robot=robot, restart=restart)
         self._intervene(control_pb2.InterveneRequest(world=self.name, detach_brain=detached))
 

@@ -1,6 +1,6 @@
 """Environments of Gymnasium: a robot at the end of its cable.
 
-A step is a control cycle of the cable: what the robot is to do travels to it, and the environment goes on until the robot has sent
+A step is a control cycle of the cable: what the robot is to do travels to it, and the environment runs until the robot has sent
 a message again. The observation is what a brain has: readings, how old they are, and which of them are new::
 
     import gymnasium
@@ -9,7 +9,7 @@ a message again. The observation is what a brain has: readings, how old they are
     observation, info = env.reset(seed=1)
     observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
 
-`baudbot.gym.Env` is an environment of any scenario, `baudbot.gym.VectorEnv` many of them on some threads.
+`baudbot.gym.Env` is an environment of any scenario, `baudbot.gym.VectorEnv` many of them on several threads.
 `Network` is a policy for them, which `save_policy` writes as a brain of the program.
 """
 

@@ -31,7 +31,7 @@ Reward = Mapping[str, float] | Callable[["Step"], SupportsFloat]
 #: How fields are drawn, by their paths; a TOML file with such a table; or a function that gives fields for a run.
 Randomize = Mapping[str, object] | str | os.PathLike[str] | Callable[[np.random.Generator], Mapping[str, object]]
 
-#: What a robot's run is worth that is told nothing else.
+#: The reward of a robot's run if no other is given.
 DRIVE: Mapping[str, float] = {"distance_m": 1.0, "collisions": -5.0}
 
 
@@ -58,7 +58,7 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
       [-0.5, 0.5]}}`, a TOML file with a table of that, or a function of a random generator.
     - `flat` makes the observation one array, `ages=False` leaves ages and readability out.
 
-    The scenario decides when a run ends: its time (`end.after_s`) truncates it, all else terminates it. `reset` takes a seed, and as
+    The scenario decides when a run ends: its time (`end.after_s`) truncates it, everything else terminates it. `reset` takes a seed, and as
     `options` `{"overrides": {…}}` for one run.
     """
 
@@ -105,7 +105,7 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
         super().reset(seed=run)
         if self._is_closed:
             raise closed_or_new(self._is_closed)
-        # Without a seed the next one is drawn from those that there were before.
+        # Without a seed, the next one is drawn from the ones before.
         run = int(self.np_random.integers(1 << 31)) if run is None else run
         more = changes(self._draw, self.np_random, once)
         if self._env is None:
@@ -127,7 +127,7 @@ class Env(gymnasium.Env[Any, NDArray[np.float32]]):
         return stepped
 
     def _step(self, env: _native.Env, action: object) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
-        """A step with an observation, a reward or an end of one's own."""
+        """A step with the user's own observation, reward or end."""
         array = self._signals(action)
         readings, ages_s, readable, weighed, terminated, truncated = env.cycle(array)
         observation, reward = self.shape.observed(readings, ages_s, readable), weighed
@@ -202,7 +202,7 @@ def drawn(
     if callable(randomize):
         return randomize, None
     if not isinstance(randomize, (str, os.PathLike)):
-        raise Mistyped(f"randomize: {randomize!r} is no mapping, no file and no function", "randomize")
+        raise Mistyped(f"randomize: {randomize!r} is not a mapping, a file or a function", "randomize")
     path = os.fspath(randomize)
     try:
         with open(path, "rb") as file:

@@ -26,11 +26,11 @@ class Observing(Protocol):
 
 
 class Network:
-    """A feedforward network from an observation to an action: tanh of each layer, the last one's too.
+    """A feedforward network from an observation to an action, with tanh after each layer, also the last.
 
     `layers` are pairs of weights, of the shape (neurons, inputs), and biases. Each input is scaled: `(input - offset) * scale`. It
-    computes in float64, and takes observations with ages and without, flat or not, and a row for each environment of a
-    `VectorEnv`. Arrays may have one axis more, in front: a network for each environment.
+    computes in float64, and takes observations with or without ages, flat or not, and a row for each environment of a
+    `VectorEnv`. Arrays may have one more axis, in front: a network for each environment.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class Network:
         self.scale = _numbers(1.0 if scale is None else scale, "scale")
         for what, given in (("offset", self.offset), ("scale", self.scale)):
             if given.shape not in ((), (inputs,)):
-                raise Invalid(f"{what}: has shape {given.shape}, ({inputs},) is needed, one for each input", what)
+                raise Invalid(f"{what}: has shape {given.shape}, but ({inputs},) is needed, one for each input", what)
 
     def __call__(self, observation: Any) -> NDArray[np.float32]:
         answer = (_flat(observation, self.layers[0][0].shape[-1]) - self.offset) * self.scale
@@ -71,7 +71,7 @@ def save_policy(
         raise Invalid("offset, scale: the network has its own; leave them out", "offset" if scale is None else "scale")
     shape = getattr(getattr(env, "unwrapped", None), "shape", None)
     if not isinstance(shape, Shape):
-        raise Mistyped(f"env: {env!r} is no environment of baudbot.gym", "env")
+        raise Mistyped(f"env: {env!r} is not an environment of baudbot.gym", "env")
     path = _given.path(path, "path")
     text = "\n".join(_lines(layers, shape, _given.text(description, "description"))) + "\n"
     with open(path, "w", encoding="utf-8") as file:
@@ -92,10 +92,10 @@ def _lines(network: Network, shape: Shape, description: str) -> Iterator[str]:
     if network.layers[0][0].ndim != 2:
         raise Invalid("layers: are networks for many environments; choose one of them", "layers")
     if inputs != len(names):
-        raise Invalid(f"layers[0]: has {inputs} inputs, the environment observes {len(names)}: {', '.join(names)}", "layers[0]")
+        raise Invalid(f"layers[0]: has {inputs} inputs, but the environment observes {len(names)}: {', '.join(names)}", "layers[0]")
     if outputs != len(shape.signals):
         path, signals = f"layers[{len(network.layers) - 1}]", ", ".join(shape.signals)
-        raise Invalid(f"{path}: has {outputs} neurons, an action has {len(shape.signals)} signals: {signals}", path)
+        raise Invalid(f"{path}: has {outputs} neurons, but an action has {len(shape.signals)} signals: {signals}", path)
     yield f"description = {quoted(description)}"
     yield ""
     yield "# Inputs: " + ", ".join(names) + "."
@@ -128,15 +128,15 @@ def _flat(observation: Any, inputs: int) -> NDArray[np.float64]:
     try:
         flat = np.concatenate(parts, axis=-1, dtype=np.float64)
     except (TypeError, ValueError):
-        raise Mistyped(f"observation: {observation!r} is none of an environment", "observation") from None
+        raise Mistyped(f"observation: {observation!r} is not an observation of an environment", "observation") from None
     if flat.shape[-1] != inputs:
-        raise Invalid(f"observation: has {flat.shape[-1]} numbers, the network has {inputs} inputs", "observation")
+        raise Invalid(f"observation: has {flat.shape[-1]} numbers, but the network has {inputs} inputs", "observation")
     return flat
 
 
 def _layers(layers: Sequence[Layer]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
     if not isinstance(layers, Sequence):
-        raise Mistyped(f"layers: {layers!r} is no list of pairs of weights and biases", "layers")
+        raise Mistyped(f"layers: {layers!r} is not a list of pairs of weights and biases", "layers")
     if not layers:
         raise Invalid("layers: there is none", "layers")
     comes_in: int | None = None
@@ -149,7 +149,7 @@ def _layers(layers: Sequence[Layer]) -> Iterator[tuple[NDArray[np.float64], NDAr
             shapes = f"{weights.shape} and {biases.shape}"
             raise Invalid(f"{path}: has the shapes {shapes}; (neurons, inputs) and (neurons,) are needed", path)
         if comes_in is not None and weights.shape[-1] != comes_in:
-            raise Invalid(f"{path}: has {weights.shape[-1]} inputs, the layer before it {comes_in} neurons", path)
+            raise Invalid(f"{path}: has {weights.shape[-1]} inputs, but the layer before it has {comes_in} neurons", path)
         comes_in = weights.shape[-2]
         yield weights, biases
 
@@ -158,7 +158,7 @@ def _numbers(values: ArrayLike, path: str) -> NDArray[np.float64]:
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
-        raise Mistyped(f"{path}: is no array of numbers", path) from None
+        raise Mistyped(f"{path}: is not an array of numbers", path) from None
     if not np.isfinite(array).all():
         raise Invalid(f"{path}: has numbers that are not finite", path)
     return array

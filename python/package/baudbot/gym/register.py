@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gymnasium
 
-#: By name: the scenario, the fields that are changed of it, and what is worth what.
+#: By name: the scenario, the fields that are changed of it, and the reward.
 ENVIRONMENTS: dict[str, dict[str, object]] = {
     # Drive on, and run into nothing, for a minute.
     "Wander-v0": {

@@ -18,8 +18,8 @@ Observation = dict[str, NDArray[Any]]
 class Shape:
     """The spaces of a robot that an environment drives.
 
-    `observation` is a `Dict`: `readings` are all values of all sensors in SI units, 0 where none has come yet; `ages_s` how old
-    each sensor's are, in seconds, at most `max_age_s`, which is also that of what has never come; `readable` is 1 for each sensor
+    `observation` is a `Dict`: `readings` are all values of all sensors in SI units, 0 where none has arrived yet; `ages_s` how old
+    each sensor's are, in seconds, at most `max_age_s`, which is also the age of what has never arrived; `readable` is 1 for each sensor
     that had something new in the step. `action` has the signals of the left and the right wheel, then those of the robot's
     other actuators.
     """
@@ -28,7 +28,7 @@ class Shape:
         flat, with_ages = _given.flag(flat, "flat"), _given.flag(with_ages, "ages")
         max_age_s = _given.number(max_age_s, "max_age_s")
         if not 0 < max_age_s < 1e9:
-            raise Invalid(f"max_age_s: {max_age_s!r} is not a time; write one of 0 to 1e9 seconds", "max_age_s")
+            raise Invalid(f"max_age_s: {max_age_s!r} is not a time; write one from 0 to 1e9 seconds", "max_age_s")
         bounds = np.asarray(task.bounds(agent), dtype=np.float32).reshape(-1, 2)
         sensors = task.sensors(agent)
         # A robot without sensors has neither ages nor news.
@@ -42,7 +42,7 @@ class Shape:
         self.sensors = tuple(self.sizes)
         #: What each signal of an action is for.
         self.signals = tuple(task.actions(agent))
-        # 0 stands for what has not come yet.
+        # 0 stands for what has not arrived yet.
         low, high = np.minimum(bounds[:, 0], 0), np.maximum(bounds[:, 1], 0)
         count = len(sensors)
         parts: dict[str, spaces.Space[Any]] = {"readings": spaces.Box(low, high, dtype=np.float32)}
@@ -74,7 +74,7 @@ def signals(action: object, shape: tuple[int, ...], what: str) -> NDArray[np.flo
     try:
         array = np.asarray(action, dtype=np.float32)
     except (TypeError, ValueError, OverflowError):
-        raise Mistyped(f"{what}: {action!r} is no array of numbers", what) from None
+        raise Mistyped(f"{what}: {action!r} is not an array of numbers", what) from None
     if array.shape != shape:
-        raise Invalid(f"{what}: has shape {array.shape}, {shape} is needed", what)
+        raise Invalid(f"{what}: has shape {array.shape}, but {shape} is needed", what)
     return array

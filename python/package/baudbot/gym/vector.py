@@ -25,9 +25,9 @@ _AUTORESET = {
 
 
 class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
-    """So many robots of a scenario, each in a world of its own, on `threads` threads (as many as there are processors).
+    """`num_envs` robots of a scenario, each in a world of its own, on `threads` threads (as many as there are processors).
 
-    Options are those of `baudbot.gym.Env` but `end`, `render_mode` and a function as `randomize`; a function as `reward` gets a `Step` whose numbers are arrays with an element for each
+    Options are those of `baudbot.gym.Env` except `end`, `render_mode` and a function as `randomize`; a function as `reward` gets a `Step` whose numbers are arrays with an element for each
     environment. World `i` has the seed `seed + i`, and what it does depends neither on the threads nor on the other worlds. With
     `copy=False` each step writes to the same arrays.
     """
@@ -121,7 +121,7 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
             happened = dict(zip(TALLY, self._tallies.T, strict=True))
             rewards = np.asarray(self._reward(Step(observation, array, happened)), dtype=np.float64)
             if rewards.shape != (self.num_envs,):
-                raise Invalid(f"reward: has shape {rewards.shape}, ({self.num_envs},) is needed", "reward")
+                raise Invalid(f"reward: has shape {rewards.shape}, but ({self.num_envs},) is needed", "reward")
         terminated, truncated = self._over
         # Of most steps there is nothing to tell.
         info = self._step_infos(terminated | truncated) if has_ended or self._had_ended else {}
@@ -184,7 +184,7 @@ def _mode(mode: object) -> AutoresetMode:
         return AutoresetMode(mode)
     except ValueError:
         kinds = ", ".join(str(kind) for kind in AutoresetMode)
-        raise Mistyped(f"autoreset_mode: {mode!r} is none; there are: {kinds}", "autoreset_mode") from None
+        raise Mistyped(f"autoreset_mode: there is no {mode!r}; there are: {kinds}", "autoreset_mode") from None
 
 
 #: What is in an info.

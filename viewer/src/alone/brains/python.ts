@@ -33,7 +33,7 @@ class Turn:
 
 class Brain:
     def step(self, turn):
-        raise NotImplementedError("a brain has a method step(self, turn)")
+        raise NotImplementedError("a brain needs a method step(self, turn)")
 
 
 def main(brain):

@@ -69,5 +69,5 @@ export function stepOf(
 
 function number(value: unknown, name: string): number {
   if (typeof value === "number" && Number.isFinite(value)) return value;
-  throw new Error(`${name}: must be a finite number, is ${String(value)}; give back { left: 0.4, right: 0.4 }`);
+  throw new Error(`${name}: must be a finite number, is ${String(value)}; return { left: 0.4, right: 0.4 }`);
 }

@@ -70,12 +70,12 @@ def toml(value: Any) -> str:
         return "{ " + ", ".join(f"{quoted(str(key))} = {toml(item)}" for key, item in value.items()) + " }"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(map(toml, value)) + "]"
-    # Numbers and arrays of NumPy give up Python's own.
+    # NumPy's numbers and arrays convert to Python's own.
     if hasattr(value, "tolist"):
         return toml(value.tolist())
     if isinstance(value, str):
         return quoted(value)
-    # JSON writes the infinities in another way.
+    # JSON writes infinities differently.
     return repr(value) if isinstance(value, float) else json.dumps(value)
 
 
