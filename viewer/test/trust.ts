@@ -142,7 +142,10 @@ test("a wrong token gets words, and a right one lets in", { timeout: 60_000 }, a
 
 test("a driver sees nothing of the world, and is told so", { timeout: 60_000 }, async () => {
   const visitor = await visit(knowing, `${page}#token=${tokens.alice}`);
-  await visitor.getByTestId("no-worlds").getByText("the token `alice` has no right to this, which needs `observe`").waitFor();
+  await visitor
+    .getByTestId("no-worlds")
+    .getByText("the token `alice` has no right to this, which needs `observe`")
+    .waitFor();
   assert.equal(await visitor.evaluate(() => window.baudbotViewer?.pose), undefined);
   await visitor.context().close();
 });
