@@ -60,7 +60,7 @@ fn every_robot_stands_alone_in_an_empty_world_in_steps_of_10_ms() {
     for preset in of_kind(PresetKind::Robot) {
         let scenario = preset_robot(preset.name, "", &[]);
         assert_eq!((scenario.step_ns, scenario.substeps), (10_000_000, 1), "{}", preset.name);
-        assert!(preset.description.contains("one substep of 10 ms does"), "{}", preset.name);
+        assert!(preset.description.contains("one substep of 10 ms is enough"), "{}", preset.name);
     }
 }
 
