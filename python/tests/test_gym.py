@@ -324,7 +324,7 @@ class BadInput(unittest.TestCase):
         before = env.hash
         self.refused("takes 2", lambda: env.step(np.zeros(3, np.float32)))
         self.refused("NaN", lambda: env.step(np.full(2, np.nan, np.float32)))
-        self.refused("no array", lambda: env.step("forward"))
+        self.refused("is not an array", lambda: env.step("forward"))
         self.assertEqual(env.hash, before)
         envs = VectorEnv(4, "wander")
         envs.reset(seed=1)

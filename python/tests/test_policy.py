@@ -113,7 +113,7 @@ class Policies(unittest.TestCase):
             ([(np.full((2, 5), np.nan), np.zeros(2))], r"layers\[0\]: has numbers that are not finite"),
             ([([["a"] * 5] * 2, np.zeros(2))], r"layers\[0\]: is not an array of numbers"),
             ([(np.zeros((2, 4)), np.zeros(2))], r"layers\[0\]: has 4 inputs, but the environment observes 5: ir_left, "),
-            ([(np.zeros((3, 5)), np.zeros(3))], r"layers\[0\]: has 3 neurons, an action has 2 signals: left, right"),
+            ([(np.zeros((3, 5)), np.zeros(3))], r"layers\[0\]: has 3 neurons, but an action has 2 signals: left, right"),
         ]
         for layers, problem in cases:
             with self.subTest(problem), self.assertRaisesRegex(Invalid, problem):

@@ -207,7 +207,7 @@ class BadInput(unittest.TestCase):
             with self.assertRaisesRegex(baudbot.Invalid, words):
                 world.step(action)
         for action in (["left", "right"], 0.5, [[0.1, 0.2]]):
-            with self.assertRaisesRegex(baudbot.Invalid, "no list of numbers"):
+            with self.assertRaisesRegex(baudbot.Invalid, "is not a list of numbers"):
                 world.step(action)
         self.assertEqual(world.hash, before)
         world.step([7.0, -7.0])
