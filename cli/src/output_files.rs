@@ -46,8 +46,8 @@ impl Files {
     }
 }
 
-/// Opens a file, or stdout for `-`. What is in the file stays there until the first rows are written; a file that is new, and into
-/// which nothing was written, goes again.
+/// Opens a file, or stdout for `-`. What is in the file stays there until the first rows are written; a file that is new, and was
+/// neither written nor flushed, goes again.
 pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Write + Send>> {
     if path == Path::new(STDOUT) {
         // Not the standard library's stdout: what that holds back is written at the program's exit, which
@@ -122,7 +122,11 @@ impl Write for Replaced {
         self.file.write(bytes)
     }
 
+    /// Whoever flushes has come to the end, also of what is empty.
     fn flush(&mut self) -> io::Result<()> {
+        if matches!(self.state, State::New(_)) {
+            self.state = State::Written;
+        }
         self.file.flush()
     }
 }
@@ -149,6 +153,8 @@ mod tests {
         let path = folder.path().join("film.gif");
         drop(open(&path).unwrap());
         assert!(!path.exists());
+        open(&path).unwrap().flush().unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"", "there was nothing to say");
         open(&path).unwrap().write_all(b"a long film").unwrap();
         drop(open(&path).unwrap());
         assert_eq!(std::fs::read(&path).unwrap(), b"a long film");
