@@ -39,7 +39,7 @@ pub(crate) fn meant(name: &str, known: &[&str]) -> String {
     }
 }
 
-/// Whether a name may be another one, misspelt: fields are so many that one of half the letters is found for any name.
+/// Whether a name may be another one, misspelt. There are so many fields that some share half the letters of any name.
 fn is_near(name: &str, other: &str) -> bool {
     let letters: Vec<char> = name.chars().collect();
     other.contains(name) || edits(&letters, other) <= letters.len().div_ceil(3)
