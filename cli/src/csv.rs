@@ -89,7 +89,9 @@ impl Table {
 impl Drop for Table {
     fn drop(&mut self) {
         if let Some(outcome) = self.outcome.take() {
-            let _ = outcome.send(self.out.flush());
+            // A world that never began has no table; what the file held stays.
+            let done = if self.header.is_some() { Ok(()) } else { self.out.flush() };
+            let _ = outcome.send(done);
         }
     }
 }
@@ -202,6 +204,18 @@ mod tests {
         assert_eq!(rows[1][4], "1.0000000000000001e-1", "17 digits");
         assert_eq!(rows[2][7..11], ["", "", "", "0.0000000000000000e0"]);
         assert!(rows.iter().all(|row| row.len() == rows[0].len()));
+    }
+
+    #[test]
+    fn a_world_that_never_begins_leaves_no_table() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.csv");
+        let world = World::new(baudbot_scenario::parse(TWO_ROBOTS).unwrap().into());
+        let (table, mut outcome) =
+            Table::new(crate::output_files::open(&path).unwrap(), &world.scenario().robots);
+        drop(table);
+        assert!(outcome.try_recv().unwrap().is_ok());
+        assert!(!path.exists());
     }
 
     #[test]
