@@ -1,67 +1,39 @@
 /**
- * The page that needs no installation, in a browser: `build-page`, then `npm run test:page`. PAGE is where it was built (target/page), and
- * BAUDBOT the program that its recordings are replayed with, if there is one. FOLLOW_HASH is the hash after 60 s of the wall follower at
- * the end of the main job's cable, as the program has it (`run wander --seconds 60 --brain 'exec:python client/python/examples/follow.py'`).
- * Needs a Chromium: in CHROMIUM, or where Debian has it. With SHOTS it leaves pictures in that folder.
+ * The page that needs no installation, in a browser: `build-page`, then `npm run test:page`. BAUDBOT is the program that its recordings
+ * are replayed with, if there is one. FOLLOW_HASH is the hash after 60 s of the wall follower at the end of the main job's cable, as the
+ * program has it (`run wander --seconds 60 --brain 'exec:python client/python/examples/follow.py'`). Needs a Chromium: in CHROMIUM, or
+ * where Debian has it. With SHOTS it leaves pictures in that folder.
  */
-import axe from "axe-core";
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
-import { mkdtemp, readFile, rm } from "node:fs/promises";
-import { createServer, type Server } from "node:http";
-import type { AddressInfo } from "node:net";
+import { mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
-import { extname, join } from "node:path";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { gzipSync } from "node:zlib";
 import { chromium, type Browser, type Page } from "playwright-core";
+import { BUILT, HASH, SINGLE, hashOf, isAccessible, site, tookOf } from "./built_page";
 
-const ROOT = new URL("../../", import.meta.url).pathname;
-const BUILT = process.env.PAGE ?? join(ROOT, "target/page");
 const BROWSER = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const { BAUDBOT, FOLLOW_HASH, SHOTS } = process.env;
-/** The main job's, as README.md says it. */
-const HASH = /^state hash +([0-9a-f]{16})$/m.exec(readFileSync(join(ROOT, "README.md"), "utf8"))![1]!;
-const TYPES: Record<string, string> = {
-  ".html": "text/html",
-  ".js": "text/javascript",
-  ".mjs": "text/javascript",
-  ".css": "text/css",
-  ".wasm": "application/wasm",
-};
-const SINGLE = `file://${BUILT}/baudbot.html`;
 const options = { timeout: 300_000 };
 
 let browser: Browser;
-let site: Server;
-let address: string;
+let web: { address: string; stop: () => void };
 let folder: string;
 
 before(async () => {
   folder = await mkdtemp(join(tmpdir(), "baudbot-page-"));
-  site = createServer((request, response) => void answer(request.url ?? "/", response)).listen(0, "127.0.0.1");
-  await new Promise((resolve) => site.once("listening", resolve));
-  address = `http://127.0.0.1:${(site.address() as AddressInfo).port}/`;
+  web = await site();
   browser = await chromium.launch({ executablePath: BROWSER, args: ["--no-sandbox"] });
 });
 
 after(async () => {
   await browser?.close();
-  site?.close();
+  web?.stop();
   if (folder) await rm(folder, { recursive: true });
 });
-
-/** Files, as any web server has them. */
-async function answer(url: string, response: import("node:http").ServerResponse): Promise<void> {
-  const path = new URL(url, "http://site").pathname.replace(/\/$/, "/index.html");
-  try {
-    const bytes = await readFile(join(BUILT, "site", path));
-    response.writeHead(200, { "content-type": TYPES[extname(path)] ?? "application/octet-stream" }).end(bytes);
-  } catch {
-    response.writeHead(404).end();
-  }
-}
 
 type Look = { size?: { width: number; height: number }; colorScheme?: "light" | "dark" };
 
@@ -96,9 +68,6 @@ async function run(page: Page, brain: string, text?: string): Promise<string> {
   return (await dialog.getByTestId("result").textContent()) ?? "";
 }
 
-const hashOf = (result: string) => /state hash ([0-9a-f]{16})/.exec(result)?.[1];
-const tookOf = (result: string) => Number(/simulated in ([0-9.]+) s/.exec(result)?.[1]);
-
 test("all but Pyodide is less than 1.5 MB, as a site and in one file", () => {
   const names = ["index.html", "page.js", "page.css", "world-worker.js", "brain-worker.js", "baudbot.wasm.zst"];
   const packed = (...path: string[]) => gzipSync(readFileSync(join(BUILT, ...path)), { level: 9 }).length;
@@ -129,7 +98,7 @@ test(
 );
 
 test("the same from a web server, and the program replays its recording to the same hash", options, async () => {
-  const page = await open(address);
+  const page = await open(web.address);
   await page.getByTestId("records").evaluate((box: HTMLInputElement) => (box.checked = true));
   assert.equal(hashOf(await run(page, ":avoid")), HASH);
   const [download] = await Promise.all([page.waitForEvent("download"), page.getByTestId("save-recording").click()]);
@@ -150,7 +119,7 @@ test("a brain in JavaScript drives as the same one in a program", options, async
 });
 
 test("a brain in Python drives as the same one in a program", options, async () => {
-  const page = await open(address);
+  const page = await open(web.address);
   const loaded: string[] = [];
   page.on("request", (request) => loaded.push(request.url()));
   const javascript = hashOf(await run(page, "javascript"));
@@ -247,9 +216,8 @@ for (const [name, look] of LOOKS) {
     await page.evaluate(() => void (location.hash = ""));
     await page.reload();
     await page.waitForFunction(() => window.baudbotViewer?.frames > 5);
-    await serious(page, "the page");
-    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-    assert.ok(wide <= 0, `${wide} pixels are beyond the edge`);
+    const evaluate = (script: string) => page.evaluate(script);
+    await isAccessible(evaluate, "the page");
     if (SHOTS) await page.screenshot({ path: `${SHOTS}/page-${name.replace(/\W+/g, "-")}.png` });
     if (look.size?.width === 320) await page.getByRole("button", { name: "worlds", exact: true }).click();
     await page.getByTestId("open-start").click();
@@ -260,24 +228,9 @@ for (const [name, look] of LOOKS) {
     await page.getByTestId("budget-compute").click();
     await page.getByTestId("budget").locator("table").first().waitFor();
     if (SHOTS) await page.screenshot({ path: `${SHOTS}/start-${name.replace(/\W+/g, "-")}.png` });
-    await serious(page, "the dialog");
+    await isAccessible(evaluate, "the dialog");
     await page.close();
   });
-}
-
-/** What axe finds that is serious or critical. */
-async function serious(page: Page, what: string): Promise<void> {
-  await page.evaluate(axe.source);
-  const found = await page.evaluate(async () => {
-    const { axe } = window as unknown as { axe: typeof import("axe-core") };
-    const { violations } = await axe.run();
-    return violations
-      .filter(({ impact }) => impact === "serious" || impact === "critical")
-      .map(
-        ({ id, nodes }) => `${id}: ${nodes.map(({ html, failureSummary }) => `${html} ${failureSummary}`).join("\n")}`,
-      );
-  });
-  assert.deepEqual(found, [], what);
 }
 
 test("it was built", () => assert.ok(existsSync(join(BUILT, "baudbot.html")), "viewer/build-page makes it"));
