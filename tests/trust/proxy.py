@@ -11,6 +11,7 @@ import os
 import pathlib
 import re
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -45,7 +46,7 @@ def site(folder: pathlib.Path, port: int, grpc_address: str, page_address: str) 
 
 
 @contextmanager
-def nginx(folder: pathlib.Path, text: str) -> Iterator[None]:
+def nginx(folder: pathlib.Path, text: str, port: int) -> Iterator[None]:
     (folder / "site.conf").write_text(text)
     user = "user root;" if os.geteuid() == 0 else ""
     places = " ".join(f"{kind}_temp_path {folder}/{kind};" for kind in ("client_body", "proxy", "fastcgi", "scgi", "uwsgi"))
@@ -56,6 +57,7 @@ def nginx(folder: pathlib.Path, text: str) -> Iterator[None]:
     said(*command, "-t")
     with subprocess.Popen(command) as program:
         try:
+            listens(port)
             yield
         finally:
             program.send_signal(signal.SIGQUIT)
@@ -63,6 +65,17 @@ def nginx(folder: pathlib.Path, text: str) -> Iterator[None]:
     lines = (folder / "error.log").read_text().splitlines()
     errors = [line for line in lines if "[error]" in line or "[alert]" in line]
     assert len(errors) == 1 and "client intended to send too large body" in errors[0], errors
+
+
+def listens(port: int) -> None:
+    """Waits until somebody does at this port."""
+    for _ in range(300):
+        try:
+            socket.create_connection(("127.0.0.1", port), timeout=10).close()
+            return
+        except ConnectionRefusedError:
+            time.sleep(0.1)
+    raise AssertionError(f"nobody listens at port {port}")
 
 
 def with_our_programs(baudbot: str, where: list[str], operator: str, driver: str) -> None:
@@ -111,8 +124,8 @@ def with_curl(address: str, ca: pathlib.Path, token: str, folder: pathlib.Path) 
 
     def upgraded(*more: str) -> str:
         """The status of an attempt to open the page's socket, which is not waited for."""
-        socket = ["--http1.1", "--include", "--max-time", "2", "-H", "Connection: Upgrade", "-H", "Upgrade: websocket", "-H", "Sec-WebSocket-Version: 13"]
-        done = subprocess.run([*look, *socket, "-H", "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==", *more, f"{page}/page"], capture_output=True, timeout=60)
+        upgrade = ["--http1.1", "--include", "--max-time", "2", "-H", "Connection: Upgrade", "-H", "Upgrade: websocket", "-H", "Sec-WebSocket-Version: 13"]
+        done = subprocess.run([*look, *upgrade, "-H", "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==", *more, f"{page}/page"], capture_output=True, timeout=60)
         return re.match(rb"HTTP/1.1 (\d+)", done.stdout)[1].decode()
 
     assert upgraded("--cookie", cookies, "-H", f"Origin: {page}") == "101"
@@ -137,7 +150,7 @@ def main() -> None:
         with served(baudbot, "--tokens", tokens, "--behind-proxy", "--host", "localhost", home=folder) as lines:
             own, page = place(lines, r"listening on (\S+)"), place(lines, r"open in a browser: http://([^/]+)/")
             port = free_port()
-            with nginx(folder, site(folder, port, own, page)):
+            with nginx(folder, site(folder, port, own, page), port):
                 address, ca = f"localhost:{port}", folder / "lab-ca.pem"
                 with_our_programs(baudbot, ["--connect", f"https://{address}", "--ca", str(ca)], str(operator), str(driver))
                 with_grpcio(address, ca, operator.read_text().strip(), driver.read_text().strip())
