@@ -83,7 +83,14 @@ fn step(path: &Path, raw: &raw::Scenario) -> Result<Step> {
     let step_ns = path.ms("step_ms", raw.step_ms, MIN_PERIOD_MS, 1000.0)?;
     let substeps = path.whole_within("substeps", u64::from(raw.substeps), 1, context::MAX_SUBSTEPS)?;
     if step_ns % substeps != 0 {
-        let problem = format!("{substeps} substeps do not divide {step_ns} ns into whole nanoseconds");
+        let fits = |count: &u64| step_ns % count == 0;
+        let below = (1..substeps).rev().find(fits).unwrap_or(1);
+        let above = (substeps + 1..=context::MAX_SUBSTEPS).find(fits);
+        let above = above.map(|above| format!(" or {above}")).unwrap_or_default();
+        let problem = format!(
+            "{substeps} substeps do not divide {} ms into whole nanoseconds; {below}{above} do",
+            raw.step_ms
+        );
         return Err(path.field("substeps").error(problem));
     }
     Ok(Step { step_ms: raw.step_ms, step_ns, substeps })

@@ -53,7 +53,7 @@ impl Override {
         let parts: Vec<String> =
             path.trim().replace('[', ".").replace(']', "").split('.').map(str::to_owned).collect();
         if parts.iter().any(String::is_empty) {
-            return Err(FieldError::new(path, "the path has an empty part"));
+            return Err(FieldError::new(format!("`{path}`"), "the path has an empty part"));
         }
         if parts.len() > MAX_PARTS {
             let problem = format!("the path has {} parts, no field is deeper than {MAX_PARTS}", parts.len());
@@ -62,6 +62,11 @@ impl Override {
         let value = value.trim();
         let parsed =
             format!("value = {value}").parse::<Table>().ok().and_then(|mut table| table.remove("value"));
+        let digits = value.strip_prefix('-').unwrap_or(value);
+        if parsed.is_none() && digits.len() > 18 && digits.bytes().all(|byte| byte.is_ascii_digit()) {
+            let problem = format!("must be between {} and {}, is {value}", i64::MIN, i64::MAX);
+            return Err(FieldError::new(path, problem));
+        }
         let value = parsed.unwrap_or_else(|| Value::String(value.to_string()));
         Ok(Self { text: text.to_owned(), path: parts, value })
     }
@@ -78,8 +83,11 @@ impl Override {
             let kind = child.type_str();
             here = if let Value::Array(list) = child {
                 let (_, key) = parts.next().ok_or_else(|| {
-                    FieldError::new(path(), "is a list; name an element and a field of it")
-                        .because(Cause::NoTable)
+                    FieldError::new(
+                        path(),
+                        "is a list; name an element and a field of it, or give the whole list",
+                    )
+                    .because(Cause::NoTable)
                 })?;
                 let is_start = parents.get(depth + 2).is_some_and(|part| part == "start");
                 if is_start && index_of(list, key).is_none() && of_several(list, key).is_some() {
@@ -113,9 +121,14 @@ fn element<'a>(list: &'a mut [Value], key: &str, path: &str) -> Result<&'a mut T
         );
         return Err(error(problem).because(Cause::NoTable));
     }
+    let has_tables = list.iter().all(Value::is_table);
     let tables = index.map(|i| &mut list[i]).and_then(Value::as_table_mut);
     tables.ok_or_else(|| {
-        let problem = format!("there is no such element; there are: {}", names.join(", "));
+        let problem = if has_tables {
+            format!("there is no such element; there are: {}", names.join(", "))
+        } else {
+            "is a list of values, which cannot be changed one by one; give the whole list".to_owned()
+        };
         error(problem).because(Cause::UnknownElement { name: key.into(), known: names.into() })
     })
 }

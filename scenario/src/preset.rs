@@ -18,7 +18,7 @@ use toml::{Table, Value};
 
 use super::robots::MAX_ROBOTS;
 use crate::presets::{self, Preset, PresetKind};
-use baudbot_fields::{Cause, FieldError, Path, nearest};
+use baudbot_fields::{Cause, FieldError, Path, edits, nearest};
 
 /// Alternative fields: a file that uses one drops the others of the preset.
 const ALTERNATIVES: [&[&[&str]]; 4] = [
@@ -88,12 +88,15 @@ impl Expander {
         for (part, kind) in PARTS {
             self.part(&path.field(part), robot.get_mut(part), kind)?;
         }
-        let path = path.field("sensors");
+        let of_sensors = path.field("sensors");
         if let Some(Value::Table(sensors)) = robot.get_mut("sensors") {
             for (name, sensor) in sensors.iter_mut() {
-                self.part(&path.field(name), Some(sensor), PresetKind::Sensor)?;
+                self.part(&of_sensors.field(name), Some(sensor), PresetKind::Sensor)?;
             }
-            all_have_a_kind(&path, sensors)?;
+            all_have_a_kind(&of_sensors, sensors, "sensor")?;
+        }
+        if let Some(Value::Table(actuators)) = robot.get("actuators") {
+            all_have_a_kind(&path.field("actuators"), actuators, "actuator")?;
         }
         Ok(chain)
     }
@@ -117,7 +120,10 @@ impl Expander {
 
     /// Takes out of a table the name of its preset, which must be of this kind.
     fn take(&mut self, path: &Path, table: &mut Table, kind: PresetKind) -> Result<Option<&'static Preset>> {
-        let Some(value) = table.remove("preset") else { return Ok(None) };
+        let Some(value) = table.remove("preset") else {
+            is_not_misspelt(path, table, "preset")?;
+            return Ok(None);
+        };
         let path = path.field("preset");
         let Value::String(name) = &value else {
             return Err(path.error(format!("must be the name of a preset, is of type {}", value.type_str())));
@@ -165,16 +171,35 @@ fn unknown(name: &str, kind: PresetKind) -> String {
     format!("there is no preset `{shortened}`{meant}{stop} `baudbot preset` lists all")
 }
 
-/// Refuses a sensor of no kind. Its name may be that of another one, misspelt: then it changes nothing, and is a new one.
-fn all_have_a_kind(path: &Path, sensors: &Table) -> Result<()> {
-    let is_whole = |sensor: &Value| sensor.as_table().is_none_or(|table| table.contains_key("kind"));
-    let Some((name, _)) = sensors.iter().find(|(_, sensor)| !is_whole(sensor)) else { return Ok(()) };
-    let others = sensors.iter().filter(|(_, sensor)| is_whole(sensor)).map(|(name, _)| name);
-    let problem = match nearest(name, others, |name| name).as_slice() {
-        [] => "missing field `kind`".to_owned(),
-        [near, ..] => format!("there is no such sensor; did you mean `{near}`? A new one needs a `kind`"),
+/// Refuses a device of no kind. Its name may be that of another one, misspelt: then it changes nothing, and is a new one.
+fn all_have_a_kind(path: &Path, devices: &Table, what: &str) -> Result<()> {
+    let is_whole = |device: &Value| device.as_table().is_none_or(|table| table.contains_key("kind"));
+    let Some((name, device)) = devices.iter().find(|(_, device)| !is_whole(device)) else { return Ok(()) };
+    let path = path.field(name);
+    if let Value::Table(table) = device {
+        is_not_misspelt(&path, table, "kind")?;
+    }
+    let others = devices.iter().filter(|(_, device)| is_whole(device)).map(|(name, _)| name);
+    let letters: Vec<char> = name.chars().collect();
+    let mut meant = nearest(name, others, |name| name).into_iter();
+    let problem = match meant.find(|other| edits(&letters, other) <= letters.len().div_ceil(3)) {
+        None => "missing field `kind`".to_owned(),
+        Some(near) => format!("missing field `kind`, which a new {what} needs; did you mean `{near}`?"),
     };
-    Err(path.field(name).error(problem).because(Cause::MissingField))
+    Err(path.error(problem).because(Cause::MissingField))
+}
+
+/// Refuses a field that is likely to be this one, which the table does not have. Errors of what is parsed later do not know of it.
+fn is_not_misspelt(path: &Path, table: &Table, field: &str) -> Result<()> {
+    let letters: Vec<char> = field.chars().collect();
+    let is_near = |key: &&String| edits(&letters, key) <= letters.len() / 3;
+    match table.keys().find(is_near) {
+        Some(key) if key != field => {
+            let problem = format!("unknown field `{key}`; did you mean `{field}`?");
+            Err(path.field(key).error(problem))
+        }
+        Some(_) | None => Ok(()),
+    }
 }
 
 /// Takes the sensors that the file does `without` out of the preset.

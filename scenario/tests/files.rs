@@ -74,7 +74,11 @@ fn numbers_that_make_no_sense_name_their_path_and_value() {
     );
     refused(&robot("start = { x_m = inf }"), "robots[0].start.x_m", "must be a finite number, is inf");
     refused("step_ms = 0.0", "step_ms", "must be between 0.01 and 1000");
-    refused("step_ms = 10.0\nsubsteps = 7", "substeps", "7 substeps do not divide 10000000 ns");
+    refused(
+        "step_ms = 10.0\nsubsteps = 7",
+        "substeps",
+        "7 substeps do not divide 10 ms into whole nanoseconds; 5 or 8 do",
+    );
     refused("substeps = 0", "substeps", "must be between 1 and 10000, is 0");
     refused("end = { after_s = -1.0 }", "end.after_s", "must be between 0");
     let sensor = |more| robot(&format!("[robots.sensors.c]\nkind = \"compass\"\n{more}"));
@@ -82,6 +86,29 @@ fn numbers_that_make_no_sense_name_their_path_and_value() {
     refused(&sensor("sigma_rad = -0.1"), "robots[0].sensors.c.sigma_rad", "must not be negative, is -0.1");
     refused(&sensor("period_ms = 0.0"), "robots[0].sensors.c.period_ms", "must be between 0.01");
     refused("seed = -1", "seed", "must be a whole number of 0 or more, is -1");
+}
+
+#[test]
+fn a_device_without_a_kind_may_be_meant_for_another() {
+    let lamp = |more: &str| {
+        robot(&format!("[robots.actuators]\nlamp = {{ kind = \"lamp\", intensity_cd = 1.0 }}\n{more}"))
+    };
+    let meant = "missing field `kind`, which a new actuator needs; did you mean `lamp`?";
+    refused(&lamp("lmap = { intensity_cd = 2.0 }"), "robots[0].actuators.lmap", meant);
+    refused(&lamp("siren = { loudness = 2.0 }"), "robots[0].actuators.siren", "missing field `kind`");
+    let sensors = "[robots.sensors]\ncompass = { kind = \"compass\" }\ncompas = { bits = 8 }\n";
+    refused(&robot(sensors), "robots[0].sensors.compas", "which a new sensor needs; did you mean `compass`?");
+    let misspelt = "[robots.sensors.compass]\nkinds = \"compass\"\n";
+    refused(&robot(misspelt), "robots[0].sensors.compass.kinds", "did you mean `kind`?");
+    let other = "[robots.sensors]\nleft = { kind = \"compass\" }\nodometer = { bits = 8 }\n";
+    refused(&robot(other), "robots[0].sensors.odometer", "missing field `kind`");
+}
+
+#[test]
+fn a_misspelt_preset_is_recognised() {
+    refused("[[robots]]\npresets = \"khepera-1\"", "robots[0].presets", "did you mean `preset`?");
+    let link = "[[robots]]\npreset = \"khepera-1\"\n[robots.link]\npreste = \"uart-9600\"\n";
+    refused(link, "robots[0].link.preste", "did you mean `preset`?");
 }
 
 #[test]
@@ -272,6 +299,11 @@ fn overrides_reach_any_field_by_name_and_by_index() {
     assert!(refused("step_ms.x=1").starts_with("step_ms: is a float, it has no field `x`"));
     assert!(Override::parse("noise").unwrap_err().to_string().contains("an override is PATH=VALUE"));
     assert!(Override::parse("robots..x=1").unwrap_err().to_string().contains("empty part"));
+    let large = Override::parse("seed=9223372036854775808").unwrap_err().to_string();
+    assert!(
+        large.starts_with("seed: must be between -9223372036854775808 and 9223372036854775807"),
+        "{large}"
+    );
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn a_scenario_of_presets_runs_and_can_be_changed() {
     let (code, _, err) = baudbot(&["check", path, "--set", "robots.bob.sensors.ir_O.period_ms=5"]);
     assert_eq!(code, 2);
     let meant =
-        "robots[0].sensors.ir_O: there is no such sensor; did you mean `ir_0`? A new one needs a `kind`";
+        "robots[0].sensors.ir_O: missing field `kind`, which a new sensor needs; did you mean `ir_0`?";
     assert!(err.contains(meant), "{err}");
     good(&["run", path, "--seconds", "1", "--quiet"]);
 }

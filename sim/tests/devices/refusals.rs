@@ -265,7 +265,7 @@ fn turrets_that_are_not_there() {
 #[test]
 fn actuators_and_batteries() {
     let actuator = |fields: &str| scene("", "", &format!("[robots.actuators.a]\n{fields}\n"));
-    refused(&actuator("level = 1.0"), "robots[0].actuators.a.kind: is missing");
+    refused(&actuator("level = 1.0"), "robots[0].actuators.a: missing field `kind`");
     refused(
         &actuator("kind = \"turret\"\nmin_rad = 0.1\nmax_rad = 1.0\nrate_rad_s = 1.0"),
         "robots[0].actuators.a.min_rad: must be between",
