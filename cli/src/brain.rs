@@ -4,10 +4,11 @@ use std::fmt::Write;
 
 use anyhow::{Context, bail};
 use baudbot_brains::catalogue;
-use baudbot_client::{Attachment, AttachmentError, Body};
+use baudbot_client::{Attachment, AttachmentError, Body, Channel};
 use baudbot_plot::quantity::count;
 use baudbot_proto::v1;
 use serde_json::{Value, json};
+use tonic::Code;
 
 use crate::args::BrainArgs;
 use crate::assignment;
@@ -69,13 +70,27 @@ fn named(args: &BrainArgs) -> Option<(String, Vec<String>)> {
 
 /// The world and the robots, as the server has them.
 async fn found(args: &BrainArgs) -> anyhow::Result<(String, Vec<String>)> {
-    let world = connect::world(connect::channel(&args.server).await?, &args.server).await?;
+    let channel = connect::channel(&args.server).await?;
+    let world = match connect::world(channel.clone(), &args.server).await {
+        Ok(world) => world,
+        Err(error) => {
+            let remedy =
+                "this token cannot list worlds and robots, so name both in full with --world and --robot";
+            return Err(if may_list(channel).await { error } else { error.context(remedy) });
+        }
+    };
     let there: Vec<_> = world.robots.iter().map(|robot| robot.robot.clone()).collect();
     let robots = match args.robots.as_slice() {
         [] => vec![only_robot(&world)?],
         patterns => assignment::named(patterns, &there)?,
     };
     Ok((world.world, robots))
+}
+
+/// Whether the token can list worlds, or that cannot be known.
+async fn may_list(channel: Channel) -> bool {
+    let listed = connect::control(channel).list_worlds(v1::ListWorldsRequest {}).await;
+    listed.map_or_else(|status| status.code() != Code::PermissionDenied, |_| true)
 }
 
 fn only_robot(world: &v1::WorldStatus) -> anyhow::Result<String> {

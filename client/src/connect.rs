@@ -10,7 +10,9 @@ use crate::error::Error;
 ///
 /// # Errors
 /// [`Error::Address`] if that is no address, [`Error::Connect`] if no server answers there within 5 s, or something takes
-/// connections there and says nothing for as long; [`Error::Credentials`] if the environment has unsound ones.
+/// connections there and says nothing for as long; [`Error::ServerCertificate`] and [`Error::ClientCertificate`] if the two do not
+/// trust each other; [`Error::Unprotected`] if there is a token, which is not sent to another machine without TLS;
+/// [`Error::Credentials`] if the environment has unsound ones.
 pub async fn connect(address: &str) -> Result<Client, Error> {
     connect_with(address, &Credentials::from_environment()?).await
 }

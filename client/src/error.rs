@@ -29,6 +29,30 @@ pub enum Error {
         /// The network's message.
         cause: String,
     },
+    /// There is a token for this server, which would go to another machine without TLS.
+    #[error(
+        "no token is sent to {authority} without TLS, as that is another machine: write https://{authority}, or, if the server is behind a proxy, the proxy's https:// address"
+    )]
+    Unprotected {
+        /// `HOST:PORT`.
+        authority: String,
+    },
+    /// The server's certificate is not one that this program trusts.
+    #[error("the certificate of the server at {address} {problem}")]
+    ServerCertificate {
+        /// As it was given.
+        address: String,
+        /// What is wrong with it, as the end of a sentence.
+        problem: String,
+    },
+    /// The server asks for a client certificate, and does not accept what it was shown.
+    #[error("the server at {address} {problem}")]
+    ClientCertificate {
+        /// As it was given.
+        address: String,
+        /// What it wants, as the end of a sentence.
+        problem: String,
+    },
     /// A token, a certificate or a key is unsound.
     #[error("{place}: {problem}")]
     Credentials {
@@ -72,10 +96,6 @@ pub enum Error {
 /// The remedy for a connection to the wrong one of a server's listeners.
 const OTHER_ADDRESS: &str = "this address is not for brains; connect to that of `baudbot serve --listen`, and not to that of `--trainer`";
 
-/// The remedy for `https://` in front of an address without TLS.
-#[cfg(feature = "network")]
-const NO_TLS: &str = "what listens there does not speak TLS; write the address without https://";
-
 impl From<tonic::Status> for Error {
     fn from(status: tonic::Status) -> Self {
         // A status that the transport makes up says from what; one that the server sent has no source.
@@ -103,6 +123,9 @@ impl Error {
             Self::Connect { .. } | Self::Lost { .. } => true,
             Self::Status { code, .. } => matches!(code, Code::Unavailable | Code::AlreadyExists),
             Self::Address { .. }
+            | Self::Unprotected { .. }
+            | Self::ServerCertificate { .. }
+            | Self::ClientCertificate { .. }
             | Self::Credentials { .. }
             | Self::Restart
             | Self::Protocol(_)
@@ -115,25 +138,16 @@ impl Error {
     pub(crate) fn is_held(&self) -> bool {
         matches!(self, Self::Status { code: Code::AlreadyExists, .. })
     }
-
-    #[cfg(feature = "network")]
-    pub(crate) fn connect(address: &str, error: &tonic::transport::Error) -> Self {
-        let root = root(error);
-        let cause = if speaks_no_tls(root) { NO_TLS.to_owned() } else { root.to_string() };
-        Self::Connect { address: address.to_owned(), cause }
-    }
 }
 
-/// Whether there is no TLS in an answer that should have it.
+/// What TLS says about a connection, if this is from there.
 #[cfg(feature = "network")]
-fn speaks_no_tls(error: &(dyn StdError + 'static)) -> bool {
-    let inner = error.downcast_ref::<io::Error>().and_then(io::Error::get_ref);
-    let found = inner.and_then(|inner| inner.downcast_ref::<rustls::Error>());
-    found == Some(&rustls::Error::InvalidMessage(rustls::InvalidMessage::InvalidContentType))
+pub(crate) fn tls_error(error: &io::Error) -> Option<&rustls::Error> {
+    error.get_ref().and_then(|inner| inner.downcast_ref())
 }
 
 /// The innermost error says what happened ("connection refused"); those around it say only where.
-fn root<'a>(error: &'a (dyn StdError + 'static)) -> &'a (dyn StdError + 'static) {
+pub(crate) fn root<'a>(error: &'a (dyn StdError + 'static)) -> &'a (dyn StdError + 'static) {
     let mut error = error;
     while let Some(source) = error.source() {
         error = source;

@@ -52,6 +52,8 @@
 mod address;
 #[cfg(feature = "network")]
 mod attachment;
+#[cfg(feature = "network")]
+mod attempt;
 mod channel;
 mod client;
 #[cfg(feature = "network")]
@@ -62,6 +64,10 @@ mod connect;
 mod credentials;
 mod error;
 mod fleet;
+#[cfg(feature = "network")]
+mod line;
+#[cfg(feature = "network")]
+mod place;
 mod protocol;
 mod raw;
 #[cfg(feature = "network")]

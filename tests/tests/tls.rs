@@ -67,6 +67,26 @@ fn trusting(ca: PathBuf) -> Credentials {
     Credentials::default().authorities(ca)
 }
 
+#[test]
+fn a_server_with_a_certificate_that_no_client_takes_does_not_start() {
+    let lab = Lab::new();
+    let (certificate, key) = lab.server("127.0.0.1");
+    let (_, strange) = lab.server("robots.lab");
+    let refused = |certificate: &Path, key: &Path| Tls::read(certificate, key, None).unwrap_err().to_string();
+    let text = refused(&key, &certificate);
+    assert!(text.contains("127.0.0.1-key.pem: has no certificate"), "{text}");
+    let text = refused(&certificate, &certificate);
+    assert!(text.ends_with("the certificate comes first, then its key"), "{text}");
+    let text = refused(&certificate, &strange);
+    assert!(text.contains("robots.lab-key.pem: is not the key of the certificate in "), "{text}");
+    let role = Role::Server(vec!["old.lab".parse().unwrap()]);
+    let three_days_ago = SystemTime::now() - Duration::from_secs(3 * 24 * 60 * 60);
+    let issued = lab.authority.issue(&role, "1d".parse().unwrap(), three_days_ago).unwrap();
+    let paths = issued.write(lab.folder.path(), &role).unwrap();
+    let text = refused(&paths.certificate, &paths.key);
+    assert!(text.contains("old.lab.pem: the certificate has expired, on "), "{text}");
+}
+
 #[tokio::test]
 async fn a_client_speaks_only_with_a_server_that_it_can_trust() {
     let (lab, others) = (Lab::new(), Lab::new());
@@ -74,12 +94,12 @@ async fn a_client_speaks_only_with_a_server_that_it_can_trust() {
     attaches(&server, &trusting(lab.ca())).await.unwrap();
     let refused = |result: Result<(), Error>| result.unwrap_err().to_string();
     let text = refused(attaches(&server, &trusting(others.ca())).await);
-    assert!(text.contains("invalid peer certificate"), "{text}");
+    assert!(text.contains("is not trusted"), "{text}");
     let text = refused(attaches(&server, &Credentials::default()).await);
-    assert!(text.contains("invalid peer certificate"), "{text}");
+    assert!(text.contains("is not trusted"), "{text}");
     let elsewhere = serve(&lab.server("robots.lab"), None).await;
     let text = refused(attaches(&elsewhere, &trusting(lab.ca())).await);
-    assert!(text.contains("not valid for name"), "{text}");
+    assert!(text.contains("is not valid for the name"), "{text}");
     server.shutdown().await;
     elsewhere.shutdown().await;
 }

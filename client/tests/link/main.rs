@@ -1,6 +1,7 @@
 //! The client against a server that keeps to a script.
 
 mod breaches;
+mod certificates;
 mod fake;
 
 use std::time::Duration;

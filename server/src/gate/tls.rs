@@ -6,17 +6,24 @@
 use std::io::{self, IoSlice};
 use std::path::{Path, PathBuf};
 use std::pin::Pin;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use std::task::{Context, Poll, ready};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use baudbot_access::date;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio_rustls::rustls::pki_types::pem::{self, PemObject};
 use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use tokio_rustls::rustls::server::WebPkiClientVerifier;
-use tokio_rustls::rustls::{self, RootCertStore, ServerConfig};
+use tokio_rustls::rustls::{self, InconsistentKeys, RootCertStore, ServerConfig};
 use tokio_rustls::server::TlsStream;
 use tokio_rustls::{Accept, TlsAcceptor};
+use x509_parser::error::X509Error;
+use x509_parser::time::ASN1Time;
+
+use crate::log::Throttle;
+use crate::system::everybody_can_read;
 
 /// What a server shows who it is with, and by which it encrypts.
 #[derive(Clone, Debug)]
@@ -41,6 +48,28 @@ pub enum TlsError {
         /// The file.
         path: PathBuf,
     },
+    /// A file without a key.
+    #[error("{}: has no key (-----BEGIN PRIVATE KEY-----); the certificate comes first, then its key", path.display())]
+    NoKey {
+        /// The file.
+        path: PathBuf,
+    },
+    /// What is between the lines of a PEM is no certificate.
+    #[error("{}: its certificate is damaged ({source})", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: X509Error,
+    },
+    /// A certificate that clients refuse.
+    #[error("{}: the certificate has expired, on {}; it needs a new one", path.display(), date::print(*at))]
+    Expired {
+        /// The file.
+        path: PathBuf,
+        /// Its end.
+        at: SystemTime,
+    },
     /// A certificate that cannot be trusted as an authority's.
     #[error("{}: {source}", path.display())]
     Authority {
@@ -57,7 +86,15 @@ pub enum TlsError {
         /// Why.
         source: rustls::server::VerifierBuilderError,
     },
-    /// The key is not that of the certificate, or of an unknown kind.
+    /// The key is that of another certificate.
+    #[error("{}: is not the key of the certificate in {}", key.display(), certificate.display())]
+    Strange {
+        /// The certificate's file.
+        certificate: PathBuf,
+        /// The key's file.
+        key: PathBuf,
+    },
+    /// The key is of an unknown kind.
     #[error("{} and {}: {source}", certificate.display(), key.display())]
     Pair {
         /// The certificate's file.
@@ -69,6 +106,24 @@ pub enum TlsError {
     },
 }
 
+impl TlsError {
+    /// Whether it is this file that cannot be used.
+    pub fn concerns(&self, file: &Path) -> bool {
+        match self {
+            Self::File { path, .. }
+            | Self::NoCertificate { path }
+            | Self::NoKey { path }
+            | Self::Damaged { path, .. }
+            | Self::Expired { path, .. }
+            | Self::Authority { path, .. }
+            | Self::Clients { path, .. } => path == file,
+            Self::Strange { certificate, key } | Self::Pair { certificate, key, .. } => {
+                certificate == file || key == file
+            }
+        }
+    }
+}
+
 impl Tls {
     /// Reads a chain of certificates, the server's own first, and its key, both in PEM. With `clients`, the certificates of
     /// authorities, only clients connect that show a certificate of one of these.
@@ -77,12 +132,31 @@ impl Tls {
     /// If a file cannot be read or does not have what it should, or key and certificate do not fit.
     pub fn read(certificate: &Path, key: &Path, clients: Option<&Path>) -> Result<Self, TlsError> {
         let chain = certificates(certificate)?;
-        let secret = PrivateKeyDer::from_pem_file(key)
-            .map_err(|source| TlsError::File { path: key.to_owned(), source })?;
+        check_dates(certificate, &chain[0], SystemTime::now())?;
+        let secret = PrivateKeyDer::from_pem_file(key).map_err(|source| {
+            let path = key.to_owned();
+            if matches!(source, pem::Error::NoItemsFound) {
+                TlsError::NoKey { path }
+            } else {
+                TlsError::File { path, source }
+            }
+        })?;
+        if everybody_can_read(key) {
+            let key = key.display();
+            tracing::warn!(
+                "all users of this machine can read the key {key}; mend that with: chmod 600 {key}"
+            );
+        }
         let builder = ServerConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
             .with_safe_default_protocol_versions();
-        let pair =
-            |source| TlsError::Pair { certificate: certificate.to_owned(), key: key.to_owned(), source };
+        let pair = |source| {
+            let (certificate, key) = (certificate.to_owned(), key.to_owned());
+            if source == rustls::Error::InconsistentKeys(InconsistentKeys::KeyMismatch) {
+                TlsError::Strange { certificate, key }
+            } else {
+                TlsError::Pair { certificate, key, source }
+            }
+        };
         let builder = builder.map_err(pair)?;
         let builder = match clients {
             Some(path) => builder.with_client_cert_verifier(verifier(path)?),
@@ -108,6 +182,34 @@ fn certificates(path: &Path) -> Result<Vec<CertificateDer<'static>>, TlsError> {
     }
     Ok(all)
 }
+
+/// Refuses a certificate that has expired, and warns of one that will soon, or is not valid yet: the clock may be wrong.
+fn check_dates(path: &Path, certificate: &CertificateDer<'_>, now: SystemTime) -> Result<(), TlsError> {
+    let damaged = |source| TlsError::Damaged { path: path.to_owned(), source };
+    let (_, parsed) =
+        x509_parser::parse_x509_certificate(certificate).map_err(|error| damaged(error.into()))?;
+    let validity = parsed.validity();
+    let instant = |time: ASN1Time| {
+        let seconds = Duration::from_secs(u64::try_from(time.timestamp()).unwrap_or_default());
+        UNIX_EPOCH.checked_add(seconds).unwrap_or(UNIX_EPOCH)
+    };
+    let (begins, ends) = (instant(validity.not_before), instant(validity.not_after));
+    if ends < now {
+        return Err(TlsError::Expired { path: path.to_owned(), at: ends });
+    }
+    let path = path.display();
+    if begins > now {
+        let begins = date::print(begins);
+        tracing::warn!("the certificate {path} is valid from {begins} on; is the clock right?");
+    }
+    if ends < now + SOON {
+        tracing::warn!("the certificate {path} expires on {}; it needs a new one", date::print(ends));
+    }
+    Ok(())
+}
+
+/// How long before its end a certificate is warned of.
+const SOON: Duration = Duration::from_secs(14 * 24 * 60 * 60);
 
 /// Checks certificates of clients by those of authorities.
 fn verifier(path: &Path) -> Result<Arc<dyn rustls::server::danger::ClientCertVerifier>, TlsError> {
@@ -175,11 +277,22 @@ impl Secured {
                 Self::Shaking(accept) => {
                     let opened = ready!(Pin::new(accept).poll(context));
                     *self = Self::Closed;
-                    *self = Self::Encrypted(Box::new(opened?));
+                    *self = Self::Encrypted(Box::new(opened.inspect_err(note_failure)?));
                 }
                 Self::Closed => return Poll::Ready(Err(io::ErrorKind::NotConnected.into())),
             }
         }
+    }
+}
+
+/// A client that is refused may know no reason, such as that it showed no certificate; the operator does.
+fn note_failure(error: &io::Error) {
+    static FAILURES: LazyLock<Throttle> = LazyLock::new(Throttle::default);
+    // Whoever goes in the middle of a handshake has nothing to be told.
+    if error.kind() == io::ErrorKind::InvalidData
+        && let Some(count) = FAILURES.note(Instant::now())
+    {
+        tracing::warn!(%error, count, "a TLS handshake failed");
     }
 }
 

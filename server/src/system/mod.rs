@@ -2,6 +2,8 @@
 
 #[cfg(unix)]
 mod unix;
+#[cfg(all(unix, feature = "network"))]
+pub(crate) use unix::everybody_can_read;
 #[cfg(unix)]
 pub use unix::raise_descriptor_limit;
 #[cfg(unix)]

@@ -2,7 +2,9 @@
 
 use std::fs::{File, OpenOptions};
 use std::io;
-use std::os::unix::fs::OpenOptionsExt;
+#[cfg(feature = "network")]
+use std::os::unix::fs::MetadataExt;
+use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
 use std::path::Path;
 
 use rustix::fs::{Mode, OFlags};
@@ -47,11 +49,21 @@ pub(crate) fn open_plain_file(path: &Path) -> io::Result<Option<File>> {
     }
 }
 
+/// Whether other users of this machine, besides those of the file's group, can read a file.
+#[cfg(feature = "network")]
+pub(crate) fn everybody_can_read(path: &Path) -> bool {
+    path.metadata().is_ok_and(|metadata| metadata.mode() & 0o004 != 0)
+}
+
 /// Opens a file for appending, which is made with mode 0600 if it is not there.
 ///
 /// # Errors
-/// If it cannot be opened.
+/// If it cannot be opened, or is a pipe: opening that waits for a reader.
 pub(crate) fn open_private_log(path: &Path) -> io::Result<File> {
+    if path.metadata().is_ok_and(|metadata| metadata.file_type().is_fifo()) {
+        let problem = "is a pipe, which may hold up the server; name a file";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
+    }
     OpenOptions::new().append(true).create(true).mode(0o600).open(path)
 }
 

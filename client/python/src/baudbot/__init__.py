@@ -30,7 +30,7 @@ from .body import Body, Component, Sensor
 from .brain import Brain, RawBrain
 from .client import Client
 from .commands import Command, Poll, drive, poll, stop
-from .errors import Detached, Error, NoReading, NoServer, NotARecording, NotFound, Refused, Restart, Taken
+from .errors import Detached, Error, NoReading, NoServer, NotARecording, NotFound, Refused, Restart, Taken, Untrusted
 from .program import main
 from .recordings import Recording, open
 from .trainer import Result, Trainer
@@ -98,6 +98,7 @@ __all__ = [
     "Taken",
     "Trainer",
     "Turn",
+    "Untrusted",
     "aio",
     "attach",
     "drive",

@@ -9,11 +9,12 @@ from contextlib import asynccontextmanager
 
 import grpc.aio
 
-from .attach import PATIENCE_S, Summary, brain_maker, closed, program_name
+from .attach import PATIENCE_S, Summary, brain_maker, closed, program_name, unlisted
 from .brain import Brain, Value
 from .channel import open_aio_channel
 from .credentials import Credentials
-from .errors import Error, Restart, from_rpc
+from .errors import Error, Restart
+from .handshake import failed
 from .reconnect import Backoff, Tell, tell_on_stderr
 from .session import Session, hello
 from .settings import Settings
@@ -61,7 +62,8 @@ async def _channel(address: str) -> AsyncIterator[tuple[grpc.aio.Channel, Metada
     try:
         yield channel, credentials.metadata
     except grpc.aio.AioRpcError as error:
-        raise from_rpc(error, address) from None
+        # It may look why, which takes a while.
+        raise (await asyncio.to_thread(failed, error, address)) from None
     finally:
         await channel.close()
 
@@ -71,7 +73,10 @@ async def _find_robots(channel: grpc.aio.Channel, metadata: Metadata, settings: 
         assert settings.world is not None
         return settings.world, list(settings.robots)
     request = control_pb2.ListWorldsRequest()
-    listed = await ControlServiceStub(channel).ListWorlds(request, timeout=PATIENCE_S, metadata=metadata)
+    try:
+        listed = await ControlServiceStub(channel).ListWorlds(request, timeout=PATIENCE_S, metadata=metadata)
+    except grpc.aio.AioRpcError as error:
+        raise (unlisted(error) or error) from None
     return settings.choose(listed.worlds)
 
 

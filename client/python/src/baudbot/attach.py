@@ -15,7 +15,8 @@ import grpc
 
 from .brain import Brain, Value
 from .channel import open_channel
-from .errors import Error, NoServer, Restart, from_rpc
+from .errors import Error, NoServer, Refused, Restart, printable
+from .handshake import failed
 from .reconnect import Backoff, Tell, tell_on_stderr
 from .session import Make, Session, hello
 from .settings import Settings
@@ -89,7 +90,7 @@ def _channel(address: str) -> Iterator[grpc.Channel]:
     try:
         yield channel
     except grpc.RpcError as error:
-        raise from_rpc(error, address) from None
+        raise failed(error, address) from None
     finally:
         channel.close()
 
@@ -99,8 +100,21 @@ def find_robots(channel: grpc.Channel, settings: Settings) -> tuple[str, list[st
     if not settings.needs_look():
         assert settings.world is not None
         return settings.world, list(settings.robots)
-    worlds = ControlServiceStub(channel).ListWorlds(control_pb2.ListWorldsRequest(), timeout=PATIENCE_S).worlds
+    try:
+        worlds = ControlServiceStub(channel).ListWorlds(control_pb2.ListWorldsRequest(), timeout=PATIENCE_S).worlds
+    except grpc.RpcError as error:
+        raise (unlisted(error) or error) from None
     return settings.choose(worlds)
+
+
+def unlisted(error: grpc.RpcError) -> Refused | None:
+    """What to do with a token by which worlds and robots cannot be listed, if that is the reason."""
+    if error.code() != grpc.StatusCode.PERMISSION_DENIED:
+        return None
+    return Refused(
+        "this token cannot list worlds and robots, so name the world and the robots in full (by world and robots, --world and --robot, or "
+        f"BAUDBOT_WORLD and BAUDBOT_ROBOT); the server says: {printable(error.details() or '')}"
+    )
 
 
 def program_name() -> str:

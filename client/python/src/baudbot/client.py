@@ -13,7 +13,7 @@ import grpc
 from . import scenarios
 from .attach import PATIENCE_S
 from .channel import open_channel
-from .errors import from_rpc
+from .handshake import failed
 from .names import matching, natural
 from .paces import pace as pace_of
 from .settings import DEFAULT_CONNECT
@@ -57,7 +57,7 @@ class Client:
         try:
             return method(request, timeout=timeout_s)
         except grpc.RpcError as error:
-            raise from_rpc(error, self.address) from None
+            raise failed(error, self.address) from None
 
     def watch(self, request: observe_pb2.WatchRequest) -> Iterator[observe_pb2.WatchResponse]:
         """The frames of a world."""
@@ -65,7 +65,7 @@ class Client:
         try:
             yield from frames
         except grpc.RpcError as error:
-            raise from_rpc(error, self.address) from None
+            raise failed(error, self.address) from None
         finally:
             frames.cancel()
 

@@ -21,6 +21,10 @@ class NoServer(Error):
     may_pass = True
 
 
+class Untrusted(Error):
+    """The server or this program does not trust the other's certificate."""
+
+
 class Taken(Error):
     """Another brain holds the robot, or this program's own lost connection does, which the server has not given up yet."""
 
@@ -65,11 +69,16 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else f"\\u{{{ord(c):x}}}" for c in text)
 
 
-def from_rpc(error: grpc.RpcError, address: str) -> Error:
-    """The error of a call to the server at this address."""
+def is_unreached(error: grpc.RpcError) -> bool:
+    """Whether a call has not reached its server: a status that the transport makes up has no trailers."""
+    return error.code() == grpc.StatusCode.UNAVAILABLE and not _trailers(error)
+
+
+def from_rpc(error: grpc.RpcError, address: str, hint: str = "") -> Error:
+    """The error of a call to the server at this address; the hint says more about one that is not reached."""
     code, details = error.code(), printable(error.details() or "")
-    if code == grpc.StatusCode.UNAVAILABLE and not _came_from_server(error):
-        return NoServer(f"no server answers at {address} ({details}); is `baudbot serve` running there?")
+    if is_unreached(error):
+        return NoServer(f"no server answers at {address} ({details}{hint}); is `baudbot serve` running there?")
     if any(item.key == "baudbot-reason" and item.value == "restart" for item in _trailers(error)):
         return Restart("the operator asked this brain to restart")
     if code == grpc.StatusCode.UNIMPLEMENTED and not details:
@@ -88,8 +97,3 @@ def from_status(code: int, details: str) -> Error:
 
 def _trailers(error: grpc.RpcError) -> Sequence[Any]:
     return tuple(error.trailing_metadata() or ())
-
-
-def _came_from_server(error: grpc.RpcError) -> bool:
-    """A status that the transport makes up has no trailers."""
-    return bool(_trailers(error))

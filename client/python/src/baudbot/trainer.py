@@ -19,7 +19,8 @@ from .brain import Brain
 from .channel import open_channel
 from .client import Client
 from .commands import Output
-from .errors import Error, NotFound, Refused, from_rpc, from_status
+from .errors import Error, NotFound, Refused, from_status
+from .handshake import failed
 from .names import matching, unknown
 from .session import Seat, Session, hello
 from .turn import Turn
@@ -283,7 +284,7 @@ class _Stream:
         try:
             return next(self._responses)
         except grpc.RpcError as error:
-            problem = from_rpc(error, self._address)
+            problem = failed(error, self._address)
             raise type(problem)(_named(str(problem), names)) from None
         except StopIteration:
             raise closed() from None
