@@ -1,5 +1,7 @@
 //! Lists the scenarios, experiments and exercises of this repository, so that an installed program has them all.
 //!
+//! Experiments that start a program are left out, as it would have to be installed, too; they work from a copy of the repository.
+//!
 //! The result is `embedded.rs` in the build's folder: four lists of names and contents. A scenario is called by its path below
 //! `scenarios/` without `.toml`, an experiment by its path below `experiments/`, an exercise by its name in `exercises/`, a program of a microcontroller by its path below `scenarios/`.
 
@@ -15,17 +17,29 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (exercises, mut exercise_files) = (root.join("exercises"), Vec::new());
     collect(&root.join("scenarios"), "toml", &mut scenarios)?;
     collect(&root.join("experiments"), "toml", &mut experiments)?;
+    // An installed program has none of this repository's programs beside it.
+    let mut own = Vec::new();
+    for path in experiments {
+        if !starts_program(&fs::read_to_string(&path)?) {
+            own.push(path);
+        }
+    }
     collect(&exercises, "toml", &mut exercise_files)?;
     // Folders below have brains.
     exercise_files.retain(|path| path.parent() == Some(&exercises));
     collect(&root.join("scenarios"), "hex", &mut programs)?;
     let mut code = String::new();
     list(&mut code, "SCENARIOS", "str", &root.join("scenarios"), &scenarios, ".toml")?;
-    list(&mut code, "EXPERIMENTS", "str", &root.join("experiments"), &experiments, ".toml")?;
+    list(&mut code, "EXPERIMENTS", "str", &root.join("experiments"), &own, ".toml")?;
     list(&mut code, "EXERCISES", "str", &exercises, &exercise_files, ".toml")?;
     list(&mut code, "PROGRAMS", "[u8]", &root.join("scenarios"), &programs, "")?;
     fs::write(PathBuf::from(env::var("OUT_DIR")?).join("embedded.rs"), code)?;
     Ok(())
+}
+
+/// Whether the brain of an experiment is a program of its own.
+fn starts_program(text: &str) -> bool {
+    text.lines().any(|line| line.starts_with("exec = ") || (!line.starts_with('#') && line.contains("exec:")))
 }
 
 /// The files below a folder whose names end so, in the order of their paths.

@@ -1,19 +1,25 @@
 //! `baudbot grade`: holds a brain against the criteria of an exercise.
 
+use std::env;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context;
-use baudbot_experiment::Seeds;
+use baudbot_brains::catalogue;
+use baudbot_client::Body;
+use baudbot_experiment::{Seeds, assignment as experiment};
 use baudbot_grade::junit::junit;
 use baudbot_grade::{Exercise, Grading, Options, Verdict, all, grade as grade_all};
 use baudbot_import::embedded;
-use baudbot_launch::Output;
+use baudbot_launch::{Output, Problem};
+use baudbot_sim::Scenario;
 use serde_json::{Value, json};
 
 use crate::args::GradeArgs;
-use crate::assignment::{self, Assigned};
+use crate::assignment::{self, Assigned, NONE};
 use crate::error::Refused;
+use crate::output_files::{EXERCISE, Inputs};
 use crate::signals::INTERRUPTED;
 use crate::text::{pairs, print, print_json, tell};
 use crate::{text, work};
@@ -36,7 +42,9 @@ pub(crate) async fn grade(args: GradeArgs) -> anyhow::Result<ExitCode> {
              shows the task"
         )));
     }
-    let assigned = assigned(&exercise, &args)?;
+    let inputs = Inputs::default().file(EXERCISE, &name).brains(&args.brains).brains(&exercise.brains);
+    inputs.check(args.junit.iter().map(|path| ("--junit", path.as_path())))?;
+    let assigned = assigned(&name, &exercise, &args)?;
     work::until_stopped(move |stop| run(&exercise, &args, &assigned, stop)).await
 }
 
@@ -93,15 +101,50 @@ fn read(name: &str, args: &GradeArgs) -> anyhow::Result<Exercise> {
 }
 
 /// The brain that is graded, and those that the exercise has for other robots.
-fn assigned(exercise: &Exercise, args: &GradeArgs) -> anyhow::Result<Assigned> {
+fn assigned(name: &str, exercise: &Exercise, args: &GradeArgs) -> anyhow::Result<Assigned> {
     let scenario = exercise.scenario_with(exercise.seeds.get(0))?;
+    for (i, brain) in exercise.brains.iter().enumerate() {
+        // A fault of the file is not one of the command line.
+        let own = [brain.clone(), NONE.to_owned()];
+        let checked = experiment::assign(&own, &scenario.robots)
+            .map_err(|error| error.to_string())
+            .and_then(|own| check(&own, &scenario));
+        checked.map_err(|error| Refused::error(format!("{name}: brains[{i}]: {error}")))?;
+    }
     let brains: Vec<_> = args.brains.iter().chain(&exercise.brains).cloned().collect();
     let mut assigned = assignment::assign(&brains, &scenario.robots, &[])?;
     assignment::set_parameters(&mut assigned, &args.parameters)?;
+    check(&assigned, &scenario).map_err(Refused::error)?;
     if args.show_output {
         assigned.programs.iter_mut().for_each(|task| task.output = Output::Shown);
     }
     Ok(assigned)
+}
+
+/// Whether each brain can be made, and each program is there, before anything is started for them.
+fn check(assigned: &Assigned, scenario: &Scenario) -> Result<(), String> {
+    for assignment in &assigned.brains {
+        for spec in scenario.robots.iter().filter(|spec| assignment.robots.contains(&spec.name)) {
+            catalogue::brain(&assignment.brain, 1, &Body::from(spec)).map_err(|error| error.to_string())?;
+        }
+    }
+    for task in &assigned.programs {
+        // Its words have been read once, so there is a first one.
+        let words = shlex::split(&task.program.to_string()).unwrap_or_default();
+        if let Some(program) = words.into_iter().next().filter(|program| !is_there(program)) {
+            return Err(Problem::Missing(program).to_string());
+        }
+    }
+    Ok(())
+}
+
+/// Whether there is such a program: at its path, or in a folder of `PATH`.
+fn is_there(program: &str) -> bool {
+    if program.contains('/') {
+        return Path::new(program).exists();
+    }
+    let Some(folders) = env::var_os("PATH") else { return true };
+    env::split_paths(&folders).any(|folder| folder.join(program).is_file())
 }
 
 fn run(

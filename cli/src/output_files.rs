@@ -6,9 +6,14 @@ use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use baudbot_experiment::assignment;
+use baudbot_import::embedded;
+use baudbot_import::kind::Kind;
+use baudbot_import::source;
 use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 
+use crate::args::ChangeArgs;
 use crate::error::{self, Refused};
 
 /// How it goes with the files that are being written.
@@ -82,6 +87,103 @@ pub(crate) fn check_apart<'a>(outputs: impl Iterator<Item = (&'static str, &'a P
     Ok(())
 }
 
+/// Files that a command reads, each with a word for what it is.
+#[derive(Default)]
+pub(crate) struct Inputs(Vec<(&'static str, PathBuf)>);
+
+impl Inputs {
+    /// A scenario by its name, which may be built in, and the programs in place of its own.
+    pub(crate) fn of(scenario: &str, changes: &ChangeArgs) -> Self {
+        Self::default().scenario(scenario).firmware(&changes.firmware)
+    }
+
+    pub(crate) fn scenario(self, name: &str) -> Self {
+        if embedded::scenario(name).is_some() { self } else { self.file(SCENARIO, name) }
+    }
+
+    /// The files of `--firmware` arguments.
+    pub(crate) fn firmware(self, arguments: &[String]) -> Self {
+        let files = arguments.iter().filter_map(|argument| argument.split_once('='));
+        files.fold(self, |all, (_, file)| all.file(FIRMWARE, file))
+    }
+
+    /// The description files of `--brain` arguments.
+    pub(crate) fn brains(self, arguments: &[String]) -> Self {
+        let names =
+            arguments.iter().map(|brain| assignment::split(brain).1.split(':').next().unwrap_or_default());
+        names.filter(|name| name.ends_with(".toml")).fold(self, |all, name| all.file("brain", name))
+    }
+
+    pub(crate) fn file(mut self, word: &'static str, path: impl Into<PathBuf>) -> Self {
+        self.0.push((word, path.into()));
+        self
+    }
+
+    /// Refuses outputs that would be written over one of them, or over what it refers to. Each output comes with its option.
+    pub(crate) fn check<'a>(
+        self,
+        outputs: impl Iterator<Item = (&'static str, &'a Path)>,
+    ) -> anyhow::Result<()> {
+        let mut outputs = outputs.filter(|(_, path)| *path != Path::new(STDOUT)).peekable();
+        if outputs.peek().is_none() {
+            return Ok(());
+        }
+        let inputs = self.with_references();
+        for (option, path) in outputs {
+            if let Some((word, input)) = inputs.iter().find(|(_, input)| is_same_file(input, path)) {
+                let (path, input) = (path.display(), input.display());
+                return Err(Refused::error(format!(
+                    "{option} {path} would overwrite the {word} {input}; write to another file"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Those that can be overwritten: a pipe cannot, and must not be read twice.
+    fn with_references(self) -> Vec<(&'static str, PathBuf)> {
+        let mut all = self.0;
+        all.retain(|(_, path)| path.is_file());
+        let mut seen = 0;
+        // An exercise leads to its scenario, and a scenario to no other.
+        while let Some((word, path)) = all.get(seen) {
+            let more = references(word, path);
+            all.extend(more);
+            seen += 1;
+        }
+        all
+    }
+}
+
+/// The files that a scenario or an exercise refers to; none if it cannot be read, which is told elsewhere.
+fn references(word: &str, path: &Path) -> Vec<(&'static str, PathBuf)> {
+    let kind = match word {
+        SCENARIO => Kind::Scenario,
+        EXERCISE => Kind::Exercise,
+        _ => return Vec::new(),
+    };
+    let Some(Ok(text)) = path.to_str().map(|path| source::read(path, kind)) else { return Vec::new() };
+    let folder = path.parent().unwrap_or_else(|| Path::new(""));
+    let mut found = Vec::new();
+    for line in text.lines().filter(|line| !line.trim_start().starts_with('#')) {
+        let parts: Vec<_> = line.split(['"', '\'']).collect();
+        for pair in parts.windows(2) {
+            let referred = referred(pair[0]).filter(|referred| (word, *referred) != (SCENARIO, SCENARIO));
+            let is_built_in = referred == Some(SCENARIO) && embedded::scenario(pair[1]).is_some();
+            let file = referred.filter(|_| !is_built_in).map(|word| (word, folder.join(pair[1])));
+            found.extend(file.filter(|(_, path)| path.is_file()));
+        }
+    }
+    found
+}
+
+/// What a string in TOML refers to by file, as the key before it says.
+fn referred(before: &str) -> Option<&'static str> {
+    let key = before.trim_end().strip_suffix('=')?.trim_end();
+    let key = key.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next()?;
+    REFERENCES.iter().find(|(known, _)| *known == key).map(|(_, word)| *word)
+}
+
 /// Whether both paths lead to one file, which need not be there yet.
 pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
     let real = |path: &Path| {
@@ -142,6 +244,15 @@ impl Drop for Replaced {
 
 /// The file name that means stdout.
 pub(crate) const STDOUT: &str = "-";
+
+/// Words for inputs that refer to others.
+pub(crate) const SCENARIO: &str = "scenario";
+pub(crate) const EXERCISE: &str = "exercise";
+const FIRMWARE: &str = "firmware";
+
+/// The fields that name files, and words for these.
+const REFERENCES: [(&str, &str); 5] =
+    [("program", FIRMWARE), ("lookup", "table"), ("ros", "map"), ("svg", "map"), ("scenario", SCENARIO)];
 
 #[cfg(test)]
 mod tests {

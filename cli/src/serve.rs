@@ -1,6 +1,8 @@
 //! `baudbot serve`: worlds for brains in other processes.
 
+use std::fs::DirBuilder;
 use std::io::ErrorKind;
+use std::os::unix::fs::DirBuilderExt;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -11,6 +13,7 @@ use baudbot_server::WorldConfig;
 use crate::args::{PaceName, ServeArgs};
 use crate::assignment;
 use crate::error::Refused;
+use crate::output_files::Inputs;
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
 use crate::serving::{Serving, Viewing};
@@ -19,6 +22,7 @@ use crate::text::tell;
 use crate::{record, replay};
 
 pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
+    check_audit(args)?;
     let mut serving = Serving::new(&args.listen)?;
     serving.stop_within(Duration::from_secs(args.stop_within.into()));
     let kept = state::go_on(args, &mut serving)?;
@@ -35,6 +39,14 @@ pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
     }
     serving.open_ports(&args.ports)?;
     serving.until_stopped(Viewing::IfOpen).await
+}
+
+/// Refuses an audit log that would be written over what is read.
+fn check_audit(args: &ServeArgs) -> anyhow::Result<()> {
+    let inputs = Inputs::default().firmware(&args.changes.firmware);
+    let inputs = args.scenarios.iter().fold(inputs, |all, name| all.scenario(name));
+    let inputs = args.resume.iter().fold(inputs, |all, recording| all.file("recording", recording));
+    inputs.check(args.listen.access.audit.iter().map(|path| ("--audit", path.as_path())))
 }
 
 /// The worlds of scenarios.
@@ -101,13 +113,13 @@ fn resume(args: &ServeArgs, file: &Path, kept: &Kept, serving: &mut Serving<'_>)
     Ok(())
 }
 
-/// Makes the folder, if it is not there.
+/// Makes the folder, if it is not there. Recordings hold the truth, so it is its owner's alone.
 fn make_folder(folder: &Path) -> anyhow::Result<()> {
     if folder.is_dir() {
         return Ok(());
     }
     let refused = |why: &str| Refused::error(format!("--recordings {}: {why}", folder.display()));
-    std::fs::create_dir(folder).map_err(|error| {
+    DirBuilder::new().mode(0o700).create(folder).map_err(|error| {
         if error.kind() == ErrorKind::AlreadyExists {
             refused("is a file, not a folder; choose another")
         } else if error.kind() == ErrorKind::NotFound {

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
+use anyhow::bail;
 use baudbot_experiment::find::{Limit, find};
 use baudbot_experiment::{Experiment, Merged, Swept, Told, Workers, merge, table, unique_name};
 use baudbot_fields::printable::Printable;
@@ -60,7 +61,15 @@ fn report(experiment: &Experiment, args: &SweepArgs, out: &Path, swept: &Swept) 
         return shards::show(args, shard, out, swept);
     }
     show(experiment, &args.work, swept)?;
-    Ok(if swept.summary.failed > 0 { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+    let failed = swept.summary.failed;
+    match swept.summary.failures.first() {
+        // The table tells it otherwise.
+        Some((run, error)) if args.work.quiet || args.work.json => {
+            bail!("{failed} of {} runs failed; the first, run {run}: {error}", swept.total)
+        }
+        Some(_) => Ok(ExitCode::FAILURE),
+        None => Ok(ExitCode::SUCCESS),
+    }
 }
 
 /// `--find`: each limit is reported as soon as it is found.

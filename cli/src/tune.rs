@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
+use anyhow::bail;
 use baudbot_experiment::{Experiment, Told, Tuned};
 
 use crate::args::{TuneArgs, WorkArgs};
@@ -35,7 +36,12 @@ fn run(experiment: &Experiment, args: &TuneArgs, stop: &AtomicBool) -> anyhow::R
         return Ok(ExitCode::from(INTERRUPTED));
     }
     show(experiment, args, &tuned)?;
-    Ok(if tuned.best().is_some() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    match tuned.best() {
+        Some(_) => Ok(ExitCode::SUCCESS),
+        // The text tells it otherwise.
+        None if args.quiet || args.json => bail!("no candidate has a score"),
+        None => Ok(ExitCode::FAILURE),
+    }
 }
 
 /// The report at the end, for people or for programs.

@@ -34,8 +34,14 @@ pub struct Cell {
 impl Design {
     pub(crate) fn new(kind: Kind, samples: Option<u64>, seed: Option<u64>) -> Result<Self, Error> {
         if kind != Kind::Random && (samples.is_some() || seed.is_some()) {
-            let field = if samples.is_some() { "samples" } else { "seed" };
-            return Err(Error::field(field, "goes with design = \"random\""));
+            return Err(if samples.is_some() {
+                Error::field("samples", "goes with design = \"random\"")
+            } else {
+                Error::field(
+                    "seed",
+                    "goes with design = \"random\"; `seeds` says with which seeds the runs are done",
+                )
+            });
         }
         Ok(match kind {
             Kind::Grid => Self::Grid,

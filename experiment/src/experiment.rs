@@ -10,6 +10,7 @@ use crate::design::{Cell, Design};
 use crate::error::Error;
 use crate::factor::{Choice, Field, Setting};
 use crate::figures::Figure;
+use crate::places;
 use crate::raw::{self, ChartKind, Wants};
 use crate::run_record::{self, Row, Task};
 use crate::seeds::Seeds;
@@ -106,6 +107,7 @@ impl Experiment {
         let fields: Vec<_> =
             fields.map(|(i, field)| Field::new(&format!("fields[{i}]"), field)).collect::<Result<_, _>>()?;
         unique(&fields)?;
+        places::unique(&fields, &text)?;
         let success = raw.success.as_ref().map(|table| Success::new("success", table)).transpose()?;
         let charts = raw.charts.into_iter().enumerate();
         let charts = charts.map(|(i, chart)| chart_of(i, chart, &fields, success.is_some()));
@@ -149,6 +151,7 @@ impl Experiment {
     /// # Errors
     /// If there are none or more, or the fields do not suit the design.
     pub fn runs(&self) -> Result<u64, Error> {
+        self.refuse_tuning()?;
         let (cells, seeds) = (self.design.cells(&self.fields)?, self.seeds.count());
         let path = match self.design {
             _ if seeds >= cells => "seeds",
@@ -156,6 +159,19 @@ impl Experiment {
             Design::Grid | Design::List => "fields",
         };
         bounded(path, u128::from(cells) * u128::from(seeds))
+    }
+
+    /// Ranges are for a tuning if there is one.
+    fn refuse_tuning(&self) -> Result<(), Error> {
+        let range = self.fields.iter().position(|field| field.levels().is_none());
+        match (range, &self.design) {
+            (Some(i), Design::Grid | Design::List) if self.tuning.is_some() => {
+                let problem = "is a range that is tuned: with its table [tune] this is an experiment for `baudbot tune`; \
+                               for a sweep give `values`";
+                Err(Error::field(format!("fields[{i}]"), problem))
+            }
+            (Some(_) | None, Design::Grid | Design::List | Design::Random { .. }) => Ok(()),
+        }
     }
 
     /// The combination of this number.
@@ -261,6 +277,10 @@ fn brain_text(brain: Value) -> Result<(String, Lifetime), Error> {
         let problem = format!("must be the name of a brain, or a table with `exec`, is {brain}");
         return Err(Error::field("brain", problem));
     };
+    if let Some(Value::String(name)) = table.get("name").filter(|_| !table.contains_key("exec")) {
+        let problem = format!("is a table, which is for a program; write brain = {name:?}");
+        return Err(Error::field("brain", problem));
+    }
     let program: raw::Program = baudbot_fields::read(table).map_err(|error| {
         let problem = UnknownName::of(&error.cause).map(|unknown| unknown.to_string());
         let path = if error.path.is_empty() { "brain".to_owned() } else { format!("brain.{}", error.path) };

@@ -39,6 +39,7 @@ mod outputs;
 mod packed;
 #[cfg(feature = "parquet")]
 mod parquet_table;
+mod places;
 mod pool;
 mod private_server;
 mod raw;

@@ -226,6 +226,17 @@ fn what_makes_no_sense_is_refused_with_how_to_mend_it() {
         (with("seeds = []") + fields, "seeds: is empty"),
         (with("seeds = 0") + fields, "seeds: must be at least 1"),
         (with("seeds = [1, 2, 1]") + fields, "seeds: 1 appears twice"),
+        (with("seed = 2") + fields, "seed: goes with design = \"random\"; `seeds` says"),
+        (
+            format!("seconds = 1.0\n{fields}[brain]\nname = \"avoid\""),
+            "brain: is a table, which is for a program; write brain = \"avoid\"",
+        ),
+        (
+            with(
+                "[[fields]]\nfield = \"step_ms\"\nfrom = 1.0\nto = 2.0\n[tune]\nmaximize = { covered = 1.0 }",
+            ),
+            "fields[0]: is a range that is tuned: with its table [tune] this is an experiment for `baudbot tune`",
+        ),
         (with("samples = 3") + fields, "samples: goes with design = \"random\""),
         (with("sedes = 3") + fields, "sedes: there is no field `sedes`; did you mean `seeds`?"),
         (
@@ -259,6 +270,42 @@ fn what_makes_no_sense_is_refused_with_how_to_mend_it() {
     ] {
         let error = refused(&toml);
         assert!(error.contains(expected), "{toml}\n{error}");
+    }
+}
+
+#[test]
+fn a_place_that_two_fields_vary_is_refused_however_it_is_written() {
+    let two = |first: &str, second: &str| {
+        let fields = [first, second].map(|field| format!("[[fields]]\n{field}\n")).concat();
+        format!("seconds = 1.0\nbrain = \"constant\"\n{fields}")
+    };
+    let baud = "field = \"robots.alice.link.baud\"\nvalues = [4800, 9600]";
+    for (first, second) in [
+        (baud, "field = \"robots.alice.link.baud\"\nlabel = \"b2\"\nvalues = [1200]"),
+        (baud, "field = \"robots[0].link.baud\"\nlabel = \"b2\"\nvalues = [1200]"),
+        (baud, "field = \"robots.0.link.baud\"\nlabel = \"b2\"\nvalues = [1200]"),
+        (
+            baud,
+            "label = \"b2\"\nlevels = [{ name = \"a\" }, { name = \"b\", set = [\"robots[0].link.baud=1200\"] }]",
+        ),
+        ("field = \"brain.left\"\nvalues = [0.1]", "field = \"brain.left\"\nlabel = \"l\"\nvalues = [0.2]"),
+        (
+            "field = \"brain\"\nvalues = [\"avoid\"]",
+            "field = \"brain\"\nlabel = \"b\"\nvalues = [\"wander\"]",
+        ),
+    ] {
+        let error = refused(&two(first, second));
+        assert!(error.starts_with("fields[1]: varies `"), "{error}");
+        assert!(error.contains("which fields[0] varies already"), "{error}");
+    }
+    for (first, second) in [
+        (baud, "field = \"robots.alice.start.x_m\"\nvalues = [0.1]"),
+        (
+            "field = \"brain\"\nvalues = [\"alice=avoid\"]",
+            "field = \"brain\"\nlabel = \"b\"\nvalues = [\"wander\"]",
+        ),
+    ] {
+        experiment(&two(first, second)).unwrap();
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use baudbot_experiment::assignment::{self, NONE};
 use baudbot_experiment::{Conditions, Error, Seeds, UnknownName};
 use baudbot_geometry::Point;
 use baudbot_scenario::Override;
@@ -116,7 +117,7 @@ impl Exercise {
             text,
             overrides,
             robot: place(&scenario, raw.robot.as_deref())?,
-            brains: other_brains(raw.brains)?,
+            brains: other_brains(raw.brains, &scenario)?,
             seeds: Seeds::of(Some(raw.seeds.as_ref().unwrap_or(&default)))?,
             pass: within("pass", raw.pass.unwrap_or(1.0), 1.0)?,
             target: raw.target.as_ref().map(target).transpose()?,
@@ -182,14 +183,18 @@ fn place(scenario: &Scenario, name: Option<&str>) -> Result<usize, Error> {
 }
 
 /// Only one brain is graded, which drives all robots that the file gives none.
-fn other_brains(brains: Vec<String>) -> Result<Vec<String>, Error> {
-    match brains.iter().position(|brain| baudbot_experiment::assignment::split(brain).0.is_none()) {
-        None => Ok(brains),
-        Some(i) => {
-            let problem = format!("`{}` is for all robots; write ROBOT=BRAIN, as in other=wander", brains[i]);
-            Err(Error::field(format!("brains[{i}]"), problem))
+fn other_brains(brains: Vec<String>, scenario: &Scenario) -> Result<Vec<String>, Error> {
+    for (i, brain) in brains.iter().enumerate() {
+        let at = format!("brains[{i}]");
+        if assignment::split(brain).0.is_none() {
+            let problem = format!("`{brain}` is for all robots; write ROBOT=BRAIN, as in other=wander");
+            return Err(Error::field(at, problem));
         }
+        // Of the brain that is graded nothing is known yet.
+        let so_far: Vec<_> = brains[..=i].iter().cloned().chain([NONE.to_owned()]).collect();
+        assignment::assign(&so_far, &scenario.robots).map_err(|error| Error::field(at, error))?;
     }
+    Ok(brains)
 }
 
 fn target(raw: &raw::Target) -> Result<Target, Error> {
@@ -281,6 +286,16 @@ needs = { collisions_at_most = 0 }
             ),
             ("seconds = 5.0", "seconds = 5.0\nset = [\"baud\"]", "set[0]: "),
             ("seconds = 5.0", "seconds = 5.0\nbrains = [\"avoid\"]", "brains[0]: `avoid` is for all robots"),
+            (
+                "seconds = 5.0",
+                "seconds = 5.0\nbrains = [\"robot=avoid\", \"x=avoid\"]",
+                "brains[1]: there is no robot `x`; there are: robot",
+            ),
+            (
+                "seconds = 5.0",
+                "seconds = 5.0\nbrains = [\"robot=avoid\", \"robot=wander\"]",
+                "brains[1]: robot `robot` can have only one brain",
+            ),
             ("seconds = 5.0", "seconds = 5.0\nlimits = { answer_s = 0 }", "limits.answer_s: must be above 0"),
             ("seconds = 5.0", "seconds = 5.0\ntarget = { x_m = nan, y_m = 0 }", "target.x_m: must be finite"),
             ("needs = {", "points = 0\nneeds = {", "criteria[0].points: must be above 0"),

@@ -11,7 +11,7 @@ pub fn scenarios() -> impl Iterator<Item = (&'static str, &'static str)> {
     SCENARIOS.iter().copied()
 }
 
-/// The same of experiments.
+/// The same of experiments, without those that start programs of the repository.
 pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
     EXPERIMENTS.iter().copied()
 }
@@ -108,6 +108,15 @@ mod tests {
             let summary = summary(text);
             assert!((10..=140).contains(&summary.len()), "{name}: {summary}");
         }
+    }
+
+    #[test]
+    fn experiments_that_need_a_program_of_the_repository_are_not_built_in() {
+        assert_eq!((experiment("follow"), experiment("tune-follow")), (None, None));
+        for (name, text) in experiments() {
+            assert!(!text.contains("exec = ") && !text.contains("exec:"), "{name}");
+        }
+        assert!(experiment("baud-vs-speed").is_some() && experiment("tune-sweeper").is_some());
     }
 
     #[test]

@@ -88,13 +88,32 @@ pub enum CatalogueError {
     },
 }
 
-/// What may have been meant by a name with a folder or an ending.
+/// What may have been meant by a command line, or by a name with a folder or an ending.
 fn hint(name: &str) -> String {
-    if name.contains(['/', '.']) {
+    if name.trim().contains(char::is_whitespace) {
+        format!("; a program of your own is named as in 'exec:{name}'")
+    } else if name.contains(['/', '.']) {
         format!("; a program of your own is named as in 'exec:python3 {name}'")
     } else if name == "exec" {
         "; a program drives in `baudbot run --brain 'exec:…'`, or attaches by itself".to_owned()
     } else {
         String::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_without_exec_is_told_as_it_is_to_be_written() {
+        for (name, hinted) in [
+            ("python3 x.py", "; a program of your own is named as in 'exec:python3 x.py'"),
+            ("node x", "; a program of your own is named as in 'exec:node x'"),
+            ("./x.py", "; a program of your own is named as in 'exec:python3 ./x.py'"),
+            ("avod", ""),
+        ] {
+            assert_eq!(hint(name), hinted);
+        }
     }
 }

@@ -26,7 +26,7 @@ pub(super) const SWEEP_EXAMPLES: &str = "\
 Examples:
   baudbot sweep baud-vs-speed
   baudbot sweep my.toml --out /tmp/my --jobs 2
-  baudbot sweep my.toml --seeds 101..120         the same with other seeds
+  baudbot sweep my.toml --seeds 101..120 --out my-101.sweep    the same with other seeds
   baudbot sweep my.toml --find baud              the lowest sufficient baud rate
   baudbot sweep my.toml --connect 127.0.0.1:7400
   baudbot sweep my.toml --shard 0/8              the first of eight shards; the last is 7/8

@@ -18,6 +18,7 @@ use self::measured::Measured;
 use self::program::ProgramBudget;
 use crate::args::BudgetArgs;
 use crate::error::Refused;
+use crate::output_files::Inputs;
 use crate::robot_groups;
 use crate::run::overrides;
 use crate::scenarios::Source;
@@ -25,6 +26,9 @@ use crate::text;
 use crate::together;
 
 pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
+    let inputs = Inputs::of(&args.scenario, &args.changes);
+    let inputs = args.measured.iter().fold(inputs, |all, recording| all.file("recording", recording));
+    inputs.check(args.svg.iter().map(|path| ("--svg", path.as_path())))?;
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
     let named = |name: &String| scenario.robots.iter().position(|robot| robot.name == *name);

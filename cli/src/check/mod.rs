@@ -12,6 +12,7 @@ use baudbot_sim::scenario::SerialPort;
 
 use crate::args::CheckArgs;
 use crate::error::Refused;
+use crate::output_files::Inputs;
 use crate::robot_groups;
 use crate::run::overrides;
 use crate::scenarios::Source;
@@ -23,6 +24,8 @@ mod json;
 mod robot;
 
 pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
+    let svg = args.svg.iter().map(|path| ("--svg", path.as_path()));
+    Inputs::of(&args.scenario, &args.changes).check(svg)?;
     let found = read(args).inspect_err(|error| {
         if args.json && error.is::<Refused>() {
             // The error itself follows on stderr.

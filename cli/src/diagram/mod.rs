@@ -42,6 +42,9 @@ use crate::signals::INTERRUPTED;
 use crate::{text, work};
 
 pub(crate) async fn diagram(args: DiagramArgs) -> anyhow::Result<ExitCode> {
+    let (svg, csv) = (args.svg.as_deref(), args.csv.as_deref());
+    let outputs = [("--svg", svg), ("--csv", csv)].into_iter();
+    source::inputs(&args).check(outputs.filter_map(|(option, path)| Some((option, path?))))?;
     work::until_stopped(move |stop| show(&args, stop)).await
 }
 

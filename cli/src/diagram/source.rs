@@ -13,6 +13,7 @@ use super::ticks::{Tick, View, recorded_ticks, ticks};
 use crate::args::DiagramArgs;
 use crate::assignment::{self, Assigned};
 use crate::error::Refused;
+use crate::output_files::Inputs;
 use crate::replay::{recorded_run, refused};
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
@@ -35,7 +36,7 @@ impl Run {
     /// The one that the arguments name.
     pub(super) fn find(args: &DiagramArgs) -> anyhow::Result<Self> {
         let path = Path::new(&args.scenario);
-        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap")) {
+        if is_recording(path) {
             return Self::recorded(args, path);
         }
         let source = Source::find(&args.scenario)?;
@@ -94,4 +95,16 @@ impl Run {
         let changed = (about != self.scenario.description).then_some(about);
         [Some(facts), changed].into_iter().flatten().collect()
     }
+}
+
+/// The files that are read for a diagram.
+pub(super) fn inputs(args: &DiagramArgs) -> Inputs {
+    if is_recording(Path::new(&args.scenario)) {
+        return Inputs::default().file("recording", &args.scenario);
+    }
+    Inputs::of(&args.scenario, &args.changes).brains(&args.brains)
+}
+
+fn is_recording(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap"))
 }

@@ -34,7 +34,7 @@ use crate::args::ExportArgs;
 use crate::chips::{self, SERIAL, VCD};
 use crate::csv::Table;
 use crate::error::Refused;
-use crate::output_files::{self, STDOUT};
+use crate::output_files::{self, Inputs, STDOUT};
 use crate::replay::{recorded_run, refused};
 use crate::serial::{self, Transcript};
 use crate::signals::{INTERRUPTED, Stop};
@@ -53,6 +53,9 @@ pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let window = Window::new(&recorded, &args.window)?;
+    if args.rosbag2.is_some() {
+        rosbag::check_names(&recorded.scenario().robots)?;
+    }
     if !args.quiet {
         notes(args, &recorded);
     }
@@ -105,14 +108,7 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
             "{one} - and {other} - both want stdout; write one of them to a file"
         )));
     }
-    if let Some((option, path)) =
-        args.outputs().find(|(_, path)| output_files::is_same_file(path, &args.file))
-    {
-        let (path, file) = (path.display(), args.file.display());
-        return Err(Refused::error(format!(
-            "{option} {path} would overwrite the recording {file}; write to another file"
-        )));
-    }
+    Inputs::default().file("recording", &args.file).check(args.outputs())?;
     output_files::check_apart(args.outputs())
 }
 

@@ -20,11 +20,14 @@ use serde::Serialize;
 use self::planned_path::PlannedPath;
 use crate::args::{Method, PlanArgs};
 use crate::error::Refused;
+use crate::output_files::Inputs;
 use crate::run::overrides;
 use crate::scenarios::Source;
 use crate::text::{self, pairs};
 
 pub(crate) fn plan(args: &PlanArgs) -> anyhow::Result<ExitCode> {
+    let svg = args.svg.iter().map(|path| ("--svg", path.as_path()));
+    Inputs::of(&args.scenario, &args.changes).check(svg)?;
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
     let robot = robot(args.robot.as_deref(), &scenario.robots)?;

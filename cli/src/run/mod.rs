@@ -25,7 +25,7 @@ use crate::chips::{self, SERIAL, VCD};
 use crate::csv::Table;
 use crate::error::Refused;
 use crate::gdb::Debuggers;
-use crate::output_files::{self, Files, STDOUT};
+use crate::output_files::{self, Files, Inputs, STDOUT};
 use crate::scenarios::{self, Source};
 use crate::serial::tails::Tails;
 use crate::serial::{self, Transcript};
@@ -208,7 +208,7 @@ fn assigned(args: &RunArgs, scenario: &Scenario, shown: &[&str]) -> anyhow::Resu
     Ok(assigned)
 }
 
-/// Refuses outputs that would be written into each other.
+/// Refuses outputs that would be written into each other, or over what is read.
 fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
     let stdout = Some(Path::new(STDOUT));
     let (csv, timeline) = (args.csv.as_deref(), args.timeline.as_deref());
@@ -236,10 +236,13 @@ fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
             "{option} ROBOT=- wants stdout for itself; write {what} to a file"
         )));
     }
-    let files = [("--csv", csv), ("--timeline", timeline), ("--record", args.record.record.as_deref())];
+    let (record, audit) = (args.record.record.as_deref(), args.listen.access.audit.as_deref());
+    let files = [("--csv", csv), ("--timeline", timeline), ("--record", record), ("--audit", audit)];
     let files = files.into_iter().filter_map(|(option, path)| Some((option, path?)));
-    let of_chips = of_chips.iter().map(|&(option, _, path)| (option, path));
-    output_files::check_apart(files.chain(of_chips))
+    let files: Vec<_> = files.chain(of_chips.iter().map(|&(option, _, path)| (option, path))).collect();
+    output_files::check_apart(files.iter().copied())?;
+    let inputs = Inputs::of(args.scenario.as_deref().unwrap_or(scenarios::DEFAULT), &args.changes);
+    inputs.brains(&args.brains).check(files.into_iter())
 }
 
 /// The overrides that the arguments ask for.

@@ -324,7 +324,7 @@ fn refused(path: &Path, header: &Header, refusal: Refusal) -> Error {
              cannot be detected; {mending}"
         ),
         Refusal::OfAnother(found) => format!(
-            "{place} belongs to another experiment, scenario or version (`{}`, {}… instead of {}…); {mending}",
+            "{place} belongs to another experiment, scenario or version, or to other seeds (`{}`, {}… instead of {}…); {mending}",
             found.sweep,
             found.fingerprint.get(..8).unwrap_or_default(),
             &header.fingerprint[..8]

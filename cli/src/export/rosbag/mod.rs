@@ -34,6 +34,7 @@ use crate::error::Refused;
 use messages::Kind;
 use metadata::Topic;
 use robot::Robot;
+pub(super) use robot::check_names;
 
 /// A bag that is being written.
 pub(super) struct Bag {

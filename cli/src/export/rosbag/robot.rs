@@ -1,5 +1,6 @@
 //! What a robot says on its topics.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use baudbot_sim::drive::Wheels;
@@ -9,6 +10,7 @@ use baudbot_sim::sensor::{Device, Laser, Sensor, SensorKind};
 use baudbot_sim::{Pose, RobotView, SimTime};
 
 use super::messages::{self, Inertia, Kind, Scan, Stamp};
+use crate::error::Refused;
 
 /// A message: its topic, its kind, its bytes.
 pub(super) type Said = (String, &'static Kind, Vec<u8>);
@@ -30,15 +32,11 @@ pub(super) struct Robot {
 impl Robot {
     pub(super) fn of(spec: &RobotSpec, has_others: bool) -> Self {
         let prefix = if has_others { format!("{}/", token(&spec.name)) } else { String::new() };
-        let fixed = |sensor: &Sensor| {
-            let mount = sensor.device.mount().filter(|_| sensor.device.sensor_kind() == SensorKind::Laser);
-            mount.is_some_and(|mount| mount.turret.is_none())
-        };
-        let count = spec.sensors.iter().filter(|sensor| fixed(sensor)).count();
+        let count = spec.sensors.iter().filter(|sensor| is_fixed_laser(sensor)).count();
         let names = |sensor: &Sensor| {
             let name = token(&sensor.name);
             let topic = if count == 1 { format!("/{prefix}scan") } else { format!("/{prefix}{name}/scan") };
-            fixed(sensor).then(|| (topic, format!("{prefix}{name}")))
+            is_fixed_laser(sensor).then(|| (topic, format!("{prefix}{name}")))
         };
         Self {
             sampled_at: vec![None; spec.sensors.len()],
@@ -183,6 +181,42 @@ impl Robot {
             (self.topic("ground_truth"), &messages::ODOMETRY, truth),
         ]
     }
+}
+
+/// Refuses robots, and lasers of a robot, that would have one name in a bag.
+pub(in crate::export) fn check_names(robots: &[RobotSpec]) -> anyhow::Result<()> {
+    let same = |(one, other): (&str, &str)| format!("`{one}` and `{other}`");
+    if let Some((both, token)) = same_token(robots.iter().map(|robot| robot.name.as_str())) {
+        let both = same(both);
+        return Err(Refused::error(format!("robots {both} would both be `{token}` in a bag; rename one")));
+    }
+    for robot in robots {
+        let lasers = robot.sensors.iter().filter(|sensor| is_fixed_laser(sensor));
+        if let Some((both, token)) = same_token(lasers.map(|sensor| sensor.name.as_str())) {
+            let (both, robot) = (same(both), &robot.name);
+            return Err(Refused::error(format!(
+                "lasers {both} of `{robot}` would both be `{token}` in a bag; rename one"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The first two names that ROS would not tell apart, and what both would be.
+fn same_token<'a>(names: impl Iterator<Item = &'a str>) -> Option<((&'a str, &'a str), String)> {
+    let mut before = BTreeMap::new();
+    for name in names {
+        if let Some(other) = before.insert(token(name), name) {
+            return Some(((other, name), token(name)));
+        }
+    }
+    None
+}
+
+/// Whether it is a laser whose place on the robot does not change.
+fn is_fixed_laser(sensor: &Sensor) -> bool {
+    let mount = sensor.device.mount().filter(|_| sensor.device.sensor_kind() == SensorKind::Laser);
+    mount.is_some_and(|mount| mount.turret.is_none())
 }
 
 /// A name as topics and frames of ROS may have it.
