@@ -81,6 +81,12 @@ pub enum FileError {
         /// The name.
         name: GrantName,
     },
+    /// Logs call others so.
+    #[error("a token cannot have the name `{name}`, by which logs call others; choose another")]
+    Reserved {
+        /// The name.
+        name: GrantName,
+    },
     /// There is no token of this name.
     #[error("{}: has no token `{name}`; it has {}", shown(path), parse::listed(names))]
     Absent {
@@ -152,8 +158,11 @@ impl TokenFile {
     /// not there. What else is in the file stays as it is, also its comments.
     ///
     /// # Errors
-    /// As [`read`](Self::read), and if the name is taken or the file cannot be written.
+    /// As [`read`](Self::read), and if the name is taken or reserved or the file cannot be written.
     pub fn add(&self, new: NewGrant, now: SystemTime) -> Result<Token, FileError> {
+        if new.name.is_reserved() {
+            return Err(FileError::Reserved { name: new.name });
+        }
         private::make_folder_of(&self.path)?;
         let _lock = Lock::take(&self.path)?;
         let text = self.text_or_new()?;

@@ -71,6 +71,9 @@ const MAX_LENGTH: usize = 64;
 /// The name of the grant that is no file's.
 pub(crate) const LOCAL: &str = "local";
 
+/// What the logs call a caller without a valid token.
+const NOBODY: &str = "nobody";
+
 impl Grant {
     /// That of the user who runs the server, with all rights and no end. Its name is `local`, which no file has.
     pub fn local(hash: TokenHash, now: SystemTime) -> Self {
@@ -116,6 +119,11 @@ impl GrantName {
     /// It as text.
     pub fn as_str(&self) -> &str {
         &self.0
+    }
+
+    /// Whether no token of a file may have it, because the logs call others so.
+    pub fn is_reserved(&self) -> bool {
+        [LOCAL, NOBODY].contains(&self.as_str())
     }
 }
 

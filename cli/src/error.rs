@@ -3,10 +3,11 @@
 use std::error::Error;
 use std::fmt;
 use std::io;
+use std::os::unix::fs::FileTypeExt;
 use std::process::ExitCode;
 
 use baudbot_fields::printable::Printable;
-use baudbot_server::ServerError;
+use baudbot_server::{Address, ServerError};
 use tonic::Code;
 
 /// The command asks for something that cannot be: a scenario or an argument has to be changed. Exit code 2,
@@ -83,9 +84,16 @@ pub(crate) fn from_builder(error: ServerError) -> anyhow::Error {
         | ServerError::Reflection(_)
         | ServerError::Pipe(_) => false,
     };
-    if let ServerError::Bind { source, .. } = &error
+    if let ServerError::Bind { source, address } = &error
         && source.kind() == io::ErrorKind::AddrInUse
     {
+        if let Address::Unix(path) = address
+            && path.symlink_metadata().is_ok_and(|metadata| !metadata.file_type().is_socket())
+        {
+            return anyhow::anyhow!(
+                "{error}: there is something else than a socket; move it away, or choose another path"
+            );
+        }
         let remedy = "another program listens there, perhaps a server of baudbot; end it, or choose another address with \
                       --listen or --viewer (127.0.0.1:0 is a free one)";
         return anyhow::anyhow!("{error}: {remedy}");

@@ -13,8 +13,9 @@ use serde::Serialize;
 
 use crate::args::{InitArgs, ListArgs};
 use crate::error::Refused;
+use crate::output_files::STDOUT;
 use crate::scenarios;
-use crate::text::{pairs, print, print_json};
+use crate::text::{self, pairs, print, print_json};
 
 /// A section of the list: its title, what to do with its entries, and these.
 type Section = (&'static str, &'static str, Vec<Entry>);
@@ -83,14 +84,13 @@ pub(crate) fn init(args: &InitArgs) -> anyhow::Result<()> {
     let last = name.rsplit('/').next().unwrap_or(name);
     let file = args.file.clone().unwrap_or_else(|| PathBuf::from(format!("{last}.toml")));
     let folder = file.parent().unwrap_or_else(|| Path::new(""));
-    let beside = embedded::programs().filter(|(program, _)| text.contains(program));
-    let beside: Vec<_> = beside.map(|(program, bytes)| (folder.join(program), bytes)).collect();
-    // All or nothing.
-    for path in beside.iter().map(|(path, _)| path).chain([&file]) {
-        if path.exists() {
-            return Err(Refused::error(format!("{}: is there already; choose another file", path.display())));
-        }
+    let programs = embedded::programs().filter(|(program, _)| text.contains(program));
+    let beside: Vec<_> = programs.map(|(program, bytes)| (folder.join(program), bytes)).collect();
+    if file == Path::new(STDOUT) {
+        return to_stdout(name, text, beside.first().map(|(program, _)| program.as_path()));
     }
+    // All or nothing.
+    beside.iter().map(|(path, _)| path).chain([&file]).try_for_each(|path| check_free(path))?;
     for (path, bytes) in &beside {
         write(path, bytes)?;
     }
@@ -100,7 +100,32 @@ pub(crate) fn init(args: &InitArgs) -> anyhow::Result<()> {
         (true, false) => "sweep",
         (false, _) => "run",
     };
-    print(&format!("{0} is written; edit it, and try it with: baudbot {command} {0}\n", file.display()))
+    let shown = file.display().to_string();
+    let argument = shlex::try_quote(&shown).context("no shell takes the name of the file")?;
+    print(&format!("{shown} is written; edit it, and try it with: baudbot {command} {argument}\n"))
+}
+
+/// Prints the file alone, if it needs no other one beside it.
+fn to_stdout(name: &str, text: &str, program: Option<&Path>) -> anyhow::Result<()> {
+    let Some(program) = program else { return text::write(Path::new(STDOUT), text) };
+    Err(Refused::error(format!(
+        "{name}: refers to {}, which is written beside it and cannot go to stdout; name a file instead of -",
+        program.display()
+    )))
+}
+
+/// Refuses a path where something is.
+fn check_free(path: &Path) -> anyhow::Result<()> {
+    let shown = path.display();
+    if path.exists() {
+        return Err(Refused::error(format!("{shown}: is there already; choose another file")));
+    }
+    if path.is_symlink() {
+        return Err(Refused::error(format!(
+            "{shown}: is a link that leads nowhere; remove it, or choose another file"
+        )));
+    }
+    Ok(())
 }
 
 fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
@@ -113,6 +138,12 @@ fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 }
 
 fn unknown(name: &str) -> anyhow::Error {
+    if embedded::exercise(name).is_some() {
+        let last = name.rsplit('/').next().unwrap_or(name);
+        return Refused::error(format!(
+            "{name}: is an exercise, no scenario or experiment; write its file with: baudbot grade {name} --toml > {last}.toml"
+        ));
+    }
     let near: Vec<_> = embedded::nearest(name).iter().map(|near| format!("`{near}`")).collect();
     let near = match scenarios::brain_or_preset(name) {
         Some(is) => format!(" {is};"),

@@ -26,6 +26,7 @@ mod budget;
 mod cert;
 mod check;
 mod chips;
+mod completions;
 mod connect;
 mod csv;
 mod diagram;
@@ -41,12 +42,12 @@ mod link;
 mod list;
 mod locate;
 mod logs;
+mod man;
 mod map;
 mod measure;
 mod natural;
 mod new;
 mod output_files;
-mod pages;
 mod plan;
 mod port_watch;
 mod ports;
@@ -151,8 +152,8 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::List(args) => list::list(&args),
         Command::Init(args) => list::init(&args),
         Command::Schema => text::print_json(&baudbot_scenario::schema()),
-        Command::Completions(args) => pages::completions(&args),
-        Command::Man(args) => pages::man(&args),
+        Command::Completions(args) => completions::completions(&args),
+        Command::Man(args) => man::man(&args),
     }?;
     Ok(ExitCode::SUCCESS)
 }

@@ -261,19 +261,18 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
         let _ = writeln!(text, "\n{link}");
     }
     let with_robot = worlds.iter().find(|(_, _, robot)| robot.is_some());
-    if let (Some(address), Some((world, _, robot))) =
-        (server.addresses().first(), with_robot.or_else(|| worlds.first()))
+    if let (Some((address, is_local)), Some((world, _, robot))) =
+        (server.client_address(), with_robot.or_else(|| worlds.first()))
     {
-        let scheme =
-            if server.is_encrypted() && matches!(address, Address::Tcp(_)) { "https://" } else { "" };
+        // On this machine, programs of this user find the server's token themselves.
+        let ca = if address.starts_with("https://") { " --ca FILE" } else { "" };
+        let token = if is_local { "" } else { " --token-file FILE" };
+        let connect = format!("--connect {address}{ca}{token} --world {world}");
         let _ = writeln!(text, "\nIn a second terminal:");
         if let Some((robot, brain)) = robot {
-            let _ = writeln!(
-                text,
-                "  baudbot brain {brain} --connect {scheme}{address} --world {world} --robot {robot}"
-            );
+            let _ = writeln!(text, "  baudbot brain {brain} {connect} --robot {robot}");
         }
-        let _ = writeln!(text, "  baudbot watch --connect {scheme}{address} --world {world}");
+        let _ = writeln!(text, "  baudbot watch {connect}");
         let _ = writeln!(text, "Ctrl-C stops the server.");
     }
     text

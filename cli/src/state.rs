@@ -29,22 +29,14 @@ pub(crate) fn go_on(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Resu
     let folder = StateFolder::open(path).map_err(refused)?;
     let mut kept = Kept::default();
     for found in folder.worlds().map_err(refused)? {
-        match found {
-            Found::World(world) => {
-                let (name, scenario) = (world.name.clone(), Arc::clone(&world.scenario));
-                tell!("world {name} continues at tick {}, {} s", world.tick, world.time_s);
-                if let Some(note) = &world.note {
-                    tell!("note: world {name}: {note}");
-                }
-                serving.add(&name, &scenario, WorldConfig::kept(*world));
-                kept.0.push(name);
-            }
-            Found::SetAside { name, file, problem, to } => {
-                let (file, to) = (file.display(), to.display());
-                tell!(
-                    "warning: world {name} does not continue: {file} {problem}; its folder is set aside as {to}"
-                );
-            }
+        tell_of(&found);
+        if let Found::World(world) = found {
+            let (name, scenario) = (world.name.clone(), Arc::clone(&world.scenario));
+            let config = WorldConfig::kept(*world);
+            // One that was paused stays so in any case.
+            let config = if args.paused { config.paused(true) } else { config };
+            serving.add(&name, &scenario, config);
+            kept.0.push(name);
         }
     }
     if args.recordings.is_none() {
@@ -52,6 +44,37 @@ pub(crate) fn go_on(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Resu
     }
     serving.keep_state(folder);
     Ok(kept)
+}
+
+fn tell_of(found: &Found) {
+    match found {
+        Found::World(world) => {
+            let name = &world.name;
+            tell!("world {name} continues at tick {}, {} s", world.tick, world.time_s);
+            if let Some(note) = &world.note {
+                tell!("note: world {name}: {note}");
+            }
+        }
+        Found::SetAside { name, file, problem, to } => {
+            let (file, to) = (file.display(), to.display());
+            tell!(
+                "warning: world {name} does not continue: {file} {problem}; its folder is set aside as {to}"
+            );
+        }
+        Found::Unreadable { name, file, problem } => {
+            let file = file.display();
+            tell!(
+                "warning: world {name} does not continue: {file} {problem}; it is left as it is, and a new world {name} is not kept: let \
+                 this user read and write its folder, and start the server again"
+            );
+        }
+        Found::Ignored { path, problem } => {
+            let path = path.display();
+            tell!(
+                "warning: {path} {problem} and is ignored; move it to a place outside the folder of --state"
+            );
+        }
+    }
 }
 
 fn refused(error: StateError) -> anyhow::Error {

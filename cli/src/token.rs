@@ -131,6 +131,7 @@ fn refused(error: FileError) -> anyhow::Error {
         | FileError::Toml { .. }
         | FileError::Field { .. }
         | FileError::Taken { .. }
+        | FileError::Reserved { .. }
         | FileError::Absent { .. } => Refused::error(error.to_string()),
     }
 }

@@ -139,3 +139,12 @@ fn only_its_owner_reads_the_log() {
     assert_eq!(std::fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
     assert!(AuditLog::open(folder.path()).is_err(), "a folder is no file");
 }
+
+#[test]
+fn a_pipe_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("audit");
+    assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    let error = AuditLog::open(&path).err().unwrap().to_string();
+    assert!(error.starts_with("is a pipe"), "{error}");
+}

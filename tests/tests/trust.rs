@@ -34,7 +34,7 @@ const HOLDERS: [(&str, &[&str]); 6] = [
     ("trainer", &["train"]),
     ("alice", &["drive w/alice"]),
     ("tutor", &["drive w/*", "observe"]),
-    ("nobody", &["drive elsewhere/*"]),
+    ("stranger", &["drive elsewhere/*"]),
 ];
 
 impl Class {
@@ -116,7 +116,7 @@ const CALLS: &[(&str, &[(&str, &str)])] = &[
             ("WatchCable", "observer operator trainer tutor"),
         ],
     ),
-    ("baudbot.v1.BrainLinkService", &[("Attach", "alice tutor nobody")]),
+    ("baudbot.v1.BrainLinkService", &[("Attach", "alice tutor stranger")]),
     ("baudbot.v1.TrainerService", &[("Train", "trainer")]),
     ("grpc.health.v1.Health", &[("Check", "-"), ("Watch", "any")]),
     ("grpc.reflection.v1.ServerReflection", &[("ServerReflectionInfo", "any")]),
@@ -234,8 +234,8 @@ async fn a_driver_learns_nothing_of_other_robots() {
     assert_eq!(refusal(&alice, "w", "eve").await, words("w/eve"), "there is none");
     assert_eq!(refusal(&alice, "other", "alice").await, words("other/alice"), "there is no such world");
     // What it may drive and is not there is named without what is.
-    let nobody = class.client("nobody").await;
-    let text = refusal(&nobody, "elsewhere", "alice").await;
+    let stranger = class.client("stranger").await;
+    let text = refusal(&stranger, "elsewhere", "alice").await;
     assert_eq!(text, "NotFound: hello: there is no robot `alice` in a world `elsewhere`");
     let tutor = class.client("tutor").await;
     let text = refusal(&tutor, "w", "eve").await;
@@ -332,5 +332,10 @@ async fn other_machines_reach_a_server_only_with_tokens_and_tls() {
         "a browser is let in under this name"
     );
     assert_eq!(shown(Server::builder().host("robots.lab")).await, "http://robots.lab:PORT/");
+    assert_eq!(
+        shown(Server::builder().local_token(local())).await,
+        "http://127.0.0.1:PORT/",
+        "what a service prints is in logs, where no token is to be"
+    );
     everywhere().tokens(file).behind_proxy(true).serve().await.unwrap().shutdown().await;
 }

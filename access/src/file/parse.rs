@@ -9,7 +9,7 @@ use toml::{Table, Value};
 
 use super::FileError;
 use crate::date;
-use crate::grant::{Grant, GrantName, LOCAL};
+use crate::grant::{Grant, GrantName};
 
 /// The version of files that this program reads and writes.
 pub(super) const VERSION: i64 = 1;
@@ -112,8 +112,8 @@ fn check_version(table: &Table) -> Result<(), FieldError> {
 fn grant(entry: Table, path: &Path) -> Result<Grant, FieldError> {
     let raw: RawGrant = read(entry, path)?;
     let name: GrantName = raw.name.parse().map_err(|problem| in_field(path, "name", &problem))?;
-    if name.as_str() == LOCAL {
-        let problem = format!("`{LOCAL}` is the name of a server's own token; choose another");
+    if name.is_reserved() {
+        let problem = format!("`{name}` is what logs call others; choose another name");
         return Err(path.field("name").error(problem));
     }
     let hash = raw.hash.parse().map_err(|problem| in_field(path, "hash", &problem))?;

@@ -159,10 +159,14 @@ fn an_error_names_the_file_the_field_and_the_remedy() {
         with(OTHER, HASH),
         "tokens[1].hash: is that of tokens[0], too; a token has one entry, with all its rights (token `bob`)"
     );
-    assert_eq!(
-        with("bob", "local"),
-        "tokens[1].name: `local` is the name of a server's own token; choose another (token `local`)"
-    );
+    for name in ["local", "nobody"] {
+        assert_eq!(
+            with("bob", name),
+            format!(
+                "tokens[1].name: `{name}` is what logs call others; choose another name (token `{name}`)"
+            )
+        );
+    }
     let date = "must be a date from 1970 to 9999 with its time and offset, such as 2027-01-31T12:00:00Z";
     assert_eq!(with("T08:00:00Z", ""), format!("tokens[1].created_at: {date} (token `bob`)"));
     assert_eq!(

@@ -1,11 +1,12 @@
 //! Who may reach the server of a command, and with which token.
 
+use std::net::IpAddr;
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use anyhow::Context;
 use baudbot_access::{Token, TokenFile};
-use baudbot_server::{AuditLog, Builder, Tls};
+use baudbot_server::{AuditLog, Builder, Tls, TlsError};
 use clap::Args;
 
 use crate::error::Refused;
@@ -36,7 +37,25 @@ pub(crate) struct AccessArgs {
     pub(crate) audit: Option<PathBuf>,
     /// A name under which browsers reach the page, besides localhost and its address
     #[arg(long, value_name = "NAME")]
-    pub(crate) host: Vec<String>,
+    pub(crate) host: Vec<HostName>,
+}
+
+/// A name, or an address without a port, under which browsers reach a page.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct HostName(String);
+
+impl FromStr for HostName {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let fits = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '.' | '_');
+        let is_name = (1..=253).contains(&text.len()) && text.chars().all(fits);
+        if is_name || text.parse::<IpAddr>().is_ok() {
+            return Ok(Self(text.to_owned()));
+        }
+        Err("must be a name such as robots.lab, or an address, without https:// and without a port"
+            .to_owned())
+    }
 }
 
 /// A certificate and its key.
@@ -79,7 +98,12 @@ impl AccessArgs {
     pub(crate) fn guard(&self, mut builder: Builder) -> anyhow::Result<Builder> {
         if let Some(TlsFiles { certificate, key }) = &self.tls {
             let tls = Tls::read(certificate, key, self.client_ca.as_deref());
-            builder = builder.tls(tls.map_err(|error| Refused::error(format!("--tls: {error}")))?);
+            let refused = |error: TlsError| {
+                let of_clients = self.client_ca.as_deref().is_some_and(|file| error.concerns(file));
+                let option = if of_clients { "--client-ca" } else { "--tls" };
+                Refused::error(format!("{option}: {error}"))
+            };
+            builder = builder.tls(tls.map_err(refused)?);
         }
         if let Some(file) = &self.tokens {
             builder = builder.tokens(TokenFile::at(file));
@@ -93,6 +117,21 @@ impl AccessArgs {
             builder = builder.audit(log.map_err(refused)?);
         }
         builder = builder.behind_proxy(self.behind_proxy);
-        Ok(self.host.iter().fold(builder, Builder::host))
+        Ok(self.host.iter().fold(builder, |builder, HostName(name)| builder.host(name)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::HostName;
+
+    #[test]
+    fn hosts_are_names_and_addresses() {
+        for host in ["robots.lab", "localhost", "192.0.2.7", "2001:db8::1"] {
+            assert!(host.parse::<HostName>().is_ok(), "{host}");
+        }
+        for bad in ["", "*", "a b", "robots.lab:7401", "https://robots.lab/", "[::1]:80"] {
+            assert!(bad.parse::<HostName>().unwrap_err().contains("without a port"), "{bad}");
+        }
     }
 }

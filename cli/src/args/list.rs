@@ -16,7 +16,7 @@ pub(crate) struct ListArgs {
 pub(crate) struct InitArgs {
     /// A built-in scenario or experiment (`baudbot list`)
     pub(crate) name: String,
-    /// Where to write it; an existing file is not overwritten [default: its name with .toml, in the current folder]
+    /// Where to write it, `-` for stdout; an existing file is not overwritten [default: its name with .toml, in the current folder]
     pub(crate) file: Option<PathBuf>,
 }
 

@@ -110,6 +110,9 @@ fn what_cannot_be_graded_is_refused_with_the_name_that_was_meant() {
         (&["grade", "--brain", "avoid"], "which exercise?"),
         (&["grade", "wander", "--brain", "avod"], "no brain `avod`; there are: avoid, "),
         (&["grade", "wander", "--brain", "bob=avoid"], "there is no robot `bob`"),
+        (&["grade", "wander", "--brain", "avoid:x=1"], "brain `avoid` has no parameter `x`"),
+        (&["grade", "wander", "--brain", "exec:./nothere"], "there is no program `./nothere`"),
+        (&["grade", "wander", "--brain", "python3 x.py"], "named as in 'exec:python3 x.py'"),
         (&["grade", "wander", "--brain", "avoid", "--seeds", "0"], "--seeds: must be at least 1"),
     ] {
         let (code, _, err) = baudbot(args);
@@ -121,6 +124,21 @@ fn what_cannot_be_graded_is_refused_with_the_name_that_was_meant() {
     assert_eq!(code, 2);
     let expected = "wrong.toml: criteria[0].needs.distnce_m_at_least: there is no measure `distnce_m`; did you mean `distance_m`?";
     assert!(err.contains(expected), "{err}");
+}
+
+#[test]
+fn a_fault_in_the_brains_of_an_exercise_is_told_with_its_file() {
+    for (brain, expected) in [
+        ("x=avoid", "there is no robot `x`"),
+        ("robot=avoid:x=1", "brain `avoid` has no parameter `x`"),
+        ("robot=exec:./nothere", "there is no program `./nothere`"),
+    ] {
+        let toml = ROOM.replace("seeds = 2", &format!("seeds = 2\nbrains = [\"{brain}\"]"));
+        let file = exercise("own-brains", &toml);
+        let (code, _, err) = baudbot(&["grade", &file, "--brain", "avoid"]);
+        assert_eq!(code, 2, "{err}");
+        assert!(err.starts_with(&format!("error: {file}: brains[0]: {expected}")), "{err}");
+    }
 }
 
 #[test]
@@ -136,9 +154,9 @@ fn values_that_miss_a_criterion_are_told_in_words_that_agree() {
 #[test]
 fn a_program_that_is_not_there_is_no_failure_of_its_author() {
     let file = exercise("missing", ROOM);
-    let (code, json) = graded(&file, "exec:there-is-no-such-program");
-    assert_eq!((code, &json["verdict"]), (1, &"not-graded".into()), "{json:#}");
-    assert!(findings(&json)[0].contains("there is no program `there-is-no-such-program`"), "{json:#}");
+    let (code, out, err) = baudbot(&["grade", &file, "--brain", "exec:there-is-no-such-program", "--json"]);
+    assert_eq!((code, out.as_str()), (2, ""), "{err}");
+    assert!(err.starts_with("error: there is no program `there-is-no-such-program`"), "{err}");
     let (code, json) = graded(&file, "exec:sh -c 'echo oh no >&2; exit 3'");
     assert_eq!(code, 1, "{json:#}");
     assert!(

@@ -82,11 +82,40 @@ fn shells_and_man_know_the_commands() {
         let script = good(&["completions", shell]);
         assert!(script.contains("serve") && script.contains("tokens"), "{shell}");
     }
+    let zsh = good(&["completions", "zsh"]);
+    assert!(zsh.contains("_alternative \"names:name:(") && zsh.contains(" wander "), "{zsh}");
+    let fish = good(&["completions", "fish"]);
+    assert!(fish.contains("using_subcommand preset\" -f -a \""), "{fish}");
     let folder = folder("man");
     good(&["man", folder.to_str().unwrap()]);
     let page = std::fs::read_to_string(folder.join("man1/baudbot-run.1")).unwrap();
     assert!(page.contains(".SH OPTIONS"), "{page}");
     assert!(folder.join("man1/baudbot.1").exists());
+}
+
+/// By bash itself, in a folder with a file.
+#[test]
+fn bash_completes_names_of_what_is_built_in() {
+    let script = folder("completions").join("baudbot");
+    std::fs::write(&script, good(&["completions", "bash"])).unwrap();
+    let completed = |words: &str| {
+        let mut from_last = words.rsplit(' ');
+        let [last, before] = std::array::from_fn(|_| from_last.next().unwrap());
+        let ask = format!(
+            "source {}; COMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); \
+             _baudbot baudbot '{last}' '{before}'; echo \"${{COMPREPLY[*]}}\"",
+            script.display()
+        );
+        let told = std::process::Command::new("bash").args(["-c", &ask]).output().unwrap();
+        String::from_utf8(told.stdout).unwrap().trim_end().to_owned()
+    };
+    assert_eq!(completed("baudbot run wand"), "wander");
+    assert_eq!(completed("baudbot run --seconds 5 wand"), "wander");
+    assert_eq!(completed("baudbot check devices/las"), "devices/laser");
+    assert_eq!(completed("baudbot init baud-vs-sp"), "baud-vs-speed");
+    assert_eq!(completed("baudbot preset khepera-1-i"), "khepera-1-ir");
+    assert_eq!(completed("baudbot run --brain avo"), "avoid");
+    assert_eq!(completed("baudbot run my-own.t"), "", "then bash completes files");
 }
 
 #[test]

@@ -19,6 +19,7 @@ mod logs;
 mod measure;
 mod new;
 mod otel;
+mod outputs;
 mod paths;
 mod pins;
 mod plans;

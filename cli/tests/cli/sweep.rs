@@ -137,7 +137,8 @@ fn a_folder_of_another_experiment_is_left_alone_until_it_is_to_be_fresh() {
     let first = table(&[&short], &to);
     let (code, _, err) = baudbot(&["sweep", &short, "--out", &to, "--seeds", "4..6"]);
     assert_eq!(code, 2);
-    assert!(err.contains("belongs to another experiment") && err.contains("--fresh"), "{err}");
+    assert!(err.contains("belongs to another experiment") && err.contains("or to other seeds"), "{err}");
+    assert!(err.contains("--out DIR") && err.contains("--fresh"), "{err}");
     let other = table(&[&short, "--seeds", "4..6", "--fresh"], &to);
     assert_eq!(other.lines().count(), first.lines().count());
     assert_ne!(other, first);
@@ -166,6 +167,15 @@ fn mistakes_are_found_before_the_first_run() {
         "scenario = \"room.toml\"\nseconds = 1.0\nfields = [{ field = \"step_ms\", values = [] }]",
     );
     assert!(nothing.starts_with("fields[0].values: is empty"), "{nothing}");
+    let twice = GRID.replace(
+        "[success]",
+        "[[fields]]\nfield = \"robots[0].link.baud\"\nlabel = \"b2\"\nvalues = [1200]\n[success]",
+    );
+    let twice = refused("twice", &twice);
+    assert!(
+        twice.starts_with("fields[2]: varies `robots[0].link.baud`, which fields[0] varies already, as `robots.alice.link.baud`"),
+        "{twice}"
+    );
     let nowhere = refused("nowhere", "scenario = \"rom.toml\"\n");
     assert!(nowhere.contains("rom.toml: there is no such file"), "{nowhere}");
 }
@@ -194,6 +204,12 @@ fn a_name_of_another_kind_is_told_with_its_command() {
             "nofile.toml: there is no such file, and no experiment of this name is built in\n",
         ),
         (&["sweep", "baud-vs-sped"], "did you mean `baud-vs-speed`?"),
+        // Their brain is a program of the repository.
+        (&["sweep", "follow"], "follow: there is no such file, and no experiment of this name is built in"),
+        (
+            &["tune", "tune-follow"],
+            "tune-follow: there is no such file, and no experiment of this name is built in",
+        ),
     ] {
         let (code, _, err) = baudbot(args);
         assert_eq!(code, 2, "{args:?}: {err}");
@@ -248,6 +264,12 @@ fn what_cannot_be_run_is_told_and_the_others_are_run() {
     assert_eq!(code, 1);
     assert!(stdout.contains("12 of 72 runs failed:\n  run 12: robots[0].link.baud: "), "{stdout}");
     assert_eq!(rows(&to), 72);
+    let (code, stdout, err) = baudbot(&["sweep", &path, "--out", &to, "--quiet"]);
+    assert_eq!((code, stdout.as_str()), (1, ""));
+    assert!(
+        err.starts_with("error: 12 of 72 runs failed; the first, run 12: robots[0].link.baud: "),
+        "{err}"
+    );
     let json: serde_json::Value =
         serde_json::from_str(&baudbot(&["sweep", &path, "--out", &to, "--json", "--quiet"]).1).unwrap();
     assert_eq!((&json["runs"], &json["failed"]), (&72.into(), &12.into()));

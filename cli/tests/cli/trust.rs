@@ -98,6 +98,15 @@ fn a_pupil_drives_a_robot_with_a_token_and_sees_nothing_else() {
     let (code, _, err) = with_token(&["watch", "--once"]);
     assert_eq!(code, 1);
     assert!(err.contains("the token `alice` has no right to this, which needs `observe`"), "{err}");
+    for names in
+        [&[][..], &["--world", "wander"], &["--robot", "robot"], &["--world", "wander", "--robot", "rob*"]]
+    {
+        let (code, _, err) = with_token(&[&["brain", "avoid"], names].concat());
+        assert_eq!(code, 1);
+        let remedy =
+            "this token cannot list worlds and robots, so name both in full with --world and --robot: ";
+        assert!(err.contains(remedy) && err.contains("the token `alice` has no right to this"), "{err}");
+    }
     let (code, out, err) = with_token(&["brain", "avoid", "--world", "wander", "--robot", "robot"]);
     assert_eq!(code, 0, "{err}");
     assert_eq!(out, "the run is over after 50 turns\n");
@@ -105,10 +114,71 @@ fn a_pupil_drives_a_robot_with_a_token_and_sees_nothing_else() {
     let mut command = pupil.command(&["watch", "--once", "--connect", &address, "--token-file"]);
     let (code, _, err) = said(command.arg(&missing).output().unwrap());
     assert_eq!(code, 1);
-    assert!(err.contains("missing.token: "), "{err}");
+    assert!(err.starts_with("error: --token-file ") && err.contains("missing.token: "), "{err}");
+    let mut command = pupil.command(&["watch", "--once", "--connect", &address]);
+    let (code, _, err) = said(command.env("BAUDBOT_TOKEN_FILE", "").output().unwrap());
+    assert_eq!(code, 1);
+    assert!(err.contains("a token is needed here"), "an empty variable is none: {err}");
     let broken = Path::new(tokens);
     fs::write(broken, "version = ").unwrap();
     let (code, _, err) = teacher.runs(&["serve", "wander", "--tokens", tokens, "--listen", "127.0.0.1:0"]);
     assert_eq!(code, 2);
     assert!(err.contains("tokens.toml"), "{err}");
+}
+
+#[test]
+fn a_token_is_not_sent_to_another_machine_without_tls() {
+    let user = User::new("trust-elsewhere");
+    let (tokens, token) = (user.0.join("tokens.toml"), user.0.join("eve.token"));
+    let new = ["token", "new", "--name", "eve", "--observe", "--file", tokens.to_str().unwrap()];
+    fs::write(&token, user.runs(&new).1).unwrap();
+    // These numbers are for documents: no machine has them.
+    for args in [&["watch", "--once"][..], &["brain", "avoid", "--world", "w", "--robot", "r"]] {
+        let mut command = user.command(&[args, &["--connect", "http://192.0.2.7:7400"]].concat());
+        let (code, _, err) = said(command.env("BAUDBOT_TOKEN_FILE", &token).output().unwrap());
+        assert_eq!(code, 1);
+        let expected = "error: no token is sent to 192.0.2.7:7400 without TLS, as that is another machine: write https://192.0.2.7:7400";
+        assert!(err.starts_with(expected), "{err}");
+    }
+}
+
+#[test]
+fn who_does_not_trust_a_certificate_is_told_what_to_do() {
+    let user = User::new("trust-certificates");
+    let file = |name: &str| user.0.join(name).to_str().unwrap().to_owned();
+    let made = |args: &[&str]| assert_eq!(user.runs(&[&["cert"], args].concat()).0, 0, "{args:?}");
+    for lab in ["lab", "others"] {
+        made(&["ca", &file(lab)]);
+    }
+    made(&["server", &file("lab"), "127.0.0.1"]);
+    made(&["client", &file("others"), "eve"]);
+    let tls = format!("{},{}", file("lab/127.0.0.1.pem"), file("lab/127.0.0.1-key.pem"));
+    let (_server, address, _) =
+        user.serves(&["wander", "--paused", "--tls", &tls, "--client-ca", &file("lab/ca.pem")]);
+    let address = format!("https://{address}");
+    let watch = |args: &[&str], variables: &[(&str, String)]| {
+        let mut command = user.command(&[&["watch", "--once", "--connect", &address], args].concat());
+        let (code, _, err) = said(command.envs(variables.iter().cloned()).output().unwrap());
+        assert_eq!(code, 1, "{err}");
+        err.replace(&address, "ADDRESS")
+    };
+    let told = watch(&[], &[]);
+    let trust = "the certificate of the server at ADDRESS is not trusted";
+    assert_eq!(
+        told,
+        format!("error: {trust}: name the authority that signed it with --ca FILE or BAUDBOT_CA\n")
+    );
+    let told = watch(&["--ca", &file("others/ca.pem")], &[]);
+    let signed = format!("error: {trust}: the authority in {} has not signed it", file("others/ca.pem"));
+    assert!(told.starts_with(&signed), "{told}");
+    let ca = file("lab/ca.pem");
+    let told = watch(&["--ca", &ca], &[]);
+    let wanted = "asks for a client certificate: set BAUDBOT_CERTIFICATE and BAUDBOT_KEY";
+    assert_eq!(told, format!("error: the server at ADDRESS {wanted}\n"));
+    let own = [("BAUDBOT_CERTIFICATE", file("others/eve.pem")), ("BAUDBOT_KEY", file("others/eve-key.pem"))];
+    let told = watch(&["--ca", &ca], &own);
+    assert!(
+        told.contains("does not accept the client certificate in ") && told.contains("eve.pem"),
+        "{told}"
+    );
 }

@@ -49,6 +49,14 @@ fn the_tuning_of_the_book_can_be_run_and_what_it_found_drives() {
 }
 
 #[test]
+fn a_tuning_that_is_to_be_swept_is_told_with_its_command() {
+    let (code, _, error) = baudbot(&["sweep", "tune-sweeper"]);
+    assert_eq!(code, 2, "{error}");
+    assert!(error.starts_with("error: tune-sweeper: fields[0]: "), "{error}");
+    assert!(error.contains("this is an experiment for `baudbot tune`"), "{error}");
+}
+
+#[test]
 fn an_experiment_that_says_nothing_of_tuning_is_refused() {
     let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/ftdi.toml");
     let (code, _, error) = baudbot(&["tune", book.to_str().unwrap()]);

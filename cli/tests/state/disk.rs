@@ -83,3 +83,26 @@ fn what_was_kept_before_a_disk_was_full_is_there_again() {
     let after = server.operator().status("made").unwrap();
     assert_eq!((after.tick, after.state_hash), (kept.tick, kept.state_hash));
 }
+
+#[test]
+fn a_restart_on_a_full_disk_says_up_to_where_the_state_is_kept() {
+    let folder = place("full-at-start");
+    let server = Server::start(&folder, "full-at-start", &["wander", "--paused"]);
+    let mut operator = server.operator();
+    operator.create("made", WANDER, (stepped(), false), &[]).unwrap();
+    operator.start("made").unwrap();
+    let kept = operator.step("made", 20).unwrap();
+    server.kill();
+    let mut full = Command::new("bash");
+    let program = env!("CARGO_BIN_EXE_baudbot");
+    let script = format!("trap '' XFSZ; exec 2> >(exec cat >&2); ulimit -f 0; exec {program} \"$@\"");
+    full.args(["-c", &script, "baudbot"]);
+    // Without a token, which would have to be written, too.
+    let server = Server::start_by(full, &folder, "full-at-start", &["--open"]);
+    assert_eq!(server.operator().status("made").unwrap().tick, 20);
+    wait_for(&server, "kept_tick=20");
+    server.kill();
+    let server = Server::start(&folder, "full-at-start", &[]);
+    let after = server.operator().status("made").unwrap();
+    assert_eq!((after.tick, after.state_hash), (kept.tick, kept.state_hash));
+}

@@ -4,6 +4,8 @@ use std::fs;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
+use baudbot_proto::v1::WorldState;
+
 use crate::brains::drive;
 use crate::operator::{lockstep, real_time, stepped};
 use crate::server::Server;
@@ -132,6 +134,102 @@ fn a_damaged_world_is_set_aside_and_the_others_go_on() {
     let server = Server::start(&folder, "damaged", &[]);
     assert!(!server.log().contains("warning"), "{}", server.log());
     assert_eq!(server.operator().worlds(), ["khepera", "wander"]);
+}
+
+#[test]
+fn a_world_whose_journal_was_cut_is_set_aside_with_its_snapshots() {
+    let folder = place("cut");
+    let server = Server::start(&folder, "cut", &["wander", "khepera", "--paused"]);
+    let mut operator = server.operator();
+    operator.snapshot("wander").unwrap();
+    operator.snapshot("khepera").unwrap();
+    server.signal("-TERM");
+    assert_eq!(server.end().0, Some(0));
+    let journal = folder.join("worlds/wander/journal-1");
+    fs::File::options().write(true).open(&journal).unwrap().set_len(1000).unwrap();
+    let khepera = folder.join("worlds/khepera");
+    fs::remove_file(khepera.join("journal-1")).unwrap();
+    fs::write(khepera.join("notes.txt"), "keep").unwrap();
+    let server = Server::start(&folder, "cut", &["wander", "--paused"]);
+    let log = server.log();
+    for (world, what) in [
+        ("wander", format!("{} ends before the first state", journal.display())),
+        ("khepera", format!("{} has no journal", khepera.display())),
+    ] {
+        let aside = folder.join(format!("worlds/{world}.damaged"));
+        let words = format!(
+            "warning: world {world} does not continue: {what}; its folder is set aside as {}\n",
+            aside.display()
+        );
+        assert!(log.contains(&words), "{words}{log}");
+        assert!(aside.join("snapshot-1").is_file());
+    }
+    assert!(folder.join("worlds/wander.damaged/journal-1").is_file());
+    assert!(folder.join("worlds/khepera.damaged/notes.txt").is_file());
+    assert_eq!(server.operator().worlds(), ["wander"]);
+}
+
+#[test]
+fn what_is_no_world_or_cannot_be_read_stops_no_server_and_stays_as_it_is() {
+    let folder = place("stray");
+    let server = Server::start(&folder, "stray", &["wander", "--paused"]);
+    server.signal("-TERM");
+    assert_eq!(server.end().0, Some(0));
+    let worlds = folder.join("worlds");
+    let (stray, gone) = (worlds.join("stray"), worlds.join("gone"));
+    fs::write(&stray, "keep").unwrap();
+    std::os::unix::fs::symlink("/nowhere/gone", &gone).unwrap();
+    let server = Server::start(&folder, "stray", &[]);
+    let log = server.log();
+    let ignored = format!(
+        "warning: {} is not a folder and is ignored; move it to a place outside the folder of --state\n",
+        stray.display()
+    );
+    assert!(log.contains(&ignored), "{log}");
+    let unreadable = format!(
+        "warning: world gone does not continue: {} cannot be read: No such file or directory (os error 2); it is left as it is, and a \
+         new world gone is not kept: let this user read and write its folder, and start the server again\n",
+        gone.display()
+    );
+    assert!(log.contains(&unreadable), "{log}");
+    let mut operator = server.operator();
+    assert_eq!(operator.worlds(), ["wander"]);
+    // Worlds of these names are not kept, and what is there is not theirs.
+    for name in ["gone", "stray"] {
+        operator.create(name, WANDER, (stepped(), false), &[]).unwrap();
+        operator.start(name).unwrap();
+        assert_eq!(operator.step(name, 5).unwrap().tick, 5);
+        operator.delete(name).unwrap();
+    }
+    assert!(server.log().contains("state not kept; the world goes on"), "{}", server.log());
+    assert_eq!(fs::read_to_string(&stray).unwrap(), "keep");
+    assert!(gone.is_symlink());
+    assert_eq!(fs::read_dir(&worlds).unwrap().count(), 3);
+}
+
+#[test]
+fn a_world_that_continues_stays_paused_if_that_is_wanted() {
+    let folder = place("paused");
+    let server = Server::start(&folder, "paused", &["wander", "--set", "collision=stop-robot"]);
+    server.operator().wait_until("wander", |status| status.tick > 20);
+    server.signal("-TERM");
+    assert_eq!(server.end().0, Some(0));
+    // Without the option it is left as it was.
+    for args in [&["wander", "--paused"][..], &[]] {
+        let server = Server::start(&folder, "paused", args);
+        let mut operator = server.operator();
+        let before = operator.status("wander").unwrap();
+        assert_eq!(before.state(), WorldState::Paused, "{args:?}");
+        std::thread::sleep(Duration::from_millis(300));
+        let after = operator.status("wander").unwrap();
+        assert_eq!((after.tick, after.state_hash), (before.tick, before.state_hash));
+        server.signal("-TERM");
+        assert_eq!(server.end().0, Some(0));
+    }
+    let server = Server::start(&folder, "paused", &["wander"]);
+    let mut operator = server.operator();
+    let tick = operator.start("wander").unwrap().tick;
+    operator.wait_until("wander", |status| status.tick > tick + 20);
 }
 
 #[test]

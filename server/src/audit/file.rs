@@ -1,6 +1,7 @@
 //! The file of the audit log, and the thread that writes it.
 
 use std::io::{self, Write};
+use std::num::NonZeroU8;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -10,7 +11,8 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use time::OffsetDateTime;
-use time::format_description::well_known::Rfc3339;
+use time::format_description::well_known::Iso8601;
+use time::format_description::well_known::iso8601::{Config, EncodedConfig, TimePrecision};
 
 use crate::log::Throttle;
 use crate::system::open_private_log;
@@ -158,16 +160,30 @@ fn write_at_last(file: &mut impl Write, line: &str, failures: &Throttle) {
     }
 }
 
+/// RFC 3339, with three digits after the second.
+const MILLISECONDS: EncodedConfig =
+    Config::DEFAULT.set_time_precision(TimePrecision::Second { decimal_digits: NonZeroU8::new(3) }).encode();
+
 /// The present instant, as lines have it: in UTC, to the millisecond.
 pub(super) fn now() -> String {
-    let now = OffsetDateTime::now_utc();
-    let now = now.replace_millisecond(now.millisecond()).unwrap_or(now);
-    now.format(&Rfc3339).expect("the present has a year of four digits")
+    at(OffsetDateTime::now_utc())
+}
+
+/// Lines sort by their instants as texts, so all have as many digits.
+fn at(instant: OffsetDateTime) -> String {
+    instant.format(&Iso8601::<MILLISECONDS>).expect("the present has a year of four digits")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn instants_have_three_digits_after_the_second() {
+        let instant = |nanos| OffsetDateTime::from_unix_timestamp_nanos(nanos).unwrap();
+        assert_eq!(at(instant(0)), "1970-01-01T00:00:00.000Z");
+        assert_eq!(at(instant(1_350_999_999)), "1970-01-01T00:00:01.350Z");
+    }
 
     /// A disk that is full for its first attempts, and then takes three bytes at a time.
     struct Full {
@@ -214,7 +230,7 @@ mod tests {
     #[test]
     fn instants_are_those_of_rfc_3339_to_the_millisecond() {
         let now = now();
-        assert!(OffsetDateTime::parse(&now, &Rfc3339).is_ok() && now.ends_with('Z'), "{now}");
+        assert!(OffsetDateTime::parse(&now, &Iso8601::DEFAULT).is_ok() && now.ends_with('Z'), "{now}");
         assert!(now.len() <= "2026-11-26T04:37:36.123Z".len(), "{now}");
     }
 }

@@ -1,5 +1,6 @@
 //! The operator's service.
 
+mod budget_queue;
 mod create;
 mod list;
 mod recordings;
@@ -10,10 +11,10 @@ use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_server::ControlService;
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
-use tokio::sync::{Semaphore, SemaphorePermit};
 use tonic::{Code, Request, Response, Status};
 use tracing::Instrument;
 
+use crate::access::caller_of;
 use crate::convert;
 use crate::limits::{Cancelled, Limit};
 use crate::message::{Message, Request as Asked};
@@ -23,6 +24,7 @@ use crate::registry::Registry;
 use crate::report::Report;
 use crate::system::blocking;
 
+use budget_queue::BUDGETS;
 use create::{parse_scenario, parsing_bytes, payer};
 pub(crate) use list::Told;
 pub(crate) use recordings::stop_recording;
@@ -90,20 +92,6 @@ fn chosen<'a>(scenario: &'a Scenario, names: &[String]) -> Result<Vec<&'a RobotS
         )));
     }
     Ok(chosen)
-}
-
-/// Budgets that are computed at a time, by all servers of the process: each takes a core for seconds.
-const BUDGETS_AT_A_TIME: usize = 2;
-
-static BUDGETS: Semaphore = Semaphore::const_new(BUDGETS_AT_A_TIME);
-
-fn budget_permit() -> Result<SemaphorePermit<'static>, Status> {
-    let busy = || {
-        Status::resource_exhausted(format!(
-            "{BUDGETS_AT_A_TIME} budgets are being computed, which is the limit; ask again in some seconds"
-        ))
-    };
-    BUDGETS.try_acquire().map_err(|_| busy())
 }
 
 /// The budgets of the robots of these names, all within one allowance.
@@ -326,6 +314,7 @@ impl ControlService for Control {
         request: Request<v1::GetBudgetRequest>,
     ) -> Result<Response<v1::GetBudgetResponse>, Status> {
         use v1::get_budget_request::Scenario as Given;
+        let caller = caller_of(&request)?;
         let v1::GetBudgetRequest { scenario, overrides, robots } = request.into_inner();
         let (world, toml) = match scenario {
             None => return Err(Status::invalid_argument("scenario: must be set")),
@@ -338,11 +327,11 @@ impl ControlService for Control {
             }
             Some(Given::ScenarioToml(toml)) => (None, toml),
         };
-        let permit = budget_permit()?;
+        let place = BUDGETS.place(&caller).await?;
         let bytes = parsing_bytes(&toml);
         let work = move |cancelled: &Cancelled| {
             // Kept until the work is done, even if nobody waits for it any more.
-            let _permit = permit;
+            let _place = place;
             let scenario = match world {
                 Some(scenario) => scenario,
                 None => parse_scenario(&toml, &overrides, cancelled)?.into(),
@@ -350,23 +339,5 @@ impl ControlService for Control {
             budgets(&scenario, &robots)
         };
         self.registry.limits().read(bytes, work).await?
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_third_budget_at_a_time_is_refused_until_another_is_done() {
-        let first = budget_permit().unwrap();
-        let _second = budget_permit().unwrap();
-        let refused = budget_permit().unwrap_err();
-        assert!(
-            refused.code() == Code::ResourceExhausted && refused.message().contains("2 budgets"),
-            "{refused:?}"
-        );
-        drop(first);
-        assert!(budget_permit().is_ok());
     }
 }

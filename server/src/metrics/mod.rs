@@ -59,14 +59,13 @@ impl Metrics {
         Self { registry, permits: Arc::new(Semaphore::new(MAX_SCRAPES)) }
     }
 
-    /// All metrics as they are now.
+    /// All metrics as they are now, after those who asked before.
     ///
     /// # Errors
-    /// If too many answers are being made.
+    /// If too many ask.
     pub(crate) async fn text(&self) -> Result<String, Refused> {
-        let Ok(permit) = Arc::clone(&self.permits).try_acquire_owned() else {
-            return Err(Refused::Busy);
-        };
+        let permit = timeout_at(Instant::now() + PATIENCE, Arc::clone(&self.permits).acquire_owned()).await;
+        let Ok(Ok(permit)) = permit else { return Err(Refused::Busy) };
         let worlds = self.ask().await;
         let limits = self.registry.limits().clone();
         let write = move || {

@@ -65,11 +65,9 @@ impl Sessions {
         let now = Instant::now();
         let mut open = self.lock();
         open.retain(|_, session| now < session.until);
-        if open.len() >= MOST
-            && let Some(oldest) = open.iter().min_by_key(|(_, session)| session.until).map(|(hash, _)| *hash)
-        {
-            open.remove(&oldest);
-        }
+        // Who asks again and again ends its own sessions, and nobody else's.
+        make_room(&mut open, A_TOKEN, |session| session.caller.name() == caller.name());
+        make_room(&mut open, MOST, |_| true);
         open.insert(key.hash(), Session { caller, until: now + LASTS });
         let secure = if self.secure { "; Secure" } else { "" };
         let seconds = LASTS.as_secs();
@@ -89,11 +87,24 @@ impl Sessions {
     }
 }
 
+/// Forgets the oldest of these sessions if there are so many.
+fn make_room(open: &mut HashMap<TokenHash, Session>, most: usize, is_one: impl Fn(&Session) -> bool) {
+    let those = open.iter().filter(|(_, session)| is_one(session));
+    if those.clone().count() >= most
+        && let Some(oldest) = those.min_by_key(|(_, session)| session.until).map(|(hash, _)| *hash)
+    {
+        open.remove(&oldest);
+    }
+}
+
 /// How long a session is good for.
 const LASTS: Duration = Duration::from_secs(12 * 60 * 60);
 
 /// Sessions at a time; then the oldest is forgotten.
 const MOST: usize = 4096;
+
+/// Those of a token: a class may share one.
+const A_TOKEN: usize = 256;
 
 #[cfg(test)]
 mod tests {
@@ -134,5 +145,25 @@ mod tests {
         let forged = format!("baudbot_session_7401={}", Token::random().unwrap().reveal());
         assert!(sessions.caller(&headers(header::COOKIE, &forged)).is_err());
         assert!(sessions.begin(&HeaderMap::new()).is_err());
+    }
+
+    #[test]
+    fn whoever_begins_many_sessions_ends_its_own_only() {
+        let tokens: Vec<_> = (0..2).map(|_| Token::random().unwrap()).collect();
+        let grant = |(i, token): (usize, &Token)| Grant {
+            name: format!("pupil-{i}").parse().unwrap(),
+            ..Grant::local(token.hash(), SystemTime::now())
+        };
+        let own = tokens.iter().enumerate().map(grant).collect();
+        let access = Access::by(Watched::open(None, own, Instant::now()).unwrap());
+        let sessions = Sessions::new(access, false, 7401);
+        let begin = |token: &Token| {
+            let shown = headers(header::AUTHORIZATION, &format!("Bearer {}", token.reveal()));
+            sessions.begin(&shown).unwrap().split(';').next().unwrap().to_owned()
+        };
+        let is_known = |cookie: &str| sessions.caller(&headers(header::COOKIE, cookie)).is_ok();
+        let (quiet, first) = (begin(&tokens[0]), begin(&tokens[1]));
+        let last = (0..A_TOKEN).fold(String::new(), |_, _| begin(&tokens[1]));
+        assert!(is_known(&quiet) && is_known(&last) && !is_known(&first));
     }
 }

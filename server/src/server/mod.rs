@@ -3,6 +3,7 @@
 mod access_config;
 mod builder;
 mod listeners;
+mod reach;
 mod router;
 
 use std::io;
@@ -94,6 +95,7 @@ pub struct Server {
     local: Option<(Token, LocalFiles)>,
     audit: Option<AuditLog>,
     is_encrypted: bool,
+    behind_proxy: bool,
     /// A name under which pages reach it.
     host: Option<String>,
     pipes: Pipes,
@@ -155,6 +157,7 @@ impl Server {
             local,
             audit: guards.audit.clone(),
             is_encrypted: guards.is_encrypted,
+            behind_proxy: guards.behind_proxy,
             host: guards.hosts.first().cloned(),
             pipes,
             trainers_pipes: None,
@@ -267,27 +270,6 @@ impl Server {
     /// Whether connections over TCP are by TLS.
     pub fn is_encrypted(&self) -> bool {
         self.is_encrypted
-    }
-
-    /// Links to the viewer for this user's own browser. What they end with is the token, which a browser sends to nobody but the
-    /// page.
-    pub fn viewer_links(&self) -> Vec<String> {
-        let scheme = if self.is_encrypted { "https" } else { "http" };
-        let token = self.local.as_ref().map(|(token, _)| format!("#token={}", token.reveal()));
-        let token = token.unwrap_or_default();
-        self.viewers
-            .iter()
-            .map(|address| format!("{scheme}://{}/{token}", self.reached_at(*address)))
-            .collect()
-    }
-
-    /// Where a browser finds the page of this address: by the server's name or on this machine, if it is that of all interfaces.
-    fn reached_at(&self, address: SocketAddr) -> String {
-        match (&self.host, address.ip()) {
-            (Some(name), ip) if !ip.is_loopback() => format!("{name}:{}", address.port()),
-            (_, ip) if ip.is_unspecified() => SocketAddr::from(([127, 0, 0, 1], address.port())).to_string(),
-            (_, _) => address.to_string(),
-        }
     }
 
     /// A new connection to it, through a pipe in memory.

@@ -1,14 +1,14 @@
 //! The files of a world: what is to be written, what is on the disk, and what is done if it cannot be written.
 
 use std::collections::VecDeque;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::file_names;
 use super::threads::Threads;
+use super::{file_names, private};
 use crate::report::Keeping;
 
 /// Bytes that wait for the disk, at most, beside those of a whole state.
@@ -25,8 +25,10 @@ pub(crate) struct WorldFiles {
     is_lost: AtomicBool,
     /// Something was written since files were last forced onto the disk.
     is_dirty: AtomicBool,
-    /// The last tick that is in the journal.
+    /// The last tick that is in a journal.
     kept_tick: AtomicU64,
+    /// The folder's name is taken by something else, which is left as it is: nothing is written.
+    is_taken: bool,
 }
 
 /// What is to be written.
@@ -51,7 +53,7 @@ struct Queue {
     bytes: usize,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Disk {
     /// The journal; `None` while none can be written.
     file: Option<File>,
@@ -64,12 +66,21 @@ struct Disk {
 }
 
 impl WorldFiles {
-    /// The files in this folder, of which there is none yet but those of before.
-    pub(super) fn new(folder: PathBuf, threads: Threads) -> Self {
+    /// The files in this folder. If there are journals of before, the world continues from them at this tick.
+    pub(super) fn new(folder: PathBuf, threads: Threads, tick: u64) -> Self {
         let former = file_names::journals(&folder).unwrap_or_default();
         let number = former.first().map_or(0, |(number, _)| *number);
+        let kept_tick = if former.is_empty() { 0 } else { tick };
         let former = former.into_iter().map(|(_, path)| path).collect();
-        let disk = Disk { file: None, path: PathBuf::new(), number, length: 0, former };
+        Self::beginning(folder, threads, kept_tick, Disk { number, former, ..Disk::default() })
+    }
+
+    /// None, as the folder's name is taken by something else.
+    pub(super) fn none(folder: PathBuf, threads: Threads) -> Self {
+        Self { is_taken: true, ..Self::beginning(folder, threads, 0, Disk::default()) }
+    }
+
+    fn beginning(folder: PathBuf, threads: Threads, kept_tick: u64, disk: Disk) -> Self {
         Self {
             folder,
             threads,
@@ -78,7 +89,8 @@ impl WorldFiles {
             problem: Mutex::default(),
             is_lost: AtomicBool::new(false),
             is_dirty: AtomicBool::new(false),
-            kept_tick: AtomicU64::new(0),
+            kept_tick: AtomicU64::new(kept_tick),
+            is_taken: false,
         }
     }
 
@@ -143,10 +155,15 @@ impl WorldFiles {
     }
 
     fn carry_out(&self, disk: &mut Disk, work: Work) -> io::Result<()> {
+        if self.is_taken {
+            return Err(io::Error::other(
+                "what was there under the world's name cannot be used and is left as it is",
+            ));
+        }
         match work {
             Work::Append(bytes, tick) => self.append_to(disk, &bytes, tick),
             Work::Begin { journal, tick, snapshots } => {
-                fs::create_dir_all(&self.folder)?;
+                private::make_folder(&self.folder)?;
                 for (number, bytes) in snapshots {
                     self.write_snapshot(number, &bytes)?;
                 }
@@ -173,7 +190,7 @@ impl WorldFiles {
             return Ok(());
         }
         let new = path.with_extension(file_names::UNFINISHED);
-        let written = fs::write(&new, bytes).and_then(|()| fs::rename(&new, &path));
+        let written = private::write(&new, bytes).and_then(|_| fs::rename(&new, &path));
         if written.is_err() {
             let _ = fs::remove_file(&new);
         }
@@ -232,8 +249,11 @@ impl WorldFiles {
         let mut disk = lock(&self.disk);
         lock(&self.queue).work.clear();
         disk.file = None;
+        if self.is_taken {
+            return Ok(());
+        }
         // Whole or not at all, should the program be killed meanwhile.
-        let gone = file_names::free(&self.folder.with_extension("deleted"));
+        let gone = file_names::deleted(&self.folder);
         match fs::rename(&self.folder, &gone) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
             renamed => renamed.and_then(|()| fs::remove_dir_all(&gone)),
@@ -250,20 +270,16 @@ impl Disk {
         Ok(true)
     }
 
+    /// Another journal, which is there whole or not at all, should the program be killed meanwhile.
     fn begin(&mut self, folder: &Path, journal: &[u8]) -> io::Result<()> {
-        let mut number = self.number + 1;
-        let (mut file, path) = loop {
-            let path = file_names::journal(folder, number);
-            match OpenOptions::new().write(true).create_new(true).open(&path) {
-                // Something else is there, which is not opened.
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
-                file => break (file?, path),
-            }
-        };
-        if let Err(error) = file.write_all(journal) {
-            let _ = fs::remove_file(&path);
-            return Err(error);
-        }
+        let mut numbers = (self.number + 1..).map(|number| (number, file_names::journal(folder, number)));
+        // Something else may be there, which is not replaced.
+        let (number, path) = numbers.find(|(_, path)| file_names::is_free(path)).expect("numbers do not end");
+        let new = path.with_extension(file_names::UNFINISHED);
+        let written = private::write(&new, journal);
+        let file = written.and_then(|file| fs::rename(&new, &path).map(|()| file)).inspect_err(|_| {
+            let _ = fs::remove_file(&new);
+        })?;
         if self.length > 0 {
             self.former.push(std::mem::take(&mut self.path));
         }

@@ -1,18 +1,20 @@
 //! The folder in which a server keeps its state.
 
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use baudbot_recording::journal::JournalError;
 use baudbot_sim::Scenario;
 
 use super::files::WorldFiles;
 use super::keeper::{Keeper, Now};
-use super::kept::{self, Found};
+use super::kept::{self, Found, Problem};
 use super::threads::Threads;
-use super::{LAYOUT, file_names};
+use super::{LAYOUT, file_names, private};
 
 /// Why a folder cannot be used for a server's state.
 #[derive(Debug, thiserror::Error)]
@@ -51,6 +53,8 @@ pub struct StateFolder(Arc<Inner>);
 struct Inner {
     path: PathBuf,
     threads: Threads,
+    /// The names of what is there and is no world that goes on: they are left alone.
+    taken: Mutex<BTreeSet<String>>,
     /// Locked as long as this lives.
     _marker: File,
 }
@@ -65,13 +69,12 @@ impl StateFolder {
             let path = path.to_owned();
             move |source| StateError::Io { path, source }
         };
-        fs::create_dir_all(path).map_err(at(path))?;
+        private::make_folder(path).map_err(at(path))?;
         let marker = path.join(MARKER);
         if !marker.exists() && fs::read_dir(path).map_err(at(path))?.next().is_some() {
             return Err(StateError::Foreign(path.to_owned()));
         }
-        let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&marker);
-        let mut file = options.map_err(at(&marker))?;
+        let mut file = private::open(&marker).map_err(at(&marker))?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Err(StateError::InUse(path.to_owned())),
@@ -86,10 +89,10 @@ impl StateFolder {
             return Err(StateError::Layout { path: path.to_owned(), found });
         }
         for folder in [WORLDS, RECORDINGS].map(|name| path.join(name)) {
-            fs::create_dir_all(&folder).map_err(at(&folder))?;
+            private::make_folder(&folder).map_err(at(&folder))?;
         }
         let threads = Threads::start().map_err(at(path))?;
-        Ok(Self(Arc::new(Inner { path: path.to_owned(), threads, _marker: file })))
+        Ok(Self(Arc::new(Inner { path: path.to_owned(), threads, taken: Mutex::default(), _marker: file })))
     }
 
     /// Where recordings go, unless another folder is named for them.
@@ -97,60 +100,99 @@ impl StateFolder {
         self.0.path.join(RECORDINGS)
     }
 
-    /// The worlds that are there, in the order of their names. One that cannot be used is set aside.
+    /// The worlds that are there, in the order of their names. One that cannot be used is set aside, and what is no world, or cannot
+    /// be read, is left as it is.
     ///
     /// # Errors
-    /// If something cannot be read or written, which is no fault of a file's content.
+    /// If the folder of the worlds cannot be read.
     pub fn worlds(&self) -> Result<Vec<Found>, StateError> {
         let path = self.0.path.join(WORLDS);
-        let at = |path: &Path| {
-            let path = path.to_owned();
-            move |source| StateError::Io { path, source }
-        };
-        let mut found = Vec::new();
-        let mut names = Vec::new();
-        for entry in fs::read_dir(&path).map_err(at(&path))? {
-            names.extend(entry.map_err(at(&path))?.file_name().to_str().map(str::to_owned));
-        }
+        let entries = fs::read_dir(&path).and_then(Iterator::collect::<io::Result<Vec<_>>>);
+        let entries = entries.map_err(|source| StateError::Io { path: path.clone(), source })?;
+        let mut names: Vec<_> = entries.into_iter().map(|entry| entry.file_name()).collect();
         names.sort_unstable();
-        for name in names {
-            let folder = path.join(&name);
-            if name.contains(".deleted") {
-                fs::remove_dir_all(&folder).map_err(at(&folder))?;
-            }
-            // Those that were set aside have a dot.
-            if name.contains('.') {
-                continue;
-            }
-            found.extend(self.world(name, &folder)?);
-        }
+        let look = |name: OsString| look_at(&path.join(&name), &name.to_string_lossy());
+        let found: Vec<_> = names.into_iter().filter_map(look).collect();
+        self.taken().extend(found.iter().filter_map(taken));
         Ok(found)
-    }
-
-    fn world(&self, name: String, folder: &Path) -> Result<Option<Found>, StateError> {
-        let io = |path: &Path, source| StateError::Io { path: path.to_owned(), source };
-        match kept::read(&name, folder) {
-            Ok(Some(world)) => Ok(Some(Found::World(Box::new(world)))),
-            Ok(None) => {
-                // The server was killed before it had said that the world is there.
-                fs::remove_dir_all(folder).map_err(|error| io(folder, error))?;
-                Ok(None)
-            }
-            Err((file, JournalError::Io(error))) => Err(io(&file, error)),
-            Err((file, problem)) => {
-                let to = file_names::free(&folder.with_extension("damaged"));
-                fs::rename(folder, &to).map_err(|error| io(folder, error))?;
-                let problem = problem.to_string();
-                tracing::error!(world = name, file = %file.display(), problem, to = %to.display(), "world set aside");
-                Ok(Some(Found::SetAside { name, file, problem, to }))
-            }
-        }
     }
 
     /// Keeps a world from now on. `made`: the scenario with which it was made.
     pub(crate) fn keep(&self, made: Arc<Scenario>, now: &Now<'_>) -> Keeper {
         let folder = self.0.path.join(WORLDS).join(now.name);
-        Keeper::new(WorldFiles::new(folder, self.0.threads.clone()), made, now)
+        let threads = self.0.threads.clone();
+        let is_taken = self.taken().contains(now.name);
+        let files = match is_taken {
+            true => WorldFiles::none(folder, threads),
+            false => WorldFiles::new(folder, threads, now.world.tick()),
+        };
+        Keeper::new(files, made, now)
+    }
+
+    fn taken(&self) -> MutexGuard<'_, BTreeSet<String>> {
+        // Nothing panics while it is changed.
+        self.0.taken.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What is in the folder of the worlds under this name; `None` if nobody has to be told of it.
+fn look_at(path: &Path, name: &str) -> Option<Found> {
+    if file_names::is_deleted(name) && path.symlink_metadata().is_ok_and(|found| found.is_dir()) {
+        // The server was killed before it was gone.
+        if let Err(error) = fs::remove_dir_all(path) {
+            tracing::warn!(folder = %path.display(), %error, "the state of a deleted world cannot be removed");
+        }
+        return None;
+    }
+    // Those that were set aside have a dot.
+    if name.contains('.') {
+        return None;
+    }
+    let ignored = |problem| Some(Found::Ignored { path: path.to_owned(), problem });
+    match fs::metadata(path) {
+        Err(error) => Some(unreadable(name, path, JournalError::from(error).to_string())),
+        Ok(found) if !found.is_dir() => ignored("is not a folder"),
+        Ok(_) if !file_names::is_world(name) => ignored("has a name that no world can have"),
+        Ok(_) => world(name, path),
+    }
+}
+
+fn world(name: &str, folder: &Path) -> Option<Found> {
+    match kept::read(name, folder) {
+        Ok(Some(world)) => Some(Found::World(Box::new(world))),
+        Ok(None) => {
+            // If it cannot be removed, the next start attempts it again.
+            let _ = file_names::remove_unfinished(folder).and_then(|()| fs::remove_dir(folder));
+            None
+        }
+        Err((file, problem @ Problem::Journal(JournalError::Io(_)))) => {
+            Some(unreadable(name, &file, problem.to_string()))
+        }
+        Err((file, problem)) => Some(set_aside(name, folder, file, &problem)),
+    }
+}
+
+fn set_aside(name: &str, folder: &Path, file: PathBuf, problem: &Problem) -> Found {
+    let to = file_names::damaged(folder);
+    if let Err(error) = fs::rename(folder, &to) {
+        return unreadable(name, &file, format!("{problem}, and the folder cannot be set aside: {error}"));
+    }
+    let problem = problem.to_string();
+    tracing::error!(world = name, file = %file.display(), problem, to = %to.display(), "world set aside");
+    Found::SetAside { name: name.to_owned(), file, problem, to }
+}
+
+fn unreadable(name: &str, file: &Path, problem: String) -> Found {
+    tracing::error!(world = name, file = %file.display(), problem, "world left as it is");
+    Found::Unreadable { name: name.to_owned(), file: file.to_owned(), problem }
+}
+
+/// The name of what is left as it is.
+fn taken(found: &Found) -> Option<String> {
+    match found {
+        Found::World(_) | Found::SetAside { .. } => None,
+        Found::Unreadable { name, .. } => Some(name.clone()),
+        Found::Ignored { path, .. } => path.file_name().map(|name| name.to_string_lossy().into_owned()),
     }
 }
 

@@ -28,6 +28,22 @@ pub enum Found {
         /// Where its folder is now.
         to: PathBuf,
     },
+    /// One whose files cannot be read, or that cannot be set aside. It is left as it is, and a new world of its name is not kept.
+    Unreadable {
+        /// The world's name.
+        name: String,
+        /// The file or folder.
+        file: PathBuf,
+        /// Why.
+        problem: String,
+    },
+    /// Something else, which is left as it is, too.
+    Ignored {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why it is no world.
+        problem: &'static str,
+    },
 }
 
 /// A world that goes on as its server left it.
@@ -70,29 +86,54 @@ pub(crate) struct KeptSnapshot {
 }
 
 /// Why a world cannot go on: a file of it, and what is wrong with it.
-pub(super) type Unusable = (PathBuf, JournalError);
+pub(super) type Unusable = (PathBuf, Problem);
 
-/// The world of a folder; `None` if it was never finished.
+/// What is wrong with a file or a folder.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Problem {
+    /// It is a journal, or a snapshot, that cannot be used or read.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// It is a folder that has something, but no journal.
+    #[error("has no journal")]
+    NoJournal,
+}
+
+impl From<io::Error> for Problem {
+    fn from(error: io::Error) -> Self {
+        Self::Journal(error.into())
+    }
+}
+
+/// The world of a folder; `None` if nothing was ever kept in it.
 ///
 /// # Errors
 /// If a file of it cannot be used.
 pub(super) fn read(name: &str, folder: &Path) -> Result<Option<KeptWorld>, Unusable> {
     let at = |error: io::Error| (folder.to_owned(), error.into());
-    file_names::remove_unfinished(folder).map_err(at)?;
+    let mut cut = None;
     for (_, path) in file_names::journals(folder).map_err(at)? {
-        let used = |error: JournalError| (path.clone(), error);
+        let used = |problem: Problem| (path.clone(), problem);
         let bytes = fs::read(&path).map_err(|error| used(error.into()))?;
         match Journal::read(&bytes) {
-            // The program was killed before anybody was told of it: the one before has all.
-            Err(JournalError::Unfinished) => {}
-            Err(error) => return Err(used(error)),
+            // A power cut came before all of it was on the disk, and before the one before was removed, which has all. If there is
+            // none, somebody has cut it.
+            Err(JournalError::Unfinished) => cut = cut.or(Some(path)),
+            Err(error) => return Err(used(error.into())),
             Ok(journal) => {
-                let restored = journal.restore().map_err(used)?;
-                return Ok(Some(kept(name, restored, &journal, snapshots(folder)?)));
+                let restored = journal.restore().map_err(|error| used(error.into()))?;
+                let world = kept(name, restored, &journal, snapshots(folder)?);
+                file_names::remove_unfinished(folder).map_err(at)?;
+                return Ok(Some(world));
             }
         }
     }
-    Ok(None)
+    match cut {
+        Some(path) => Err((path, JournalError::Unfinished.into())),
+        // A journal gets its name when it is whole: the server was killed before it had said that the world is there.
+        None if file_names::is_unused(folder).map_err(at)? => Ok(None),
+        None => Err((folder.to_owned(), Problem::NoJournal)),
+    }
 }
 
 fn kept(name: &str, restored: Restored, journal: &Journal, snapshots: Vec<KeptSnapshot>) -> KeptWorld {
@@ -113,7 +154,7 @@ fn snapshots(folder: &Path) -> Result<Vec<KeptSnapshot>, Unusable> {
     let at = |error: io::Error| (folder.to_owned(), error.into());
     let files = file_names::snapshots(folder).map_err(at)?;
     let read = |(number, path): (u64, PathBuf)| {
-        let used = |error: JournalError| (path.clone(), error);
+        let used = |error: JournalError| (path.clone(), error.into());
         let bytes = fs::read(&path).map_err(|error| used(error.into()))?;
         let journal = Journal::read(&bytes).map_err(used)?;
         // It is written to another name first, and then whole.

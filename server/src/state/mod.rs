@@ -13,6 +13,9 @@ mod files;
 mod folder;
 mod keeper;
 mod kept;
+mod private;
+#[cfg(test)]
+mod tests;
 mod threads;
 
 pub use folder::{StateError, StateFolder};
