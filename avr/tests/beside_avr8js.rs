@@ -17,7 +17,7 @@
 //!
 //! ```text
 //! npm install --prefix /tmp/avr8js avr8js@0.21.1
-//! BAUDBOT_AVR8JS=/tmp/avr8js cargo test --release -p baudbot-avr --test beside_avr8js -- --ignored
+//! BAUDBOT_AVR8JS=/tmp/avr8js cargo test --release -p baudbot-avr --test outside -- --ignored beside_avr8js
 //! ```
 
 use std::path::{Path, PathBuf};

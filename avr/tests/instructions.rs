@@ -4,9 +4,9 @@
 //!
 //! ```text
 //! apt-get install libsimavr-dev
-//! cargo test --release -p baudbot-avr --test instructions -- --ignored simavr
+//! cargo test --release -p baudbot-avr --test outside -- --ignored simavr
 //! npm install --prefix /tmp/avr8js avr8js@0.21.1
-//! BAUDBOT_AVR8JS=/tmp/avr8js cargo test --release -p baudbot-avr --test instructions -- --ignored avr8js
+//! BAUDBOT_AVR8JS=/tmp/avr8js cargo test --release -p baudbot-avr --test outside -- --ignored each_instruction_does_what_avr8js
 //! ```
 //!
 //! `BAUDBOT_AVR_STATES` is the number of states of each instruction, 10,000 if it is not set.

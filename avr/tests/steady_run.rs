@@ -1,4 +1,4 @@
-//! Alone in its program, since it counts all that is allocated.
+//! A run needs no memory. What other threads allocate meanwhile does not count.
 
 use baudbot_avr::usart::{BitLength, Frame};
 use baudbot_avr::{Bare, Chip, External, Fuses, Part, Pin, Port, Program, Supply};

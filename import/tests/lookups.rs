@@ -1,8 +1,6 @@
 //! Measured readings.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 
 const SCENARIO: &str = "\
 [[robots]]

@@ -1,8 +1,6 @@
 //! What becomes of the elements of an SVG.
 
-mod common;
-
-use common::{Folder, Polygon};
+use crate::common::{Folder, Polygon};
 
 const SCENARIO: &str = "[[arena.maps]]\nname = \"p\"\nsvg = \"p.svg\"\nm_per_unit = 1\n";
 

@@ -1,8 +1,6 @@
 //! The rectangles of a map are its occupied cells, each of them once.
 
-mod common;
-
-use common::{Folder, pgm};
+use crate::common::{Folder, pgm};
 use proptest::prelude::*;
 
 const YAML: &str = "image: map.pgm\nresolution: 1.0\norigin: [0, 0, 0]\nnegate: 0\n";

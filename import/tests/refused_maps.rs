@@ -1,8 +1,6 @@
 //! What is wrong with a map, and what is said about it.
 
-mod common;
-
-use common::{Folder, pgm, png};
+use crate::common::{Folder, pgm, png};
 
 const SCENARIO: &str = "[[arena.maps]]\nname = \"map\"\nros = \"map.yaml\"\n";
 const YAML: &str = "image: map.pgm\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\n";

@@ -1,8 +1,6 @@
 //! One room, drawn in every way there is.
 
-mod common;
-
-use common::{Folder, Polygon, is_taken, pgm, png, polygons};
+use crate::common::{Folder, Polygon, is_taken, pgm, png, polygons};
 
 /// 4 m by 3 m with walls 0.2 m thick, a table, and a gap in the right wall. The lower left corner is at
 /// (-1, 0.5) when nothing is turned.

@@ -1,10 +1,8 @@
 //! What becomes of the rest of the text.
 
-mod common;
-
 use std::borrow::Cow;
 
-use common::{Folder, pgm, polygons};
+use crate::common::{Folder, pgm, polygons};
 use proptest::prelude::*;
 
 const YAML: &str = "image: map.pgm\nresolution: 1.0\norigin: [0, 0, 0]\n";

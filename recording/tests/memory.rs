@@ -1,5 +1,5 @@
-//! What a file may ask for: memory for what is in it, whatever it says of itself. A program of its own, since it counts all
-//! that is allocated.
+//! What a file may ask for: memory for what is in it, whatever it says of itself. What other threads allocate meanwhile does not
+//! count.
 
 use std::collections::BTreeSet;
 use std::io::Cursor;

@@ -1,4 +1,4 @@
-//! Scenario files: what they may contain, what is refused, presets, and what the documentation says of them.
+//! Scenario files: what they may contain, what is refused, presets, what the documentation says of them, and their schema.
 
 #[path = "../../sim/tests/common/mod.rs"]
 mod common;
@@ -6,5 +6,7 @@ mod documentation;
 mod files;
 mod measured;
 mod presets;
+#[cfg(feature = "schema")]
+mod schema;
 mod starts;
 mod warnings;

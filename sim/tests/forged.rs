@@ -1,6 +1,6 @@
 //! States that somebody has forged, fingerprint and all: what is taken up runs on as any other world.
 //!
-//! `BAUDBOT_FORGED=100000 cargo test --release -p baudbot-sim --test forged` tries as many; `BAUDBOT_FORGED_SEED` others, and
+//! `BAUDBOT_FORGED=100000 cargo test --release -p baudbot-sim --test outside forged` tries as many; `BAUDBOT_FORGED_SEED` others, and
 //! `BAUDBOT_FORGED_TELL=1` says which one it is at.
 
 use std::fs;

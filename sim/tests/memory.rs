@@ -1,5 +1,4 @@
-//! What worlds and scenarios say of their memory is what an allocator is asked for. A program of its own, since it counts all that is
-//! allocated.
+//! What worlds and scenarios say of their memory is what an allocator is asked for, on a test's own thread.
 
 use std::sync::Arc;
 

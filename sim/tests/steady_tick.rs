@@ -1,4 +1,4 @@
-//! A tick needs no new memory once a run is under way.
+//! A tick needs no new memory once a run is under way. What other threads allocate meanwhile does not count.
 
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 
     apt-get install gcc-avr avr-libc binutils-avr arduino-core-avr
     python3 tests/firmware/build.py DIR
-    BAUDBOT_SKETCHES=DIR cargo test --release --locked -p baudbot-board --test sketches -- --ignored
+    BAUDBOT_SKETCHES=DIR cargo test --release --locked -p baudbot-board --test outside -- --ignored sketches
 
 Sketches (.ino) are built with the options of Debian's arduino-core-avr and its unmodified core and libraries, programs in C
 without them. Firmware of others is taken from packages of npm, whose version and SHA-256 stand below. What cannot be had

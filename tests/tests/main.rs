@@ -44,15 +44,25 @@ mod trust;
 mod wayfinding;
 mod worlds;
 
-/// A file that nobody names here is no test.
+use std::fs;
+use std::path::Path;
+
+/// A file that nobody names is no test: where a package has one program of tests, `tests/main.rs`, that or the manifest names all others.
 #[test]
 fn each_file_of_tests_is_part_of_a_program() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests");
-    let alone = ["main.rs", "golden_hashes.rs", "http2_attacks.rs", "pace.rs"];
-    let files =
-        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    for file in files.filter(|file| file.ends_with(".rs") && !alone.contains(&&**file)) {
-        let module = format!("\nmod {};\n", file.trim_end_matches(".rs"));
-        assert!(include_str!("main.rs").contains(&module), "main.rs lacks:{module}");
+    let entries = |folder: &Path| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut programs = 0;
+    for package in entries(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..")) {
+        let Ok(main) = fs::read_to_string(package.join("tests/main.rs")) else { continue };
+        let manifest = fs::read_to_string(package.join("Cargo.toml")).unwrap();
+        programs += 1;
+        for path in entries(&package.join("tests")) {
+            let name = path.file_stem().unwrap().to_str().unwrap();
+            let is_of_tests = path.extension().is_some_and(|end| end == "rs") || path.join("mod.rs").exists();
+            let is_named = main.contains(&format!("\nmod {name};\n"))
+                || manifest.contains(&format!("[[test]]\nname = \"{name}\"\n"));
+            assert!(!is_of_tests || name == "main" || is_named, "nobody names {}", path.display());
+        }
     }
+    assert!(programs > 7, "only {programs} packages have a program of tests");
 }

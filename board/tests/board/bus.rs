@@ -2,8 +2,8 @@
 
 use baudbot_board::{Compass, Kind, RangeFinder, Wiring};
 
-use crate::asm::{Asm, data};
-use crate::world::{MS, World, board, pair, register};
+use crate::board::asm::{Asm, data};
+use crate::board::world::{MS, World, board, pair, register};
 
 const COMPASS: u8 = 0x1E << 1;
 const SRF02: u8 = 0xE0;

@@ -3,9 +3,9 @@
 use baudbot_avr::{Chip, Port, Stop};
 use baudbot_board::{Board, Debugger, Kind, Led, LitBy, Wiring};
 
-use crate::asm::{Asm, io};
-use crate::state::{restless, world_at};
-use crate::world::{MS, World, board};
+use crate::board::asm::{Asm, io};
+use crate::board::state::{restless, world_at};
+use crate::board::world::{MS, World, board};
 
 /// Stops at each so manieth instruction, and notes where.
 struct Every {

@@ -9,9 +9,9 @@ use baudbot_board::{
     Switch, Voltage, Wheel, Wiring,
 };
 
-use crate::asm::{Asm, data, io};
-use crate::state::{restless, world_at};
-use crate::world::{MS, World, board, board_with_file};
+use crate::board::asm::{Asm, data, io};
+use crate::board::state::{restless, world_at};
+use crate::board::world::{MS, World, board, board_with_file};
 
 const MOTOR: Kind = Kind::Bridge(BridgeKind::Directed { decay: Decay::Brake, drop_v: 0.1 });
 

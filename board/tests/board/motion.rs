@@ -2,8 +2,8 @@
 
 use baudbot_board::{BridgeKind, Decay, Kind, Led, LitBy, MotorDrive, Piezo, ServoKind, WarningKind, Wiring};
 
-use crate::asm::{Asm, data, io};
-use crate::world::{MS, World, board, board_with_file};
+use crate::board::asm::{Asm, data, io};
+use crate::board::world::{MS, World, board, board_with_file};
 
 const MOTOR: Kind = Kind::Bridge(BridgeKind::Directed { decay: Decay::Brake, drop_v: 0.1 });
 

@@ -9,8 +9,8 @@ use baudbot_board::{
 };
 use proptest::prelude::*;
 
-use crate::asm::Asm;
-use crate::world::{MS, World, board};
+use crate::board::asm::Asm;
+use crate::board::world::{MS, World, board};
 
 /// One part of each kind.
 fn all_parts() -> Builder {

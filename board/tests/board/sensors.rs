@@ -6,8 +6,8 @@ use baudbot_board::{
     Channels, Encoder, HcSr04, Kind, Ping, Pull, Reflectance, Switch, Voltage, WarningKind, Wheel, Wiring,
 };
 
-use crate::asm::{Asm, data, io};
-use crate::world::{MS, World, board, pair, register};
+use crate::board::asm::{Asm, data, io};
+use crate::board::world::{MS, World, board, pair, register};
 
 #[test]
 fn the_adc_has_the_code_of_the_data_sheet_for_each_voltage() {

@@ -8,8 +8,8 @@ use baudbot_board::{
     Wheel, Wiring,
 };
 
-use crate::asm::{Asm, data, io};
-use crate::world::{MS, World, board, board_with_file, register};
+use crate::board::asm::{Asm, data, io};
+use crate::board::world::{MS, World, board, board_with_file, register};
 
 /// Triggers again and again, and writes the level of the sensor's pin to another.
 pub(crate) fn restless() -> Board {

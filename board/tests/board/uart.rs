@@ -3,7 +3,7 @@
 use baudbot_avr::usart::Frame;
 use baudbot_board::{ReceiveError, Wiring};
 
-use crate::world::{MS, World, board_with_file};
+use crate::board::world::{MS, World, board_with_file};
 
 #[test]
 fn characters_are_answered_with_exact_instants() {

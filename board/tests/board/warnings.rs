@@ -4,8 +4,8 @@ use baudbot_avr::usart::Frame;
 use baudbot_avr::{Pin, Port};
 use baudbot_board::{Board, Kind, Pull, ServoKind, Switch, Voltage, WarningKind, Wiring};
 
-use crate::asm::{Asm, data, io};
-use crate::world::{MS, World, board, board_with_file};
+use crate::board::asm::{Asm, data, io};
+use crate::board::world::{MS, World, board, board_with_file};
 
 const BUTTON: Kind = Kind::Switch(Switch { pull: Pull::Internal, bounce_us: 0, seed: 0 });
 
@@ -73,7 +73,7 @@ fn an_adc_input_without_anything_is_told_and_a_digital_signal_can_be_measured() 
     let mut board = board(&program, Wiring::builder());
     board.run_until(2 * MS, &mut World::default());
     assert_eq!(told(&board), [(WarningKind::OpenAdcInput, Pin::new(Port::C, 1), "")]);
-    assert_eq!(crate::world::pair(&board, 20), 1023, "the pull-up resistor");
+    assert_eq!(crate::board::world::pair(&board, 20), 1023, "the pull-up resistor");
 }
 
 #[test]

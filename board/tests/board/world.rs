@@ -3,7 +3,7 @@
 use baudbot_avr::{Chip, Fuses, Part, Program, Supply};
 use baudbot_board::{Board, Builder, ChipClock, PartId, Physics, Wheel};
 
-use crate::asm::Asm;
+use crate::board::asm::Asm;
 
 pub(crate) const MS: u64 = 1_000_000;
 

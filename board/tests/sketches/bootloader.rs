@@ -3,7 +3,7 @@
 use baudbot_avr::Fuses;
 use baudbot_board::{Kind, Led, LitBy, Wiring};
 
-use crate::bench::{Bench, chip, program, with_chip};
+use crate::sketches::bench::{Bench, chip, program, with_chip};
 
 const IN_SYNC: [u8; 2] = [0x14, 0x10];
 const PAGE: usize = 128;

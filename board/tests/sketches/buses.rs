@@ -2,7 +2,7 @@
 
 use baudbot_board::{Compass, Kind, Led, LitBy, Pull, RangeFinder, Switch, Wiring};
 
-use crate::bench::{Bench, MS, bench};
+use crate::sketches::bench::{Bench, MS, bench};
 
 #[test]
 #[ignore = "needs BAUDBOT_SKETCHES"]

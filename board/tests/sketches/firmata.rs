@@ -4,7 +4,7 @@
 
 use baudbot_board::{BridgeKind, Compass, Decay, Kind, Led, LitBy, Pull, ServoKind, Switch, Voltage, Wiring};
 
-use crate::bench::{Bench, MS, US, bench_with_fetched};
+use crate::sketches::bench::{Bench, MS, US, bench_with_fetched};
 
 const BAUD: u32 = 57_600;
 const START: u8 = 0xF0;

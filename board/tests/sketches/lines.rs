@@ -2,7 +2,7 @@
 
 use baudbot_board::{BridgeKind, Builder, Decay, Kind, Led, LitBy, Reflectance, Voltage, Wiring};
 
-use crate::bench::{US, bench};
+use crate::sketches::bench::{US, bench};
 
 #[test]
 #[ignore = "needs BAUDBOT_SKETCHES"]

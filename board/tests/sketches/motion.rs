@@ -2,7 +2,7 @@
 
 use baudbot_board::{BridgeKind, Decay, Kind, Piezo, Wiring};
 
-use crate::bench::bench;
+use crate::sketches::bench::bench;
 
 const MOTOR: Kind = Kind::Bridge(BridgeKind::Directed { decay: Decay::Brake, drop_v: 0.0 });
 

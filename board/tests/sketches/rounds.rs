@@ -3,7 +3,7 @@
 use baudbot_avr::{Pin, Port};
 use baudbot_board::{Edge, Level, Seen, Wiring};
 
-use crate::bench::{MS, bench};
+use crate::sketches::bench::{MS, bench};
 
 #[test]
 #[ignore = "needs BAUDBOT_SKETCHES"]

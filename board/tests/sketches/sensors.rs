@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use baudbot_board::{Channels, Encoder, HcSr04, Kind, Led, LitBy, Ping, Pull, Switch, Wiring};
 
-use crate::bench::{MS, bench};
+use crate::sketches::bench::{MS, bench};
 
 fn encoder(channels: Channels, counts_per_turn: u32) -> Kind {
     Kind::Encoder(Encoder { channels, counts_per_turn })

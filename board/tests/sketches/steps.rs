@@ -3,7 +3,7 @@
 use baudbot_avr::usart::{BitLength, Frame, Sent};
 use baudbot_avr::{AnalogInput, Board, Chip, Drive, External, Pin, Port, Pwm, Warning};
 
-use crate::bench::{FUSES, chip};
+use crate::sketches::bench::{FUSES, chip};
 
 const MS: u64 = 16_000;
 

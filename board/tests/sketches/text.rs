@@ -2,7 +2,7 @@
 
 use baudbot_board::{Kind, Voltage, WarningKind, Wiring};
 
-use crate::bench::{FUSES, MS, bench, chip, with_chip};
+use crate::sketches::bench::{FUSES, MS, bench, chip, with_chip};
 
 #[test]
 #[ignore = "needs BAUDBOT_SKETCHES"]

@@ -2,7 +2,7 @@
 
 use baudbot_board::{Kind, Led, LitBy, Pull, Switch, WarningKind, Wiring};
 
-use crate::bench::{Bench, MS, US, bench, bench_with_fetched};
+use crate::sketches::bench::{Bench, MS, US, bench, bench_with_fetched};
 
 const LED: Kind = Kind::Led(Led { lit_by: LitBy::High });
 

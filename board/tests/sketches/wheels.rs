@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use baudbot_board::{BridgeKind, Channels, Encoder, Kind, Wiring};
 
-use crate::bench::bench;
+use crate::sketches::bench::bench;
 
 /// Of a motor without load at full duty, in radians per second, and how fast it gets there.
 const FULL_RAD_S: f64 = 12.0 * TAU;

@@ -1,7 +1,5 @@
 //! A folder with files, and what a scenario in it becomes.
 
-#![allow(dead_code, reason = "each test file uses a part of it")]
-
 use std::borrow::Cow;
 use std::path::Path;
 

@@ -4,8 +4,8 @@
 use baudbot_scenario::ScenarioError;
 use serde_json::{Value, json};
 
-use crate::corpus::{SCHEMA, parsed, path, places, scenarios};
-use crate::validator::{Bounds, findings, is_valid};
+use crate::schema::corpus::{SCHEMA, parsed, path, places, scenarios};
+use crate::schema::validator::{Bounds, findings, is_valid};
 
 /// Fields of which the parser refuses more, as another field says more, and what that is.
 const NARROWER: [(&str, &str); 33] = [

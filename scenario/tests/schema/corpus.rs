@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use baudbot_scenario::ScenarioError;
 use serde_json::Value;
 
-use crate::validator::is_valid;
+use crate::schema::validator::is_valid;
 
 pub(crate) static SCHEMA: LazyLock<Value> = LazyLock::new(baudbot_scenario::schema);
 

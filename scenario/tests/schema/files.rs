@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::corpus::{SCHEMA, read};
-use crate::validator::findings;
+use crate::schema::corpus::{SCHEMA, read};
+use crate::schema::validator::findings;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 

@@ -4,8 +4,8 @@ use baudbot_fields::Cause;
 use baudbot_scenario::ScenarioError;
 use serde_json::{Value, json};
 
-use crate::corpus::{SCHEMA, parsed, path, places, scenarios};
-use crate::validator::findings;
+use crate::schema::corpus::{SCHEMA, parsed, path, places, scenarios};
+use crate::schema::validator::findings;
 
 /// Fields of which only the parser knows what is wrong, with the reason.
 const KNOWN_BY_THE_PARSER: [(&str, &str); 12] = [
