@@ -4,7 +4,7 @@ use std::fs;
 
 use roxmltree::Document;
 
-use crate::{baudbot, good, place};
+use crate::cli::{baudbot, good, place};
 
 const SWEEPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/sweeper.toml");
 

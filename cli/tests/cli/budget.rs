@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::{baudbot, good};
+use crate::cli::{baudbot, good};
 
 #[test]
 fn a_robot_that_does_not_keep_its_step_is_told_why_and_what_would_help() {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::{Running, baudbot, good, place};
+use crate::cli::{Running, baudbot, good, place};
 
 fn text(path: &Path) -> &str {
     path.to_str().unwrap()
@@ -66,7 +66,7 @@ fn a_run_that_a_signal_ends_is_summed_up_as_it_is_recorded() {
 fn a_closed_terminal_does_not_end_what_was_started_with_nohup() {
     let socket = place("nohup.sock");
     let address = format!("unix:{}", text(&socket));
-    let program = crate::command(&[]).get_program().to_owned();
+    let program = crate::cli::command(&[]).get_program().to_owned();
     let script = "trap '' HUP; exec \"$0\" \"$@\"";
     let mut shell = std::process::Command::new("sh");
     shell.args(["-c", script]).arg(program).args(["serve", "wander", "--listen", &address]);

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::{baudbot, good, place};
+use crate::cli::{baudbot, good, place};
 
 /// A robot that stands in a door's way.
 const SCOUT: &str = r#"

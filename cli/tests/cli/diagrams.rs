@@ -1,6 +1,6 @@
 //! `baudbot diagram`.
 
-use crate::{baudbot, good, place};
+use crate::cli::{baudbot, good, place};
 
 const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/firmware.toml");
 

@@ -12,7 +12,7 @@ use parquet::record::Field;
 use roxmltree::Document;
 use serde_json::Value;
 
-use crate::{baudbot, good, place};
+use crate::cli::{baudbot, good, place};
 
 const WANDER: &str = include_str!("../../../scenarios/wander.toml");
 
@@ -328,8 +328,8 @@ fn browser(name: &str, python: &str) -> (PathBuf, PathBuf) {
 }
 
 fn film(recorded: &str, browser: &Path, args: &[&str]) -> (i32, String, String) {
-    let mut command = crate::command(&[&["export", recorded, "--quiet"], args].concat());
-    crate::said(command.env("BAUDBOT_BROWSER", browser).output().unwrap())
+    let mut command = crate::cli::command(&[&["export", recorded, "--quiet"], args].concat());
+    crate::cli::said(command.env("BAUDBOT_BROWSER", browser).output().unwrap())
 }
 
 #[test]
@@ -374,9 +374,9 @@ fn a_film_that_cannot_be_is_an_error_that_says_why() {
     let (code, _, err) = film(&recorded, Path::new("/nowhere/chromium"), &["--webm", out]);
     assert_eq!(code, 2);
     assert!(err.contains("BAUDBOT_BROWSER: there is no program `/nowhere/chromium`"), "{err}");
-    let mut without = crate::command(&["export", &recorded, "--webm", out]);
+    let mut without = crate::cli::command(&["export", &recorded, "--webm", out]);
     let (code, _, err) =
-        crate::said(without.env("PATH", "/nowhere").env_remove("BAUDBOT_BROWSER").output().unwrap());
+        crate::cli::said(without.env("PATH", "/nowhere").env_remove("BAUDBOT_BROWSER").output().unwrap());
     assert!(code == 2 && err.contains("apt install chromium"), "{err}");
     let many = refusal(2, &["export", &recorded, "--gif", out, "--speed", "0.0001"]);
     assert!(many.contains("would have 500001 pictures"), "{many}");
@@ -387,8 +387,8 @@ fn ctrl_c_ends_the_browser() {
     let recorded = two_seconds("interrupted.mcap");
     let (program, told) = browser("browser-slow", "time.sleep(600)");
     let out = place("interrupted.gif");
-    let mut command = crate::command(&["export", &recorded, "--quiet", "--gif", out.to_str().unwrap()]);
-    let run = crate::Running(command.env("BAUDBOT_BROWSER", &program).spawn().unwrap());
+    let mut command = crate::cli::command(&["export", &recorded, "--quiet", "--gif", out.to_str().unwrap()]);
+    let run = crate::cli::Running(command.env("BAUDBOT_BROWSER", &program).spawn().unwrap());
     let deadline = std::time::Instant::now() + std::time::Duration::from_secs(20);
     while !fs::read_to_string(&told).is_ok_and(|told| told.contains('\n')) {
         assert!(std::time::Instant::now() < deadline, "no browser was started");

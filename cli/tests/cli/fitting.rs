@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use crate::{baudbot, good, place};
+use crate::cli::{baudbot, good, place};
 
 /// A robot with a compass that iron deflects, which spins.
 const ROBOT: &str = r#"

@@ -1,6 +1,6 @@
 //! `baudbot watch --foxglove`, as Foxglove sees it.
 
-use crate::baudbot;
+use crate::cli::baudbot;
 
 mod live {
     use baudbot_proto::v1;
@@ -12,8 +12,8 @@ mod live {
     use tokio_tungstenite::tungstenite::client::IntoClientRequest;
     use tokio_tungstenite::{MaybeTlsStream, WebSocketStream};
 
-    use crate::Running;
-    use crate::processes::serve;
+    use crate::cli::Running;
+    use crate::cli::processes::serve;
 
     /// One who has connected, as by <https://github.com/foxglove/ws-protocol>.
     struct Foxglove {

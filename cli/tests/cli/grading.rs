@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::{baudbot, good};
+use crate::cli::{baudbot, good};
 
 const ROOM: &str = r#"
 title = "Wander"

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::{baudbot, good};
+use crate::cli::{baudbot, good};
 
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("list-{name}"));

@@ -5,7 +5,7 @@ use std::fs;
 use roxmltree::Document;
 use serde_json::Value;
 
-use crate::{baudbot, good, place};
+use crate::cli::{baudbot, good, place};
 
 const OFFICE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/tour.toml");
 

@@ -7,8 +7,8 @@ use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use serde_json::Value;
 
-use crate::processes::serve;
-use crate::{Running, command, said};
+use crate::cli::processes::serve;
+use crate::cli::{Running, command, said};
 
 /// Tries to say something else than its name. What could make a line of its own, or colour the terminal, no server takes.
 const HOSTILE: &str = "a\",\"forged\":1,\"b\":\"\\n";

@@ -13,7 +13,7 @@ use std::time::Duration;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::tcgetattr;
 
-use crate::{Running, baudbot, command, good, place, said};
+use crate::cli::{Running, baudbot, command, good, place, said};
 
 /// A device on a serial port: it gets bytes and answers with others.
 struct Device {

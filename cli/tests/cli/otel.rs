@@ -17,7 +17,7 @@ use tonic::transport::Server;
 use tonic::transport::server::TcpIncoming;
 use tonic::{Request, Response, Status};
 
-use crate::{command, said};
+use crate::cli::{command, said};
 
 /// A collector that keeps all.
 #[derive(Clone, Default)]

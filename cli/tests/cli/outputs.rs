@@ -6,7 +6,7 @@ use std::process::Stdio;
 
 use tempfile::TempDir;
 
-use crate::{Running, command, said};
+use crate::cli::{Running, command, said};
 
 const LASER: &str = include_str!("../../../scenarios/devices/laser.toml");
 

@@ -5,7 +5,7 @@ use std::fs;
 
 use vcd::{Command, Parser, Value};
 
-use crate::{baudbot, good, place};
+use crate::cli::{baudbot, good, place};
 
 const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/firmware.toml");
 

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::{baudbot, good, place};
+use crate::cli::{baudbot, good, place};
 
 const WALL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/grid-wall.toml");
 const TRAP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/grid-trap.toml");

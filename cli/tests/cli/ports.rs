@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use rustix::fs::OFlags;
 use tempfile::TempDir;
 
-use crate::{Running, command, good, said};
+use crate::cli::{Running, command, good, said};
 
 /// A Khepera that talks at 9600 baud, and a robot far away that rolls by itself.
 const KHEPERA: &str = "name = \"ports\"\nstep_ms = 1.0\n\

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::{baudbot, good, place};
+use crate::cli::{baudbot, good, place};
 
 fn json(args: &[&str]) -> Value {
     let out = good(args);

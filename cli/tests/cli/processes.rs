@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use baudbot_proto::v1;
 
-use crate::{Running, baudbot, good, place};
+use crate::cli::{Running, baudbot, good, place};
 
 /// A server on a free port and a Unix socket, and both addresses.
 pub(crate) fn serve(socket: &str, args: &[&str]) -> (Running, String, String) {

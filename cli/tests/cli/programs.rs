@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::{Running, baudbot, good};
+use crate::cli::{Running, baudbot, good};
 
 /// A brain of the catalogue as a program that reads where it attaches in its environment.
 fn program(brain: &str) -> String {

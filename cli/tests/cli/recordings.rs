@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::processes::detach_brain;
-use crate::{Running, baudbot, command, good, place, said};
+use crate::cli::processes::detach_brain;
+use crate::cli::{Running, baudbot, command, good, place, said};
 
 fn text(path: &Path) -> &str {
     path.to_str().unwrap()

@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 
-use crate::{baudbot, place};
+use crate::cli::{baudbot, place};
 
 /// The one line on stderr of a command that must fail with this code.
 fn refusal(code: i32, args: &[&str]) -> String {

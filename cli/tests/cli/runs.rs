@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::{Running, baudbot, good, place};
+use crate::cli::{Running, baudbot, good, place};
 
 fn json(args: &[&str]) -> Value {
     let out = good(&[&["run", "--json", "--quiet"], args].concat());

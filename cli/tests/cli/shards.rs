@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::sweep::{GRID, experiment, out, table, wait_for_rows};
-use crate::{Running, baudbot, command, said};
+use crate::cli::sweep::{GRID, experiment, out, table, wait_for_rows};
+use crate::cli::{Running, baudbot, command, said};
 
 /// All that a sweep leaves for people.
 fn outputs(folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {

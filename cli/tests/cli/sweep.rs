@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::processes::serve;
-use crate::{Running, baudbot, good};
+use crate::cli::processes::serve;
+use crate::cli::{Running, baudbot, good};
 
 const ROOM: &str = r#"
 name = "room"

@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
-use crate::{baudbot, good, place};
+use crate::cli::{baudbot, good, place};
 
 const WANDER: &str = include_str!("../../../scenarios/wander.toml");
 
@@ -81,7 +81,7 @@ fn what_an_error_quotes_of_a_file_is_shown() {
 
 #[test]
 fn a_brain_with_a_name_that_a_terminal_obeys_does_not_attach() {
-    let (_server, tcp, _) = crate::processes::serve("hostile.sock", &["wander"]);
+    let (_server, tcp, _) = crate::cli::processes::serve("hostile.sock", &["wander"]);
     let brain = "[motor.stroll]\nkind = \"wander\"\nutility = { bias = 0.3 }\n";
     let path = scenario("b\u{1b}[2J\u{202e}.toml", brain);
     let (code, _, err) = baudbot(&["brain", &path, "--connect", &tcp]);

@@ -1,6 +1,6 @@
 //! `--timeline` and `diagram`: what happened when, of real runs.
 
-use crate::{baudbot, command, good, place};
+use crate::cli::{baudbot, command, good, place};
 
 /// What a run that is refused says.
 fn refusal(code: i32, args: &[&str]) -> String {

@@ -5,7 +5,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::{Running, command, place, said};
+use crate::cli::{Running, command, place, said};
 
 /// A user of this machine, as far as programs can tell: with a runtime folder of their own.
 struct User(PathBuf);

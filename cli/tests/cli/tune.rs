@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::{baudbot, good};
+use crate::cli::{baudbot, good};
 
 /// The tuning of the book in short: half a minute, two generations of four.
 fn short(name: &str) -> (String, String) {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use crate::{baudbot, good, place};
+use crate::cli::{baudbot, good, place};
 
 const ARSIM: &str = "arsim";
 

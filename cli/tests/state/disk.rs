@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use baudbot_proto::v1::WorldStatus;
 
-use crate::operator::stepped;
-use crate::server::Server;
-use crate::{WANDER, place};
+use crate::state::operator::stepped;
+use crate::state::server::Server;
+use crate::state::{WANDER, place};
 
 /// The program, in which a file that is too long is an error as on a full disk. Its log goes through a program that has no limit.
 fn program() -> Command {

@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use baudbot_proto::v1::WorldState;
 
-use crate::brains::drive;
-use crate::operator::{lockstep, real_time, stepped};
-use crate::server::Server;
-use crate::{WANDER, crowd, place, text};
+use crate::state::brains::drive;
+use crate::state::operator::{lockstep, real_time, stepped};
+use crate::state::server::Server;
+use crate::state::{WANDER, crowd, place, text};
 
 #[test]
 fn a_world_is_there_again_with_all_that_an_operator_has_done() {

@@ -12,10 +12,10 @@ use baudbot_proto::v1::WorldStatus;
 use baudbot_sim::{Intervention, Pose, Scenario, World};
 use tonic::Status;
 
-use crate::brains::{drive, undisturbed};
-use crate::operator::{Operator, lockstep, real_time, stepped};
-use crate::server::Server;
-use crate::{Chance, WANDER, crowd, parse, place};
+use crate::state::brains::{drive, undisturbed};
+use crate::state::operator::{Operator, lockstep, real_time, stepped};
+use crate::state::server::Server;
+use crate::state::{Chance, WANDER, crowd, parse, place};
 
 const FIRMWARE: &str = "../scenarios/firmware.toml";
 

@@ -12,9 +12,9 @@ use baudbot_recording::RecordedRun;
 use baudbot_sim::World;
 use serde_json::{Value, json};
 
-use crate::operator::stepped;
-use crate::server::Server;
-use crate::{WANDER, place, text};
+use crate::state::operator::stepped;
+use crate::state::server::Server;
+use crate::state::{WANDER, place, text};
 
 fn released() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/released")

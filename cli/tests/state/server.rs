@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::operator::Operator;
-use crate::text;
+use crate::state::operator::Operator;
+use crate::state::text;
 
 /// A server, which does not outlive its test.
 pub(crate) struct Server {

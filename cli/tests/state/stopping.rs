@@ -3,10 +3,10 @@
 use std::process::Command;
 use std::time::Duration;
 
-use crate::brains::drive;
-use crate::operator::{lockstep, real_time};
-use crate::server::Server;
-use crate::{WANDER, place};
+use crate::state::brains::drive;
+use crate::state::operator::{lockstep, real_time};
+use crate::state::server::Server;
+use crate::state::{WANDER, place};
 
 #[test]
 fn a_server_that_is_told_to_stop_marks_all_and_tells_its_brains() {

@@ -1,7 +1,5 @@
 //! The program as its users have it: arguments in, text and exit codes out.
 
-#![allow(clippy::wildcard_enum_match_arm, reason = "what a test does not expect makes it fail")]
-
 mod beliefs;
 mod budget;
 mod damaged;

@@ -1,7 +1,5 @@
 //! Worlds that outlive their server: `baudbot serve --state`, killed and started again.
 
-#![allow(clippy::wildcard_enum_match_arm, reason = "what a test does not expect makes it fail")]
-
 mod brains;
 mod disk;
 mod folder;
