@@ -20,7 +20,7 @@ BUILT = Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "release" 
 BAUDBOT = Path(os.environ.get("BAUDBOT") or BUILT).resolve()
 COMMANDS = """# Commands
 
-The program's own help, as `baudbot help COMMAND` prints it. `tools/reference.py` makes this page, and `./test` compares it. `baudbot man
+The program's own help, as `baudbot help COMMAND` prints it. `tools/reference.py` makes this page, and `./test manual-commands` compares it. `baudbot man
 FOLDER` writes the same as pages for `man`.
 
 """

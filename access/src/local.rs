@@ -303,6 +303,7 @@ mod tests {
 
     /// The client that the documentation shows, beside this one.
     #[test]
+    #[ignore = "needs Python: ./test python-client"]
     fn a_client_in_python_finds_the_same() {
         let folder = tempfile::tempdir().unwrap();
         let (runtime, socket) = (folder.path().join("runtime"), folder.path().join("a b.sock"));

@@ -119,7 +119,7 @@ fn is_too_much(verdict: Verdict) -> bool {
 
 const HEAD: &str = "\
 # Instructions of the workloads, by callgrind: `baudbot-bench --instructions --renew bench/instructions.toml` writes this.
-# `./test` fails when one needs more than 2 % more. Another compiler, or another architecture, is not compared.
+# `./test instructions` fails when one needs more than 2 % more. Another compiler, or another architecture, is not compared.
 ";
 
 #[cfg(test)]

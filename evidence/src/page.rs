@@ -43,7 +43,7 @@ const INTRODUCTION: &str = "\
 # Evidence
 
 Presets of real robots compared with measurements of real robots. `baudbot evidence` makes this page: it repeats each
-experiment with the preset. `./test` makes it again, and fails if it differs or if an unmarked point disagrees. Points
+experiment with the preset. `./test slow-tests` makes it again, and fails if it differs or if an unmarked point disagrees. Points
 that disagree are red, with the reason. A number was *read* in its source, *computed* from its data, read in an *excerpt*
 or a thread, or *recalled* without finding the source. [`baudbot measure`](how-to/measure.md) and [`baudbot fit`](how-to/fit.md) measure
 your own robot.

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use baudbot_geometry::Point;
 
 use super::arena::{arena, each, surroundings};
-use super::context::{self, Step};
+use super::context::{self, MIN_PERIOD_MS, Step};
 use super::names::Names;
 use super::robots;
 use super::shapes::disc;
@@ -26,9 +26,6 @@ use baudbot_sim::rules::Rules;
 use baudbot_sim::sensor::Sensor;
 use baudbot_sim::surroundings::Surroundings;
 use baudbot_sim::time::SimTime;
-
-/// Shortest period of anything that repeats: below it a run would do nothing else.
-pub(super) const MIN_PERIOD_MS: f64 = 0.01;
 
 type Result<T> = core::result::Result<T, FieldError>;
 

@@ -7,7 +7,7 @@ use core::f64::consts::TAU;
 use baudbot_wire::create::{STREAM_PERIOD_NS, Version};
 use baudbot_wire::{Encoding, Layout, frame, khepera};
 
-use super::build::MIN_PERIOD_MS;
+use super::context::MIN_PERIOD_MS;
 use super::{create, raw};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::drive::Drive;

@@ -8,6 +8,8 @@ use baudbot_sim::movable::Body;
 use baudbot_sim::scenario::SerialPort;
 use baudbot_sim::surroundings::Surroundings;
 
+/// Shortest period of anything that repeats: below it a run would do nothing else.
+pub(super) const MIN_PERIOD_MS: f64 = 0.01;
 /// Most Euler steps in a tick.
 pub(super) const MAX_SUBSTEPS: u64 = 10_000;
 

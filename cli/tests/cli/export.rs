@@ -311,21 +311,29 @@ fn what_is_no_recording_is_told() {
     assert_eq!(error, "/nowhere.mcap: cannot be read: No such file or directory (os error 2)");
 }
 
-/// A program in place of a browser: it writes its process down, does this in Python with the page's address in `url`,
-/// and stays.
-fn browser(name: &str, python: &str) -> (PathBuf, PathBuf) {
+/// A program in place of a browser: it writes its process down, does this in Bash with the page's address in `url`, and
+/// stays.
+fn browser(name: &str, bash: &str) -> (PathBuf, PathBuf) {
     use std::os::unix::fs::PermissionsExt;
     let (program, told) = (place(name), place(&format!("{name}.told")));
     let text = format!(
-        "#!/usr/bin/env python3\nimport os, sys, time, urllib.request\nurl = sys.argv[-1]\n\
-         open({told:?}, 'w').write('\\n'.join([str(os.getpid())] + sys.argv))\n\
-         def post(path, data):\n    place = url.split('/?')[0] + path\n    \
-         urllib.request.urlopen(urllib.request.Request(place, data, method='POST')).read()\n{python}\n"
+        "#!/usr/bin/env bash\nurl=${{!#}}\nprintf '%s\n' $$ \"$@\" > '{}'\n{ASKS}{bash}\n",
+        told.display()
     );
     fs::write(&program, text).unwrap();
     fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
     (program, told)
 }
+
+/// What a browser in Bash has: `ask METHOD PATH BODY` prints the server's answer.
+const ASKS: &str = r#"
+server=${url#http://} server=${server%%/*}
+ask() {
+  exec 3<>"/dev/tcp/${server%:*}/${server##*:}"
+  printf '%s %s HTTP/1.1\r\nHost: %s\r\nContent-Length: %d\r\nConnection: close\r\n\r\n%s' "$1" "$2" "$server" "${#3}" "$3" >&3
+  cat <&3
+}
+"#;
 
 fn film(recorded: &str, browser: &Path, args: &[&str]) -> (i32, String, String) {
     let mut command = crate::cli::command(&[&["export", recorded, "--quiet"], args].concat());
@@ -335,9 +343,8 @@ fn film(recorded: &str, browser: &Path, args: &[&str]) -> (i32, String, String) 
 #[test]
 fn a_film_is_what_the_page_hands_in() {
     let recorded = two_seconds("film.mcap");
-    let python = "page = urllib.request.urlopen(url.split('?')[0]).read()\nassert b'<html' in page.lower()\n\
-                  post('/film', b'GIF89a' + url.encode())\ntime.sleep(600)";
-    let (program, told) = browser("browser-good", python);
+    let bash = "ask GET / '' | grep -aqi '<html' || exit 4\nask POST /film \"GIF89a$url\"\nexec sleep 600";
+    let (program, told) = browser("browser-good", bash);
     let out = place("film.gif");
     let options = ["--from-s", "0.5", "--speed", "2", "--fps", "20", "--width-px", "640", "--theme", "dark"];
     let args = [&["--gif", out.to_str().unwrap()], &options[..]].concat();
@@ -359,17 +366,17 @@ fn a_film_that_cannot_be_is_an_error_that_says_why() {
     let recorded = two_seconds("no-film.mcap");
     let out = place("no-film.webm");
     let out = out.to_str().unwrap();
-    let failed = |python: &str| {
-        let (program, _) = browser("browser-bad", python);
+    let failed = |bash: &str| {
+        let (program, _) = browser("browser-bad", bash);
         let (code, _, err) = film(&recorded, &program, &["--webm", out]);
         assert_eq!(code, 1, "{err}");
         err
     };
-    let refused = failed("post('/film?failed=1', b'no encoder for VP9')\ntime.sleep(600)");
+    let refused = failed("ask POST '/film?failed=1' 'no encoder for VP9'\nexec sleep 600");
     assert_eq!(refused, "error: the page made no film: no encoder for VP9\n");
-    let other = failed("post('/film', b'GIF89a')\ntime.sleep(600)");
+    let other = failed("ask POST /film GIF89a\nexec sleep 600");
     assert!(other.contains("the page did not make a valid webm (6 bytes)"), "{other}");
-    let ended = failed("print('no display', file=sys.stderr)\nsys.exit(3)");
+    let ended = failed("echo 'no display' >&2\nexit 3");
     assert_eq!(ended, "error: the browser ended without a film: exit status: 3 (it said: no display)\n");
     let (code, _, err) = film(&recorded, Path::new("/nowhere/chromium"), &["--webm", out]);
     assert_eq!(code, 2);
@@ -385,7 +392,7 @@ fn a_film_that_cannot_be_is_an_error_that_says_why() {
 #[test]
 fn ctrl_c_ends_the_browser() {
     let recorded = two_seconds("interrupted.mcap");
-    let (program, told) = browser("browser-slow", "time.sleep(600)");
+    let (program, told) = browser("browser-slow", "exec sleep 600");
     let out = place("interrupted.gif");
     let mut command = crate::cli::command(&["export", &recorded, "--quiet", "--gif", out.to_str().unwrap()]);
     let run = crate::cli::Running(command.env("BAUDBOT_BROWSER", &program).spawn().unwrap());

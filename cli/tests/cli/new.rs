@@ -1,4 +1,4 @@
-//! `baudbot new`; `./test` builds what it makes.
+//! `baudbot new`; `./test new-brains` builds what it makes.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -14,7 +14,7 @@ use baudbot_wire::scip;
 use toml::Table;
 
 use super::error::Sheet;
-use super::{build::MIN_PERIOD_MS, link};
+use super::{context::MIN_PERIOD_MS, link};
 use baudbot_fields::{Cause, FieldError, Fields, Path};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::arena::Arena;

@@ -1,0 +1,248 @@
+//! What there is to tell of each crate.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::{self, Display, Formatter};
+
+use super::graph::{self, Graph};
+use super::sources::Sources;
+use super::text::{Word, apart, bare, code_lines, group_end, inside, outside, parts, words};
+
+/// The most lines that a function may have.
+const LONGEST_FUNCTION: usize = 40;
+/// The most lines that a file may have without its tests.
+const LONGEST_FILE: usize = 400;
+
+/// A crate, or the tests and benches beside all crates.
+#[derive(Debug, Default)]
+pub(super) struct Crate {
+    /// Its folder.
+    pub(super) name: String,
+    pub(super) files: usize,
+    /// Lines of code without those of tests.
+    pub(super) code: usize,
+    /// Lines of tests.
+    pub(super) tests: usize,
+    pub(super) modules: usize,
+    /// Groups of modules that all reach each other.
+    pub(super) circles: Vec<Vec<String>>,
+    /// Arms that match anything.
+    pub(super) wildcards: usize,
+    pub(super) findings: Vec<Finding>,
+}
+
+/// A place that breaks a rule.
+#[derive(Debug)]
+pub(super) struct Finding {
+    /// A path below `src`, and behind a colon the function if it is one.
+    pub(super) place: String,
+    pub(super) fault: Fault,
+}
+
+/// How a place breaks a rule.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Fault {
+    LongFunction { lines: usize },
+    LongFile { lines: usize },
+    StringError,
+    ReadError,
+}
+
+impl Fault {
+    /// The table of its exceptions.
+    pub(super) fn table(self) -> &'static str {
+        match self {
+            Self::LongFunction { .. } => "long_functions",
+            Self::LongFile { .. } => "long_files",
+            Self::StringError => "string_errors",
+            Self::ReadError => "read_errors",
+        }
+    }
+}
+
+impl Display for Fault {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LongFunction { lines } => write!(
+                f,
+                "the function has {lines} lines, more than {LONGEST_FUNCTION}; split it by what its parts mean"
+            ),
+            Self::LongFile { lines } => write!(
+                f,
+                "the file has {lines} lines without its tests, more than {LONGEST_FILE}; move its second idea into another"
+            ),
+            Self::StringError => f.write_str("a public function's error is a String; give it an error type"),
+            Self::ReadError => {
+                f.write_str("the words of an error are for people; give the error a kind, and match on that")
+            }
+        }
+    }
+}
+
+/// The crates by name, and what is beside them.
+pub(super) fn crates(files: &Sources) -> Vec<Crate> {
+    let mut inside: BTreeMap<&str, BTreeMap<&str, &str>> = BTreeMap::new();
+    let mut beside = Crate { name: "tests and benches beside the crates".to_owned(), ..Crate::default() };
+    for (path, text) in files.iter().filter(|(path, _)| !path.contains("/generated/")) {
+        if let Some((name, path)) = path.split_once("/src/") {
+            inside.entry(name).or_default().insert(path, text);
+        } else {
+            beside.files += 1;
+            beside.tests += code_lines(&bare(text));
+        }
+    }
+    inside.iter().map(|(name, files)| Crate::measured(name, files)).chain([beside]).collect()
+}
+
+impl Crate {
+    /// A crate with these files, by their paths below `src`.
+    fn measured(name: &str, files: &BTreeMap<&str, &str>) -> Self {
+        let mut measured = Self { name: name.to_owned(), files: files.len(), ..Self::default() };
+        let modules: BTreeSet<&str> =
+            files.keys().filter(|path| !is_test(path)).map(|path| graph::module_of(path)).collect();
+        let mut reaches = Graph::new();
+        for (path, text) in files {
+            let code = bare(text);
+            if is_test(path) {
+                measured.tests += code_lines(&code);
+                continue;
+            }
+            let (code, tests) = apart(&code);
+            measured.tests += code_lines(&tests);
+            measured.add(path, &code);
+            let module = graph::module_of(path);
+            // Everything may be in the root, and the root reaches everything: it is in no circle.
+            if !matches!(module, "lib" | "main") {
+                let others = graph::named(path, &code).into_iter().filter(|other| {
+                    other != module
+                        && !matches!(other.as_str(), "lib" | "main")
+                        && modules.contains(other.as_str())
+                });
+                reaches.entry(module.to_owned()).or_default().extend(others);
+            }
+        }
+        measured.modules = reaches.len();
+        measured.circles = graph::circles(&reaches);
+        measured
+    }
+
+    /// Adds a file without its tests.
+    fn add(&mut self, path: &str, code: &str) {
+        self.code += code_lines(code);
+        self.wildcards += wildcards(code);
+        let functions = functions(code);
+        for function in &functions {
+            let place = format!("{path}: {}", function.name);
+            if function.is_public && fails_with_string(function.result) {
+                self.note(place.clone(), Fault::StringError);
+            }
+            if function.lines > LONGEST_FUNCTION {
+                self.note(place, Fault::LongFunction { lines: function.lines });
+            }
+        }
+        for at in words(code).filter(|word| is_read_error(code, *word)).map(|word| word.start) {
+            let name =
+                functions.iter().rfind(|function| function.start < at).map_or("?", |function| function.name);
+            self.note(format!("{path}: {name}"), Fault::ReadError);
+        }
+        let lines = code.matches('\n').count();
+        if lines > LONGEST_FILE {
+            self.note(path.to_owned(), Fault::LongFile { lines });
+        }
+    }
+
+    /// An exception is for a place: two functions of a name in a file are one.
+    fn note(&mut self, place: String, fault: Fault) {
+        let same = |finding: &&mut Finding| finding.place == place && finding.fault.table() == fault.table();
+        match self.findings.iter_mut().find(same) {
+            Some(finding) => finding.fault = fault,
+            None => self.findings.push(Finding { place, fault }),
+        }
+    }
+}
+
+/// Whether only tests use a file.
+fn is_test(path: &str) -> bool {
+    path.split('/').any(|part| matches!(part, "tests" | "tests.rs"))
+}
+
+/// How many arms match anything, whether on a condition or not.
+fn wildcards(code: &str) -> usize {
+    let is_arm = |word: &Word| {
+        let rest = code[word.end..].trim_start();
+        word.text == "_" && (rest.starts_with("=>") || rest.starts_with("if "))
+    };
+    words(code).filter(is_arm).count()
+}
+
+/// A function, or one that a trait only declares.
+struct Function<'a> {
+    /// Where its `fn` stands.
+    start: usize,
+    name: &'a str,
+    is_public: bool,
+    /// The type of its result and what stands before and behind that, from `->` on.
+    result: &'a str,
+    /// From the line of the opening brace to that of the closing one; none without a body.
+    lines: usize,
+}
+
+fn functions(code: &str) -> Vec<Function<'_>> {
+    let words: Vec<Word> = words(code).collect();
+    let mut found = Vec::new();
+    for (i, pair) in words.windows(2).enumerate() {
+        let [keyword, name] = pair else { continue };
+        // The type `fn(Robot)` has no name.
+        if keyword.text != "fn" || !code[keyword.end..name.start].trim().is_empty() {
+            continue;
+        }
+        let stop = outside(code, name.end, "()[]").find(|&(_, byte)| matches!(byte, b';' | b'{'));
+        let (stop, first) = stop.unwrap_or((code.len(), b';'));
+        let body = if first == b'{' { &code[stop..group_end(code, stop)] } else { "" };
+        found.push(Function {
+            start: keyword.start,
+            name: name.text,
+            is_public: is_public(code, &words[..i], keyword.start),
+            result: result(&code[name.end..stop]),
+            lines: if body.is_empty() { 0 } else { body.matches('\n').count() + 1 },
+        });
+    }
+    found
+}
+
+/// Whether `pub` stands before the keywords that may stand before `fn`, to which these words lead; `pub(crate)` is not.
+fn is_public(code: &str, before: &[Word], start: usize) -> bool {
+    let qualifiers =
+        before.iter().rev().take_while(|word| matches!(word.text, "const" | "async" | "unsafe" | "extern"));
+    let count = qualifiers.count();
+    let first = before.len() - count;
+    let next = before.get(first).map_or(start, |word| word.start);
+    let public = before[..first].last().filter(|word| word.text == "pub");
+    public.is_some_and(|word| code[word.end..next].trim().is_empty())
+}
+
+/// What comes behind the arrow of a signature, without its conditions.
+fn result(signature: &str) -> &str {
+    let arrow = outside(signature, 0, "()[]<>").find(|&(_, byte)| byte == b'>');
+    let result = arrow.map_or("", |(at, _)| &signature[at + 1..]);
+    let end = words(result).find(|word| word.text == "where").map_or(result.len(), |word| word.start);
+    &result[..end]
+}
+
+/// Whether there is a `Result` in a type whose error is a text.
+fn fails_with_string(result: &str) -> bool {
+    result.match_indices("Result<").any(|(at, name)| {
+        let types = parts(inside(result, at + name.len() - 1));
+        types.get(1).is_some_and(|error| error.rsplit("::").next() == Some("String"))
+    })
+}
+
+/// Whether this word is an error in whose text something is looked for.
+fn is_read_error(code: &str, word: Word) -> bool {
+    let rest = code[word.end..].trim_start();
+    let text = rest.strip_prefix(".to_string()").or_else(|| rest.strip_prefix("()")).unwrap_or(rest);
+    let call = text.trim_start().strip_prefix('.').and_then(|call| call.split_once('('));
+    matches!(word.text, "error" | "problem" | "message" | "words")
+        && call.is_some_and(|(method, _)| {
+            matches!(method, "contains" | "starts_with" | "ends_with" | "split_once" | "strip_prefix")
+        })
+}

@@ -1,0 +1,241 @@
+//! What sections need of a machine, and how it is had.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::Command;
+
+use crate::shell::{Failure, Shell};
+
+/// Something that a section needs.
+#[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
+pub(crate) enum Need {
+    /// A program that a package of Debian's has.
+    Program(&'static str, &'static str),
+    /// A file that a package of Debian's has.
+    File(&'static str, &'static str),
+    /// A component of Rust.
+    Component(&'static str),
+    /// A target of Rust.
+    Target(&'static str),
+    /// What a `package.json` names, in the folder that has it.
+    NodePackages(&'static str),
+    /// Python 3.11 or newer, with its module for environments.
+    Python,
+    /// Node 20 or newer, with npm.
+    Node,
+    /// The user root.
+    Root,
+    /// Registries or databases on the network.
+    Network,
+}
+
+impl Need {
+    /// In a word.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Program(program, _) => program,
+            Self::File(_, package) => package,
+            Self::Component(component) => component,
+            Self::Target(target) => target,
+            Self::NodePackages("tools") => "packages of tools/",
+            Self::NodePackages("viewer") => "packages of viewer/",
+            Self::NodePackages("examples/typescript") => "packages of examples/typescript/",
+            Self::NodePackages(folder) => folder,
+            Self::Python => "Python 3.11",
+            Self::Node => "Node 20",
+            Self::Root => "root",
+            Self::Network => "a network",
+        }
+    }
+
+    fn is_there(self, root: &Path) -> bool {
+        match self {
+            Self::Program(program, _) => on_path(program),
+            Self::File(path, _) => Path::new(path).exists(),
+            Self::Component("clippy") => succeeds("clippy-driver", &["--version"]),
+            Self::Component(component) => succeeds(component, &["--version"]),
+            Self::Target(target) => targets().is_some_and(|text| text.lines().any(|line| line == target)),
+            Self::NodePackages(folder) => are_installed(&root.join(folder)),
+            Self::Python => succeeds(
+                "python3",
+                &["-c", "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))"],
+            ),
+            Self::Node => {
+                succeeds("node", &["-e", "process.exit(+(process.versions.node.split('.')[0] < 20))"])
+                    && on_path("npm")
+            }
+            Self::Root => rustix::process::geteuid().is_root(),
+            // Who has none finds out from the section: its registries are its own.
+            Self::Network => true,
+        }
+    }
+}
+
+/// What is missing on this machine.
+pub(crate) struct Missing(Vec<Need>);
+
+impl Missing {
+    /// What of some needs is not there.
+    pub(crate) fn of<'a>(needs: impl IntoIterator<Item = &'a Need>, root: &Path) -> Self {
+        let mut needs: Vec<_> = needs.into_iter().copied().collect();
+        needs.sort_unstable();
+        needs.dedup();
+        needs.retain(|need| !need.is_there(root));
+        Self(needs)
+    }
+
+    /// Whether nothing is missing.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// What is missing, in words.
+    pub(crate) fn words(&self) -> String {
+        self.0.iter().map(|need| need.word()).collect::<Vec<_>>().join(", ")
+    }
+
+    /// A line for a shell that installs what can be installed, and in words what cannot.
+    pub(crate) fn remedy(&self) -> String {
+        let commands: Vec<_> = self.commands().iter().map(|words| words.join(" ")).collect();
+        let mut text = String::new();
+        if !commands.is_empty() {
+            text += &commands.join(" && ");
+        }
+        for need in &self.0 {
+            let by_hand = match need {
+                Need::Python => {
+                    "python3 3.11 or newer with its module venv is needed (Debian: apt-get install python3-venv)"
+                }
+                Need::Node => "node 20 or newer with npm is needed (https://nodejs.org)",
+                Need::Root => "root is needed",
+                Need::Program(..)
+                | Need::File(..)
+                | Need::Component(_)
+                | Need::Target(_)
+                | Need::NodePackages(_)
+                | Need::Network => continue,
+            };
+            let line = if text.is_empty() { "" } else { "\n" };
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{line}{by_hand}");
+        }
+        text
+    }
+
+    /// Installs what can be installed.
+    ///
+    /// # Errors
+    ///
+    /// A command for that fails.
+    pub(crate) fn install(&self, shell: &Shell) -> Result<(), Failure> {
+        for words in self.commands() {
+            shell.say(&words.join(" "));
+            let mut command = shell.command(&words[0]);
+            command.args(&words[1..]).env("DEBIAN_FRONTEND", "noninteractive");
+            shell.run(command)?;
+        }
+        Ok(())
+    }
+
+    fn commands(&self) -> Vec<Vec<String>> {
+        let mut packages = Vec::new();
+        let mut targets = Vec::new();
+        let mut components = Vec::new();
+        let mut folders = Vec::new();
+        for need in &self.0 {
+            match *need {
+                Need::Program(_, package) | Need::File(_, package) => packages.extend(package.split(' ')),
+                Need::Component(component) => components.push(component),
+                Need::Target(target) => targets.push(target),
+                Need::NodePackages(folder) => folders.push(folder),
+                Need::Python | Need::Node | Need::Root | Need::Network => {}
+            }
+        }
+        packages.sort_unstable();
+        packages.dedup();
+        let sudo: &[&str] = if rustix::process::geteuid().is_root() { &[] } else { &["sudo"] };
+        let command = |parts: &[&[&str]]| parts.concat().into_iter().map(str::to_owned).collect();
+        let mut commands: Vec<Vec<String>> = Vec::new();
+        if !packages.is_empty() {
+            commands.push(command(&[sudo, &["apt-get", "update", "-qq"]]));
+            commands.push(command(&[
+                sudo,
+                &["apt-get", "install", "-y", "-qq", "--no-install-recommends"],
+                &packages,
+            ]));
+        }
+        if !components.is_empty() {
+            commands.push(command(&[&["rustup", "component", "add"], &components]));
+        }
+        if !targets.is_empty() {
+            commands.push(command(&[&["rustup", "target", "add"], &targets]));
+        }
+        // Not `npm ci`: it wants programs for all other systems in the lock file, which has those for Linux.
+        let options = ["--no-save", "--no-audit", "--no-fund", "--loglevel=error"];
+        commands.extend(
+            folders.into_iter().map(|folder| command(&[&["npm", "install", "--prefix", folder], &options])),
+        );
+        commands
+    }
+}
+
+fn succeeds(program: &str, arguments: &[&str]) -> bool {
+    Command::new(program).args(arguments).output().is_ok_and(|printed| printed.status.success())
+}
+
+fn on_path(program: &str) -> bool {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    // Programs for root lie where other users do not look.
+    let folders = std::env::split_paths(&path).chain(["/usr/sbin".into(), "/sbin".into()]);
+    folders.map(|folder| folder.join(program)).any(|file| file.is_file())
+}
+
+fn targets() -> Option<String> {
+    let printed = Command::new("rustup").args(["target", "list", "--installed"]).output().ok()?;
+    Some(String::from_utf8_lossy(&printed.stdout).into_owned())
+}
+
+/// Whether npm has installed what the lock file says: it writes a list of its own behind the packages.
+fn are_installed(folder: &Path) -> bool {
+    let time = |path: &str| std::fs::metadata(folder.join(path)).and_then(|data| data.modified());
+    match (time("package-lock.json"), time("node_modules/.package-lock.json")) {
+        (Ok(wanted), Ok(installed)) => installed >= wanted,
+        (Ok(_) | Err(_), Err(_)) | (Err(_), Ok(_)) => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Missing, Need};
+
+    #[test]
+    fn what_is_missing_is_one_line_for_a_shell() {
+        let missing = Missing(vec![
+            Need::Program("avr-gdb", "gdb-avr"),
+            Need::File("/usr/include/simavr/sim_avr.h", "libsimavr-dev libelf-dev"),
+            Need::Component("clippy"),
+            Need::Target("thumbv7em-none-eabihf"),
+            Need::NodePackages("viewer"),
+        ]);
+        let remedy = missing.remedy();
+        assert_eq!(remedy.lines().count(), 1, "{remedy}");
+        assert!(
+            remedy.contains("apt-get install -y -qq --no-install-recommends gdb-avr libelf-dev libsimavr-dev && rustup component add clippy")
+                && remedy.contains("rustup target add thumbv7em-none-eabihf && npm install --prefix viewer"),
+            "{remedy}"
+        );
+        assert_eq!(
+            missing.words(),
+            "avr-gdb, libsimavr-dev libelf-dev, clippy, thumbv7em-none-eabihf, packages of viewer/"
+        );
+    }
+
+    #[test]
+    fn what_no_command_installs_is_told_in_words() {
+        assert_eq!(
+            Missing(vec![Need::Node]).remedy(),
+            "node 20 or newer with npm is needed (https://nodejs.org)"
+        );
+        assert!(Missing(Vec::new()).is_empty() && Missing(Vec::new()).remedy().is_empty());
+    }
+}

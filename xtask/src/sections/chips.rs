@@ -1,0 +1,128 @@
+//! Sections of programs on a robot's chip, and of programs of others at serial ports.
+
+use std::path::PathBuf;
+
+use super::parts::{environment, json_word, script};
+use super::rust::built;
+use crate::shell::{Failure, Shell};
+
+/// Programs for real robots, from their registries.
+fn python_of_ports(shell: &Shell) -> Result<PathBuf, Failure> {
+    environment(
+        shell,
+        &shell.place.root.join("tests/ports/.venv"),
+        &["tests/ports/requirements.txt"],
+        &["-r", "tests/ports/requirements.txt"],
+    )
+}
+
+pub(super) fn ports(shell: &Shell) -> Result<(), Failure> {
+    let python = python_of_ports(shell)?;
+    let program = built(shell)?;
+    shell.run(script(shell, &python, &["tests/ports/try.py", &program.to_string_lossy()]))
+}
+
+/// What of them needs an idle machine.
+pub(super) fn ports_in_time(shell: &Shell) -> Result<(), Failure> {
+    let python = python_of_ports(shell)?;
+    shell.run(shell.cargo(["build", "--release"]))?;
+    let program = shell.place.target.join("release/baudbot");
+    let program = program.to_string_lossy();
+    shell.run(script(shell, &python, &["tests/ports/idle.py", &program]))?;
+    shell.run(script(shell, &python, &["tests/ports/adapter.py", &program]))
+}
+
+/// A million random states, over all instructions.
+pub(super) fn microcontroller(shell: &Shell) -> Result<(), Failure> {
+    let words = [
+        "test",
+        "--quiet",
+        "--workspace",
+        "--all-features",
+        "--test",
+        "outside",
+        "--",
+        "--ignored",
+        "simavr",
+    ];
+    let mut command = shell.cargo(words);
+    command.env("BAUDBOT_AVR_STATES", "13500");
+    shell.run(command)
+}
+
+/// Sketches by Debian's compiler and Arduino's core, firmware of others, projects of `baudbot new firmware`, and programs of
+/// others at both ends of the cable.
+pub(super) fn firmware(shell: &Shell) -> Result<(), Failure> {
+    let python = python_of_ports(shell)?;
+    let program = built(shell)?;
+    let sketches = shell.place.target.join("sketches");
+    shell.run(script(
+        shell,
+        "python3".as_ref(),
+        &["tests/firmware/build.py", &sketches.to_string_lossy()],
+    ))?;
+    let words = [
+        "test",
+        "--quiet",
+        "--workspace",
+        "--all-features",
+        "--test",
+        "outside",
+        "--",
+        "--ignored",
+        "sketches",
+    ];
+    let mut command = shell.cargo(words);
+    command.env("BAUDBOT_SKETCHES", &sketches);
+    shell.run(command)?;
+    new_firmware(shell)?;
+    for seed in ["1", "2"] {
+        drives(shell, &["scenarios/firmware.toml", "--seconds", "600", "--seed", seed], 30.0)?;
+    }
+    shell.run(script(
+        shell,
+        &python,
+        &["tests/ports/firmware.py", &program.to_string_lossy(), &sketches.to_string_lossy()],
+    ))
+}
+
+/// Projects that `baudbot new firmware` makes.
+fn new_firmware(shell: &Shell) -> Result<(), Failure> {
+    let program = shell.place.program();
+    let folder = shell.place.scratch("firmware").map_err(Failure::file(&shell.place.target))?;
+    for language in ["arduino", "c"] {
+        let project = folder.join(language);
+        let mut new = shell.command(&program);
+        new.args(["new", "firmware"]).arg(&project).args(["--lang", language]);
+        shell.run(new)?;
+        let mut make = shell.command("make");
+        make.args(["--silent", "-C"]).arg(&project).arg(format!("BAUDBOT={}", program.display()));
+        shell.run(make)?;
+        drives(shell, &[&project.join("robot.toml").to_string_lossy(), "--seconds", "60"], 5.0)?;
+    }
+    Ok(())
+}
+
+/// A robot drives farther than so many metres, without a collision and without a warning about its chip.
+fn drives(shell: &Shell, arguments: &[&str], least_m: f64) -> Result<(), Failure> {
+    let mut run = shell.command(shell.place.program());
+    run.arg("run").args(arguments).arg("--json");
+    let json = shell.text(run)?;
+    let number = |key| json_word(&json, key).and_then(|word| word.trim().parse::<f64>().ok());
+    let (distance_m, collisions) = (number("distance_m"), number("collisions"));
+    let warnings = json.contains("\"warnings\": []");
+    if distance_m.is_none_or(|distance_m| distance_m <= least_m) || collisions != Some(0.0) || !warnings {
+        return Err(Failure::Wrong(format!(
+            "run {}: it should drive more than {least_m} m, without collisions and warnings:\n{json}",
+            arguments.join(" ")
+        )));
+    }
+    shell.say(&format!("run {}: driven {} m", arguments.join(" "), distance_m.unwrap_or_default()));
+    Ok(())
+}
+
+/// A program on a robot's microcontroller under the real avr-gdb.
+pub(super) fn debugging(shell: &Shell) -> Result<(), Failure> {
+    let program = built(shell)?;
+    shell.run(script(shell, "python3".as_ref(), &["tests/firmware/gdb.py", &program.to_string_lossy()]))
+}

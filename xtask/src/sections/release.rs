@@ -1,0 +1,112 @@
+//! Release checks that need no other home.
+
+use crate::shell::{Failure, Shell};
+
+/// What could differ once it is optimised: numbers, and the order of what happens at once.
+pub(super) fn optimised(shell: &Shell) -> Result<(), Failure> {
+    let packages = ["geometry", "wire", "avr", "sim", "scenario", "budget", "tests"]
+        .map(|name| format!("baudbot-{name}"));
+    let packages = packages.iter().flat_map(|package| ["-p", package]);
+    shell.run(shell.cargo(
+        ["test", "--quiet", "--release", "--no-fail-fast", "--lib", "--tests"].into_iter().chain(packages),
+    ))
+}
+
+pub(super) fn aarch64(shell: &Shell) -> Result<(), Failure> {
+    let words = [
+        "test",
+        "--quiet",
+        "--release",
+        "--target",
+        "aarch64-unknown-linux-gnu",
+        "-p",
+        "baudbot-tests",
+        "-p",
+        "baudbot-geometry",
+        "-p",
+        "baudbot-wire",
+        "-p",
+        "baudbot-sim",
+        "--lib",
+        "--test",
+        "golden_hashes",
+    ];
+    let mut command = shell.cargo(words);
+    command.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER", "aarch64-linux-gnu-gcc");
+    command.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER", "qemu-aarch64 -L /usr/aarch64-linux-gnu");
+    shell.run(command)
+}
+
+/// What was told before a kill is held against what is there after it.
+pub(super) fn kills(shell: &Shell, arguments: &[String]) -> Result<(), Failure> {
+    let words = [
+        "test",
+        "--quiet",
+        "--workspace",
+        "--all-features",
+        "--test",
+        "cli",
+        "--",
+        "--ignored",
+        "--nocapture",
+        "many_kills",
+    ];
+    let mut command = shell.cargo(words);
+    command.env("BAUDBOT_KILLS", arguments.first().map_or("50", String::as_str));
+    shell.run(command)
+}
+
+/// A network that breaks in all ways, of so many seeds, or of one.
+pub(super) fn network(shell: &Shell, arguments: &[String]) -> Result<(), Failure> {
+    let (variable, value) = match arguments {
+        [] => ("BAUDBOT_NETWORK_SEEDS", "2000"),
+        [seeds] => ("BAUDBOT_NETWORK_SEEDS", seeds.as_str()),
+        [option, seed] if option == "--seed" => ("BAUDBOT_NETWORK_SEED", seed.as_str()),
+        [_, ..] => return Err(Failure::Wrong("./test network [SEEDS | --seed SEED]".to_owned())),
+    };
+    let words = [
+        "test",
+        "--quiet",
+        "--workspace",
+        "--all-features",
+        "--test",
+        "network",
+        "--",
+        "--nocapture",
+        "in_any_way",
+    ];
+    let mut command = shell.cargo(words);
+    command.env(variable, value);
+    shell.run(command)
+}
+
+/// Altered bytes for all that reads bytes from outside: so many inputs of each, so long, or as many as are wanted.
+pub(super) fn fuzz(shell: &Shell, arguments: &[String]) -> Result<(), Failure> {
+    match arguments {
+        [] => script(shell, "tools/fuzz", &["--executions".to_owned(), "20000".to_owned()]),
+        [wanted] if wanted == "wanted" => {
+            script(shell, "tools/fuzz", &["--wanted".to_owned()])?;
+            script(shell, "tools/fuzz", &["--coverage".to_owned(), "60".to_owned()])
+        }
+        [seconds] => script(shell, "tools/fuzz", std::slice::from_ref(seconds)),
+        [_, ..] => Err(Failure::Wrong("./test fuzz [SECONDS | wanted]; tools/fuzz has more".to_owned())),
+    }
+}
+
+/// A server under all kinds of load, for ten minutes or some hours.
+pub(super) fn soak(shell: &Shell, arguments: &[String]) -> Result<(), Failure> {
+    let hours = arguments.first().map_or(Ok(1.0 / 6.0), |hours| hours.parse::<f64>());
+    let hours = hours
+        .map_err(|_| Failure::Wrong(format!("./test soak [HOURS]: {} is no number", arguments.join(" "))))?;
+    shell.run(shell.cargo(["build", "--release", "-p", "baudbot"]))?;
+    let mut command = shell.cargo(["run", "--release", "-p", "baudbot-tests", "--example", "soak", "--"]);
+    command.arg(shell.place.target.join("release/baudbot")).arg((hours * 60.0).to_string());
+    shell.run(command)
+}
+
+/// A script of the project.
+pub(super) fn script(shell: &Shell, file: &str, arguments: &[String]) -> Result<(), Failure> {
+    let mut command = shell.command(file);
+    command.args(arguments);
+    shell.run(command)
+}

@@ -1,0 +1,294 @@
+//! Sections that need Rust only.
+
+use std::process::Command;
+
+use serde::Deserialize;
+
+use crate::shell::{Failure, Shell};
+use crate::{house, records, sections};
+
+/// The state hash of README's first run.
+const MAIN_HASH: &str = "8eadceefb4b8b9c7";
+
+/// A table of tests that take long.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SlowTests {
+    tests: std::collections::BTreeMap<String, String>,
+}
+
+pub(super) fn formatting(shell: &Shell) -> Result<(), Failure> {
+    let mut command = shell.command("cargo");
+    command.args(["fmt", "--all", "--check"]);
+    shell.run(command)
+}
+
+/// Circles of modules, what is too long, errors that are texts; the ladder's tables; ways from a brain to the world.
+pub(super) fn structure(shell: &Shell) -> Result<(), Failure> {
+    let root = &shell.place.root;
+    let mut findings = house::findings(root)?;
+    findings.extend(sections::faults(&records::times(root)?, &records::greens(root)?));
+    for package in ["baudbot-brain", "baudbot-client", "baudbot-brains"] {
+        let mut command =
+            shell.cargo(["tree", "-p", package, "--all-features", "-e", "normal", "--prefix", "none"]);
+        command.env("CARGO_TERM_COLOR", "never");
+        let tree = shell.text(command)?;
+        // A brain knows only its readings: Cargo must not give it a way to the world.
+        if tree.lines().any(|line| line.starts_with("baudbot-sim ") || line.starts_with("baudbot-server ")) {
+            findings.push(format!("{package} depends on the world; cargo tree -p {package} --all-features -e normal shows the way"));
+        }
+    }
+    if findings.is_empty() {
+        shell.say("no circle of modules, nothing too long, no error that is a text, no way from a brain to the world");
+        return Ok(());
+    }
+    Err(Failure::Wrong(findings.join("\n")))
+}
+
+/// The features and packages are the same in all commands, so that nothing is built twice.
+fn of_all<'a>(shell: &Shell, words: impl IntoIterator<Item = &'a str>) -> Command {
+    shell.cargo(["test", "--workspace", "--all-features", "--no-fail-fast"].into_iter().chain(words))
+}
+
+/// Tests that wait for something run beside others.
+fn side_by_side(command: &mut Command) {
+    let threads = 2 * std::thread::available_parallelism().map_or(2, std::num::NonZero::get);
+    command.env("RUST_TEST_THREADS", threads.to_string());
+}
+
+fn slow(shell: &Shell) -> Result<Vec<String>, Failure> {
+    let path = shell.place.root.join("xtask/slow-tests.toml");
+    let text = std::fs::read_to_string(&path).map_err(Failure::file(&path))?;
+    let table: SlowTests = toml::from_str(&text).map_err(|error| records::Error::Text { path, error })?;
+    Ok(table.tests.into_keys().collect())
+}
+
+pub(super) fn tests(shell: &Shell) -> Result<(), Failure> {
+    let slow = slow(shell)?;
+    shell.run(of_all(shell, ["--no-run"]))?;
+    let mut command = of_all(shell, ["--quiet", "--lib", "--bins", "--tests", "--examples", "--", "--exact"]);
+    command.args(slow.iter().flat_map(|name| ["--skip", name]));
+    side_by_side(&mut command);
+    shell.run(command)
+}
+
+/// The slow ones alone, and the examples in documentation.
+pub(super) fn slow_tests(shell: &Shell) -> Result<(), Failure> {
+    let slow = slow(shell)?;
+    let mut command = of_all(shell, ["--lib", "--bins", "--tests", "--examples", "--", "--exact"]);
+    command.args(&slow);
+    shell.run(command)?;
+    let log = shell.log_text()?;
+    // A name that no test has any more would go unnoticed.
+    let has_run = |name: &&String| log.lines().any(|line| line.starts_with(&format!("test {name} ...")));
+    if let Some(name) = slow.iter().find(|name| !has_run(name)) {
+        return Err(Failure::Wrong(format!(
+            "xtask/slow-tests.toml: no test has the name `{name}`; mend or remove the line"
+        )));
+    }
+    shell.run(of_all(shell, ["--quiet", "--doc"]))
+}
+
+pub(super) fn fuzz_briefly(shell: &Shell) -> Result<(), Failure> {
+    let mut command =
+        shell.cargo(["test", "--quiet", "--workspace", "--all-features", "--bin", "baudbot-fuzz"]);
+    command.env("BAUDBOT_FUZZ_SECONDS", "3");
+    shell.run(command)
+}
+
+/// The program of the tests' profile, with all features, which other sections use. It is what the tests were built with: an
+/// example among the targets makes Cargo choose the features as it does for tests.
+pub(super) fn built(shell: &Shell) -> Result<std::path::PathBuf, Failure> {
+    shell.run(shell.cargo([
+        "build",
+        "--quiet",
+        "--workspace",
+        "--all-features",
+        "--bin",
+        "baudbot",
+        "--example",
+        "soak",
+    ]))?;
+    Ok(shell.place.program())
+}
+
+pub(super) fn main_job(shell: &Shell) -> Result<(), Failure> {
+    let program = built(shell)?;
+    runs_as_in_readme(shell, shell.command(program))
+}
+
+fn runs_as_in_readme(shell: &Shell, command: Command) -> Result<(), Failure> {
+    let printed = shell.text(command)?;
+    let hash = printed.lines().find_map(|line| line.strip_prefix("state hash  "));
+    if hash != Some(MAIN_HASH) {
+        return Err(Failure::Wrong(format!(
+            "README's first run has the state hash {}, not {MAIN_HASH}:\n{printed}",
+            hash.unwrap_or("(none)")
+        )));
+    }
+    shell.say(&format!("README's first run has the state hash {MAIN_HASH}"));
+    Ok(())
+}
+
+pub(super) fn lints(shell: &Shell) -> Result<(), Failure> {
+    shell.run(shell.cargo([
+        "clippy",
+        "--quiet",
+        "--workspace",
+        "--all-targets",
+        "--all-features",
+        "--",
+        "-D",
+        "warnings",
+    ]))
+}
+
+pub(super) fn documentation(shell: &Shell) -> Result<(), Failure> {
+    let mut command = shell.cargo(["doc", "--workspace", "--no-deps", "--all-features"]);
+    command.env("RUSTDOCFLAGS", "-D warnings");
+    shell.run(command)
+}
+
+/// The crates that know no operating system.
+const PURE: [&str; 9] = [
+    "baudbot-fields",
+    "baudbot-geometry",
+    "baudbot-wire",
+    "baudbot-avr",
+    "baudbot-board",
+    "baudbot-brain",
+    "baudbot-sim",
+    "baudbot-scenario",
+    "baudbot-budget",
+];
+
+fn check_for<'a>(
+    shell: &Shell,
+    target: &'a str,
+    packages: &[&'a str],
+    options: &[&'a str],
+) -> Result<(), Failure> {
+    let packages = packages.iter().flat_map(|package| ["-p", package]);
+    let words = ["check", "--quiet", "--lib", "--target", target]
+        .into_iter()
+        .chain(packages)
+        .chain(options.iter().copied());
+    shell.run(shell.cargo(words))
+}
+
+/// The page's section builds the rest for browsers.
+pub(super) fn bare_metal(shell: &Shell) -> Result<(), Failure> {
+    check_for(shell, "thumbv7em-none-eabihf", &PURE, &[])?;
+    check_for(shell, "wasm32-unknown-unknown", &[&PURE[1..], &["baudbot-brains"]].concat(), &[])?;
+    // Recordings are read and written in browsers without their compressor in C.
+    check_for(shell, "wasm32-unknown-unknown", &["baudbot-recording"], &["--no-default-features"])
+}
+
+/// As a newcomer builds it: the program alone, without what the tests switch on in its dependencies. What such a program
+/// cannot do it says.
+pub(super) fn program(shell: &Shell) -> Result<(), Failure> {
+    shell.run(shell.cargo(["build", "--release"]))?;
+    let program = shell.place.target.join("release/baudbot");
+    runs_as_in_readme(shell, shell.command(&program))?;
+    let scratch = shell.place.scratch("program").map_err(Failure::file(&shell.place.target))?;
+    let map = scratch.join("map.toml");
+    std::fs::write(&map, "[[arena.maps]]\nname = \"m\"\nros = \"m.yaml\"\n").map_err(Failure::file(&map))?;
+    let (map, certificates) =
+        (map.to_string_lossy().into_owned(), scratch.join("ca").to_string_lossy().into_owned());
+    let without: [(&[&str], &str); 5] = [
+        (&["watch", "--foxglove"], "built without it; cargo build --release --features foxglove"),
+        (
+            &["tune", "experiments/tune-sweeper.toml"],
+            "built without optimizers; cargo build --release --features tune",
+        ),
+        (
+            &["cert", "ca", &certificates],
+            "built without certificates; cargo build --release --features certificates",
+        ),
+        (&["check", &map], "built without maps and plans; cargo build --release --features maps"),
+        (&["run", "--seconds", "0.1", "--quiet"], "built without the feature otel: nothing is exported"),
+    ];
+    for (arguments, words) in without {
+        let mut command = shell.command(&program);
+        command.args(arguments).env("OTEL_EXPORTER_OTLP_ENDPOINT", "http://127.0.0.1:1");
+        let printed = shell.printed(command, true)?;
+        if printed.status.success() != (arguments[0] == "run") || !printed.text.contains(words) {
+            return Err(Failure::Wrong(format!(
+                "baudbot {} does not say `{words}`:\n{}",
+                arguments.join(" "),
+                printed.text
+            )));
+        }
+    }
+    shell.say("what it was built without it says");
+    Ok(())
+}
+
+/// No workload needs more instructions than it is known to, by more than 2 %.
+pub(super) fn instructions(shell: &Shell) -> Result<(), Failure> {
+    shell.run(shell.cargo(["build", "--release", "-p", "baudbot-bench"]))?;
+    let mut command = shell.command(shell.place.target.join("release/baudbot-bench"));
+    command.args(["--instructions", "--check", "bench/instructions.toml"]);
+    shell.run(command)
+}
+
+pub(super) fn supply_chain(shell: &Shell) -> Result<(), Failure> {
+    cargo_deny(shell, &["check", "bans", "licenses", "sources"])
+}
+
+/// Runs cargo-deny, which is built once for all checkouts of this machine. No registry but crates.io has this version.
+pub(super) fn cargo_deny(shell: &Shell, arguments: &[&str]) -> Result<(), Failure> {
+    const VERSION: &str = "0.20.2";
+    let home = std::env::var_os("XDG_CACHE_HOME").map(std::path::PathBuf::from);
+    let cache = home.or_else(|| Some(std::path::PathBuf::from(std::env::var_os("HOME")?).join(".cache")));
+    let folder = cache.map_or_else(|| shell.place.target.join("tools"), |cache| cache.join("baudbot"));
+    let folder = folder.join(format!("cargo-deny-{VERSION}"));
+    let program = folder.join("bin/cargo-deny");
+    if !program.is_file() {
+        shell.say(&format!(
+            "building cargo-deny {VERSION} in {}, once: about three minutes",
+            folder.display()
+        ));
+        let built = shell.place.scratch("cargo-deny").map_err(Failure::file(&shell.place.target))?;
+        let mut command = shell.cargo(["install", "--quiet", "--debug", "cargo-deny", "--version", VERSION]);
+        command.arg("--root").arg(&folder).arg("--target-dir").arg(&built);
+        shell.run(command)?;
+        std::fs::remove_dir_all(&built).map_err(Failure::file(&built))?;
+    }
+    let mut command = shell.command(program);
+    command.args(["--all-features", "--locked"]).args(arguments);
+    shell.run(command)
+}
+
+/// Formatting, lints and tests of some crates, with the features that these ask for.
+pub(super) fn quick(shell: &Shell, folders: &[String]) -> Result<(), Failure> {
+    if folders.is_empty() {
+        return Err(Failure::Wrong(
+            "which crates? ./test quick takes their folders, such as sim or wire; ./test alone tests all"
+                .to_owned(),
+        ));
+    }
+    let mut packages = Vec::new();
+    for folder in folders {
+        let manifest = shell.place.root.join(folder).join("Cargo.toml");
+        let Ok(text) = std::fs::read_to_string(&manifest) else {
+            return Err(Failure::Wrong(format!(
+                "there is no crate in {folder}: ./test quick takes crates by their folders, such as sim or wire"
+            )));
+        };
+        let manifest: toml::Table =
+            toml::from_str(&text).map_err(|error| records::Error::Text { path: manifest, error })?;
+        let name =
+            manifest.get("package").and_then(|package| package.get("name")).and_then(toml::Value::as_str);
+        packages.extend(["-p", name.unwrap_or_default()].map(str::to_owned));
+    }
+    let mut formatting = shell.command("cargo");
+    formatting.arg("fmt").args(&packages).arg("--check");
+    shell.run(formatting)?;
+    let packages = || packages.iter().map(String::as_str);
+    shell
+        .run(shell.cargo(
+            ["clippy", "--all-targets"].into_iter().chain(packages()).chain(["--", "-D", "warnings"]),
+        ))?;
+    shell.run(shell.cargo(["test", "--quiet"].into_iter().chain(packages())))
+}
