@@ -24,8 +24,10 @@ pub(crate) struct Plan {
     pub(crate) sections: Vec<&'static Section>,
     /// The arguments of the one section that takes some.
     pub(crate) arguments: Vec<String>,
-    /// The words that asked for it, for messages that tell how to go on.
+    /// The sections and groups that were asked for.
     pub(crate) asked: Vec<String>,
+    /// The whole call without `--resume`, for messages that tell how to go on.
+    pub(crate) call: Vec<String>,
     /// Tools that are missing are installed.
     pub(crate) install: bool,
     /// Sections that passed on this state of the tree are passed over.
@@ -51,12 +53,17 @@ pub(crate) enum Error {
     /// There is no such section.
     #[error("there is no section `{0}`{1}")]
     Section(String, String),
-    /// An argument for a section that takes none, or for one among several.
-    #[error("`{0}` is no section: only a section that takes arguments may have some, and it then runs alone")]
+    /// An argument for one section among several.
+    #[error("`{0}` is no section: a section has arguments only if it runs alone")]
     Argument(String),
     /// An option that only the run of whole sections has.
     #[error("--from {0}: this section is not among those that are asked for")]
     From(String),
+    /// Times beside a load are not those of an idle machine.
+    #[error(
+        "--write-times does not go with --load or --repeat: it keeps the times of single runs on an idle machine"
+    )]
+    Times,
     /// There is nothing to repeat.
     #[error("--repeat {0}: must be a number from 1 to 1000")]
     Repeat(String),
@@ -75,6 +82,9 @@ impl Request {
     fn from_words(words: impl IntoIterator<Item = impl Into<OsString>>) -> Result<Self, Error> {
         let mut plan = Plan::new();
         let mut from = None;
+        let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+        let call = words.iter().map(|word| word.to_string_lossy().into_owned());
+        plan.call = call.filter(|word| word != "--resume").collect();
         let mut parser = Parser::from_args(words);
         while let Some(argument) = parser.next()? {
             match argument {
@@ -108,6 +118,7 @@ impl Plan {
             sections: Vec::new(),
             arguments: Vec::new(),
             asked: Vec::new(),
+            call: Vec::new(),
             install: false,
             resume: false,
             keep_going: false,
@@ -145,12 +156,13 @@ impl Plan {
         if let Some(rung) = group {
             self.whole |= rung == Rung::All;
             self.sections.extend(sections::up_to(rung));
-        } else if self.takes_arguments() {
+        } else if self.takes_arguments() && (self.asked == ["quick"] || sections::named(&word).is_none()) {
+            // A crate may have the name of a section.
             self.arguments.push(word);
             return Ok(());
         } else if let Some(section) = sections::named(&word) {
-            if !section.arguments.is_empty() && !self.sections.is_empty() {
-                return Err(Error::Argument(word));
+            if let Some(argument) = self.arguments.first() {
+                return Err(Error::Argument(argument.clone()));
             }
             self.sections.push(section);
         } else {
@@ -162,6 +174,9 @@ impl Plan {
     }
 
     fn finish(&mut self, from: Option<String>) -> Result<(), Error> {
+        if self.write_times && (self.load || self.repeat > 1) {
+            return Err(Error::Times);
+        }
         if self.asked.is_empty() {
             self.sections = sections::up_to(Rung::Test).collect();
         }
@@ -230,7 +245,11 @@ mod tests {
         assert_eq!(refused(&["xyzzy"]), "there is no section `xyzzy`; ./test --list has them all");
         assert!(refused(&["lints", "--from", "tests"]).contains("not among those"));
         assert!(refused(&["lints", "--repeat", "0"]).contains("from 1 to 1000"));
+        assert!(refused(&["lints", "--load", "--write-times"]).contains("idle machine"));
         assert!(refused(&["lints", "--quickly"]).contains("--quickly"));
-        assert!(refused(&["lints", "network"]).contains("runs alone"));
+        assert!(refused(&["network", "500", "lints"]).contains("runs alone"));
+        assert_eq!(names(&["kills", "soak"]), ["kills", "soak"]);
+        assert_eq!(plan(&["quick", "page"]).arguments, ["page"]);
+        assert_eq!(plan(&["all", "--resume", "--keep-going"]).call, ["all", "--keep-going"]);
     }
 }

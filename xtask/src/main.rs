@@ -42,6 +42,7 @@ fn main() -> ExitCode {
         },
         Request::Run(plan) => match ladder::run(&plan) {
             Ok(code) => code,
+            Err(shell::Failure::Interrupted) => ExitCode::from(130),
             Err(error) => refused(&error),
         },
     }

@@ -1,6 +1,5 @@
 //! What sections need of a machine, and how it is had.
 
-use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -94,32 +93,45 @@ impl Missing {
         self.0.iter().map(|need| need.word()).collect::<Vec<_>>().join(", ")
     }
 
+    /// Whether commands can install all of it.
+    pub(crate) fn can_be_installed(&self) -> bool {
+        !self.is_empty() && self.by_hand().is_empty()
+    }
+
+    /// What no command of ours installs, in words.
+    fn by_hand(&self) -> Vec<&'static str> {
+        let words = self.0.iter().filter_map(|need| match need {
+            Need::Python => Some(
+                "python3 3.11 or newer with its module venv is needed (Debian: apt-get install python3-venv)",
+            ),
+            Need::Node => Some("node 20 or newer with npm is needed (https://nodejs.org)"),
+            Need::Root => Some("root is needed"),
+            Need::Target(_) | Need::Component(_) if !on_path("rustup") => {
+                Some("rustup is needed (https://rustup.rs)")
+            }
+            Need::Program(..) | Need::File(..) if !on_path("apt-get") => {
+                Some("what is named above is to be installed by hand: there is no apt-get")
+            }
+            Need::Program(..)
+            | Need::File(..)
+            | Need::Component(_)
+            | Need::Target(_)
+            | Need::NodePackages(_)
+            | Need::Network => None,
+        });
+        let mut words: Vec<_> = words.collect();
+        words.dedup();
+        words
+    }
+
     /// A line for a shell that installs what can be installed, and in words what cannot.
     pub(crate) fn remedy(&self) -> String {
+        let by_hand = self.by_hand();
+        if !by_hand.is_empty() {
+            return by_hand.join("\n");
+        }
         let commands: Vec<_> = self.commands().iter().map(|words| words.join(" ")).collect();
-        let mut text = String::new();
-        if !commands.is_empty() {
-            text += &commands.join(" && ");
-        }
-        for need in &self.0 {
-            let by_hand = match need {
-                Need::Python => {
-                    "python3 3.11 or newer with its module venv is needed (Debian: apt-get install python3-venv)"
-                }
-                Need::Node => "node 20 or newer with npm is needed (https://nodejs.org)",
-                Need::Root => "root is needed",
-                Need::Program(..)
-                | Need::File(..)
-                | Need::Component(_)
-                | Need::Target(_)
-                | Need::NodePackages(_)
-                | Need::Network => continue,
-            };
-            let line = if text.is_empty() { "" } else { "\n" };
-            // Writing to a string cannot fail.
-            let _ = write!(text, "{line}{by_hand}");
-        }
-        text
+        format!("this installs them, as does --install:\n\n{}\n", commands.join(" && "))
     }
 
     /// Installs what can be installed.
@@ -153,7 +165,7 @@ impl Missing {
         }
         packages.sort_unstable();
         packages.dedup();
-        let sudo: &[&str] = if rustix::process::geteuid().is_root() { &[] } else { &["sudo"] };
+        let sudo: &[&str] = if rustix::process::geteuid().is_root() { &[] } else { &["sudo", "-n"] };
         let command = |parts: &[&[&str]]| parts.concat().into_iter().map(str::to_owned).collect();
         let mut commands: Vec<Vec<String>> = Vec::new();
         if !packages.is_empty() {
@@ -218,7 +230,7 @@ mod tests {
             Need::NodePackages("viewer"),
         ]);
         let remedy = missing.remedy();
-        assert_eq!(remedy.lines().count(), 1, "{remedy}");
+        assert_eq!(remedy.lines().count(), 3, "{remedy}");
         assert!(
             remedy.contains("apt-get install -y -qq --no-install-recommends gdb-avr libelf-dev libsimavr-dev && rustup component add clippy")
                 && remedy.contains("rustup target add thumbv7em-none-eabihf && npm install --prefix viewer"),
@@ -236,6 +248,9 @@ mod tests {
             Missing(vec![Need::Node]).remedy(),
             "node 20 or newer with npm is needed (https://nodejs.org)"
         );
-        assert!(Missing(Vec::new()).is_empty() && Missing(Vec::new()).remedy().is_empty());
+        assert!(
+            Missing(Vec::new()).is_empty()
+                && !Missing(vec![Need::Node, Need::NodePackages("viewer")]).can_be_installed()
+        );
     }
 }

@@ -15,10 +15,14 @@ pub(crate) struct Place {
 impl Place {
     /// That of this checkout.
     pub(crate) fn new() -> Self {
-        let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let root = manifest.parent().unwrap_or(manifest).to_owned();
-        let target = std::env::var_os("CARGO_TARGET_DIR")
-            .map_or_else(|| root.join("target"), |folder| root.join(folder));
+        // A clone that was moved keeps what was built in it, so the folder is that of `cargo run`, and that of the build without it.
+        let manifest = std::env::var_os("CARGO_MANIFEST_DIR")
+            .map_or_else(|| env!("CARGO_MANIFEST_DIR").into(), PathBuf::from);
+        let root = manifest.parent().unwrap_or(&manifest).to_owned();
+        // This program lies in the target folder, wherever a user has that.
+        let program = std::env::current_exe().unwrap_or_default();
+        let debug = program.ancestors().find(|folder| folder.ends_with("debug")).and_then(Path::parent);
+        let target = debug.map_or_else(|| root.join("target"), Path::to_owned);
         Self { root, target, ci: std::env::var_os("CI").is_some_and(|value| !value.is_empty()) }
     }
 

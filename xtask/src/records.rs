@@ -31,8 +31,13 @@ pub(crate) enum Error {
         error: toml::de::Error,
     },
     /// A question to git has no answer.
-    #[error("git {0}: no answer; is this a clone of the repository?")]
-    Git(String),
+    #[error("git {question}: {answer}")]
+    Git {
+        /// Its words.
+        question: String,
+        /// What git says instead.
+        answer: String,
+    },
 }
 
 /// How long a section took.
@@ -161,6 +166,16 @@ pub(crate) fn commits_since(root: &Path, commit: &str) -> Option<u64> {
     git(root, &["rev-list", "--count", &format!("{commit}..HEAD")]).ok()?.parse().ok()
 }
 
+/// How many commits lead to this one; 0 if that is not known.
+pub(crate) fn commits(root: &Path) -> u64 {
+    git(root, &["rev-list", "--count", "HEAD"]).ok().and_then(|count| count.parse().ok()).unwrap_or(0)
+}
+
+/// Whether this is a clone with all of its past.
+pub(crate) fn has_its_past(root: &Path) -> bool {
+    git(root, &["rev-parse", "--is-shallow-repository"]).is_ok_and(|answer| answer == "false")
+}
+
 /// What git calls the contents of a file.
 ///
 /// # Errors
@@ -177,8 +192,10 @@ pub(crate) fn content_hash(root: &Path, file: &Path) -> Result<String, Error> {
 /// This is no clone.
 pub(crate) fn state_of_tree(root: &Path) -> Result<String, Error> {
     let commit = commit(root)?;
-    let changes = git(root, &["diff", "HEAD", "--binary"])?;
-    let files = git(root, &["ls-files", "--others", "--exclude-standard"])?;
+    // The tables that runs write themselves change nothing that is tested.
+    let tables = ["--", ".", ":!xtask/times.toml", ":!xtask/release-checks.toml"];
+    let changes = git(root, &[&["diff", "--no-ext-diff", "HEAD", "--binary"], &tables[..]].concat())?;
+    let files = git(root, &[&["ls-files", "--others", "--exclude-standard"], &tables[..]].concat())?;
     if changes.is_empty() && files.is_empty() {
         return Ok(commit);
     }
@@ -201,16 +218,16 @@ pub(crate) fn today() -> String {
 
 fn git(root: &Path, words: &[&str]) -> Result<String, Error> {
     let asked = Command::new("git").arg("-C").arg(root).args(words).output();
-    let no_answer = || Error::Git(words.join(" "));
-    let printed = asked.map_err(|_| no_answer())?;
+    let no_answer = |answer: String| Error::Git { question: words.join(" "), answer };
+    let printed = asked.map_err(|error| no_answer(error.to_string()))?;
     if printed.status.success() {
         Ok(String::from_utf8_lossy(&printed.stdout).trim_end().to_owned())
     } else {
-        Err(no_answer())
+        Err(no_answer(String::from_utf8_lossy(&printed.stderr).trim().to_owned()))
     }
 }
 
-/// Which sections have passed on which state of the tree.
+/// Which sections have passed, by keys of the tree's state and the section.
 pub(crate) struct Passed {
     path: PathBuf,
 }
@@ -222,9 +239,8 @@ impl Passed {
     }
 
     /// Whether a section has.
-    pub(crate) fn has(&self, state: &str, section: &str) -> bool {
-        let text = std::fs::read_to_string(&self.path).unwrap_or_default();
-        text.lines().any(|line| line == format!("{state} {section}"))
+    pub(crate) fn has(&self, key: &str) -> bool {
+        self.text().lines().any(|line| line == key)
     }
 
     /// Notes that a section has.
@@ -232,8 +248,24 @@ impl Passed {
     /// # Errors
     ///
     /// The file cannot be written.
-    pub(crate) fn add(&self, state: &str, section: &str) -> Result<(), Error> {
-        append(&self.path, &format!("{state} {section}\n"))
+    pub(crate) fn add(&self, key: &str) -> Result<(), Error> {
+        append(&self.path, &format!("{key}\n"))
+    }
+
+    /// Forgets that a section has.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be written.
+    pub(crate) fn remove(&self, key: &str) -> Result<(), Error> {
+        let kept: String =
+            self.text().lines().filter(|line| *line != key).map(|line| format!("{line}\n")).collect();
+        std::fs::write(&self.path, kept).map_err(|error| Error::File { path: self.path.clone(), error })
+    }
+
+    /// A file that is not there has no line.
+    fn text(&self) -> String {
+        std::fs::read_to_string(&self.path).unwrap_or_default()
     }
 }
 

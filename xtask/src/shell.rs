@@ -3,7 +3,7 @@
 
 use std::ffi::OsStr;
 use std::fs::File;
-use std::io::{PipeReader, Read as _, Write as _};
+use std::io::{PipeReader, PipeWriter, Read as _, Write as _};
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -58,6 +58,9 @@ pub(crate) enum Failure {
     /// Something that the section cannot do without could not be had.
     #[error("{0}")]
     Missing(String),
+    /// A section takes so long that it will not end.
+    #[error("it was ended, as it took much longer than it should")]
+    TooLong,
     /// Ctrl-C.
     #[error("interrupted")]
     Interrupted,
@@ -84,6 +87,8 @@ pub(crate) struct Shell {
     pub(crate) place: Place,
     log: File,
     log_path: PathBuf,
+    /// When the section must have ended.
+    end: Option<Instant>,
     interrupted: Arc<AtomicBool>,
 }
 
@@ -96,15 +101,16 @@ impl Shell {
     pub(crate) fn new(place: Place, interrupted: Arc<AtomicBool>) -> Result<Self, Failure> {
         let log_path = place.target.join("test/log");
         let log = Self::log_at(&log_path)?;
-        Ok(Self { place, log, log_path, interrupted })
+        Ok(Self { place, log, log_path, end: None, interrupted })
     }
 
-    /// Begins the log of another section, whose path it gives.
+    /// Begins another section, which may take so many seconds; the path of its log.
     ///
     /// # Errors
     ///
     /// The log cannot be written.
-    pub(crate) fn begin_log(&mut self, section: &str) -> Result<PathBuf, Failure> {
+    pub(crate) fn begin_section(&mut self, section: &str, limit_s: u64) -> Result<PathBuf, Failure> {
+        self.end = Instant::now().checked_add(Duration::from_secs(limit_s));
         self.log_path = self.place.target.join("test").join(section).with_extension("log");
         self.log = Self::log_at(&self.log_path)?;
         Ok(self.log_path.clone())
@@ -142,6 +148,9 @@ impl Shell {
     pub(crate) fn command(&self, program: impl AsRef<OsStr>) -> Command {
         let mut command = Command::new(program);
         command.current_dir(&self.place.root).stdin(Stdio::null());
+        // Programs for root lie where other users do not look.
+        let path = std::env::var("PATH").unwrap_or_default();
+        command.env("PATH", format!("{path}:/usr/sbin:/sbin"));
         command.env("INSTA_UPDATE", "no"); // A snapshot that differs is a failure, never a new file.
         command
     }
@@ -173,7 +182,10 @@ impl Shell {
     pub(crate) fn status(&self, command: Command) -> Result<ExitStatus, Failure> {
         let program = words(&command);
         let log = self.log.try_clone().map_err(|error| Failure::Start { program: program.clone(), error })?;
-        let (child, reader) = piped(command, true).map_err(|error| Failure::Start { program, error })?;
+        let (reader, writer) =
+            std::io::pipe().map_err(|error| Failure::Start { program: program.clone(), error })?;
+        let child = piped(command, &writer, &writer).map_err(|error| Failure::Start { program, error })?;
+        drop(writer);
         let shown = std::thread::spawn(move || show(reader, log));
         self.wait(child, &shown)
     }
@@ -185,8 +197,14 @@ impl Shell {
     /// It cannot be started, or Ctrl-C was pressed.
     pub(crate) fn printed(&self, command: Command, with_errors: bool) -> Result<Printed, Failure> {
         let program = words(&command);
-        let (child, mut reader) =
-            piped(command, with_errors).map_err(|error| Failure::Start { program, error })?;
+        let failed = |error| Failure::Start { program: program.clone(), error };
+        let (mut reader, writer) = std::io::pipe().map_err(failed)?;
+        let (errors, writer_of_errors) = std::io::pipe().map_err(failed)?;
+        let child =
+            piped(command, &writer, if with_errors { &writer } else { &writer_of_errors }).map_err(failed)?;
+        drop((writer, writer_of_errors));
+        let log = self.log.try_clone().map_err(failed)?;
+        std::thread::spawn(move || show(errors, log));
         let read = std::thread::spawn(move || {
             let mut bytes = Vec::new();
             // A pipe that breaks ends the text; how the program ended is told apart.
@@ -206,7 +224,11 @@ impl Shell {
     pub(crate) fn text(&self, command: Command) -> Result<String, Failure> {
         let program = words(&command);
         let Printed { status, text } = self.printed(command, false)?;
-        if status.success() { Ok(text) } else { Err(Failure::Ended { program, status }) }
+        if status.success() {
+            return Ok(text);
+        }
+        self.say(text.trim_end());
+        Err(Failure::Ended { program, status })
     }
 
     /// A program that runs until it is dropped, with all that it has started.
@@ -249,7 +271,7 @@ impl Shell {
                 Ok(None) => {}
                 Err(error) => return Err(Failure::Start { program: "wait".to_owned(), error }),
             }
-            if self.is_interrupted() {
+            if self.is_interrupted() || self.is_too_long() {
                 let since = *told.get_or_insert_with(|| {
                     running.signal(Signal::INT);
                     Instant::now()
@@ -265,7 +287,15 @@ impl Shell {
             std::thread::sleep(Duration::from_millis(5));
         }
         running.signal(Signal::KILL);
-        if self.is_interrupted() { Err(Failure::Interrupted) } else { Ok(status) }
+        match told {
+            None => Ok(status),
+            Some(_) if self.is_interrupted() => Err(Failure::Interrupted),
+            Some(_) => Err(Failure::TooLong),
+        }
+    }
+
+    fn is_too_long(&self) -> bool {
+        self.end.is_some_and(|end| Instant::now() > end)
     }
 }
 
@@ -321,16 +351,10 @@ impl Drop for Running {
     }
 }
 
-/// Starts a program in a group of its own, whose output comes through a pipe.
-fn piped(mut command: Command, with_errors: bool) -> std::io::Result<(Child, PipeReader)> {
-    let (reader, writer) = std::io::pipe()?;
-    if with_errors {
-        command.stderr(writer.try_clone()?);
-    }
-    let child = command.stdout(writer).process_group(0).spawn()?;
-    // With the command its ends of the pipe are closed, so that the reader ends when the program does.
-    drop(command);
-    Ok((child, reader))
+/// Starts a program in a group of its own, which writes into pipes. With its command its ends of them are closed, so that their
+/// readers end when it does.
+fn piped(mut command: Command, output: &PipeWriter, errors: &PipeWriter) -> std::io::Result<Child> {
+    command.stdout(output.try_clone()?).stderr(errors.try_clone()?).process_group(0).spawn()
 }
 
 /// Shows bytes as they come, and keeps them in a log.
@@ -376,7 +400,7 @@ mod tests {
     #[test]
     fn what_a_program_prints_is_in_the_log_and_its_code_is_told() {
         let (mut shell, _) = shell("log");
-        let log = shell.begin_log("some").unwrap();
+        let log = shell.begin_section("some", 100).unwrap();
         let failure = shell.run(sh(&shell, "echo out; echo err >&2; exit 3")).unwrap_err();
         assert_eq!(failure.to_string(), "`sh -c echo out; echo err >&2; exit 3` ended with exit status: 3");
         assert_eq!(std::fs::read_to_string(log).unwrap(), "out\nerr\n");
@@ -399,6 +423,14 @@ mod tests {
         assert!(matches!(shell.run(sh(&shell, &script)), Err(Failure::Interrupted)));
         assert!(begin.elapsed() < Duration::from_secs(100));
         interrupts.join().unwrap();
+        std::fs::remove_dir_all(&shell.place.target).unwrap();
+    }
+
+    #[test]
+    fn a_section_that_never_ends_is_ended() {
+        let (mut shell, _) = shell("long");
+        shell.begin_section("some", 0).unwrap();
+        assert!(matches!(shell.run(sh(&shell, "sleep 1000")), Err(Failure::TooLong)));
         std::fs::remove_dir_all(&shell.place.target).unwrap();
     }
 

@@ -86,7 +86,10 @@ const NGINX: Need = Program("nginx", "nginx-light");
 const OPENSSL: Need = Program("openssl", "openssl");
 const CURL: Need = Program("curl", "curl");
 const CHROMIUM: Need = Program("chromium", "chromium");
-const AVR_GCC: Need = Program("avr-g++", "gcc-avr avr-libc binutils-avr");
+const AVR_GCC: Need = Program("avr-g++", "gcc-avr binutils-avr");
+const AVR_LIBC: Need = File("/usr/lib/avr/include/avr/io.h", "avr-libc");
+const MAKE: Need = Program("make", "make");
+const DEBOOTSTRAP: Need = Program("debootstrap", "debootstrap");
 const TOOLS: Need = NodePackages("tools");
 const VIEWER: Need = NodePackages("viewer");
 const WASI: Need = Target("wasm32-wasip1");
@@ -98,7 +101,7 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "structure", rung: Rung::Test, protects: "sizes, errors and borders of the code; the ladder's own tables", check: |shell, _| rust::structure(shell), ..PLAIN },
     Section { name: "tests", rung: Rung::Test, protects: "all tests but those in xtask/slow-tests.toml: units, whole systems over real sockets", check: |shell, _| rust::tests(shell), ..PLAIN },
     Section { name: "main-job", rung: Rung::Test, protects: "README's first run, with its hash", check: |shell, _| rust::main_job(shell), ..PLAIN },
-    Section { name: "python-client", rung: Rung::Test, protects: "the client in Python beside a real server", needs: &[Python], is_optional: true, check: |shell, _| python::client(shell), ..PLAIN },
+    Section { name: "python-client", rung: Rung::Test, protects: "the client in Python beside a real server", needs: &[Python, OPENSSL], is_optional: true, check: |shell, _| python::client(shell), ..PLAIN },
 
     Section { name: "lints", protects: "clippy's and the compiler's lints, in all code and with all features", needs: &[Component("clippy")], check: |shell, _| rust::lints(shell), ..PLAIN },
     Section { name: "slow-tests", protects: "the tests that `./test` has no time for", check: |shell, _| rust::slow_tests(shell), ..PLAIN },
@@ -111,10 +114,10 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "contract", protects: "the contract's style, and that it only grows", needs: &[Node, TOOLS], check: |shell, _| pages::contract(shell), ..PLAIN },
     Section { name: "editors", protects: "the schema of scenarios, by what editors use", needs: &[Python, Node, TOOLS], check: |shell, _| pages::editors(shell), ..PLAIN },
     Section { name: "viewer", protects: "the page's sources, and that viewer/dist is made of them", needs: &[Node, TOOLS, VIEWER], check: |shell, _| pages::viewer(shell), ..PLAIN },
-    Section { name: "viewer-browser", protects: "a server's page in Chromium", needs: &[Node, TOOLS, VIEWER, CHROMIUM, Program("certutil", "libnss3-tools")], check: |shell, _| pages::viewer_in_a_browser(shell), ..PLAIN },
+    Section { name: "viewer-browser", protects: "a server's page in Chromium", needs: &[Node, TOOLS, VIEWER, CHROMIUM, OPENSSL, Program("certutil", "libnss3-tools")], check: |shell, _| pages::viewer_in_a_browser(shell), ..PLAIN },
     Section { name: "page", protects: "the stand-alone page in Chromium: its size, hashes, brains", needs: &[Node, TOOLS, VIEWER, CHROMIUM, WASI, Python], check: |shell, _| pages::page(shell), ..PLAIN },
     Section { name: "manual", protects: "the manual as a site, without broken links", needs: &[Python], check: |shell, _| python::manual(shell), ..PLAIN },
-    Section { name: "manual-commands", protects: "the commands of tutorials and how-tos; generated pages of the manual", needs: &[Python], check: |shell, _| python::manual_commands(shell), ..PLAIN },
+    Section { name: "manual-commands", protects: "the commands of tutorials and how-tos; generated pages of the manual", needs: &[Python, AVR_GCC, AVR_LIBC, MAKE, CHROMIUM], check: |shell, _| python::manual_commands(shell), ..PLAIN },
     Section { name: "gallery", protects: "the gallery's pictures", needs: &[Python], check: |shell, _| python::gallery(shell), ..PLAIN },
     Section { name: "brains-in-python", protects: "the client's types, stubs and examples", needs: &[Python], check: |shell, _| python::brains(shell), ..PLAIN },
     Section { name: "worlds-in-python", protects: "the Python package: types, ABI, environments, notebooks", needs: &[Python], check: |shell, _| python::worlds(shell), ..PLAIN },
@@ -126,13 +129,13 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "deployment", protects: "units, manifests, and servers behind a proxy", needs: &[Python, OPENSSL, CURL, NGINX, Program("systemd-analyze", "systemd")], check: |shell, _| servers::deployment(shell), ..PLAIN },
     Section { name: "ports", protects: "programs of others at serial ports", needs: &[Python, Program("gpsd", "gpsd")], check: |shell, _| chips::ports(shell), ..PLAIN },
     Section { name: "microcontroller", protects: "each instruction of the chip beside simavr", needs: &[File("/usr/include/simavr/sim_avr.h", "libsimavr-dev libelf-dev")], check: |shell, _| chips::microcontroller(shell), ..PLAIN },
-    Section { name: "firmware", protects: "sketches and firmware of others on a robot's chip", needs: &[Python, AVR_GCC, File("/usr/share/arduino/hardware/arduino/avr", "arduino-core-avr"), Program("make", "make"), Program("npm", "npm"), Program("gpsd", "gpsd")], check: |shell, _| chips::firmware(shell), ..PLAIN },
-    Section { name: "debugging", protects: "a robot's program under avr-gdb", needs: &[Python, AVR_GCC, Program("avr-gdb", "gdb-avr")], check: |shell, _| chips::debugging(shell), ..PLAIN },
+    Section { name: "firmware", protects: "sketches and firmware of others on a robot's chip", needs: &[Python, Node, AVR_GCC, AVR_LIBC, File("/usr/share/arduino/hardware/arduino/avr", "arduino-core-avr"), MAKE, Program("gpsd", "gpsd")], check: |shell, _| chips::firmware(shell), ..PLAIN },
+    Section { name: "debugging", protects: "a robot's program under avr-gdb", needs: &[Python, AVR_GCC, AVR_LIBC, Program("avr-gdb", "gdb-avr")], check: |shell, _| chips::debugging(shell), ..PLAIN },
     Section { name: "new-brains", protects: "the projects of `baudbot new brain`", needs: &[Python], check: |shell, _| projects::new_brains(shell), ..PLAIN },
     Section { name: "examples", protects: "the brains in examples/, which drive one path to the last bit", needs: &[Python, Node, TOOLS, VIEWER, NodePackages("examples/typescript")], check: |shell, _| projects::examples(shell), ..PLAIN },
 
     Section { name: "optimised", rung: Rung::Release, protects: "the tests of numbers and of order in a release build", check: |shell, _| release::optimised(shell), ..PLAIN },
-    Section { name: "aarch64", rung: Rung::Release, protects: "the same bits on another processor", needs: &[Target("aarch64-unknown-linux-gnu"), Program("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu libc6-dev-arm64-cross"), Program("qemu-aarch64", "qemu-user")], check: |shell, _| release::aarch64(shell), ..PLAIN },
+    Section { name: "aarch64", rung: Rung::Release, protects: "the same bits on another processor", needs: &[Target("aarch64-unknown-linux-gnu"), Program("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu"), File("/usr/aarch64-linux-gnu/lib/crt1.o", "libc6-dev-arm64-cross"), Program("qemu-aarch64", "qemu-user")], check: |shell, _| release::aarch64(shell), ..PLAIN },
     Section { name: "firefox", rung: Rung::Release, protects: "both pages in Firefox", needs: &[Node, TOOLS, VIEWER, WASI, Program("firefox-esr", "firefox-esr")], check: |shell, _| pages::firefox(shell), ..PLAIN },
     Section { name: "kills", rung: Rung::Release, protects: "what was told before a kill -9 is there after it", arguments: "[ROUNDS]", check: release::kills, ..PLAIN },
     Section { name: "network", rung: Rung::Release, protects: "servers and clients over a network that breaks in all ways", arguments: "[SEEDS | --seed SEED]", check: release::network, ..PLAIN },
@@ -140,8 +143,8 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "soak", rung: Rung::Release, protects: "a server with all that clients do at once: nothing grows", arguments: "[HOURS]", check: release::soak, ..PLAIN },
     Section { name: "cluster", rung: Rung::Release, protects: "sweeps on a cluster by Ray, a node of which is killed", needs: &[Python, Network], check: |shell, _| python::cluster(shell), ..PLAIN },
     Section { name: "container", rung: Rung::Release, protects: "the container's static program, in an empty root", needs: &[Root, Network], check: |shell, _| release::script(shell, "deploy/container/try", &[]), ..PLAIN },
-    Section { name: "wheel", rung: Rung::Release, protects: "the wheel of a release, for old systems, too", needs: &[Python, Network], check: |shell, _| release::script(shell, "python/build-wheel", &[]), ..PLAIN },
-    Section { name: "release", rung: Rung::Release, protects: "a release, each file of it tried in a clean Debian", arguments: "[x86_64 | aarch64]…", needs: &[Root, Network], check: |shell, arguments| release::script(shell, "deploy/release/try", arguments) , ..PLAIN },
+    Section { name: "wheel", rung: Rung::Release, protects: "the wheel of a release, for old systems, too", needs: &[Python, Network], check: |shell, _| python::wheel(shell), ..PLAIN },
+    Section { name: "release", rung: Rung::Release, protects: "a release, each file of it tried in a clean Debian", arguments: "[x86_64 | aarch64]…", needs: &[Root, Network, DEBOOTSTRAP], check: |shell, arguments| release::script(shell, "deploy/release/try", arguments) , ..PLAIN },
     Section { name: "ports-idle", rung: Rung::Release, protects: "programs of others at serial ports, in time by the wall clock", needs: &[Python, Program("gpsd", "gpsd")], check: |shell, _| chips::ports_in_time(shell), ..PLAIN },
     Section { name: "advisories", rung: Rung::Release, protects: "known vulnerabilities, by the RustSec database", needs: &[Network], check: |shell, _| rust::cargo_deny(shell, &["check", "advisories"]), ..PLAIN },
 
@@ -183,15 +186,24 @@ pub(crate) fn overdue(greens: &Table<Green>, age: impl Fn(&str) -> Option<u64>) 
     aged.filter(|(_, age)| *age > OLDEST).collect()
 }
 
-/// The release check whose turn it is: of those that are short, the one that was green longest ago.
+/// The release check whose turn it is: of those that are short, the one that was green longest ago. Several that were green at
+/// the same commit take turns, by a number that grows with each commit.
 pub(crate) fn next_release_check(
     greens: &Table<Green>,
     times: &Table<Duration>,
+    turn: u64,
     age: impl Fn(&str) -> Option<u64>,
 ) -> Option<&'static Section> {
     let is_short =
         |section: &&Section| times.get(section.name).is_some_and(|time| time.wall_s <= LONGEST_TURN_S);
-    up_to(Rung::Release).filter(is_short).max_by_key(|section| age_of(section, greens, &age))
+    let aged: Vec<_> = up_to(Rung::Release)
+        .filter(is_short)
+        .map(|section| (age_of(section, greens, &age), section))
+        .collect();
+    let oldest = aged.iter().map(|(age, _)| *age).max()?;
+    let oldest: Vec<_> = aged.into_iter().filter(|(age, _)| *age == oldest).collect();
+    let place = usize::try_from(turn).unwrap_or(0) % oldest.len();
+    oldest.get(place).map(|(_, section)| *section)
 }
 
 /// How many commits ago a check was green. A commit that is not known here, as in a clone without its past, counts as none.
@@ -297,10 +309,13 @@ mod tests {
             .collect();
         assert!(overdue(&greens, age).is_empty());
         greens.remove("aarch64");
-        assert_eq!(next_release_check(&greens, &times, age).unwrap().name, "aarch64");
+        assert_eq!(next_release_check(&greens, &times, 7, age).unwrap().name, "aarch64");
         greens.insert("kills".to_owned(), green("old"));
         greens.insert("soak".to_owned(), green("old"));
-        assert_eq!(next_release_check(&greens, &times, age).unwrap().name, "kills");
+        assert_eq!(next_release_check(&greens, &times, 7, age).unwrap().name, "kills");
+        let turns: BTreeSet<_> =
+            (0..50).map(|turn| next_release_check(&Table::new(), &times, turn, age).unwrap().name).collect();
+        assert_eq!(turns.len(), up_to(Rung::Release).count() - 1, "all but the soak, which is long");
         assert_eq!(overdue(&greens, age), [("kills", 301), ("soak", 301)]);
     }
 }

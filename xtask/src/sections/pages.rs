@@ -79,7 +79,8 @@ pub(super) fn page(shell: &Shell) -> Result<(), Failure> {
     let brain = format!("exec:{} client/python/examples/follow.py", python.display());
     follow.args(["run", "wander", "--seconds", "60", "--json", "--quiet", "--brain", &brain]);
     let printed = shell.text(follow)?;
-    let hash = json_word(&printed, "state_hash").unwrap_or_default();
+    let hash = json_word(&printed, "state_hash")
+        .ok_or_else(|| Failure::Wrong(format!("a run has no state hash:\n{printed}")))?;
     let mut test = npm(shell, "test:page", &[]);
     test.env("CHROMIUM", found(shell, "chromium")?)
         .env("BAUDBOT", program)

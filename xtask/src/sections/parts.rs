@@ -24,6 +24,7 @@ pub(super) fn environment(
         let path = root.join(name);
         texts += &std::fs::read_to_string(&path).map_err(Failure::file(&path))?;
     }
+    texts += &install.join(" ");
     let note = folder.join("installed");
     if python.is_file() && std::fs::read_to_string(&note).is_ok_and(|text| text == texts) {
         return Ok(python);
@@ -34,12 +35,15 @@ pub(super) fn environment(
     let mut pip = shell.command(&python);
     pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--retries", "2"])
         .args(install);
-    let status = shell.status(pip)?;
-    if !status.success() {
-        return Err(Failure::Missing(format!(
-            "packages of Python for {}; is there a network?",
-            folder.display()
-        )));
+    let printed = shell.printed(pip, true)?;
+    shell.say(printed.text.trim_end());
+    if !printed.status.success() {
+        let signs =
+            ["NewConnectionError", "Failed to establish", "name resolution", "ConnectTimeout", "ProxyError"];
+        if signs.iter().any(|sign| printed.text.contains(sign)) {
+            return Err(Failure::Missing("its packages cannot be had: there is no network".to_owned()));
+        }
+        return Err(Failure::Ended { program: "pip install".to_owned(), status: printed.status });
     }
     std::fs::write(&note, texts).map_err(Failure::file(&note))?;
     Ok(python)

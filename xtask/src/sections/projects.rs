@@ -12,8 +12,8 @@ fn target(shell: &Shell) -> std::path::PathBuf {
     shell.place.target.join("projects")
 }
 
-/// Projects that `baudbot new brain` makes are built as they say, in a place that knows nothing of this source, and drive a
-/// robot for ten seconds.
+/// Projects that `baudbot new brain` makes are built in a place that knows nothing of this source, and drive a robot for ten
+/// seconds. They share what they have built with the examples, and are not optimised, to be there sooner.
 pub(super) fn new_brains(shell: &Shell) -> Result<(), Failure> {
     let program = built(shell)?;
     let place = std::env::temp_dir().join(format!("baudbot-new-brains-{}", std::process::id()));

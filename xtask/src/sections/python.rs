@@ -112,48 +112,43 @@ pub(super) fn worlds(shell: &Shell) -> Result<(), Failure> {
     shell.run(script(shell, &python, &["bench/python/vector.py", "--seconds", "0.2"]))
 }
 
-/// What the package asks for, what builds it, and what its checks need.
-const WORLDS: [&str; 7] = [
-    "-r",
-    "python/requirements.txt",
-    "maturin>=1.16,<2",
-    "hatchling>=1.27",
-    "wheel>=0.45",
-    "grpcio>=1.73.1",
-    "numpy>=1.26",
-];
+/// What builds the package, and what its checks need; it brings itself what it asks for.
+const WORLDS: [&str; 5] =
+    ["-r", "python/requirements.txt", "maturin>=1.16,<2", "hatchling>=1.27", "wheel>=0.45"];
 
 /// Its interpreter, in an environment of its own.
 fn worlds_installed(shell: &Shell) -> Result<std::path::PathBuf, Failure> {
     built(shell)?;
-    shell.run(shell.cargo([
-        "build",
-        "--quiet",
-        "--workspace",
-        "--all-features",
-        "--lib",
-        "--example",
-        "soak",
-    ]))?;
+    let words = ["build", "--quiet", "--workspace", "--all-features", "--lib", "--example", "soak"];
+    shell.run(shell.cargo(words))?;
     let wanted = ["python/requirements.txt", "python/pyproject.toml", "client/python/pyproject.toml"];
     let python = environment(shell, &shell.place.target.join("python"), &wanted, &WORLDS)?;
-    let mut pip = shell.command(&python);
     // The versions stay the same, so that pip must be told when something in them has changed.
-    pip.args([
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-        "--force-reinstall",
-        "--no-deps",
-        "--no-build-isolation",
-    ]);
-    pip.args(["./client/python", "./python"])
-        .env("BAUDBOT_BUILT", shell.place.target.join("debug"))
-        .env("PATH", path_with(&shell.place.target.join("python/bin")));
-    shell.run(pip)?;
+    let again = ["--force-reinstall", "--no-deps", "./client/python", "./python"];
+    for words in [&["./client/python", "./python[all]"][..], &again] {
+        let mut pip = shell.command(&python);
+        pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-build-isolation"])
+            .args(words);
+        pip.env("BAUDBOT_BUILT", shell.place.target.join("debug"))
+            .env("PATH", path_with(&shell.place.target.join("python/bin")));
+        shell.run(pip)?;
+    }
     Ok(python)
+}
+
+/// The wheels of a release; and the package as README has people install it from a clone.
+pub(super) fn wheel(shell: &Shell) -> Result<(), Failure> {
+    super::release::script(shell, "python/build-wheel", &[])?;
+    let folder = shell.place.scratch("wheel").map_err(Failure::file(&shell.place.target))?;
+    let python = environment(shell, &folder, &["python/pyproject.toml"], &["./python[all]"])?;
+    let mut import = shell.command(python);
+    import
+        .args(["-c", "import baudbot, gymnasium; gymnasium.make('baudbot/Wander-v0').reset(seed=1)"])
+        .current_dir("/");
+    shell.run(import)?;
+    let mut program = shell.command(folder.join("bin/baudbot"));
+    program.arg("--version");
+    shell.run(program)
 }
 
 /// Sweeps on a cluster. Ray is large, and a cluster takes a while to come up.
@@ -180,7 +175,8 @@ pub(super) fn cluster(shell: &Shell) -> Result<(), Failure> {
 /// Policies that learn to wander at fast and slow cables.
 pub(super) fn learn(shell: &Shell) -> Result<(), Failure> {
     let python = worlds_installed(shell)?;
-    let mut command = script(shell, &python, &["python/examples/ages.py", "--out", "target/learn"]);
+    let mut command = script(shell, &python, &["python/examples/ages.py", "--out"]);
+    command.arg(shell.place.target.join("learn"));
     command.env("PATH", path_with(&shell.place.target.join("python/bin"))).env("OMP_NUM_THREADS", "1");
     shell.run(command)
 }
@@ -230,17 +226,7 @@ pub(super) fn traces(shell: &Shell) -> Result<(), Failure> {
     let folder = shell.place.scratch("traces").map_err(Failure::file(&shell.place.target))?;
     let trace = folder.join("run.pftrace");
     let made_up = shell.place.target.join("tmp/made-up.pftrace");
-    if !made_up.is_file() {
-        shell.run(shell.cargo([
-            "test",
-            "--quiet",
-            "--workspace",
-            "--all-features",
-            "--lib",
-            "--",
-            "perfetto",
-        ]))?;
-    }
+    shell.run(shell.cargo(["test", "--quiet", "--workspace", "--all-features", "--test", "made_up"]))?;
     shell.run(script(shell, &python, &["tools/check_trace.py", &made_up.to_string_lossy()]))?;
     for arguments in
         [&["khepera", "--brain", "none"][..], &["scenarios/devices/laser.toml", "--brain", "none"], &[]]

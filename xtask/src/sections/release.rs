@@ -52,16 +52,20 @@ pub(super) fn kills(shell: &Shell, arguments: &[String]) -> Result<(), Failure> 
         "many_kills",
     ];
     let mut command = shell.cargo(words);
-    command.env("BAUDBOT_KILLS", arguments.first().map_or("50", String::as_str));
+    command.env("BAUDBOT_KILLS", number(arguments.first(), "50")?);
     shell.run(command)
+}
+
+fn number<'a>(argument: Option<&'a String>, usual: &'a str) -> Result<&'a str, Failure> {
+    let text = argument.map_or(usual, String::as_str);
+    text.parse::<u64>().map(|_| text).map_err(|_| Failure::Wrong(format!("`{text}` is no number")))
 }
 
 /// A network that breaks in all ways, of so many seeds, or of one.
 pub(super) fn network(shell: &Shell, arguments: &[String]) -> Result<(), Failure> {
     let (variable, value) = match arguments {
-        [] => ("BAUDBOT_NETWORK_SEEDS", "2000"),
-        [seeds] => ("BAUDBOT_NETWORK_SEEDS", seeds.as_str()),
-        [option, seed] if option == "--seed" => ("BAUDBOT_NETWORK_SEED", seed.as_str()),
+        [] | [_] => ("BAUDBOT_NETWORK_SEEDS", number(arguments.first(), "2000")?),
+        [option, seed] if option == "--seed" => ("BAUDBOT_NETWORK_SEED", number(Some(seed), "0")?),
         [_, ..] => return Err(Failure::Wrong("./test network [SEEDS | --seed SEED]".to_owned())),
     };
     let words = [
@@ -107,6 +111,7 @@ pub(super) fn soak(shell: &Shell, arguments: &[String]) -> Result<(), Failure> {
 /// A script of the project.
 pub(super) fn script(shell: &Shell, file: &str, arguments: &[String]) -> Result<(), Failure> {
     let mut command = shell.command(file);
-    command.args(arguments);
+    // They have their folders below the root's own target.
+    command.args(arguments).env_remove("CARGO_TARGET_DIR");
     shell.run(command)
 }
