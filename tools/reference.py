@@ -58,8 +58,8 @@ COMMON = re.compile(r"^Log:\n.*?(?=^\S|\Z)", re.M | re.S)
 
 
 def said(*arguments):
-    """What the program says, as it does on every machine."""
-    done = subprocess.run([BAUDBOT, *arguments], env={"PATH": ""}, capture_output=True, text=True, check=True)
+    """What the program says, as it does on every machine. The one that the tests were built with wraps its help for the terminal."""
+    done = subprocess.run([BAUDBOT, *arguments], env={"PATH": "", "COLUMNS": "100000"}, capture_output=True, text=True, check=True)
     return done.stdout.rstrip()
 
 

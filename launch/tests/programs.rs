@@ -195,11 +195,12 @@ async fn a_process_that_fails_at_its_next_run_is_told_as_one_that_fails_at_its_f
 
 #[tokio::test]
 async fn a_first_line_that_names_no_interpreter_is_told() {
-    use std::os::unix::fs::PermissionsExt;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("crlf.sh");
-    std::fs::write(&path, "#!/bin/sh\r\necho here\r\n").unwrap();
-    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    // A process of its own writes it: a program that a test beside starts meanwhile would inherit the open file, and who
+    // tries to run a file that is open for writing is told that it is busy.
+    let written = ["-c", "printf '#!/bin/sh\\r\\necho here\\r\\n' > \"$0\" && chmod +x \"$0\""];
+    assert!(std::process::Command::new("sh").args(written).arg(&path).status().unwrap().success());
     let error = start(&path.display().to_string()).unwrap_err();
     assert!(matches!(error.problem, Problem::NoInterpreter(_)), "{error}");
     assert!(error.to_string().contains("also for a line end of Windows"), "{error}");

@@ -8,12 +8,7 @@ import re
 import signal
 import subprocess
 import sys
-import threading
-import time
 from collections.abc import Sequence
-
-# A server that gave a byte later than this was too busy for what depends on the clock.
-LATE_MS = 2.0
 
 
 class Served:
@@ -65,10 +60,6 @@ class Served:
         done = subprocess.run(command, check=True, cwd=self.folder, timeout=240, stdout=subprocess.PIPE, text=True)
         return done.stdout
 
-    def latest_ms(self) -> float:
-        """How late the latest byte was given to a program."""
-        return max((float(late) for late in re.findall(r"([\d.]+) ms at most", self.report)), default=0.0)
-
     def export(self, what: str) -> list[dict[str, str]]:
         """A table of the recording: `csv`, a row for each tick, or `events`."""
         command = [self.baudbot, "export", self.recording, f"--{what}", "-", "--quiet"]
@@ -79,23 +70,3 @@ class Served:
 def number(place: str) -> str:
     """The number of a TCP port."""
     return place.rsplit(":", 1)[1]
-
-
-class Probe:
-    """A program beside others that sleeps for a millisecond again and again. `latest_ms` is how late it woke at the latest."""
-
-    def __enter__(self) -> "Probe":
-        self.latest_ms, self.is_over = 0.0, threading.Event()
-        self.thread = threading.Thread(target=self.sleep)
-        self.thread.start()
-        return self
-
-    def sleep(self) -> None:
-        while not self.is_over.is_set():
-            began = time.perf_counter()
-            time.sleep(0.001)
-            self.latest_ms = max(self.latest_ms, 1e3 * (time.perf_counter() - began) - 1.0)
-
-    def __exit__(self, *_: object) -> None:
-        self.is_over.set()
-        self.thread.join()

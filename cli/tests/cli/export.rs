@@ -314,14 +314,16 @@ fn what_is_no_recording_is_told() {
 /// A program in place of a browser: it writes its process down, does this in Bash with the page's address in `url`, and
 /// stays.
 fn browser(name: &str, bash: &str) -> (PathBuf, PathBuf) {
-    use std::os::unix::fs::PermissionsExt;
     let (program, told) = (place(name), place(&format!("{name}.told")));
     let text = format!(
         "#!/usr/bin/env bash\nurl=${{!#}}\nprintf '%s\n' $$ \"$@\" > '{}'\n{ASKS}{bash}\n",
         told.display()
     );
-    fs::write(&program, text).unwrap();
-    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+    // A process of its own writes it: a program that a test beside starts meanwhile would inherit the open file, and who tries
+    // to run a file that is open for writing is told that it is busy.
+    let mut writer = Command::new("sh");
+    writer.args(["-c", "printf %s \"$1\" > \"$0\" && chmod +x \"$0\""]).arg(&program).arg(text);
+    assert!(writer.status().unwrap().success());
     (program, told)
 }
 

@@ -273,21 +273,21 @@ pub(super) fn manual(shell: &Shell) -> Result<(), Failure> {
 }
 
 /// Tutorials and how-tos do what they say, and the pages that are made of the program's help and of the contract are up to date.
+/// The reader of some has the package with worlds in it.
 pub(super) fn manual_commands(shell: &Shell) -> Result<(), Failure> {
-    for words in [&["tools/reference.py", "--check"][..], &["tools/doc_commands.py"]] {
-        with_program(shell, words)?;
-    }
-    Ok(())
+    with_program(shell, "python3".as_ref(), &["tools/reference.py", "--check"])?;
+    let python = worlds_installed(shell)?;
+    with_program(shell, &python, &["tools/doc_commands.py"])
 }
 
 /// The gallery's pictures are what its commands make.
 pub(super) fn gallery(shell: &Shell) -> Result<(), Failure> {
-    with_program(shell, &["tools/gallery.py", "--check"])
+    with_program(shell, "python3".as_ref(), &["tools/gallery.py", "--check"])
 }
 
-fn with_program(shell: &Shell, words: &[&str]) -> Result<(), Failure> {
+fn with_program(shell: &Shell, python: &std::path::Path, words: &[&str]) -> Result<(), Failure> {
     let program = built(shell)?;
-    let mut command = script(shell, "python3".as_ref(), words);
+    let mut command = script(shell, python, words);
     command.env("BAUDBOT", program);
     shell.run(command)
 }
