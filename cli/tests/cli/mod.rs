@@ -77,7 +77,7 @@ impl Running {
     }
 
     fn signal(&self, name: &str) {
-        let sent = Command::new("kill").args([name, &self.0.id().to_string()]).status().unwrap();
+        let sent = Command::new("sh").args(["-c", &format!("kill {name} {}", self.0.id())]).status().unwrap();
         assert!(sent.success());
     }
 

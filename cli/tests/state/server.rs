@@ -59,7 +59,7 @@ impl Server {
     }
 
     pub(crate) fn signal(&self, name: &str) {
-        let sent = Command::new("kill").args([name, &self.id().to_string()]).status().unwrap();
+        let sent = Command::new("sh").args(["-c", &format!("kill {name} {}", self.id())]).status().unwrap();
         assert!(sent.success());
     }
 
