@@ -228,17 +228,7 @@ pub(super) fn program(shell: &Shell) -> Result<(), Failure> {
 
 /// No workload needs more instructions than it is known to, by more than 2 %.
 pub(super) fn instructions(shell: &Shell) -> Result<(), Failure> {
-    // Beside the program, with which it shares most of what that is made of.
-    shell.run(shell.cargo([
-        "build",
-        "--release",
-        "-p",
-        "baudbot",
-        "-p",
-        "baudbot-bench",
-        "--bin",
-        "baudbot-bench",
-    ]))?;
+    shell.run(shell.cargo(["build", "--release", "-p", "baudbot-bench"]))?;
     let mut command = shell.command(shell.place.target.join("release/baudbot-bench"));
     command.args(["--instructions", "--check", "bench/instructions.toml"]);
     shell.run(command)
