@@ -13,11 +13,11 @@ pub(crate) enum Need {
     /// A file that a package of Debian's has.
     File(&'static str, &'static str),
     /// A component of Rust.
-    Component(&'static str),
+    Component(Component),
     /// A target of Rust.
     Target(&'static str),
-    /// What a `package.json` names, in the folder that has it.
-    NodePackages(&'static str),
+    /// What the `package.json` of a folder names.
+    NodePackages(NodeFolder),
     /// Python 3.11 or newer, with its module for environments.
     Python,
     /// Node 20 or newer, with npm.
@@ -28,22 +28,61 @@ pub(crate) enum Need {
     Network,
 }
 
+/// A component of Rust that not every installation has.
+#[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
+pub(crate) enum Component {
+    Clippy,
+    Rustfmt,
+}
+
+impl Component {
+    /// As rustup has it.
+    const fn word(self) -> &'static str {
+        match self {
+            Self::Clippy => "clippy",
+            Self::Rustfmt => "rustfmt",
+        }
+    }
+
+    /// What it installs.
+    const fn program(self) -> &'static str {
+        match self {
+            Self::Clippy => "clippy-driver",
+            Self::Rustfmt => "rustfmt",
+        }
+    }
+}
+
+/// A folder with a `package.json`.
+#[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
+pub(crate) enum NodeFolder {
+    Tools,
+    TypeScript,
+    Viewer,
+}
+
+impl NodeFolder {
+    /// Its path from the root.
+    const fn path(self) -> &'static str {
+        match self {
+            Self::Tools => "tools",
+            Self::TypeScript => "examples/typescript",
+            Self::Viewer => "viewer",
+        }
+    }
+}
+
 impl Need {
     /// In a word.
-    pub(crate) fn word(self) -> &'static str {
+    pub(crate) fn word(self) -> String {
         match self {
-            Self::Program(program, _) => program,
-            Self::File(_, package) => package,
-            Self::Component(component) => component,
-            Self::Target(target) => target,
-            Self::NodePackages("tools") => "packages of tools/",
-            Self::NodePackages("viewer") => "packages of viewer/",
-            Self::NodePackages("examples/typescript") => "packages of examples/typescript/",
-            Self::NodePackages(folder) => folder,
-            Self::Python => "Python 3.11",
-            Self::Node => "Node 20",
-            Self::Root => "root",
-            Self::Network => "a network",
+            Self::Program(word, _) | Self::File(_, word) | Self::Target(word) => word.to_owned(),
+            Self::Component(component) => component.word().to_owned(),
+            Self::NodePackages(folder) => format!("packages of {}/", folder.path()),
+            Self::Python => "Python 3.11".to_owned(),
+            Self::Node => "Node 20".to_owned(),
+            Self::Root => "root".to_owned(),
+            Self::Network => "a network".to_owned(),
         }
     }
 
@@ -51,10 +90,9 @@ impl Need {
         match self {
             Self::Program(program, _) => on_path(program),
             Self::File(path, _) => Path::new(path).exists(),
-            Self::Component("clippy") => succeeds("clippy-driver", &["--version"]),
-            Self::Component(component) => succeeds(component, &["--version"]),
+            Self::Component(component) => succeeds(component.program(), &["--version"]),
             Self::Target(target) => targets().is_some_and(|text| text.lines().any(|line| line == target)),
-            Self::NodePackages(folder) => are_installed(&root.join(folder)),
+            Self::NodePackages(folder) => are_installed(&root.join(folder.path())),
             Self::Python => succeeds(
                 "python3",
                 &["-c", "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))"],
@@ -157,9 +195,9 @@ impl Missing {
         for need in &self.0 {
             match *need {
                 Need::Program(_, package) | Need::File(_, package) => packages.extend(package.split(' ')),
-                Need::Component(component) => components.push(component),
+                Need::Component(component) => components.push(component.word()),
                 Need::Target(target) => targets.push(target),
-                Need::NodePackages(folder) => folders.push(folder),
+                Need::NodePackages(folder) => folders.push(folder.path()),
                 Need::Python | Need::Node | Need::Root | Need::Network => {}
             }
         }
@@ -218,16 +256,16 @@ fn are_installed(folder: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Missing, Need};
+    use super::{Component, Missing, Need, NodeFolder};
 
     #[test]
     fn what_is_missing_is_one_line_for_a_shell() {
         let missing = Missing(vec![
             Need::Program("avr-gdb", "gdb-avr"),
             Need::File("/usr/include/simavr/sim_avr.h", "libsimavr-dev libelf-dev"),
-            Need::Component("clippy"),
+            Need::Component(Component::Clippy),
             Need::Target("thumbv7em-none-eabihf"),
-            Need::NodePackages("viewer"),
+            Need::NodePackages(NodeFolder::Viewer),
         ]);
         let remedy = missing.remedy();
         assert_eq!(remedy.lines().count(), 3, "{remedy}");
@@ -250,7 +288,7 @@ mod tests {
         );
         assert!(
             Missing(Vec::new()).is_empty()
-                && !Missing(vec![Need::Node, Need::NodePackages("viewer")]).can_be_installed()
+                && !Missing(vec![Need::Node, Need::NodePackages(NodeFolder::Viewer)]).can_be_installed()
         );
     }
 }

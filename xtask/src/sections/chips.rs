@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::parts::{environment, json_word, script};
-use super::rust::built;
+use super::rust::{built, of_all};
 use crate::shell::{Failure, Shell};
 
 /// Programs for real robots, from their registries.
@@ -34,18 +34,7 @@ pub(super) fn ports_in_time(shell: &Shell) -> Result<(), Failure> {
 
 /// A million random states, over all instructions.
 pub(super) fn microcontroller(shell: &Shell) -> Result<(), Failure> {
-    let words = [
-        "test",
-        "--quiet",
-        "--workspace",
-        "--all-features",
-        "--test",
-        "outside",
-        "--",
-        "--ignored",
-        "simavr",
-    ];
-    let mut command = shell.cargo(words);
+    let mut command = of_all(shell, ["--quiet", "--test", "outside", "--", "--ignored", "simavr"]);
     command.env("BAUDBOT_AVR_STATES", "13500");
     shell.run(command)
 }
@@ -61,18 +50,7 @@ pub(super) fn firmware(shell: &Shell) -> Result<(), Failure> {
         "python3".as_ref(),
         &["tests/firmware/build.py", &sketches.to_string_lossy()],
     ))?;
-    let words = [
-        "test",
-        "--quiet",
-        "--workspace",
-        "--all-features",
-        "--test",
-        "outside",
-        "--",
-        "--ignored",
-        "sketches",
-    ];
-    let mut command = shell.cargo(words);
+    let mut command = of_all(shell, ["--quiet", "--test", "outside", "--", "--ignored", "sketches"]);
     command.env("BAUDBOT_SKETCHES", &sketches);
     shell.run(command)?;
     new_firmware(shell)?;

@@ -9,7 +9,8 @@ mod release;
 mod rust;
 mod servers;
 
-use crate::needs::Need::{self, Component, File, Network, Node, NodePackages, Program, Python, Root, Target};
+use crate::needs::Need::{self, File, Network, Node, NodePackages, Program, Python, Root, Target};
+use crate::needs::{Component, NodeFolder};
 use crate::records::{Duration, Green, Table};
 use crate::shell::{Failure, Shell};
 
@@ -90,20 +91,22 @@ const AVR_GCC: Need = Program("avr-g++", "gcc-avr binutils-avr");
 const AVR_LIBC: Need = File("/usr/lib/avr/include/avr/io.h", "avr-libc");
 const MAKE: Need = Program("make", "make");
 const DEBOOTSTRAP: Need = Program("debootstrap", "debootstrap");
-const TOOLS: Need = NodePackages("tools");
-const VIEWER: Need = NodePackages("viewer");
+const TOOLS: Need = NodePackages(NodeFolder::Tools);
+const VIEWER: Need = NodePackages(NodeFolder::Viewer);
+const CLIPPY: Need = Need::Component(Component::Clippy);
+const RUSTFMT: Need = Need::Component(Component::Rustfmt);
 const WASI: Need = Target("wasm32-wasip1");
 
 /// All sections, in the order in which they run.
 #[rustfmt::skip]
 pub(crate) static SECTIONS: &[Section] = &[
-    Section { name: "formatting", rung: Rung::Test, protects: "the layout of the Rust code", needs: &[Component("rustfmt")], check: |shell, _| rust::formatting(shell), ..PLAIN },
+    Section { name: "formatting", rung: Rung::Test, protects: "the layout of the Rust code", needs: &[RUSTFMT], check: |shell, _| rust::formatting(shell), ..PLAIN },
     Section { name: "structure", rung: Rung::Test, protects: "sizes, errors and borders of the code; the ladder's own tables", check: |shell, _| rust::structure(shell), ..PLAIN },
     Section { name: "tests", rung: Rung::Test, protects: "all tests but those in xtask/slow-tests.toml: units, whole systems over real sockets", check: |shell, _| rust::tests(shell), ..PLAIN },
     Section { name: "main-job", rung: Rung::Test, protects: "README's first run, with its hash", check: |shell, _| rust::main_job(shell), ..PLAIN },
     Section { name: "python-client", rung: Rung::Test, protects: "the client in Python beside a real server", needs: &[Python, OPENSSL], is_optional: true, check: |shell, _| python::client(shell), ..PLAIN },
 
-    Section { name: "lints", protects: "clippy's and the compiler's lints, in all code and with all features", needs: &[Component("clippy")], check: |shell, _| rust::lints(shell), ..PLAIN },
+    Section { name: "lints", protects: "clippy's and the compiler's lints, in all code and with all features", needs: &[CLIPPY], check: |shell, _| rust::lints(shell), ..PLAIN },
     Section { name: "slow-tests", protects: "the tests that `./test` has no time for", check: |shell, _| rust::slow_tests(shell), ..PLAIN },
     Section { name: "fuzz-briefly", protects: "everything that reads bytes from outside, three seconds a target", check: |shell, _| rust::fuzz_briefly(shell), ..PLAIN },
     Section { name: "documentation", protects: "the crates' documentation", check: |shell, _| rust::documentation(shell), ..PLAIN },
@@ -132,7 +135,7 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "firmware", protects: "sketches and firmware of others on a robot's chip", needs: &[Python, Node, AVR_GCC, AVR_LIBC, File("/usr/share/arduino/hardware/arduino/avr", "arduino-core-avr"), MAKE, Program("gpsd", "gpsd")], check: |shell, _| chips::firmware(shell), ..PLAIN },
     Section { name: "debugging", protects: "a robot's program under avr-gdb", needs: &[Python, AVR_GCC, AVR_LIBC, Program("avr-gdb", "gdb-avr")], check: |shell, _| chips::debugging(shell), ..PLAIN },
     Section { name: "new-brains", protects: "the projects of `baudbot new brain`", needs: &[Python], check: |shell, _| projects::new_brains(shell), ..PLAIN },
-    Section { name: "examples", protects: "the brains in examples/, which drive one path to the last bit", needs: &[Python, Node, TOOLS, VIEWER, NodePackages("examples/typescript")], check: |shell, _| projects::examples(shell), ..PLAIN },
+    Section { name: "examples", protects: "the brains in examples/, which drive one path to the last bit", needs: &[Python, Node, TOOLS, VIEWER, NodePackages(NodeFolder::TypeScript)], check: |shell, _| projects::examples(shell), ..PLAIN },
 
     Section { name: "optimised", rung: Rung::Release, protects: "the tests of numbers and of order in a release build", check: |shell, _| release::optimised(shell), ..PLAIN },
     Section { name: "aarch64", rung: Rung::Release, protects: "the same bits on another processor", needs: &[Target("aarch64-unknown-linux-gnu"), Program("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu"), File("/usr/aarch64-linux-gnu/lib/crt1.o", "libc6-dev-arm64-cross"), Program("qemu-aarch64", "qemu-user")], check: |shell, _| release::aarch64(shell), ..PLAIN },
@@ -148,7 +151,7 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "ports-idle", rung: Rung::Release, protects: "programs of others at serial ports, in time by the wall clock", needs: &[Python, Program("gpsd", "gpsd")], check: |shell, _| chips::ports_in_time(shell), ..PLAIN },
     Section { name: "advisories", rung: Rung::Release, protects: "known vulnerabilities, by the RustSec database", needs: &[Network], check: |shell, _| rust::cargo_deny(shell, &["check", "advisories"]), ..PLAIN },
 
-    Section { name: "quick", rung: Rung::Asked, protects: "formatting, lints and tests of some crates", arguments: "CRATE…", needs: &[Component("rustfmt"), Component("clippy")], check: rust::quick, ..PLAIN },
+    Section { name: "quick", rung: Rung::Asked, protects: "formatting, lints and tests of some crates", arguments: "CRATE…", needs: &[RUSTFMT, CLIPPY], check: rust::quick, ..PLAIN },
     Section { name: "learn", rung: Rung::Asked, protects: "policies that learn at fast and slow cables, for an hour", needs: &[Python], check: |shell, _| python::learn(shell), ..PLAIN },
     Section { name: "licences", rung: Rung::Asked, protects: "a list of the licences of all that is built in", check: |shell, _| rust::cargo_deny(shell, &["list"]), ..PLAIN },
 ];

@@ -1,7 +1,7 @@
 //! Sections that run Python: the client, the package with worlds, checks by readers of others, the manual.
 
 use super::parts::{environment, path_with, python, script};
-use super::rust::built;
+use super::rust::{built, of_all};
 use crate::shell::{Failure, Shell};
 
 /// The tests of the client beside a real server.
@@ -18,17 +18,7 @@ pub(super) fn client(shell: &Shell) -> Result<(), Failure> {
         script(shell, &python, &["-m", "unittest", "discover", "--start-directory", "client/python/tests"]);
     command.env("BAUDBOT", program);
     shell.run(command)?;
-    let words = [
-        "test",
-        "--quiet",
-        "--workspace",
-        "--all-features",
-        "--lib",
-        "--",
-        "--ignored",
-        "a_client_in_python_finds_the_same",
-    ];
-    shell.run(shell.cargo(words))
+    shell.run(of_all(shell, ["--quiet", "--lib", "--", "--ignored", "a_client_in_python_finds_the_same"]))
 }
 
 /// The client's stubs, types and examples.
@@ -226,7 +216,7 @@ pub(super) fn traces(shell: &Shell) -> Result<(), Failure> {
     let folder = shell.place.scratch("traces").map_err(Failure::file(&shell.place.target))?;
     let trace = folder.join("run.pftrace");
     let made_up = shell.place.target.join("tmp/made-up.pftrace");
-    shell.run(shell.cargo(["test", "--quiet", "--workspace", "--all-features", "--test", "made_up"]))?;
+    shell.run(of_all(shell, ["--quiet", "--test", "made_up"]))?;
     shell.run(script(shell, &python, &["tools/check_trace.py", &made_up.to_string_lossy()]))?;
     for arguments in
         [&["khepera", "--brain", "none"][..], &["scenarios/devices/laser.toml", "--brain", "none"], &[]]

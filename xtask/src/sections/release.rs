@@ -1,5 +1,6 @@
 //! Release checks that need no other home.
 
+use super::rust::of_all;
 use crate::shell::{Failure, Shell};
 
 /// What could differ once it is optimised: numbers, and the order of what happens at once.
@@ -39,19 +40,8 @@ pub(super) fn aarch64(shell: &Shell) -> Result<(), Failure> {
 
 /// What was told before a kill is held against what is there after it.
 pub(super) fn kills(shell: &Shell, arguments: &[String]) -> Result<(), Failure> {
-    let words = [
-        "test",
-        "--quiet",
-        "--workspace",
-        "--all-features",
-        "--test",
-        "cli",
-        "--",
-        "--ignored",
-        "--nocapture",
-        "many_kills",
-    ];
-    let mut command = shell.cargo(words);
+    let mut command =
+        of_all(shell, ["--quiet", "--test", "cli", "--", "--ignored", "--nocapture", "many_kills"]);
     command.env("BAUDBOT_KILLS", number(arguments.first(), "50")?);
     shell.run(command)
 }
@@ -68,18 +58,7 @@ pub(super) fn network(shell: &Shell, arguments: &[String]) -> Result<(), Failure
         [option, seed] if option == "--seed" => ("BAUDBOT_NETWORK_SEED", number(Some(seed), "0")?),
         [_, ..] => return Err(Failure::Wrong("./test network [SEEDS | --seed SEED]".to_owned())),
     };
-    let words = [
-        "test",
-        "--quiet",
-        "--workspace",
-        "--all-features",
-        "--test",
-        "network",
-        "--",
-        "--nocapture",
-        "in_any_way",
-    ];
-    let mut command = shell.cargo(words);
+    let mut command = of_all(shell, ["--quiet", "--test", "network", "--", "--nocapture", "in_any_way"]);
     command.env(variable, value);
     shell.run(command)
 }

@@ -42,8 +42,8 @@ pub(super) fn structure(shell: &Shell) -> Result<(), Failure> {
     Err(Failure::Wrong(findings.join("\n")))
 }
 
-/// The features and packages are the same in all commands, so that nothing is built twice.
-fn of_all<'a>(shell: &Shell, words: impl IntoIterator<Item = &'a str>) -> Command {
+/// Tests of all packages. The features and packages are the same in all commands, so that nothing is built twice.
+pub(super) fn of_all<'a>(shell: &Shell, words: impl IntoIterator<Item = &'a str>) -> Command {
     shell.cargo(["test", "--workspace", "--all-features", "--no-fail-fast"].into_iter().chain(words))
 }
 
@@ -89,8 +89,7 @@ pub(super) fn slow_tests(shell: &Shell) -> Result<(), Failure> {
 }
 
 pub(super) fn fuzz_briefly(shell: &Shell) -> Result<(), Failure> {
-    let mut command =
-        shell.cargo(["test", "--quiet", "--workspace", "--all-features", "--bin", "baudbot-fuzz"]);
+    let mut command = of_all(shell, ["--quiet", "--bin", "baudbot-fuzz"]);
     command.env("BAUDBOT_FUZZ_SECONDS", "3");
     shell.run(command)
 }
