@@ -4,9 +4,9 @@
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
 //! 2. `run`, `sweep`, `tune`, `grade`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
-//!    `preset`, `evidence`, `fit`, `export`, `watch`, `new`, `token`, `cert`, `list` and `pages` are the commands, one a file or folder; `work` is
+//!    `preset`, `evidence`, `fit`, `export`, `watch`, `new`, `token`, `state`, `cert`, `list` and `pages` are the commands, one a file or folder; `work` is
 //!    what `sweep`, `tune` and `grade` share.
-//! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `state` finds the worlds that a server has left, `assignment` reads `--brain`.
+//! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `state` finds the worlds that a server has left, which `kept` checks, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
 //! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
 //!    for Perfetto, `map` an arena in characters, `gdb` lets debuggers in, `link` a link in words, `together` warns of sensors whose readings arrive
@@ -38,6 +38,7 @@ mod fit;
 mod foxglove;
 mod gdb;
 mod grade;
+mod kept;
 mod link;
 mod list;
 mod locate;
@@ -147,6 +148,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
         Command::Port(PortCommand::Open(args)) => runtime.block_on(ports::open(&args)),
         Command::Port(PortCommand::Watch(args)) => runtime.block_on(port_watch::watch(&args)),
+        Command::State(command) => return kept::state(&command),
         Command::Token(command) => token::token(command),
         Command::Cert(command) => cert::cert(&command),
         Command::List(args) => list::list(&args),

@@ -60,6 +60,9 @@ fn tell_of(found: &Found) {
             tell!(
                 "warning: world {name} does not continue: {file} {problem}; its folder is set aside as {to}"
             );
+            tell!(
+                "note: `baudbot state recover FOLDER {name}`, while no server runs, makes a world of what is sound of it"
+            );
         }
         Found::Unreadable { name, file, problem } => {
             let file = file.display();
@@ -78,10 +81,16 @@ fn tell_of(found: &Found) {
 }
 
 fn refused(error: StateError) -> anyhow::Error {
+    refused_folder("--state ", error)
+}
+
+/// Why a folder cannot be used, after the name of the option that it was given by.
+pub(crate) fn refused_folder(option: &str, error: StateError) -> anyhow::Error {
     match error {
-        StateError::InUse(_) | StateError::Foreign(_) | StateError::Layout { .. } => {
-            Refused::error(format!("--state {error}"))
+        StateError::InUse(_) | StateError::Absent(_) | StateError::Foreign(_) | StateError::Layout { .. } => {
+            Refused::error(format!("{option}{error}"))
         }
+        StateError::Io { .. } if option.is_empty() => error.into(),
         StateError::Io { .. } => anyhow::Error::from(error).context("--state"),
     }
 }

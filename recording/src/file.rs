@@ -23,6 +23,11 @@ impl RecordingFile {
         Ok(Self { file, bytes: Arc::default(), failed: false })
     }
 
+    /// The file itself.
+    pub fn file(&self) -> &File {
+        &self.file
+    }
+
     /// Bytes that are in the file, now and later.
     pub fn length(&self) -> Arc<AtomicU64> {
         Arc::clone(&self.bytes)

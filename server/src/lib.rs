@@ -110,6 +110,7 @@ pub use page::{Film, NoFilm};
 pub use registry::MAX_WORLDS;
 #[cfg(feature = "network")]
 pub use server::{Builder, Server, ServerError, WorldConfig};
-pub use state::{Found, KeptWorld, StateError, StateFolder};
+pub use state::{Checked, Found, KeptWorld, RecoverError, Recovered, Soundness, StateError, StateFolder};
+pub use state::{Kind as StoredKind, Listed, Storage, Stored};
 pub use system::raise_descriptor_limit;
 pub use thinking::ProcessorTime;

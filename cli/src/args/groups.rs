@@ -12,7 +12,7 @@ use crate::text::tell;
 /// What somebody wants to do, with the commands for it. `help` is clap's own.
 const GROUPS: &[(&str, &[&str])] = &[
     ("Run", &["run", "grade", "diagram", "sweep", "tune", "replay", "export"]),
-    ("Serve and connect", &["serve", "brain", "watch", "port", "token", "cert"]),
+    ("Serve and connect", &["serve", "brain", "watch", "port", "token", "state", "cert"]),
     ("Examine a scenario", &["check", "budget", "plan", "locate", "umbmark"]),
     ("Real robots", &["preset", "evidence", "measure", "fit"]),
     ("Get started", &["list", "init", "new", "schema", "completions", "man", "help"]),

@@ -24,6 +24,7 @@ mod plan;
 mod port;
 mod port_watch;
 mod record;
+mod state;
 mod token;
 mod umbmark;
 mod work;
@@ -62,6 +63,7 @@ pub(crate) use self::plan::{Method, PlanArgs};
 pub(crate) use self::port::{OpenPortArgs, PortCommand};
 pub(crate) use self::port_watch::WatchPortArgs;
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
+pub(crate) use self::state::{CheckStateArgs, RecoverArgs, StateCommand};
 pub(crate) use self::token::{ListTokensArgs, NewTokenArgs, RevokeTokenArgs, TokenCommand, TokenFileArgs};
 pub(crate) use self::umbmark::UmbmarkArgs;
 pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
@@ -155,6 +157,9 @@ pub(crate) enum Command {
     /// Creates, lists and revokes tokens, which say what clients may do on a server
     #[command(subcommand)]
     Token(TokenCommand),
+    /// Checks what a server keeps with --state, and recovers worlds that are damaged
+    #[command(subcommand)]
+    State(StateCommand),
     /// Lists the built-in scenarios, experiments, exercises, brains and presets
     #[command(after_long_help = list::LIST_EXAMPLES)]
     List(ListArgs),

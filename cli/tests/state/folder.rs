@@ -4,7 +4,7 @@ use std::fs;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use baudbot_proto::v1::WorldState;
+use baudbot_proto::v1::{WorldState, WorldStatus};
 
 use crate::state::brains::drive;
 use crate::state::operator::{lockstep, real_time, stepped};
@@ -46,9 +46,7 @@ fn a_world_is_there_again_with_all_that_an_operator_has_done() {
     assert_eq!(operator.worlds(), ["clone", "made", "wander"]);
     for before in before {
         let after = operator.status(&before.world).unwrap();
-        let told = |status: &baudbot_proto::v1::WorldStatus| {
-            (status.tick, status.state_hash, status.state, status.pace)
-        };
+        let told = |status: &WorldStatus| (status.tick, status.state_hash, status.state, status.pace);
         assert_eq!(told(&after), told(&before), "{}", before.world);
     }
     // It can be changed by hand again, goes back to its snapshot, and a reset is one of the world as it was made.
@@ -134,6 +132,96 @@ fn a_damaged_world_is_set_aside_and_the_others_go_on() {
     let server = Server::start(&folder, "damaged", &[]);
     assert!(!server.log().contains("warning"), "{}", server.log());
     assert_eq!(server.operator().worlds(), ["khepera", "wander"]);
+}
+
+#[test]
+fn a_torn_tail_is_cut_and_the_world_goes_on() {
+    let folder = place("torn");
+    let server = Server::start(&folder, "torn", &[]);
+    let mut operator = server.operator();
+    operator.create("w", WANDER, (stepped(), false), &[]).unwrap();
+    operator.start("w").unwrap();
+    let mut seen = vec![operator.status("w").unwrap()];
+    for _ in 0..20 {
+        seen.push(operator.step("w", 10).unwrap());
+    }
+    server.kill();
+    let journal = folder.join("worlds/w/journal-1");
+    let whole = fs::read(&journal).unwrap();
+    let garbage = |length: usize| (0..length).map(|i| (i * 7919 % 251) as u8 + 1);
+    let tails: [(&str, Vec<u8>, bool); 4] = [
+        ("zeros behind it", [whole.clone(), vec![0; 4096]].concat(), true),
+        ("garbage behind it", whole.iter().copied().chain(garbage(64)).collect(), true),
+        ("zeros at its end", [&whole[..whole.len() - 300], &[0; 300]].concat(), false),
+        ("a block that stands twice", [&whole[..], &whole[whole.len() - 512..]].concat(), true),
+    ];
+    for (what, torn, has_all) in tails {
+        fs::remove_dir_all(folder.join("worlds/w")).unwrap();
+        fs::create_dir(folder.join("worlds/w")).unwrap();
+        fs::write(&journal, torn).unwrap();
+        let server = Server::start(&folder, "torn", &[]);
+        let log = server.log();
+        assert!(log.contains("are an unfinished write and are left out"), "{what}: {log}");
+        let mut operator = server.operator();
+        let status = operator.status("w").unwrap();
+        let last = seen.last().unwrap();
+        assert!(!has_all || status.tick == last.tick, "{what}: {}", status.tick);
+        let same = |seen: &&WorldStatus| seen.tick == status.tick;
+        if let Some(seen) = seen.iter().find(same) {
+            assert_eq!(seen.state_hash, status.state_hash, "{what}");
+        }
+        assert_eq!(operator.step("w", 10).unwrap().tick, status.tick + 10, "{what}");
+        server.kill();
+    }
+}
+
+#[test]
+fn what_is_sound_of_a_damaged_world_is_recovered() {
+    let folder = place("recovered");
+    let server = Server::start(&folder, "recovered", &[]);
+    let mut operator = server.operator();
+    for world in ["w", "sound"] {
+        operator.create(world, WANDER, (stepped(), false), &[]).unwrap();
+        operator.start(world).unwrap();
+        operator.step(world, 30).unwrap();
+    }
+    let snapshot = operator.snapshot("w").unwrap();
+    let seen = operator.step("w", 1).unwrap();
+    let early = fs::metadata(folder.join("worlds/w/journal-1")).unwrap().len() as usize;
+    operator.step("w", 10).unwrap();
+    // What is behind is known to be on the disk.
+    std::thread::sleep(Duration::from_millis(2500));
+    operator.step("w", 10).unwrap();
+    server.kill();
+    let journal = folder.join("worlds/w/journal-1");
+    let mut bytes = fs::read(&journal).unwrap();
+    bytes[early + 2] ^= 1;
+    fs::write(&journal, bytes).unwrap();
+    let baudbot = |args: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_baudbot")).args(args).output().unwrap();
+        let said = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap()).concat();
+        (output.status.code(), said)
+    };
+    let (code, said) = baudbot(&["state", "check", text(&folder)]);
+    let expected = format!("w: damaged: {} is damaged at byte {early}\n", journal.display());
+    assert!(code == Some(1) && said.contains(&expected), "{said}");
+    assert!(said.contains("sound: sound, at tick 30, "), "{said}");
+    let server = Server::start(&folder, "recovered", &[]);
+    assert!(server.log().contains("its folder is set aside as"), "{}", server.log());
+    server.kill();
+    let (code, said) = baudbot(&["state", "recover", text(&folder), "w"]);
+    assert!(code == Some(0) && said.starts_with("world w can be continued at tick 31, "), "{said}");
+    assert!(said.contains("is left out"), "{said}");
+    let (code, said) = baudbot(&["state", "recover", text(&folder), "w"]);
+    assert!(code == Some(2) && said.contains("--as NAME"), "{said}");
+    let (code, said) = baudbot(&["state", "recover", text(&folder), "sound"]);
+    assert!(code == Some(2) && said.contains("there is nothing to recover"), "{said}");
+    let server = Server::start(&folder, "recovered", &[]);
+    let mut operator = server.operator();
+    let after = operator.status("w").unwrap();
+    assert_eq!((after.tick, after.state_hash), (seen.tick, seen.state_hash));
+    assert_eq!(operator.restore("w", snapshot).unwrap().tick, 30);
+    assert!(folder.join("worlds/w.damaged/journal-1").is_file());
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Worlds that outlive their server: `baudbot serve --state`, killed and started again.
 
 mod brains;
+mod descriptors;
 mod disk;
 mod folder;
 mod kills;

@@ -4,19 +4,27 @@ use baudbot_proto::v1;
 use baudbot_sim::World;
 use prost::Message;
 
-use super::{At, JOURNAL_FORMAT, JournalHeader, MAGIC, Ports, ScenarioText, Settings, kind};
+use super::{At, JOURNAL_FORMAT, JournalHeader, MAGIC, Ports, ScenarioText, Settings, head_sum, kind};
 use crate::{PROGRAM_VERSION, saved};
 
-/// Entries in the bytes that go into the file. A write of them all at once is what makes them last.
+/// Entries in the bytes that go into the file, one write after the other: what is taken out stands before what is added then.
 #[derive(Clone, Debug, Default)]
 pub struct Entries {
     bytes: Vec<u8>,
+    /// Bytes of the file before these.
+    before: u64,
 }
 
 impl Entries {
     /// The beginning of the journal of a world: what it is, and its state. `made`: the scenario with which it was made.
-    pub fn beginning(name: &str, world: &World, made: &baudbot_sim::Scenario, settings: &Settings) -> Self {
-        let mut entries = Self { bytes: format!("{MAGIC}{JOURNAL_FORMAT}\n").into_bytes() };
+    pub fn beginning(
+        name: &str,
+        world: &World,
+        made: &baudbot_sim::Scenario,
+        settings: &Settings,
+        ports: &Ports,
+    ) -> Self {
+        let mut entries = Self { bytes: format!("{MAGIC}{JOURNAL_FORMAT}\n").into_bytes(), before: 0 };
         let [origin, made] = [world.origin(), made].map(|scenario| ScenarioText {
             toml: scenario.source.toml.to_string(),
             overrides: scenario.source.overrides.clone(),
@@ -30,6 +38,8 @@ impl Entries {
         entries.add(kind::HEADER, &header);
         entries.settings(settings);
         entries.state(world);
+        entries.ports(ports);
+        entries.at(At { tick: world.tick(), begun: world.is_begun(), ..At::default() });
         entries
     }
 
@@ -55,7 +65,7 @@ impl Entries {
         }
     }
 
-    /// How far the world has come.
+    /// How far the world has come, which ends a write.
     pub fn at(&mut self, at: At) {
         self.add(kind::AT, &at);
     }
@@ -75,13 +85,15 @@ impl Entries {
         self.bytes.is_empty()
     }
 
-    /// Forgets all, and keeps the room for others.
+    /// All was written: forgets it, and keeps the room for what follows.
     pub fn clear(&mut self) {
+        self.before += self.bytes.len() as u64;
         self.bytes.clear();
     }
 
-    /// Takes the bytes.
+    /// Takes the bytes, to be written.
     pub fn take(&mut self) -> Vec<u8> {
+        self.before += self.bytes.len() as u64;
         std::mem::take(&mut self.bytes)
     }
 
@@ -90,7 +102,8 @@ impl Entries {
         self.bytes.push(kind);
         let length = u32::try_from(message.encoded_len()).expect("no message of a world has 4 GiB");
         self.bytes.extend(length.to_le_bytes());
-        self.bytes.extend(crc32fast::hash(&self.bytes[start..]).to_le_bytes());
+        let place = self.before + start as u64;
+        self.bytes.extend(head_sum(Some(place), &self.bytes[start..]).to_le_bytes());
         let body = self.bytes.len();
         message.encode(&mut self.bytes).expect("a vector has room");
         self.bytes.extend(crc32fast::hash(&self.bytes[body..]).to_le_bytes());

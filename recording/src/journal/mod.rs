@@ -9,14 +9,23 @@
 //!
 //! # Format
 //!
-//! The line `baudbot-journal 1`, then entries: a byte for the kind, the length of the body in four bytes, a CRC-32 of these
-//! five, the body, and its CRC-32. Numbers are little-endian, bodies are Protocol Buffers. The first entry is the header; a
-//! state follows before anything else happens. What a write has left undone at the end is no damage: nobody has been told of
-//! it. All else that does not match its checksum is.
+//! The line `baudbot-journal 2`, then entries: a byte for the kind, the length of the body in four bytes, a CRC-32 of the entry's
+//! place in the file (eight bytes) and of these five, the body, and its CRC-32. Numbers are little-endian, bodies are Protocol
+//! Buffers. The first entry is the header; a state follows before anything else happens. Each write ends with how far the world
+//! has come ([`At`]), and counts only with that. In format 1 checksums know no place, and each entry counts.
+//!
+//! # A torn tail
+//!
+//! A disk that loses its power keeps of the last writes what it has got to: nothing, a part, the parts in another order, zeros or
+//! old blocks in place of others. So what is behind the last sound write is an unfinished one, and the journal ends before it.
+//! It is damage only if an entry behind it says that the place was on the disk for good by then ([`At::on_disk`]): that was lost
+//! later. A block that stands twice is not taken for another one, as the checksums know their places.
+//! [`Journal::salvage`] reads what is left of a damaged one.
 
 mod entries;
 mod read;
 mod restore;
+mod salvage;
 
 use baudbot_proto::v1;
 use prost::Message;
@@ -24,9 +33,10 @@ use prost::Message;
 pub use entries::Entries;
 pub use read::{Journal, JournalError};
 pub use restore::Restored;
+pub use salvage::Salvaged;
 
-/// Version of the format. A reader refuses another one.
-pub const JOURNAL_FORMAT: u32 = 1;
+/// Version of the format. A reader knows this one and those before it.
+pub const JOURNAL_FORMAT: u32 = 2;
 
 /// What a journal begins with; the version and a line's end follow.
 const MAGIC: &str = "baudbot-journal ";
@@ -144,6 +154,19 @@ pub struct At {
     /// The fingerprint of the whole state, now and then.
     #[prost(fixed64, optional, tag = "3")]
     pub state_hash: Option<u64>,
+    /// Bytes of the journal that were on the disk for good before this was written.
+    #[prost(uint64, tag = "4")]
+    pub on_disk: u64,
+}
+
+/// The checksum of the first five bytes of an entry at this place; those of format 1 know no place.
+fn head_sum(at: Option<u64>, head: &[u8]) -> u32 {
+    let mut sum = crc32fast::Hasher::new();
+    if let Some(at) = at {
+        sum.update(&at.to_le_bytes());
+    }
+    sum.update(head);
+    sum.finalize()
 }
 
 #[cfg(test)]

@@ -33,26 +33,33 @@ impl Journal {
     /// # Errors
     /// If its scenario or its state cannot be used, or what has happened since does not lead where it led.
     pub fn restore(&self) -> Result<Restored> {
-        let origin = scenario(self.header.origin.as_ref())?;
+        self.restore_first(self.entries.len()).map_err(|(_, error)| error)
+    }
+
+    /// The world after so many entries; which entry cannot be gone on with, if there is one.
+    pub(super) fn restore_first(&self, count: usize) -> std::result::Result<Restored, (usize, JournalError)> {
+        let begin = |error| (0, error);
+        let origin = scenario(self.header.origin.as_ref()).map_err(begin)?;
         let made = match &self.header.made {
-            Some(made) => scenario(Some(made))?,
+            Some(made) => scenario(Some(made)).map_err(begin)?,
             None => Arc::clone(&origin),
         };
         let mut restored: Option<Restored> = None;
         let mut settings = Settings::default();
-        for entry in &self.entries {
+        for (place, entry) in self.entries[..count].iter().enumerate() {
+            let here = |error| (place, error);
             match (entry, &mut restored) {
                 (Entry::Settings(now), _) => settings = now.clone(),
                 (Entry::State(state), _) => {
-                    let (world, made) = (self.load(&origin, state)?, Arc::clone(&made));
+                    let (world, made) = (self.load(&origin, state).map_err(here)?, Arc::clone(&made));
                     let (settings, ports) = (Settings::default(), Vec::new());
                     restored = Some(Restored { world, made, settings, ports, replayed: 0 });
                 }
-                (entry, Some(restored)) => restored.go_on(entry, self)?,
-                (_, None) => return Err(JournalError::Unfinished),
+                (entry, Some(restored)) => restored.go_on(entry, self).map_err(here)?,
+                (_, None) => return Err(here(JournalError::Unfinished)),
             }
         }
-        let restored = restored.ok_or(JournalError::Unfinished)?;
+        let restored = restored.ok_or((count, JournalError::Unfinished))?;
         Ok(Restored { settings, ..restored })
     }
 
@@ -81,7 +88,7 @@ impl Restored {
                 }
                 Ok(())
             }
-            Entry::At(At { tick, begun, state_hash }) => {
+            Entry::At(At { tick, begun, state_hash, on_disk: _ }) => {
                 self.advance(*tick, journal)?;
                 if *begun {
                     self.world.begin();

@@ -4,14 +4,14 @@
 //! ([`thread`]) makes messages of these and writes them. Entries go to that thread in batches, since waking it takes longer
 //! than collecting the entries of a tick.
 
+mod file;
 mod folder;
 mod thread;
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use baudbot_proto::v1;
-use baudbot_recording::{Digests, RecordingFile, checksum, header, saved};
+use baudbot_recording::{Digests, checksum, header, saved};
 use baudbot_sim::{Intervention, SimTime, World};
 use tokio::sync::oneshot;
 use tonic::{Code, Status};
@@ -114,8 +114,7 @@ impl Recorder {
         pace: Pace,
         View { world, .. }: View<'_>,
     ) -> Result<Self, Status> {
-        let file = RecordingFile::create(&config.path);
-        let file = file.map_err(|error| cannot_write(&config.path, &error))?;
+        let file = file::create(&config.path)?;
         let scenario = world.scenario();
         let header = header(name, world.origin(), Some(convert::pace_to(pace)));
         let description = || (world.time().as_ns(), convert::world_description(scenario));
@@ -381,16 +380,4 @@ fn described(intervention: &Intervention) -> String {
             format!("a program has opened the port, which has reset the microcontroller of `{robot}`")
         }
     }
-}
-
-/// The status for a file that cannot be written.
-fn cannot_write(path: &Path, error: &std::io::Error) -> Status {
-    let text = format!("recording: cannot write {}: {error}", path.display());
-    if error.kind() == std::io::ErrorKind::AlreadyExists {
-        let path = path.display();
-        return Status::already_exists(format!(
-            "recording: {path} already exists, and no file is overwritten; choose another name, or delete it"
-        ));
-    }
-    Status::failed_precondition(text)
 }

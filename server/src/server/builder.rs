@@ -28,6 +28,7 @@ use crate::page::Film;
 use crate::recording::Folder;
 use crate::registry::Registry;
 use crate::state::{KeptWorld, StateFolder};
+use crate::system::usual_connections;
 use crate::thinking::ProcessorTime;
 
 /// How long a connection has to make its first call, unless the builder is told otherwise.
@@ -321,6 +322,15 @@ impl Builder {
 
     async fn start(mut self, listens: bool) -> Result<Server, ServerError> {
         let listeners = self.listeners(listens).await?;
+        let most = usual_connections();
+        if self.limits.connections > most {
+            tracing::warn!(
+                wanted = self.limits.connections,
+                most,
+                "the limit of open files (ulimit -n) allows fewer connections"
+            );
+            self.limits.connections = most;
+        }
         let limits = InForce::new(self.limits);
         let registry = Registry::new(limits.clone()).keeping(self.state);
         let registry = if self.without_threads { registry.without_threads() } else { registry };

@@ -1,8 +1,9 @@
 //! The names of the folders and files of worlds.
 
-use std::fs::{self, DirEntry};
 use std::io;
 use std::path::{Path, PathBuf};
+
+use super::storage::{Kind, Listed, Storage};
 
 const JOURNAL: &str = "journal-";
 const SNAPSHOT: &str = "snapshot-";
@@ -25,27 +26,24 @@ pub(super) fn snapshot(folder: &Path, number: u64) -> PathBuf {
 }
 
 /// The journals in a world's folder, with their numbers, the newest first.
-pub(super) fn journals(folder: &Path) -> io::Result<Vec<(u64, PathBuf)>> {
-    let mut found = numbered(folder, JOURNAL)?;
+pub(super) fn journals(storage: &dyn Storage, folder: &Path) -> io::Result<Vec<(u64, PathBuf)>> {
+    let mut found = numbered(storage, folder, JOURNAL)?;
     found.reverse();
     Ok(found)
 }
 
 /// The snapshots, the oldest first.
-pub(super) fn snapshots(folder: &Path) -> io::Result<Vec<(u64, PathBuf)>> {
-    numbered(folder, SNAPSHOT)
+pub(super) fn snapshots(storage: &dyn Storage, folder: &Path) -> io::Result<Vec<(u64, PathBuf)>> {
+    numbered(storage, folder, SNAPSHOT)
 }
 
-fn numbered(folder: &Path, prefix: &str) -> io::Result<Vec<(u64, PathBuf)>> {
+fn numbered(storage: &dyn Storage, folder: &Path, prefix: &str) -> io::Result<Vec<(u64, PathBuf)>> {
     let mut found = Vec::new();
-    for entry in fs::read_dir(folder)? {
-        let entry = entry?;
+    for Listed { name, kind } in storage.list(folder)? {
         // Whoever opens something else may wait for ever.
-        if !entry.file_type()?.is_file() {
-            continue;
+        if kind == Kind::File {
+            found.extend(number_of(&name, prefix).map(|number| (number, folder.join(&name))));
         }
-        let number = entry.file_name().to_str().and_then(|name| number_of(name, prefix));
-        found.extend(number.map(|number| (number, entry.path())));
     }
     found.sort_unstable();
     Ok(found)
@@ -60,35 +58,24 @@ fn number_of(name: &str, prefix: &str) -> Option<u64> {
 }
 
 /// Whether a server that was killed has left this while it wrote it.
-fn is_unfinished(entry: &DirEntry) -> io::Result<bool> {
-    let name = entry.file_name();
+fn is_unfinished(Listed { name, kind }: &Listed) -> bool {
     let number = |name: &str| number_of(name, JOURNAL).or_else(|| number_of(name, SNAPSHOT));
-    let is_ours = name
-        .to_str()
-        .and_then(|name| name.rsplit_once('.'))
-        .is_some_and(|(name, end)| end == UNFINISHED && number(name).is_some());
-    Ok(is_ours && !entry.file_type()?.is_dir())
+    let is_ours =
+        name.rsplit_once('.').is_some_and(|(name, end)| end == UNFINISHED && number(name).is_some());
+    is_ours && *kind != Kind::Folder
 }
 
 /// Removes what a server has left unfinished.
-pub(super) fn remove_unfinished(folder: &Path) -> io::Result<()> {
-    for entry in fs::read_dir(folder)? {
-        let entry = entry?;
-        if is_unfinished(&entry)? {
-            fs::remove_file(entry.path())?;
-        }
+pub(super) fn remove_unfinished(storage: &dyn Storage, folder: &Path) -> io::Result<()> {
+    for listed in storage.list(folder)?.iter().filter(|listed| is_unfinished(listed)) {
+        storage.remove_file(&folder.join(&listed.name))?;
     }
     Ok(())
 }
 
 /// Whether there is nothing in a folder but what a server has left unfinished.
-pub(super) fn is_unused(folder: &Path) -> io::Result<bool> {
-    for entry in fs::read_dir(folder)? {
-        if !is_unfinished(&entry?)? {
-            return Ok(false);
-        }
-    }
-    Ok(true)
+pub(super) fn is_unused(storage: &dyn Storage, folder: &Path) -> io::Result<bool> {
+    Ok(storage.list(folder)?.iter().all(is_unfinished))
 }
 
 /// Whether a world can have this name.
@@ -98,33 +85,46 @@ pub(super) fn is_world(name: &str) -> bool {
 }
 
 /// Where the folder of a world goes that is deleted.
-pub(super) fn deleted(folder: &Path) -> PathBuf {
-    free(&folder.with_extension(DELETED))
+pub(super) fn deleted(storage: &dyn Storage, folder: &Path) -> PathBuf {
+    free(storage, &folder.with_extension(DELETED))
 }
 
 /// Whether this is such a name.
 pub(super) fn is_deleted(name: &str) -> bool {
-    let Some((world, end)) = name.split_once('.') else { return false };
-    let number = end.strip_prefix(DELETED).and_then(|end| number_of(end, "-"));
-    is_world(world) && (end == DELETED || number.is_some_and(|number| number >= SECOND))
+    is_numbered(name, DELETED)
 }
 
-/// Where the folder of a world goes that is set aside.
-pub(super) fn damaged(folder: &Path) -> PathBuf {
-    free(&folder.with_extension(DAMAGED))
+/// Whether a name is that of a world with this ending, which may have a number.
+fn is_numbered(name: &str, ending: &str) -> bool {
+    let Some((world, end)) = name.split_once('.') else { return false };
+    let number = end.strip_prefix(ending).and_then(|end| number_of(end, "-"));
+    is_world(world) && (end == ending || number.is_some_and(|number| number >= SECOND))
+}
+
+/// Whether this is the name of one that was set aside.
+pub(super) fn is_damaged(name: &str) -> bool {
+    is_numbered(name, DAMAGED)
+}
+
+/// The last one that was set aside of the world in this folder.
+pub(super) fn last_damaged(storage: &dyn Storage, folder: &Path) -> Option<PathBuf> {
+    let first = folder.with_extension(DAMAGED);
+    let numbered = (SECOND..).map(|number| PathBuf::from(format!("{}-{number}", first.display())));
+    let all = std::iter::once(first.clone()).chain(numbered);
+    all.take_while(|path| !storage.is_free(path)).last()
+}
+
+/// Where the folder of a world, or a snapshot, goes that is set aside.
+pub(super) fn damaged(storage: &dyn Storage, path: &Path) -> PathBuf {
+    free(storage, &path.with_extension(DAMAGED))
 }
 
 /// The number in the second of several names that are otherwise the same.
 const SECOND: u64 = 2;
 
 /// A free name like this one.
-fn free(path: &Path) -> PathBuf {
+fn free(storage: &dyn Storage, path: &Path) -> PathBuf {
     let numbered = |number: u64| PathBuf::from(format!("{}-{number}", path.display()));
     let mut names = std::iter::once(path.to_owned()).chain((SECOND..).map(numbered));
-    names.find(|name| is_free(name)).expect("numbers do not end")
-}
-
-/// Whether nothing has this name.
-pub(super) fn is_free(path: &Path) -> bool {
-    path.symlink_metadata().is_err()
+    names.find(|name| storage.is_free(name)).expect("numbers do not end")
 }

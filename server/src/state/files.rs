@@ -1,14 +1,15 @@
 //! The files of a world: what is to be written, what is on the disk, and what is done if it cannot be written.
 
 use std::collections::VecDeque;
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
-use super::threads::Threads;
-use super::{file_names, private};
+use super::file_names;
+use super::shared::{Place, Shared, write_whole};
+use super::storage::{Storage, Stored};
 use crate::report::Keeping;
 
 /// Bytes that wait for the disk, at most, beside those of a whole state.
@@ -18,7 +19,7 @@ const MOST_WAITING: usize = 16 << 20;
 #[derive(Debug)]
 pub(crate) struct WorldFiles {
     folder: PathBuf,
-    threads: Threads,
+    shared: Shared,
     queue: Mutex<Queue>,
     disk: Mutex<Disk>,
     problem: Mutex<Option<String>>,
@@ -41,6 +42,8 @@ pub(super) enum Work {
         journal: Vec<u8>,
         tick: u64,
         snapshots: Vec<(u64, Vec<u8>)>,
+        /// How many bytes of this journal are on the disk for good, which is told here.
+        on_disk: Arc<AtomicU64>,
     },
     Snapshot(u64, Vec<u8>),
     /// A snapshot is not kept any more.
@@ -55,35 +58,43 @@ struct Queue {
 
 #[derive(Debug, Default)]
 struct Disk {
-    /// The journal; `None` while none can be written.
-    file: Option<File>,
+    /// Whether there is a journal to which can be written.
+    has_journal: bool,
+    /// It, if it is open at the moment.
+    open: Option<(Box<dyn Stored>, Place)>,
     path: PathBuf,
     number: u64,
     /// Bytes of the journal that are whole.
     length: u64,
+    /// Bytes of it that are on the disk for good.
+    on_disk: Arc<AtomicU64>,
+    /// Whether its name is, too.
+    is_named: bool,
+    /// Snapshots that are not.
+    snapshots: Vec<PathBuf>,
     /// Journals that go when the present one is on the disk for good.
     former: Vec<PathBuf>,
 }
 
 impl WorldFiles {
     /// The files in this folder. If there are journals of before, the world continues from them at this tick.
-    pub(super) fn new(folder: PathBuf, threads: Threads, tick: u64) -> Self {
-        let former = file_names::journals(&folder).unwrap_or_default();
+    pub(super) fn new(folder: PathBuf, shared: Shared, tick: u64) -> Self {
+        let former = file_names::journals(&*shared.storage, &folder).unwrap_or_default();
         let number = former.first().map_or(0, |(number, _)| *number);
         let kept_tick = if former.is_empty() { 0 } else { tick };
         let former = former.into_iter().map(|(_, path)| path).collect();
-        Self::beginning(folder, threads, kept_tick, Disk { number, former, ..Disk::default() })
+        Self::beginning(folder, shared, kept_tick, Disk { number, former, ..Disk::default() })
     }
 
     /// None, as the folder's name is taken by something else.
-    pub(super) fn none(folder: PathBuf, threads: Threads) -> Self {
-        Self { is_taken: true, ..Self::beginning(folder, threads, 0, Disk::default()) }
+    pub(super) fn none(folder: PathBuf, shared: Shared) -> Self {
+        Self { is_taken: true, ..Self::beginning(folder, shared, 0, Disk::default()) }
     }
 
-    fn beginning(folder: PathBuf, threads: Threads, kept_tick: u64, disk: Disk) -> Self {
+    fn beginning(folder: PathBuf, shared: Shared, kept_tick: u64, disk: Disk) -> Self {
         Self {
             folder,
-            threads,
+            shared,
             queue: Mutex::default(),
             disk: Mutex::new(disk),
             problem: Mutex::default(),
@@ -107,7 +118,7 @@ impl WorldFiles {
         } else if waits {
             self.write();
         } else {
-            self.threads.write(self);
+            self.shared.threads.write(self);
         }
     }
 
@@ -133,15 +144,16 @@ impl WorldFiles {
 
     fn note(self: &Arc<Self>, disk: &mut Disk, written: io::Result<()>) {
         if let Err(error) = written {
-            disk.give_up();
+            disk.has_journal = false;
+            disk.open = None;
             self.lose(&error.to_string());
         } else if !self.is_dirty.swap(true, Ordering::Relaxed) {
-            self.threads.sync(self);
+            self.shared.threads.sync(self);
         }
     }
 
     fn append_to(&self, disk: &mut Disk, bytes: &[u8], tick: u64) -> io::Result<()> {
-        if disk.append(bytes)? {
+        if disk.append(&self.shared, bytes)? {
             self.kept_tick.store(tick, Ordering::Relaxed);
         }
         Ok(())
@@ -162,39 +174,50 @@ impl WorldFiles {
         }
         match work {
             Work::Append(bytes, tick) => self.append_to(disk, &bytes, tick),
-            Work::Begin { journal, tick, snapshots } => {
-                private::make_folder(&self.folder)?;
+            Work::Begin { journal, tick, snapshots, on_disk } => {
+                self.storage().make_folder(&self.folder)?;
                 for (number, bytes) in snapshots {
-                    self.write_snapshot(number, &bytes)?;
+                    self.write_snapshot(disk, number, &bytes)?;
                 }
-                disk.begin(&self.folder, &journal)?;
+                disk.begin(&self.shared, &self.folder, &journal)?;
+                disk.on_disk = on_disk;
                 self.kept_tick.store(tick, Ordering::Relaxed);
                 *lock(&self.problem) = None;
                 self.is_lost.store(false, Ordering::Release);
                 Ok(())
             }
             // While there is no journal, a new one writes what is missing.
-            Work::Snapshot(number, bytes) if disk.file.is_some() => self.write_snapshot(number, &bytes),
+            Work::Snapshot(number, bytes) if disk.has_journal => self.write_snapshot(disk, number, &bytes),
             Work::Snapshot(..) => Ok(()),
-            Work::Forget(number) => match fs::remove_file(file_names::snapshot(&self.folder, number)) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-                Ok(()) | Err(_) => Ok(()),
-            },
+            Work::Forget(number) => {
+                let path = file_names::snapshot(&self.folder, number);
+                disk.snapshots.retain(|other| *other != path);
+                match self.storage().remove_file(&path) {
+                    Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+                    Ok(()) | Err(_) => Ok(()),
+                }
+            }
         }
     }
 
+    /// The present instant, by the clock of what it is kept on.
+    pub(super) fn now(&self) -> Instant {
+        self.storage().now()
+    }
+
+    fn storage(&self) -> &dyn Storage {
+        &*self.shared.storage
+    }
+
     /// A snapshot never changes: one that is there is left as it is.
-    fn write_snapshot(&self, number: u64, bytes: &[u8]) -> io::Result<()> {
+    fn write_snapshot(&self, disk: &mut Disk, number: u64, bytes: &[u8]) -> io::Result<()> {
         let path = file_names::snapshot(&self.folder, number);
-        if path.exists() {
+        if !self.storage().is_free(&path) {
             return Ok(());
         }
-        let new = path.with_extension(file_names::UNFINISHED);
-        let written = private::write(&new, bytes).and_then(|_| fs::rename(&new, &path));
-        if written.is_err() {
-            let _ = fs::remove_file(&new);
-        }
-        written
+        write_whole(self.storage(), &path, bytes)?;
+        disk.snapshots.push(path);
+        Ok(())
     }
 
     /// Nothing of the world is kept from now on, until another journal begins.
@@ -219,79 +242,133 @@ impl WorldFiles {
         Keeping { is_lost: self.is_lost(), tick: self.kept_tick.load(Ordering::Relaxed) }
     }
 
-    /// Forces onto the disk what was written, and removes what that has replaced.
+    /// Forces onto the disk what was written, and removes what that has replaced. The journal is closed, and opened again when
+    /// something is to be written.
     pub(super) fn sync(&self) {
         self.is_dirty.store(false, Ordering::Relaxed);
-        let (file, former) = {
+        let taken = {
             let mut disk = lock(&self.disk);
-            let Some(file) = disk.file.as_ref().and_then(|file| file.try_clone().ok()) else { return };
-            (file, std::mem::take(&mut disk.former))
+            if !disk.has_journal {
+                return;
+            }
+            Unsynced {
+                open: disk.open.take(),
+                path: disk.path.clone(),
+                length: disk.length,
+                on_disk: Arc::clone(&disk.on_disk),
+                is_named: disk.is_named,
+                snapshots: std::mem::take(&mut disk.snapshots),
+                former: std::mem::take(&mut disk.former),
+            }
         };
         // Nobody waits for this: no lock is held.
-        let synced = match former.is_empty() {
-            true => file.sync_data(),
-            false => file.sync_all().and_then(|()| File::open(&self.folder)?.sync_all()),
-        };
+        let synced = self.force(&taken);
+        let Unsynced { path, length, on_disk, snapshots, former, .. } = taken;
         match synced {
-            Ok(()) => former.iter().for_each(|path| drop(fs::remove_file(path))),
+            Ok(()) => {
+                on_disk.store(length, Ordering::Relaxed);
+                former.iter().for_each(|path| drop(self.storage().remove_file(path)));
+                let mut disk = lock(&self.disk);
+                disk.is_named |= disk.path == path;
+            }
             Err(error) => {
                 let mut disk = lock(&self.disk);
+                disk.snapshots.extend(snapshots);
                 disk.former.extend(former);
-                disk.file = None;
+                disk.has_journal = false;
+                disk.open = None;
                 drop(disk);
                 self.lose(&error.to_string());
             }
         }
     }
 
+    fn force(&self, Unsynced { open, path, is_named, snapshots, former, .. }: &Unsynced) -> io::Result<()> {
+        let storage = self.storage();
+        for path in snapshots {
+            match storage.open(path) {
+                // It is not kept any more.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                opened => opened?.sync()?,
+            }
+        }
+        match open {
+            Some((file, _)) => file.sync()?,
+            None => storage.open(path)?.sync()?,
+        }
+        // Names are on the disk with their folders only, and so is that of the world's own folder.
+        if !is_named || !snapshots.is_empty() || !former.is_empty() {
+            storage.sync_folder(&self.folder)?;
+            self.folder.parent().map_or(Ok(()), |worlds| storage.sync_folder(worlds))?;
+        }
+        Ok(())
+    }
+
     /// The world is gone for good: its folder goes with it.
     pub(super) fn remove(&self) -> io::Result<()> {
         let mut disk = lock(&self.disk);
         lock(&self.queue).work.clear();
-        disk.file = None;
+        disk.has_journal = false;
+        disk.open = None;
         if self.is_taken {
             return Ok(());
         }
         // Whole or not at all, should the program be killed meanwhile.
-        let gone = file_names::deleted(&self.folder);
-        match fs::rename(&self.folder, &gone) {
+        let gone = file_names::deleted(self.storage(), &self.folder);
+        match self.storage().rename(&self.folder, &gone) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            renamed => renamed.and_then(|()| fs::remove_dir_all(&gone)),
+            renamed => renamed.and_then(|()| {
+                // After a power cut it is not to be there again.
+                self.folder.parent().map_or(Ok(()), |worlds| self.storage().sync_folder(worlds))?;
+                self.storage().remove_folder(&gone)
+            }),
         }
     }
 }
 
+/// What is to be forced onto the disk.
+struct Unsynced {
+    open: Option<(Box<dyn Stored>, Place)>,
+    path: PathBuf,
+    length: u64,
+    on_disk: Arc<AtomicU64>,
+    is_named: bool,
+    snapshots: Vec<PathBuf>,
+    former: Vec<PathBuf>,
+}
+
 impl Disk {
     /// Whether there is a journal.
-    fn append(&mut self, bytes: &[u8]) -> io::Result<bool> {
-        let Some(file) = &mut self.file else { return Ok(false) };
-        file.write_all(bytes)?;
+    fn append(&mut self, shared: &Shared, bytes: &[u8]) -> io::Result<bool> {
+        if !self.has_journal {
+            return Ok(false);
+        }
+        let (mut file, place) = match self.open.take() {
+            Some((file, place)) => (file, Some(place)),
+            None => (shared.storage.open(&self.path)?, shared.journals.place()),
+        };
+        // The journal ends where it is whole.
+        file.append(bytes).inspect_err(|_| drop(file.cut(self.length)))?;
         self.length += bytes.len() as u64;
+        self.open = place.map(|place| (file, place));
         Ok(true)
     }
 
     /// Another journal, which is there whole or not at all, should the program be killed meanwhile.
-    fn begin(&mut self, folder: &Path, journal: &[u8]) -> io::Result<()> {
+    fn begin(&mut self, shared: &Shared, folder: &Path, journal: &[u8]) -> io::Result<()> {
+        let storage = &*shared.storage;
         let mut numbers = (self.number + 1..).map(|number| (number, file_names::journal(folder, number)));
         // Something else may be there, which is not replaced.
-        let (number, path) = numbers.find(|(_, path)| file_names::is_free(path)).expect("numbers do not end");
-        let new = path.with_extension(file_names::UNFINISHED);
-        let written = private::write(&new, journal);
-        let file = written.and_then(|file| fs::rename(&new, &path).map(|()| file)).inspect_err(|_| {
-            let _ = fs::remove_file(&new);
-        })?;
+        let (number, path) = numbers.find(|(_, path)| storage.is_free(path)).expect("numbers do not end");
+        let file = write_whole(storage, &path, journal)?;
         if self.length > 0 {
             self.former.push(std::mem::take(&mut self.path));
         }
-        (self.file, self.path, self.number, self.length) = (Some(file), path, number, journal.len() as u64);
+        self.open = None;
+        self.open = shared.journals.place().map(|place| (file, place));
+        (self.has_journal, self.path, self.number, self.length) = (true, path, number, journal.len() as u64);
+        self.is_named = false;
         Ok(())
-    }
-
-    /// The journal ends where it is whole.
-    fn give_up(&mut self) {
-        if let Some(file) = self.file.take() {
-            let _ = file.set_len(self.length);
-        }
     }
 }
 

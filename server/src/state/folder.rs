@@ -1,7 +1,6 @@
 //! The folder in which a server keeps its state.
 
 use std::collections::BTreeSet;
-use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -13,8 +12,11 @@ use baudbot_sim::Scenario;
 use super::files::WorldFiles;
 use super::keeper::{Keeper, Now};
 use super::kept::{self, Found, Problem};
+use super::shared::{OpenJournals, Shared};
+use super::storage::{Kind, Listed, Storage, System};
 use super::threads::Threads;
 use super::{LAYOUT, file_names, private};
+use crate::system::most_journals;
 
 /// Why a folder cannot be used for a server's state.
 #[derive(Debug, thiserror::Error)]
@@ -30,6 +32,9 @@ pub enum StateError {
     /// Another server uses it.
     #[error("{}: another server keeps its state there; stop that one, or choose another folder", .0.display())]
     InUse(PathBuf),
+    /// It is not there.
+    #[error("{}: there is no such folder; `baudbot serve --state FOLDER` makes one", .0.display())]
+    Absent(PathBuf),
     /// It is something else.
     #[error(
         "{}: is not empty, and no folder of a server's state; choose another, which is made if it is not there", .0.display()
@@ -52,11 +57,11 @@ pub struct StateFolder(Arc<Inner>);
 #[derive(Debug)]
 struct Inner {
     path: PathBuf,
-    threads: Threads,
+    shared: Shared,
     /// The names of what is there and is no world that goes on: they are left alone.
     taken: Mutex<BTreeSet<String>>,
-    /// Locked as long as this lives.
-    _marker: File,
+    /// Locked as long as this lives; `None` on a simulated disk.
+    _marker: Option<File>,
 }
 
 impl StateFolder {
@@ -92,7 +97,47 @@ impl StateFolder {
             private::make_folder(&folder).map_err(at(&folder))?;
         }
         let threads = Threads::start().map_err(at(path))?;
-        Ok(Self(Arc::new(Inner { path: path.to_owned(), threads, taken: Mutex::default(), _marker: file })))
+        Ok(Self::with(path, Arc::new(System), threads, Some(file)))
+    }
+
+    /// A folder on a disk that is simulated, which nobody else uses. What threads would do is done by tasks of the runtime in which
+    /// the server runs, which must be [without threads](crate::Builder::without_threads).
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn simulated(path: &Path, storage: Arc<dyn Storage>) -> Result<Self, StateError> {
+        let worlds = path.join(WORLDS);
+        storage.make_folder(&worlds).map_err(|source| StateError::Io { path: worlds, source })?;
+        Ok(Self::with(path, storage, Threads::Tasks, None))
+    }
+
+    fn with(path: &Path, storage: Arc<dyn Storage>, threads: Threads, marker: Option<File>) -> Self {
+        let journals = Arc::new(OpenJournals::new(most_journals()));
+        let shared = Shared { storage, threads, journals };
+        let path = path.to_owned();
+        Self(Arc::new(Inner { path, shared, taken: Mutex::default(), _marker: marker }))
+    }
+
+    pub(super) fn storage(&self) -> &dyn Storage {
+        &*self.0.shared.storage
+    }
+
+    /// Takes a folder that is there.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open), and if there is none.
+    pub fn open_present(path: &Path) -> Result<Self, StateError> {
+        // An empty one is made one by a server, and not by somebody who looks.
+        if !path.join(MARKER).exists() && fs::read_dir(path).map_or(true, |mut files| files.next().is_none())
+        {
+            return Err(StateError::Absent(path.to_owned()));
+        }
+        Self::open(path)
+    }
+
+    /// The folder of the worlds.
+    pub(super) fn of_worlds(&self) -> PathBuf {
+        self.0.path.join(WORLDS)
     }
 
     /// Where recordings go, unless another folder is named for them.
@@ -106,12 +151,12 @@ impl StateFolder {
     /// # Errors
     /// If the folder of the worlds cannot be read.
     pub fn worlds(&self) -> Result<Vec<Found>, StateError> {
-        let path = self.0.path.join(WORLDS);
-        let entries = fs::read_dir(&path).and_then(Iterator::collect::<io::Result<Vec<_>>>);
-        let entries = entries.map_err(|source| StateError::Io { path: path.clone(), source })?;
-        let mut names: Vec<_> = entries.into_iter().map(|entry| entry.file_name()).collect();
+        let path = self.of_worlds();
+        let listed = self.storage().list(&path);
+        let listed = listed.map_err(|source| StateError::Io { path: path.clone(), source })?;
+        let mut names: Vec<_> = listed.into_iter().map(|Listed { name, .. }| name).collect();
         names.sort_unstable();
-        let look = |name: OsString| look_at(&path.join(&name), &name.to_string_lossy());
+        let look = |name: String| look_at(self.storage(), &path.join(&name), &name);
         let found: Vec<_> = names.into_iter().filter_map(look).collect();
         self.taken().extend(found.iter().filter_map(taken));
         Ok(found)
@@ -120,11 +165,11 @@ impl StateFolder {
     /// Keeps a world from now on. `made`: the scenario with which it was made.
     pub(crate) fn keep(&self, made: Arc<Scenario>, now: &Now<'_>) -> Keeper {
         let folder = self.0.path.join(WORLDS).join(now.name);
-        let threads = self.0.threads.clone();
+        let shared = self.0.shared.clone();
         let is_taken = self.taken().contains(now.name);
         let files = match is_taken {
-            true => WorldFiles::none(folder, threads),
-            false => WorldFiles::new(folder, threads, now.world.tick()),
+            true => WorldFiles::none(folder, shared),
+            false => WorldFiles::new(folder, shared, now.world.tick()),
         };
         Keeper::new(files, made, now)
     }
@@ -136,10 +181,11 @@ impl StateFolder {
 }
 
 /// What is in the folder of the worlds under this name; `None` if nobody has to be told of it.
-fn look_at(path: &Path, name: &str) -> Option<Found> {
-    if file_names::is_deleted(name) && path.symlink_metadata().is_ok_and(|found| found.is_dir()) {
+fn look_at(storage: &dyn Storage, path: &Path, name: &str) -> Option<Found> {
+    let kind = storage.kind(path);
+    if file_names::is_deleted(name) && matches!(kind, Ok(Kind::Folder)) {
         // The server was killed before it was gone.
-        if let Err(error) = fs::remove_dir_all(path) {
+        if let Err(error) = storage.remove_folder(path) {
             tracing::warn!(folder = %path.display(), %error, "the state of a deleted world cannot be removed");
         }
         return None;
@@ -149,32 +195,33 @@ fn look_at(path: &Path, name: &str) -> Option<Found> {
         return None;
     }
     let ignored = |problem| Some(Found::Ignored { path: path.to_owned(), problem });
-    match fs::metadata(path) {
+    match kind {
         Err(error) => Some(unreadable(name, path, JournalError::from(error).to_string())),
-        Ok(found) if !found.is_dir() => ignored("is not a folder"),
-        Ok(_) if !file_names::is_world(name) => ignored("has a name that no world can have"),
-        Ok(_) => world(name, path),
+        Ok(Kind::File | Kind::Other) => ignored("is not a folder"),
+        Ok(Kind::Folder) if !file_names::is_world(name) => ignored("has a name that no world can have"),
+        Ok(Kind::Folder) => world(storage, name, path),
     }
 }
 
-fn world(name: &str, folder: &Path) -> Option<Found> {
-    match kept::read(name, folder) {
+fn world(storage: &dyn Storage, name: &str, folder: &Path) -> Option<Found> {
+    match kept::read(storage, name, folder) {
         Ok(Some(world)) => Some(Found::World(Box::new(world))),
         Ok(None) => {
             // If it cannot be removed, the next start attempts it again.
-            let _ = file_names::remove_unfinished(folder).and_then(|()| fs::remove_dir(folder));
+            let _ =
+                file_names::remove_unfinished(storage, folder).and_then(|()| storage.remove_folder(folder));
             None
         }
         Err((file, problem @ Problem::Journal(JournalError::Io(_)))) => {
             Some(unreadable(name, &file, problem.to_string()))
         }
-        Err((file, problem)) => Some(set_aside(name, folder, file, &problem)),
+        Err((file, problem)) => Some(set_aside(storage, name, folder, file, &problem)),
     }
 }
 
-fn set_aside(name: &str, folder: &Path, file: PathBuf, problem: &Problem) -> Found {
-    let to = file_names::damaged(folder);
-    if let Err(error) = fs::rename(folder, &to) {
+fn set_aside(storage: &dyn Storage, name: &str, folder: &Path, file: PathBuf, problem: &Problem) -> Found {
+    let to = file_names::damaged(storage, folder);
+    if let Err(error) = storage.rename(folder, &to) {
         return unreadable(name, &file, format!("{problem}, and the folder cannot be set aside: {error}"));
     }
     let problem = problem.to_string();

@@ -1,6 +1,7 @@
 //! The world's side of its journal: what happens to the world is collected here, and goes into the file before anybody is told.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use baudbot_proto::v1;
@@ -68,6 +69,8 @@ pub(crate) struct Keeper {
     /// Bytes of the present journal, and of its beginning.
     length: u64,
     beginning: u64,
+    /// Bytes of it that are on the disk for good.
+    on_disk: Arc<AtomicU64>,
     lost: Option<Lost>,
     /// Snapshots that are in the folder, by their numbers, in case that they have to be written again.
     snapshots: Vec<(u64, Vec<u8>)>,
@@ -84,7 +87,7 @@ struct Lost {
 impl Keeper {
     /// Keeps a world from now on. `made`: the scenario with which it was made.
     pub(super) fn new(files: WorldFiles, made: Arc<Scenario>, now: &Now<'_>) -> Self {
-        let instant = Instant::now();
+        let instant = files.now();
         let mut keeper = Self {
             files: Arc::new(files),
             made,
@@ -98,6 +101,7 @@ impl Keeper {
             stated: (instant, 0),
             length: 0,
             beginning: 0,
+            on_disk: Arc::default(),
             lost: None,
             snapshots: Vec::new(),
         };
@@ -121,7 +125,7 @@ impl Keeper {
     /// into the journal; elsewhere if it is time for that.
     pub(crate) fn keep(&mut self, now: &Now<'_>) {
         let waits = waits(now.pace);
-        if waits || self.entries.len() >= MOST_COLLECTED || self.written.elapsed() >= WRITE_EVERY {
+        if waits || self.entries.len() >= MOST_COLLECTED || self.since(self.written) >= WRITE_EVERY {
             self.keep_now(now);
         }
     }
@@ -138,7 +142,7 @@ impl Keeper {
             }
             self.entries.state(now.world);
             self.senders.clear();
-            self.stated = (Instant::now(), at.0);
+            self.stated = (self.files.now(), at.0);
         }
         self.note_ports(now);
         self.note_settings(now);
@@ -151,7 +155,7 @@ impl Keeper {
 
     /// Ends the journal: the world is over, and will be there again.
     pub(crate) fn close(&mut self, now: &Now<'_>) {
-        self.hashed = Instant::now().checked_sub(HASH_EVERY).unwrap_or(self.hashed);
+        self.hashed = self.files.now().checked_sub(HASH_EVERY).unwrap_or(self.hashed);
         self.at = (u64::MAX, false);
         self.keep_now(now);
         self.files.write();
@@ -172,26 +176,27 @@ impl Keeper {
 
     /// Another run begins, or it goes on from another state: so does another journal.
     pub(crate) fn begin(&mut self, now: &Now<'_>) {
-        self.entries.clear();
         (self.settings, self.pace) = (settings(now), now.pace);
-        let mut journal = Entries::beginning(now.name, now.world, &self.made, &self.settings);
-        journal.ports(&ports(now.senders, &[]));
+        let all = ports(now.senders, &[]);
+        // What follows stands behind it.
+        self.entries = Entries::beginning(now.name, now.world, &self.made, &self.settings, &all);
+        let journal = self.entries.take();
         self.senders = now.senders.to_vec();
         self.at = (now.world.tick(), now.world.is_begun());
-        self.stated = (Instant::now(), self.at.0);
+        self.stated = (self.files.now(), self.at.0);
         self.beginning = journal.len() as u64;
         self.length = self.beginning;
+        self.on_disk = Arc::default();
         let snapshots = if self.lost.is_some() { self.snapshots.clone() } else { Vec::new() };
-        self.files.add(Work::Begin { journal: journal.take(), tick: self.at.0, snapshots }, waits(now.pace));
+        let (tick, on_disk) = (self.at.0, Arc::clone(&self.on_disk));
+        self.files.add(Work::Begin { journal, tick, snapshots, on_disk }, waits(now.pace));
         self.look_for_failure(now);
     }
 
     /// Keeps a snapshot, and no more than `most` of them.
     pub(crate) fn snapshot(&mut self, now: &Now<'_>, number: u64, most: usize) {
-        let (settings, senders) = (Settings::default(), now.senders);
-        let mut snapshot = Entries::beginning(now.name, now.world, &self.made, &settings);
-        snapshot.ports(&ports(senders, &[]));
-        let bytes = snapshot.take();
+        let (settings, ports) = (Settings::default(), ports(now.senders, &[]));
+        let bytes = Entries::beginning(now.name, now.world, &self.made, &settings, &ports).take();
         self.note_snapshot(number, bytes.clone(), most);
         self.files.add(Work::Snapshot(number, bytes), waits(now.pace));
         self.look_for_failure(now);
@@ -214,7 +219,7 @@ impl Keeper {
     /// Notes that something could not be written, and attempts another journal when it is time. Whether entries can be collected.
     fn look_for_failure(&mut self, now: &Now<'_>) -> bool {
         let is_lost = self.files.is_lost();
-        let retry = Instant::now() + RETRY_AFTER;
+        let (instant, retry) = (self.files.now(), self.files.now() + RETRY_AFTER);
         match &mut self.lost {
             None if is_lost => {
                 let (problem, kept_tick) = (self.files.problem(), self.keeping().tick);
@@ -229,7 +234,7 @@ impl Keeper {
                 self.lost = None;
                 true
             }
-            Some(lost) if Instant::now() >= lost.retry => {
+            Some(lost) if instant >= lost.retry => {
                 (lost.retry, lost.is_trying) = (retry, true);
                 self.begin_again(now);
                 self.lost.is_none()
@@ -247,10 +252,15 @@ impl Keeper {
         }
     }
 
+    /// The time since an instant. The clock may have been turned back.
+    fn since(&self, instant: Instant) -> Duration {
+        self.files.now().saturating_duration_since(instant)
+    }
+
     fn needs_state(&self, now: &Now<'_>) -> bool {
         let (when, tick) = self.stated;
         let ticks = now.world.tick().saturating_sub(tick);
-        ticks >= STATE_EVERY_TICKS || (ticks > 0 && when.elapsed() >= STATE_EVERY)
+        ticks >= STATE_EVERY_TICKS || (ticks > 0 && self.since(when) >= STATE_EVERY)
     }
 
     fn note_ports(&mut self, now: &Now<'_>) {
@@ -270,18 +280,19 @@ impl Keeper {
     }
 
     fn note_place(&mut self, now: &Now<'_>) {
-        let is_due = self.hashed.elapsed() >= HASH_EVERY;
+        let is_due = self.since(self.hashed) >= HASH_EVERY;
         let state_hash = is_due.then(|| now.world.hash());
         if is_due {
-            self.hashed = Instant::now();
+            self.hashed = self.files.now();
         }
         let (tick, begun) = (now.world.tick(), now.world.is_begun());
-        self.entries.at(At { tick, begun, state_hash });
+        let on_disk = self.on_disk.load(Ordering::Relaxed);
+        self.entries.at(At { tick, begun, state_hash, on_disk });
         self.at = (tick, begun);
     }
 
     fn write(&mut self, tick: u64, waits: bool) {
-        self.written = Instant::now();
+        self.written = self.files.now();
         if !self.entries.is_empty() {
             self.length += self.entries.len() as u64;
             if waits {

@@ -1,6 +1,5 @@
 //! Worlds that are found in a state folder.
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,6 +8,7 @@ use baudbot_recording::journal::{Journal, JournalError, PortState, Restored, Set
 use baudbot_sim::{Scenario, World};
 
 use super::file_names;
+use super::storage::Storage;
 use crate::convert::pace_of;
 use crate::message::RecordConfig;
 use crate::pace::Pace;
@@ -62,6 +62,8 @@ pub struct KeptWorld {
     pub(crate) pace: Pace,
     pub(crate) paused: bool,
     pub(crate) resumed: Resumed,
+    /// Snapshots that cannot be used, which are given another name.
+    spoiled: Vec<PathBuf>,
 }
 
 /// What a world has besides its state that outlived its server.
@@ -109,34 +111,73 @@ impl From<io::Error> for Problem {
 ///
 /// # Errors
 /// If a file of it cannot be used.
-pub(super) fn read(name: &str, folder: &Path) -> Result<Option<KeptWorld>, Unusable> {
+pub(super) fn read(storage: &dyn Storage, name: &str, folder: &Path) -> Result<Option<KeptWorld>, Unusable> {
     let at = |error: io::Error| (folder.to_owned(), error.into());
-    let mut cut = None;
-    for (_, path) in file_names::journals(folder).map_err(at)? {
+    let Some(mut world) = peek(storage, name, folder)? else { return Ok(None) };
+    for path in std::mem::take(&mut world.spoiled) {
+        // Another snapshot may get its number.
+        let to = file_names::damaged(storage, &path);
+        storage.rename(&path, &to).map_err(at)?;
+    }
+    file_names::remove_unfinished(storage, folder).map_err(at)?;
+    Ok(Some(world))
+}
+
+/// The same, and changes nothing.
+///
+/// # Errors
+/// If a file of it cannot be used.
+pub(super) fn peek(storage: &dyn Storage, name: &str, folder: &Path) -> Result<Option<KeptWorld>, Unusable> {
+    let at = |error: io::Error| (folder.to_owned(), error.into());
+    let mut begun: Option<Unusable> = None;
+    for (_, path) in file_names::journals(storage, folder).map_err(at)? {
         let used = |problem: Problem| (path.clone(), problem);
-        let bytes = fs::read(&path).map_err(|error| used(error.into()))?;
+        let bytes = storage.read(&path).map_err(|error| used(error.into()))?;
         match Journal::read(&bytes) {
-            // A power cut came before all of it was on the disk, and before the one before was removed, which has all. If there is
-            // none, somebody has cut it.
-            Err(JournalError::Unfinished) => cut = cut.or(Some(path)),
+            // The power failed before all of it was on the disk, and before the one before was removed, which has all that was. If
+            // there is none, it is lost.
+            Err(error) if error.has_no_state() => begun = begun.or(Some(used(error.into()))),
             Err(error) => return Err(used(error.into())),
             Ok(journal) => {
                 let restored = journal.restore().map_err(|error| used(error.into()))?;
-                let world = kept(name, restored, &journal, snapshots(folder)?);
-                file_names::remove_unfinished(folder).map_err(at)?;
-                return Ok(Some(world));
+                let mut notes = Vec::new();
+                if let Some((newer, problem)) = begun {
+                    notes.push(format!(
+                        "{} {problem}, and {} before it is continued",
+                        file(&newer),
+                        file(&path)
+                    ));
+                }
+                if journal.torn() > 0 {
+                    let torn = journal.torn();
+                    notes.push(format!(
+                        "the last {torn} bytes of its journal are an unfinished write and are left out"
+                    ));
+                }
+                let (snapshots, spoiled) = snapshots(storage, folder)?;
+                for (path, error) in &spoiled {
+                    notes.push(format!("{} {error}, and is left out", file(path)));
+                }
+                let spoiled = spoiled.into_iter().map(|(path, _)| path).collect();
+                let note = (!notes.is_empty()).then(|| notes.join("; "));
+                let world = kept(name, restored, snapshots);
+                return Ok(Some(KeptWorld { note, spoiled, ..world }));
             }
         }
     }
-    match cut {
-        Some(path) => Err((path, JournalError::Unfinished.into())),
+    match begun {
+        Some(unusable) => Err(unusable),
         // A journal gets its name when it is whole: the server was killed before it had said that the world is there.
-        None if file_names::is_unused(folder).map_err(at)? => Ok(None),
+        None if file_names::is_unused(storage, folder).map_err(at)? => Ok(None),
         None => Err((folder.to_owned(), Problem::NoJournal)),
     }
 }
 
-fn kept(name: &str, restored: Restored, journal: &Journal, snapshots: Vec<KeptSnapshot>) -> KeptWorld {
+fn file(path: &Path) -> String {
+    path.file_name().unwrap_or_default().display().to_string()
+}
+
+fn kept(name: &str, restored: Restored, snapshots: Vec<KeptSnapshot>) -> KeptWorld {
     let Restored { world, made, settings, ports, replayed: _ } = restored;
     let Settings { pace, paused, slots, recording } = settings;
     let recording =
@@ -144,25 +185,41 @@ fn kept(name: &str, restored: Restored, journal: &Journal, snapshots: Vec<KeptSn
     let (scenario, tick, time_s) = (Arc::clone(world.scenario()), world.tick(), world.time().as_seconds());
     let pace = pace.and_then(pace_of).unwrap_or(Pace::REAL_TIME);
     let resumed = Resumed { made, ports, slots, snapshots, recording };
-    let torn = Some(journal.torn()).filter(|torn| *torn > 0);
-    let note =
-        torn.map(|torn| format!("the last {torn} bytes of its journal were not whole and are left out"));
-    KeptWorld { name: name.to_owned(), scenario, tick, time_s, note, world, pace, paused, resumed }
+    let (name, note, spoiled) = (name.to_owned(), None, Vec::new());
+    KeptWorld { name, scenario, tick, time_s, note, world, pace, paused, resumed, spoiled }
 }
 
-fn snapshots(folder: &Path) -> Result<Vec<KeptSnapshot>, Unusable> {
+/// Snapshots, and those that are not whole, as the power failed before they were on the disk: no reason to lose the world.
+type Snapshots = (Vec<KeptSnapshot>, Vec<(PathBuf, JournalError)>);
+
+fn snapshots(storage: &dyn Storage, folder: &Path) -> Result<Snapshots, Unusable> {
     let at = |error: io::Error| (folder.to_owned(), error.into());
-    let files = file_names::snapshots(folder).map_err(at)?;
-    let read = |(number, path): (u64, PathBuf)| {
-        let used = |error: JournalError| (path.clone(), error.into());
-        let bytes = fs::read(&path).map_err(|error| used(error.into()))?;
-        let journal = Journal::read(&bytes).map_err(used)?;
-        // It is written to another name first, and then whole.
-        if journal.torn() > 0 {
-            return Err(used(JournalError::Damaged(journal.length())));
+    let (mut whole, mut spoiled) = (Vec::new(), Vec::new());
+    for (number, path) in file_names::snapshots(storage, folder).map_err(at)? {
+        match snapshot(storage, number, &path) {
+            Ok(snapshot) => whole.push(snapshot),
+            Err(error @ JournalError::Io(_)) => return Err((path, error.into())),
+            Err(error) => spoiled.push((path, error)),
         }
-        let Restored { world, ports, .. } = journal.restore().map_err(used)?;
-        Ok(KeptSnapshot { number, world, ports, bytes })
-    };
-    files.into_iter().map(read).collect()
+    }
+    Ok((whole, spoiled))
+}
+
+/// The snapshot in a file.
+///
+/// # Errors
+/// If it cannot be used.
+pub(super) fn snapshot(
+    storage: &dyn Storage,
+    number: u64,
+    path: &Path,
+) -> Result<KeptSnapshot, JournalError> {
+    let bytes = storage.read(path)?;
+    let journal = Journal::read(&bytes)?;
+    // It is written to another name first, and then whole.
+    if journal.torn() > 0 {
+        return Err(JournalError::Damaged(journal.length()));
+    }
+    let Restored { world, ports, .. } = journal.restore()?;
+    Ok(KeptSnapshot { number, world, ports, bytes })
 }

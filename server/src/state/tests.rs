@@ -3,10 +3,12 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use baudbot_recording::journal::{Entries, Settings};
+use baudbot_recording::journal::{Entries, Ports, Settings};
 use baudbot_sim::{Scenario, World};
 
 use super::files::{Work, WorldFiles};
+use super::shared::{OpenJournals, Shared};
+use super::storage::System;
 use super::threads::Threads;
 use super::{Found, StateFolder};
 
@@ -42,7 +44,7 @@ fn place(test: &str) -> Lab {
 fn journal() -> Vec<u8> {
     let world = World::new(Arc::<Scenario>::new(baudbot_scenario::parse(WANDER).unwrap()));
     let made = Arc::clone(world.origin());
-    Entries::beginning("alice", &world, &made, &Settings::default()).take()
+    Entries::beginning("alice", &world, &made, &Settings::default(), &Ports::default()).take()
 }
 
 fn make(folder: &Path, files: &[Entry<'_>]) {
@@ -125,6 +127,25 @@ fn a_world_whose_creation_was_interrupted_leaves_nothing() {
 }
 
 #[test]
+fn a_journal_whose_beginning_did_not_reach_the_disk_gives_way_to_the_one_before() {
+    let whole = journal();
+    let mut garbled = whole.clone();
+    garbled[600] ^= 1;
+    for (number, newer) in [&whole[..1000], &[], &[0; 5000][..], &garbled[..]].into_iter().enumerate() {
+        let lab = place(&format!("gives-way-{number}"));
+        StateFolder::open(&lab).unwrap();
+        make(&lab.join("worlds/alice"), &[("journal-1", &whole), ("journal-2", newer)]);
+        let found = StateFolder::open(&lab).unwrap().worlds().unwrap();
+        let [Found::World(world)] = &found[..] else { panic!("{number}") };
+        let note = world.note.as_deref().unwrap();
+        assert!(
+            note.starts_with("journal-2 ") && note.ends_with("journal-1 before it is continued"),
+            "{note}"
+        );
+    }
+}
+
+#[test]
 fn only_folders_of_deleted_worlds_are_removed() {
     let lab = place("deleted");
     StateFolder::open(&lab).unwrap();
@@ -189,8 +210,14 @@ fn what_is_no_world_or_cannot_be_read_is_left_as_it_is_and_the_others_go_on() {
     }
 }
 
+/// Without a place to stay open: each write opens the journal.
+fn shared() -> Shared {
+    let (threads, journals) = (Threads::start().unwrap(), Arc::new(OpenJournals::new(0)));
+    Shared { storage: Arc::new(System), threads, journals }
+}
+
 fn begin() -> Work {
-    Work::Begin { journal: journal(), tick: 0, snapshots: Vec::new() }
+    Work::Begin { journal: journal(), tick: 0, snapshots: Vec::new(), on_disk: Arc::default() }
 }
 
 #[test]
@@ -198,7 +225,7 @@ fn under_a_name_that_is_taken_nothing_is_written_and_nothing_removed() {
     let lab = place("taken");
     let folder = lab.join("worlds/alice");
     make(&folder, &[("snapshot-1", b"one")]);
-    let files = Arc::new(WorldFiles::none(folder.clone(), Threads::start().unwrap()));
+    let files = Arc::new(WorldFiles::none(folder.clone(), shared()));
     for work in [begin(), Work::Snapshot(2, journal()), Work::Forget(1), begin()] {
         files.add(work, true);
         assert!(files.is_lost());
@@ -215,11 +242,11 @@ fn until_its_first_journal_is_written_a_world_is_kept_as_its_server_left_it() {
     let lab = place("continued");
     let folder = lab.join("worlds/alice");
     make(&folder, &[("journal-4", &journal())]);
-    let files = Arc::new(WorldFiles::new(folder.clone(), Threads::start().unwrap(), 2_030_614));
+    let files = Arc::new(WorldFiles::new(folder.clone(), shared(), 2_030_614));
     assert_eq!(files.keeping().tick, 2_030_614);
     files.add(begin(), true);
     assert_eq!(files.keeping().tick, 0, "another run");
-    let new = WorldFiles::new(folder.with_file_name("bob"), Threads::start().unwrap(), 500);
+    let new = WorldFiles::new(folder.with_file_name("bob"), shared(), 500);
     assert_eq!(new.keeping().tick, 0, "nothing of it is on the disk");
 }
 
@@ -229,7 +256,7 @@ fn a_journal_replaces_nothing_and_gets_its_name_when_it_is_whole() {
     let folder = lab.join("worlds/alice");
     make(&folder.join("journal-2"), &[("keep", b"any")]);
     make(&folder, &[("journal-1", &journal()), ("journal-3.new", &[7; 100_000])]);
-    let files = Arc::new(WorldFiles::new(folder.clone(), Threads::start().unwrap(), 0));
+    let files = Arc::new(WorldFiles::new(folder.clone(), shared(), 0));
     files.add(begin(), true);
     assert_eq!(names(&folder), ["journal-1", "journal-2", "journal-3"]);
     assert!(fs::read(folder.join("journal-3")).unwrap() == journal());
@@ -249,7 +276,7 @@ fn folders_and_files_are_for_this_user_only() {
     let lab = place("modes");
     let folder = StateFolder::open(&lab).unwrap();
     let alice = lab.join("worlds/alice");
-    let files = Arc::new(WorldFiles::new(alice.clone(), Threads::start().unwrap(), 0));
+    let files = Arc::new(WorldFiles::new(alice.clone(), shared(), 0));
     files.add(begin(), true);
     files.add(Work::Snapshot(1, journal()), true);
     for path in [lab.parent().unwrap(), &lab, &folder.recordings(), alice.parent().unwrap(), &alice] {

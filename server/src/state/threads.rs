@@ -13,9 +13,13 @@ const SYNC_EVERY: Duration = Duration::from_secs(1);
 
 /// What wakes the threads. They end when all of these are gone.
 #[derive(Clone, Debug)]
-pub(super) struct Threads {
-    writer: Sender<Arc<WorldFiles>>,
-    syncer: Sender<Arc<WorldFiles>>,
+pub(super) enum Threads {
+    Own {
+        writer: Sender<Arc<WorldFiles>>,
+        syncer: Sender<Arc<WorldFiles>>,
+    },
+    /// Tasks of the runtime of whoever writes do their work.
+    Tasks,
 }
 
 impl Threads {
@@ -32,18 +36,29 @@ impl Threads {
             }
         })?;
         thread::Builder::new().name("state sync".to_owned()).spawn(move || sync_all(&to_sync))?;
-        Ok(Self { writer, syncer })
+        Ok(Self::Own { writer, syncer })
     }
 
     /// There is something to write of this world.
     pub(super) fn write(&self, files: &Arc<WorldFiles>) {
-        // The threads live as long as this does.
-        let _ = self.writer.send(Arc::clone(files));
+        let files = Arc::clone(files);
+        match self {
+            // The threads live as long as this does.
+            Self::Own { writer, .. } => drop(writer.send(files)),
+            Self::Tasks => drop(tokio::spawn(async move { files.write() })),
+        }
     }
 
     /// Something was written of this world.
     pub(super) fn sync(&self, files: &Arc<WorldFiles>) {
-        let _ = self.syncer.send(Arc::clone(files));
+        let files = Arc::clone(files);
+        match self {
+            Self::Own { syncer, .. } => drop(syncer.send(files)),
+            Self::Tasks => drop(tokio::spawn(async move {
+                tokio::time::sleep(SYNC_EVERY).await;
+                files.sync();
+            })),
+        }
     }
 }
 

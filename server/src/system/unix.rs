@@ -2,6 +2,7 @@
 
 use std::fs::{File, OpenOptions};
 use std::io;
+use std::os::fd::AsRawFd;
 #[cfg(feature = "network")]
 use std::os::unix::fs::MetadataExt;
 use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
@@ -13,6 +14,8 @@ use rustix::process::{Resource, Rlimit, geteuid, getrlimit, setrlimit};
 use tokio::task::spawn_blocking;
 use tonic::Status;
 
+use super::descriptors::Descriptors;
+
 /// Raises the process' limit of open files, connections included, to the highest that the system allows. A server that is to
 /// have many should do this first.
 pub fn raise_descriptor_limit() {
@@ -23,12 +26,23 @@ pub fn raise_descriptor_limit() {
     }
 }
 
-/// The limit of connections of a server that is not told a number: three quarters of the process' open files, but so that 32
-/// files are left, and not more than 16,384. Worlds, recordings and the listeners themselves need the rest.
+fn descriptors() -> Descriptors {
+    Descriptors::of(getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX))
+}
+
+/// The most connections of a server, which is the limit of one that is not told a number.
 pub(crate) fn usual_connections() -> usize {
-    let files = getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX);
-    let connections = files.saturating_sub((files / 4).max(LEAST_OTHERS));
-    usize::try_from(connections).unwrap_or(usize::MAX).clamp(1, MOST_CONNECTIONS)
+    descriptors().connections
+}
+
+/// Journals that may stay open between two writes.
+pub(crate) fn most_journals() -> usize {
+    descriptors().journals
+}
+
+/// Whether a file that has just been opened leaves those to others that are theirs: the system gives the least number that is free.
+pub(crate) fn leaves_room(file: &File) -> bool {
+    usize::try_from(file.as_raw_fd()).is_ok_and(|number| number < descriptors().recordings_below)
 }
 
 /// Whether this is the user who runs the server.
@@ -76,9 +90,3 @@ pub(crate) async fn blocking<T: Send + 'static>(
 ) -> Result<T, Status> {
     spawn_blocking(work).await.map_err(|error| Status::internal(error.to_string()))
 }
-
-/// Files that a server with a few worlds needs besides its connections: an idle one has sixteen.
-const LEAST_OTHERS: u64 = 32;
-
-/// Each takes some tens of kilobytes while it is open.
-const MOST_CONNECTIONS: usize = 16_384;

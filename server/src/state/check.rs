@@ -1,0 +1,247 @@
+//! Looking at what is kept without going on with it, and making a world of what is left of a damaged one.
+
+use std::path::{Path, PathBuf};
+
+use baudbot_recording::journal::{Entries, Journal, JournalError, Ports, Salvaged};
+
+use super::file_names;
+use super::folder::{StateError, StateFolder};
+use super::kept::{self, Problem};
+use super::storage::{Kind, Listed, Storage};
+
+/// What a look at a world's folder has found.
+#[derive(Debug)]
+pub struct Checked {
+    /// The name of its folder.
+    pub name: String,
+    /// How it is.
+    pub soundness: Soundness,
+}
+
+/// How what is kept of a world is.
+#[derive(Debug)]
+pub enum Soundness {
+    /// A server continues it.
+    Sound {
+        /// Its tick.
+        tick: u64,
+        /// When that is, in seconds.
+        time_s: f64,
+        /// What is to be told about it, such as an unfinished write at its end.
+        note: Option<String>,
+    },
+    /// No server continues it.
+    Damaged {
+        /// The file that is damaged.
+        file: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+        /// The tick, and the time in seconds, at which it can be recovered; `None` if it cannot.
+        recoverable: Option<(u64, f64)>,
+    },
+    /// It cannot be read.
+    Unreadable {
+        /// Which file.
+        file: PathBuf,
+        /// Why.
+        problem: String,
+    },
+}
+
+/// A world that was made of what was left of a damaged one.
+#[derive(Debug)]
+pub struct Recovered {
+    /// Its name.
+    pub name: String,
+    /// The tick at which it goes on.
+    pub tick: u64,
+    /// When that is, in seconds.
+    pub time_s: f64,
+    /// The folder of the damaged one, which is as it was.
+    pub from: PathBuf,
+    /// What was left out, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Why a world cannot be recovered.
+#[derive(Debug, thiserror::Error)]
+pub enum RecoverError {
+    /// There is no folder of such a world.
+    #[error("{}: there is neither a world `{name}` nor one that was set aside", worlds.display())]
+    Absent {
+        /// The folder of the worlds.
+        worlds: PathBuf,
+        /// The name.
+        name: String,
+    },
+    /// It is sound.
+    #[error("world `{0}` is sound: a server continues it; there is nothing to recover")]
+    Sound(String),
+    /// There is a world of the name that it is to have.
+    #[error("{}: is there already; give the recovered world another name with --as NAME", .0.display())]
+    Taken(PathBuf),
+    /// It cannot have this name.
+    #[error("`{0}`: no world can have this name; write 1 to 64 letters, digits, _ or -")]
+    Name(String),
+    /// Nothing can be made of its journal.
+    #[error("{} {problem}, and has no sound state from which a world could go on", file.display())]
+    Nothing {
+        /// The journal, or the folder if there is none.
+        file: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A file or folder cannot be written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+}
+
+impl StateFolder {
+    /// Looks at all worlds, those that were set aside, too, and changes nothing.
+    ///
+    /// # Errors
+    /// If the folder of the worlds cannot be read.
+    pub fn check(&self) -> Result<Vec<Checked>, StateError> {
+        let (storage, worlds) = (self.storage(), self.of_worlds());
+        let listed = storage.list(&worlds);
+        let listed = listed.map_err(|source| StateError::Io { path: worlds.clone(), source })?;
+        let is_ours = |name: &str| file_names::is_world(name) || file_names::is_damaged(name);
+        let mut names: Vec<_> = listed.into_iter().map(|Listed { name, .. }| name).collect();
+        names.retain(|name| is_ours(name) && is_folder(storage, &worlds.join(name)));
+        names.sort();
+        let checked = names.into_iter().filter_map(|name| {
+            let folder = worlds.join(&name);
+            Some(Checked { soundness: look(storage, &name, &folder)?, name })
+        });
+        Ok(checked.collect())
+    }
+
+    /// Makes a world `to` of what is left of a damaged one: `name`, or the last that was set aside of this name, or the folder of
+    /// that name. The damaged one stays as it is, set aside.
+    ///
+    /// # Errors
+    /// If there is none, it is sound, or nothing can be made of it.
+    pub fn recover(&self, name: &str, to: &str) -> Result<Recovered, RecoverError> {
+        if !file_names::is_world(to) {
+            return Err(RecoverError::Name(to.to_owned()));
+        }
+        let (storage, worlds) = (self.storage(), self.of_worlds());
+        let absent = || RecoverError::Absent { worlds: worlds.clone(), name: name.to_owned() };
+        let mut from = damaged(storage, &worlds, name).ok_or_else(absent)?;
+        if let Some(Soundness::Sound { .. }) = look(storage, name, &from) {
+            return Err(RecoverError::Sound(name.to_owned()));
+        }
+        let (journal, salvaged) = salvage(storage, &from)?;
+        let target = worlds.join(to);
+        let failed = |path: &Path| {
+            let path = path.to_owned();
+            move |source| RecoverError::Io { path, source }
+        };
+        if from == target {
+            let aside = file_names::damaged(storage, &from);
+            storage.rename(&from, &aside).map_err(failed(&from))?;
+            from = aside;
+        } else if !storage.is_free(&target) {
+            return Err(RecoverError::Taken(target));
+        }
+        let mut notes = notes(&journal, &salvaged);
+        storage.make_folder(&target).map_err(failed(&target))?;
+        for (number, path) in file_names::snapshots(storage, &from).map_err(failed(&from))? {
+            match kept::snapshot(storage, number, &path) {
+                Ok(snapshot) => {
+                    let path = file_names::snapshot(&target, number);
+                    let written = storage.write(&path, &snapshot.bytes).and_then(|file| file.sync());
+                    written.map_err(failed(&path))?;
+                }
+                Err(error) => notes.push(format!("snapshot {number} {error}, and is left out")),
+            }
+        }
+        let restored = &salvaged.restored;
+        let ports = Ports { ports: restored.ports.clone() };
+        let (world, made) = (&restored.world, &restored.made);
+        let bytes = Entries::beginning(to, world, made, &restored.settings, &ports).take();
+        // The journal comes last, whole: with it the world is there.
+        let path = file_names::journal(&target, 1);
+        let new = path.with_extension(file_names::UNFINISHED);
+        let written = storage.write(&new, &bytes).and_then(|file| file.sync());
+        written.and_then(|()| storage.rename(&new, &path)).map_err(failed(&path))?;
+        storage.sync_folder(&target).map_err(failed(&target))?;
+        let (tick, time_s) = (world.tick(), world.time().as_seconds());
+        Ok(Recovered { name: to.to_owned(), tick, time_s, from, notes })
+    }
+}
+
+/// How what is in this folder is; `None` if nothing was ever kept in it.
+fn look(storage: &dyn Storage, name: &str, folder: &Path) -> Option<Soundness> {
+    match kept::peek(storage, name, folder) {
+        Ok(None) => None,
+        Ok(Some(world)) => {
+            Some(Soundness::Sound { tick: world.tick, time_s: world.time_s, note: world.note })
+        }
+        Err((file, problem @ Problem::Journal(JournalError::Io(_)))) => {
+            Some(Soundness::Unreadable { file, problem: problem.to_string() })
+        }
+        Err((file, problem)) => {
+            let place = |salvaged: Salvaged| {
+                let world = salvaged.restored.world;
+                (world.tick(), world.time().as_seconds())
+            };
+            let recoverable = salvage(storage, folder).ok().map(|(_, salvaged)| place(salvaged));
+            Some(Soundness::Damaged { file, problem: problem.to_string(), recoverable })
+        }
+    }
+}
+
+fn is_folder(storage: &dyn Storage, path: &Path) -> bool {
+    matches!(storage.kind(path), Ok(Kind::Folder))
+}
+
+/// The folder that is meant by a name.
+fn damaged(storage: &dyn Storage, worlds: &Path, name: &str) -> Option<PathBuf> {
+    let is_name = file_names::is_world(name) || file_names::is_damaged(name);
+    let named = Some(worlds.join(name)).filter(|folder| is_name && is_folder(storage, folder));
+    let is_sound =
+        |folder: &PathBuf| matches!(look(storage, name, folder), Some(Soundness::Sound { .. }) | None);
+    match named {
+        Some(folder) if file_names::is_damaged(name) || !is_sound(&folder) => Some(folder),
+        named => file_names::last_damaged(storage, &worlds.join(name)).filter(|_| is_name).or(named),
+    }
+}
+
+/// The newest journal of a folder of which something is left.
+fn salvage(storage: &dyn Storage, folder: &Path) -> Result<(PathBuf, Salvaged), RecoverError> {
+    let failed = |source| RecoverError::Io { path: folder.to_owned(), source };
+    let mut problem =
+        RecoverError::Nothing { file: folder.to_owned(), problem: Problem::NoJournal.to_string() };
+    for (number, (_, path)) in file_names::journals(storage, folder).map_err(failed)?.into_iter().enumerate()
+    {
+        let bytes = storage.read(&path).map_err(failed)?;
+        match Journal::salvage(&bytes) {
+            Ok(salvaged) => return Ok((path, salvaged)),
+            Err(error) if number == 0 => {
+                problem = RecoverError::Nothing { file: path, problem: error.to_string() };
+            }
+            Err(_) => {}
+        }
+    }
+    Err(problem)
+}
+
+fn notes(journal: &Path, salvaged: &Salvaged) -> Vec<String> {
+    let file = journal.file_name().unwrap_or_default().display();
+    let Salvaged { restored: _, passed, left_out: (length, bytes), differs } = salvaged;
+    let passed = passed.iter().map(|at| {
+        format!("{file} is damaged at byte {at}; a later state in it has all that was before, so nothing of that is lost")
+    });
+    let differs = differs
+        .iter()
+        .map(|error| format!("{file} {error}; what came after the fingerprint before is left out"));
+    let rest =
+        (*bytes > 0).then(|| format!("what is in {file} behind byte {length}, {bytes} bytes, is left out"));
+    passed.chain(differs).chain(rest).collect()
+}
