@@ -18,6 +18,8 @@ use crate::token::{Token, TokenHash};
 pub struct Tokens {
     grants: HashMap<TokenHash, Arc<Grant>>,
     generation: u64,
+    /// The file of grants cannot be read: none of it is in effect.
+    is_unreadable: bool,
 }
 
 /// The caller is not known: no token, a wrong one, or one that is over.
@@ -34,6 +36,9 @@ pub enum Refused {
     /// It is not valid here.
     #[error("the token is not valid on this server; ask its operator for another one")]
     Unknown,
+    /// Nobody can tell, as the file of tokens cannot be read.
+    #[error("the server cannot read its file of tokens, and takes none until it can; its log says why")]
+    Unreadable,
     /// It was valid.
     #[error("the token `{name}` has expired, on {}; ask the operator of this server for another one", date::print(*.at))]
     Expired {
@@ -48,7 +53,22 @@ impl Tokens {
     /// These grants. `generation` counts the sets that were in effect before.
     pub fn new(grants: impl IntoIterator<Item = Grant>, generation: u64) -> Self {
         let grants = grants.into_iter().map(|grant| (grant.hash, Arc::new(grant))).collect();
-        Self { grants, generation }
+        Self { grants, generation, is_unreadable: false }
+    }
+
+    /// The same; a token that is not among them may be one of a file that cannot be read.
+    pub(crate) fn refusing(self) -> Self {
+        Self { is_unreadable: true, ..self }
+    }
+
+    /// Why tokens are refused that are not among these.
+    fn unknown(&self) -> Refused {
+        if self.is_unreadable { Refused::Unreadable } else { Refused::Unknown }
+    }
+
+    /// Whether the file of grants cannot be read.
+    pub(crate) fn is_refusing(&self) -> bool {
+        self.is_unreadable
     }
 
     /// Another number means that grants may have been revoked or changed since.
@@ -80,7 +100,7 @@ impl Tokens {
     /// # Errors
     /// If it was revoked, or has expired.
     pub fn still(&self, hash: &TokenHash, now: SystemTime) -> Result<&Arc<Grant>, Refused> {
-        let grant = self.grants.get(hash).ok_or(Refused::Unknown)?;
+        let grant = self.grants.get(hash).ok_or_else(|| self.unknown())?;
         match grant.expires_at {
             Some(at) if grant.has_expired(now) => Err(Refused::Expired { name: grant.name.clone(), at }),
             Some(_) | None => Ok(grant),

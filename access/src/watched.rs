@@ -1,5 +1,6 @@
 //! The grants in effect while a file of them may change.
 
+use std::fs::File;
 use std::sync::{Arc, Mutex, PoisonError, RwLock, TryLockError};
 use std::time::{Duration, Instant};
 
@@ -14,6 +15,9 @@ use crate::tokens::Tokens;
 /// [`generation`](Tokens::generation) is another one, it ends the streams whose callers [are no longer
 /// known](Tokens::still) or [may no longer](Grant::may) do what they do. A grant that expires changes no generation; its end is
 /// known when the stream begins.
+///
+/// A file that cannot be read for two seconds, whatever the reason, is a file without tokens: one of them may have been revoked. The
+/// server's own grants stay in effect.
 #[derive(Debug)]
 pub struct Watched {
     file: Option<TokenFile>,
@@ -27,6 +31,10 @@ pub struct Watched {
 struct Look {
     at: Instant,
     stamp: Option<Stamp>,
+    /// Since when the file cannot be read.
+    failing: Option<Instant>,
+    /// A descriptor that is kept for the next reading: another file is open, whatever the process has open by then.
+    spare: Option<File>,
 }
 
 /// What a look at the file has found; a line for the log.
@@ -37,12 +45,18 @@ pub enum News {
         /// How many there are, with those that the server was started with.
         tokens: usize,
     },
-    /// It has changed, and cannot be read any more: what was in effect remains so. This is told once for each change.
+    /// It has changed, and cannot be read any more: what was in effect remains so for [two seconds](Watched). This is told once for
+    /// each change.
     Unreadable(FileError),
+    /// It could not be read for so long: nothing of it is in effect until it can be, as a token may have been revoked.
+    Refused(FileError),
 }
 
 /// Between two looks at the file.
 const INTERVAL: Duration = Duration::from_secs(1);
+
+/// So long what was read before stays in effect if the file cannot be read: somebody may be writing it.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 impl Watched {
     /// The grants of a file, if there is one, and those of the server's own, such as [`Grant::local`].
@@ -57,7 +71,8 @@ impl Watched {
             }
             None => (Tokens::new(own.iter().cloned(), 0), None),
         };
-        let look = Mutex::new(Look { at: now, stamp });
+        let spare = file.as_ref().and_then(spare);
+        let look = Mutex::new(Look { at: now, stamp, failing: None, spare });
         Ok(Self { file, own, latest: RwLock::new(Arc::new(tokens)), look })
     }
 
@@ -85,19 +100,37 @@ impl Watched {
         }
         look.at = now;
         let stamp = Stamp::at(file.path());
-        if stamp == look.stamp {
+        if stamp == look.stamp && look.failing.is_none() {
             return None;
         }
         // If the file changes again before it is read, the next look finds that its stamp is a later one.
+        let is_changed = look.stamp != stamp;
         look.stamp = stamp;
-        match file.read_stamped() {
+        // Whoever reads needs a descriptor.
+        look.spare = None;
+        let read = file.read_stamped();
+        look.spare = spare(file);
+        match read {
             Ok((grants, stamp)) => {
-                look.stamp = Some(stamp);
+                (look.stamp, look.failing) = (Some(stamp), None);
                 let tokens = self.replace(grants);
                 Some(News::Changed { tokens })
             }
-            Err(error) => Some(News::Unreadable(error)),
+            Err(error) => {
+                let since = *look.failing.get_or_insert(now);
+                if now.saturating_duration_since(since) >= PATIENCE && !self.latest().is_refusing() {
+                    self.refuse();
+                    return Some(News::Refused(error));
+                }
+                is_changed.then_some(News::Unreadable(error))
+            }
         }
+    }
+
+    /// Nothing of the file is in effect any more.
+    fn refuse(&self) {
+        let mut latest = self.latest.write().unwrap_or_else(PoisonError::into_inner);
+        *latest = Arc::new(Tokens::new(self.own.iter().cloned(), latest.generation() + 1).refusing());
     }
 
     /// Puts grants into effect, and says how many there are now.
@@ -109,6 +142,11 @@ impl Watched {
         *latest = Arc::new(tokens);
         count
     }
+}
+
+/// A descriptor that is free as soon as this is dropped.
+fn spare(file: &TokenFile) -> Option<File> {
+    File::open(file.path()).or_else(|_| File::open("/dev/null")).ok()
 }
 
 #[cfg(test)]
@@ -191,10 +229,12 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_spoiled_changes_nothing_and_is_reported_once() {
+    fn a_file_that_is_spoiled_for_two_seconds_has_no_tokens_until_it_is_mended() {
         let scene = Scene::new();
         let alice = scene.add("alice");
-        let watched = scene.open();
+        let own = Token::random().unwrap();
+        let grant = Grant::local(own.hash(), SystemTime::now());
+        let watched = Watched::open(Some(scene.file.clone()), vec![grant], scene.begin).unwrap();
         let good = fs::read_to_string(scene.file.path()).unwrap();
         let mode = |mode| fs::set_permissions(scene.file.path(), fs::Permissions::from_mode(mode)).unwrap();
         let spoil: [(&str, &dyn Fn()); 4] = [
@@ -204,22 +244,60 @@ mod tests {
             ("absence", &|| fs::remove_file(scene.file.path()).unwrap()),
         ];
         let mut second = 1;
+        let mut look = || {
+            second += 1;
+            watched.current(scene.after_ms(second * 1000))
+        };
         for (what, spoil) in spoil {
             // Two changes within the same moment of the file system's clock could look alike.
             std::thread::sleep(Duration::from_millis(20));
             spoil();
-            let (tokens, news) = watched.current(scene.after_ms(second * 1000));
+            let now = SystemTime::now();
+            let (tokens, news) = look();
             assert!(matches!(news, Some(News::Unreadable(_))), "{what}: {news:?}");
-            assert!(tokens.authenticate(&alice.reveal(), SystemTime::now()).is_ok(), "{what}");
-            let (tokens, news) = watched.current(scene.after_ms(second * 1000 + 1000));
-            assert!(news.is_none() && tokens.generation() == 0, "{what}: {news:?}");
-            second += 2;
+            assert!(tokens.authenticate(&alice.reveal(), now).is_ok(), "{what}: somebody may be writing it");
+            let (tokens, news) = look();
+            assert!(news.is_none() && tokens.authenticate(&alice.reveal(), now).is_ok(), "{what}: {news:?}");
+            let generation = tokens.generation();
+            let (tokens, news) = look();
+            assert!(matches!(news, Some(News::Refused(_))), "{what}: {news:?}");
+            assert_ne!(tokens.generation(), generation, "streams end");
+            assert_eq!(tokens.still(&alice.hash(), now).unwrap_err(), Refused::Unreadable, "{what}");
+            assert!(tokens.still(&own.hash(), now).is_ok(), "{what}: the server's own");
+            let (_, news) = look();
+            assert!(news.is_none(), "{what}: {news:?}");
+            std::thread::sleep(Duration::from_millis(20));
+            fs::write(scene.file.path(), &good).unwrap();
+            mode(0o600);
+            let (tokens, news) = look();
+            assert!(matches!(news, Some(News::Changed { tokens: 2 })), "{what}: {news:?}");
+            assert!(tokens.still(&alice.hash(), now).is_ok(), "{what}");
         }
-        fs::write(scene.file.path(), &good).unwrap();
-        mode(0o600);
-        let (tokens, news) = watched.current(scene.after_ms(second * 1000));
+    }
+
+    /// In a process of its own, as it has all files open that it may have.
+    #[test]
+    fn a_revocation_is_read_though_all_descriptors_are_taken() {
+        const CHILD: &str = "BAUDBOT_TEST_DESCRIPTORS";
+        if std::env::var_os(CHILD).is_none() {
+            let test = "watched::tests::a_revocation_is_read_though_all_descriptors_are_taken";
+            let mut child = std::process::Command::new("sh");
+            let program = std::env::current_exe().unwrap();
+            child.args(["-c", "ulimit -n 64; exec \"$0\" --exact \"$1\" --nocapture"]).arg(program).arg(test);
+            let output = child.env(CHILD, "1").output().unwrap();
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            return;
+        }
+        let scene = Scene::new();
+        let (alice, bob) = (scene.add("alice"), scene.add("bob"));
+        let watched = scene.open();
+        scene.file.revoke(&name("alice")).unwrap();
+        let all: Vec<_> = std::iter::from_fn(|| File::open("/dev/null").ok()).take(1000).collect();
+        assert!(all.len() < 64 && File::open(scene.file.path()).is_err(), "none is left");
+        let (tokens, news) = watched.current(scene.after_ms(1000));
         assert!(matches!(news, Some(News::Changed { tokens: 1 })), "{news:?}");
-        assert_eq!(tokens.generation(), 1);
+        assert!(tokens.still(&alice.hash(), SystemTime::now()).is_err());
+        assert!(tokens.still(&bob.hash(), SystemTime::now()).is_ok());
     }
 
     #[test]

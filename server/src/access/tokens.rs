@@ -1,7 +1,7 @@
 //! The tokens of a server: whose call this is, and what it may do.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, SystemTime};
 
 use baudbot_access::{Need, News, Refused, Tokens, Watched, bearer, needs_at};
 use tokio::sync::watch;
@@ -9,6 +9,7 @@ use tonic::codegen::http;
 use tonic::{Code, Status};
 
 use super::Caller;
+use crate::clock;
 
 /// The tokens that a server knows. Clones share them.
 #[derive(Clone)]
@@ -105,12 +106,15 @@ impl Access {
 
 impl Shared {
     fn tokens(&self) -> Arc<Tokens> {
-        let (tokens, news) = self.watched.current(Instant::now());
+        let (tokens, news) = self.watched.current(clock::now());
         if let Some(news) = news {
             match news {
                 News::Changed { tokens } => tracing::info!(tokens, "the file of tokens has changed"),
                 News::Unreadable(error) => {
-                    tracing::warn!(%error, "the file of tokens cannot be read; those that were valid remain so");
+                    tracing::warn!(%error, "the file of tokens cannot be read; in two seconds it counts as one without tokens");
+                }
+                News::Refused(error) => {
+                    tracing::error!(%error, "the file of tokens cannot be read: all of its tokens are refused until it can");
                 }
             }
         }

@@ -1,12 +1,13 @@
 //! Who may reach a server, as its builder was told.
 
-use std::time::{Instant, SystemTime};
+use std::time::SystemTime;
 
 use baudbot_access::{Grant, Token, TokenFile, Watched};
 
 use super::ServerError;
 use crate::access::Access;
 use crate::address::Address;
+use crate::clock;
 use crate::gate::Tls;
 
 /// Who may reach a server.
@@ -30,7 +31,7 @@ impl AccessConfig {
             return Ok(Access::open());
         }
         let own = self.local.iter().map(|token| Grant::local(token.hash(), SystemTime::now())).collect();
-        Ok(Access::by(Watched::open(self.tokens.clone(), own, Instant::now())?))
+        Ok(Access::by(Watched::open(self.tokens.clone(), own, clock::now())?))
     }
 
     /// Whether this address may be listened on.
