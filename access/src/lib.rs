@@ -7,6 +7,7 @@
 //! - [`Grant`] is a token's name with its rights and its end; [`Tokens`] are the grants in effect, and find that of a caller.
 //! - [`TokenFile`] keeps grants in a file, [`Watched`] reads it anew when it changes.
 //! - [`local`] is the token of the user who runs the server, for programs of the same user on the same machine.
+//! - [`peer`] says whether a connection on this machine is from a program of the same user, for doors that know no tokens.
 //! - `certificates`, with the feature of that name, makes a certificate authority and its certificates.
 //!
 //! Clients need tokens and [`local`] only; all the rest is the feature `grants`. What is kept in files is the feature `files`. Both are
@@ -57,6 +58,8 @@ mod lock;
 mod need;
 #[cfg(feature = "grants")]
 mod pattern;
+#[cfg(feature = "files")]
+pub mod peer;
 #[cfg(feature = "files")]
 mod private;
 #[cfg(feature = "grants")]

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use anyhow::Context;
 use baudbot_debug::GdbServer;
+use baudbot_port::Reach;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Scenario, World};
 
@@ -19,7 +20,12 @@ pub(crate) struct Debuggers(Vec<(usize, Arc<GdbServer>)>);
 
 impl Debuggers {
     /// Listens for debuggers of robots of a scenario. Worlds that wait for one go on without it if the program is to end.
-    pub(crate) fn listen(addresses: &[GdbAddress], scenario: &Scenario, stop: &Stop) -> anyhow::Result<Self> {
+    pub(crate) fn listen(
+        addresses: &[GdbAddress],
+        scenario: &Scenario,
+        reach: Reach,
+        stop: &Stop,
+    ) -> anyhow::Result<Self> {
         let mut servers: Vec<(usize, Arc<GdbServer>)> = Vec::new();
         for address in addresses {
             let robot = robot(address, &scenario.robots)?;
@@ -27,7 +33,7 @@ impl Debuggers {
                 let text = format!("--gdb {address}: robot `{}` has a debugger already", address.robot);
                 return Err(Refused::error(text));
             }
-            let server = GdbServer::listen(address.port, stop.flag()).map_err(|error| {
+            let server = GdbServer::listen(address.port, reach, stop.flag()).map_err(|error| {
                 if error.kind() == ErrorKind::AddrInUse {
                     let text = "the port is in use; choose another, or 0 for any free one";
                     return Refused::error(format!("--gdb {address}: {text}"));

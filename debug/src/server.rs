@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use std::{io, thread};
 
+use baudbot_access::peer::Reach;
 use baudbot_avr::{Chip, Stop};
 use baudbot_board::{Board, Debugger, Physics};
 use baudbot_sim::chip::Probe;
@@ -19,6 +20,7 @@ use crate::wire::Wire;
 pub struct GdbServer {
     listener: TcpListener,
     address: SocketAddr,
+    reach: Reach,
     gives_up: Box<dyn Fn() -> bool + Send + Sync>,
     state: Mutex<State>,
 }
@@ -37,19 +39,24 @@ struct Attached {
 }
 
 impl GdbServer {
-    /// Listens at a port of this machine, which nobody else can reach; 0 is any free one.
+    /// Listens at a port of this machine; 0 is any free one. A debugger reads and writes the chip as it likes, and knows no token:
+    /// `reach` says whose program may be one. Others are sent away, and nothing is told to them.
     ///
     /// `gives_up` is asked again and again while the world stands: once it says so, the world goes on without a debugger, and
     /// slowly, so that it can be ended before much has happened.
     ///
     /// # Errors
     /// A port that is taken.
-    pub fn listen(port: u16, gives_up: impl Fn() -> bool + Send + Sync + 'static) -> io::Result<Self> {
+    pub fn listen(
+        port: u16,
+        reach: Reach,
+        gives_up: impl Fn() -> bool + Send + Sync + 'static,
+    ) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let state = State { is_known: false, attached: None, heard: None };
-        Ok(Self { listener, address, gives_up: Box::new(gives_up), state: state.into() })
+        Ok(Self { listener, address, reach, gives_up: Box::new(gives_up), state: state.into() })
     }
 
     /// Where it listens.
@@ -60,8 +67,17 @@ impl GdbServer {
     /// Somebody who connects, or who connects now if somebody has been here before.
     fn accept(&self, is_known: bool) -> Option<Wire> {
         loop {
-            match self.listener.accept().and_then(|(stream, _)| Wire::new(stream)) {
-                Ok(wire) => return Some(wire),
+            match self.listener.accept() {
+                Ok((stream, _)) if !self.reach.allows(&stream) => {
+                    tracing::warn!(
+                        "a program of another user has connected to the debugger's port, and is sent away"
+                    );
+                    continue;
+                }
+                Ok((stream, _)) => match Wire::new(stream) {
+                    Ok(wire) => return Some(wire),
+                    Err(error) => tracing::warn!(%error, "a debugger cannot connect"),
+                },
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
                 Err(error) => tracing::warn!(%error, "a debugger cannot connect"),
             }

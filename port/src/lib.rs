@@ -19,7 +19,6 @@ mod line;
 mod medium;
 mod program;
 mod pty;
-mod reach;
 mod report;
 mod robot;
 mod socket;
@@ -27,7 +26,7 @@ mod telnet;
 mod watch;
 
 pub use address::{BadPort, PortAddress};
+pub use baudbot_access::peer::Reach;
 pub use error::PortError;
-pub use reach::Reach;
 pub use report::Report;
 pub use robot::{News, RobotPorts};

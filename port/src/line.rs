@@ -17,8 +17,8 @@ use crate::driver::{Driver, Order, Told};
 use crate::error::PortError;
 use crate::hold::Hold;
 use crate::medium::Medium;
-use crate::reach::Reach;
 use crate::report::Report;
+use baudbot_access::peer::Reach;
 use baudbot_board::far_end::Settings;
 
 /// A port that is open for programs.

@@ -10,8 +10,8 @@ use crate::happened::Happened;
 use crate::hold::Hold;
 use crate::program::Program;
 use crate::pty::Pty;
-use crate::reach::Reach;
 use crate::socket::Listener;
+use baudbot_access::peer::Reach;
 use baudbot_board::far_end::{Read, Settings};
 
 /// The program's end of a port.

@@ -17,8 +17,8 @@ use crate::driver::{Order, Told};
 use crate::error::PortError;
 use crate::hold::Hold;
 use crate::line::Line;
-use crate::reach::Reach;
 use crate::report::Report;
+use baudbot_access::peer::Reach;
 use baudbot_board::far_end::Settings;
 
 /// Steps of one tick: the server takes 64.

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use baudbot_fields::endpoint::Endpoint;
 
 use crate::error::PortError;
-use crate::reach::Reach;
+use baudbot_access::peer::Reach;
 
 /// A socket that waits for programs.
 #[derive(Debug)]

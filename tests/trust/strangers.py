@@ -163,8 +163,17 @@ def by_another_user(baudbot: str, folder: pathlib.Path) -> None:
         come = "import socket, sys; s = socket.create_connection(sys.argv[1].rsplit(':', 1)); s.settimeout(10); sys.exit(len(s.recv(9)) or 7)"
         done = subprocess.run(["setpriv", f"--reuid={NOBODY}", "/usr/bin/python3", "-c", come, port], timeout=60)
         assert done.returncode in (1, 7), "a port over TCP sends others away"
+    ask_chip = come.replace("s.settimeout", "s.sendall(b'$?#3f'); s.settimeout")
+    run = [baudbot, "run", "firmware", "--gdb", "robot=0", "--pace", "real-time", "--seconds", "60"]
+    with subprocess.Popen(run, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as debugged:
+        try:
+            chip = place([debugged.stderr.readline()], r".*'target remote ([\d.:]+)'")
+            done = subprocess.run(["setpriv", f"--reuid={NOBODY}", "/usr/bin/python3", "-c", ask_chip, chip], timeout=60)
+            assert done.returncode in (1, 7), "a debugger's port sends others away"
+        finally:
+            debugged.kill()
     shutil.rmtree(theirs)
-    print("another user of the machine: gRPC, the page, metrics, files, sockets and ports are closed")
+    print("another user of the machine: gRPC, the page, metrics, files, sockets, ports and the debugger's are closed")
 
 
 def main() -> None:

@@ -34,7 +34,7 @@ use crate::summary::Summary;
 use crate::text::tell;
 use crate::trace::Trace;
 use crate::vcd::Dump;
-use crate::{record, report, text};
+use crate::{ports, record, report, text};
 
 /// What is going to be run.
 struct Plan {
@@ -73,7 +73,8 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let (on_tick, files) = hook(args, &plan)?;
     // A FIFO may have kept us waiting until here; there a single signal is to end the program.
     let stop = Stop::listen().context("cannot listen for Ctrl-C")?;
-    let debuggers = Debuggers::listen(&args.chips.gdb, &plan.scenario, &stop)?;
+    let debuggers =
+        Debuggers::listen(&args.chips.gdb, &plan.scenario, ports::reach(args.listen.access.open), &stop)?;
     if !args.quiet {
         debuggers.tell(&plan.scenario);
     }

@@ -1,5 +1,7 @@
 //! A run over gRPC: a server in this process, and brains that attach to it.
 
+use std::fs::Permissions;
+use std::os::unix::fs::PermissionsExt;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -81,7 +83,9 @@ impl Private {
         if plan.assigned.programs.is_empty() {
             return Ok(None);
         }
-        let folder = tempfile::Builder::new().prefix("baudbot-").tempdir();
+        // Nobody else is to reach the socket, not even while it is being made.
+        let own = Permissions::from_mode(0o700);
+        let folder = tempfile::Builder::new().prefix("baudbot-").permissions(own).tempdir();
         let folder = folder.context("cannot make a folder for the socket of programs")?;
         let address = Address::Unix(folder.path().join("socket"));
         Ok(Some(Self { address, clock: ProcessorClock::default(), _folder: folder }))

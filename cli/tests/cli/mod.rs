@@ -5,6 +5,7 @@ mod budget;
 mod damaged;
 mod devices;
 mod diagrams;
+mod doors;
 mod export;
 mod firmware;
 mod fitting;

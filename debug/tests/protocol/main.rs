@@ -2,5 +2,6 @@
 
 mod chip;
 mod client;
+mod others;
 mod running;
 mod world;

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use baudbot_access::peer::Reach;
 use baudbot_avr::{Chip, Fuses, Part, Program, Supply};
 use baudbot_board::{Board, ChipClock, Physics, Wiring};
 use baudbot_debug::GdbServer;
@@ -37,7 +38,7 @@ impl Running {
     pub(crate) fn start(words: &[u16]) -> Self {
         let gives_up = Arc::new(AtomicBool::new(false));
         let asked = Arc::clone(&gives_up);
-        let server = GdbServer::listen(0, move || asked.load(Ordering::SeqCst)).unwrap();
+        let server = GdbServer::listen(0, Reach::OwnUser, move || asked.load(Ordering::SeqCst)).unwrap();
         let address = server.address();
         let (milliseconds, is_over) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicBool::new(false)));
         let (done, over, mut board) = (Arc::clone(&milliseconds), Arc::clone(&is_over), board(words));

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::thread;
 
+use baudbot_access::peer::Reach;
 use baudbot_debug::GdbServer;
 use baudbot_sim::World;
 
@@ -36,10 +37,13 @@ fn a_world_whose_chip_is_only_looked_at_is_the_same_to_the_last_bit() {
     tick(&mut free, 20);
 
     let mut debugged = world();
-    let server = Arc::new(GdbServer::listen(0, || false).unwrap());
+    let server = Arc::new(GdbServer::listen(0, Reach::OwnUser, || false).unwrap());
     let address = server.address();
     assert!(debugged.probe(0, server));
-    assert!(!debugged.probe(1, Arc::new(GdbServer::listen(0, || false).unwrap())), "it has no chip");
+    assert!(
+        !debugged.probe(1, Arc::new(GdbServer::listen(0, Reach::OwnUser, || false).unwrap())),
+        "it has no chip"
+    );
     let ticking = thread::spawn(move || {
         tick(&mut debugged, 20);
         debugged
@@ -58,7 +62,7 @@ fn a_world_whose_chip_is_only_looked_at_is_the_same_to_the_last_bit() {
 #[test]
 fn a_clone_of_a_world_has_no_debugger() {
     let mut world = world();
-    let server = Arc::new(GdbServer::listen(0, || false).unwrap());
+    let server = Arc::new(GdbServer::listen(0, Reach::OwnUser, || false).unwrap());
     assert!(world.probe(0, Arc::clone(&server) as _));
     let mut clone = world.clone();
     // It would wait for ever.

@@ -1,11 +1,14 @@
-//! Whose programs may open a port.
+//! Whose program is at the other end of a connection on this machine.
+//!
+//! An address of loopback keeps other machines out, and no other user of this one. Doors without tokens, as debuggers and programs
+//! with serial ports know none, ask the system who has connected.
 
 use std::fs;
 use std::net::{IpAddr, SocketAddr, TcpStream};
 
-use rustix::process::geteuid;
+use crate::private::user;
 
-/// Whose programs may open a port.
+/// Whose programs may come in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
     /// Those of this user.
@@ -15,11 +18,11 @@ pub enum Reach {
 }
 
 impl Reach {
-    /// Whether the program at the other end of a connection may have the port.
-    pub(crate) fn allows(self, stream: &TcpStream) -> bool {
+    /// Whether the program at the other end of a connection may come in.
+    pub fn allows(self, stream: &TcpStream) -> bool {
         match self {
             Self::Anyone => true,
-            Self::OwnUser => user_of(stream) == Some(geteuid().as_raw()),
+            Self::OwnUser => user_of(stream) == Some(user()),
         }
     }
 }
@@ -64,7 +67,7 @@ mod tests {
             let listener = TcpListener::bind(address).unwrap();
             let near = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
             let (far, _) = listener.accept().unwrap();
-            assert_eq!(user_of(&far), Some(geteuid().as_raw()), "{address}");
+            assert_eq!(user_of(&far), Some(user()), "{address}");
             assert!(Reach::OwnUser.allows(&far));
             drop(near);
         }
