@@ -8,7 +8,7 @@ def local_token(address):
     else:
         name = address.replace("localhost:", "127.0.0.1:")
     runtime = os.environ.get("XDG_RUNTIME_DIR")
-    for folder in [f"{runtime}/baudbot"] * bool(runtime) + [f"/tmp/baudbot-{os.getuid()}"]:
+    for folder in [f"{runtime}/baudbot"] * bool(runtime) + [f"/tmp/baudbot-{os.getuid()}", os.path.expanduser("~/.baudbot")]:
         try:
             there = os.lstat(folder)
             if stat.S_ISDIR(there.st_mode) and there.st_uid == os.getuid() and not there.st_mode & 0o077:

@@ -7,9 +7,10 @@
 //! # Where
 //!
 //! The folder is `$XDG_RUNTIME_DIR/baudbot` or, where there is no such variable or its folder belongs to somebody else,
-//! `/tmp/baudbot-UID` with the number of the user. It has the mode 0700 and belongs to the user; a link, or a folder that others can
-//! read or that belongs to somebody else, is refused. A client looks into both folders, in this order. The file has the mode 0600 and
-//! the token in it, without a line's end, and its name is
+//! `/tmp/baudbot-UID` with the number of the user. Anybody can make that one first; what belongs to somebody else is passed over, and
+//! `~/.baudbot` takes its place. The folder has the mode 0700 and belongs to the user; a link, or a folder that others can read, is
+//! refused. A client looks into all of these, in this order. The file has the mode 0600 and the token in it, without a line's end, and
+//! its name is
 //!
 //! - `127.0.0.1:7400.token`, `[::1]:7400.token` for an address of loopback;
 //! - `unix-HASH.token` for a Unix socket, where HASH is the SHA-256 of the absolute path without links, in hexadecimal digits.
@@ -78,9 +79,22 @@ pub fn find(address: &str) -> Result<Option<Token>, PrivateError> {
 }
 
 fn publish_in(folders: &[PathBuf], names: &[String], token: &Token) -> Result<LocalFiles, PrivateError> {
+    let mut foreign = None;
+    for folder in folders.iter().filter(|_| !names.is_empty()) {
+        match (make(folder), &foreign) {
+            (Ok(()), _) => return write(folder, names, token),
+            (Err(PrivateError::Foreign { path, owner }), _) => {
+                foreign.get_or_insert(PrivateError::NoPlace { path, owner });
+            }
+            (Err(error), None) => return Err(error),
+            (Err(_), Some(_)) => {}
+        }
+    }
+    foreign.map_or_else(|| Ok(LocalFiles(Vec::new())), Err)
+}
+
+fn write(folder: &Path, names: &[String], token: &Token) -> Result<LocalFiles, PrivateError> {
     let mut files = LocalFiles(Vec::new());
-    let (Some(folder), false) = (folders.first(), names.is_empty()) else { return Ok(files) };
-    make(folder)?;
     for name in names {
         let (path, text) = (folder.join(name), token.reveal());
         private::write(&path, &text)?;
@@ -93,6 +107,8 @@ fn find_in(folders: &[PathBuf], names: &[String]) -> Result<Option<Token>, Priva
     for folder in folders.iter().filter(|_| !names.is_empty()) {
         match private::check_folder(folder) {
             Ok(()) => {}
+            // Nothing of this user's is in a folder of somebody else.
+            Err(PrivateError::Foreign { .. }) => continue,
             Err(error) if error.is_absent() => continue,
             Err(error) => return Err(error),
         }
@@ -111,7 +127,7 @@ fn find_in(folders: &[PathBuf], names: &[String]) -> Result<Option<Token>, Priva
     Ok(None)
 }
 
-/// The folders in which clients look. A server uses the first.
+/// The folders in which clients look. A server uses the first that is not somebody else's.
 fn folders() -> Vec<PathBuf> {
     let user = private::user();
     let of_session = env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
@@ -121,7 +137,9 @@ fn folders() -> Vec<PathBuf> {
             && fs::metadata(folder).is_ok_and(|metadata| metadata.is_dir() && metadata.uid() == user)
     };
     let of_session = of_session.filter(is_own).map(|folder| folder.join("baudbot"));
-    of_session.into_iter().chain([PathBuf::from(format!("/tmp/baudbot-{user}"))]).collect()
+    let home = env::var_os("HOME").map(PathBuf::from).filter(is_own);
+    let of_home = home.map(|home| home.join(".baudbot"));
+    of_session.into_iter().chain([PathBuf::from(format!("/tmp/baudbot-{user}"))]).chain(of_home).collect()
 }
 
 /// Makes a folder for this user only, or checks that it is one.
@@ -291,6 +309,34 @@ mod tests {
         assert_eq!(text(find_in(std::slice::from_ref(&open), &names)), None);
         drop(files);
         assert!(path.exists(), "it is not what the server wrote");
+    }
+
+    #[test]
+    fn a_folder_that_somebody_else_has_made_first_is_passed_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let names = names("127.0.0.1:7400");
+        // Only root can make what is another user's. What is root's is another user's to everybody else.
+        let (foreign, link) = match private::user() {
+            0 => {
+                fs::create_dir(path("theirs")).unwrap();
+                symlink("/nowhere", path("link")).unwrap();
+                std::os::unix::fs::chown(path("theirs"), Some(65534), Some(65534)).unwrap();
+                std::os::unix::fs::lchown(path("link"), Some(65534), Some(65534)).unwrap();
+                (path("theirs"), path("link"))
+            }
+            _ => (PathBuf::from("/usr"), PathBuf::from("/proc/1/exe")),
+        };
+        let token = token();
+        for theirs in [&foreign, &link] {
+            let folders = [theirs.clone(), path("own")];
+            let files = publish_in(&folders, &names, &token).unwrap();
+            assert_eq!(text(find_in(&folders, &names)), Some(token.reveal()), "{}", theirs.display());
+            drop(files);
+            let error = publish_in(&folders[..1], &names, &token).unwrap_err();
+            assert!(error.to_string().contains("set XDG_RUNTIME_DIR to a folder of your own"), "{error}");
+            assert_eq!(text(find_in(&folders[..1], &names)), None, "nothing of this user's is there");
+        }
     }
 
     #[test]

@@ -47,6 +47,18 @@ pub enum PrivateError {
         /// Its owner.
         owner: u32,
     },
+    /// It belongs to another user, and there is no other place for the token of this user's own programs.
+    #[error(
+        "{}: belongs to the user with the number {owner}, so that it cannot be trusted, and no other place is free; set \
+         XDG_RUNTIME_DIR to a folder of your own (mkdir -m 700), for the server and its clients",
+        shown(path)
+    )]
+    NoPlace {
+        /// The folder.
+        path: PathBuf,
+        /// Its owner.
+        owner: u32,
+    },
     /// It is no ordinary file, or no folder, where one is needed.
     #[error("{}: is not {wanted}", shown(path))]
     Kind {
@@ -170,11 +182,12 @@ pub(crate) fn make_folder_of(path: &Path) -> Result<(), PrivateError> {
 pub(crate) fn check_folder(path: &Path) -> Result<(), PrivateError> {
     let failed = |source| PrivateError::Io { action: "look at", path: path.to_owned(), source };
     let metadata = fs::symlink_metadata(path).map_err(failed)?;
-    if !metadata.is_dir() {
-        return Err(PrivateError::Kind { path: path.to_owned(), wanted: "a folder" });
-    }
+    // A link of others is theirs, too.
     if metadata.uid() != user() {
         return Err(PrivateError::Foreign { path: path.to_owned(), owner: metadata.uid() });
+    }
+    if !metadata.is_dir() {
+        return Err(PrivateError::Kind { path: path.to_owned(), wanted: "a folder" });
     }
     check_mode(path, &metadata, "700")
 }

@@ -24,8 +24,8 @@ function withParameters<T extends Record<string, number>>(defaults: T): T {
 
 /** The token of the user's own server on this machine (docs/reference/trust.md). */
 function ownToken(): string | undefined {
-  const { XDG_RUNTIME_DIR } = process.env;
-  const folders = [XDG_RUNTIME_DIR && `${XDG_RUNTIME_DIR}/baudbot`, `/tmp/baudbot-${process.getuid?.()}`];
+  const { XDG_RUNTIME_DIR, HOME } = process.env;
+  const folders = [`${XDG_RUNTIME_DIR}/baudbot`, `/tmp/baudbot-${process.getuid?.()}`, `${HOME}/.baudbot`];
   const files = folders.map((folder) => `${folder}/${BAUDBOT_CONNECT.replace("localhost:", "127.0.0.1:")}.token`);
   return tokenOf(files.find((file) => existsSync(file)));
 }

@@ -86,7 +86,7 @@ def own_token(address: str) -> str | None:
     if "/" in name:
         return None
     runtime = os.environ.get("XDG_RUNTIME_DIR")
-    for folder in [f"{runtime}/baudbot"] * bool(runtime) + [f"/tmp/baudbot-{os.getuid()}"]:
+    for folder in [f"{runtime}/baudbot"] * bool(runtime) + [f"/tmp/baudbot-{os.getuid()}", os.path.expanduser("~/.baudbot")]:
         try:
             there = os.lstat(folder)
             # Nobody else may put a token there.
