@@ -72,7 +72,8 @@ impl Segment {
         let (a, b) = (self.side(other.start), self.side(other.end));
         let (c, d) = (other.side(self.start), other.side(self.end));
         let crossing = apart(a, b) && apart(c, d);
-        crossing
+        // In line with each other, rounding alone gives the signs, however far apart they are.
+        (crossing && self.may_meet(other))
             || (a == 0.0 && self.boxes(other.start))
             || (b == 0.0 && self.boxes(other.end))
             || (c == 0.0 && other.boxes(self.start))
@@ -82,6 +83,13 @@ impl Segment {
     /// Positive if the point is on the left when looking from start to end, negative on the right.
     fn side(&self, point: Point) -> f64 {
         (self.end - self.start).perp(&(point - self.start))
+    }
+
+    /// Whether the boxes around the two have a point in common.
+    fn may_meet(&self, other: &Self) -> bool {
+        let overlap = |a: f64, b: f64, c: f64, d: f64| a.max(b) >= c.min(d) && c.max(d) >= a.min(b);
+        overlap(self.start.x, self.end.x, other.start.x, other.end.x)
+            && overlap(self.start.y, self.end.y, other.start.y, other.end.y)
     }
 
     fn boxes(&self, point: Point) -> bool {

@@ -4,10 +4,8 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::polygon::is_simple;
-
 use super::names::Names;
-use super::shapes::{disc, look, outline, point, points};
+use super::shapes::{corners, disc, look, outline, point};
 use super::things::{RawMovable, RawMover};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::arena::{Arena, Pillar, Polygon};
@@ -72,7 +70,7 @@ impl Default for RawArena {
 struct RawPolygon {
     /// Unique among all obstacles. Range: see [names](#names).
     name: String,
-    /// Corners in order. The last one is joined to the first. Type: list of `[x, y]`. Range: 2 to 4096 points,
+    /// Corners in order. The last one is joined to the first, and may repeat it. Type: list of `[x, y]`. Range: 2 to 4096 points,
     /// at least 3 if solid; each −10^6 to 10^6.
     points_m: Vec<[f64; 2]>,
     /// Filled: nothing can stand in it, and its outline must not cross itself. `false`: an outline only, such
@@ -229,20 +227,18 @@ pub(super) fn arena(path: &Path, raw: &RawArena, names: &mut Names) -> Result<Ar
 fn polygon(path: &Path, raw: &RawPolygon, names: &mut Names) -> Result<Polygon> {
     let name = names.take(&path.field("name"), &raw.name)?;
     let at = path.field("points_m");
-    let points = points(&at, &raw.points_m)?;
-    if points.len() < 2 || (raw.solid && points.len() < 3) {
-        return Err(at.error(format!(
-            "a solid polygon has at least 3 points, a hollow one 2; this one has {}",
-            points.len()
-        )));
-    }
     if raw.solid && !raw.closed {
         return Err(path
             .field("closed")
             .error("a solid polygon is closed; an open line needs solid = false"));
     }
-    if raw.solid && !is_simple(&points) {
-        return Err(at.error("the outline crosses itself, so a solid polygon's inside is not defined"));
+    let points =
+        if raw.solid { outline(&at, &raw.points_m) } else { corners(&at, &raw.points_m, raw.closed) }?;
+    if points.len() < 2 {
+        return Err(at.error(format!(
+            "a hollow polygon has at least 2 corners in different places; this one has {}",
+            points.len()
+        )));
     }
     let look = look(path, raw.height_m, raw.color)?;
     Ok(Polygon { name, points, solid: raw.solid, closed: raw.closed, look })

@@ -1,10 +1,12 @@
 //! Shapes and looks, as several tables of a file have them.
 
 use alloc::format;
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use baudbot_fields::{FieldError, Path};
-use baudbot_geometry::{Circle, Point, polygon::is_simple};
+use baudbot_geometry::polygon::{Defect, defect, without_repeats};
+use baudbot_geometry::{Circle, Point, Segment};
 use baudbot_sim::arena::Look;
 
 /// Most corners of one polygon: whether it crosses itself is found by comparing all pairs of sides.
@@ -22,7 +24,7 @@ pub(super) fn point(path: &Path, x_m: f64, y_m: f64) -> Result<Point> {
     Ok(Point::new(path.coordinate("x_m", x_m)?, path.coordinate("y_m", y_m)?))
 }
 
-/// Corners in order.
+/// Points in order.
 pub(super) fn points(path: &Path, raw: &[[f64; 2]]) -> Result<Vec<Point>> {
     if raw.len() > MAX_POINTS {
         return Err(
@@ -36,16 +38,41 @@ pub(super) fn points(path: &Path, raw: &[[f64; 2]]) -> Result<Vec<Point>> {
     raw.iter().enumerate().map(corner).collect()
 }
 
+/// Corners of a chain, closed or not, each once: files of others repeat them, above all the first at the end of a ring.
+pub(super) fn corners(path: &Path, raw: &[[f64; 2]], closed: bool) -> Result<Vec<Point>> {
+    Ok(without_repeats(&points(path, raw)?, closed))
+}
+
 /// Corners of a region with an inside.
 pub(super) fn outline(path: &Path, raw: &[[f64; 2]]) -> Result<Vec<Point>> {
-    let points = points(path, raw)?;
-    if points.len() < 3 {
-        return Err(path.error(format!("an outline has at least 3 points; this one has {}", points.len())));
+    let corners = corners(path, raw, true)?;
+    match defect(&corners) {
+        None => Ok(corners),
+        Some(defect) => Err(path.error(no_inside(defect))),
     }
-    if !is_simple(&points) {
-        return Err(path.error("the outline crosses itself, so its inside is not defined"));
+}
+
+fn no_inside(defect: Defect) -> String {
+    let at = |point: Point| format!("({}, {})", point.x, point.y);
+    let side = |side: Segment| format!("{} to {}", at(side.start), at(side.end));
+    match defect {
+        Defect::TooFew(corners) => {
+            format!("an outline has at least 3 corners in different places; this one has {corners}")
+        }
+        Defect::Flat => "all corners are on one line, so there is no inside".into(),
+        Defect::FoldsBack(corner) => {
+            format!("at {} the outline turns back along its own side: leave this corner out", at(corner))
+        }
+        Defect::Touches(place) => format!(
+            "the outline touches itself at {}, so its inside is not one region: make two polygons of it",
+            at(place)
+        ),
+        Defect::Crosses([a, b]) => format!(
+            "the outline crosses itself: its side from {} crosses that from {}, so its inside is not defined",
+            side(a),
+            side(b)
+        ),
     }
-    Ok(points)
 }
 
 /// Height and colour; what has no height reaches up to every sensor.

@@ -1,7 +1,11 @@
 //! Bad scenarios: each is refused with the path of what is wrong, and how.
 
 use crate::common::{ARSIM, BODY, KHEPERA, WANDER, refusal};
+use baudbot_geometry::Point;
 use baudbot_scenario::Override;
+use baudbot_sim::movable::MovableShape;
+use baudbot_sim::scenario::Scenario;
+use baudbot_sim::surroundings::Region;
 
 fn robot(more: &str) -> String {
     format!("[[robots]]\nname = \"r\"\n{BODY}\n{more}")
@@ -250,14 +254,87 @@ fn a_scenarios_name_is_on_one_line_and_no_error_quotes_what_a_terminal_obeys() {
 
 #[test]
 fn polygons_need_an_inside() {
-    let polygon = |points: &str| format!("[[arena.polygons]]\nname = \"w\"\npoints_m = {points}");
-    refused(&polygon("[[0, 0], [1, 1]]"), "arena.polygons[0].points_m", "at least 3 points");
-    refused(&polygon("[[0, 0], [1, 1], [1, 0], [0, 1]]"), "arena.polygons[0].points_m", "crosses itself");
+    for (points, problem) in [
+        ("[[0, 0], [1, 1]]", "at least 3 corners in different places; this one has 2"),
+        ("[[0, 0], [1, 1], [1, 1], [0, 0]]", "at least 3 corners in different places; this one has 2"),
+        ("[[0, 0], [0.1, 0.3], [0.2, 0.6], [0.3, 0.9]]", "all corners are on one line"),
+        ("[[0, 0], [4, 0], [2, 0], [2, 2], [0, 2]]", "at (4, 0) the outline turns back along its own side"),
+        ("[[0, 0], [2, 1], [4, 0], [4, 2], [2, 1], [0, 2]]", "touches itself at (2, 1)"),
+        (
+            "[[0, 0], [1, 1], [1, 0], [0, 1]]",
+            "crosses itself: its side from (0, 0) to (1, 1) crosses that from (1, 0) to (0, 1)",
+        ),
+    ] {
+        refused(&polygon(points), "arena.polygons[0].points_m", problem);
+        refused(&body(points), "robots[0].body.outline_m", problem);
+        refused(&zone(points), "arena.zones[0].points_m", problem);
+        refused(&movable(points), "arena.movables[0].outline_m", problem);
+    }
+    refused(
+        &format!("{}\nsolid = false", polygon("[[1, 1], [1, 1]]")),
+        "arena.polygons[0].points_m",
+        "has 1",
+    );
     refused(
         &polygon("[[0, 0], [1, nan], [1, 0]]"),
         "arena.polygons[0].points_m[1].y",
         "must be a finite number",
     );
+}
+
+/// As GeoJSON, WKT and Shapely write rings, and as programs cut sides into pieces.
+#[test]
+fn repeated_and_straight_corners_change_nothing() {
+    let plain = "[[-0.3, -0.3], [0.6, -0.3], [0.6, 0.3], [-0.3, 0.3]]";
+    let scenario =
+        |toml: &str| -> Scenario { baudbot_scenario::parse(toml).unwrap_or_else(|e| panic!("{toml}: {e}")) };
+    let corners = |points: &str| -> [Vec<Point>; 5] {
+        let hollow = polygon(points) + "\nsolid = false";
+        let arena = |toml: &str| scenario(toml).arena.polygons()[0].points.clone();
+        let zone = match scenario(&zone(points)).surroundings.zones[0].region.clone() {
+            Region::Polygon(corners) => corners,
+            Region::Disc(_) => panic!("a disc"),
+        };
+        let MovableShape::Box { outline } = scenario(&movable(points)).movables[0].shape.clone() else {
+            panic!("a ball")
+        };
+        let body = scenario(&body(points)).robots[0].outline.clone();
+        [arena(&polygon(points)), arena(&hollow), zone, outline, body]
+    };
+    let expected = corners(plain);
+    for same in [
+        "[[-0.3, -0.3], [0.6, -0.3], [0.6, 0.3], [-0.3, 0.3], [-0.3, -0.3]]",
+        "[[-0.3, -0.3], [0.6, -0.3], [0.6, -0.3], [0.6, 0.3], [-0.3, 0.3], [-0.3, -0.3], [-0.3, -0.3]]",
+        "[[-0.3, -0.3], [0.6, -0.3], [0.6, 0.30000000000000004], [0.6, 0.3], [-0.3, 0.3]]",
+    ] {
+        for (found, expected) in corners(same).iter().zip(&expected) {
+            assert_eq!(found.len(), expected.len(), "{same}");
+            let apart = found.iter().zip(expected).map(|(a, b)| (a - b).norm());
+            assert!(apart.fold(0.0, f64::max) < 1e-15, "{same}: {found:?}");
+        }
+    }
+    let straight = "[[-0.3, -0.3], [0.1, -0.3], [0.6, -0.3], [0.6, 0.3], [0.1, 0.3], [-0.3, 0.3]]";
+    assert!(corners(straight).iter().all(|corners| corners.len() == 6));
+}
+
+fn polygon(points: &str) -> String {
+    format!("[[arena.polygons]]\nname = \"w\"\npoints_m = {points}")
+}
+
+fn zone(points: &str) -> String {
+    format!("[[arena.zones]]\nname = \"z\"\ngoal = true\npoints_m = {points}")
+}
+
+fn movable(points: &str) -> String {
+    format!(
+        "[[arena.movables]]\nname = \"m\"\nx_m = 0\ny_m = 0\nmass_kg = 1\nfriction = 0.3\noutline_m = {points}"
+    )
+}
+
+fn body(points: &str) -> String {
+    format!(
+        "[[robots]]\nname = \"r\"\nbody = {{ outline_m = {points}, half_track_m = 0.1, wheel_radius_m = 0.05, mass_kg = 3, inertia_kg_m2 = 0.2 }}"
+    )
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //! a fixed corner.
 
 use super::edges;
+use super::outline::ROUNDING;
 use crate::math;
 use crate::pose::{Point, Vector};
 
@@ -37,15 +38,20 @@ pub fn second_moment(points: &[Point]) -> f64 {
     sum / (6.0 * doubled)
 }
 
-/// Whether the simple polygon turns the same way at each corner; straight corners are allowed.
+/// Whether the simple polygon turns the same way at each corner; straight corners are allowed, and those that only rounding
+/// turns the other way.
 #[must_use]
 pub fn is_convex(points: &[Point]) -> bool {
     let turns = || {
         let next = edges(points).skip(1).chain(edges(points).take(1));
         let pairs = edges(points).zip(next);
-        pairs.map(|(this, next)| (this.end - this.start).perp(&(next.end - next.start)))
+        pairs.map(|(this, next)| {
+            let (u, v) = (this.end - this.start, next.end - next.start);
+            (u.perp(&v), ROUNDING * u.dot(&v).abs())
+        })
     };
-    points.len() >= 3 && (turns().all(|turn| turn >= 0.0) || turns().all(|turn| turn <= 0.0))
+    points.len() >= 3
+        && (turns().all(|(turn, least)| turn >= -least) || turns().all(|(turn, least)| turn <= least))
 }
 
 /// The distance, in metres, from the origin of the polygon's frame to the farthest corner.
