@@ -80,3 +80,61 @@ fn a_bumper_has_rays_and_a_compass_has_none() {
     assert_eq!(distances("bumper"), [None; 5]);
     assert_eq!(distances("compass"), []);
 }
+
+/// A sensor on a stick, 0.39 m before the middle of a disc of 0.2 m, pushed into or through something at 0.21 m or beyond.
+#[test]
+fn an_eye_that_is_pushed_into_or_through_something_sees_nothing_but_that() {
+    let body = "body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }";
+    let things = [
+        ("block", "[[arena.polygons]]\nname = \"t\"\npoints_m = [[0.21, -1], [2, -1], [2, 1], [0.21, 1]]\n"),
+        (
+            "low block",
+            "[[arena.polygons]]\nname = \"t\"\nheight_m = 0.3\npoints_m = [[0.21, -1], [2, -1], [2, 1], [0.21, 1]]\n",
+        ),
+        ("pillar", "[[arena.circles]]\nname = \"t\"\nx_m = 1.21\ny_m = 0\nradius_m = 1\n"),
+        (
+            "thin wall",
+            "[[arena.polygons]]\nname = \"t\"\nsolid = false\nclosed = false\npoints_m = [[0.3, -1], [0.3, 1]]\n",
+        ),
+        ("thin pillar", "[[arena.circles]]\nname = \"t\"\nx_m = 0.3\ny_m = 0\nradius_m = 0.05\n"),
+        (
+            "door",
+            "[[arena.movers]]\nname = \"t\"\noutline_m = [[-0.05, -1], [0.4, -1], [0.4, 1], [-0.05, 1]]\nx_m = 0.3\ny_m = 0\nswing = { to_rad = 0.01, rate_rad_s = 0.001, pause_s = 1000 }\n",
+        ),
+        (
+            "box",
+            "[[arena.movables]]\nname = \"t\"\nsize_m = [0.4, 0.4]\nx_m = 0.45\ny_m = 0\nmass_kg = 1\nfriction = 0.3\n",
+        ),
+        ("nothing", ""),
+    ];
+    let sensors = "[robots.sensors.laser]\nkind = \"laser\"\nmount = { x_m = 0.39 }\nopening_rad = 1.0\nrays = 5\nrange_m = 10.0\n\
+         [robots.sensors.ir]\nkind = \"ir\"\nmount = { x_m = 0.39 }\nopening_rad = 0.5\nrays = 3\nrange_m = 0.5\nc1_m2 = 0.03\nc2 = 0.1\n\
+         [robots.sensors.sonar]\nkind = \"sonar\"\nmount = { x_m = 0.39 }\nopening_rad = 0.5\nrays = 3\nmin_m = 0.0\nmax_m = 3.0\n\
+         [robots.sensors.whisker]\nkind = \"whisker\"\nmount = { x_m = 0.39 }\nlength_m = 0.1\n\
+         [robots.sensors.high]\nkind = \"laser\"\nmount = { x_m = 0.39 }\nheight_m = 0.5\nopening_rad = 0.0\nrays = 1\nrange_m = 0.5\n";
+    for (name, thing) in things {
+        let mut world = world(&format!("noise = false\n{thing}[[robots]]\nname = \"a\"\n{body}\n{sensors}"));
+        let casts = |world: &World, sensor: &str| -> Vec<Option<f64>> {
+            let robot = world.robot(0);
+            let sensor = robot.spec().sensors.iter().find(|other| other.name == sensor).unwrap();
+            RayCaster::new(world).sees(0, sensor).iter().map(|cast| cast.distance_m).collect()
+        };
+        let covered = if name == "nothing" { None } else { Some(0.0) };
+        for sensor in ["laser", "ir", "sonar", "whisker"] {
+            let seen = casts(&world, sensor);
+            assert!(seen.iter().all(|distance_m| *distance_m == covered), "{name}, {sensor}: {seen:?}");
+        }
+        let seen = casts(&world, "high");
+        let over = if name == "low block" { None } else { covered };
+        assert_eq!(seen, [over], "{name}, from above");
+        // What the devices read is what their rays see.
+        crate::common::run(&mut world, 20, 0.0, 0.0);
+        let robot = world.robot(0);
+        let read: Vec<f64> = robot.sensors().map(|sensor| sensor.sample[0]).collect();
+        let nothing = name == "nothing";
+        assert_eq!(read[0] == 0.0, !nothing, "{name}: {read:?}");
+        assert_eq!(read[1] > 0.5, !nothing, "{name}: {read:?}");
+        assert_eq!(read[2] == 0.0, !nothing, "{name}: {read:?}");
+        assert_eq!(read[3] == 1.0, !nothing, "{name}: {read:?}");
+    }
+}

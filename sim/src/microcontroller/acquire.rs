@@ -84,7 +84,11 @@ impl Microcontroller {
             }
             let sensor = &model.sensors[i];
             let missed = channel.due.serve(&sensor.schedule, now);
-            at.near = model.sensors.sector(i).and_then(|sector| at.scene.in_sector(sector, &at.motion.pose));
+            at.near = model
+                .sensors
+                .sector(i)
+                .zip(sensor.device.mount())
+                .and_then(|(sector, mount)| at.scene.in_sector(sector, mount.height, &at.motion.pose));
             let ping = if model.faults.is_empty() && channel.sees_nothing(sensor, at) {
                 channel.note_sample(sensor, now, 0);
                 None

@@ -105,8 +105,32 @@ impl<'a> Scene<'a> {
 
     /// A look from `from`, at a height whose layer of the arena is `layer`, as far as `range_m`.
     pub(crate) fn look(&self, from: Point, height: Height, range_m: f64) -> Viewpoint<'_> {
+        let covered = self.covering(from, height);
+        Viewpoint { covered, ..self.look_around(from, height, range_m) }
+    }
+
+    fn look_around(&self, from: Point, height: Height, range_m: f64) -> Viewpoint<'_> {
         let around = Circle { center: from, radius: range_m };
-        Viewpoint { index: self.arena.seen(height.layer), scene: self, height, around }
+        Viewpoint { index: self.arena.seen(height.layer), scene: self, height, around, covered: None }
+    }
+
+    /// What an eye that sticks out of its body has been pushed into or through: what is between it and the body's middle.
+    fn covering(&self, eye: Point, height: Height) -> Option<What> {
+        let body = &self.frozen.bodies[self.own];
+        let (middle, radius) = (body.disc.center, body.disc.radius);
+        let out = eye - middle;
+        let is_within = if body.outline.is_empty() {
+            out.norm_squared() <= (radius + TOUCHING_M) * (radius + TOUCHING_M)
+        } else {
+            polygon::contains(&body.outline, eye)
+        };
+        if is_within {
+            return None;
+        }
+        let far = out.norm();
+        let direction = Direction { cos: out.x / far, sin: out.y / far };
+        let ray = Ray { origin: middle, direction };
+        self.look_around(middle, height, far - TOUCHING_M).see(&ray).map(|hit| hit.what)
     }
 }
 
@@ -117,6 +141,8 @@ pub(crate) struct Viewpoint<'a> {
     height: Height,
     /// What is outside of this disc is out of reach.
     around: Circle,
+    /// What the eye is in, or behind: all that it sees is that, at no distance.
+    covered: Option<What>,
 }
 
 /// What a ray met.
@@ -142,6 +168,9 @@ impl Viewpoint<'_> {
 
     /// The nearest thing along `ray`, if within range.
     pub(crate) fn see(&self, ray: &Ray) -> Option<RayHit> {
+        if let Some(what) = self.covered {
+            return Some(RayHit { distance_m: 0.0, what });
+        }
         let range_m = self.around.radius;
         let hit = self.index.cast(ray, range_m);
         let fixed = hit.map(|hit| RayHit { distance_m: hit.distance, what: What::Fixed(hit.shape) });
@@ -179,11 +208,17 @@ impl Viewpoint<'_> {
     /// How far each of these rays of a fan runs from a sensor at `pose`, where this eye is: infinitely far if it meets
     /// nothing within range.
     pub(crate) fn sweep(&self, pose: &Pose, fan: &Fan, rays: Range<usize>, distances_m: &mut [f64]) {
+        if self.covered.is_some() {
+            return distances_m.fill(0.0);
+        }
         self.fill(Sweep::new(pose, fan, rays, self.around.radius, distances_m));
     }
 
     /// How far each ray of a bundle runs, whose rays start where eyes as this one are.
     pub(crate) fn sweep_bundle(&self, bundle: &Bundle<'_>, distances_m: &mut [f64]) {
+        if self.covered.is_some() {
+            return distances_m.fill(0.0);
+        }
         self.fill(Sweep::of_bundle(bundle, self.around.radius, distances_m));
     }
 
@@ -213,7 +248,7 @@ impl Viewpoint<'_> {
     /// Visits all rays of a fan in their order, each with how far it runs.
     pub(crate) fn each(&self, pose: &Pose, fan: &Fan, mut visit: impl FnMut(usize, f64)) {
         let neighbors = self.scene.neighbors(&self.around, self.height.layer);
-        if neighbors.is_some_and(Neighbors::is_empty) {
+        if neighbors.is_some_and(Neighbors::is_empty) && self.covered.is_none() {
             return (0..fan.len()).for_each(|i| visit(i, f64::INFINITY));
         }
         let mut distances_m = [0.0; 16];
@@ -304,3 +339,6 @@ fn normal_of(segment: &Segment) -> Vector {
     let along = segment.end - segment.start;
     Vector::new(-along.y, along.x)
 }
+
+/// An eye this close to its body's rim, or to a wall, is on it: it is not in it, or behind.
+const TOUCHING_M: f64 = 1e-9;

@@ -18,7 +18,9 @@ pub(crate) struct Sector {
     left: Side,
     middle: Side,
     range_m: f64,
-    /// How far its apex is from the body's centre along both axes.
+    /// Where its apex is.
+    apex: Vector,
+    /// How far that is from the body's centre along both axes.
     apex_m: f64,
 }
 
@@ -89,6 +91,7 @@ impl Sector {
             left: Side::new(beside(forward.rotate(left)), apex),
             middle: Side::new(forward.vector(), apex),
             range_m,
+            apex,
             apex_m: apex.abs().sum(),
         })
     }
@@ -105,9 +108,13 @@ impl Sector {
 
 impl Scene<'_> {
     /// What the rays of this sector may meet, on a robot at `pose` that has it among those that [`reach`](super::Reach) is of;
-    /// `None` if too much is near.
+    /// `None` if too much is near, or if the eye, at this height, is covered.
     #[inline]
-    pub(crate) fn in_sector(&self, sector: &Sector, pose: &Pose) -> Option<InSector<'_>> {
+    pub(crate) fn in_sector(&self, sector: &Sector, height: Height, pose: &Pose) -> Option<InSector<'_>> {
+        let eye = pose.position + self.facing(pose).apply(sector.apex);
+        if self.covering(eye, height).is_some() {
+            return None;
+        }
         let strokes = self.strokes.get_or_init(|| {
             let (reach, facing) = (self.reach?, self.facing(pose));
             self.all_neighbors(reach).and_then(|neighbors| Strokes::of(neighbors, self, pose, facing))
