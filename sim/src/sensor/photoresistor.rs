@@ -1,7 +1,9 @@
 //! Photoresistor, read through the time in which a capacitor loses its charge (RCTIME on a BASIC Stamp).
 //!
 //! The resistance falls with the light, R = R₁₀ (E / 10 lx)^−γ, and the capacitor falls from 5 V to the pin's
-//! threshold of 1.4 V in t = R C ln(5/1.4) = 1.273 R C (Boe-Bot manual, ch. 6; BASIC Stamp manual, RCTIME). The
+//! threshold of 1.4 V in t = R C ln(5/1.4) = 1.273 R C (Boe-Bot manual, ch. 6; BASIC Stamp manual, RCTIME). A counter
+//! counts units of 2 µs until then (RCTIME: it is stopped as soon as the pin has changed), so that a part of a unit does not
+//! count; it gives 1 at least, and 0 if the count does not fit. The
 //! program waits all that time, in the dark up to 131 ms: a sensor that blocks the processor.
 
 use alloc::vec;
@@ -125,6 +127,7 @@ impl Sense for Photoresistor {
         Effect { wait_ns: counts.min(limit) as u64 * self.unit_ns, ping: None }
     }
 
+    /// Noise makes fractions of counts, which are rounded.
     fn bound(&self, values: &mut [f64]) {
         values[0] = math::round(values[0]).clamp(0.0, f64::from(self.max_counts));
     }
