@@ -1,10 +1,15 @@
 //! What a program or a wiring hardly means.
 
+use alloc::format;
+use alloc::string::{String, ToString};
+
 use arrayvec::ArrayVec;
 use baudbot_avr::{Pin, Unsupported};
 use serde::{Deserialize, Serialize};
 
 use crate::physics::PartId;
+use crate::role::Role;
+use crate::wiring::{Net, Terminal, Wiring};
 
 /// Warnings that differ.
 const ROOM: usize = 48;
@@ -20,7 +25,7 @@ pub enum WarningKind {
     Short,
     /// The ADC measures a pin on which there is no voltage and no digital signal.
     OpenAdcInput,
-    /// A trigger pulse is shorter than the sensor's data sheet asks for; the sensor does nothing.
+    /// A trigger pulse is too short for the sensor, which does nothing.
     ShortTrigger,
     /// A pulse for a servo is not between 500 µs and 2500 µs; the servo ignores it.
     OddServoPulse,
@@ -46,6 +51,8 @@ pub enum WarningKind {
     Unsupported(Unsupported),
     /// The chip drives a pin on which the voltage of an analog part is.
     AgainstVoltage,
+    /// A trigger pulse is shorter than the sensor's data sheet promises to be enough; the sensor obeys it.
+    WeakTrigger,
 }
 
 impl core::fmt::Display for WarningKind {
@@ -67,6 +74,9 @@ impl core::fmt::Display for WarningKind {
             Self::Break => "BREAK was executed, for which only a debugger stops",
             Self::WatchdogReset => "the watchdog has reset the chip",
             Self::AgainstVoltage => "an output drives against a voltage",
+            Self::WeakTrigger => {
+                "a trigger pulse is shorter than the data sheet promises to be enough; the sensor obeys it, as real ones do"
+            }
             Self::Unsupported(what) => return write!(f, "the program uses what is not simulated: {what}"),
         })
     }
@@ -85,6 +95,35 @@ pub struct Warning {
     pub first_ns: u64,
     /// How often. Floating inputs are told once for each pin until a reset.
     pub count: u64,
+}
+
+impl Warning {
+    /// The pin as it is printed on an Arduino; empty if there is none.
+    pub fn printed_pin(&self) -> String {
+        self.pin.map(|pin| Net::Pin(pin).printed()).unwrap_or_default()
+    }
+
+    /// What it is to those who wired the board and wrote the program.
+    pub fn explain(&self, wiring: &Wiring) -> String {
+        let Some(terminal) = self.terminal(wiring) else { return self.kind.to_string() };
+        let name = wiring.name(terminal.part);
+        let name =
+            name.strip_prefix("sensors.").map_or_else(|| name.to_string(), |name| format!("the {name}"));
+        let of_one = wiring.terminal_name(terminal) == wiring.name(terminal.part);
+        let wired = if of_one { name } else { format!("{name}'s {}", terminal.role) };
+        if self.kind != WarningKind::Short {
+            return format!("wired to {wired}: {}", self.kind);
+        }
+        let question =
+            if terminal.role == Role::Echo { "; are trigger and echo swapped?" } else { ": a short circuit" };
+        format!("wired to {wired}, which drives it, and the sketch drives it too{question}")
+    }
+
+    /// The terminal that it is about.
+    fn terminal(&self, wiring: &Wiring) -> Option<Terminal> {
+        let (pin, part) = (self.pin?, self.part?);
+        wiring.on(pin).find(|terminal| terminal.part == part)
+    }
 }
 
 /// A bounded list of warnings.

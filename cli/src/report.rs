@@ -204,9 +204,11 @@ fn chip(chip: &Chip, sent_bytes: u64) -> impl Iterator<Item = (&'static str, Str
         chip.part, chip.cycles, chip.stack_bytes
     );
     let warning = |warning: &ChipWarning| {
-        let at = [&warning.pin, &warning.part].into_iter().filter(|name| !name.is_empty());
-        let at: Vec<&str> = at.map(String::as_str).collect();
-        let at = if at.is_empty() { String::new() } else { format!("{}: ", at.join(", ")) };
+        let at = match (&warning.pin, &warning.part) {
+            (pin, _) if !pin.is_empty() => format!("pin {pin}: "),
+            (_, part) if !part.is_empty() => format!("{part}: "),
+            _ => String::new(),
+        };
         let first = handy(warning.first_s);
         ("warning", format!("{at}{} ({} times, first at {first} s)", warning.problem, warning.count))
     };

@@ -139,6 +139,7 @@ impl Surroundings {
             let kind = match part.hear(terminal.role, signal, at) {
                 None => continue,
                 Some(Remark::ShortTrigger) => WarningKind::ShortTrigger,
+                Some(Remark::WeakTrigger) => WarningKind::WeakTrigger,
                 Some(Remark::OddServoPulse) => WarningKind::OddServoPulse,
             };
             self.warnings.add(kind, Some(pin), Some(terminal.part), at.ns(), 1);

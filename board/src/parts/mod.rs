@@ -70,8 +70,10 @@ pub(crate) struct Change {
 /// What a part has to say about a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Remark {
-    /// A trigger pulse is shorter than the data sheet asks for.
+    /// A trigger pulse is too short for the sensor.
     ShortTrigger,
+    /// A trigger pulse is shorter than the data sheet promises to be enough.
+    WeakTrigger,
     /// A pulse is none for a servo.
     OddServoPulse,
 }

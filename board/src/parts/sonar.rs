@@ -3,6 +3,10 @@
 //! Source: Parallax, *PING))) Ultrasonic Distance Sensor (#28015)*, section *Communication Protocol*; Elecfreaks, *Ultrasonic
 //! Ranging Module HC-SR04*, section *Timing diagram*. That the echo of an HC-SR04 begins about 460 µs after the trigger is
 //! known from measurements, not from its data sheet.
+//!
+//! How long a trigger pulse is at least is what a data sheet promises to be enough. Sensors take shorter ones, and programs rely on it:
+//! `delayMicroseconds(10)` between two writes to a port makes a pulse of 9.5 µs, `delayMicroseconds(2)` one of 1.5 µs. So what is
+//! shorter than promised is told, and obeyed down to a fifth of it, or a half. Where sensors do stop is not known.
 
 use baudbot_avr::External;
 use serde::{Deserialize, Serialize};
@@ -21,7 +25,7 @@ pub struct HcSr04;
 /// The numbers of a data sheet, in nanoseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Timing {
-    /// The shortest trigger pulse.
+    /// The shortest trigger pulse that the data sheet promises to be enough.
     trigger: u64,
     /// From the end of the trigger to the beginning of the echo pulse.
     hold_off: u64,
@@ -72,6 +76,13 @@ enum Phase {
     Falling(u64),
 }
 
+impl Timing {
+    /// The shortest trigger pulse that the sensor obeys.
+    const fn least_trigger(self) -> u64 {
+        if self.one_pin { 1_000 } else { 2_000 }
+    }
+}
+
 impl State {
     pub(crate) const fn new(timing: Timing) -> Self {
         Self { timing, raised: None, phase: if timing.one_pin { Phase::Idle } else { Phase::New } }
@@ -101,11 +112,12 @@ impl State {
         if self.phase != Phase::Idle && self.phase != Phase::New {
             return None;
         }
-        if at.clock.ns(at.cycle - begun) < self.timing.trigger {
+        let width = at.clock.ns(at.cycle - begun);
+        if width < self.timing.least_trigger() {
             return Some(Remark::ShortTrigger);
         }
         self.phase = Phase::HoldOff(at.after(self.timing.hold_off));
-        None
+        (width < self.timing.trigger).then_some(Remark::WeakTrigger)
     }
 
     /// Asks for the echo of a pulse that begins by this cycle.

@@ -128,8 +128,8 @@ fn robot_status(robot: &RobotView<'_>, slot: &SlotReport) -> v1::RobotStatus {
 fn chip_status(robot: &RobotView<'_>, board: &Board) -> v1::ChipStatus {
     let chip = board.chip();
     let warning = |(first, warning): (SimTime, &Warning)| v1::ChipWarning {
-        problem: warning.kind.to_string(),
-        pin: warning.pin.map(|pin| format!("{pin:?}")).unwrap_or_default(),
+        problem: warning.explain(board.wiring()),
+        pin: warning.printed_pin(),
         part: warning.part.map(|part| board.wiring().name(part).to_owned()).unwrap_or_default(),
         first_ns: first.as_ns(),
         count: warning.count,
