@@ -282,6 +282,57 @@ fn polygons_need_an_inside() {
     );
 }
 
+/// Touching is no collision, and 1.0 − 0.8 is less than 0.2 in binary numbers.
+#[test]
+fn what_touches_stands_free_whatever_its_numbers_round_to() {
+    let room = "[[arena.polygons]]\nname = \"room\"\nsolid = false\npoints_m = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n";
+    let round = |r: &str, x: &str, y: &str| {
+        let body =
+            format!("body = {{ radius_m = {r}, mass_kg = 3, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}");
+        let name = format!("x{x}y{y}").replace('.', "_");
+        format!("[[robots]]\nname = \"{name}\"\nstart = {{ x_m = {x}, y_m = {y} }}\n{body}\n")
+    };
+    let thing = |kind: &str, more: &str, x: &str| {
+        let name = format!("t{x}").replace('.', "_");
+        format!("[[arena.{kind}]]\nname = \"{name}\"\nx_m = {x}\ny_m = 0\n{more}\n")
+    };
+    let stands = |toml: &str| {
+        baudbot_scenario::parse(&format!("substeps = 100\n{toml}"))
+            .unwrap_or_else(|error| panic!("{error}\n{toml}"));
+    };
+    for i in 1..50 {
+        let (r, x) = (format!("0.{i:02}"), format!("0.{:02}", 100 - i));
+        // In two corners, at a pillar, and at each other.
+        stands(&format!("{room}{}{}", round(&r, &x, &x), round(&r, &format!("-{x}"), &format!("-{x}"))));
+        let pillar = format!("[[arena.circles]]\nname = \"p\"\nx_m = 0\ny_m = 0\nradius_m = {x}\n");
+        stands(&format!("{pillar}{}", round(&r, "1.0", "0")));
+        stands(&format!(
+            "{}{}",
+            round(&r, "0.1", "0"),
+            round(&r, &format!("{}", 0.1 + f64::from(2 * i) / 100.0), "0")
+        ));
+        let square = format!("[[-{r}, -{r}], [{r}, -{r}], [{r}, {r}], [-{r}, {r}]]");
+        let body = format!(
+            "body = {{ outline_m = {square}, half_track_m = 0.01, mass_kg = 3, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}"
+        );
+        stands(&format!(
+            "{room}[[robots]]\nname = \"r\"\nstart = {{ x_m = {x}, y_m = -{x}, heading_rad = 1.5707963267948966 }}\n{body}\n"
+        ));
+        // Things that are pushed, and those that wander.
+        let pushed = "mass_kg = 1\nfriction = 0.3";
+        stands(&format!(
+            "{room}{}{}",
+            thing("movables", &format!("radius_m = {r}\n{pushed}"), &x),
+            thing("movables", &format!("outline_m = {square}\n{pushed}"), &format!("-{x}"))
+        ));
+        let wanders = "wander = { speed_m_s = 0.1, turn_s = 1.0 }";
+        stands(&format!("{room}{}", thing("movers", &format!("radius_m = {r}\n{wanders}"), &x)));
+    }
+    // A micrometre is more than rounding.
+    let deep = format!("substeps = 100\n{room}{}", round("0.2", "0.800001", "0"));
+    refused(&deep, "robots[0].start", "stands in `room`");
+}
+
 /// As GeoJSON, WKT and Shapely write rings, and as programs cut sides into pieces.
 #[test]
 fn repeated_and_straight_corners_change_nothing() {
@@ -515,7 +566,7 @@ fn a_thing_that_is_pushed_is_the_same_whichever_way_round_its_corners_are_given(
     };
     let counter_clockwise = outline("[0, 0], [0.6, 0], [0, 0.3]");
     assert_eq!(outline("[0, 0.3], [0.6, 0], [0, 0]"), counter_clockwise);
-    assert_eq!(counter_clockwise.start.position, baudbot_geometry::Point::new(2.2, 1.1));
+    assert_eq!(counter_clockwise.start.position, Point::new(2.2, 1.1));
 }
 
 #[test]

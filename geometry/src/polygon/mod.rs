@@ -12,7 +12,7 @@ use crate::segment::Segment;
 
 pub use measure::{area, bounding_radius, centroid, is_convex, perimeter, second_moment};
 pub use outline::{Defect, defect, is_simple, without_repeats};
-pub use overlap::{overlaps_circle, overlaps_polygon, overlaps_segment};
+pub use overlap::{ROUNDING_M, overlaps_circle, overlaps_polygon, overlaps_segment};
 
 /// The edges in the order of the corners; the last one closes the chain. No corners have no edges.
 pub fn edges(points: &[Point]) -> impl Iterator<Item = Segment> {

@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use super::overlap::ROUNDING_M;
 use crate::pose::Point;
 use crate::segment::Segment;
 
@@ -94,11 +95,8 @@ fn folds_back(first: &Segment, second: &Segment) -> bool {
 }
 
 fn is_same_place(a: Point, b: Point) -> bool {
-    (b - a).norm_squared() <= SAME_PLACE_M * SAME_PLACE_M
+    (b - a).norm_squared() <= ROUNDING_M * ROUNDING_M
 }
-
-/// Corners that are no farther apart, in metres, are one: what computes a corner twice rounds it twice.
-const SAME_PLACE_M: f64 = 1e-9;
 
 /// The sine of an angle that is no more than rounding.
 pub(super) const ROUNDING: f64 = 1e-12;

@@ -1,7 +1,8 @@
 //! Whether a polygon overlaps something: whether their insides have a point in common.
 //!
-//! Touching is no overlap, and being inside of the other is. As everywhere in this crate, an overlap or a gap
-//! of the size of a rounding error may be judged either way.
+//! Touching is no overlap, and being inside of the other is. Corners are computed, and rounded by it: what is no deeper than
+//! [`ROUNDING_M`] counts as touching. Discs are taken as they are; an overlap or a gap of the size of a rounding error may be
+//! judged either way there.
 
 use super::{contains, edges};
 use crate::circle::Circle;
@@ -78,18 +79,27 @@ fn in_triangle(triangle: &[Point; 3], p: Point) -> bool {
     sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0)
 }
 
-/// Whether each of the segments has an end on either side of the other.
+/// Whether each of the segments has an end on either side of the other, farther away than rounding.
 fn crosses(a: &Segment, b: &Segment) -> bool {
-    let apart = |u: f64, v: f64| (u > 0.0 && v < 0.0) || (u < 0.0 && v > 0.0);
-    apart(side(a, b.start), side(a, b.end)) && apart(side(b, a.start), side(b, a.end))
+    is_between(a, b) && is_between(b, a)
+}
+
+/// Whether the line through a segment is between the ends of the other one.
+fn is_between(line: &Segment, other: &Segment) -> bool {
+    let (u, v) = (side(line, other.start), side(line, other.end));
+    if !((u > 0.0 && v < 0.0) || (u < 0.0 && v > 0.0)) {
+        return false;
+    }
+    let least = ROUNDING_M * ROUNDING_M * (line.end - line.start).norm_squared();
+    u * u > least && v * v > least
 }
 
 fn is_on(segment: &Segment, p: Point) -> bool {
-    let between = |v: f64, a: f64, b: f64| (a <= v && v <= b) || (b <= v && v <= a);
-    side(segment, p) == 0.0
-        && between(p.x, segment.start.x, segment.end.x)
-        && between(p.y, segment.start.y, segment.end.y)
+    segment.distance_squared(p) <= ROUNDING_M * ROUNDING_M
 }
+
+/// Depth, in metres, that is no more than the rounding of what was computed.
+pub const ROUNDING_M: f64 = 5e-10;
 
 /// Positive to the left when looking from start to end.
 fn side(segment: &Segment, p: Point) -> f64 {
@@ -149,6 +159,8 @@ mod tests {
         assert!(!overlaps_segment(&cup(), &segment(-1.0, 0.0, 9.0, 0.0)), "along the bottom");
         assert!(!overlaps_segment(&cup(), &segment(-1.0, 1.0, 0.0, 1.0)), "up to the side");
         assert!(!overlaps_segment(&cup(), &segment(-1.0, 1.0, 1.0, -1.0)), "past a corner");
+        assert!(!overlaps_segment(&cup(), &segment(0.0, 4e-10, 5.0, 4e-10)), "no deeper than rounding");
+        assert!(overlaps_segment(&cup(), &segment(0.0, 1e-9, 5.0, 1e-9)), "deeper");
         assert!(overlaps_segment(&cup(), &segment(0.5, 0.5, 0.5, 0.5)), "a point within");
         assert!(!overlaps_segment(&cup(), &segment(0.0, 0.5, 0.0, 0.5)), "a point of the outline");
     }
@@ -156,6 +168,8 @@ mod tests {
     #[test]
     fn polygons() {
         assert!(!overlaps_polygon(&cup(), &square(1.0, 1.0, 3.0)), "fills the hollow");
+        assert!(!overlaps_polygon(&cup(), &square(1.0, 1.0 - 4e-10, 3.0)), "no deeper than rounding");
+        assert!(overlaps_polygon(&cup(), &square(1.0, 1.0 - 1e-9, 3.0)), "deeper");
         assert!(overlaps_polygon(&cup(), &square(1.0, 0.9, 3.0)));
         assert!(!overlaps_polygon(&cup(), &square(5.0, 4.0, 1.0)), "corner to corner");
         assert!(overlaps_polygon(&cup(), &square(-1.0, -1.0, 9.0)), "around it");

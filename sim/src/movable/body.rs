@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Circle, Point, Pose, polygon};
+use baudbot_geometry::polygon::{self, ROUNDING_M};
+use baudbot_geometry::{Circle, Point, Pose};
 
 use crate::arena::{Arena, Thing};
 
@@ -65,12 +66,13 @@ impl<'a> Form<'a> {
 }
 
 impl Body {
-    /// Whether the insides of the two have a point in common. Touching is not overlapping.
+    /// Whether the insides of the two have a point in common, by more than rounding: [`ROUNDING_M`]. Touching is not
+    /// overlapping.
     pub fn overlaps(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Disc(a), Self::Disc(b)) => a.overlaps_circle(b),
+            (Self::Disc(a), Self::Disc(b)) => but_for_rounding(a).overlaps_circle(b),
             (Self::Disc(disc), Self::Polygon(points)) | (Self::Polygon(points), Self::Disc(disc)) => {
-                polygon::overlaps_circle(points, disc)
+                polygon::overlaps_circle(points, &but_for_rounding(disc))
             }
             (Self::Polygon(a), Self::Polygon(b)) => polygon::overlaps_polygon(a, b),
         }
@@ -84,7 +86,7 @@ impl Body {
     /// A shape that stands still and that it overlaps, if any.
     pub fn arena_thing(&self, arena: &Arena) -> Option<Thing> {
         match self {
-            Self::Disc(disc) => arena.thing_at(disc),
+            Self::Disc(disc) => arena.thing_at(&but_for_rounding(disc)),
             Self::Polygon(points) => {
                 if let Some(shape) = arena.index().meets_polygon(points) {
                     return Some(arena.owner_of(shape));
@@ -94,4 +96,8 @@ impl Body {
             }
         }
     }
+}
+
+fn but_for_rounding(disc: &Circle) -> Circle {
+    Circle { radius: disc.radius - ROUNDING_M, ..*disc }
 }
