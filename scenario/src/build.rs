@@ -58,7 +58,7 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
         step_ns: step.step_ns,
         substeps: step.substeps as u32,
         noise: raw.noise,
-        collision: collision(&raw.collision),
+        collision: collision(&path, &raw.collision, raw.wall_friction)?,
         rules: rules(&path, &raw.end, &raw.metrics, (&arena, &surroundings), &robots)?,
         end: end(&path.field("end"), raw.end)?,
         arena: arena.into(),
@@ -69,12 +69,30 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
     })
 }
 
-fn collision(raw: &raw::Collision) -> CollisionPolicy {
-    match raw {
+fn collision(path: &Path, raw: &raw::Collision, friction: Option<f64>) -> Result<CollisionPolicy> {
+    let policy = match raw {
+        raw::Collision::Slide => {
+            let friction = friction.unwrap_or(WOOD_ON_WOOD);
+            if friction.is_nan() || friction < 0.0 {
+                let problem = format!("must not be negative, is {friction}");
+                return Err(path.field("wall_friction").error(problem));
+            }
+            return Ok(CollisionPolicy::Slide { friction });
+        }
         raw::Collision::StopRun => CollisionPolicy::StopRun,
         raw::Collision::StopRobot => CollisionPolicy::StopRobot,
-    }
+    };
+    path.refuse(
+        "wall_friction",
+        friction.is_some(),
+        "only robots that slide have it: collision = \"slide\"",
+    )?;
+    Ok(policy)
 }
+
+/// Coefficient of kinetic friction of wood on wood: Ling, Sanny & Moebs, *University Physics*, volume 1 (OpenStax 2016),
+/// table 6.1, which has the same for metal on wood.
+const WOOD_ON_WOOD: f64 = 0.3;
 
 fn step(path: &Path, raw: &raw::Scenario) -> Result<Step> {
     let step_ns = path.ms("step_ms", raw.step_ms, MIN_PERIOD_MS, 1000.0)?;

@@ -36,9 +36,12 @@ pub(super) struct Scenario {
     /// Whether sensors and motors are noisy. Byte errors of the link do not count as noise and remain.
     #[serde(default = "default::yes")]
     pub(super) noise: bool,
-    /// What the first collision does: the robot stops, or the run ends.
+    /// What a collision does: the robot slides along what it ran into, the robot stops, or the run ends.
     #[serde(default)]
     pub(super) collision: Collision,
+    /// Coefficient of sliding friction between robots and what they slide along. 0 lets them slide freely; `inf` holds them as
+    /// `stop-robot` does. Default: 0.3, wood on wood. Range: not negative; only with `slide`.
+    pub(super) wall_friction: Option<f64>,
     /// When the run ends. Default: none.
     #[serde(default)]
     pub(super) end: End,
@@ -58,6 +61,7 @@ pub(super) struct Scenario {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema, serde::Serialize))]
 pub(super) enum Collision {
     #[default]
+    Slide,
     StopRobot,
     StopRun,
 }

@@ -2,7 +2,10 @@
 //!
 //! A robot runs into something; something does not run into it: of two robots that meet, only one that moves
 //! towards the other has collided. The notes test where a body is after a step; so do we, and on the way as
-//! well if the step is long against the body, so that none passes through a wall.
+//! well if the step is long against the body, so that none passes through a wall. How a robot goes on along what it ran
+//! into is in `slide`.
+
+mod slide;
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -10,18 +13,36 @@ use alloc::vec::Vec;
 use baudbot_geometry::{Circle, Crowd, Point, Pose, Vector, angle, math};
 use serde::{Deserialize, Serialize};
 
+pub(crate) use slide::{Slid, Thrust};
+
 use crate::arena::{Arena, Thing};
 use crate::movable::{Body, Form};
 use crate::parallel;
 
 /// What a collision does, the same for all robots of a world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CollisionPolicy {
     /// The run ends, the pose uncorrected: ARSim's rule.
     StopRun,
     /// The robot stays where it was before the step that would have run into something, and loses its speed.
     /// It may turn, and drive away.
     StopRobot,
+    /// The robot goes on along what it ran into, with friction. Where that lets it not go on, it is as with
+    /// [`StopRobot`](Self::StopRobot).
+    Slide {
+        /// Coefficient of Coulomb's friction between a robot and what it slides along; not negative, or infinite.
+        friction: f64,
+    },
+}
+
+impl CollisionPolicy {
+    /// The friction of robots that slide.
+    pub(crate) fn friction(self) -> Option<f64> {
+        match self {
+            Self::StopRun | Self::StopRobot => None,
+            Self::Slide { friction } => Some(friction),
+        }
+    }
 }
 
 /// A robot ran into something.
@@ -53,7 +74,22 @@ pub(crate) enum Met {
 pub(crate) struct Way {
     pub(crate) before: Pose,
     pub(crate) after: Pose,
+    /// Where it would be after the step if nothing were in the way.
+    wanted: Pose,
     pub(crate) room: Room,
+    /// What drives it, where robots slide.
+    pub(crate) thrust: Thrust,
+    /// How it slides, if it does.
+    pub(crate) slid: Option<Slid>,
+    /// How often it has been looked for a way along what it runs into.
+    tries: u8,
+}
+
+/// What a robot runs into, and how it goes on along that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Found {
+    met: Met,
+    slid: Option<Slid>,
 }
 
 /// A disc in which a robot is free of all that stands still, whatever its heading, while its middle is in there.
@@ -108,6 +144,11 @@ pub(crate) fn swept(form: &Form<'_>, way: &Way) -> Circle {
 }
 
 impl Way {
+    pub(crate) fn new(before: Pose, after: Pose) -> Self {
+        let (room, thrust) = (Room::default(), Thrust::default());
+        Self { before, after, wanted: after, room, thrust, slid: None, tries: 0 }
+    }
+
     fn vector(&self) -> Vector {
         self.after.position - self.before.position
     }
@@ -160,7 +201,7 @@ impl Step<'_> {
     /// Half a radius is the longest way between two looks, of a body with corners its thickness, its farthest corner's
     /// turning included: it cannot get past anything in between.
     fn met_on_the_way(&self, own: usize) -> Option<Met> {
-        let Way { before, after, room } = &self.ways[own];
+        let Way { before, after, room, .. } = &self.ways[own];
         if self.obstacles.is_empty() && room.contains(before) && room.contains(after) {
             return None;
         }
@@ -188,31 +229,45 @@ impl Step<'_> {
         body.arena_thing(self.arena).map(Met::Arena).or_else(|| obstacle().map(Met::Obstacle))
     }
 
-    /// Which robots must stay where they were, into `held`: those that would run into the arena or into one another,
-    /// and those that would then run into one that stays. A disc may turn where it stands.
+    /// Which robots must leave their ways, into `held`: those that would run into the arena or into one another,
+    /// and those that would then run into one that stays. With `friction` they slide along what they run into,
+    /// where they can; the others stay where they were. A disc may turn where it stands.
     ///
     /// All robots are judged by the same picture in each round, so their order does not matter; each round
-    /// stops more of them or is the last.
+    /// takes one of its tries from some of them, stops more of them, or is the last.
     pub(crate) fn hold_back(
         &mut self,
+        friction: Option<f64>,
         held: &mut Vec<Option<Met>>,
-        found: &mut Vec<Option<Met>>,
+        found: &mut Vec<Option<Found>>,
         is_parallel: bool,
     ) {
         held.clear();
         held.resize(self.ways.len(), None);
         found.resize(self.ways.len(), None);
+        let most = if friction.is_some() { TRIES } else { 0 };
+        for way in &mut *self.ways {
+            (way.wanted, way.slid, way.tries) = (way.after, None, 0);
+        }
         loop {
             let step = &*self;
             parallel::each(is_parallel, held, found, |own, held, found| {
-                *found = if held.is_none() { step.partner(own) } else { None };
+                let stays = held.is_some() && step.ways[own].slid.is_none();
+                let met = if stays { None } else { step.partner(own) };
+                *found = met.map(|met| {
+                    let may = friction.filter(|_| step.ways[own].tries < most);
+                    Found { met, slid: may.and_then(|friction| step.slide(own, friction)) }
+                });
             });
             if found.iter().all(Option::is_none) {
                 return;
             }
-            for (own, met) in found.iter().enumerate().filter(|(_, met)| met.is_some()) {
-                self.ways[own].after = self.ways[own].before;
-                held[own] = *met;
+            for (own, found) in found.iter().enumerate() {
+                let Some(Found { met, slid }) = found else { continue };
+                let way = &mut self.ways[own];
+                way.after = slid.map_or(way.before, |slid| slid.after);
+                (way.slid, way.tries) = (*slid, way.tries + 1);
+                held[own] = held[own].or(Some(*met));
             }
         }
     }
@@ -220,6 +275,9 @@ impl Step<'_> {
 
 /// A step of more than this many half radii is looked at in so many places; no robot is that fast.
 const MAX_LOOKS: f64 = 10_000.0;
+
+/// A robot that slides may run into something else, or that which it slides along moves on: then it tries once more.
+const TRIES: u8 = 2;
 
 /// The part of what is free around a robot that it is given as room.
 const ALMOST_ALL: f64 = 0.999;
@@ -249,7 +307,7 @@ mod tests {
         look: impl FnOnce(Step<'_>) -> T,
     ) -> T {
         let mut crowd = Crowd::default();
-        let way = |(&before, &after)| Way { before, after, room: Room::default() };
+        let way = |(&before, &after)| Way::new(before, after);
         let mut ways: Vec<_> = before.iter().zip(after).map(way).collect();
         crowd.rebuild(forms.iter().zip(&ways).map(|(form, way)| swept(form, way)));
         look(Step { arena, obstacles: &[], form: &|i| forms[i], ways: &mut ways, crowd: &crowd })
@@ -257,7 +315,9 @@ mod tests {
 
     fn held(forms: &[Form<'_>], before: &[Pose], after: &[Pose]) -> Vec<Option<Met>> {
         let (mut held, mut found) = (Vec::new(), Vec::new());
-        look(&empty(), forms, before, after, |mut step| step.hold_back(&mut held, &mut found, false));
+        look(&empty(), forms, before, after, |mut step| {
+            step.hold_back(None, &mut held, &mut found, false);
+        });
         held
     }
 

@@ -259,6 +259,19 @@ impl Drive {
         motion.wheel_speed_rad_s = self.wheel_speeds(motion);
     }
 
+    /// The speed, in m/s, at which the wheels roll on the mean. It is the body's unless that slides along something.
+    pub(crate) fn wheels_roll_at(&self, motion: &Motion) -> f64 {
+        let Wheels { left, right } = motion.wheel_speed_rad_s;
+        0.5 * (left + right) * self.wheel_radius_m
+    }
+
+    /// The body moves at a speed, in m/s, and its wheels roll at another.
+    pub(crate) fn slip_with(&self, motion: &mut Motion, body_m_s: f64, wheels_m_s: f64) {
+        motion.speed_m_s = wheels_m_s;
+        self.roll_with(motion);
+        motion.speed_m_s = body_m_s;
+    }
+
     /// Electrical power that both motors take under these signals, in W.
     pub fn power_w(&self, motion: &Motion, signals: Wheels) -> f64 {
         let power = |signal, speed| self.motor.power_w(signal, speed, self.wheel_radius_m);

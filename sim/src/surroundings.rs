@@ -190,6 +190,15 @@ impl Surroundings {
         self.grip_of(drive, motion).map_or(rolled, |grip| drive.carried(rolled, grip))
     }
 
+    /// How far a robot is carried for each metre that its wheels roll, and at which speed, in m/s, by its turning alone, if that
+    /// is not 1 and 0.
+    pub(crate) fn share_over_ground(&self, drive: &Drive, motion: &Motion) -> Option<(f64, f64)> {
+        let grip = self.grip_of(drive, motion)?;
+        let carried = |forward| drive.carried(Twist { forward, turn: motion.turn_rate_rad_s }, grip).forward;
+        let turned = carried(0.0);
+        Some((carried(1.0) - turned, turned))
+    }
+
     /// Power of the chargers at a point, in watts.
     pub fn charger_at(&self, point: Point) -> f64 {
         self.zones_at(point).map(|zone| zone.charger_w).sum()

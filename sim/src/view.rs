@@ -142,6 +142,11 @@ impl<'a> RobotView<'a> {
         &self.state.counters
     }
 
+    /// How long something has kept it from moving, in nanoseconds, where robots slide along what they run into.
+    pub fn stood_in_contact_ns(&self) -> u64 {
+        self.state.rare.fifth.unwrap_or_default()
+    }
+
     /// Commands that its microcontroller obeyed.
     pub fn commands(&self) -> u64 {
         self.state.microcontroller.commands

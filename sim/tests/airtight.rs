@@ -28,7 +28,6 @@ impl Dice {
 }
 
 const HEADER: &str = r#"
-collision = "stop-robot"
 [[arena.polygons]]
 name = "room"
 solid = false
@@ -120,7 +119,10 @@ fn scene(seed: u64) -> World {
     let dice = &mut Dice(seed);
     let quick = [0.3, 1.0, 5.0][dice.below(3) as usize];
     let step_ms = [5.0, 10.0, 40.0][dice.below(3) as usize];
-    let top = format!("seed = {seed}\nstep_ms = {step_ms}\nsubsteps = {}\n", 1 + dice.below(2));
+    let contact =
+        ["collision = \"stop-robot\"", "wall_friction = 0.0", "collision = \"slide\"", "wall_friction = inf"]
+            [seed as usize % 4];
+    let top = format!("seed = {seed}\n{contact}\nstep_ms = {step_ms}\nsubsteps = {}\n", 1 + dice.below(2));
     let mut toml = top + HEADER;
     let (movers, movables, robots) = (1 + dice.below(3), dice.below(5), 2 + dice.below(5));
     let mut parts: Vec<String> = (0..movers).map(|i| mover(dice, i, quick)).collect();

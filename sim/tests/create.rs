@@ -263,7 +263,7 @@ fn way_and_turn_are_told_since_they_were_last_asked_for() {
 #[test]
 fn bumpers_have_their_bits() {
     let wall = "[arena]\n[[arena.circles]]\nname = \"post\"\nx_m = 0.5\ny_m = 0.12\nradius_m = 0.05\n";
-    let mut world = world(&format!("{}{wall}", robot("create-2", "")));
+    let mut world = world(&format!("collision = \"stop-robot\"\n{}{wall}", robot("create-2", "")));
     say(&mut world, 4000, &[&[128, 131][..], &drive_direct(200, 200)].concat());
     assert_eq!(ask(&mut world, Packet::BumpsWheelDrops), 2);
 }

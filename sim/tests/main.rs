@@ -8,6 +8,7 @@ mod bootloader;
 mod cable;
 mod chip;
 mod common;
+mod contact;
 mod coverage;
 mod create;
 mod cycles;

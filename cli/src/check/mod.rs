@@ -73,8 +73,9 @@ fn describe(source: &Source, scenario: &Scenario) -> String {
 fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
     let substeps = count(scenario.substeps as usize, "substep");
     let collision = match scenario.collision {
-        CollisionPolicy::StopRun => "ends the run",
-        CollisionPolicy::StopRobot => "stops the robot",
+        CollisionPolicy::StopRun => "ends the run".to_owned(),
+        CollisionPolicy::StopRobot => "stops the robot".to_owned(),
+        CollisionPolicy::Slide { friction } => format!("slides along, friction {friction}"),
     };
     vec![
         ("name", scenario.name.clone()),
@@ -83,7 +84,7 @@ fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
         ("seed", format!("{}, sensor noise {}", scenario.seed, if scenario.noise { "on" } else { "off" })),
         ("arena", arena(&scenario.arena)),
         ("in it", things(scenario)),
-        ("collision", collision.to_owned()),
+        ("collision", collision),
         ("end", end(scenario)),
         ("robots", scenario.robots.len().to_string()),
         ("serial ports", serial_ports(&scenario.serial_ports)),

@@ -14,7 +14,7 @@ use crate::arena::Arena;
 
 /// Corners and edges, rounded off.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Chain {
+pub(crate) struct Chain {
     corners: Vec<Point>,
     edges: Vec<Segment>,
     rounding_m: f64,
@@ -22,17 +22,17 @@ pub(super) struct Chain {
 
 /// A place where body A is about to meet body B.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Touch {
+pub(crate) struct Touch {
     /// In the world, in metres.
-    pub(super) point: Point,
+    pub(crate) point: Point,
     /// Unit vector from B to A.
-    pub(super) normal: Vector,
+    pub(crate) normal: Vector,
     /// Distance between the two, in metres.
-    pub(super) gap: f64,
+    pub(crate) gap: f64,
 }
 
 impl Chain {
-    pub(super) fn of_body(body: &Body) -> Self {
+    pub(crate) fn of_body(body: &Body) -> Self {
         match body {
             Body::Disc(disc) => Self::of_disc(disc),
             Body::Polygon(points) => {
@@ -46,7 +46,7 @@ impl Chain {
     }
 
     /// What stands still in this disc: all walls together, and each pillar.
-    pub(super) fn of_arena(arena: &Arena, near: &Circle) -> Vec<Self> {
+    pub(crate) fn of_arena(arena: &Arena, near: &Circle) -> Vec<Self> {
         let mut shapes = Vec::new();
         arena.index().near(near, |shape| shapes.push(shape));
         shapes.sort_unstable();
@@ -81,7 +81,7 @@ impl Chain {
 }
 
 /// Places where body `a`, whose middle is at `center`, and body `b` are at most `reach_m` apart.
-pub(super) fn touches(a: &Chain, center: Point, b: &Chain, reach_m: f64, mut found: impl FnMut(Touch)) {
+pub(crate) fn touches(a: &Chain, center: Point, b: &Chain, reach_m: f64, mut found: impl FnMut(Touch)) {
     let rounding = a.rounding_m + b.rounding_m;
     let mut keep = |corner: Point, of_a: bool, from_b: Vector, distance: f64| {
         let gap = distance - rounding;

@@ -56,6 +56,7 @@ use baudbot_geometry::{Point, Pose, Vector};
 use serde::{Deserialize, Serialize};
 
 pub use body::{Body, Form};
+pub(crate) use contact::{Chain, Touch, touches};
 #[cfg(test)]
 use step::Reaction;
 pub(crate) use step::{Fixed, Pusher, step};

@@ -60,8 +60,8 @@ pub(crate) struct Robot {
     pub(crate) ports: Vec<PortState>,
     pub(crate) actuators: Vec<ActuatorState>,
     /// Its battery, what is under way to its motors, the dialogues with its sensors, and the chip that runs its program, on a
-    /// robot that has them.
-    pub(crate) rare: Pair<BatteryState, Box<DelayLine>, Dialogues, Box<ChipState>>,
+    /// robot that has them; and how long, in nanoseconds, something has kept it from sliding on.
+    pub(crate) rare: Pair<BatteryState, Box<DelayLine>, Dialogues, Box<ChipState>, u64>,
     /// The pulse that it sent in this tick, and the one that others hear, which is of the last tick.
     pub(crate) pings: [Option<Ping>; 2],
     /// When the last command was obeyed.
@@ -136,6 +136,7 @@ impl Robot {
                 second: (spec.dead_time_ns > 0).then(Box::default),
                 third: dialogues(spec, seed),
                 fourth: spec.chip.as_ref().map(|chip| Box::new(ChipState::new(chip, spec))),
+                fifth: None,
             },
             pings: [None; 2],
             commanded_at: SimTime::ZERO,

@@ -105,7 +105,12 @@ impl<'a> Scene<'a> {
 
     /// A look from `from`, at a height whose layer of the arena is `layer`, as far as `range_m`.
     pub(crate) fn look(&self, from: Point, height: Height, range_m: f64) -> Viewpoint<'_> {
-        let covered = self.covering(from, height);
+        self.look_of(from, from, height, range_m)
+    }
+
+    /// The same of an eye that is at `eye` in the frozen scene, and has moved on to `from` since.
+    pub(crate) fn look_of(&self, eye: Point, from: Point, height: Height, range_m: f64) -> Viewpoint<'_> {
+        let covered = self.covering(eye, height);
         Viewpoint { covered, ..self.look_around(from, height, range_m) }
     }
 

@@ -139,6 +139,7 @@ impl Sense for Gps {
                 second: (self.short_wander_sigma_m > 0.0).then_some(short),
                 third: None,
                 fourth: None,
+                fifth: None,
             },
             position_deg: [0.0; 2],
         })

@@ -44,6 +44,7 @@ impl Mount {
 
     /// A look from there as far as `range_m`.
     pub(crate) fn look<'a>(&self, at: &Measurement<'a>, from: &Pose, range_m: f64) -> Viewpoint<'a> {
-        at.scene.look(from.position, self.height, range_m)
+        let eye = self.world_from_sensor(at).position;
+        at.scene.look_of(eye, from.position, self.height, range_m)
     }
 }

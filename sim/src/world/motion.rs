@@ -8,7 +8,7 @@ use baudbot_geometry::{Circle, Crowd, Point, Pose, polygon};
 
 use super::{Ending, World};
 use crate::actuator::ActuatorKind;
-use crate::collision::{Collision, CollisionPolicy, Met, Partner, Room, Step, Way, swept};
+use crate::collision::{Collision, CollisionPolicy, Found, Met, Partner, Step, Thrust, Way, swept};
 use crate::drive::Wheels;
 use crate::model::RobotSpec;
 use crate::motor::Motors;
@@ -29,7 +29,7 @@ pub(super) struct Lists {
     held: Vec<Option<Met>>,
     /// Those that were held before anybody was pushed.
     held_first: Vec<Option<Met>>,
-    found: Vec<Option<Met>>,
+    found: Vec<Option<Found>>,
     obstacles: Vec<Body>,
 }
 
@@ -66,11 +66,20 @@ impl World {
             for (way, robot) in lists.ways.iter_mut().zip(&self.state.robots) {
                 way.after = robot.motion.pose;
             }
+            if scenario.collision.friction().is_some() {
+                for ((way, robot), spec) in
+                    lists.ways.iter_mut().zip(&self.state.robots).zip(&scenario.robots)
+                {
+                    way.thrust = Thrust::of_motion(&spec.drive, &robot.motion, dt);
+                }
+            }
             gather(scenario, lists);
         }
         match scenario.collision {
             CollisionPolicy::StopRun => self.stop_run(scenario, lists, dt),
-            CollisionPolicy::StopRobot => self.stop_robots(scenario, lists, dt),
+            CollisionPolicy::StopRobot | CollisionPolicy::Slide { .. } => {
+                self.stop_robots(scenario, lists, dt);
+            }
         }
         if !scenario.movers.is_empty() {
             self.move_movers(scenario, now, dt);
@@ -80,12 +89,18 @@ impl World {
     /// Each robot drives as if it were alone; where it was and where it is then.
     fn drive_all(&mut self, scenario: &Scenario, lists: &mut Lists, now: SimTime, dt: f64) {
         let still = Pose::new(0.0, 0.0, 0.0);
-        let unknown = Way { before: still, after: still, room: Room::default() };
+        let unknown = Way::new(still, still);
+        let slides = scenario.collision.friction().is_some();
         lists.ways.resize(self.state.robots.len(), unknown);
         parallel::each(self.is_parallel, &mut self.state.robots, &mut lists.ways, |own, robot, way| {
             let spec = &scenario.robots[own];
-            way.before = robot.motion.pose;
+            let before = robot.motion;
+            way.before = before.pose;
             robot.drive(spec, scenario, now, dt);
+            if slides {
+                let over_ground = scenario.surroundings.share_over_ground(&spec.drive, &before);
+                way.thrust = Thrust::of_step(&spec.drive, &before, &robot.motion, over_ground, dt);
+            }
             way.after = robot.motion.pose;
             way.room.look(&scenario.arena, &spec.form(), way.after.position);
         });
@@ -94,14 +109,14 @@ impl World {
     /// Robots push what can be pushed, those first held back that something else stops: nobody pushes who cannot
     /// move.
     fn push(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
-        if scenario.collision == CollisionPolicy::StopRobot {
+        if scenario.collision != CollisionPolicy::StopRun {
             let Lists { ways, crowd, held_first, found, obstacles, .. } = lists;
             let is_parallel = self.is_parallel;
             step(scenario, obstacles, ways, crowd, |mut step| {
-                step.hold_back(held_first, found, is_parallel);
+                step.hold_back(scenario.collision.friction(), held_first, found, is_parallel);
             });
             for own in (0..held_first.len()).filter(|&own| held_first[own].is_some()) {
-                self.hold(own, &ways[own].before);
+                self.hinder(own, &ways[own], dt);
             }
         }
         let ways = &lists.ways;
@@ -164,15 +179,19 @@ impl World {
         let Lists { ways, crowd, held, found, obstacles, .. } = lists;
         let is_parallel = self.is_parallel;
         step(scenario, obstacles, ways, crowd, |mut step| {
-            step.hold_back(held, found, is_parallel);
+            step.hold_back(scenario.collision.friction(), held, found, is_parallel);
         });
         for own in 0..lists.held.len() {
             let met = lists.held[own];
             if met.is_some() {
-                self.hold(own, &lists.ways[own].before);
+                self.hinder(own, &lists.ways[own], dt);
             }
             let earlier = || lists.held_first.get(own).copied().flatten();
-            self.note_contact(own, met.or_else(earlier), lists);
+            let met = met.or_else(earlier);
+            if scenario.collision.friction().is_some() && met.is_some() {
+                self.note_standing(own, &lists.ways[own].before, dt);
+            }
+            self.note_contact(own, met, lists);
             self.note_way(scenario, own, dt);
         }
     }
@@ -182,6 +201,29 @@ impl World {
         let robot = &mut self.state.robots[own];
         let speed = scenario.surroundings.over_ground(&scenario.robots[own].drive, &robot.motion).forward;
         robot.counters.distance_m += (speed * dt).abs();
+    }
+
+    /// How long a robot is kept from moving.
+    fn note_standing(&mut self, own: usize, before: &Pose, dt: f64) {
+        let robot = &mut self.state.robots[own];
+        if robot.motion.pose.position == before.position {
+            *robot.rare.fifth.get_or_insert_default() += (dt * SECOND_NS as f64 + 0.5) as u64;
+        }
+    }
+
+    /// A robot that something is in the way of slides along it, or stays where it was.
+    fn hinder(&mut self, own: usize, way: &Way, dt: f64) {
+        let Some(slid) = way.slid else { return self.hold(own, &way.before) };
+        let (motion, spec) = (&mut self.state.robots[own].motion, &self.scenario.robots[own]);
+        if slid.after.heading == way.before.heading && !spec.outline.is_empty() {
+            motion.turn_rate_rad_s = 0.0;
+        }
+        motion.pose = slid.after;
+        // The wheels have rolled as the motors turn them.
+        let more_m = (way.thrust.wheels_m_s() - motion.speed_m_s) * dt;
+        motion.travel_m.left += more_m;
+        motion.travel_m.right += more_m;
+        spec.drive.slip_with(motion, slid.speed_m_s, slid.wheels_m_s);
     }
 
     /// Puts a robot back to where it was. A disc keeps its turning, as it cannot run into anything by it.
