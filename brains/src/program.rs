@@ -10,6 +10,7 @@
 
 use std::ffi::OsStr;
 use std::fmt::Display;
+use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -49,7 +50,10 @@ use crate::restarting::Restarting;
 ///
 /// [given]: Given
 pub fn brain<B: Brain>(name: &'static str, make: impl Fn(&Body, &Given) -> anyhow::Result<B>) -> ExitCode {
-    let arguments = command(name).about("A brain for robots of baudbot's").get_matches();
+    let arguments = match given_to(command(name).about("A brain for robots of baudbot's")) {
+        Ok(arguments) => arguments,
+        Err(code) => return code,
+    };
     let attachment = Attachment { thinks_as_scenario: false, ..attachment(shown_name(name), &arguments) };
     let driven = Given::of_environment(seed(&arguments)).and_then(|given| {
         drive(&attachment, |body| {
@@ -75,10 +79,31 @@ pub fn brain<B: Brain>(name: &'static str, make: impl Fn(&Body, &Given) -> anyho
 /// }
 /// ```
 pub fn described(registry: &Registry) -> ExitCode {
-    let arguments = command_for_files().get_matches();
+    let arguments = match given_to(command_for_files()) {
+        Ok(arguments) => arguments,
+        Err(code) => return code,
+    };
     let file = text(&arguments, "file");
     ended(file, run_file(file, &arguments, registry))
 }
+
+/// The arguments of this process. If they make no sense, or ask for help, that is told, and the process ends with this code.
+fn given_to(command: Command) -> Result<ArgMatches, ExitCode> {
+    command.try_get_matches().map_err(|error| {
+        let written = error.print().and_then(|()| io::stdout().flush());
+        match written {
+            Ok(()) if !error.use_stderr() => ExitCode::SUCCESS,
+            Err(failure) if !error.use_stderr() => {
+                let _ = writeln!(io::stderr(), "error: cannot write stdout: {failure}");
+                ExitCode::FAILURE
+            }
+            Ok(()) | Err(_) => ExitCode::from(USAGE),
+        }
+    })
+}
+
+/// The exit code of a command line that makes no sense.
+const USAGE: u8 = 2;
 
 /// Tells how it went.
 fn ended(name: &str, driven: anyhow::Result<()>) -> ExitCode {
@@ -106,7 +131,13 @@ fn drive<B: Brain, E: Display>(
     let driving = attachment.drive(make, |line| eprintln!("{line}"));
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let summary = runtime.block_on(driving).map_err(|error| anyhow::anyhow!("{error}"))?;
-    println!("the run is over after {} turns, at tick {}", summary.turns, summary.last_tick);
+    // The run is over whether anybody reads that or not.
+    let _ = writeln!(
+        io::stdout(),
+        "the run is over after {} turns, at tick {}",
+        summary.turns,
+        summary.last_tick
+    );
     Ok(())
 }
 

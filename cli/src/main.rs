@@ -85,7 +85,6 @@ use anyhow::Context;
 use tokio::runtime::Runtime;
 
 use crate::args::{Command, NewCommand, PortCommand};
-use crate::text::tell;
 
 /// Worlds and clients of a server come and go for weeks. With the system's allocator its memory grew, in an hour of `./test soak`, by 9 MB that
 /// were not in use.
@@ -93,7 +92,10 @@ use crate::text::tell;
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    let cli = args::parsed();
+    let cli = match args::parsed() {
+        Ok(cli) => cli,
+        Err(code) => return code,
+    };
     let (filter, format) = (cli.log.clone(), cli.log_format);
     let command = cli.into_command();
     let serves = matches!(command, Command::Run(_) | Command::Serve(_));
@@ -101,12 +103,7 @@ fn main() -> ExitCode {
     let _logs = logs::start(filter, format, serves);
     match execute(command) {
         Ok(code) => code,
-        Err(error) => {
-            if !error.is::<error::ReaderGone>() {
-                tell!("error: {}", error::text(&error));
-            }
-            error::exit_code(&error)
-        }
+        Err(error) => error::told(&error),
     }
 }
 

@@ -1,12 +1,15 @@
 //! The commands in groups, as `baudbot help` lists them.
 
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+use std::process::ExitCode;
 
 use clap::error::ErrorKind;
 use clap::{Command, CommandFactory, FromArgMatches};
 use console::Term;
 
 use super::Cli;
+use crate::error;
 use crate::text::tell;
 
 /// What somebody wants to do, with the commands for it. `help` is clap's own.
@@ -23,7 +26,7 @@ const INDENT: usize = 14;
 const WIDEST: usize = 100;
 
 /// The exit code of a command line that makes no sense.
-const USAGE: i32 = 2;
+const USAGE: u8 = 2;
 
 const TEMPLATE: &str =
     "{about-with-newline}\n{usage-heading} {usage}\n\n{before-help}Options:\n{options}{after-help}";
@@ -35,16 +38,26 @@ pub(crate) fn command() -> Command {
     command.help_template(TEMPLATE).before_help(listed)
 }
 
-/// The command line of this process. It ends the process if that makes no sense, or asks for help.
-pub(crate) fn parsed() -> Cli {
-    let matches = command().try_get_matches().unwrap_or_else(|error| {
-        if error.kind() == ErrorKind::ValueValidation {
-            tell!("{}", rephrased(error.render().to_string().trim_end()));
-            std::process::exit(USAGE);
-        }
-        error.exit()
-    });
-    Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+/// The command line of this process. If that makes no sense, or asks for help, it is told, and the process ends with this code.
+pub(crate) fn parsed() -> Result<Cli, ExitCode> {
+    let matches = command().try_get_matches().map_err(|error| told(&error))?;
+    Cli::from_arg_matches(&matches).map_err(|error| told(&error))
+}
+
+/// Help goes to stdout, a mistake to stderr. clap's own `exit` passes help for told that could not be written.
+fn told(error: &clap::Error) -> ExitCode {
+    if error.kind() == ErrorKind::ValueValidation {
+        tell!("{}", rephrased(error.render().to_string().trim_end()));
+        return ExitCode::from(USAGE);
+    }
+    let written = error.print().and_then(|()| io::stdout().flush());
+    if error.use_stderr() {
+        return ExitCode::from(USAGE);
+    }
+    match written {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => error::told(&error::from_output(failure, "stdout")),
+    }
 }
 
 /// What is wrong with a number, in words for people who do not know Rust's.

@@ -94,6 +94,70 @@ fn a_brain_with_a_name_that_a_terminal_obeys_does_not_attach() {
     assert!(is_shown(&err), "{err:?}");
 }
 
+/// All that there is to print, without what needs a server or a robot.
+const PRINTING: [&[&str]; 17] = [
+    &["run", "--ticks", "2"],
+    &["brain", "--list"],
+    &["budget", "wander"],
+    &["check", "wander", "--json"],
+    &["check", "wander", "--svg", "-"],
+    &["completions", "bash"],
+    &["diagram", "wander"],
+    &["grade"],
+    &["help"],
+    &["help", "run"],
+    &["init", "wander", "-"],
+    &["list", "--json"],
+    &["plan", "wander", "--to", "1,1"],
+    &["preset", "khepera-1"],
+    &["run", "--ticks", "2", "--quiet", "--csv", "-"],
+    &["schema"],
+    &["--version"],
+];
+
+/// The help of each command, as `man` lists them.
+fn helps() -> Vec<Vec<String>> {
+    let folder = tempfile::tempdir().unwrap();
+    good(&["man", folder.path().to_str().unwrap()]);
+    let pages = std::fs::read_dir(folder.path().join("man1")).unwrap();
+    let helps = pages.map(|page| {
+        let name = page.unwrap().file_name().into_string().unwrap();
+        let words = name.trim_end_matches(".1").split('-').skip(1).filter(|word| *word != "help");
+        words.map(str::to_owned).chain(["--help".to_owned()]).collect()
+    });
+    helps.collect()
+}
+
+#[test]
+fn nothing_that_is_printed_is_lost_without_a_word() {
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    // Its reading end is gone.
+    let closed = || {
+        let (_, writer) = std::io::pipe().unwrap();
+        writer
+    };
+    let helps = helps();
+    assert!(helps.len() > 30, "{helps:?}");
+    let printing = PRINTING.iter().map(|words| words.iter().map(|&word| word.to_owned()).collect());
+    for words in printing.chain(helps) {
+        let words: Vec<_> = words;
+        let to = |stdout: Stdio| {
+            let ended = Command::new(env!("CARGO_BIN_EXE_baudbot"))
+                .args(&words)
+                .stdin(Stdio::null())
+                .stdout(stdout)
+                .output()
+                .unwrap();
+            (ended.status.code(), String::from_utf8(ended.stderr).unwrap())
+        };
+        let (code, err) = to(full().into());
+        let complaint =
+            err.strip_prefix("error: cannot write ").unwrap_or_else(|| panic!("{words:?}: {err}"));
+        assert!(code == Some(1) && complaint.contains("No space left on device"), "{words:?}: {err}");
+        assert_eq!(to(closed().into()), (Some(141), String::new()), "{words:?}");
+    }
+}
+
 #[test]
 fn a_reader_who_has_read_enough_is_no_error() {
     let recording = place("long.mcap");
