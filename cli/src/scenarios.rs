@@ -6,6 +6,7 @@ use baudbot_brains::catalogue;
 use baudbot_import::embedded;
 use baudbot_import::kind::Kind;
 use baudbot_import::source::{self, SourceError};
+use baudbot_import::{Note, Weight};
 use baudbot_scenario::{Override, presets};
 use baudbot_sim::Scenario;
 
@@ -50,6 +51,11 @@ impl Source {
         &self.0.label
     }
 
+    /// What there is to say about the files that it refers to.
+    pub(crate) fn notes(&self, weight: Weight) -> impl Iterator<Item = &Note> {
+        self.0.notes.iter().filter(move |note| note.weight == weight)
+    }
+
     /// A name for the scenario's world on a server: its own name, or else that of the file. What a world's
     /// name cannot have becomes `-`.
     pub(crate) fn world_name(&self, scenario: &Scenario) -> String {
@@ -70,9 +76,16 @@ pub(crate) fn brain_or_preset(name: &str) -> Option<String> {
     is_brain.then(|| format!("`{name}` is a brain: `baudbot run --brain {name}`"))
 }
 
+/// What is allowed and yet hardly meant: in the files that the scenario refers to, and in itself.
+pub(crate) fn warnings(source: &Source, scenario: &Scenario) -> Vec<String> {
+    let of_files = source.notes(Weight::Warning).map(ToString::to_string);
+    let of_scenario = baudbot_scenario::warnings(scenario).into_iter().map(|warning| warning.to_string());
+    of_files.chain(of_scenario).collect()
+}
+
 /// Tells what is allowed and yet hardly meant.
-pub(crate) fn warn(scenario: &Scenario) {
-    for warning in baudbot_scenario::warnings(scenario) {
+pub(crate) fn warn(source: &Source, scenario: &Scenario) {
+    for warning in warnings(source, scenario) {
         tell!("warning: {warning}");
     }
 }
@@ -109,8 +122,9 @@ mod tests {
 
     #[test]
     fn worlds_are_named_after_the_scenario_or_its_file() {
-        let source =
-            |label: &str, text: &str| Source(source::Source { label: label.into(), text: text.into() });
+        let source = |label: &str, text: &str| {
+            Source(source::Source { label: label.into(), text: text.into(), notes: Vec::new() })
+        };
         let name = |source: Source| source.world_name(&source.parse(&[]).unwrap());
         assert_eq!(name(source("dir/two robots.toml", "")), "two-robots");
         assert_eq!(name(source("a.toml", "name = \"maze 1\"")), "maze-1");

@@ -68,7 +68,7 @@ fn worlds(args: &ServeArgs, kept: &Kept, serving: &mut Serving<'_>) -> anyhow::R
             tell!("note: world {world} continues as it was left; scenario {name} is not started again");
             continue;
         }
-        scenarios::warn(&scenario);
+        scenarios::warn(&source, &scenario);
         let scenario = Arc::new(scenario);
         let config = WorldConfig::new(world.clone(), Arc::clone(&scenario)).pace(pace).paused(args.paused);
         serving.add(&world, &scenario, record::add(config, &args.record));

@@ -21,6 +21,7 @@ pub mod kind;
 mod lookup;
 #[cfg_attr(not(feature = "maps"), path = "no_maps.rs")]
 mod maps;
+mod note;
 #[cfg_attr(not(unix), path = "opened_elsewhere.rs")]
 pub mod opened;
 mod program;
@@ -33,6 +34,7 @@ use std::path::Path;
 use toml_edit::DocumentMut;
 
 pub use error::ImportError;
+pub use note::{Note, Weight};
 use program::Files;
 pub use program::program;
 
@@ -42,15 +44,31 @@ pub use program::program;
 /// refers to no file comes back as it is, and so does one that is no TOML: the parser of scenarios says
 /// where and why. In any other the tables stay in their order.
 pub fn inline<'a>(text: &'a str, base: &Path) -> Result<Cow<'a, str>, ImportError> {
-    inline_from(text, Files::In(base))
+    inline_with_notes(text, base, &mut Vec::new())
+}
+
+/// The same, and adds what there is to say about the files.
+///
+/// # Errors
+/// As [`inline`].
+pub fn inline_with_notes<'a>(
+    text: &'a str,
+    base: &Path,
+    notes: &mut Vec<Note>,
+) -> Result<Cow<'a, str>, ImportError> {
+    inline_from(text, Files::In(base), notes)
 }
 
 /// The same of a scenario that is in this program. It refers to no maps and tables.
 pub(crate) fn inline_embedded(text: &str) -> Result<Cow<'_, str>, ImportError> {
-    inline_from(text, Files::Embedded)
+    inline_from(text, Files::Embedded, &mut Vec::new())
 }
 
-fn inline_from<'a>(text: &'a str, files: Files<'_>) -> Result<Cow<'a, str>, ImportError> {
+fn inline_from<'a>(
+    text: &'a str,
+    files: Files<'_>,
+    notes: &mut Vec<Note>,
+) -> Result<Cow<'a, str>, ImportError> {
     if text.len() > MAX_TEXT {
         return Ok(Cow::Borrowed(text)); // the parser refuses it
     }
@@ -62,7 +80,7 @@ fn inline_from<'a>(text: &'a str, files: Files<'_>) -> Result<Cow<'a, str>, Impo
         Files::In(base) => base,
         Files::Embedded => Path::new(""),
     };
-    let has_maps = maps::inline(&mut document, base)?;
+    let has_maps = maps::inline(&mut document, base, notes)?;
     let has_lookups = lookup::inline(&mut document, base)?;
     let has_programs = program::inline(&mut document, files)?;
     if !has_maps && !has_lookups && !has_programs {

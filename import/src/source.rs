@@ -8,7 +8,8 @@ use std::path::Path;
 use crate::embedded;
 use crate::error::ImportError;
 use crate::kind::Kind;
-use crate::{MAX_TEXT, inline, inline_embedded, opened};
+use crate::note::Note;
+use crate::{MAX_TEXT, inline_embedded, inline_with_notes, opened};
 
 /// The text of a scenario, not yet parsed, with all that it refers to by file in it.
 #[derive(Clone, Debug)]
@@ -17,6 +18,8 @@ pub struct Source {
     pub label: String,
     /// TOML.
     pub text: String,
+    /// What there is to say about the files that are in it.
+    pub notes: Vec<Note>,
 }
 
 /// Why there is no such text, on one line that begins with its name.
@@ -30,11 +33,12 @@ impl Source {
     /// # Errors
     /// If there is neither, if it is no text or too long, or if something that it refers to cannot be read.
     pub fn find(name: &str) -> Result<Self, SourceError> {
+        let mut notes = Vec::new();
         let text = match embedded::scenario(name) {
             Some(text) => whole(name, inline_embedded(text))?,
-            None => inlined(name, &read(name, Kind::Scenario)?)?,
+            None => inlined(name, &read(name, Kind::Scenario)?, &mut notes)?,
         };
-        Ok(Self { label: name.to_owned(), text })
+        Ok(Self { label: name.to_owned(), text, notes })
     }
 
     /// A text that a program has made. Files that it refers to are found from the present folder.
@@ -42,8 +46,8 @@ impl Source {
     /// # Errors
     /// If something that it refers to cannot be read.
     pub fn written(text: String) -> Result<Self, SourceError> {
-        let label = "scenario".to_owned();
-        Ok(Self { text: inlined(&label, &text)?, label })
+        let (label, mut notes) = ("scenario".to_owned(), Vec::new());
+        Ok(Self { text: inlined(&label, &text, &mut notes)?, label, notes })
     }
 
     /// As [`find`](Self::find), of a file that another file refers to, which is in `folder`.
@@ -114,9 +118,9 @@ pub fn no_recording(path: &Path) -> Option<SourceError> {
 const RECORDING: &[u8] = b"\x89MCAP0\r\n";
 
 /// Puts the maps and tables that a scenario refers to into their places.
-fn inlined(path: &str, text: &str) -> Result<String, SourceError> {
+fn inlined(path: &str, text: &str, notes: &mut Vec<Note>) -> Result<String, SourceError> {
     let folder = Path::new(path).parent().unwrap_or_else(|| Path::new(""));
-    whole(path, inline(text, folder))
+    whole(path, inline_with_notes(text, folder, notes))
 }
 
 fn whole(path: &str, text: Result<Cow<'_, str>, ImportError>) -> Result<String, SourceError> {

@@ -2,6 +2,7 @@
 
 mod common;
 mod lookups;
+mod notes;
 mod plans;
 mod rectangles;
 mod refused_maps;

@@ -48,7 +48,7 @@ impl Task {
     /// own.
     pub fn new(source: Source, request: Request) -> Result<Self, LearnError> {
         request.randomize.iter().try_for_each(Varied::check)?;
-        let Source { label, text } = source;
+        let Source { label, text, notes: _ } = source;
         let scenario = parse(&label, &text, &request, None, &[])?;
         let assigned = assigned(&request.brains, &scenario.robots)?;
         // That there is no such brain is said before that it leaves no robot to drive.

@@ -1,6 +1,7 @@
 //! What `check --json` writes.
 
 use baudbot_geometry::Pose;
+use baudbot_import::Weight;
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Sensor;
@@ -8,17 +9,18 @@ use serde_json::{Value, json};
 
 use super::robot;
 use crate::link;
+use crate::scenarios::{self, Source};
 use crate::together;
 
 /// A scenario that is sound.
-pub(super) fn sound(label: &str, scenario: &Scenario) -> Value {
-    let of_all = baudbot_scenario::warnings(scenario).into_iter();
-    let of_all = of_all.map(|warning| json!({ "robot": null, "warning": warning.to_string() }));
+pub(super) fn sound(source: &Source, scenario: &Scenario) -> Value {
+    let of_all = scenarios::warnings(source, scenario).into_iter();
+    let of_all = of_all.map(|warning| json!({ "robot": null, "warning": warning }));
     let of_robots = together::all_warnings(scenario).into_iter();
     let of_robots =
         of_robots.map(|(robot, warning)| json!({ "robot": robot, "warning": warning.to_string() }));
     json!({
-        "scenario": label,
+        "scenario": source.label(),
         "sound": true,
         "name": scenario.name,
         "description": scenario.description,
@@ -27,6 +29,7 @@ pub(super) fn sound(label: &str, scenario: &Scenario) -> Value {
         "seed": scenario.seed,
         "noise": scenario.noise,
         "robots": scenario.robots.iter().map(of_robot).collect::<Vec<_>>(),
+        "notes": source.notes(Weight::Remark).map(ToString::to_string).collect::<Vec<_>>(),
         "warnings": of_all.chain(of_robots).collect::<Vec<_>>(),
     })
 }

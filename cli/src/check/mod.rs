@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use baudbot_geometry::{Bounds, Circle, Segment};
+use baudbot_import::Weight;
 use baudbot_plot::arena;
 use baudbot_plot::quantity::{count, duration, handy};
 use baudbot_sim::Scenario;
@@ -15,7 +16,7 @@ use crate::error::Refused;
 use crate::output_files::Inputs;
 use crate::robot_groups;
 use crate::run::overrides;
-use crate::scenarios::Source;
+use crate::scenarios::{self, Source};
 use crate::text::{self, pairs, percent};
 use crate::together;
 
@@ -42,7 +43,7 @@ pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
         }
     }
     if args.json {
-        return text::print_json(&json::sound(source.label(), &scenario));
+        return text::print_json(&json::sound(&source, &scenario));
     }
     text::print(&describe(&source, &scenario))
 }
@@ -61,7 +62,10 @@ fn describe(source: &Source, scenario: &Scenario) -> String {
         text += &robot::describe(robot);
         text += &robot_groups::others(robot, count);
     }
-    for warning in baudbot_scenario::warnings(scenario) {
+    for note in source.notes(Weight::Remark) {
+        let _ = writeln!(text, "\nnote: {note}");
+    }
+    for warning in scenarios::warnings(source, scenario) {
         let _ = writeln!(text, "\nwarning: {warning}");
     }
     for (robot, warning) in together::all_warnings(scenario) {

@@ -41,7 +41,7 @@ impl Run {
         }
         let source = Source::find(&args.scenario)?;
         let scenario = source.parse(&overrides(&args.changes)?)?;
-        scenarios::warn(&scenario);
+        scenarios::warn(&source, &scenario);
         let mut assigned = assignment::assign(&args.brains, &scenario.robots, &source.shown_brains())?;
         assignment::set_parameters(&mut assigned, &args.parameters)?;
         let name = source.world_name(&scenario);

@@ -135,7 +135,7 @@ impl Plan {
                 || format!("note: {} sets no end; this run ends after {DEFAULT_SECONDS} s", source.label());
             note = args.scenario.is_some().then(text);
         }
-        scenarios::warn(&scenario);
+        scenarios::warn(&source, &scenario);
         let mut assigned = assigned(args, &scenario, &source.shown_brains())?;
         assignment::set_parameters(&mut assigned, &args.parameters)?;
         if args.show_output {

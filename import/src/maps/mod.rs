@@ -12,16 +12,22 @@ use std::path::Path;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
 
 use self::entry::{Entry, Raw, Source};
+use self::shape::Mapped;
 use crate::error::ImportError;
+use crate::note::Note;
 
 /// Replaces the maps of a scenario. Returns whether it has any.
-pub(crate) fn inline(document: &mut DocumentMut, base: &Path) -> Result<bool, ImportError> {
+pub(crate) fn inline(
+    document: &mut DocumentMut,
+    base: &Path,
+    notes: &mut Vec<Note>,
+) -> Result<bool, ImportError> {
     let Some(arena) = document.get_mut("arena").and_then(Item::as_table_like_mut) else { return Ok(false) };
     let Some(maps) = arena.remove("maps") else { return Ok(false) };
     let first = maps.as_array_of_tables().and_then(|maps| maps.get(0)).cloned();
     let mut shapes = Vec::new();
     for (i, entry) in entries(maps)?.iter().enumerate() {
-        tables(entry, &format!("{PATH}[{i}]"), base, &mut shapes)?;
+        shapes.extend(tables(entry, &format!("{PATH}[{i}]"), base, notes)?);
     }
     append(arena, shapes, first)?;
     Ok(true)
@@ -48,19 +54,24 @@ fn entries(maps: Item) -> Result<Vec<Entry>, ImportError> {
     Ok(entries)
 }
 
-/// Adds what becomes of the entry at `path`.
-fn tables(entry: &Entry, path: &str, base: &Path, all: &mut Vec<Table>) -> Result<(), ImportError> {
-    let shapes = match &entry.source {
+/// What becomes of the entry at `path`.
+fn tables(
+    entry: &Entry,
+    path: &str,
+    base: &Path,
+    notes: &mut Vec<Note>,
+) -> Result<Vec<Table>, ImportError> {
+    let (file, Mapped { shapes, notes: of_file }) = match &entry.source {
         Source::Ros { file, unknown } => {
-            ros::shapes(&base.join(file), *unknown).map_err(|error| error.at(format!("{path}.ros")))
+            (file, ros::shapes(&base.join(file), *unknown).map_err(|error| error.at(format!("{path}.ros")))?)
         }
         Source::Svg { file, scale } => {
-            svg::shapes(&base.join(file), scale).map_err(|error| error.at(format!("{path}.svg")))
+            (file, svg::shapes(&base.join(file), scale).map_err(|error| error.at(format!("{path}.svg")))?)
         }
-    }?;
+    };
+    notes.extend(of_file.into_iter().map(|note| note.of(path, Path::new(file))));
     let named = shapes.iter().enumerate();
-    all.extend(named.map(|(i, shape)| shape.table(&format!("{}-{i}", entry.name), entry.height_m)));
-    Ok(())
+    Ok(named.map(|(i, shape)| shape.table(&format!("{}-{i}", entry.name), entry.height_m)).collect())
 }
 
 /// Puts the tables behind the polygons that are there, in the form that these have. If there are none, they

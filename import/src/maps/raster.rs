@@ -20,7 +20,7 @@ pub(crate) struct Bitmap {
 
 /// Reads an image and asks of each pixel whether it is occupied. The question has the pixel's brightness,
 /// from 0 (black) to 1, which is the mean of its colours; a pixel that one can see through has none.
-pub(crate) fn read(path: &Path, is_occupied: impl Fn(Option<f64>) -> bool) -> Result<Bitmap, FileError> {
+pub(crate) fn read(path: &Path, mut is_occupied: impl FnMut(Option<f64>) -> bool) -> Result<Bitmap, FileError> {
     let bytes = file::bytes(path)?;
     let unreadable = |error: ImageError| FileError::new(path, format!("cannot be decoded: {error}"));
     let pixels = if bytes.starts_with(b"P5") || bytes.starts_with(b"P2") {

@@ -15,18 +15,24 @@ use serde::Deserialize;
 
 use super::entry::Unknown;
 use super::raster;
-use super::shape::{MAX_POSITION, MAX_SHAPES, Shape, tidy};
+use super::shape::{FileNote, MAX_POSITION, MAX_SHAPES, Mapped, Shape, tidy};
 use crate::error::FileError;
 use crate::file;
+use crate::note::Weight;
 
 /// The rectangles that cover what is occupied in the map that the YAML file describes.
-pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Vec<Shape>, FileError> {
+pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Mapped, FileError> {
     let description: Description = serde_saphyr::from_str(&file::text(path)?).map_err(|error| {
         FileError::new(path, format!("is not a description of a map: {}", error.without_snippet()))
     })?;
     let map = description.check().map_err(|problem| FileError::new(path, problem))?;
     let image = path.parent().unwrap_or_else(|| Path::new("")).join(&map.image);
-    let mut bitmap = raster::read(&image, |brightness| map.is_occupied(brightness, unknown))?;
+    let mut seen = Seen::default();
+    let mut bitmap = raster::read(&image, |brightness| {
+        let state = map.state(brightness);
+        seen.count(brightness, state);
+        state.is_taken(unknown)
+    })?;
     let rectangles = cover(&mut bitmap.cells, bitmap.width, Growth::RowFirst);
     let rectangles: Vec<_> = rectangles.take(MAX_SHAPES + 1).collect();
     if rectangles.len() > MAX_SHAPES {
@@ -35,11 +41,10 @@ pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Vec<Shape>, FileEr
         );
         return Err(FileError::new(&image, problem));
     }
-    rectangles
-        .iter()
-        .map(|rectangle| map.shape(rectangle, bitmap.height))
-        .collect::<Result<_, _>>()
-        .map_err(|problem| FileError::new(path, problem))
+    let shapes = rectangles.iter().map(|rectangle| map.shape(rectangle, bitmap.height));
+    let shapes = shapes.collect::<Result<_, _>>().map_err(|problem| FileError::new(path, problem))?;
+    let note = (unknown == Unknown::Occupied).then(|| seen.without_unknown(&map)).flatten();
+    Ok(Mapped { shapes, notes: note.into_iter().collect() })
 }
 
 /// The file, in which the map server and its friends may have more than this.
@@ -86,7 +91,7 @@ fn occupied_thresh() -> f64 {
 }
 
 fn free_thresh() -> f64 {
-    0.196
+    OLD_FREE_THRESH
 }
 
 impl Description {
@@ -149,16 +154,21 @@ struct Map {
 }
 
 impl Map {
-    fn is_occupied(&self, brightness: Option<f64>, unknown: Unknown) -> bool {
-        let is_taken = unknown == Unknown::Occupied;
-        let Some(brightness) = brightness else { return is_taken };
+    fn state(&self, brightness: Option<f64>) -> State {
+        let Some(brightness) = brightness else { return State::Unknown };
         let p = match (self.mode, self.is_negative) {
             (Mode::Raw, false) => brightness * 2.55,
             (Mode::Raw, true) => (1.0 - brightness) * 2.55,
             (Mode::Trinary | Mode::Scale, false) => 1.0 - brightness,
             (Mode::Trinary | Mode::Scale, true) => brightness,
         };
-        if p > 1.0 || (self.free..=self.occupied).contains(&p) { is_taken } else { p > self.occupied }
+        if p > 1.0 || (self.free..=self.occupied).contains(&p) {
+            State::Unknown
+        } else if p > self.occupied {
+            State::Occupied
+        } else {
+            State::Free
+        }
     }
 
     /// A rectangle of cells as a polygon. Rows are counted from the top of an image with so many.
@@ -181,9 +191,83 @@ impl Map {
     }
 }
 
+/// What a map says of a cell.
+#[derive(Clone, Copy, PartialEq)]
+enum State {
+    Free,
+    Occupied,
+    Unknown,
+}
+
+impl State {
+    fn is_taken(self, unknown: Unknown) -> bool {
+        match self {
+            Self::Free => false,
+            Self::Occupied => true,
+            Self::Unknown => unknown == Unknown::Occupied,
+        }
+    }
+}
+
+/// The cells of an image, by their brightness.
+struct Seen {
+    /// How many are of each grey, from black to white.
+    greys: [u64; 256],
+    has_unknown: bool,
+}
+
+impl Default for Seen {
+    fn default() -> Self {
+        Self { greys: [0; 256], has_unknown: false }
+    }
+}
+
+impl Seen {
+    fn count(&mut self, brightness: Option<f64>, state: State) {
+        self.has_unknown |= state == State::Unknown;
+        if let Some(brightness) = brightness {
+            self.greys[math::round(brightness * 255.0) as usize] += 1;
+        }
+    }
+
+    /// That no cell is unknown, if so, and where those went that look as if they should be.
+    fn without_unknown(&self, map: &Map) -> Option<FileNote> {
+        if self.has_unknown {
+            return None;
+        }
+        let greys = (1..=LIGHTEST_GREY).filter(|&grey| self.greys[grey] > 0);
+        // Those who save maps write what is unknown in this grey.
+        let grey = greys.max_by_key(|&grey| (grey == UNKNOWN_GREY, self.greys[grey]));
+        let text = match grey.map(|grey| (grey, self.greys[grey], map.state(Some(grey as f64 / 255.0)))) {
+            Some((grey, cells, State::Free)) => format!(
+                "no cell is unknown: grey {grey} ({cells} cells) is below free_thresh {}; with a lower one these cells are \
+                 unknown, {} for instance",
+                map.free, OLD_FREE_THRESH
+            ),
+            Some((grey, cells, State::Occupied)) => format!(
+                "no cell is unknown: grey {grey} ({cells} cells) is above occupied_thresh {}",
+                map.occupied
+            ),
+            Some((_, _, State::Unknown)) | None => {
+                "no cell is unknown: all are black or white, and none can be seen through".to_owned()
+            }
+        };
+        Some(FileNote { weight: Weight::Warning, field: "unknown", text })
+    }
+}
+
+/// The grey of the map savers of ROS for cells that are unknown.
+const UNKNOWN_GREY: usize = 205;
+
+/// Free cells are 254 or 255.
+const LIGHTEST_GREY: usize = 253;
+
 /// In metres a cell. Corners are rounded to a micrometre, which must be little beside a cell.
 const MIN_RESOLUTION: f64 = 1e-4;
 const MAX_RESOLUTION: f64 = 1e3;
+
+/// What makes cells unknown that a map saver wrote so: a little below their 1 − 205 / 255.
+const OLD_FREE_THRESH: f64 = 0.196;
 
 /// In radians.
 const MAX_YAW: f64 = 1e3;

@@ -1,7 +1,35 @@
 //! The shapes that every kind of map becomes.
 
+use std::path::Path;
+
 use baudbot_geometry::math;
 use toml_edit::{Array, Table, Value};
+
+use crate::note::{Note, Weight};
+
+/// What a map becomes.
+#[derive(Debug)]
+pub(crate) struct Mapped {
+    pub(crate) shapes: Vec<Shape>,
+    pub(crate) notes: Vec<FileNote>,
+}
+
+/// A note, whichever scenario refers to the file.
+#[derive(Debug)]
+pub(crate) struct FileNote {
+    pub(crate) weight: Weight,
+    /// The field beside the file's name that it is about.
+    pub(crate) field: &'static str,
+    pub(crate) text: String,
+}
+
+impl FileNote {
+    /// The note, once it is known which entry refers to the file.
+    pub(crate) fn of(self, entry: &str, file: &Path) -> Note {
+        let Self { weight, field, text } = self;
+        Note { weight, path: format!("{entry}.{field}"), file: file.display().to_string(), text }
+    }
+}
 
 /// A polygon of the arena that has no name yet.
 #[derive(Debug)]

@@ -14,14 +14,16 @@ use usvg::{Group, ImageHrefResolver, Options, Tree};
 
 use super::entry::Scale;
 use super::outlines::{self, Outline, Placement};
-use super::shape::{MAX_SHAPES, Shape};
+use super::shape::{MAX_SHAPES, Mapped, Shape};
 use crate::error::FileError;
 use crate::file;
 
 /// The shapes of the drawing, in the order of the file.
-pub(crate) fn shapes(path: &Path, scale: &Scale) -> Result<Vec<Shape>, FileError> {
+pub(crate) fn shapes(path: &Path, scale: &Scale) -> Result<Mapped, FileError> {
     let text = file::text(path)?;
-    on_a_large_stack(|| drawing(&text, *scale)).map_err(|problem| FileError::new(path, problem))
+    let shapes = on_a_large_stack(|| drawing(&text, *scale));
+    let shapes = shapes.map_err(|problem| FileError::new(path, problem))?;
+    Ok(Mapped { shapes, notes: Vec::new() })
 }
 
 /// The parser goes down into each element within another, up to 1024 of them, on its thread's stack; those

@@ -12,7 +12,7 @@ pub(super) struct Map {
     /// The YAML file of a map of ROS's `map_server`, with its image in PGM or PNG. Occupied cells become solid
     /// rectangles. Default: this or `svg`.
     ros: Option<String>,
-    /// How the map's unknown cells are treated. Default: `"free"`. Range: only with `ros`.
+    /// How the map's unknown cells are treated. `occupied` warns if there are none. Default: `"free"`. Range: only with `ros`.
     unknown: Option<Unknown>,
     /// A plan in SVG. Filled shapes become solid; other lines become walls without thickness. Default: this or
     /// `ros`.
