@@ -104,19 +104,118 @@ fn descriptions_that_make_no_sense() {
         (&format!("image: map.pgm\nresolution: -0.1\n{rest}"), "is -0.1"),
         (&format!("image: map.pgm\nresolution: .nan\n{rest}"), "resolution: must be"),
         (&format!("image: map.pgm\nresolution: .inf\n{rest}"), "resolution: must be"),
-        (&format!("image: map.pgm\nresolution: fine\n{rest}"), "is not a description of a map"),
+        (&format!("image: map.pgm\nresolution: fine\n{rest}"), "resolution: must be a number, is fine"),
         ("image: map.pgm\nresolution: 1\n", "origin is missing"),
         ("image: map.pgm\nresolution: 1\norigin: [0, 0]\n", "origin: must be [x, y, yaw]"),
         ("image: map.pgm\nresolution: 1\norigin: [0, .nan, 0]\n", "origin: must be within"),
         ("image: map.pgm\nresolution: 1\norigin: [-1e6, 0, 2]\n", "the limit is ±1000000 m"),
-        (&format!("{YAML}mode: best\n"), "unknown variant"),
-        (&format!("image: map.pgm\nresolution: 1\nnegate: 2\n{rest}"), "negate: must be 0 or 1, is 2"),
+        (&format!("{YAML}mode: best\n"), "mode: must be one of trinary, scale, raw, is best"),
+        (
+            &format!("image: map.pgm\nresolution: 1\nnegate: 2\n{rest}"),
+            "negate: must be 0, 1, true or false, is 2",
+        ),
         (&format!("{YAML}free_thresh: 0.9\n"), "free_thresh and occupied_thresh: must be from 0 to 1"),
         (&format!("{YAML}occupied_thresh: .nan\n"), "free_thresh and occupied_thresh"),
         (&format!("a: {}", "[".repeat(100_000)), "is not a description of a map"),
     ];
     for (yaml, expected) in cases {
         assert_says(&refused_yaml(yaml), &["arena.maps[0].ros: map.yaml: ", expected]);
+    }
+}
+
+/// What a user of Rust or of a crate would know, and nobody else.
+const FOREIGN: [&str; 14] = [
+    "untagged",
+    "variant",
+    "enum",
+    "Policy",
+    "Options",
+    "from_str",
+    "serde",
+    "struct",
+    "scalar",
+    "sequence start",
+    "weak",
+    "buffer",
+    "MAXVAL is",
+    "Some(",
+];
+
+#[test]
+fn no_words_of_libraries() {
+    let rest = "resolution: 1\norigin: [0, 0, 0]\n";
+    let of = |first: &str| format!("{first}\n{rest}");
+    let cases = [
+        (of("negate: foo"), "image is missing"),
+        (format!("{YAML}resolution: 1\n"), "resolution stands there twice: leave one of them"),
+        (of("image: [1]"), "image: must be a text, is [1]"),
+        (of("image: {a: 1}"), "image: must be a text, is a table"),
+        ("image: map.pgm\nresolution: 1\norigin: 3\n".into(), "origin: must be a list of numbers, is 3"),
+        ("image: map.pgm\nresolution: 1\norigin: [a, b]\n".into(), "must be a list of numbers, is [a, b]"),
+        (YAML.replace("negate: 0", "negate: foo"), "negate: must be 0, 1, true or false, is foo"),
+        (YAML.replace("negate: 0", "negate: 300"), "negate: must be 0, 1, true or false, is 300"),
+        (YAML.replace("negate: 0", "negate: [0]"), "negate: must be 0, 1, true or false, is [0]"),
+        (format!("{YAML}mode: 3\n"), "mode: must be one of trinary, scale, raw, is 3"),
+        ("foo".into(), "line 1: must be names with values, such as `resolution: 0.05`"),
+        ("- 1".into(), "line 1: must be names with values"),
+        ("a: [1".into(), "is not a description of a map: line 1: "),
+        ("a: &x [*x]".into(), "line 1: refers to itself"),
+        ("image: *foo".into(), "line 1: refers to an anchor that there is not"),
+        (format!("{YAML}---\na: 1\n"), "has more than one document: leave the first"),
+        ("<<: 1\n".into(), "is not a description of a map"),
+        ("image: !!binary foo\n".into(), "is not a description of a map"),
+        ("%YAML 9\n--- a".into(), "is not a description of a map"),
+    ];
+    for (yaml, expected) in cases {
+        let message = refused_yaml(&yaml);
+        assert_says(&message, &["arena.maps[0].ros: map.yaml: ", expected]);
+        assert!(FOREIGN.iter().all(|word| !message.contains(word)), "{yaml:?}: {message}");
+    }
+    for image in [&b"P5\n2 2\n255\nab"[..], b"P5\n2 2\n", b"P2\n2 2\n255\n1 2 3 x", b"\x89PNG\r\n", b"P5\nx"]
+    {
+        let message = refused_image(image);
+        assert!(FOREIGN.iter().all(|word| !message.contains(word)), "{message}");
+        assert_says(&message, &["map.pgm: cannot be decoded: ", "; save it again as a grey PGM or a PNG"]);
+    }
+}
+
+#[test]
+fn what_nav2_takes_is_taken() {
+    let map = |yaml: &str| {
+        let folder = Folder::with(&[("map.yaml", yaml)]).file("map.pgm", &pgm(2, &[0, 255]));
+        folder.inline(SCENARIO).unwrap_or_else(|error| panic!("{yaml}: {error}")).into_owned()
+    };
+    let plain = map(YAML);
+    for same in [
+        "negate: 0.0",
+        "negate: false",
+        "negate: no",
+        "negate: Off",
+        "negate: \"0\"",
+        "negate: 00",
+        "negate:",
+        "",
+        "negate: 0\nmode: Trinary",
+        "negate: 0\nmode: TRINARY",
+        "negate: 0\nmode: \"trinary\"",
+        "negate: 0\nmode:",
+        "negate: 0\nmode: Scale",
+        "negate: 0\nfree_thresh: '0.196'\noccupied_thresh: '0.65'",
+        "negate: 0\nextra: {a: [1, {b: 2}]}\nmore: &x [1]\nstill: *x",
+    ] {
+        assert_eq!(map(&YAML.replace("negate: 0", same)), plain, "{same}");
+    }
+    let negative = map(&YAML.replace("negate: 0", "negate: 1"));
+    assert_ne!(negative, plain);
+    for same in ["negate: 1.0", "negate: true", "negate: Yes", "negate: \"1\""] {
+        assert_eq!(map(&YAML.replace("negate: 0", same)), negative, "{same}");
+    }
+}
+
+#[test]
+fn an_image_without_a_pixel_is_no_map() {
+    for image in [&b"P5\n0 0\n255\n"[..], b"P5\n0 5\n255\n", b"P2\n4 0\n255\n"] {
+        assert_says(&refused_image(image), &["map.pgm: has ", " pixels, and no cell: save the map again"]);
     }
 }
 

@@ -77,7 +77,7 @@ impl Connection {
 
 /// A program that is in the text.
 #[derive(Debug, serde::Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "must be the name of a file, or a table with `hex`, the flash as Intel HEX")]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) enum RawProgram {
     /// The name of a file, which somebody else must have replaced.

@@ -38,6 +38,18 @@ fn sensors_stay_in_the_order_of_the_file() {
 }
 
 #[test]
+fn a_program_that_is_none_is_told_in_words_of_ours() {
+    for program in ["3", "[1]", "{ x = 1 }", "{ hex = 3 }"] {
+        let toml = robot(&format!("microcontroller = {{ program = {program} }}"));
+        refused(
+            &toml,
+            "robots[0].microcontroller.program",
+            "must be the name of a file, or a table with `hex`",
+        );
+    }
+}
+
+#[test]
 fn unknown_keys_name_their_path_and_those_that_exist() {
     refused("stepms = 10.0", "stepms", "unknown field `stepms`, expected one of");
     refused(

@@ -1,5 +1,6 @@
 //! The entries of `arena.maps` become entries of `arena.polygons`.
 
+mod description;
 mod entry;
 mod outlines;
 mod raster;

@@ -1,6 +1,7 @@
 //! Images as brightness: PGM and PNG.
 
-use std::io::Cursor;
+use std::error::Error as _;
+use std::io::{self, Cursor};
 use std::path::Path;
 
 use image::codecs::png::PngDecoder;
@@ -20,9 +21,12 @@ pub(crate) struct Bitmap {
 
 /// Reads an image and asks of each pixel whether it is occupied. The question has the pixel's brightness,
 /// from 0 (black) to 1, which is the mean of its colours; a pixel that one can see through has none.
-pub(crate) fn read(path: &Path, mut is_occupied: impl FnMut(Option<f64>) -> bool) -> Result<Bitmap, FileError> {
+pub(crate) fn read(
+    path: &Path,
+    mut is_occupied: impl FnMut(Option<f64>) -> bool,
+) -> Result<Bitmap, FileError> {
     let bytes = file::bytes(path)?;
-    let unreadable = |error: ImageError| FileError::new(path, format!("cannot be decoded: {error}"));
+    let unreadable = |error: ImageError| FileError::new(path, in_words(&error));
     let pixels = if bytes.starts_with(b"P5") || bytes.starts_with(b"P2") {
         let decoder = PnmDecoder::new(Cursor::new(&bytes)).map_err(unreadable)?;
         let brightest = decoder.header().maximal_sample();
@@ -46,6 +50,12 @@ pub(crate) fn read(path: &Path, mut is_occupied: impl FnMut(Option<f64>) -> bool
 /// What the header says is checked before anything is decoded: a small file can claim to be a huge image.
 fn check_size(path: &Path, decoder: &impl ImageDecoder) -> Result<(), FileError> {
     let (width, height) = decoder.dimensions();
+    if width == 0 || height == 0 {
+        return Err(FileError::new(
+            path,
+            format!("has {width} × {height} pixels, and no cell: save the map again"),
+        ));
+    }
     if width.max(height) <= MAX_SIDE && u64::from(width) * u64::from(height) <= MAX_CELLS {
         return Ok(());
     }
@@ -53,6 +63,21 @@ fn check_size(path: &Path, decoder: &impl ImageDecoder) -> Result<(), FileError>
         "has {width} × {height} pixels, the limit is {MAX_SIDE} a side and {MAX_CELLS} in all: use a coarser map"
     );
     Err(FileError::new(path, problem))
+}
+
+/// Why an image cannot be decoded. The crate's own words name it, and Rust's library.
+#[expect(clippy::wildcard_enum_match_arm, reason = "the enum is not exhaustive")]
+fn in_words(error: &ImageError) -> String {
+    let why = match error {
+        ImageError::IoError(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+            Some("it ends before its last pixel".to_owned())
+        }
+        ImageError::IoError(error) => Some(error.to_string()),
+        ImageError::Decoding(error) => error.source().map(ToString::to_string),
+        _ => None,
+    };
+    let why = why.unwrap_or_else(|| "it is of a kind that is not read".to_owned());
+    format!("cannot be decoded: {why}; save it again as a grey PGM or a PNG")
 }
 
 struct Pixels {

@@ -11,8 +11,8 @@ use std::path::Path;
 
 use baudbot_geometry::grid::{Growth, Rectangle, cover};
 use baudbot_geometry::math;
-use serde::Deserialize;
 
+use super::description::Description;
 use super::entry::Unknown;
 use super::raster;
 use super::shape::{FileNote, MAX_POSITION, MAX_SHAPES, Mapped, Shape, tidy};
@@ -22,10 +22,7 @@ use crate::note::Weight;
 
 /// The rectangles that cover what is occupied in the map that the YAML file describes.
 pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Mapped, FileError> {
-    let description: Description = serde_saphyr::from_str(&file::text(path)?).map_err(|error| {
-        FileError::new(path, format!("is not a description of a map: {}", error.without_snippet()))
-    })?;
-    let map = description.check().map_err(|problem| FileError::new(path, problem))?;
+    let map = map(&file::text(path)?).map_err(|problem| FileError::new(path, problem))?;
     let image = path.parent().unwrap_or_else(|| Path::new("")).join(&map.image);
     let mut seen = Seen::default();
     let mut bitmap = raster::read(&image, |brightness| {
@@ -47,37 +44,51 @@ pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Mapped, FileError>
     Ok(Mapped { shapes, notes: note.into_iter().collect() })
 }
 
-/// The file, in which the map server and its friends may have more than this.
-#[derive(Deserialize)]
-struct Description {
-    image: Option<String>,
-    resolution: Option<f64>,
-    origin: Option<Vec<f64>>,
-    #[serde(default)]
-    negate: Negate,
-    #[serde(default = "occupied_thresh")]
-    occupied_thresh: f64,
-    #[serde(default = "free_thresh")]
-    free_thresh: f64,
-    #[serde(default)]
-    mode: Mode,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Negate {
-    Number(u8),
-    Flag(bool),
-}
-
-impl Default for Negate {
-    fn default() -> Self {
-        Self::Flag(false)
+/// What the description says, as the map server and its friends understand it.
+fn map(text: &str) -> Result<Map, String> {
+    let description = Description::parse(text)?;
+    let Some(image) = description.text("image")?.filter(|image| !image.is_empty()) else {
+        return Err("image is missing: the name of a PGM or PNG file".into());
+    };
+    let Some(resolution) = description.number("resolution")? else {
+        return Err("resolution is missing: metres a cell".into());
+    };
+    if !(MIN_RESOLUTION..=MAX_RESOLUTION).contains(&resolution) {
+        return Err(format!(
+            "resolution: must be from {MIN_RESOLUTION} to {MAX_RESOLUTION} metres a cell, is {resolution}"
+        ));
     }
+    let [x, y, yaw] = origin(&description)?;
+    let free = description.number("free_thresh")?.unwrap_or(OLD_FREE_THRESH);
+    let occupied = description.number("occupied_thresh")?.unwrap_or(OLD_OCCUPIED_THRESH);
+    if !(0.0 <= free && free <= occupied && occupied <= 1.0) {
+        let problem = "must be from 0 to 1, the first not above the second";
+        return Err(format!("free_thresh and occupied_thresh: {problem}; they are {free} and {occupied}"));
+    }
+    let is_negative = description.flag("negate")?;
+    let mode = match description.text("mode")? {
+        None => Mode::default(),
+        Some(word) => Mode::of(&word)
+            .ok_or_else(|| format!("mode: must be one of trinary, scale, raw, is {word}"))?,
+    };
+    let (origin, turn) = ([x, y], math::sin_cos(yaw));
+    Ok(Map { image, resolution, origin, turn, is_negative, free, occupied, mode })
 }
 
-#[derive(Clone, Copy, Default, PartialEq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+fn origin(description: &Description) -> Result<[f64; 3], String> {
+    let Some(origin) = description.numbers("origin")? else {
+        return Err("origin is missing: [x, y, yaw] of the lower left corner".into());
+    };
+    let Ok([x, y, yaw]) = <[f64; 3]>::try_from(origin.as_slice()) else {
+        return Err(format!("origin: must be [x, y, yaw], is {origin:?}"));
+    };
+    if x.abs() <= MAX_POSITION && y.abs() <= MAX_POSITION && yaw.abs() <= MAX_YAW {
+        return Ok([x, y, yaw]);
+    }
+    Err(format!("origin: must be within ±{MAX_POSITION} metres and ±{MAX_YAW} radians, is {origin:?}"))
+}
+
+#[derive(Clone, Copy, Default, PartialEq)]
 enum Mode {
     #[default]
     Trinary,
@@ -85,56 +96,15 @@ enum Mode {
     Raw,
 }
 
-/// The map server's own values of old, for files that have none.
-fn occupied_thresh() -> f64 {
-    0.65
-}
-
-fn free_thresh() -> f64 {
-    OLD_FREE_THRESH
-}
-
-impl Description {
-    fn check(self) -> Result<Map, String> {
-        let Some(image) = self.image.clone().filter(|image| !image.is_empty()) else {
-            return Err("image is missing: the name of a PGM or PNG file".into());
-        };
-        let Some(resolution) = self.resolution else {
-            return Err("resolution is missing: metres a cell".into());
-        };
-        if !(MIN_RESOLUTION..=MAX_RESOLUTION).contains(&resolution) {
-            return Err(format!(
-                "resolution: must be from {MIN_RESOLUTION} to {MAX_RESOLUTION} metres a cell, is {resolution}"
-            ));
+impl Mode {
+    /// The map server does not care about capitals.
+    fn of(word: &str) -> Option<Self> {
+        match &*word.to_ascii_lowercase() {
+            "trinary" => Some(Self::Trinary),
+            "scale" => Some(Self::Scale),
+            "raw" => Some(Self::Raw),
+            _ => None,
         }
-        let [x, y, yaw] = self.origin()?;
-        let (free, occupied) = (self.free_thresh, self.occupied_thresh);
-        if !(0.0 <= free && free <= occupied && occupied <= 1.0) {
-            let problem = "must be from 0 to 1, the first not above the second";
-            return Err(format!(
-                "free_thresh and occupied_thresh: {problem}; they are {free} and {occupied}"
-            ));
-        }
-        let is_negative = match self.negate {
-            Negate::Flag(is_negative) => is_negative,
-            Negate::Number(number @ 0..=1) => number == 1,
-            Negate::Number(number) => return Err(format!("negate: must be 0 or 1, is {number}")),
-        };
-        let (origin, turn, mode) = ([x, y], math::sin_cos(yaw), self.mode);
-        Ok(Map { image, resolution, origin, turn, is_negative, free, occupied, mode })
-    }
-
-    fn origin(&self) -> Result<[f64; 3], String> {
-        let Some(origin) = &self.origin else {
-            return Err("origin is missing: [x, y, yaw] of the lower left corner".into());
-        };
-        let Ok([x, y, yaw]) = <[f64; 3]>::try_from(origin.as_slice()) else {
-            return Err(format!("origin: must be [x, y, yaw], is {origin:?}"));
-        };
-        if x.abs() <= MAX_POSITION && y.abs() <= MAX_POSITION && yaw.abs() <= MAX_YAW {
-            return Ok([x, y, yaw]);
-        }
-        Err(format!("origin: must be within ±{MAX_POSITION} metres and ±{MAX_YAW} radians, is {origin:?}"))
     }
 }
 
@@ -266,8 +236,9 @@ const LIGHTEST_GREY: usize = 253;
 const MIN_RESOLUTION: f64 = 1e-4;
 const MAX_RESOLUTION: f64 = 1e3;
 
-/// What makes cells unknown that a map saver wrote so: a little below their 1 − 205 / 255.
+/// The map server's own values of old, for files that have none. A map saver's unknown cells are a little above the first.
 const OLD_FREE_THRESH: f64 = 0.196;
+const OLD_OCCUPIED_THRESH: f64 = 0.65;
 
 /// In radians.
 const MAX_YAW: f64 = 1e3;
