@@ -42,6 +42,7 @@ use crate::text::tell;
 use crate::trace::Trace;
 use crate::vcd::Dump;
 use pass::{Output, Sink};
+pub(crate) use rosbag::ends_meet;
 use watched::Watched;
 use window::Window;
 

@@ -1,5 +1,6 @@
 //! The program as its users have it: arguments in, text and exit codes out.
 
+mod bags;
 mod beliefs;
 mod budget;
 mod damaged;

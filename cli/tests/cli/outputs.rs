@@ -130,7 +130,7 @@ fn robots_and_lasers_do_not_become_one_in_a_bag() {
     let laser = |name: &str| LASER[from..until].replace("urg", name);
     let two = [&LASER[..from], &laser("front-l"), &laser("front_l"), &LASER[until..]].concat();
     let expected =
-        "error: lasers `front-l` and `front_l` of `robot` would both be `front_l` in a bag; rename one\n";
+        "error: sensors `front-l` and `front_l` of `robot` would both be `front_l` in a bag; rename one\n";
     assert_eq!(no_bag(&two), expected);
 }
 

@@ -4,6 +4,7 @@ use baudbot_sim::Pose;
 use baudbot_sim::sensor::SensorKind;
 
 use super::cdr::Cdr;
+use super::covariance::{CERTAIN, Planar};
 
 /// A kind of message: its name, and its definition with those that it needs, as MCAP wants it (`ros2msg`).
 pub(super) struct Kind {
@@ -40,6 +41,15 @@ pub(super) const LASER_SCAN: Kind = Kind {
     definition: &[
         "std_msgs/Header header\nfloat32 angle_min\nfloat32 angle_max\nfloat32 angle_increment\nfloat32 time_increment\n\
          float32 scan_time\nfloat32 range_min\nfloat32 range_max\nfloat32[] ranges\nfloat32[] intensities\n",
+        HEADER,
+        TIME,
+    ],
+};
+pub(super) const RANGE: Kind = Kind {
+    name: "sensor_msgs/msg/Range",
+    definition: &[
+        "std_msgs/Header header\nuint8 ULTRASOUND=0\nuint8 INFRARED=1\nuint8 radiation_type\nfloat32 field_of_view\n\
+         float32 min_range\nfloat32 max_range\nfloat32 range\n",
         HEADER,
         TIME,
     ],
@@ -94,8 +104,8 @@ pub(super) struct Stamp<'a> {
 
 /// What a laser found.
 pub(super) struct Scan<'a> {
-    /// From the first ray to the last.
-    pub(super) angles_rad: [f64; 2],
+    /// Where the first ray stands, and the last.
+    pub(super) ends_rad: [f64; 2],
     /// From the first ray to the last; 0 if all were at once.
     pub(super) sweep_s: f64,
     /// Between two scans; 0 if that is not known.
@@ -103,20 +113,43 @@ pub(super) struct Scan<'a> {
     pub(super) range_m: [f64; 2],
     /// Negative where nothing was in range.
     pub(super) distances_m: &'a [f64],
+    /// Whether the last ray stands where the first does.
+    pub(super) ends_meet: bool,
 }
+
+/// What a sensor of one distance sends out.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Radiation {
+    Ultrasound,
+    Infrared,
+}
+
+/// What a sensor of one distance found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RangeReading {
+    pub(super) radiation: Radiation,
+    pub(super) field_of_view_rad: f64,
+    /// The least distance and the most.
+    pub(super) range_m: [f64; 2],
+    /// Endless where nothing was in range.
+    pub(super) distance_m: f64,
+}
+
+/// A value with its variance.
+pub(super) type Measured = (f64, f64);
 
 /// What inertial sensors measured; `None` where there is no such sensor.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Inertia {
-    pub(super) heading_rad: Option<f64>,
-    pub(super) turn_rate_rad_s: Option<f64>,
+    pub(super) heading_rad: Option<Measured>,
+    pub(super) turn_rate_rad_s: Option<Measured>,
     /// Forwards and to the left.
-    pub(super) acceleration_m_s2: Option<[f64; 2]>,
+    pub(super) acceleration_m_s2: Option<[Measured; 2]>,
 }
 
 impl Inertia {
     /// Takes a reading, if it is of such a sensor.
-    pub(super) fn take(&mut self, kind: SensorKind, values: &[f64]) -> bool {
+    pub(super) fn take(&mut self, kind: SensorKind, values: &[Measured]) -> bool {
         match (kind, values) {
             (SensorKind::Compass, &[heading_rad]) => self.heading_rad = Some(heading_rad),
             (SensorKind::Gyroscope, &[turn_rate_rad_s]) => self.turn_rate_rad_s = Some(turn_rate_rad_s),
@@ -145,40 +178,75 @@ pub(super) fn twist([speed_m_s, turn_rate_rad_s]: [f64; 2]) -> Vec<u8> {
     Cdr::new().f64s(&[speed_m_s, 0.0, 0.0, 0.0, 0.0, turn_rate_rad_s]).bytes()
 }
 
-/// A ray that met nothing is endless, as the enhancement proposal 117 of ROS wants it.
+/// A ray that met nothing is endless, as the enhancement proposal 117 of ROS wants it. One that stands twice is left out: of a full turn
+/// slam_toolbox expects as many readings as there are gaps, and drops a scan that has one more.
 pub(super) fn laser_scan(stamp: Stamp<'_>, scan: &Scan<'_>) -> Vec<u8> {
     let gaps = scan.distances_m.len().saturating_sub(1).max(1) as f64;
-    let [first, last] = scan.angles_rad;
-    let numbers = [first, last, (last - first) / gaps, scan.sweep_s / gaps, scan.period_s];
+    let [first, last] = scan.ends_rad;
+    let gap = (last - first) / gaps;
+    let mut distances_m = scan.distances_m;
+    let mut last = last;
+    if scan.ends_meet
+        && let Some((_, others)) = distances_m.split_last()
+    {
+        distances_m = others;
+        last -= gap;
+    }
+    let numbers = [first, last, gap, scan.sweep_s / gaps, scan.period_s];
     let cdr = numbers.into_iter().chain(scan.range_m).fold(header(stamp), Cdr::f32);
     let endless = |&distance_m: &f64| if distance_m < 0.0 { f64::INFINITY } else { distance_m };
-    let cdr = scan.distances_m.iter().map(endless).fold(cdr.length(scan.distances_m.len()), Cdr::f32);
+    let cdr = distances_m.iter().map(endless).fold(cdr.length(distances_m.len()), Cdr::f32);
     cdr.length(0).bytes()
 }
 
-/// Nobody knows the covariances, which is 0; what is not measured has -1 in its first place.
+pub(super) fn range(stamp: Stamp<'_>, reading: &RangeReading) -> Vec<u8> {
+    let radiation = match reading.radiation {
+        Radiation::Ultrasound => 0,
+        Radiation::Infrared => 1,
+    };
+    let [least_m, most_m] = reading.range_m;
+    let numbers = [reading.field_of_view_rad, least_m, most_m, reading.distance_m];
+    numbers.into_iter().fold(header(stamp).u8(radiation), Cdr::f32).bytes()
+}
+
+/// What is not measured has -1 in the first place of its covariances. The axes that lie in the floor do not turn, and nothing
+/// falls: that is as good as certain.
 pub(super) fn imu(stamp: Stamp<'_>, inertia: Inertia) -> Vec<u8> {
-    let covariance =
-        |is_known: bool| if is_known { [0.0; 9] } else { [-1.0, 0., 0., 0., 0., 0., 0., 0., 0.] };
-    let [forwards, left] = inertia.acceleration_m_s2.unwrap_or_default();
+    let covariance = |variances: Option<[f64; 3]>| {
+        let Some([x, y, z]) = variances else { return [-1.0, 0., 0., 0., 0., 0., 0., 0., 0.] };
+        [x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z]
+    };
+    let about_up = |measured: Option<Measured>| measured.map(|(_, variance)| [CERTAIN, CERTAIN, variance]);
+    let along = inertia.acceleration_m_s2.map(|[(_, forwards), (_, left)]| [forwards, left, CERTAIN]);
+    let [(forwards, _), (left, _)] = inertia.acceleration_m_s2.unwrap_or_default();
     header(stamp)
-        .f64s(&quaternion(inertia.heading_rad.unwrap_or_default()))
-        .f64s(&covariance(inertia.heading_rad.is_some()))
-        .f64s(&[0.0, 0.0, inertia.turn_rate_rad_s.unwrap_or_default()])
-        .f64s(&covariance(inertia.turn_rate_rad_s.is_some()))
+        .f64s(&quaternion(inertia.heading_rad.unwrap_or_default().0))
+        .f64s(&covariance(about_up(inertia.heading_rad)))
+        .f64s(&[0.0, 0.0, inertia.turn_rate_rad_s.unwrap_or_default().0])
+        .f64s(&covariance(about_up(inertia.turn_rate_rad_s)))
         .f64s(&[forwards, left, 0.0])
-        .f64s(&covariance(inertia.acceleration_m_s2.is_some()))
+        .f64s(&covariance(along))
         .bytes()
 }
 
-pub(super) fn odometry(stamp: Stamp<'_>, child: &str, pose: &Pose, [speed, turn_rate]: [f64; 2]) -> Vec<u8> {
+/// A pose and the speeds of a robot.
+pub(super) struct Moving {
+    pub(super) pose: Pose,
+    pub(super) pose_covariance: Planar,
+    /// Forwards, and the turn rate.
+    pub(super) speeds: [f64; 2],
+    pub(super) speed_covariance: Planar,
+}
+
+pub(super) fn odometry(stamp: Stamp<'_>, child: &str, moving: &Moving) -> Vec<u8> {
+    let Moving { pose, pose_covariance, speeds: [speed, turn_rate], speed_covariance } = moving;
     header(stamp)
         .text(child)
         .f64s(&[pose.position.x, pose.position.y, 0.0])
         .f64s(&quaternion(pose.heading))
-        .f64s(&[0.0; 36])
-        .f64s(&[speed, 0.0, 0.0, 0.0, 0.0, turn_rate])
-        .f64s(&[0.0; 36])
+        .f64s(&pose_covariance.in_space())
+        .f64s(&[*speed, 0.0, 0.0, 0.0, 0.0, *turn_rate])
+        .f64s(&speed_covariance.in_space())
         .bytes()
 }
 

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use super::qos::{self, Durability};
+
 /// A topic of a bag.
 pub(super) struct Topic {
     pub(super) name: String,
@@ -18,10 +20,11 @@ pub(super) fn text(file: &str, topics: &[Topic], (from_ns, to_ns): (u64, u64)) -
          starting_time:\n    nanoseconds_since_epoch: {from_ns}\n  message_count: {messages}\n  topics_with_message_count:\n"
     );
     for Topic { name, kind, messages } in topics {
+        let offered = qos::profile(Durability::of(name)).replace('\n', "\\n");
         let _ = write!(
             text,
             "    - topic_metadata:\n        name: {name}\n        type: {kind}\n        serialization_format: cdr\n        \
-             offered_qos_profiles: \"\"\n      message_count: {messages}\n"
+             offered_qos_profiles: \"{offered}\"\n      message_count: {messages}\n"
         );
     }
     let _ = write!(

@@ -4,8 +4,9 @@
 //! |---|---|---|
 //! | `/clock` | `rosgraph_msgs/Clock` | each tick |
 //! | `/tf` | `tf2_msgs/TFMessage` | each tick: `map` → `odom` → `base_link`, the product of which is the truth |
-//! | `/tf_static` | `tf2_msgs/TFMessage` | once: `base_link` → the frames of lasers |
+//! | `/tf_static` | `tf2_msgs/TFMessage` | once: `base_link` → the frames of lasers, sonars and IR sensors |
 //! | `/scan` | `sensor_msgs/LaserScan` | each scan of a laser that is fixed to the body |
+//! | `/NAME/range` | `sensor_msgs/Range` | each reading of a sonar or an IR sensor that is fixed to the body |
 //! | `/odom` | `nav_msgs/Odometry` | each reading of the odometer |
 //! | `/ground_truth` | `nav_msgs/Odometry` | each tick: the true pose and speeds |
 //! | `/imu` | `sensor_msgs/Imu` | each reading of a compass, gyroscope or accelerometer, with the last of the others |
@@ -15,8 +16,11 @@
 //! took them, and not those that came through the cable: a bag has what a robot with ROS on board would have recorded.
 
 mod cdr;
+mod covariance;
 mod messages;
 mod metadata;
+mod qos;
+mod ranger;
 mod robot;
 
 use std::collections::BTreeMap;
@@ -33,8 +37,10 @@ use super::pass::Sink;
 use crate::error::Refused;
 use messages::Kind;
 use metadata::Topic;
+use qos::Durability;
 use robot::Robot;
 pub(super) use robot::check_names;
+pub(crate) use robot::ends_meet;
 
 /// A bag that is being written.
 pub(super) struct Bag {
@@ -75,7 +81,9 @@ impl Bag {
             .compression(Some(Compression::Lz4))
             .library(format!("baudbot {PROGRAM_VERSION}"));
         let mcap = options.create(out).map_err(|error| refused(&error))?;
-        let robots = world.robots().map(|robot| Robot::of(robot.spec(), world.robots().len() > 1)).collect();
+        let has_others = world.robots().len() > 1;
+        let robots = world.robots().map(|robot| Robot::of(robot.spec(), has_others, world.scenario().noise));
+        let robots = robots.collect();
         Ok(Self {
             folder: folder.to_owned(),
             file,
@@ -94,7 +102,9 @@ impl Bag {
                 .collect::<Vec<_>>()
                 .join("\n================================================================================\n");
             let schema = self.mcap.add_schema(kind.name, "ros2msg", text.as_bytes())?;
-            let channel = self.mcap.add_channel(schema, topic, "cdr", &BTreeMap::new())?;
+            let offered = qos::profile(Durability::of(topic));
+            let metadata = BTreeMap::from([("offered_qos_profiles".to_owned(), offered)]);
+            let channel = self.mcap.add_channel(schema, topic, "cdr", &metadata)?;
             let told = Topic { name: topic.to_owned(), kind: kind.name, messages: 0 };
             self.channels.insert(topic.to_owned(), (channel, told));
         }

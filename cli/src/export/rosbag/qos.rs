@@ -1,0 +1,30 @@
+//! How publishers offer their topics, as the recorder of ROS 2 notes it: for `ros2 bag play`, which offers them so again.
+
+/// Whether somebody who comes later is given the last message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Durability {
+    /// It is. A listener of `/tf_static` asks for it, and is not joined with a publisher that has nothing.
+    TransientLocal,
+    /// It is not.
+    Volatile,
+}
+
+impl Durability {
+    pub(super) fn of(topic: &str) -> Self {
+        if topic == "/tf_static" { Self::TransientLocal } else { Self::Volatile }
+    }
+}
+
+/// The text of `offered_qos_profiles`: a list of one profile in YAML, in the numbers of `rmw/types.h`. All topics are reliable and keep
+/// the last messages.
+pub(super) fn profile(durability: Durability) -> String {
+    let (durability, depth) = match durability {
+        Durability::TransientLocal => (1, 1),
+        Durability::Volatile => (2, 10),
+    };
+    let endless = "\n    sec: 9223372036\n    nsec: 854775807";
+    format!(
+        "- history: 1\n  depth: {depth}\n  reliability: 1\n  durability: {durability}\n  deadline:{endless}\n  lifespan:{endless}\n  \
+         liveliness: 1\n  liveliness_lease_duration:{endless}\n  avoid_ros_namespace_conventions: false"
+    )
+}
