@@ -7,16 +7,15 @@ use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Sensor;
 use serde_json::{Value, json};
 
-use super::robot;
+use super::{of_robots, robot};
 use crate::link;
 use crate::scenarios::{self, Source};
-use crate::together;
 
 /// A scenario that is sound.
 pub(super) fn sound(source: &Source, scenario: &Scenario) -> Value {
     let of_all = scenarios::warnings(source, scenario).into_iter();
     let of_all = of_all.map(|warning| json!({ "robot": null, "warning": warning }));
-    let of_robots = together::all_warnings(scenario).into_iter();
+    let of_robots = of_robots(scenario).into_iter();
     let of_robots =
         of_robots.map(|(robot, warning)| json!({ "robot": robot, "warning": warning.to_string() }));
     json!({

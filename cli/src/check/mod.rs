@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use baudbot_geometry::{Bounds, Circle, Segment};
+use baudbot_geometry::{Bounds, Circle, Fan, Segment};
 use baudbot_import::Weight;
 use baudbot_plot::arena;
 use baudbot_plot::quantity::{count, duration, handy};
@@ -10,9 +10,11 @@ use baudbot_sim::Scenario;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::collision::CollisionPolicy;
 use baudbot_sim::scenario::SerialPort;
+use baudbot_sim::sensor::{Device, SensorKind};
 
 use crate::args::CheckArgs;
 use crate::error::Refused;
+use crate::export::ends_meet;
 use crate::output_files::Inputs;
 use crate::robot_groups;
 use crate::run::overrides;
@@ -68,10 +70,35 @@ fn describe(source: &Source, scenario: &Scenario) -> String {
     for warning in scenarios::warnings(source, scenario) {
         let _ = writeln!(text, "\nwarning: {warning}");
     }
-    for (robot, warning) in together::all_warnings(scenario) {
+    for (robot, warning) in of_robots(scenario) {
         let _ = writeln!(text, "\nwarning: robot `{robot}`: {warning}");
     }
     text
+}
+
+/// The warnings for robots, each with a robot's name.
+fn of_robots(scenario: &Scenario) -> Vec<(&str, String)> {
+    let mut warnings = together::all_warnings(scenario);
+    for (robot, _) in robot_groups::first_of_each(&scenario.robots) {
+        let full_turns = robot.sensors.iter().filter_map(|sensor| Some((sensor, full_turn(&sensor.device)?)));
+        warnings.extend(full_turns.map(|(sensor, fan)| {
+            let (name, rays) = (&sensor.name, fan.len());
+            let fewer = rays - 1;
+            let problem = format!(
+                "sensors.{name}: the last of the {rays} rays stands where the first does; bags of ROS leave it out, and {fewer} rays over \
+                 opening_rad = {} are the same without it",
+                fan.opening_rad() * (rays - 2) as f64 / fewer as f64
+            );
+            (robot.name.as_str(), problem)
+        }));
+    }
+    warnings
+}
+
+/// The rays of a laser that go all around, the first of them twice.
+fn full_turn(device: &Device) -> Option<&Fan> {
+    let is_laser = device.sensor_kind() == SensorKind::Laser;
+    device.fan().filter(|fan| is_laser && ends_meet(fan))
 }
 
 fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
@@ -167,11 +194,34 @@ fn end(scenario: &Scenario) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     pub(super) fn scenario(name: &str, sets: &[&str]) -> Scenario {
         let sets: Vec<_> = sets.iter().map(|set| baudbot_scenario::Override::parse(set).unwrap()).collect();
         Source::find(name).unwrap().parse(&sets).unwrap()
+    }
+
+    #[test]
+    fn a_laser_whose_first_ray_stands_twice_is_told_of() {
+        let told = |rays: usize, opening_rad: f64| {
+            let laser = format!(
+                "robots.robot.sensors.eye={{kind=\"laser\",mount={{}},opening_rad={opening_rad:?},rays={rays},range_m=4,\
+                 port={{link={{kind=\"ideal\"}}}},period_ms=100}}"
+            );
+            let scenario = scenario("wander", &[&laser]);
+            of_robots(&scenario)
+                .into_iter()
+                .map(|(robot, warning)| format!("{robot}: {warning}"))
+                .collect::<Vec<_>>()
+        };
+        let [full] = &told(721, TAU)[..] else { panic!("one warning") };
+        let least = "robot: sensors.eye: the last of the 721 rays stands where the first does; bags of ROS leave it out, and 720 rays \
+                     over opening_rad = 6.274458";
+        assert!(full.starts_with(least), "{full}");
+        assert_eq!(told(720, TAU * 719.0 / 720.0), [""; 0]);
+        assert_eq!(told(682, 4.18), [""; 0]);
     }
 
     #[test]
