@@ -1,5 +1,7 @@
 //! What becomes of the elements of an SVG.
 
+use baudbot_import::Weight;
+
 use crate::common::{Folder, Polygon};
 
 const SCENARIO: &str = "[[arena.maps]]\nname = \"p\"\nsvg = \"p.svg\"\nm_per_unit = 1\n";
@@ -135,14 +137,6 @@ fn shapes_that_cannot_be_solid() {
     assert!(second.starts_with(&format!("{file}shape 1, counted from 0, crosses")), "{second}");
     let flat = refused("<polygon id='flat' points='0,0 4,0'/>");
     assert_eq!(flat, format!("{file}the shape `flat` is filled and has 2 corners, needs 3 or more"));
-    let ring = "<path id='ring' d='M0 0h9v9h-9zM1 1v7h7v-7z'/>";
-    assert!(
-        refused(ring).contains("the shape `ring` has a hole with a corner at (1, 9) m"),
-        "{}",
-        refused(ring)
-    );
-    let even_odd = refused("<path fill-rule='evenodd' d='M0 0h9v9h-9zM1 1h1v1h-1z'/>");
-    assert!(even_odd.contains("has a hole with a corner at"), "{even_odd}");
 }
 
 #[test]
@@ -198,4 +192,188 @@ fn deep_nesting_and_references_to_oneself_end() {
     let levels: String =
         (1..20).map(|i| format!("<g id='g{i}'><use href='#g{}'/><use href='#g{0}'/></g>", i - 1)).collect();
     let _ = drawing(&format!("<rect id='g0' width='1' height='1'/>{levels}")).inline(SCENARIO);
+}
+
+/// Of each polygon: its first corner, and whether it is solid.
+fn kinds(found: &[Polygon]) -> Vec<([f64; 2], bool)> {
+    found.iter().map(|polygon| (polygon.points[0], polygon.solid)).collect()
+}
+
+#[test]
+fn what_has_a_hole_becomes_its_outer_and_its_inner_outline() {
+    let expected = [([0.0, 10.0], false), ([1.0, 9.0], false)];
+    for ring in
+        ["<path d='M0 0h9v9h-9zM1 1v7h7v-7z'/>", "<path fill-rule='evenodd' d='M0 0h9v9h-9zM1 1h7v7h-7z'/>"]
+    {
+        let found = polygons(ring);
+        assert!(found.iter().all(|polygon| polygon.closed), "{ring}");
+        assert_eq!(kinds(&found), expected, "{ring}");
+    }
+    // An island in the hole, and a room beside.
+    let islands = "<path fill-rule='evenodd' d='M0 0h9v9h-9zM1 1h7v7h-7zM3 3h1v1h-1z M9.2 9.2h.5v.5h-.5z'/>";
+    let solid: Vec<_> = polygons(islands).iter().map(|polygon| polygon.solid).collect();
+    assert_eq!(solid, [false, false, true, true]);
+}
+
+/// Layers as Inkscape has them, classes, and colours by attributes, styles and style sheets.
+const LAYERS: &str = "<style>.door { stroke: rgb(0, 128, 0); fill: none }</style>\
+    <g id='layer1' inkscape:groupmode='layer' inkscape:label='Walls 1' xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape'>\
+      <path id='north' d='M0 0H9' stroke='black'/><g><path d='M0 9H9' style='stroke:#000'/></g></g>\
+    <g id='route' stroke='red' fill='none'><path id='r1' d='M1 1L2 2'/><path class='door big' id='d1' d='M3 3L4 4'/></g>\
+    <rect id='zone' x='5' y='5' width='1' height='1' fill='#ff0'/><use href='#zone' id='copy' x='2'/>";
+
+fn chosen(lines: &str) -> Vec<[f64; 2]> {
+    let found = drawing(LAYERS).polygons(&format!("{SCENARIO}{lines}"));
+    found.iter().map(|polygon| polygon.points[0]).collect()
+}
+
+#[test]
+fn shapes_are_chosen_by_layer_id_class_and_colour() {
+    let [north, south, route, door, zone, copy] =
+        [[0.0, 10.0], [0.0, 1.0], [1.0, 9.0], [3.0, 7.0], [5.0, 5.0], [7.0, 5.0]];
+    assert_eq!(chosen(""), [north, south, route, door, zone, copy]);
+    for (lines, expected) in [
+        ("only = [\"layer=Walls 1\"]", vec![north, south]),
+        ("only = [\"layer=Walls*\", \"id=zone\"]", vec![north, south, zone, copy]),
+        ("only = [\"stroke=black\"]", vec![north, south]),
+        ("only = [\"stroke=#f00\"]", vec![route]),
+        ("only = [\"stroke=#008000\"]", vec![door]),
+        ("only = [\"stroke=none\"]", vec![zone, copy]),
+        ("only = [\"fill=yellow\"]", vec![zone, copy]),
+        ("only = [\"fill=none\"]", vec![route, door]),
+        ("only = [\"class=door\"]", vec![door]),
+        ("only = [\"id=route\"]\nwithout = [\"class=big\"]", vec![route]),
+        ("without = [\"id=route\", \"fill=#FFFF00\"]", vec![north, south]),
+        ("without = [\"id=copy\"]", vec![north, south, route, door, zone]),
+    ] {
+        assert_eq!(chosen(lines), expected, "{lines}");
+    }
+    let refused = drawing(LAYERS).refused(&format!("{SCENARIO}only = [\"id=zone\", \"walls\"]"));
+    assert!(
+        refused.starts_with("arena.maps[0].only[1]: must be layer=NAME, id=NAME, class=NAME"),
+        "{refused}"
+    );
+}
+
+/// The notes of a drawing, without what each begins with; warnings have a mark.
+fn notes(elements: &str, lines: &str) -> Vec<String> {
+    let mut notes = Vec::new();
+    let folder = drawing(elements);
+    baudbot_import::inline_with_notes(&format!("{SCENARIO}{lines}"), folder.path(), &mut notes).unwrap();
+    let told = notes.into_iter().map(|note| {
+        let mark = if note.weight == Weight::Warning { "! " } else { "" };
+        format!("{mark}{}: {}", note.path.trim_start_matches("arena.maps[0]."), note.text)
+    });
+    told.collect()
+}
+
+#[test]
+fn what_is_left_out_is_told() {
+    assert_eq!(
+        notes(LAYERS, "only = [\"layer=Walls*\"]"),
+        ["svg: left out: 4 shapes by `only` and `without` (`r1`, `d1`, `zone`, `shape 5`)"]
+    );
+    let [idle] = &notes(LAYERS, "without = [\"layer=Wals\"]")[..] else { panic!("one note") };
+    assert_eq!(idle, "! without: `layer=Wals` chooses no shape; their layers are `Walls 1`, `route`");
+    assert_eq!(
+        notes(
+            "<rect width='1' height='1'/><rect opacity='0' width='1' height='1'/><text>a</text><image href='a.png'/>",
+            ""
+        ),
+        ["svg: left out: 1 shape that can be seen through; 1 image; 1 text"]
+    );
+    assert_eq!(
+        notes("<image href='a.png'/>", ""),
+        [
+            "svg: left out: 1 image",
+            "! svg: there is no wall but what is left out: 1 image; draw walls as lines or shapes"
+        ]
+    );
+    assert_eq!(notes("<path d='M0 0H1'/>", ""), [""; 0]);
+}
+
+#[test]
+fn a_filled_shape_that_covers_everything_is_told_of() {
+    let room = "<rect id='room' width='9.9' height='9.9' fill='white' stroke='black'/>";
+    let small = room.replace("9.9", "5").replace("/>", " x='1' y='1'/>");
+    let table = "<path d='M2 2h1v1h-1z'/>";
+    for covering in [room.to_owned(), format!("{room}{table}"), format!("{table}{small}")] {
+        let told = notes(&covering, "");
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(
+            told[0]
+                .starts_with("! svg: the shape `room` is filled and covers everything, so nothing is free"),
+            "{told:?}"
+        );
+    }
+    for sound in [room.replace("white", "none"), small, table.repeat(2).replacen("M2 2", "M5 5", 1)] {
+        assert_eq!(notes(&sound, ""), [""; 0], "{sound}");
+    }
+}
+
+#[test]
+fn what_can_be_seen_through_is_not_there() {
+    for hidden in [
+        "<g opacity='0'><g><path d='M0 0H1'/></g></g>",
+        "<path style='opacity:0' d='M0 0H1'/>",
+        "<path opacity='0%' d='M0 0H1'/>",
+    ] {
+        assert_eq!(polygons(hidden), [], "{hidden}");
+    }
+    assert_eq!(polygons("<path opacity='0.1' d='M0 0H1'/>").len(), 1);
+}
+
+#[test]
+fn clip_paths_keep_what_is_inside_and_refuse_what_they_cut() {
+    let clip = "<clipPath id='c'><rect x='2' y='2' width='4' height='4'/></clipPath>";
+    let within = |shape: &str| format!("{clip}<g clip-path='url(#c)'>{shape}</g>");
+    let count = |shape: &str| polygons(&within(shape)).len();
+    assert_eq!(count("<rect x='3' y='3' width='1' height='1'/>"), 1);
+    assert_eq!(count("<rect x='2' y='2' width='4' height='4'/>"), 1, "its edge is within");
+    assert_eq!(count("<rect x='7' y='7' width='1' height='1'/>"), 0);
+    assert_eq!(
+        notes(&within("<path d='M7 7h1M3 3h1'/><path d='M8 8h1'/>").replace("M7 7h1", ""), "").len(),
+        1
+    );
+    for cut in ["<rect id='x' x='1' y='3' width='2' height='1'/>", "<path id='x' d='M1 3H7'/>"] {
+        let message = refused(&within(cut));
+        assert!(message.contains("the shape `x` is cut by its clip path: cut it in the editor"), "{message}");
+    }
+    // Moved together, and by the shape's own size.
+    let moved = format!("{clip}<g transform='translate(3 0)'><path clip-path='url(#c)' d='M3 3h1'/></g>");
+    assert_eq!(polygons(&moved).len(), 1);
+    let own = "<clipPath id='c' clipPathUnits='objectBoundingBox'><rect width='1' height='1'/></clipPath>\
+               <rect clip-path='url(#c)' x='7' y='1' width='2' height='2'/>";
+    assert_eq!(polygons(own).len(), 1);
+}
+
+const ROBOT: &str = "[[robots]]\nname = \"r\"\nstart.heading_rad = 1.0\n";
+
+#[test]
+fn shapes_with_ids_become_places_if_that_is_asked_for() {
+    let plan = "<path d='M0 0H9'/><circle id='start' cx='2' cy='3' r='0.2'/>\
+                <g id='goal' transform='translate(1 0)'><rect x='6' y='6' width='1' height='2'/><path d='M6 6H7'/></g>";
+    let folder = drawing(plan);
+    assert_eq!(folder.polygons(SCENARIO).len(), 4, "else they are walls");
+    let asked = format!("{SCENARIO}starts = {{ r = \"start\" }}\ngoal = \"goal\"\n{ROBOT}");
+    assert_eq!(folder.polygons(&asked).len(), 1);
+    let table: toml::Table = folder.inline(&asked).unwrap().parse().unwrap();
+    let number = |value: &toml::Value, name: &str| value[name].as_float().unwrap();
+    let start = &table["robots"][0]["start"];
+    assert_eq!([number(start, "x_m"), number(start, "y_m"), number(start, "heading_rad")], [2.0, 7.0, 1.0]);
+    let goal = &table["end"]["goal"];
+    assert_eq!([number(goal, "x_m"), number(goal, "y_m"), number(goal, "radius_m")], [7.5, 3.0, 0.5]);
+    for (lines, expected) in [
+        ("starts = { r = \"home\" }\n", "has no shape with the id `home`, which `starts.r` names"),
+        ("starts = { s = \"start\" }\n", "arena.maps[0].starts.s: there is no robot `s`"),
+        (
+            "goal = \"goal\"\n[end]\ngoal = { x_m = 0.0, y_m = 0.0, radius_m = 1.0 }\n",
+            "arena.maps[0].goal: the scenario has an `end.goal`",
+        ),
+    ] {
+        let message = folder.refused(&format!("{SCENARIO}{lines}{ROBOT}"));
+        assert!(message.contains(expected), "{message}");
+    }
+    let twice = folder.refused(&format!("{SCENARIO}starts = {{ r = \"start\" }}\n{ROBOT}start.x_m = 1.0\n"));
+    assert!(twice.contains("the robot has a `start` of its own"), "{twice}");
 }

@@ -1,7 +1,11 @@
 //! An entry of `arena.maps`, as it stands in the file and checked.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 
+use super::marks::{Purpose, Wanted};
+use super::select::Selector;
 use super::shape::MAX_POSITION;
 use crate::error::ImportError;
 
@@ -16,7 +20,24 @@ pub(crate) struct Entry {
 #[derive(Debug)]
 pub(crate) enum Source {
     Ros { file: String, unknown: Unknown },
-    Svg { file: String, scale: Scale },
+    Svg { file: String, plan: Plan },
+}
+
+/// What is made of a drawing.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) scale: Scale,
+    pub(crate) choice: Choice,
+    pub(crate) marks: Vec<Wanted>,
+}
+
+/// Which shapes of a drawing are walls.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Choice {
+    /// Those that one of these chooses; all if there are none.
+    pub(crate) only: Vec<Selector>,
+    /// But not those that one of these chooses.
+    pub(crate) without: Vec<Selector>,
 }
 
 /// The treatment of cells that the map marks as unknown.
@@ -49,6 +70,10 @@ pub(crate) struct Raw {
     m_per_unit: Option<f64>,
     origin_m: Option<[f64; 2]>,
     tolerance_m: Option<f64>,
+    only: Option<Vec<String>>,
+    without: Option<Vec<String>>,
+    starts: Option<BTreeMap<String, String>>,
+    goal: Option<String>,
 }
 
 impl Raw {
@@ -84,6 +109,10 @@ impl Raw {
             ("m_per_unit", self.m_per_unit.is_some()),
             ("origin_m", self.origin_m.is_some()),
             ("tolerance_m", self.tolerance_m.is_some()),
+            ("only", self.only.is_some()),
+            ("without", self.without.is_some()),
+            ("starts", self.starts.is_some()),
+            ("goal", self.goal.is_some()),
         ];
         if let Some((field, _)) = of_svg.iter().find(|(_, is_there)| *is_there) {
             let problem = "is for maps with `svg` only: take it out, the YAML says how the map lies";
@@ -118,7 +147,21 @@ impl Raw {
             let problem = format!("must be from {MIN_TOLERANCE} to {MAX_POSITION}, is {tolerance}");
             return Err(wrong("tolerance_m", problem));
         }
-        Ok(Source::Svg { file, scale: Scale { m_per_unit, origin, tolerance } })
+        let scale = Scale { m_per_unit, origin, tolerance };
+        let selectors = |field: &str, texts: &Option<Vec<String>>| {
+            let texts = texts.iter().flatten().enumerate();
+            let parse = |(i, text): (usize, &String)| {
+                text.parse::<Selector>().map_err(|problem| wrong(&format!("{field}[{i}]"), problem))
+            };
+            texts.map(parse).collect::<Result<Vec<Selector>, _>>()
+        };
+        let choice =
+            Choice { only: selectors("only", &self.only)?, without: selectors("without", &self.without)? };
+        let starts = self.starts.iter().flatten();
+        let starts =
+            starts.map(|(robot, id)| Wanted { id: id.clone(), purpose: Purpose::Start(robot.clone()) });
+        let goal = self.goal.iter().map(|id| Wanted { id: id.clone(), purpose: Purpose::Goal });
+        Ok(Source::Svg { file, plan: Plan { scale, choice, marks: starts.chain(goal).collect() } })
     }
 }
 

@@ -1,10 +1,14 @@
 //! The entries of `arena.maps` become entries of `arena.polygons`.
 
+mod clip;
 mod description;
+mod drawing;
 mod entry;
+mod marks;
 mod outlines;
 mod raster;
 mod ros;
+mod select;
 mod shape;
 mod svg;
 
@@ -13,6 +17,7 @@ use std::path::Path;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
 
 use self::entry::{Entry, Raw, Source};
+use self::marks::Mark;
 use self::shape::Mapped;
 use crate::error::ImportError;
 use crate::note::Note;
@@ -26,11 +31,12 @@ pub(crate) fn inline(
     let Some(arena) = document.get_mut("arena").and_then(Item::as_table_like_mut) else { return Ok(false) };
     let Some(maps) = arena.remove("maps") else { return Ok(false) };
     let first = maps.as_array_of_tables().and_then(|maps| maps.get(0)).cloned();
-    let mut shapes = Vec::new();
+    let (mut shapes, mut marks) = (Vec::new(), Vec::new());
     for (i, entry) in entries(maps)?.iter().enumerate() {
-        shapes.extend(tables(entry, &format!("{PATH}[{i}]"), base, notes)?);
+        shapes.extend(tables(entry, &format!("{PATH}[{i}]"), base, (notes, &mut marks))?);
     }
     append(arena, shapes, first)?;
+    marks.iter().try_for_each(|(path, mark)| mark.put(document, path))?;
     Ok(true)
 }
 
@@ -60,17 +66,18 @@ fn tables(
     entry: &Entry,
     path: &str,
     base: &Path,
-    notes: &mut Vec<Note>,
+    (notes, marks): (&mut Vec<Note>, &mut Vec<(String, Mark)>),
 ) -> Result<Vec<Table>, ImportError> {
-    let (file, Mapped { shapes, notes: of_file }) = match &entry.source {
+    let (file, Mapped { shapes, notes: of_file, marks: of_drawing }) = match &entry.source {
         Source::Ros { file, unknown } => {
             (file, ros::shapes(&base.join(file), *unknown).map_err(|error| error.at(format!("{path}.ros")))?)
         }
-        Source::Svg { file, scale } => {
-            (file, svg::shapes(&base.join(file), scale).map_err(|error| error.at(format!("{path}.svg")))?)
+        Source::Svg { file, plan } => {
+            (file, svg::shapes(&base.join(file), plan).map_err(|error| error.at(format!("{path}.svg")))?)
         }
     };
     notes.extend(of_file.into_iter().map(|note| note.of(path, Path::new(file))));
+    marks.extend(of_drawing.into_iter().map(|mark| (path.to_owned(), mark)));
     let named = shapes.iter().enumerate();
     Ok(named.map(|(i, shape)| shape.table(&format!("{}-{i}", entry.name), entry.height_m)).collect())
 }

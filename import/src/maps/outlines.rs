@@ -26,8 +26,17 @@ pub(crate) struct Placement {
 /// The outlines of a path, its curves as chords. One that ends where it began is closed, whether it says so
 /// or not.
 pub(crate) fn of_path(path: &usvg::Path, placement: &Placement) -> Result<Vec<Outline>, String> {
+    of_path_at(path, path.abs_transform(), placement)
+}
+
+/// The same of a path that lies elsewhere in the drawing.
+pub(crate) fn of_path_at(
+    path: &usvg::Path,
+    transform: usvg::Transform,
+    placement: &Placement,
+) -> Result<Vec<Outline>, String> {
     let mut pen = Pen::new(placement.scale.tolerance);
-    let place = |point: usvg::tiny_skia_path::Point| placement.place(path.abs_transform(), point);
+    let place = |point: usvg::tiny_skia_path::Point| placement.place(transform, point);
     for segment in path.data().segments() {
         match segment {
             PathSegment::MoveTo(to) => pen.move_to(place(to)?),
@@ -41,8 +50,17 @@ pub(crate) fn of_path(path: &usvg::Path, placement: &Placement) -> Result<Vec<Ou
     Ok(pen.outlines)
 }
 
-/// Which of the closed outlines of a filled path has nothing filled behind it: the rim of a hole.
-pub(crate) fn hole(outlines: &[&Outline], rule: FillRule) -> Result<Option<usize>, String> {
+/// What an outline of a filled path bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rim {
+    /// Something filled without a hole: a solid shape.
+    Solid,
+    /// Something filled on one side only, which has a hole or is one: a wall without thickness. A solid polygon has no holes.
+    Hollow,
+}
+
+/// What each of the closed outlines of a filled path bounds.
+pub(crate) fn rims(outlines: &[&Outline], rule: FillRule) -> Result<Vec<Rim>, String> {
     if outlines.len() > MAX_COMPARED {
         return Err(format!(
             "has {} closed outlines, the limit is {MAX_COMPARED}: break it apart",
@@ -51,20 +69,37 @@ pub(crate) fn hole(outlines: &[&Outline], rule: FillRule) -> Result<Option<usize
     }
     let chains: Vec<_> = outlines.iter().map(|outline| outline.chain()).collect();
     let turns: Vec<i32> = chains.iter().map(|chain| turn(chain)).collect();
-    let is_hole = |i: &usize| {
-        let around = |j: &usize| j != i && polygon::contains(&chains[*j], chains[*i][0]);
-        let (count, winding) = (0..chains.len())
-            .filter(around)
-            .fold((0, 0), |(count, winding), j| (count + 1, winding + turns[j]));
-        match rule {
-            FillRule::EvenOdd => count % 2 == 1,
-            FillRule::NonZero => winding + turns[*i] == 0,
-        }
+    let around = |i: usize| {
+        let chains = &chains;
+        (0..chains.len()).filter(move |&j| j != i && polygon::contains(&chains[j], chains[i][0]))
     };
-    Ok((0..chains.len()).filter(|i| !chains[*i].is_empty()).find(is_hole))
+    let is_filled = |count: usize, winding: i32| match rule {
+        FillRule::EvenOdd => count % 2 == 1,
+        FillRule::NonZero => winding != 0,
+    };
+    let mut rims = vec![Rim::Solid; chains.len()];
+    for i in 0..chains.len() {
+        let outer: Vec<usize> = around(i).collect();
+        let winding: i32 = outer.iter().map(|&j| turns[j]).sum();
+        let is_hole = is_filled(outer.len(), winding) && !is_filled(outer.len() + 1, winding + turns[i]);
+        if is_hole {
+            rims[i] = Rim::Hollow;
+            // What it is a hole of: the innermost around it. If that bounds nothing itself, those around it do.
+            for j in outer {
+                rims[j] = Rim::Hollow;
+            }
+        }
+    }
+    Ok(rims)
 }
 
 impl Placement {
+    /// Where a point of the drawing lies, in metres.
+    pub(crate) fn of_drawing(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], String> {
+        let point = usvg::tiny_skia_path::Point::from_xy(x as f32, y as f32);
+        self.place(usvg::Transform::identity(), point).map(|placed| [tidy(placed.x), tidy(placed.y)])
+    }
+
     /// Where the point lies, in metres. One that is too far out is refused here: along a curve that ends
     /// nowhere there would be no end of chords.
     fn place(
@@ -156,7 +191,7 @@ impl Outline {
         }
     }
 
-    fn chain(&self) -> Vec<Point> {
+    pub(crate) fn chain(&self) -> Vec<Point> {
         self.points.iter().map(|&[x, y]| Point::new(x, y)).collect()
     }
 

@@ -41,7 +41,7 @@ pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Mapped, FileError>
     let shapes = rectangles.iter().map(|rectangle| map.shape(rectangle, bitmap.height));
     let shapes = shapes.collect::<Result<_, _>>().map_err(|problem| FileError::new(path, problem))?;
     let note = (unknown == Unknown::Occupied).then(|| seen.without_unknown(&map)).flatten();
-    Ok(Mapped { shapes, notes: note.into_iter().collect() })
+    Ok(Mapped { shapes, notes: note.into_iter().collect(), marks: Vec::new() })
 }
 
 /// What the description says, as the map server and its friends understand it.
@@ -68,8 +68,9 @@ fn map(text: &str) -> Result<Map, String> {
     let is_negative = description.flag("negate")?;
     let mode = match description.text("mode")? {
         None => Mode::default(),
-        Some(word) => Mode::of(&word)
-            .ok_or_else(|| format!("mode: must be one of trinary, scale, raw, is {word}"))?,
+        Some(word) => {
+            Mode::of(&word).ok_or_else(|| format!("mode: must be one of trinary, scale, raw, is {word}"))?
+        }
     };
     let (origin, turn) = ([x, y], math::sin_cos(yaw));
     Ok(Map { image, resolution, origin, turn, is_negative, free, occupied, mode })

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use baudbot_geometry::math;
+use baudbot_geometry::{Point, math, polygon};
 use toml_edit::{Array, Table, Value};
 
+use super::marks::Mark;
 use crate::note::{Note, Weight};
 
 /// What a map becomes.
@@ -12,6 +13,7 @@ use crate::note::{Note, Weight};
 pub(crate) struct Mapped {
     pub(crate) shapes: Vec<Shape>,
     pub(crate) notes: Vec<FileNote>,
+    pub(crate) marks: Vec<Mark>,
 }
 
 /// A note, whichever scenario refers to the file.
@@ -42,6 +44,22 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
+    fn chain(&self) -> Vec<Point> {
+        self.points.iter().map(|&[x, y]| Point::new(x, y)).collect()
+    }
+
+    /// In square metres.
+    pub(crate) fn area_m2(&self) -> f64 {
+        polygon::area(&self.chain())
+    }
+
+    /// Whether all corners of the other one are in it, or on its edge.
+    pub(crate) fn contains(&self, other: &Self) -> bool {
+        let chain = self.chain();
+        let is_on_edge = |point: Point| polygon::edges(&chain).any(|edge| edge.distance(point) < ON_EDGE_M);
+        other.chain().into_iter().all(|point| polygon::contains(&chain, point) || is_on_edge(point))
+    }
+
     /// As it stands in a scenario.
     pub(crate) fn table(&self, name: &str, height_m: Option<f64>) -> Table {
         let mut table = Table::new();
@@ -58,6 +76,9 @@ impl Shape {
         table
     }
 }
+
+/// Corners are rounded to a micrometre.
+pub(crate) const ON_EDGE_M: f64 = 1e-5;
 
 /// The most shapes that one map may become.
 pub(crate) const MAX_SHAPES: usize = 100_000;

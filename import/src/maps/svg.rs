@@ -2,28 +2,30 @@
 //!
 //! `usvg` resolves styles, transforms, `use` and units; what it gives back are paths. Only outlines and
 //! whether they are filled matter here: a style sheet of our own takes strokes, markers, masks and the like
-//! out of its hands, so that a shape counts whether it can be seen on paper or not. `display` and
-//! `visibility` hide a shape from us, too. Text and images are passed over.
+//! out of its hands, so that a shape counts whether it can be seen on paper or not. `display`, `visibility` and an opacity of 0
+//! hide a shape from us, too, and so does a clip path around it. Text and images are passed over. The entry of the scenario may
+//! choose among the shapes; what is left out is told.
 
+use std::collections::HashMap;
 use std::path::Path;
-use std::str::FromStr;
 
-use svgtypes::{NumberListParser, PathParser, Transform, ViewBox};
-use usvg::roxmltree::{Document, Node, ParsingOptions};
-use usvg::{Group, ImageHrefResolver, Options, Tree};
+use usvg::{Group, Tree};
 
-use super::entry::Scale;
-use super::outlines::{self, Outline, Placement};
-use super::shape::{MAX_SHAPES, Mapped, Shape};
+use super::clip::{self, Clipped};
+use super::drawing::{self, Drawing, Elements};
+use super::entry::{Choice, Plan};
+use super::marks::{Mark, Wanted};
+use super::outlines::{self, Outline, Placement, Rim};
+use super::select::{Paint, Selector, Traits, listed};
+use super::shape::{FileNote, MAX_SHAPES, Mapped, Shape};
 use crate::error::FileError;
 use crate::file;
+use crate::note::Weight;
 
 /// The shapes of the drawing, in the order of the file.
-pub(crate) fn shapes(path: &Path, scale: &Scale) -> Result<Mapped, FileError> {
+pub(crate) fn shapes(path: &Path, plan: &Plan) -> Result<Mapped, FileError> {
     let text = file::text(path)?;
-    let shapes = on_a_large_stack(|| drawing(&text, *scale));
-    let shapes = shapes.map_err(|problem| FileError::new(path, problem))?;
-    Ok(Mapped { shapes, notes: Vec::new() })
+    on_a_large_stack(|| drawing(&text, plan)).map_err(|problem| FileError::new(path, problem))
 }
 
 /// The parser goes down into each element within another, up to 1024 of them, on its thread's stack; those
@@ -36,33 +38,71 @@ fn on_a_large_stack<T: Send>(work: impl FnOnce() -> Result<T, String> + Send) ->
     })
 }
 
-fn drawing(text: &str, scale: Scale) -> Result<Vec<Shape>, String> {
-    let tree = parse(text)?;
-    let placement = Placement { scale, height: f64::from(tree.size().height()) };
-    let mut paths = Vec::new();
-    collect(tree.root(), &mut paths);
-    let mut shapes = Vec::new();
-    let mut corners = 0;
-    for (i, path) in paths.into_iter().enumerate() {
-        let of_element = |problem| match path.id() {
-            "" => format!("shape {i}, counted from 0, {problem}"),
-            id => format!("the shape `{id}` {problem}"),
-        };
-        let outlines = outlines::of_path(path, &placement).map_err(of_element)?;
-        corners += outlines.iter().map(|outline| outline.points.len()).sum::<usize>();
-        shapes.extend(self::outlines(path, outlines).map_err(of_element)?);
-        if shapes.len() > MAX_SHAPES || corners > MAX_CORNERS {
+fn drawing(text: &str, plan: &Plan) -> Result<Mapped, String> {
+    let drawing = Drawing::read(text)?;
+    let tree = drawing.tree(Some(STYLE))?;
+    let placement = Placement { scale: plan.scale, height: f64::from(tree.size().height()) };
+    let mut found = Found::default();
+    collect(tree.root(), &mut Above::default(), &mut found);
+    let traits = traits(&drawing, &found.paths, &plan.choice)?;
+    let mut walls = Walls::default();
+    for (i, (found_path, traits)) in found.paths.iter().zip(&traits).enumerate() {
+        let path = found_path.path;
+        let name = name(path, i);
+        let of_element = |problem| format!("{name} {problem}");
+        if found_path.is_in(&plan.marks) {
+            // A place is no wall.
+        } else if !plan.choice.takes(traits) {
+            walls.left_out.push(name);
+        } else {
+            let outlines = outlines::of_path(path, &placement).map_err(of_element)?;
+            walls.corners += outlines.iter().map(|outline| outline.points.len()).sum::<usize>();
+            match clip::clipped(&outlines, &found_path.clips, &placement).map_err(of_element)? {
+                Clipped::Whole => walls.take(shapes_of(path, outlines).map_err(of_element)?, &name),
+                Clipped::Away => found.clipped += 1,
+            }
+        }
+        if walls.shapes.len() > MAX_SHAPES || walls.corners > MAX_CORNERS {
             return Err(format!(
                 "has more than {MAX_SHAPES} shapes or {MAX_CORNERS} corners: raise tolerance_m, or leave details out"
             ));
         }
     }
-    Ok(shapes)
+    let marks: Vec<Mark> =
+        plan.marks.iter().map(|wanted| wanted.find(&tree, &placement)).collect::<Result<_, _>>()?;
+    let notes = notes(&drawing, &tree, &found, (&walls, &traits), plan)?;
+    Ok(Mapped { shapes: walls.shapes, notes, marks })
 }
 
-/// The outlines of a path, solid where it is filled.
-fn outlines(path: &usvg::Path, outlines: Vec<Outline>) -> Result<Vec<Shape>, String> {
+/// What somebody calls the shape.
+fn name(path: &usvg::Path, i: usize) -> String {
+    let id = Some(path.id()).filter(|id| drawing::is_given(id));
+    id.map_or_else(|| format!("shape {i}, counted from 0,"), |id| format!("the shape `{id}`"))
+}
+
+/// What becomes of a drawing.
+#[derive(Default)]
+struct Walls {
+    shapes: Vec<Shape>,
+    /// What the first of some shapes is called, for those that are solid.
+    solid: Vec<(usize, String)>,
+    corners: usize,
+    left_out: Vec<String>,
+}
+
+impl Walls {
+    fn take(&mut self, shapes: Vec<Shape>, name: &str) {
+        let first = self.shapes.len();
+        self.shapes.extend(shapes);
+        let solid = (first..self.shapes.len()).filter(|&i| self.shapes[i].solid);
+        self.solid.extend(solid.map(|i| (i, name.to_owned())));
+    }
+}
+
+/// The shapes of a path: solid where it is filled and has no hole.
+fn shapes_of(path: &usvg::Path, outlines: Vec<Outline>) -> Result<Vec<Shape>, String> {
     let fill = path.fill().filter(|fill| fill.opacity().get() > 0.0);
+    let mut rims = Vec::new();
     if let Some(fill) = fill {
         let closed: Vec<_> = outlines.iter().filter(|outline| outline.closed).collect();
         if let Some(outline) = closed.iter().find(|outline| outline.points.len() < 3) {
@@ -74,118 +114,216 @@ fn outlines(path: &usvg::Path, outlines: Vec<Outline>) -> Result<Vec<Shape>, Str
                     .into(),
             );
         }
-        if let Some(i) = outlines::hole(&closed, fill.rule())? {
-            let [x, y] = closed[i].points[0];
-            return Err(format!(
-                "has a hole with a corner at ({x}, {y}) m, and a solid polygon has none: break it apart, or do not fill it"
-            ));
-        }
+        rims = outlines::rims(&closed, fill.rule())?;
     }
-    let shape = |Outline { points, closed }| Shape { points, solid: closed && fill.is_some(), closed };
-    Ok(outlines.into_iter().filter(|outline| outline.points.len() > 1).map(shape).collect())
+    let mut rims = rims.into_iter();
+    let shapes = outlines.into_iter().map(|Outline { points, closed }| {
+        let solid = closed && rims.next() == Some(Rim::Solid);
+        Shape { points, solid, closed }
+    });
+    Ok(shapes.filter(|shape| shape.points.len() > 1).collect())
 }
 
-/// The paths that are not hidden.
-fn collect<'a>(group: &'a Group, paths: &mut Vec<&'a usvg::Path>) {
+/// A path that is not hidden.
+struct FoundPath<'a> {
+    path: &'a usvg::Path,
+    /// The ids of the groups and references that it is in.
+    groups: Vec<&'a str>,
+    /// What cuts it, each with the place of the group that has it.
+    clips: Vec<(&'a usvg::ClipPath, usvg::Transform)>,
+}
+
+impl FoundPath<'_> {
+    /// Whether it is such a place, or a part of one.
+    fn is_in(&self, places: &[Wanted]) -> bool {
+        places.iter().any(|place| self.path.id() == place.id || self.groups.contains(&&*place.id))
+    }
+}
+
+/// The paths of a drawing, and how many are hidden.
+#[derive(Default)]
+struct Found<'a> {
+    paths: Vec<FoundPath<'a>>,
+    transparent: usize,
+    clipped: usize,
+}
+
+/// What is around a node of the tree.
+#[derive(Default)]
+struct Above<'a> {
+    groups: Vec<&'a str>,
+    clips: Vec<(&'a usvg::ClipPath, usvg::Transform)>,
+    is_transparent: bool,
+}
+
+fn collect<'a>(group: &'a Group, above: &mut Above<'a>, found: &mut Found<'a>) {
+    let (groups, clips, was_transparent) = (above.groups.len(), above.clips.len(), above.is_transparent);
+    above.groups.extend(Some(group.id()).filter(|id| !id.is_empty()));
+    above.clips.extend(group.clip_path().map(|clip| (clip, group.abs_transform())));
+    above.is_transparent |= group.opacity().get() == 0.0;
     for node in group.children() {
         match node {
-            usvg::Node::Group(group) => collect(group, paths),
-            usvg::Node::Path(path) if path.is_visible() => paths.push(path),
+            usvg::Node::Group(group) => collect(group, above, found),
+            usvg::Node::Path(_) if above.is_transparent => found.transparent += 1,
+            usvg::Node::Path(path) if path.is_visible() => {
+                let (groups, clips) = (above.groups.clone(), above.clips.clone());
+                found.paths.push(FoundPath { path, groups, clips });
+            }
             usvg::Node::Path(_) | usvg::Node::Image(_) | usvg::Node::Text(_) => {}
         }
     }
+    above.groups.truncate(groups);
+    above.clips.truncate(clips);
+    above.is_transparent = was_transparent;
 }
 
-/// The drawing in its own units, its upper left corner at (0, 0).
-fn parse(text: &str) -> Result<Tree, String> {
-    let syntax = || ParsingOptions { allow_dtd: true, nodes_limit: MAX_NODES, ..ParsingOptions::default() };
-    let parse = |text| Document::parse_with_options(text, syntax());
-    let document = parse(text).map_err(|error| format!("is not XML: {error}"))?;
-    check(&document)?;
-    let unscaled = without_size(text, document.root_element());
-    let unscaled = parse(&unscaled).map_err(|error| format!("is not XML: {error}"))?;
-    let options = Options {
-        style_sheet: Some(STYLE.into()),
-        // An image may be any file on this machine.
-        image_href_resolver: ImageHrefResolver {
-            resolve_data: Box::new(|_, _, _| None),
-            resolve_string: Box::new(|_, _| None),
-        },
-        ..Options::default()
-    };
-    Tree::from_xmltree(&unscaled, &options).map_err(|error| format!("is not a valid SVG: {error}"))
+/// What the shapes can be chosen by; nothing is known of them if nobody chooses.
+fn traits(drawing: &Drawing, paths: &[FoundPath<'_>], choice: &Choice) -> Result<Vec<Traits>, String> {
+    if choice.selectors().next().is_none() {
+        return Ok(paths.iter().map(|_| Traits::default()).collect());
+    }
+    let elements = drawing.elements()?;
+    let has_strokes = choice.selectors().any(Selector::is_about_strokes);
+    // As it is without our style sheet, in which all have a stroke.
+    let tree = has_strokes.then(|| drawing.tree(None)).transpose()?;
+    let mut as_drawn = Found::default();
+    if let Some(tree) = &tree {
+        collect(tree.root(), &mut Above::default(), &mut as_drawn);
+    }
+    let key = |found: &FoundPath<'_>| [&found.groups[..], &[found.path.id()]].concat().join("\n");
+    let strokes: HashMap<_, _> = as_drawn
+        .paths
+        .iter()
+        .map(|found| (key(found), found.path.stroke().map_or(Paint::Nothing, |stroke| paint(stroke.paint()))))
+        .collect();
+    Ok(paths
+        .iter()
+        .map(|found| {
+            let mut traits = of_elements(&elements, found);
+            traits.fill = Some(found.path.fill().map_or(Paint::Nothing, |fill| paint(fill.paint())));
+            traits.stroke = has_strokes.then(|| strokes.get(&key(found)).copied().unwrap_or(Paint::Nothing));
+            traits
+        })
+        .collect())
 }
 
-/// Refuses what the parser would ignore silently.
-fn check(document: &Document<'_>) -> Result<(), String> {
-    let root = document.root_element();
-    if root.tag_name().name() != "svg" {
-        return Err(format!("is not an SVG: its outermost element is `{}`", root.tag_name().name()));
-    }
-    match root.attribute("viewBox") {
-        Some(view_box) => {
-            ViewBox::from_str(view_box).map_err(|error| format!("viewBox: {error}"))?;
-        }
-        None => {
-            let is_length =
-                |name| root.attribute(name).is_some_and(|length| !length.trim_end().ends_with('%'));
-            if !is_length("width") || !is_length("height") {
-                return Err(
-                    "has neither a viewBox nor width and height: where its lower left corner is, is unknown"
-                        .into(),
-                );
-            }
+fn of_elements(elements: &Elements, found: &FoundPath<'_>) -> Traits {
+    let mut traits = Traits::default();
+    for id in found.groups.iter().copied().chain([found.path.id()]) {
+        if let Some(element) = elements.of(id) {
+            traits.ids.extend(element.ids.iter().cloned());
+            traits.classes.extend(element.classes.iter().cloned());
+            traits.layers.extend(element.layers.iter().cloned());
         }
     }
-    for node in document.descendants() {
-        for attribute in node.attributes().filter(|attribute| attribute.namespace().is_none()) {
-            if let Err(error) = sound(node.tag_name().name(), attribute.name(), attribute.value()) {
-                let line = document.text_pos_at(attribute.range().start).row;
-                return Err(format!("line {line}, `{}`: {error}", attribute.name()));
-            }
-        }
-    }
-    Ok(())
+    traits
 }
 
-/// Whether the value of an element's attribute can be read to its end.
-fn sound(element: &str, attribute: &str, value: &str) -> Result<(), svgtypes::Error> {
-    match (element, attribute) {
-        ("path", "d") => PathParser::from(value).try_for_each(|segment| segment.map(drop)),
-        ("polygon" | "polyline", "points") => {
-            NumberListParser::from(value).try_for_each(|number| number.map(drop))
+fn paint(paint: &usvg::Paint) -> Paint {
+    match paint {
+        usvg::Paint::Color(color) => Paint::Rgb(color.red, color.green, color.blue),
+        usvg::Paint::LinearGradient(_) | usvg::Paint::RadialGradient(_) | usvg::Paint::Pattern(_) => {
+            Paint::Other
         }
-        (_, "transform") if value.trim() != "none" => Transform::from_str(value).map(drop),
-        _ => Ok(()),
     }
 }
 
-/// The text without the size on paper, if it has a view box: the parser would scale the drawing to it.
-fn without_size(text: &str, root: Node<'_, '_>) -> String {
-    let mut text = text.to_owned();
-    if root.attribute("viewBox").is_some() {
-        let is_size = |name| matches!(name, "width" | "height" | "preserveAspectRatio");
-        let sizes = root
-            .attributes()
-            .filter(|attribute| attribute.namespace().is_none() && is_size(attribute.name()));
-        let mut ranges: Vec<_> = sizes.map(|attribute| attribute.range()).collect();
-        ranges.sort_by_key(|range| std::cmp::Reverse(range.start));
-        for range in ranges {
-            text.replace_range(range, "");
-        }
+/// What there is to say about the drawing.
+fn notes(
+    drawing: &Drawing,
+    tree: &Tree,
+    found: &Found<'_>,
+    (walls, traits): (&Walls, &[Traits]),
+    plan: &Plan,
+) -> Result<Vec<FileNote>, String> {
+    let warning = |text| FileNote { weight: Weight::Warning, field: "svg", text };
+    let mut notes = Vec::new();
+    for (field, selectors) in [("only", &plan.choice.only), ("without", &plan.choice.without)] {
+        let idle = selectors.iter().filter_map(|selector| selector.chooses_nothing(traits));
+        notes.extend(idle.map(|text| FileNote { weight: Weight::Warning, field, text }));
     }
-    text
+    let [images, texts] = drawing.passed_over()?;
+    let mut left_out = Vec::new();
+    if let Some(names) = listed(walls.left_out.iter().map(|name| short(name)).collect::<Vec<_>>().iter()) {
+        left_out
+            .push(format!("{} by `only` and `without` ({names})", counted(walls.left_out.len(), "shape")));
+    }
+    let others = [
+        (found.transparent, "shape that can be seen through"),
+        (found.clipped, "shape outside its clip path"),
+        (images, "image"),
+        (texts, "text"),
+    ];
+    left_out
+        .extend(others.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| counted(count, what)));
+    if !left_out.is_empty() {
+        let text = format!("left out: {}", left_out.join("; "));
+        notes.push(FileNote { weight: Weight::Remark, field: "svg", text });
+    }
+    if walls.shapes.is_empty() {
+        let why = if left_out.is_empty() {
+            String::new()
+        } else {
+            format!(" but what is left out: {}", left_out.join("; "))
+        };
+        notes.push(warning(format!("there is no wall{why}; draw walls as lines or shapes")));
+    }
+    let size = [tree.size().width(), tree.size().height()].map(f64::from);
+    let page_m2 = size[0] * size[1] * plan.scale.m_per_unit * plan.scale.m_per_unit;
+    let covering = walls.solid.iter().find(|(i, _)| covers(&walls.shapes, *i, page_m2));
+    notes.extend(covering.map(|(_, name)| {
+        warning(format!(
+            "{name} is filled and covers everything, so nothing is free within it: set its fill to none if its edge is a wall, or leave it \
+             out by `without`"
+        ))
+    }));
+    Ok(notes)
 }
+
+/// A name without the words around it.
+fn short(name: &str) -> String {
+    let id = name.strip_prefix("the shape `").and_then(|name| name.strip_suffix('`'));
+    id.map_or_else(|| name.trim_end_matches(", counted from 0,").to_owned(), str::to_owned)
+}
+
+fn counted(count: usize, what: &str) -> String {
+    let (first, rest) = what.split_once(' ').unwrap_or((what, ""));
+    let plural = if count == 1 { "" } else { "s" };
+    let rest = if count == 1 { rest.to_owned() } else { rest.replacen("its", "their", 1) };
+    format!("{count} {first}{plural} {rest}").trim_end().to_owned()
+}
+
+/// Whether a solid shape has nine tenths of the page in it, or all other shapes.
+fn covers(shapes: &[Shape], i: usize, page_m2: f64) -> bool {
+    let shape = &shapes[i];
+    if shape.area_m2() >= MOST_OF * page_m2 {
+        return true;
+    }
+    let mut others = shapes.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other).peekable();
+    others.peek().is_some() && others.all(|other| shape.contains(other))
+}
+
+/// Of a page, for a shape that covers it.
+const MOST_OF: f64 = 0.9;
 
 /// Every shape has a stroke, so that none is left out as invisible, and nothing but itself to be drawn.
 const STYLE: &str = "* { stroke: black !important; stroke-width: 1 !important; stroke-dasharray: none !important; \
-    stroke-opacity: 1 !important; opacity: 1 !important; marker-start: none !important; marker-mid: none !important; \
-    marker-end: none !important; clip-path: none !important; mask: none !important; filter: none !important }";
+    stroke-opacity: 1 !important; marker-start: none !important; marker-mid: none !important; \
+    marker-end: none !important; mask: none !important; filter: none !important }";
 
 /// Bytes, of which only those that are used are taken from the machine.
 const STACK: usize = 256 << 20;
 
-const MAX_NODES: u32 = 4_000_000;
-
 /// Of all shapes of a drawing. Whether one crosses itself takes time in proportion to the square of its corners.
 const MAX_CORNERS: usize = 1_000_000;
+
+impl Choice {
+    fn selectors(&self) -> impl Iterator<Item = &Selector> {
+        self.only.iter().chain(&self.without)
+    }
+
+    fn takes(&self, shape: &Traits) -> bool {
+        let is_among = |selectors: &[Selector]| selectors.iter().any(|selector| selector.chooses(shape));
+        (self.only.is_empty() || is_among(&self.only)) && !is_among(&self.without)
+    }
+}

@@ -1,6 +1,8 @@
 //! A map in another file. The program puts polygons in its place before a scenario is read, so that no type of this crate reads it.
 
+use alloc::collections::BTreeMap;
 use alloc::string::String;
+use alloc::vec::Vec;
 
 /// The fields of a map.
 #[derive(schemars::JsonSchema)]
@@ -25,6 +27,17 @@ pub(super) struct Map {
     /// Maximum distance of a straight segment from the curve that it approximates. Default: 0.005. Range:
     /// 10^−6 to 10^6; only with `svg`.
     tolerance_m: Option<f64>,
+    /// Which shapes are walls: those that one of these chooses. Each is `layer=NAME`, `id=NAME`, `class=NAME`, `fill=COLOR` or
+    /// `stroke=COLOR`; `*` stands for any part of a name, and `none` for no colour. Default: all. Range: only with `svg`.
+    only: Option<Vec<String>>,
+    /// Which shapes are no walls, chosen likewise. Default: none. Range: only with `svg`.
+    without: Option<Vec<String>>,
+    /// Where robots start: their names with the ids of shapes, whose centres they start at. Type: table. Default: none. Range: only
+    /// with `svg`.
+    starts: Option<BTreeMap<String, String>>,
+    /// The id of a shape that becomes `end.goal`: a disc in its middle, as wide as the smaller of its sides. Default: none. Range: only
+    /// with `svg`.
+    goal: Option<String>,
     /// Height of the whole map. Default: unlimited.
     height_m: Option<f64>,
 }
