@@ -135,6 +135,8 @@ pub enum Remark {
     Kept { field: &'static str, value: f64, tells: &'static str },
     /// What is left between log and model.
     Rest { of: &'static str, rms: f64, unit: &'static str, explained: f64 },
+    /// The curve of a sensor as the log has it, which the scenario may have another one of.
+    Curve { sensor: String, points: Vec<[f64; 2]> },
     /// The two motions ask for different lags.
     Lags { ahead_ms: f64, turning_ms: f64 },
 }
@@ -164,6 +166,14 @@ impl fmt::Display for Remark {
                 digits(*rms, 3),
                 digits(100.0 * explained, 4)
             ),
+            Self::Curve { sensor, points } => {
+                let point = |[x, y]: &[f64; 2]| format!("[{}, {}]", digits(*x, 4), digits(*y, 4));
+                let points: Vec<_> = points.iter().map(point).collect();
+                format!(
+                    "the medians of this log are sensors.{sensor}.curve_m_v = [{}]; the noise is that about these",
+                    points.join(", ")
+                )
+            }
             Self::Lags { ahead_ms, turning_ms } => format!(
                 "the motion ahead asks for a lag of {} ms, and turning for {} ms, by the scenario's mass and inertia; one number is between them",
                 digits(*ahead_ms, 3),

@@ -137,8 +137,8 @@ fn of_sensor(sensor: &Sensor) -> &'static [SensorField] {
         }
         Device::Odometer(_) => &[OdometerSigma],
         Device::Encoders(_) => &[Loss],
-        Device::VoltageRanger(_)
-        | Device::Sonar(_)
+        Device::VoltageRanger(_) => &[GainSpread, OffsetSpread, Multiplicative, Additive, Uniform],
+        Device::Sonar(_)
         | Device::Laser(_)
         | Device::LineCamera(_)
         | Device::StepCounter(_)

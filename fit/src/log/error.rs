@@ -48,9 +48,20 @@ pub enum Problem {
     #[error("has column names, but no rows")]
     NoRows,
     #[error(
-        "has numbers where column names are to be; begin the log with a line such as `sent_us,received_us`"
+        "the first line has no names, but numbers; put a line of column names before it, such as `distance_mm,value_v` or \
+         `sent_us,received_us`"
     )]
     NoNames,
+    #[error(
+        "the first line has no name that is understood: {names}; columns are called `time_s`, `distance_mm`, `value_v` and the like \
+         (`baudbot fit --list`), with commas, semicolons or tabs between them; --columns time_s=COLUMN tells what others are"
+    )]
+    NothingKnown { names: String },
+    #[error(
+        "is a log of CARMEN, and no table; make one of its lines: FLASER has the pose and the odometer's at its end (`x_m`, `y_m`, `heading_rad`, \
+         `odometer.x_m`, `odometer.y_m`, `odometer.heading_rad`, `time_s`), ODOM the odometer's alone, which tells nothing of its errors"
+    )]
+    Carmen,
     #[error(
         "is not text: byte 0x{byte:02x}; a log is a table of comma-separated values, or a recording in MCAP"
     )]
@@ -106,6 +117,9 @@ fn comma_hint(cells: usize, columns: usize) -> &'static str {
     }
 }
 
+/// Columns that a warning lists.
+const MOST_IGNORED: usize = 12;
+
 /// Something odd about a log that does not hinder reading.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the messages say it")]
@@ -135,7 +149,10 @@ impl fmt::Display for Warning {
                 format!("line {line}: {rows} rows are copies of those before them and are left out")
             }
             Self::Ignored { columns } => {
-                format!("columns not understood, and not used: {}", columns.join(", "))
+                let first = columns.iter().take(MOST_IGNORED).cloned().collect::<Vec<_>>().join(", ");
+                let more = columns.len().saturating_sub(MOST_IGNORED);
+                let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+                format!("columns not understood, and not used: {first}{more}")
             }
             Self::Missing { column, cells, line } => {
                 format!("line {line}: {cells} cells of `{column}` are empty and are left out")

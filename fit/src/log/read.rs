@@ -108,7 +108,12 @@ impl Reader<'_> {
     fn header(&self, text: &str, cells: &mut Vec<String>, options: &Options) -> Result<Header, LogError> {
         let separator = separator(text);
         split(text, separator, cells).map_err(|problem| self.here(problem))?;
-        if cells.iter().all(|cell| cell.parse::<f64>().is_ok()) {
+        if is_carmen(text) {
+            return Err(self.here(Problem::Carmen));
+        }
+        let is_number = |cell: &str| cell.replace(',', ".").parse::<f64>().is_ok();
+        let has_numbers = cells.iter().any(|cell| is_number(cell));
+        if text.split_whitespace().all(is_number) || cells.iter().all(|cell| is_number(cell)) {
             return Err(self.here(Problem::NoNames));
         }
         let mut header = Header {
@@ -128,6 +133,12 @@ impl Reader<'_> {
         }
         for (i, cell) in cells.iter().enumerate() {
             self.name(&mut header, i, cell, options).map_err(|problem| self.at(i + 1, cell, problem))?;
+        }
+        if header.columns.is_empty() {
+            // A first row with a word in it, which would be lost, and its numbers listed as names.
+            let problem =
+                if has_numbers { Problem::NoNames } else { Problem::NothingKnown { names: first(cells) } };
+            return Err(self.here(problem));
         }
         Ok(header)
     }
@@ -240,6 +251,44 @@ impl Reader<'_> {
         times::settle(log)
     }
 }
+
+/// The first names of a line.
+fn first(names: &[String]) -> String {
+    let mut first = names[..names.len().min(MOST_NAMES)].join(", ");
+    if names.len() > MOST_NAMES {
+        first += &format!(" and {} more", names.len() - MOST_NAMES);
+    }
+    first.chars().take(MOST_LETTERS).collect()
+}
+
+/// Whether a line is one of CARMEN's, which the robotics data sets of its time are in.
+fn is_carmen(line: &str) -> bool {
+    let mut words = line.split_ascii_whitespace();
+    let first = words.next().is_some_and(|word| CARMEN.contains(&word));
+    first && words.next().is_some()
+}
+
+/// What lines of CARMEN begin with.
+const CARMEN: [&str; 14] = [
+    "ODOM",
+    "FLASER",
+    "RLASER",
+    "LASER3",
+    "LASER4",
+    "ROBOTLASER1",
+    "ROBOTLASER2",
+    "RAWLASER1",
+    "RAWLASER2",
+    "PARAM",
+    "SYNC",
+    "TRUEPOS",
+    "NMEAGGA",
+    "NMEARMC",
+];
+
+/// Names that a message quotes, and their letters.
+const MOST_NAMES: usize = 6;
+const MOST_LETTERS: usize = 200;
 
 /// Notes that are numbers.
 const NUMBERS: [&str; 4] = ["baud", "bytes", "full_scale", "turnaround_us"];

@@ -130,9 +130,52 @@ fn rows_of_one_instant_that_complement_each_other_are_one() {
 
 #[test]
 fn a_log_without_a_line_of_names_is_recognised() {
+    let numbers = "log.csv:1: the first line has no names, but numbers; put a line of column names before it";
+    for text in [
+        "5300,7211\n5400,7300\n",
+        "ir_0,20,915\nir_0,30,800\n",
+        "0,5;1,5\n",
+        "0.1 20 915\n",
+        "2026-01-01,20,915\n",
+        "20\n",
+    ] {
+        assert!(refused(text).starts_with(numbers), "{text}: {}", refused(text));
+    }
+    let many = (0..400).map(|i| format!("beam{i}")).collect::<Vec<_>>().join(",");
+    let unknown = refused(&format!("{many}\n"));
     assert!(
-        refused("5300,7211\n5400,7300\n").contains("log.csv:1: has numbers where column names are to be")
+        unknown.contains("the first line has no name that is understood: beam0, beam1")
+            && unknown.len() < 500,
+        "{unknown}"
     );
+    assert!(refused("time value\n1 2\n").contains("with commas, semicolons or tabs between them"));
+    // One that is understood is enough: lasers have a column a ray.
+    assert_eq!(log("time_s,0,1\n1,2,3\n").unwrap().len(), 1);
+}
+
+#[test]
+fn a_log_of_carmen_is_recognised() {
+    for line in [
+        "PARAM laser_front_laser_resolution 0.5 0 nohost 0",
+        "ODOM 0.1 0.2 0.3 0.4 0.5 0.6 0.7 nohost 0.8",
+        "FLASER 2 1.0 2.0 0.1 0.2 0.3 0.1 0.2 0.3 0.7 nohost 0.8",
+    ] {
+        let told = refused(&format!("# message_name [message contents]\n{line}\n"));
+        assert!(
+            told.starts_with(
+                "log.csv:2: is a log of CARMEN, and no table; make one of its lines: FLASER has"
+            ),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn a_warning_does_not_list_hundreds_of_columns() {
+    let names = (0..400).map(|i| format!("beam{i}")).collect::<Vec<_>>().join(",");
+    let log = log(&format!("time_s,{names}\n1{}\n", ",2".repeat(400))).unwrap();
+    let warning = log.warnings[0].to_string();
+    assert!(warning.ends_with("beam11 and 388 more") && warning.len() < 200, "{warning}");
 }
 
 #[test]

@@ -62,7 +62,7 @@ impl Case<'_> {
         let needs = if example.is_empty() {
             format!("column `{quantity}`")
         } else {
-            format!("column `{quantity}_{example}`")
+            format!("column `{quantity}_{example}`{}", what_for(quantity))
         };
         self.log.column(quantity).ok_or(Reason::Columns { needs })
     }
@@ -98,4 +98,13 @@ fn merged<const N: usize>(mut fixed: [f64; N], free: &[usize], values: &[f64]) -
 /// Of numbers to begin with, those that are searched.
 fn chosen<const N: usize>(free: &[usize], starts: &[[f64; N]]) -> Vec<Vec<f64>> {
     starts.iter().map(|start| free.iter().map(|i| start[*i]).collect()).collect()
+}
+
+/// Where a column is from that people do not have by themselves.
+fn what_for(quantity: Quantity) -> &'static str {
+    if matches!(quantity, Quantity::X | Quantity::Y | Quantity::Heading) {
+        ": the true pose, as from a camera above the robot or a laser's map; the odometer's own pose tells nothing of its errors"
+    } else {
+        ""
+    }
 }

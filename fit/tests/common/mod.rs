@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use baudbot_fit::choice::choose;
-use baudbot_fit::estimate::{Finding, Outcome};
+use baudbot_fit::estimate::{Finding, Fitted, Outcome, Remark};
 use baudbot_fit::log::{Log, Options, read};
 use baudbot_fit::{Robot, fit, readings};
 use baudbot_scenario::Override;
@@ -19,12 +19,21 @@ pub fn scenario(toml: &str, overrides: &[&str]) -> Scenario {
 
 /// What a fit finds in a log, as of the robot of a scenario.
 pub fn findings(scenario: &Scenario, log: &str, fields: &[&str]) -> Vec<Finding> {
+    fitted(scenario, log, fields).findings
+}
+
+/// What is said besides.
+pub fn remarks(scenario: &Scenario, log: &str, fields: &[&str]) -> Vec<Remark> {
+    fitted(scenario, log, fields).remarks
+}
+
+fn fitted(scenario: &Scenario, log: &str, fields: &[&str]) -> Fitted {
     let robot = &scenario.robots[0];
     let fields: Vec<String> = fields.iter().map(ToString::to_string).collect();
     let wanted = choose(robot, &fields, &[]).unwrap_or_else(|error| panic!("{error}"));
     let tick_s = scenario.step_ns as f64 * 1e-9;
     let robot = Robot { model: robot, tick_s, substep_s: tick_s / f64::from(scenario.substeps) };
-    fit(robot, &parsed(scenario, log), &wanted).findings
+    fit(robot, &parsed(scenario, log), &wanted)
 }
 
 pub fn parsed(scenario: &Scenario, log: &str) -> Log {

@@ -1,9 +1,10 @@
 use std::fmt::Write as _;
 
-use baudbot_fit::estimate::{Outcome, Reason};
+use baudbot_fit::estimate::{Outcome, Reason, Remark};
 use baudbot_sim::World;
+use baudbot_sim::sensor::Device;
 
-use crate::common::{Chance, Tally, findings, of, scenario};
+use crate::common::{Chance, Tally, findings, of, remarks, scenario};
 
 /// A robot that stands before a wall; the sensor looks straight ahead from its centre.
 const IR: &str = r#"
@@ -136,6 +137,67 @@ fn one_specimen_tells_no_spread_and_one_distance_no_curve() {
         panic!("{found:?}")
     };
     assert_eq!(with, "`c2`");
+}
+
+/// A distance sensor with a voltage for its output, of a preset.
+fn voltage() -> String {
+    let (before, after) = IR.split_once("sensors.ir = ").unwrap();
+    let (_, after) = after.split_once('\n').unwrap_or((after, ""));
+    let sensor = "{ preset = \"gp2d12\", period_ms = 10.0, clock = { period_ms = 10.0, spread_ms = 0.0, latency_ms = 0.0 }, mount = { x_m = 0.0 }, noise = { gain_spread = 0.0, offset_spread = 0.0, additive = 0.0 } }";
+    format!("{before}sensors.ir = {sensor}\n{after}")
+}
+
+#[test]
+fn noise_and_curve_of_a_voltage_are_recovered() {
+    let toml = voltage();
+    let distances_mm = [100.0, 150.0, 200.0, 300.0, 500.0];
+    let mut tally = Tally::default();
+    for seed in 1..=10 {
+        let additive = Chance::new(seed).between(0.005, 0.03);
+        let mut text = "distance_mm,value_v\n".to_owned();
+        let (mut curve, mut count) = (Vec::new(), 0);
+        for distance in distances_mm {
+            let changes = [
+                format!("robots.a.sensors.ir.noise.additive={additive}"),
+                format!("robots.a.start.x_m={}", -distance / 1e3),
+                format!("seed={}", 100 * seed + count),
+            ];
+            count += 1;
+            let changes: Vec<_> = changes.iter().map(String::as_str).collect();
+            let scenario = scenario(&toml, &changes);
+            let Device::VoltageRanger(ranger) = &scenario.robots[0].sensors.iter().next().unwrap().device
+            else {
+                panic!("it is one")
+            };
+            curve.push([distance / 1e3, ranger.voltage_at(distance / 1e3)]);
+            let mut world = World::new(scenario.into());
+            for tick in 0..60 {
+                world.begin();
+                // The first measurement of its own clock is not there yet.
+                if tick >= 20 {
+                    writeln!(text, "{distance},{:.4}", world.robot(0).sensors().next().unwrap().sample[0])
+                        .unwrap();
+                }
+                world.finish(&[]);
+            }
+        }
+        let scenario = scenario(&toml, &[]);
+        let found = findings(&scenario, &text, &["sensors.ir.noise.additive"]);
+        tally.add(&found, "sensors.ir.noise.additive", additive);
+        let [Remark::Curve { sensor, points }] =
+            &remarks(&scenario, &text, &["sensors.ir.noise.additive"])[..]
+        else {
+            panic!("its curve")
+        };
+        assert_eq!((sensor.as_str(), points.len()), ("ir", curve.len()));
+        for (point, expected) in points.iter().zip(curve) {
+            assert!(
+                point[0] == expected[0] && (point[1] - expected[1]).abs() < 0.02,
+                "{point:?} {expected:?}"
+            );
+        }
+    }
+    tally.check();
 }
 
 #[test]

@@ -29,16 +29,12 @@ const FIELDS: [SensorField; 7] = [
 impl Rows<'_> {
     /// The value that is expected at each distance.
     fn expected(&self, c1_m2: f64, c2: f64) -> Vec<f64> {
-        let fan = &self.infrared.fan;
+        let (fan, range_m) = (self.ranger.fan(), self.ranger.range_m());
         let at = |distance_m: f64| {
             let ray = |i: usize| {
                 let cos = fan.cos_kappa(i);
                 let d = distance_m / cos;
-                if cos <= 0.0 || d >= self.infrared.range_m {
-                    0.0
-                } else {
-                    (cos * (c1_m2 / (d * d) + c2)).min(1.0)
-                }
+                if cos <= 0.0 || d >= range_m { 0.0 } else { (cos * (c1_m2 / (d * d) + c2)).min(1.0) }
             };
             (0..fan.len()).map(ray).sum::<f64>() / fan.len() as f64
         };

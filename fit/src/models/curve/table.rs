@@ -1,11 +1,9 @@
-//! The noise of an IR sensor that has a table of samples, and the spread of its specimens about that table.
+//! The noise of an IR sensor that has a table of samples, or of voltages, and the spread of its specimens about that table.
 //!
 //! The table itself stays as it is. A specimen's mean reading at the distance d is S(d) g + o + δ: S is the mean of the
 //! samples, g ~ N(1, σ_g) and o ~ N(0, σ_o) are the specimen's own, and δ ~ N(0, τ) is what neither tells, as of a wall of
 //! another colour than the table's. So a sensor whose curve is not that of the table has no more noise for that: noise is told by
 //! readings at one distance alone, whose unknown mean is integrated over.
-
-use baudbot_sim::sensor::Lookup;
 
 use super::super::specimens::{Spread, specimen};
 use super::super::{Case, chosen, merged};
@@ -94,8 +92,13 @@ const LEAST_REPEATS: usize = 10;
 
 impl Rows<'_> {
     /// Fits noise and spread about the table.
-    pub(super) fn fit_table(&self, case: &Case<'_>, lookup: &Lookup) -> Result<Fitted, Reason> {
-        let table = self.moments(lookup);
+    /// Mean and variance of the table at a distance and an angle of incidence are given.
+    pub(super) fn fit_table(
+        &self,
+        case: &Case<'_>,
+        moments: &dyn Fn(f64, f64) -> (f64, f64),
+    ) -> Result<Fitted, Reason> {
+        let table = self.moments(moments);
         let specimens: Vec<Vec<Group>> = self.specimens.iter().map(|rows| groups(rows, &table)).collect();
         let fixed = self.fixed();
         let free = self.free_of_table(case, &fixed);
@@ -122,13 +125,12 @@ impl Rows<'_> {
     }
 
     /// Mean and variance of the table's samples at each distance.
-    fn moments(&self, lookup: &Lookup) -> Vec<(f64, f64)> {
-        let fan = &self.infrared.fan;
+    fn moments(&self, moments: &dyn Fn(f64, f64) -> (f64, f64)) -> Vec<(f64, f64)> {
+        let fan = self.ranger.fan();
         // The ray that comes back first is that which is straightest; the wall's normal is the sensor's axis.
         let nearest = (0..fan.len()).max_by(|a, b| fan.cos_kappa(*a).total_cmp(&fan.cos_kappa(*b)));
         let cos = fan.cos_kappa(nearest.unwrap_or_default());
-        let moments = |distance_m: &f64| lookup.moments(distance_m / cos, cos.acos());
-        self.distances_m.iter().map(moments).collect()
+        self.distances_m.iter().map(|distance_m| moments(distance_m / cos, cos.acos())).collect()
     }
 
     /// The numbers of the scenario.
