@@ -13,6 +13,10 @@ special about it:
     <!-- doc: keep FOLDER -->  what it builds in this folder is kept for the next time, in `target/pages`
     <!-- doc: skip REASON -->  it is not run
 
+A sentence about files that commands have written has this before it, with the files, in which `*` stands for anything:
+
+    <!-- doc: has FILE… -->    there are such files now
+
 `<!-- doc: in a clone -->` anywhere on a page gives its folder what a clone of the repository has. The program is `BAUDBOT`, or that of
 the release build.
 """
@@ -55,6 +59,7 @@ class Tally:
     run: int = 0
     shown: int = 0
     skipped: int = 0
+    files: int = 0
     missing: list = field(default_factory=list)
 
 
@@ -66,7 +71,10 @@ def blocks(text):
     """The blocks of a page, and whether it wants a clone."""
     found, how, follows, lines = [], "", False, iter(enumerate(text.splitlines(), 1))
     for number, line in lines:
-        if comment := re.fullmatch(r"\s*<!-- doc: (.*) -->", line):
+        if files := re.fullmatch(r"\s*<!-- doc: has (.*) -->", line):
+            found.append(Block(number, "has", files[1]))
+            how, follows = "", False
+        elif comment := re.fullmatch(r"\s*<!-- doc: (.*) -->", line):
             how = comment[1] if comment[1] != "in a clone" else how
         elif fence := re.match(r"( *)```(\w+)", line):
             body = []
@@ -216,7 +224,13 @@ def end(shell):
 def do(page, block, tally):
     """What a reader does with a block."""
     word, _, rest = block.how.partition(" ")
-    if word == "file":
+    if block.kind == "has":
+        for pattern in block.text.split():
+            if not any(Path(page.cwd()).glob(pattern)):
+                there = sorted(str(path.relative_to(page.cwd())) for path in Path(page.cwd()).rglob("*") if path.is_file())
+                raise Failure(f"line {block.line}: there is no {pattern}; there are {', '.join(there)}")
+        tally.files += 1
+    elif word == "file":
         path = Path(page.cwd()) / rest
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(block.text)
@@ -265,7 +279,7 @@ def main():
         failure = try_page(path, tally)
         print(f"{time.monotonic() - started:6.1f} s  {path.relative_to(ROOT)}{'  FAILED' if failure else ''}", flush=True)
         failures += [failure] if failure else []
-    print(f"{tally.run} blocks run, {tally.shown} with their output; {tally.skipped} skipped, as their pages say why")
+    print(f"{tally.run} blocks run, {tally.shown} with their output; {tally.skipped} skipped, as their pages say why; {tally.files} sentences about files")
     print("\n".join(f"!!! NOT CHECKED: {missing}" for missing in tally.missing))
     if failures:
         sys.exit("\n\n".join(failures))

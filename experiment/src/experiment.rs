@@ -109,7 +109,12 @@ impl Experiment {
         unique(&fields)?;
         places::unique(&fields, &text)?;
         let success = raw.success.as_ref().map(|table| Success::new("success", table)).transpose()?;
-        let charts = raw.charts.into_iter().enumerate();
+        let charts = if raw.charts.is_empty() && raw.tune.is_none() {
+            usual_charts(fields.len(), success.is_some())
+        } else {
+            raw.charts
+        };
+        let charts = charts.into_iter().enumerate();
         let charts = charts.map(|(i, chart)| chart_of(i, chart, &fields, success.is_some()));
         let (brains, lifetime) = brains(raw.brain, raw.brains)?;
         Ok(Self {
@@ -309,6 +314,19 @@ fn find_of(raw: &raw::Find) -> Result<Find, Error> {
         return Err(Error::field("find.tolerance", format!("must be positive, is {tolerance}")));
     }
     Ok(Find { wants: raw.wants, share, tolerance: raw.tolerance })
+}
+
+/// The charts of an experiment that asks for none: how its one or two fields decide over success and distance.
+fn usual_charts(fields: usize, has_success: bool) -> Vec<raw::Chart> {
+    let kinds: &[ChartKind] = match fields {
+        1 => &[ChartKind::Lines],
+        2 => &[ChartKind::Lines, ChartKind::Heat],
+        _ => &[],
+    };
+    let figures = [if has_success { "success" } else { "collisions" }, "distance_m"];
+    let chart =
+        |figure: &str, kind| raw::Chart { figure: figure.to_owned(), kind, x: None, by: None, title: None };
+    figures.into_iter().flat_map(|figure| kinds.iter().map(move |&kind| chart(figure, kind))).collect()
 }
 
 fn chart_of(i: usize, raw: raw::Chart, fields: &[Field], success: bool) -> Result<Chart, Error> {

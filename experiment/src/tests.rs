@@ -106,6 +106,27 @@ kind = "heat"
 "#;
 
 #[test]
+fn an_experiment_of_one_or_two_fields_has_charts_without_asking() {
+    let field = |name: &str| format!("[[fields]]\nfield = \"brain.{name}\"\nvalues = [0.1, 0.2]\n");
+    let charts = |rest: &str| {
+        let head = "scenario = \"room\"\nbrain = \"constant:left=0.4\"\nseconds = 1.0\nseeds = 2\n";
+        let experiment = experiment(&format!("{head}{rest}")).unwrap();
+        let drawn = crate::chart::Graphs::new(&experiment).draw(&experiment);
+        drawn.into_iter().map(|(name, _)| name).collect::<Vec<_>>()
+    };
+    let (left, right) = (field("left"), field("right"));
+    let success = "[success]\ncollisions_at_most = 0\n";
+    assert_eq!(charts(&left), ["collisions.svg", "distance_m.svg"]);
+    assert_eq!(charts(&format!("{left}{success}")), ["success.svg", "distance_m.svg"]);
+    assert_eq!(
+        charts(&format!("{left}{right}{success}")),
+        ["success.svg", "success-heat.svg", "distance_m.svg", "distance_m-heat.svg"]
+    );
+    assert_eq!(charts(""), [""; 0]);
+    assert_eq!(charts(&format!("{left}[[charts]]\nfigure = \"time_s\"\n")), ["time_s.svg"]);
+}
+
+#[test]
 fn a_sweep_makes_a_row_a_run_and_what_cannot_be_run_stops_no_other() {
     let (out, experiment) = (folder("rows"), experiment(SMALL).unwrap());
     let swept = run(&experiment, &out).unwrap();
