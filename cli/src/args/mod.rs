@@ -199,6 +199,10 @@ pub(crate) struct RunArgs {
     /// Show on stderr what brains that are programs print; by default, only the last lines of one that fails
     #[arg(long)]
     pub(crate) show_output: bool,
+    /// End the run, with exit code 1, if a brain that is a program does not answer for this long by the wall clock; by default, that is
+    /// only said, after 10 s
+    #[arg(long, value_name = "S", value_parser = patience)]
+    pub(crate) brain_timeout: Option<f64>,
     /// End after this much simulated time
     #[arg(long, value_name = "S", conflicts_with = "ticks", allow_negative_numbers = true, value_parser = finite)]
     pub(crate) seconds: Option<f64>,
@@ -370,6 +374,12 @@ fn finite(text: &str) -> Result<f64, String> {
 fn instant(text: &str) -> Result<f64, String> {
     let fits = |at_s: &f64| (0.0..=MOST_S).contains(at_s);
     finite(text).ok().filter(fits).ok_or_else(|| format!("must be from 0 to {MOST_S}, is {text}"))
+}
+
+/// For how long somebody waits.
+fn patience(text: &str) -> Result<f64, String> {
+    let fits = |s: &f64| *s > 0.0 && *s <= MOST_S;
+    finite(text).ok().filter(fits).ok_or_else(|| format!("must be above 0 and at most {MOST_S}, is {text}"))
 }
 
 /// Milliseconds of a run.

@@ -52,6 +52,7 @@ impl RunArgs {
             (self.external.is_some(), "--external"),
             (self.brains.iter().any(|brain| assignment::split(brain).1.starts_with(EXEC)), "--brain exec:"),
             // Nobody can interrupt a brain on the same thread, and the world cannot run ahead of it.
+            (self.brain_timeout.is_some(), "--brain-timeout"),
             (watchdog.watchdog_ms.is_some(), "--watchdog-ms"),
             (watchdog.on_timeout.is_some(), "--on-timeout"),
             (watchdog.lookahead.is_some(), "--lookahead"),

@@ -3,7 +3,7 @@
 use std::fs::Permissions;
 use std::os::unix::fs::PermissionsExt;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
 use baudbot_client::Channel;
@@ -198,6 +198,7 @@ impl Running<'_, '_> {
         bar: &ProgressBar,
     ) -> anyhow::Result<()> {
         let mut redraw = tokio::time::interval(REDRAW);
+        let mut silence = Silence::new(self.plan, self.outside.args);
         // A failure takes a moment to be told: what has begun of that is not begun again at each redraw.
         let failed = crew.failed();
         tokio::pin!(failed);
@@ -216,12 +217,79 @@ impl Running<'_, '_> {
                     return over.map_err(|_| failure.into());
                 }
                 Some(brain) = brains.join_next() => done.push(brain.context("a brain panicked")??),
-                _ = redraw.tick() => bar.set_position(self.progress.tick()),
+                _ = redraw.tick() => {
+                    let tick = self.progress.tick();
+                    bar.set_position(tick);
+                    match silence.look(tick, Instant::now()) {
+                        Silent::No => {}
+                        Silent::Tell(time_s) => bar.suspend(|| tell!("note: at t = {time_s} s {SILENT}; Ctrl-C ends the run, and --brain-timeout S would")),
+                        Silent::End(time_s, limit_s) => {
+                            return Err(anyhow!("at t = {time_s} s {SILENT} within the {limit_s} s of --brain-timeout"));
+                        }
+                    }
+                }
             }
         }
         Ok(())
     }
 }
+
+/// What is wrong if nothing goes on. Grading says it in the same words.
+const SILENT: &str =
+    "no answer of a brain has come; look for an endless loop, or for a wait for something that does not come";
+
+/// Looks whether a world that waits for its brains goes on.
+struct Silence {
+    /// The tick that was seen last, and since when.
+    last: Option<(u64, Instant)>,
+    step_s: f64,
+    /// Whether it is to be ended, and after how long.
+    limit: Option<Duration>,
+    /// Whether somebody is to be told, as nobody was of this tick.
+    tells: bool,
+}
+
+/// What there is to do about brains that do not answer, with the time of the world.
+#[derive(Debug, PartialEq)]
+enum Silent {
+    No,
+    Tell(f64),
+    /// The run has to end, and after how many seconds that was to be.
+    End(f64, f64),
+}
+
+impl Silence {
+    fn new(plan: &Plan, args: &RunArgs) -> Self {
+        // A world under a debugger stands for as long as somebody thinks.
+        let waits = matches!(plan.pace, Pace::Lockstep(_)) && args.chips.gdb.is_empty();
+        let limit = args.brain_timeout.filter(|_| waits).map(Duration::from_secs_f64);
+        Self { last: None, step_s: plan.scenario.step_ns as f64 / 1e9, limit, tells: waits && !args.quiet }
+    }
+
+    fn look(&mut self, tick: u64, now: Instant) -> Silent {
+        let since = match self.last {
+            Some((last, since)) if last == tick => since,
+            Some(_) | None => {
+                self.last = Some((tick, now));
+                return Silent::No;
+            }
+        };
+        let (silent, time_s) = (now.saturating_duration_since(since), tick as f64 * self.step_s);
+        match self.limit {
+            Some(limit) if silent >= limit => Silent::End(time_s, limit.as_secs_f64()),
+            Some(_) => Silent::No,
+            None if self.tells && silent >= TOLD_AFTER => {
+                // Once is enough: the log goes on about it.
+                self.tells = false;
+                Silent::Tell(time_s)
+            }
+            None => Silent::No,
+        }
+    }
+}
+
+/// As long as the watchdog waits before it says so in the log.
+const TOLD_AFTER: Duration = Duration::from_secs(10);
 
 /// How often is looked who holds the robots.
 const LOOK: Duration = Duration::from_millis(20);
@@ -233,3 +301,37 @@ const NEWS: Duration = Duration::from_millis(200);
 
 /// How long connections have to close.
 const PATIENCE: Duration = Duration::from_secs(3);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn silence(limit_s: Option<u64>) -> Silence {
+        Silence { last: None, step_s: 0.01, limit: limit_s.map(Duration::from_secs), tells: true }
+    }
+
+    #[test]
+    fn a_world_that_does_not_go_on_is_told_of_once() {
+        let start = Instant::now();
+        let at = |seconds: u64| start + Duration::from_secs(seconds);
+        let mut silence = silence(None);
+        for (seconds, tick, expected) in [
+            (0, 7, Silent::No),
+            (9, 7, Silent::No),
+            (10, 7, Silent::Tell(0.07)),
+            (50, 7, Silent::No),
+            (51, 8, Silent::No),
+        ] {
+            assert_eq!(silence.look(tick, at(seconds)), expected, "{seconds}");
+        }
+    }
+
+    #[test]
+    fn a_limit_ends_it() {
+        let start = Instant::now();
+        let mut silence = silence(Some(3));
+        assert_eq!(silence.look(0, start), Silent::No);
+        assert_eq!(silence.look(1, start + Duration::from_secs(5)), Silent::No, "it goes on");
+        assert_eq!(silence.look(1, start + Duration::from_secs(8)), Silent::End(0.01, 3.0));
+    }
+}

@@ -16,6 +16,19 @@ fn summary(arguments: &[&str]) -> Value {
     serde_json::from_str(&good(&[arguments, &["--json", "--quiet"]].concat())).unwrap()
 }
 
+/// A program that drives for a moment and then hangs, as one with an endless loop does.
+#[test]
+fn a_program_that_hangs_ends_its_run_if_that_is_asked_for() {
+    let hangs =
+        program("avoid").replace("exec ", "").replace("SEED'", "SEED & sleep 1; kill -STOP $!; wait'");
+    let run =
+        ["run", "wander", "--seconds", "1000000", "--log", "off", "--brain", &hangs, "--brain-timeout", "1"];
+    let (code, out, err) = baudbot(&run);
+    assert_eq!((code, out.as_str()), (1, ""), "{err}");
+    assert!(err.contains("no answer of a brain has come; look for an endless loop"), "{err}");
+    assert!(err.contains("within the 1 s of --brain-timeout"), "{err}");
+}
+
 #[test]
 fn a_program_drives_as_the_same_brain_in_this_process() {
     let run = |brain: &str| summary(&["run", "wander", "--seconds", "20", "--seed", "5", "--brain", brain]);
