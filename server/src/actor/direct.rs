@@ -77,7 +77,7 @@ impl DirectWorld {
         actor.show();
         turns.retain(|turn| actor.sessions.session(turn.robot).is_some() && !actor.lets_sleep(*turn));
         actor.phase = Phase::Begun;
-        actor.pacer.waiting_since = clock::now();
+        actor.pacer.wait_from(clock::now());
         turns
     }
 

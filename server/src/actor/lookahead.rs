@@ -141,8 +141,8 @@ impl WorldActor {
             }
         }
         let now = clock::now();
-        self.pacer.statistics.waiting += now.saturating_duration_since(self.pacer.waiting_since);
-        self.pacer.waiting_since = now;
+        self.pacer.note_wait(now);
+        self.pacer.wait_from(now);
     }
 
     /// Gives a brain that is not overtaken any more its Turn of the tick that has begun, if it has one.

@@ -268,7 +268,7 @@ impl WorldActor {
         self.stop_silent_robots(now);
         let begun = clock::now();
         if !self.sessions.is_any_overtaken() {
-            self.pacer.waiting_since = begun;
+            self.pacer.wait_from(begun);
         }
         self.schedule.note_begin(begun - now);
     }
@@ -368,8 +368,9 @@ impl WorldActor {
     fn time_out(&mut self) {
         let Some(watchdog) = self.pacer.pace.watchdog() else { return };
         let timeout = watchdog.timeout;
-        self.pacer.statistics.waiting += clock::since(self.pacer.waiting_since);
-        self.pacer.waiting_since = clock::now();
+        let now = clock::now();
+        self.pacer.note_wait(now);
+        self.pacer.wait_from(now);
         for number in self.sessions.owing().collect::<Vec<_>>() {
             self.pacer.statistics.watchdog_timeouts += 1;
             event!(self, warn, session = number, brain = self.sessions.name(number),

@@ -1,6 +1,6 @@
 //! The pace of a world: the clock that it follows, and how well it does.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::WorldActor;
 use super::stopwatch::Stopwatch;
@@ -18,6 +18,8 @@ pub(super) struct Pacer {
     /// Since when the world waits for brains, in lockstep.
     pub(super) waiting_since: Instant,
     pub(super) running: Stopwatch,
+    /// What `running` showed then. What is waited is a part of that time, also if a brain goes meanwhile and another comes much later.
+    waited_from: Duration,
     lags: Throttle,
 }
 
@@ -30,6 +32,7 @@ impl Pacer {
             statistics: Pacing::default(),
             waiting_since: clock::now(),
             running: Stopwatch::default(),
+            waited_from: Duration::ZERO,
             lags: Throttle::default(),
         }
     }
@@ -38,6 +41,18 @@ impl Pacer {
     pub(super) fn reset_statistics(&mut self) {
         self.statistics = Pacing::default();
         self.running = Stopwatch::default();
+        self.waited_from = Duration::ZERO;
+    }
+
+    /// The world waits for brains from now on.
+    pub(super) fn wait_from(&mut self, now: Instant) {
+        self.waiting_since = now;
+        self.waited_from = self.running.elapsed_at(now);
+    }
+
+    /// Adds how long it has waited.
+    pub(super) fn note_wait(&mut self, now: Instant) {
+        self.statistics.waiting += self.running.elapsed_at(now).saturating_sub(self.waited_from);
     }
 }
 
@@ -86,7 +101,7 @@ impl WorldActor {
         if self.pacer.clock.is_some() {
             self.note_lateness(now);
         } else if self.pacer.pace.watchdog().is_some() && !self.sessions.is_any_overtaken() {
-            self.pacer.statistics.waiting += now.saturating_duration_since(self.pacer.waiting_since);
+            self.pacer.note_wait(now);
         }
     }
 
@@ -111,6 +126,26 @@ impl WorldActor {
         self.recording.set_pace(pace);
         self.pacer.clock = None;
         self.end_stepping();
-        self.pacer.waiting_since = clock::now();
+        self.pacer.wait_from(clock::now());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_waited_is_a_part_of_the_time_in_which_the_world_runs() {
+        let start = Instant::now();
+        let at = |seconds: u64| start + Duration::from_secs(seconds);
+        let mut pacer = Pacer::new(Pace::Free, false);
+        pacer.running.set(true, at(0));
+        pacer.wait_from(at(1));
+        // The brain is killed, and another comes after a while.
+        pacer.running.set(false, at(2));
+        pacer.running.set(true, at(8));
+        pacer.note_wait(at(9));
+        assert_eq!(pacer.statistics.waiting, Duration::from_secs(2));
+        assert_eq!(pacer.running.elapsed_at(at(9)), Duration::from_secs(3));
     }
 }

@@ -210,7 +210,7 @@ impl WorldActor {
         self.ports.senders = senders(&self.world);
         self.end_stepping();
         self.fit_timeline();
-        self.pacer.waiting_since = clock::now();
+        self.pacer.wait_from(clock::now());
         self.begin_to_keep();
     }
 }

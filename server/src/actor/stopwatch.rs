@@ -25,6 +25,11 @@ impl Stopwatch {
     }
 
     pub(super) fn elapsed(&self) -> Duration {
-        self.sum + self.since.map_or(Duration::ZERO, clock::since)
+        self.elapsed_at(clock::now())
+    }
+
+    /// What it shows at this instant.
+    pub(super) fn elapsed_at(&self, now: Instant) -> Duration {
+        self.sum + self.since.map_or(Duration::ZERO, |since| now.saturating_duration_since(since))
     }
 }
