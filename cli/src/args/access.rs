@@ -12,7 +12,7 @@ use clap::Args;
 use crate::error::Refused;
 
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Who may connect")]
+#[command(next_help_heading = super::ACCESS)]
 pub(crate) struct AccessArgs {
     /// Let any user of this machine do everything, without a token
     ///

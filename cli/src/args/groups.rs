@@ -25,6 +25,9 @@ const GROUPS: &[(&str, &[&str])] = &[
 const INDENT: usize = 14;
 const WIDEST: usize = 100;
 
+/// Headings of options that are about a server's clients.
+const OF_SERVERS: [&str; 2] = [super::ACCESS, super::LIMITS];
+
 /// The exit code of a command line that makes no sense.
 const USAGE: u8 = 2;
 
@@ -33,9 +36,17 @@ const TEMPLATE: &str =
 
 /// The command line, with its commands in groups.
 pub(crate) fn command() -> Command {
-    let command = Cli::command();
+    let command = Cli::command().mut_subcommand("run", without_server);
     let listed = listed(&command);
     command.help_template(TEMPLATE).before_help(listed)
+}
+
+/// A command that starts a server only if it is asked to, without what only a server has, but for where it listens. It takes all the same.
+fn without_server(command: Command) -> Command {
+    command.mut_args(|argument| {
+        let is_of_server = argument.get_help_heading().is_some_and(|heading| OF_SERVERS.contains(&heading));
+        argument.hide(is_of_server)
+    })
 }
 
 /// The command line of this process. If that makes no sense, or asks for help, it is told, and the process ends with this code.
@@ -150,6 +161,28 @@ mod tests {
             let told = told(&words);
             assert!(told.contains(expected) && told.contains("--help"), "{told}");
         }
+    }
+
+    #[test]
+    fn the_help_of_run_has_nothing_of_a_server_that_it_does_not_start() {
+        let mut run = command().find_subcommand("run").unwrap().clone();
+        let help = run.render_long_help().to_string();
+        let serve = command().find_subcommand("serve").unwrap().clone();
+        let of_server = serve
+            .get_arguments()
+            .filter(|arg| arg.get_help_heading().is_some_and(|h| OF_SERVERS.contains(&h)));
+        let names: Vec<_> = of_server.filter_map(|arg| Some(format!("--{}", arg.get_long()?))).collect();
+        assert!(names.len() > 20, "{names:?}");
+        for name in &names {
+            assert!(
+                !help.contains(&format!("{name} ")) && !help.contains(&format!("{name}\n")),
+                "{name} is in\n{help}"
+            );
+        }
+        assert!(help.contains("--listen") && help.contains("`baudbot help serve`"), "{help}");
+        // They are taken all the same.
+        let words = ["baudbot", "run", "--listen", "127.0.0.1:0", "--max-connections", "5"];
+        assert!(command().try_get_matches_from(words).is_ok());
     }
 
     #[test]

@@ -20,7 +20,9 @@ Examples:
   baudbot run wander --json --quiet | python3 -m json.tool
 
 Ctrl-C (or SIGTERM, or SIGHUP) ends a run early: the summary is still printed, and the exit code is 130. A second Ctrl-C
-ends the program at once, without a summary. The exit code is 1 if a recording could not be completed.";
+ends the program at once, without a summary. The exit code is 1 if a recording could not be completed.
+
+With --listen or --viewer a run is a server, too, and takes the options about access and limits of `baudbot help serve`.";
 
 pub(super) const SWEEP_EXAMPLES: &str = "\
 Examples:

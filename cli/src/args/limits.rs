@@ -6,7 +6,7 @@ use baudbot_server::Limits;
 use clap::Args;
 
 #[derive(Debug, Default, Args)]
-#[command(next_help_heading = "Limits (docs/reference/limits.md)")]
+#[command(next_help_heading = super::LIMITS)]
 pub(crate) struct LimitArgs {
     /// Maximum number of connections at a time, including pages
     ///

@@ -400,6 +400,8 @@ impl Cli {
 
 /// Headings of options.
 const LOG: &str = "Log";
+const ACCESS: &str = "Who may connect";
+const LIMITS: &str = "Limits (docs/reference/limits.md)";
 const PACE: &str = "Pace";
 
 /// Longer than any run that is waited for.
