@@ -18,8 +18,9 @@ use serde_json::{Value, json};
 
 use crate::args::GradeArgs;
 use crate::assignment::{self, Assigned, NONE};
+use crate::class::{self, Class};
 use crate::error::Refused;
-use crate::output_files::{EXERCISE, Inputs};
+use crate::output_files::{self, EXERCISE, Inputs};
 use crate::signals::INTERRUPTED;
 use crate::text::{pairs, print, print_json, tell};
 use crate::{text, work};
@@ -36,6 +37,16 @@ pub(crate) async fn grade(args: GradeArgs) -> anyhow::Result<ExitCode> {
     if args.show {
         return show(&exercise, args.json);
     }
+    if !args.class.is_empty() {
+        let class = Class::find(&args)?;
+        let inputs = Inputs::default().file(EXERCISE, &name);
+        let outputs = [("--junit", &args.junit), ("--csv", &args.csv)];
+        let outputs: Vec<_> =
+            outputs.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).collect();
+        output_files::check_apart(outputs.iter().copied())?;
+        inputs.check(outputs.into_iter())?;
+        return work::until_stopped(move |stop| class::run(&exercise, &args, class, stop)).await;
+    }
     if args.brains.is_empty() {
         return Err(Refused::error(format!(
             "which brain is to be graded? Add --brain NAME, --brain FILE.toml or --brain 'exec:PROGRAM'; `baudbot grade {name} --show` \
@@ -44,13 +55,13 @@ pub(crate) async fn grade(args: GradeArgs) -> anyhow::Result<ExitCode> {
     }
     let inputs = Inputs::default().file(EXERCISE, &name).brains(&args.brains).brains(&exercise.brains);
     inputs.check(args.junit.iter().map(|path| ("--junit", path.as_path())))?;
-    let assigned = assigned(&name, &exercise, &args)?;
+    let assigned = assigned(&name, &exercise, &args, &args.brains)?;
     work::until_stopped(move |stop| run(&exercise, &args, &assigned, stop)).await
 }
 
 /// Without an exercise there is nothing that a brain could do.
 fn refuse_brains(args: &GradeArgs) -> anyhow::Result<()> {
-    if args.brains.is_empty() && args.junit.is_none() {
+    if args.brains.is_empty() && args.class.is_empty() && args.junit.is_none() {
         return Ok(());
     }
     Err(Refused::error(
@@ -101,7 +112,12 @@ fn read(name: &str, args: &GradeArgs) -> anyhow::Result<Exercise> {
 }
 
 /// The brain that is graded, and those that the exercise has for other robots.
-fn assigned(name: &str, exercise: &Exercise, args: &GradeArgs) -> anyhow::Result<Assigned> {
+pub(crate) fn assigned(
+    name: &str,
+    exercise: &Exercise,
+    args: &GradeArgs,
+    brains: &[String],
+) -> anyhow::Result<Assigned> {
     let scenario = exercise.scenario_with(exercise.seeds.get(0))?;
     for (i, brain) in exercise.brains.iter().enumerate() {
         // A fault of the file is not one of the command line.
@@ -111,7 +127,7 @@ fn assigned(name: &str, exercise: &Exercise, args: &GradeArgs) -> anyhow::Result
             .and_then(|own| check(&own, &scenario));
         checked.map_err(|error| Refused::error(format!("{name}: brains[{i}]: {error}")))?;
     }
-    let brains: Vec<_> = args.brains.iter().chain(&exercise.brains).cloned().collect();
+    let brains: Vec<_> = brains.iter().chain(&exercise.brains).cloned().collect();
     let mut assigned = assignment::assign(&brains, &scenario.robots, &[])?;
     assignment::set_parameters(&mut assigned, &args.parameters)?;
     check(&assigned, &scenario).map_err(Refused::error)?;
@@ -184,4 +200,4 @@ fn report(exercise: &Exercise, args: &GradeArgs, grading: &Grading) -> anyhow::R
 }
 
 /// The exit code of a brain that is not good enough.
-const NOT_PASSED: u8 = 3;
+pub(crate) const NOT_PASSED: u8 = 3;

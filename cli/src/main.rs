@@ -5,7 +5,7 @@
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
 //! 2. `run`, `sweep`, `tune`, `grade`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
 //!    `preset`, `evidence`, `fit`, `export`, `watch`, `new`, `token`, `state`, `cert`, `list` and `pages` are the commands, one a file or folder; `work` is
-//!    what `sweep`, `tune` and `grade` share.
+//!    what `sweep`, `tune` and `grade` share, and `class` grades many brains.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `state` finds the worlds that a server has left, which `kept` checks, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
 //! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
@@ -26,6 +26,7 @@ mod budget;
 mod cert;
 mod check;
 mod chips;
+mod class;
 mod completions;
 mod connect;
 mod csv;

@@ -51,7 +51,11 @@ impl Advice {
     pub fn words(&self, measures: &Measures) -> Option<String> {
         let word = |part: &Part| match part {
             Part::Text(text) => text.clone(),
-            Part::Value(measure) => measures.get(*measure).map_or_else(|| "?".to_owned(), shown),
+            Part::Value(measure) => match measures.get(*measure) {
+                None => "?".to_owned(),
+                Some(share) if measure.is_share() => format!("{} %", shown(100.0 * share)),
+                Some(value) => shown(value),
+            },
         };
         let is_meant = self.when.hold(|measure| measures.get(measure));
         is_meant.then(|| self.parts.iter().map(word).collect())

@@ -5,37 +5,60 @@ use std::fmt::Write;
 use crate::exercise::Exercise;
 use crate::grading::{Grading, Verdict};
 
+/// One of those whose brains are graded on an exercise.
+pub struct Pupil<'a> {
+    /// Who it is.
+    pub name: &'a str,
+    /// What came of the brain, or why it could not be graded.
+    pub outcome: Result<&'a Grading, &'a str>,
+}
+
 /// The text of a file.
 pub fn junit(exercise: &Exercise, grading: &Grading) -> String {
-    let cases = exercise.criteria.iter().zip(&grading.awarded);
-    let is_short = |count: usize| count < grading.runs.len();
-    let (failures, errors) = match grading.verdict {
-        Verdict::NotGraded => (0, exercise.criteria.len()),
-        Verdict::Passed | Verdict::Failed => {
-            (grading.awarded.iter().filter(|awarded| is_short(awarded.count())).count(), 0)
-        }
+    HEAD.to_owned() + &suite(exercise, &exercise.name, Ok(grading))
+}
+
+/// The text of a file in which each of a class is a suite.
+pub fn class(exercise: &Exercise, pupils: &[Pupil<'_>]) -> String {
+    let suites = pupils
+        .iter()
+        .map(|pupil| suite(exercise, &format!("{}.{}", exercise.name, pupil.name), pupil.outcome));
+    format!("{HEAD}<testsuites>\n{}</testsuites>\n", suites.collect::<String>())
+}
+
+const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+
+fn suite(exercise: &Exercise, name: &str, outcome: Result<&Grading, &str>) -> String {
+    let (name, all) = (escaped(name), exercise.criteria.len());
+    let short = |grading: &Grading, place: usize| grading.awarded[place].count() < grading.runs.len();
+    let graded = outcome.ok().filter(|grading| grading.verdict != Verdict::NotGraded);
+    let (failures, errors) = match graded {
+        None => (0, all),
+        Some(grading) => ((0..all).filter(|place| short(grading, *place)).count(), 0),
     };
-    let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" failures=\"{failures}\" errors=\"{errors}\">\n",
-        escaped(&exercise.name),
-        exercise.criteria.len()
-    );
-    let words = escaped(&grading.findings.join("\n"));
-    for (criterion, awarded) in cases {
-        let case = format!("classname=\"{}\" name=\"{}\"", escaped(&exercise.name), escaped(&criterion.name));
-        let values = grading.values(criterion).unwrap_or_default();
-        let message = format!("{} of {} seeds{values}", awarded.count(), grading.runs.len());
-        let message = escaped(&message);
-        let _ = match (grading.verdict, is_short(awarded.count())) {
-            (Verdict::NotGraded, _) => writeln!(
+    let mut text =
+        format!("<testsuite name=\"{name}\" tests=\"{all}\" failures=\"{failures}\" errors=\"{errors}\">\n");
+    let words = match outcome {
+        Ok(grading) => escaped(&grading.findings.join("\n")),
+        Err(problem) => escaped(problem),
+    };
+    for (place, criterion) in exercise.criteria.iter().enumerate() {
+        let case = format!("classname=\"{name}\" name=\"{}\"", escaped(&criterion.name));
+        let _ = match graded {
+            None => writeln!(
                 text,
                 "  <testcase {case}><error message=\"cannot be graded\">{words}</error></testcase>"
             ),
-            (_, false) => writeln!(text, "  <testcase {case}/>"),
-            (_, true) => writeln!(
-                text,
-                "  <testcase {case}><failure message=\"{message}\">{words}</failure></testcase>"
-            ),
+            Some(grading) if short(grading, place) => {
+                let values = grading.values(criterion).unwrap_or_default();
+                let (count, runs) = (grading.awarded[place].count(), grading.runs.len());
+                let message = escaped(&format!("{count} of {runs} seeds{values}"));
+                writeln!(
+                    text,
+                    "  <testcase {case}><failure message=\"{message}\">{words}</failure></testcase>"
+                )
+            }
+            Some(_) => writeln!(text, "  <testcase {case}/>"),
         };
     }
     text + "</testsuite>\n"

@@ -95,6 +95,16 @@ impl Measure {
     }
 }
 
+impl Measure {
+    /// Whether it is a part of a whole, which people read as a percentage.
+    pub(crate) fn is_share(self) -> bool {
+        match self {
+            Self::Figure(figure) => figure.info().is_share,
+            Self::Own(own) => MEASURES[own as usize].name.ends_with("_share"),
+        }
+    }
+}
+
 impl Quantity for Measure {
     fn named(name: &str) -> Result<Self, UnknownName> {
         let names: Vec<_> = Self::all().map(Self::name).collect();

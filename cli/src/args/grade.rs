@@ -13,6 +13,17 @@ pub(crate) struct GradeArgs {
     /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own, as for `baudbot run`.
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
+    /// Grade each brain of a class: a folder of brains, or several files and folders
+    ///
+    /// A brain is a file NAME.toml or NAME.py, a program, or a folder with brain.toml or brain.py; it goes by its name. The result is a table.
+    #[arg(long, value_name = "PATH", num_args = 1.., requires = "exercise", conflicts_with_all = ["list", "show", "toml"])]
+    pub(crate) class: Vec<PathBuf>,
+    /// How programs of a class are run, such as 'exec:.venv/bin/python {}'; by default, Python's by python3, others as they are
+    #[arg(long, value_name = "exec:COMMAND {}", requires = "class")]
+    pub(crate) with: Option<String>,
+    /// Write the table of a class as CSV; `-` is stdout
+    #[arg(long, value_name = "FILE", requires = "class")]
+    pub(crate) csv: Option<PathBuf>,
     /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
     #[arg(long = "parameter", value_name = "NAME=VALUE")]
     pub(crate) parameters: Vec<String>,
@@ -53,10 +64,11 @@ Examples:
   baudbot grade wander --brain 'exec:python3 brain.py'
   baudbot grade wander --brain avoid --json --quiet
   baudbot grade my.toml --brain brain.toml --junit result.xml
+  baudbot grade wander --class homework --csv points.csv    all brains in a folder
 
 Exit codes:
   0    passed, or nothing to grade
   1    not graded: the brain drove in no run, or an error occurred
   2    the exercise, the brain or the options cannot be used
-  3    graded, and not passed
+  3    graded, and not passed; of a class, not by all
   130  stopped by Ctrl-C";

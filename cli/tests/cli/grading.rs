@@ -223,3 +223,42 @@ fn junit_has_a_case_for_each_criterion() {
     assert_eq!((cases.len(), suite.attribute("failures")), (3, Some("1")), "{text}");
     assert!(text.contains("left comes first"), "{text}");
 }
+
+#[test]
+fn a_class_is_graded_into_a_table_for_people_programs_and_continuous_integration() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    std::fs::create_dir(place("class")).unwrap();
+    let baudbot = env!("CARGO_BIN_EXE_baudbot");
+    let program = format!(
+        "#!/bin/sh\nexec {baudbot} brain avoid --connect $BAUDBOT_CONNECT --world $BAUDBOT_WORLD --robot $BAUDBOT_ROBOT --seed $BAUDBOT_SEED\n"
+    );
+    std::fs::write(place("class/ada"), program).unwrap();
+    std::fs::set_permissions(place("class/ada"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    std::fs::write(place("class/bob.toml"), "motor = 3\n").unwrap();
+    std::fs::write(place("class/notes.txt"), "nobody's").unwrap();
+    let arguments = ["grade", "wander", "--seeds", "1", "--class", &place("class"), "--csv", &place("a.csv")];
+    let (code, out, err) = crate::cli::baudbot(&[&arguments[..], &["--junit", &place("a.xml")]].concat());
+    assert_eq!((code, err.as_str()), (3, ""), "{out}");
+    let lines: Vec<_> = out.lines().collect();
+    assert!(lines[2].starts_with("  ada  5.00") && lines[2].ends_with("passed"), "{out}");
+    assert!(
+        lines[3].starts_with("  bob  0.00  not-graded  ")
+            && lines[3].contains("motor: must be a table, is 3"),
+        "{out}"
+    );
+    assert!(lines[5].starts_with("1 of 2 brains passed, with "), "{out}");
+    let csv = std::fs::read_to_string(place("a.csv")).unwrap();
+    let heads: Vec<_> = csv.lines().map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(heads, ["name", "ada", "bob"], "{csv}");
+    let xml = std::fs::read_to_string(place("a.xml")).unwrap();
+    let document = roxmltree::Document::parse(&xml).unwrap();
+    let suites = document.descendants().filter(|node| node.has_tag_name("testsuite"));
+    let told: Vec<_> =
+        suites.map(|suite| (suite.attribute("name").unwrap(), suite.attribute("errors").unwrap())).collect();
+    assert_eq!(told, [("wander.ada", "0"), ("wander.bob", "2")]);
+    let (code, _, err) = crate::cli::baudbot(&["grade", "wander", "--class", &place("class/notes.txt")]);
+    assert!(code == 2 && err.contains("notes.txt: is no brain"), "{err}");
+}
