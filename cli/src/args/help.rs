@@ -7,6 +7,13 @@ When a tick ends:
   scaled:X   by the wall clock, X simulated seconds per second
   free       immediately; a brain that has not answered yet counts as silent";
 
+pub(super) const SERVED_PACE_HELP: &str = "\
+When a tick ends; without this option in real time, and with --resume as recorded:
+  lockstep   when every brain has answered: the same run on any machine
+  real-time  by the wall clock, without waiting for brains
+  scaled:X   by the wall clock, X simulated seconds per second
+  free       immediately; a brain that has not answered yet counts as silent";
+
 pub(super) const RUN_EXAMPLES: &str = "\
 Examples:
   baudbot run                                    the default: wander, brain avoid, 60 s

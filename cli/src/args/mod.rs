@@ -49,8 +49,8 @@ pub(crate) use self::grade::GradeArgs;
 pub(crate) use self::groups::{command, parsed};
 use self::help::{
     BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, EVIDENCE_EXAMPLES, PACE_HELP,
-    PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES,
-    WATCH_EXAMPLES,
+    PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SERVED_PACE_HELP, SWEEP_EXAMPLES,
+    TUNE_EXAMPLES, WATCH_EXAMPLES,
 };
 pub(crate) use self::list::{CompletionsArgs, InitArgs, ListArgs, ManArgs};
 pub(crate) use self::locate::{LocateArgs, Search};
@@ -252,7 +252,7 @@ pub(crate) struct ServeArgs {
     #[arg(long)]
     pub(crate) paused: bool,
     /// When a tick ends: lockstep, real-time, scaled:X or free [default: real-time; with --resume, as recorded]
-    #[arg(long, value_name = "PACE", long_help = PACE_HELP, help_heading = PACE)]
+    #[arg(long, value_name = "PACE", long_help = SERVED_PACE_HELP, help_heading = PACE)]
     pub(crate) pace: Option<PaceName>,
     /// Let operators record worlds into this folder, and replay the recordings in it
     #[arg(long, value_name = "FOLDER", help_heading = record::HEADING)]
