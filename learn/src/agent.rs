@@ -112,10 +112,10 @@ impl Agent {
         }
         let mut wheels = [0.0; WHEELS];
         for (i, signal) in action.enumerate() {
-            if signal.is_nan() {
+            if !signal.is_finite() {
                 return Err(LearnError::value(
                     format!("action[{i}]"),
-                    format!("the signal for `{}` is NaN", names[i]),
+                    format!("the signal for `{}` is {signal}", names[i]),
                 ));
             }
             let signal = signal.clamp(-1.0, 1.0);

@@ -63,6 +63,17 @@ struct Row<'a> {
     readable: &'a mut [i8],
 }
 
+/// Of new runs.
+#[derive(Clone, Copy, Debug)]
+pub enum Seeds<'a> {
+    /// Those that follow from the ones before.
+    Next,
+    /// This one for the first environment, the next for the second, and so on.
+    From(u64),
+    /// One for each environment, or what follows from the one before.
+    Each(&'a [Option<u64>]),
+}
+
 /// The work of a step for one environment.
 struct Work<'a> {
     env: &'a mut Env,
@@ -138,14 +149,13 @@ impl Fleet {
         self.envs.iter().fold(0, |all, env| all.rotate_left(1) ^ env.world().hash())
     }
 
-    /// Begins other runs: of environments that `which` is true of (of all without it), with seeds from `seed` on, or with the
-    /// next ones.
+    /// Begins other runs: of environments that `which` is true of (of all without it), with these seeds.
     ///
     /// # Errors
     /// If a run's scenario makes no sense.
     pub fn reset(
         &mut self,
-        seed: Option<u64>,
+        seeds: Seeds<'_>,
         which: Option<&[bool]>,
         arrays: Arrays<'_>,
     ) -> Result<(), LearnError> {
@@ -155,8 +165,13 @@ impl Fleet {
         let work = envs.iter_mut().zip(runs).zip(arrays.rows(width)).enumerate();
         threads.each(work, |(i, ((env, run), mut row))| {
             if which.is_none_or(|which| which[i]) {
+                let seed = match seeds {
+                    Seeds::Next => None,
+                    Seeds::From(seed) => Some(seed_of(seed, i)),
+                    Seeds::Each(seeds) => seeds.get(i).copied().flatten(),
+                };
                 let next = match seed {
-                    Some(seed) => Run { seed: seed_of(seed, i), ..Run::default() },
+                    Some(seed) => Run { seed, ..Run::default() },
                     None => Run { seed: run.seed, number: run.number + 1, ..Run::default() },
                 };
                 env.reset(next.world_seed(), &[])?;
@@ -170,7 +185,7 @@ impl Fleet {
     /// A step of each environment. `actions` has shape (environments, actions). Whether a run ended in it.
     ///
     /// # Errors
-    /// If an action is NaN, or a new run's scenario makes no sense.
+    /// If an action is not finite, or a new run's scenario makes no sense.
     ///
     /// # Panics
     /// If an array has another shape.
@@ -182,9 +197,9 @@ impl Fleet {
         out: Rewards<'_>,
     ) -> Result<bool, LearnError> {
         let signals = self.envs[0].agents()[0].layout().actions.len();
-        if let Some(place) = actions.iter().position(|signal| signal.is_nan()) {
+        if let Some(place) = actions.iter().position(|signal| !signal.is_finite()) {
             let path = format!("actions[{}, {}]", place / signals, place % signals);
-            return Err(LearnError::value(path, "is NaN"));
+            return Err(LearnError::value(path, format!("is {}", actions[place])));
         }
         self.threads.are_there()?;
         let (width, autoreset) = (self.width(), self.autoreset);

@@ -31,7 +31,7 @@ mod vary;
 pub use agent::Agent;
 pub use env::{Env, Stepped};
 pub use error::LearnError;
-pub use fleet::{Arrays, Autoreset, Fleet, Rewards};
+pub use fleet::{Arrays, Autoreset, Fleet, Rewards, Seeds};
 pub use layout::{Layout, Part};
 pub use reward::{Reward, Tally};
 pub use run::Info;

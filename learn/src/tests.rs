@@ -5,7 +5,9 @@ use baudbot_experiment::in_process::InProcess;
 use baudbot_import::source::Source;
 
 use crate::run::episode_seed;
-use crate::{Arrays, Autoreset, Draw, Env, Fleet, LearnError, Request, Reward, Rewards, Tally, Task, Varied};
+use crate::{
+    Arrays, Autoreset, Draw, Env, Fleet, LearnError, Request, Reward, Rewards, Seeds, Tally, Task, Varied,
+};
 
 /// On, more slowly the nearer something is, and to the left before what is too near.
 fn steer(nearest: f64) -> [f64; 2] {
@@ -157,6 +159,8 @@ fn wrong_actions_and_rewards_are_named() {
         (said.path().unwrap().as_str(), said.to_string().as_str()),
         ("action[1]", "action[1]: the signal for `right` is NaN")
     );
+    let said = env.act(0, [f64::INFINITY, 0.1].into_iter()).unwrap_err().to_string();
+    assert_eq!(said, "action[0]: the signal for `left` is inf");
     let said = Reward::new([("distance", 1.0)]).unwrap_err().to_string();
     assert!(
         said.starts_with("reward.distance: there is no such part; there are: seconds, distance_m"),
@@ -214,7 +218,7 @@ fn ran(threads: usize, autoreset: Autoreset) -> (u64, f64, usize) {
     let reward = Reward::new([("distance_m", 1.0), ("collisions", -5.0)]).unwrap();
     let mut buffers = Buffers::new(8);
     let Buffers { values, ages_s, readable, .. } = &mut buffers;
-    fleet.reset(Some(10), None, Arrays { values, ages_s, readable }).unwrap();
+    fleet.reset(Seeds::From(10), None, Arrays { values, ages_s, readable }).unwrap();
     let (mut total, mut ended) = (0.0, 0);
     for _ in 0..300 {
         buffers.step(&mut fleet, &reward);
@@ -222,6 +226,24 @@ fn ran(threads: usize, autoreset: Autoreset) -> (u64, f64, usize) {
         ended += buffers.truncated.iter().chain(&buffers.terminated).filter(|over| **over).count();
     }
     (fleet.hash(), total, ended)
+}
+
+#[test]
+fn each_environment_of_a_fleet_may_have_a_seed_of_its_own() {
+    let mut fleet = Fleet::new(&wander(&[]), 3, 1, 1, Autoreset::NextStep).unwrap();
+    let mut buffers = Buffers::new(3);
+    let mut begin = |fleet: &mut Fleet, seeds: Seeds<'_>| {
+        let Buffers { values, ages_s, readable, .. } = &mut buffers;
+        fleet.reset(seeds, None, Arrays { values, ages_s, readable }).unwrap();
+        [0, 1, 2].map(|place| fleet.info(place, false).seed)
+    };
+    let from = begin(&mut fleet, Seeds::From(5));
+    assert_eq!(begin(&mut fleet, Seeds::Each(&[Some(5), Some(6), Some(7)])), from);
+    let [first, next, last] = begin(&mut fleet, Seeds::Each(&[Some(7), None, Some(5)]));
+    assert_eq!((first, last), (from[2], from[0]));
+    assert_ne!(next, from[1], "it follows from the one before");
+    assert_eq!(begin(&mut fleet, Seeds::From(5)), from);
+    assert_ne!(begin(&mut fleet, Seeds::Next), from);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use baudbot_learn::{self as learn, Arrays, Autoreset, Reward, Rewards, Tally};
+use baudbot_learn::{self as learn, Arrays, Autoreset, Reward, Rewards, Seeds, Tally};
 use numpy::{PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2};
 use pyo3::prelude::*;
 
@@ -61,11 +61,11 @@ impl Fleet {
     }
 
     /// Begins other runs, of environments that `which` is true of, and writes what all observe.
-    #[pyo3(signature = (seed, which, values, ages_s, readable))]
+    #[pyo3(signature = (seeds, which, values, ages_s, readable))]
     fn reset(
         &self,
         py: Python<'_>,
-        seed: Option<u64>,
+        seeds: Option<Vec<Option<u64>>>,
         which: Option<Vec<bool>>,
         mut values: Floats<'_>,
         mut ages_s: Floats<'_>,
@@ -81,7 +81,8 @@ impl Fleet {
         }
         let mut fleet = locked(py, &self.fleet)?;
         let fleet = &mut *fleet;
-        apart(py, || fleet.reset(seed, which.as_deref(), arrays))?
+        let seeds = seeds.as_deref().map_or(Seeds::Next, Seeds::Each);
+        apart(py, || fleet.reset(seeds, which.as_deref(), arrays))?
             .map_err(|error| of_learning(py, &error))?;
         limit(&mut ages_s, self.max_age_s);
         Ok(())

@@ -170,6 +170,30 @@ class Bits(unittest.TestCase):
         self.assertEqual(env.hash, world.hash)
         np.testing.assert_array_equal(observation["readings"], world.readings.values.astype(np.float32))
 
+    def test_each_environment_may_have_a_seed_of_its_own(self) -> None:
+        envs = VectorEnv(3, "wander")
+        together = envs.reset(seed=5)[1]["seed"].tolist()
+        self.assertEqual(envs.reset(seed=[5, 6, 7])[1]["seed"].tolist(), together)
+        first, _, last = envs.reset(seed=[7, None, 5])[1]["seed"].tolist()
+        self.assertEqual([first, last], [together[2], together[0]])
+        self.refused("3 environments", lambda: envs.reset(seed=[1, 2]))
+        self.refused("seed", lambda: envs.reset(seed=[1, 2, -3]))
+
+    def test_environments_without_a_seed_do_not_start_alike(self) -> None:
+        starts = [VectorEnv(2, "wander").reset()[1]["seed"].tolist() for _ in range(3)]
+        self.assertNotEqual(starts[0], starts[1])
+        self.assertNotEqual(starts[1], starts[2])
+        seeded = [VectorEnv(2, "wander") for _ in range(2)]
+        for envs in seeded:
+            envs.reset(seed=3)
+        self.assertEqual(*(envs.reset()[1]["seed"].tolist() for envs in seeded))
+
+    def test_infinity_is_no_action(self) -> None:
+        envs, env = VectorEnv(2, "wander"), Env("wander")
+        envs.reset(seed=1), env.reset(seed=1)
+        self.refused(r"actions\[1, 0\]: is inf", lambda: envs.step(np.array([[0, 0], [np.inf, 0]], np.float32)))
+        self.refused("the signal for `right` is -inf", lambda: env.step(np.array([0, -np.inf], np.float32)))
+
     def test_a_run_that_is_over_as_soon_as_it_begins_says_so_each_time(self) -> None:
         options: dict[str, Any] = {"randomize": {"robots.robot.start.x_m": [2.0]}, "reward": {"success": 1}}
         ours = VectorEnv(2, scenario("wedge"), **options)

@@ -65,6 +65,12 @@ class Sweeps(unittest.TestCase):
         self.assertEqual(told[-1][1], 12)
         self.assertIn("<table", baudbot.runs(self.experiment, out=here)._repr_html_())
 
+    def test_runs_that_failed_are_told_of(self) -> None:
+        self.experiment.write_text(EXPERIMENT.replace("[2400, 9600]", '[9600, "x"]').replace("seeds = 6", "seeds = 2"))
+        with self.assertWarnsRegex(UserWarning, r"2 of 4 runs failed, and their rows have no numbers: run 2: .*baud"):
+            frame = baudbot.sweep(self.experiment, out=self.folder / "out")
+        self.assertEqual(int(frame["distance_m"].isna().sum()), 2)
+
     def test_one_goes_on_where_the_other_was_stopped(self) -> None:
         long = self.folder / "long.toml"
         long.write_text(EXPERIMENT.replace("seconds = 5.0", "seconds = 300.0").replace("seeds = 6", "seeds = 40"))

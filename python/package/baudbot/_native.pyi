@@ -89,7 +89,7 @@ class Fleet:
         max_age_s: float,
     ) -> Fleet: ...
     def reset(
-        self, seed: int | None, which: Sequence[bool] | None, values: _Floats, ages_s: _Floats, readable: _Flags
+        self, seeds: Sequence[int | None] | None, which: Sequence[bool] | None, values: _Floats, ages_s: _Floats, readable: _Flags
     ) -> None: ...
     def step(
         self,

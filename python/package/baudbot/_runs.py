@@ -80,8 +80,9 @@ def runs(
     """Like `sweep`, with the summary and the charts."""
     experiment, folder = folder_of(experiment, out, "sweep")
     options = seeds_text(seeds), _jobs(jobs), _given.flag(fresh, "fresh"), given_progress(progress)
-    told = done(_native.sweep(experiment, folder, *options, None), folder)
-    return Runs(folder, told)
+    result = Runs(folder, done(_native.sweep(experiment, folder, *options, None), folder))
+    warn_of_failures(result.summary)
+    return result
 
 
 def tune(
@@ -133,6 +134,14 @@ def done(outcome: tuple[str, list[str], bool, list[str]], folder: Path) -> str:
     if interrupted:
         raise Error(f"stopped; what was run is recorded in {folder}, and the same call continues from there")
     return told
+
+
+def warn_of_failures(summary: dict[str, Any]) -> None:
+    """Runs that failed have no numbers in the table, for which `baudbot sweep` ends with an exit code."""
+    if not summary["failed"]:
+        return
+    reasons = "; ".join(f"run {one['run']}: {one['error']}" for one in summary["failures"][:3])
+    warnings.warn(f"{summary['failed']} of {summary['runs']} runs failed, and their rows have no numbers: {reasons}", stacklevel=4)
 
 
 def _frame(path: Path) -> pandas.DataFrame:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import ray
 
 from . import _given, _native
-from ._runs import Progress, Runs, done, folder_of, given_progress, seeds_text
+from ._runs import Progress, Runs, done, folder_of, given_progress, seeds_text, warn_of_failures
 
 if TYPE_CHECKING:
     import pandas
@@ -62,7 +62,9 @@ def sweep(
             if progress is not None:
                 progress(count - len(waiting), count)
     told = _native.merge(experiment, [place], folder, seeds, fresh)
-    return Runs(folder, done(told, folder)).frame()
+    result = Runs(folder, done(told, folder))
+    warn_of_failures(result.summary)
+    return result.frame()
 
 
 #: As many as the command has.

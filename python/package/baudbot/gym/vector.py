@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -91,14 +91,29 @@ class VectorEnv(GymnasiumVectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        first = None if seed is None else checked_seed(seed, self.num_envs)
+        seeds = None if seed is None else self._seeds(seed)
         which = asked(options, "reset_mask").get("reset_mask")
         begun = np.ones(self.num_envs, np.bool_) if which is None else np.asarray(which).ravel().astype(np.bool_)
         fleet = self._open
-        super().reset(seed=first)
-        fleet.reset(first, begun.tolist(), *self._observed)
+        super().reset(seed=next((one for one in seeds or [] if one is not None), None))
+        if seeds is None and self._is_new:
+            # Who gives no seed gets another run each time; later ones follow from these.
+            seeds = self._from(int(self.np_random.integers(1 << 31)))
+        fleet.reset(seeds, begun.tolist(), *self._observed)
         self._is_new, self._ended = False, self._ended & ~begun
         return self._observation(self._observed), self._infos(begun)
+
+    def _from(self, first: int) -> list[int | None]:
+        """A seed for each environment, each the next of the one before."""
+        return [first + place for place in range(self.num_envs)]
+
+    def _seeds(self, seed: int | Sequence[int | None]) -> list[int | None]:
+        """As they are given: the first, or one for each environment, of which None follows from the one before."""
+        if not isinstance(seed, (list, tuple, np.ndarray)):
+            return self._from(checked_seed(seed, self.num_envs))
+        if len(seed) != self.num_envs:
+            raise Invalid(f"seed: has {len(seed)} seeds for {self.num_envs} environments", "seed")
+        return [None if one is None else checked_seed(one) for one in seed]
 
     def step(
         self, actions: NDArray[np.float32]
