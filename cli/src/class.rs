@@ -12,8 +12,8 @@ use baudbot_grade::{Exercise, Grading, Options, Verdict, grade};
 use serde_json::{Value, json};
 
 use crate::args::GradeArgs;
+use crate::assignment::Assigned;
 use crate::error::Refused;
-use crate::grade::{NOT_PASSED, assigned};
 use crate::signals::INTERRUPTED;
 use crate::text::{self, print, print_json, table, tell};
 use crate::work;
@@ -108,11 +108,14 @@ fn sorted(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 /// What came of one: a grading, or why there is none.
 type Outcome = Result<Grading, String>;
 
-/// Grades all of them, one after the other.
+/// The exit code of a brain that is not good enough.
+pub(crate) const NOT_PASSED: u8 = 3;
+
+/// Grades all of them, one after the other; `assign` gives the brains that are named to robots.
 pub(crate) fn run(
     exercise: &Exercise,
     args: &GradeArgs,
-    Class(entries): Class,
+    (Class(entries), assign): (Class, &dyn Fn(&[String]) -> anyhow::Result<Assigned>),
     stop: &AtomicBool,
 ) -> anyhow::Result<ExitCode> {
     let bar = work::progress(args.quiet);
@@ -124,7 +127,7 @@ pub(crate) fn run(
         progress(0);
         let brains: Vec<_> = [entry.brain.clone()].into_iter().chain(args.brains.iter().cloned()).collect();
         // A brain that cannot be read is its author's fault, and not the class's.
-        let outcome = match assigned(&exercise.name, exercise, args, &brains) {
+        let outcome = match assign(&brains) {
             Err(error) => Err(error.to_string()),
             Ok(assigned) => {
                 let options = Options { jobs: work::jobs_of(args.jobs), stop, progress: &progress };

@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 
 use crate::args::GradeArgs;
 use crate::assignment::{self, Assigned, NONE};
-use crate::class::{self, Class};
+use crate::class::{self, Class, NOT_PASSED};
 use crate::error::Refused;
 use crate::output_files::{self, EXERCISE, Inputs};
 use crate::signals::INTERRUPTED;
@@ -45,7 +45,11 @@ pub(crate) async fn grade(args: GradeArgs) -> anyhow::Result<ExitCode> {
             outputs.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).collect();
         output_files::check_apart(outputs.iter().copied())?;
         inputs.check(outputs.into_iter())?;
-        return work::until_stopped(move |stop| class::run(&exercise, &args, class, stop)).await;
+        return work::until_stopped(move |stop| {
+            let assign = |brains: &[String]| assigned(&name, &exercise, &args, brains);
+            class::run(&exercise, &args, (class, &assign), stop)
+        })
+        .await;
     }
     if args.brains.is_empty() {
         return Err(Refused::error(format!(
@@ -112,7 +116,7 @@ fn read(name: &str, args: &GradeArgs) -> anyhow::Result<Exercise> {
 }
 
 /// The brain that is graded, and those that the exercise has for other robots.
-pub(crate) fn assigned(
+fn assigned(
     name: &str,
     exercise: &Exercise,
     args: &GradeArgs,
@@ -198,6 +202,3 @@ fn report(exercise: &Exercise, args: &GradeArgs, grading: &Grading) -> anyhow::R
     }
     if args.quiet { Ok(()) } else { print(&grading.text(exercise)) }
 }
-
-/// The exit code of a brain that is not good enough.
-pub(crate) const NOT_PASSED: u8 = 3;

@@ -17,6 +17,7 @@ mod list;
 mod locate;
 mod measure;
 mod new;
+mod numbers;
 mod over;
 mod pace;
 mod places;
@@ -56,6 +57,7 @@ pub(crate) use self::list::{CompletionsArgs, InitArgs, ListArgs, ManArgs};
 pub(crate) use self::locate::{LocateArgs, Search};
 pub(crate) use self::measure::{Bytes, CurveArgs, EchoArgs, MeasureCommand, PortArgs, StepArgs};
 pub(crate) use self::new::{FirmwareLanguage, Language, NewBrainArgs, NewCommand, NewFirmwareArgs};
+use self::numbers::{finite, instant, patience, span};
 pub(crate) use self::over::Over;
 pub(crate) use self::pace::{PaceName, WatchdogArgs};
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
@@ -366,28 +368,6 @@ pub(crate) struct ChangeArgs {
     pub(crate) no_noise: bool,
 }
 
-fn finite(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|number| f64::is_finite(*number)).ok_or_else(|| "must be a number".to_owned())
-}
-
-/// Seconds since the start of a run.
-fn instant(text: &str) -> Result<f64, String> {
-    let fits = |at_s: &f64| (0.0..=MOST_S).contains(at_s);
-    finite(text).ok().filter(fits).ok_or_else(|| format!("must be from 0 to {MOST_S}, is {text}"))
-}
-
-/// For how long somebody waits.
-fn patience(text: &str) -> Result<f64, String> {
-    let fits = |s: &f64| *s > 0.0 && *s <= MOST_S;
-    finite(text).ok().filter(fits).ok_or_else(|| format!("must be above 0 and at most {MOST_S}, is {text}"))
-}
-
-/// Milliseconds of a run.
-fn span(text: &str) -> Result<f64, String> {
-    let fits = |ms: &f64| *ms > 0.0 && *ms <= MOST_MS;
-    finite(text).ok().filter(fits).ok_or_else(|| format!("must be above 0 and at most {MOST_MS}, is {text}"))
-}
-
 impl Cli {
     /// What `baudbot` alone does: what `baudbot run` does.
     pub(crate) fn into_command(self) -> Command {
@@ -403,12 +383,6 @@ const LOG: &str = "Log";
 const ACCESS: &str = "Who may connect";
 const LIMITS: &str = "Limits (docs/reference/limits.md)";
 const PACE: &str = "Pace";
-
-/// Longer than any run that is waited for.
-const MOST_S: f64 = 1e6;
-
-/// More than anybody sees in one picture.
-const MOST_MS: f64 = 1e6;
 
 #[cfg(test)]
 mod tests {

@@ -1,10 +1,10 @@
 //! An entry of `arena.maps`, as it stands in the file and checked.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::Deserialize;
 
-use super::marks::{Purpose, Wanted};
 use super::select::Selector;
 use super::shape::MAX_POSITION;
 use crate::error::ImportError;
@@ -29,6 +29,31 @@ pub(crate) struct Plan {
     pub(crate) scale: Scale,
     pub(crate) choice: Choice,
     pub(crate) marks: Vec<Wanted>,
+}
+
+/// A place that is asked for, by the id of its shape or group.
+#[derive(Clone, Debug)]
+pub(crate) struct Wanted {
+    pub(crate) id: String,
+    pub(crate) purpose: Purpose,
+}
+
+/// What a place is for.
+#[derive(Clone, Debug)]
+pub(crate) enum Purpose {
+    /// This robot starts there.
+    Start(String),
+    /// The run ends there.
+    Goal,
+}
+
+impl fmt::Display for Purpose {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Start(robot) => write!(f, "`starts.{robot}`"),
+            Self::Goal => f.write_str("`goal`"),
+        }
+    }
 }
 
 /// Which shapes of a drawing are walls.

@@ -1,30 +1,13 @@
 //! Shapes of a drawing that are no walls but places: where a robot starts, and the goal.
 
-use std::fmt;
-
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 use usvg::Tree;
 
+use super::entry::{Purpose, Wanted};
 use super::outlines::Placement;
 use super::shape::tidy;
 use crate::error::ImportError;
 use crate::tables;
-
-/// A place that is asked for, by the id of its shape or group.
-#[derive(Clone, Debug)]
-pub(crate) struct Wanted {
-    pub(crate) id: String,
-    pub(crate) purpose: Purpose,
-}
-
-/// What a place is for.
-#[derive(Clone, Debug)]
-pub(crate) enum Purpose {
-    /// This robot starts there.
-    Start(String),
-    /// The run ends there.
-    Goal,
-}
 
 /// A place that was found.
 #[derive(Debug)]
@@ -53,15 +36,6 @@ impl Wanted {
             return Err(format!("the shape `{id}` has no area, and a goal is a disc"));
         }
         Ok(Mark { purpose: self.purpose.clone(), center_m, radius_m })
-    }
-}
-
-impl fmt::Display for Purpose {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Start(robot) => write!(f, "`starts.{robot}`"),
-            Self::Goal => f.write_str("`goal`"),
-        }
     }
 }
 

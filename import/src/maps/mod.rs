@@ -4,6 +4,7 @@ mod clip;
 mod description;
 mod drawing;
 mod entry;
+mod mapped;
 mod marks;
 mod outlines;
 mod raster;
@@ -17,8 +18,8 @@ use std::path::Path;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
 
 use self::entry::{Entry, Raw, Source};
+use self::mapped::Mapped;
 use self::marks::Mark;
-use self::shape::Mapped;
 use crate::error::ImportError;
 use crate::note::Note;
 

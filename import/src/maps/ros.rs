@@ -14,8 +14,9 @@ use baudbot_geometry::math;
 
 use super::description::Description;
 use super::entry::Unknown;
+use super::mapped::Mapped;
 use super::raster;
-use super::shape::{FileNote, MAX_POSITION, MAX_SHAPES, Mapped, Shape, tidy};
+use super::shape::{FileNote, MAX_POSITION, MAX_SHAPES, Shape, tidy};
 use crate::error::FileError;
 use crate::file;
 use crate::note::Weight;

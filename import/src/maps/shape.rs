@@ -5,16 +5,7 @@ use std::path::Path;
 use baudbot_geometry::{Point, math, polygon};
 use toml_edit::{Array, Table, Value};
 
-use super::marks::Mark;
 use crate::note::{Note, Weight};
-
-/// What a map becomes.
-#[derive(Debug)]
-pub(crate) struct Mapped {
-    pub(crate) shapes: Vec<Shape>,
-    pub(crate) notes: Vec<FileNote>,
-    pub(crate) marks: Vec<Mark>,
-}
 
 /// A note, whichever scenario refers to the file.
 #[derive(Debug)]

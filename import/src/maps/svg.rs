@@ -13,11 +13,12 @@ use usvg::{Group, Tree};
 
 use super::clip::{self, Clipped};
 use super::drawing::{self, Drawing, Elements};
-use super::entry::{Choice, Plan};
-use super::marks::{Mark, Wanted};
+use super::entry::{Choice, Plan, Wanted};
+use super::mapped::Mapped;
+use super::marks::Mark;
 use super::outlines::{self, Outline, Placement, Rim};
 use super::select::{Paint, Selector, Traits, listed};
-use super::shape::{FileNote, MAX_SHAPES, Mapped, Shape};
+use super::shape::{FileNote, MAX_SHAPES, Shape};
 use crate::error::FileError;
 use crate::file;
 use crate::note::Weight;
