@@ -85,6 +85,11 @@ impl Beliefs {
         told.into_iter().map(|(robot, newest)| (robot, Arc::clone(&newest.belief))).collect()
     }
 
+    /// How many beliefs have been published so far.
+    pub(crate) fn published(&self) -> u64 {
+        self.lock().published
+    }
+
     /// The state that each robot's brain has published last, in words; empty if it has published none.
     pub(crate) fn said(&self) -> Vec<String> {
         let said = |place: &Place| {

@@ -5,9 +5,11 @@ use std::collections::{BTreeSet, VecDeque};
 
 use baudbot_sim::World;
 use baudbot_sim::cable::{Cable, Listener};
-use baudbot_wire::meaning::{Direction, Item};
-use tokio::sync::mpsc;
-use tokio::sync::mpsc::error::TrySendError;
+use baudbot_wire::meaning::Item;
+
+use crate::convert;
+use crate::frame::{CableItem, CableNews};
+use crate::limits::{Outbox, Parts};
 
 /// Items that wait for a watcher that does not read. Of more the oldest are missed.
 const MOST_WAITING: usize = 512;
@@ -22,31 +24,7 @@ const MOST_TOLD: usize = 4096;
 pub(crate) struct WatchCable {
     pub(crate) robot: usize,
     pub(crate) cable: Cable,
-    pub(crate) news: mpsc::Sender<CableNews>,
-}
-
-/// What came over a cable since the last news.
-#[derive(Debug, Default)]
-pub(crate) struct CableNews {
-    pub(crate) items: Vec<CableItem>,
-    /// Items that this watcher has missed since it came.
-    pub(crate) missed: u64,
-    /// The world is at another time than before.
-    pub(crate) has_restarted: bool,
-}
-
-/// A part of what is said on a cable.
-#[derive(Debug)]
-pub(crate) struct CableItem {
-    pub(crate) direction: Direction,
-    pub(crate) from_ns: u64,
-    pub(crate) to_ns: u64,
-    /// The first of its bytes.
-    pub(crate) bytes: Vec<u8>,
-    pub(crate) size: usize,
-    pub(crate) text: String,
-    pub(crate) is_understood: bool,
-    pub(crate) age_ns: Option<u64>,
+    pub(crate) news: Outbox,
 }
 
 /// The watchers of a world's cables.
@@ -60,7 +38,7 @@ pub(crate) struct Cables {
 struct Watcher {
     robot: usize,
     listener: Listener,
-    news: mpsc::Sender<CableNews>,
+    news: Outbox,
     waiting: VecDeque<CableItem>,
     missed: u64,
     /// What it has been told of the bytes that the world did not keep.
@@ -74,7 +52,7 @@ impl Cables {
         let WatchCable { robot, cable, news } = watch;
         let listener = world.scenario().robots.get(robot).and_then(|spec| Listener::new(spec, cable));
         let Some(listener) = listener else { return };
-        if news.try_send(CableNews::default()).is_ok() {
+        if push(&news, CableNews::default()) {
             let (waiting, missed, missed_bytes, has_restarted) = (VecDeque::new(), 0, 0, false);
             self.present.push(Watcher {
                 robot,
@@ -159,17 +137,18 @@ impl Watcher {
         if self.waiting.is_empty() && !self.has_restarted {
             return !self.news.is_closed();
         }
-        match self.news.try_reserve() {
-            Ok(place) => {
-                let items = self.waiting.drain(..).collect();
-                let has_restarted = std::mem::take(&mut self.has_restarted);
-                place.send(CableNews { items, missed: self.missed, has_restarted });
-                true
-            }
-            Err(TrySendError::Full(())) => true,
-            Err(TrySendError::Closed(())) => false,
+        if self.news.places() == 0 || !self.news.has_budget() {
+            return !self.news.is_closed();
         }
+        let items = self.waiting.drain(..).collect();
+        let has_restarted = std::mem::take(&mut self.has_restarted);
+        push(&self.news, CableNews { items, missed: self.missed, has_restarted })
     }
+}
+
+/// Tells these news; `false` if the watcher is gone.
+fn push(to: &Outbox, news: CableNews) -> bool {
+    to.push(Parts(vec![convert::cable_news(news)]))
 }
 
 fn kept(item: &Item<'_>) -> CableItem {
@@ -180,9 +159,22 @@ fn kept(item: &Item<'_>) -> CableItem {
 
 #[cfg(test)]
 mod tests {
+    use baudbot_proto::v1::WatchCableResponse;
     use baudbot_sim::Input;
+    use futures_util::{FutureExt as _, StreamExt as _};
 
     use super::*;
+    use crate::limits::{Account, InForce, Inbox, Limits};
+
+    fn outbox(places: usize) -> (Outbox, Inbox) {
+        let limits = InForce::new(Limits::none());
+        limits.outbox(&limits.tally(&Account::Process), "WatchCable", places)
+    }
+
+    /// The news that are there.
+    fn told(inbox: &mut Inbox) -> Option<WatchCableResponse> {
+        Some(inbox.next().now_or_never()??.unwrap().decode().unwrap())
+    }
 
     /// A Khepera on a cable that takes no time: each tick is a question and an answer.
     fn khepera() -> World {
@@ -203,33 +195,33 @@ mod tests {
     #[test]
     fn a_watcher_that_does_not_read_misses_the_oldest_items_and_is_told_how_many() {
         let (mut world, mut cables) = (khepera(), Cables::default());
-        let (news, mut told) = mpsc::channel(1);
+        let (news, mut inbox) = outbox(1);
         cables.add(WatchCable { robot: 0, cable: Cable::Robot, news }, &mut world);
         ask(&mut world, &mut cables, 1000);
-        assert!(told.try_recv().unwrap().items.is_empty(), "the first news are that it watches");
+        assert!(told(&mut inbox).unwrap().items.is_empty(), "the first news are that it watches");
         ask(&mut world, &mut cables, 1);
-        let news = told.try_recv().unwrap();
+        let news = told(&mut inbox).unwrap();
         assert_eq!(news.items.len(), MOST_WAITING);
-        assert!((1000..2000).contains(&news.missed), "{}", news.missed);
+        assert!((1000..2000).contains(&news.missed_items), "{}", news.missed_items);
         assert!(news.items.is_sorted_by_key(|item| item.to_ns));
         ask(&mut world, &mut cables, 1);
-        let next = told.try_recv().unwrap();
-        assert!(!next.items.is_empty() && next.missed == news.missed, "{next:?}");
+        let next = told(&mut inbox).unwrap();
+        assert!(!next.items.is_empty() && next.missed_items == news.missed_items, "{next:?}");
     }
 
     #[test]
     fn bytes_are_kept_only_while_somebody_watches() {
         let (mut world, mut cables) = (khepera(), Cables::default());
         assert!(!world.keeps_tape(0));
-        let (news, told) = mpsc::channel(8);
+        let (news, inbox) = outbox(8);
         cables.add(WatchCable { robot: 0, cable: Cable::Robot, news }, &mut world);
         assert!(world.keeps_tape(0) && !cables.is_empty());
-        drop(told);
+        drop(inbox);
         ask(&mut world, &mut cables, 1);
         assert!(!world.keeps_tape(0) && cables.is_empty());
         // Of a cable that there is not nobody hears.
-        let (news, mut told) = mpsc::channel(8);
+        let (news, mut inbox) = outbox(8);
         cables.add(WatchCable { robot: 0, cable: Cable::Sensor(0), news }, &mut world);
-        assert!(cables.is_empty() && told.try_recv().is_err());
+        assert!(cables.is_empty() && told(&mut inbox).is_none());
     }
 }

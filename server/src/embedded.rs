@@ -17,8 +17,6 @@ use std::sync::Arc;
 use std::task::{Context, Poll};
 use std::time::Duration;
 
-use baudbot_proto::v1::control_service_server::ControlServiceServer;
-use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
 use bytes::Bytes;
 use futures_util::stream;
 use tokio::sync::mpsc;
@@ -32,9 +30,9 @@ use tower::Service;
 use crate::access::Caller;
 use crate::brain_link::{BrainLink, BrainLinkServer};
 use crate::calls::{RESPONSES_AHEAD, take_calls};
-use crate::control::{Control, Told};
+use crate::control::{Control, ControlServer, Told};
 use crate::limits::{InForce, Limits};
-use crate::observe::Observe;
+use crate::observe::{Observe, ObserveServer};
 use crate::recording::Folder;
 use crate::registry::Registry;
 
@@ -46,8 +44,8 @@ pub struct Embedded {
 /// The services of an [`Embedded`] server, for gRPC clients of package `baudbot.v1` in the same program. Clones share them.
 #[derive(Clone)]
 pub struct Services {
-    control: ControlServiceServer<Control>,
-    observe: ObserveServiceServer<Observe>,
+    control: ControlServer,
+    observe: ObserveServer,
     brain_link: BrainLinkServer,
 }
 
@@ -58,11 +56,10 @@ impl Embedded {
         let observe = Observe { registry: registry.clone() };
         let brain_link = BrainLink { registry: registry.clone(), patience: PATIENCE };
         let control = Control { registry, recordings: Some(Folder::new(recordings)), told: Told::default() };
-        let control = ControlServiceServer::from_arc(Arc::new(control));
         Self {
             services: Services {
-                control: control.max_decoding_message_size(crate::calls::MAX_MESSAGE),
-                observe: ObserveServiceServer::new(observe),
+                control: ControlServer::new(Arc::new(control), crate::calls::MAX_MESSAGE),
+                observe: ObserveServer::new(observe),
                 brain_link: BrainLinkServer::new(brain_link),
             },
         }
@@ -101,8 +98,8 @@ impl Service<Request<Body>> for Services {
     fn call(&mut self, mut request: Request<Body>) -> Self::Future {
         request.extensions_mut().insert(Caller::Trusted);
         match request.uri().path().split('/').nth(1) {
-            Some(ControlServiceServer::<Control>::NAME) => self.control.call(request),
-            Some(ObserveServiceServer::<Observe>::NAME) => self.observe.call(request),
+            Some(ControlServer::NAME) => self.control.call(request),
+            Some(ObserveServer::NAME) => self.observe.call(request),
             Some(BrainLinkServer::NAME) => self.brain_link.call(request),
             _ => Box::pin(async { Ok(Status::unimplemented("").into_http()) }),
         }

@@ -1,4 +1,4 @@
-//! A frame: the data of a world that observers get at the start of a tick.
+//! A frame: the data of a world that observers get at the start of a tick; and what came over a cable.
 
 use std::sync::Arc;
 
@@ -12,21 +12,31 @@ use baudbot_sim::link::LineCounters;
 use baudbot_sim::robot::Cycles;
 use baudbot_sim::timeline::Event;
 use baudbot_sim::{Pose, RobotView, SimTime, World};
+use baudbot_wire::meaning::Direction;
 
-/// The truth at the start of a tick.
+/// The data of a world for one observer.
 pub(crate) struct Frame {
+    pub(crate) truth: Truth,
+    pub(crate) own: Own,
+}
+
+/// The truth at the start of a tick, which is the same for all observers.
+pub(crate) struct Truth {
     pub(crate) tick: u64,
     pub(crate) time: SimTime,
     pub(crate) robots: Vec<RobotTruth>,
-    /// Since the last frame.
-    pub(crate) collisions: Vec<Collision>,
-    /// Frames that the observer has missed since it began to watch.
-    pub(crate) missed_frames: u64,
     /// Why the run has ended, if it has.
     pub(crate) ending: Option<String>,
     pub(crate) things: Vec<Thing>,
     /// `None` if the scenario counts nothing.
     pub(crate) score: Option<Score>,
+}
+
+/// What has happened since an observer's last frame, and what it has asked for.
+pub(crate) struct Own {
+    pub(crate) collisions: Vec<Collision>,
+    /// Frames that the observer has missed since it began to watch.
+    pub(crate) missed_frames: u64,
     pub(crate) details: Vec<RobotDetail>,
     /// By robot, what its brain has published since the last frame. The world does not look into it.
     pub(crate) beliefs: Vec<(usize, Arc<v1::Belief>)>,
@@ -149,4 +159,28 @@ pub(crate) struct RayFan {
     pub(crate) world_from_sensor: Pose,
     pub(crate) opening_rad: f64,
     pub(crate) lengths_m: Vec<f32>,
+}
+
+/// What came over a cable since the last news.
+#[derive(Debug, Default)]
+pub(crate) struct CableNews {
+    pub(crate) items: Vec<CableItem>,
+    /// Items that this watcher has missed since it came.
+    pub(crate) missed: u64,
+    /// The world is at another time than before.
+    pub(crate) has_restarted: bool,
+}
+
+/// A part of what is said on a cable.
+#[derive(Debug)]
+pub(crate) struct CableItem {
+    pub(crate) direction: Direction,
+    pub(crate) from_ns: u64,
+    pub(crate) to_ns: u64,
+    /// The first of its bytes.
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) size: usize,
+    pub(crate) text: String,
+    pub(crate) is_understood: bool,
+    pub(crate) age_ns: Option<u64>,
 }

@@ -47,6 +47,7 @@ mod actor;
 #[cfg(feature = "network")]
 mod address;
 mod annotate;
+mod answers;
 mod audit;
 mod beliefs;
 mod brain_link;
@@ -63,6 +64,7 @@ mod endpoint;
 mod frame;
 #[cfg(feature = "network")]
 mod gate;
+mod in_bytes;
 mod limits;
 mod log;
 mod mailbox;

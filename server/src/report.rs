@@ -6,6 +6,7 @@ use std::time::Duration;
 use baudbot_sim::coverage::Coverage;
 use baudbot_sim::{Scenario, World};
 
+use crate::limits::Held;
 use crate::pace::{Pace, Pacing};
 use crate::thinking::Thought;
 
@@ -14,6 +15,8 @@ pub(crate) struct Report {
     pub(crate) name: Arc<str>,
     /// A copy of its state: a status is made of it where no world waits for that.
     pub(crate) world: World,
+    /// The memory of the copy.
+    pub(crate) held: Option<Held>,
     pub(crate) pace: Pace,
     pub(crate) activity: Activity,
     pub(crate) pacing: Pacing,
@@ -29,6 +32,25 @@ pub(crate) struct Report {
     pub(crate) replay: Option<ReplayReport>,
     /// `None` if the world is not being recorded.
     pub(crate) recording: Option<RecordingReport>,
+}
+
+/// What has to be the same for the status of a world to be the same, but for the time for which it has been running.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Version {
+    /// Ticks, and messages that change something.
+    pub(crate) changes: u64,
+    /// Beliefs that its brains have published.
+    pub(crate) beliefs: u64,
+    /// Bytes and ticks of its recording, and whether that has a problem.
+    pub(crate) recording: Option<(u64, u64, bool)>,
+}
+
+/// How a world stands, for whoever may know that already.
+pub(crate) struct Standing {
+    pub(crate) version: Version,
+    pub(crate) running: Duration,
+    /// `None` if nothing has changed since the version that is known.
+    pub(crate) report: Option<Report>,
 }
 
 /// The activity of a world.
@@ -81,6 +103,8 @@ pub(crate) struct SlotReport {
 /// The cells of the floor that are covered and sensed.
 pub(crate) struct CoverageReport {
     pub(crate) tick: u64,
+    /// As in [`Report`].
+    pub(crate) era: u64,
     pub(crate) scenario: Arc<Scenario>,
     /// `None` if the scenario counts no coverage.
     pub(crate) coverage: Option<Coverage>,
@@ -88,8 +112,8 @@ pub(crate) struct CoverageReport {
 
 impl CoverageReport {
     /// A copy of the world's bits. They are made into runs of cells where no world waits for that.
-    pub(crate) fn of(world: &World) -> Self {
+    pub(crate) fn of(world: &World, era: u64) -> Self {
         let scenario = Arc::clone(world.scenario());
-        Self { tick: world.tick(), scenario, coverage: world.score().coverage().cloned() }
+        Self { tick: world.tick(), era, scenario, coverage: world.score().coverage().cloned() }
     }
 }

@@ -7,6 +7,7 @@ use baudbot_access::{NewGrant, Token, TokenFile};
 use baudbot_client::{Channel, Client, Credentials, Error, Robot, connect_with};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
+use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
 use baudbot_proto::v1::page_request::Request as Asked;
 use baudbot_server::{Builder, Limits, Pace, Server, WorldConfig};
 use baudbot_tests::{WANDER, crowd, scenario};
@@ -14,6 +15,7 @@ use prost::Message as _;
 use tempfile::TempDir;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
+use tokio::time::timeout;
 use tonic::{Code, Status};
 
 use super::page::Page;
@@ -134,7 +136,7 @@ async fn snapshot(
 async fn goes_on(server: &Server, robot: &mut Robot) {
     let start = v1::StartWorldRequest { world: "w".into() };
     operator(server).await.start_world(start).await.unwrap();
-    let turn = tokio::time::timeout(Duration::from_secs(20), robot.turn()).await.expect("a turn");
+    let turn = timeout(Duration::from_secs(20), robot.turn()).await.expect("a turn");
     assert!(turn.unwrap().is_some());
 }
 
@@ -568,7 +570,7 @@ async fn all_limits_are_told_with_their_values() {
     let labels =
         metrics.lines().filter_map(|line| line.strip_prefix("baudbot_limit{limit=\"")?.split('"').next());
     let labels: Vec<_> = labels.collect();
-    assert_eq!(labels.len(), 15, "{labels:?}");
+    assert_eq!(labels.len(), 18, "{labels:?}");
     for label in labels {
         assert!(page.contains(&format!("| `{label}` |")), "docs/reference/limits.md lacks {label}");
     }
@@ -612,4 +614,50 @@ async fn many_worlds_in_free_pace_starve_nobody() {
         );
         assert!(median < Duration::from_millis(50), "{count} worlds: {median:?}");
     }
+}
+
+/// An observer who asks for frames and does not read them, forty times.
+#[tokio::test]
+async fn the_slowest_streams_of_a_caller_who_does_not_read_end_by_name_and_no_more_waits_than_it_may() {
+    const MOST: u64 = 1 << 20;
+    let server = serve(Limits { unread_per_caller: Some(MOST), ..Limits::default() }).await;
+    let mut operator = operator(&server).await;
+    let pace = v1::Pace { kind: Some(v1::pace::Kind::Stepped(v1::Stepped::default())) };
+    operator.set_pace(v1::SetPaceRequest { world: "w".into(), pace: Some(pace) }).await.unwrap();
+    operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
+    let details: Vec<_> = (0..16).map(|i| format!("r{i}")).collect();
+    let request = v1::WatchRequest { world: "w".into(), every_ticks: 1, details, ..Default::default() };
+    let mut observer = ObserveServiceClient::new(connect(&server, None).await.channel());
+    let mut streams = Vec::new();
+    for _ in 0..40 {
+        streams.push(observer.watch(request.clone()).await.unwrap().into_inner());
+    }
+    // On a connection of its own: that of the others is full.
+    let mut quick = ObserveServiceClient::new(connect(&server, None).await.channel());
+    let mut quick = quick.watch(request).await.unwrap().into_inner();
+    for _ in 0..40 {
+        operator.step_world(v1::StepWorldRequest { world: "w".into(), ticks: 1 }).await.unwrap();
+        let waits = used(&server, "unread_bytes_per_caller").await;
+        assert!(waits <= MOST as f64, "{waits}");
+        while let Ok(frame) = timeout(Duration::from_millis(5), quick.message()).await {
+            frame.expect("a stream that is read goes on").expect("a frame");
+        }
+    }
+    let ended = refusals(&server, "unread_bytes_per_caller").await;
+    // What the world has for a stream, and what the network has, are ended one by one.
+    assert!((1.0..=80.0).contains(&ended), "{ended}");
+    let mut by_name = 0.0;
+    for mut stream in streams {
+        while let Ok(frame) = timeout(Duration::from_millis(20), stream.message()).await {
+            let Err(status) = frame else { continue };
+            let words = status.message().replace(" of `w`", "");
+            let expected = "the stream Watch ends, as it is the slowest of the address 127.0.0.1 and it leaves 1 MB unread, which is its \
+                            limit; read what you ask for, or start it with a larger --max-unread-per-caller";
+            assert_eq!((status.code(), &*words), (Code::ResourceExhausted, expected));
+            by_name += 1.0;
+            break;
+        }
+    }
+    assert!(by_name > 0.0 && by_name <= ended, "{by_name} of {ended}");
+    server.shutdown().await;
 }

@@ -64,6 +64,17 @@ pub(crate) struct LimitArgs {
     /// started.
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32).range(..=3600))]
     overload_after: Option<u32>,
+    /// Data that waits for clients that do not read it [default: 128M]
+    ///
+    /// Beyond this, the slowest stream of the caller that leaves most unread ends.
+    #[arg(long, value_name = "SIZE")]
+    max_unread: Option<Size>,
+    /// The same for one caller, whose slowest stream then ends [default: 64M; for your own programs, any size]
+    #[arg(long, value_name = "SIZE")]
+    max_unread_per_caller: Option<Size>,
+    /// The same for one stream of an observer, which then misses frames [default: 16M]
+    #[arg(long, value_name = "SIZE")]
+    max_unread_per_stream: Option<Size>,
 }
 
 /// A size of memory.
@@ -96,6 +107,15 @@ impl FromStr for Size {
     }
 }
 
+impl Size {
+    fn bytes(self) -> u64 {
+        match self {
+            Self::Bytes(bytes) => bytes,
+            Self::Percent(percent) => Limits::share_of_memory(percent),
+        }
+    }
+}
+
 impl LimitArgs {
     /// The limits of a server.
     pub(crate) fn limits(&self) -> Limits {
@@ -115,14 +135,13 @@ impl LimitArgs {
             robots_per_world: or(self.max_robots_per_world, usual.robots_per_world),
             snapshots: or(self.max_snapshots, usual.snapshots),
             snapshots_per_world: or(self.max_snapshots_per_world, usual.snapshots_per_world),
-            memory_bytes: match self.max_memory {
-                None => usual.memory_bytes,
-                Some(Size::Bytes(bytes)) => bytes,
-                Some(Size::Percent(percent)) => Limits::share_of_memory(percent),
-            },
+            memory_bytes: self.max_memory.map_or(usual.memory_bytes, Size::bytes),
             parsing: or(self.max_parsing, usual.parsing),
             waiting: or(self.max_waiting, usual.waiting),
             overload_after_s: self.overload_after.map_or(usual.overload_after_s, u64::from),
+            unread: self.max_unread.map_or(usual.unread, Size::bytes),
+            unread_per_caller: self.max_unread_per_caller.map(Size::bytes),
+            unread_per_stream: self.max_unread_per_stream.map_or(usual.unread_per_stream, Size::bytes),
         }
     }
 
@@ -145,6 +164,9 @@ impl LimitArgs {
             (self.max_parsing.is_some(), "--max-parsing"),
             (self.max_waiting.is_some(), "--max-waiting"),
             (self.overload_after.is_some(), "--overload-after"),
+            (self.max_unread.is_some(), "--max-unread"),
+            (self.max_unread_per_caller.is_some(), "--max-unread-per-caller"),
+            (self.max_unread_per_stream.is_some(), "--max-unread-per-stream"),
         ];
         options.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option)
     }
@@ -187,10 +209,11 @@ mod tests {
     #[test]
     fn each_option_is_known_as_given_and_changes_a_limit() {
         let options = options();
-        assert_eq!(options.len(), 16, "{options:?}");
+        assert_eq!(options.len(), 19, "{options:?}");
         assert_eq!((args(&[]).given(), args(&[]).limits()), (None, Limits::default()));
         for option in &options {
-            let value = if option == "--max-memory" { "7M" } else { "7" };
+            let is_size = option == "--max-memory" || option.starts_with("--max-unread");
+            let value = if is_size { "7M" } else { "7" };
             let args = args(&[option, value]);
             assert_eq!(args.given(), Some(&**option));
             assert_ne!(args.limits(), Limits::default(), "{option}");

@@ -72,6 +72,7 @@ impl WorldActor {
 
     /// A brain is going that owed these steps.
     pub(super) fn let_go(&mut self, session: u64, why: &str, owed: &[Turn]) {
+        self.changes += 1;
         self.log_detached(session, why);
         self.record_detached(session, why);
         self.beliefs.hand_to(None, self.sessions.robots(session));

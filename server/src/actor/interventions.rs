@@ -53,6 +53,7 @@ impl WorldActor {
             drop(reply.send(answer));
         }
         if any {
+            self.changes += 1;
             self.observers.show_now(view!(self));
         }
     }

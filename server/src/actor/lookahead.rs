@@ -198,7 +198,7 @@ pub(super) fn sees_world(message: &Message) -> bool {
             // A replay is never ahead.
             Request::Seek { .. } | Request::Fork(_) => false,
         },
-        Message::Watch(_) | Message::WatchCable(_) | Message::Cover(_) => true,
+        Message::Watch(_) | Message::WatchCable(_) | Message::Cover(_) | Message::Stand(..) => true,
         // Numbers only; monitoring that asks why a world stands must not wait for that.
         Message::Measure(_)
         | Message::Describe(_)

@@ -6,7 +6,7 @@ use tonic::Status;
 
 use super::{WorldActor, lookahead, view};
 use crate::log::event;
-use crate::message::Message;
+use crate::message::{Message, Request};
 use crate::report::CoverageReport;
 
 impl WorldActor {
@@ -24,13 +24,21 @@ impl WorldActor {
         if !matches!(message, Message::Step(_) | Message::Stop) {
             self.keep();
         }
+        self.changes += u64::from(changes_status(&message));
         match message {
             Message::Request(request, reply) => self.handle_request(request, reply),
             Message::Order(order) => self.record_order(&order),
             Message::Describe(reply) => drop(reply.send(Arc::clone(self.world.scenario()))),
             Message::DescribeReplay(reply) => drop(reply.send(self.recorded())),
             Message::Measure(reply) => drop(reply.send(self.measure())),
-            Message::Cover(reply) => drop(reply.send(CoverageReport::of(&self.world))),
+            Message::Cover(reply) => drop(reply.send(CoverageReport::of(&self.world, self.sessions.era()))),
+            Message::Stand(known, reply) => {
+                let standing = self.standing(known.as_ref());
+                if standing.report.is_some() {
+                    self.keep_now();
+                }
+                drop(reply.send(standing));
+            }
             Message::Watch(watch) => {
                 self.observers.keep_pins(Some(&watch), &mut self.world);
                 self.observers.add(watch, view!(self));
@@ -51,5 +59,22 @@ impl WorldActor {
                     Some(Status::unavailable(format!("world `{}` is over, as its server stops", self.name)));
             }
         }
+    }
+}
+
+/// Whether operators are told something else after this message, before the next tick. What a Step does is told then, unless its stream ends.
+fn changes_status(message: &Message) -> bool {
+    match message {
+        Message::Request(Request::Report | Request::Save { .. }, _)
+        | Message::Order(_)
+        | Message::Describe(_)
+        | Message::DescribeReplay(_)
+        | Message::Measure(_)
+        | Message::Cover(_)
+        | Message::Stand(..)
+        | Message::Watch(_)
+        | Message::WatchCable(_)
+        | Message::Step(_) => false,
+        Message::Request(..) | Message::Attach(..) | Message::Detach { .. } | Message::Stop => true,
     }
 }

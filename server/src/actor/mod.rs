@@ -93,6 +93,8 @@ pub(crate) struct WorldActor {
     over: Option<Status>,
     /// What it has of the server's memory.
     charges: Charges,
+    /// Counts ticks, and messages that change what operators are told.
+    changes: u64,
 }
 
 /// Where a live world stands between the two halves of a tick.
@@ -165,6 +167,7 @@ impl WorldActor {
             schedule: Schedule::new(neighbours),
             over: None,
             charges,
+            changes: 0,
             world,
         };
         actor.sessions.time_by(processor);
@@ -252,6 +255,7 @@ impl WorldActor {
     }
 
     fn begin(&mut self, now: Instant) {
+        self.changes += 1;
         self.follow_clock(now);
         self.set_ports();
         let lockstep = self.pacer.pace.lockstep();
@@ -312,6 +316,7 @@ impl WorldActor {
 
     /// Ends the tick, without the answers of some robots, each with when its brain is done.
     fn finish_with(&mut self, now: Instant, open: &[(usize, SimTime)]) {
+        self.changes += 1;
         self.note_end_of_tick(now);
         for pending in &self.ports.inputs {
             if let Some(tick) = pending.tick {
@@ -352,6 +357,7 @@ impl WorldActor {
 
     /// Ends the run: the sensors are read a last time, and everybody is told.
     fn end(&mut self) {
+        self.changes += 1;
         self.phase = Phase::Between;
         self.stepper.credits = 0;
         self.pacer.clock = None;
@@ -368,6 +374,7 @@ impl WorldActor {
     fn time_out(&mut self) {
         let Some(watchdog) = self.pacer.pace.watchdog() else { return };
         let timeout = watchdog.timeout;
+        self.changes += 1;
         let now = clock::now();
         self.pacer.note_wait(now);
         self.pacer.wait_from(now);

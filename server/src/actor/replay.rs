@@ -125,6 +125,7 @@ impl WorldActor {
     /// Does a tick, or goes on towards the one that is sought.
     pub(super) fn replay(&mut self, now: Instant) {
         let Some(mut replaying) = self.replaying.take() else { return };
+        self.changes += 1;
         replaying.replay.watch(self.observers.pinned());
         let result = match &replaying.seek {
             Some(seek) => self.approach(&mut replaying.replay, seek.tick, now),

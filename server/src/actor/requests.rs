@@ -11,7 +11,7 @@ use super::replay::Replaying;
 use crate::message::{Message, Reply, Request};
 use crate::pace::Pace;
 use crate::quote::brief;
-use crate::report::{Activity, Report};
+use crate::report::{Activity, Report, Standing, Version};
 
 impl WorldActor {
     /// Does what an operator requests, and replies at once or when it is done.
@@ -120,11 +120,24 @@ impl WorldActor {
         Ok(())
     }
 
+    /// How the world stands, for whoever knows it as it was at a version.
+    pub(super) fn standing(&self, known: Option<&Version>) -> Standing {
+        let recording = self.recording.report();
+        let version = Version {
+            changes: self.changes,
+            beliefs: self.beliefs.published(),
+            recording: recording.map(|report| (report.bytes, report.ticks, report.problem.is_some())),
+        };
+        let report = (known != Some(&version)).then(|| self.report(0));
+        Standing { version, running: self.pacer.running.elapsed(), report }
+    }
+
     /// The world as it stands; with the number of the snapshot that was just taken, or 0.
     pub(super) fn report(&self, snapshot: u64) -> Report {
         Report {
             name: Arc::clone(&self.name),
             world: self.world.clone(),
+            held: self.charges.copied(),
             pace: self.pacer.pace,
             activity: self.activity(),
             pacing: self.pacer.statistics.clone(),

@@ -7,11 +7,12 @@ use baudbot_brain::Action;
 use baudbot_sim::drive::Wheels;
 use baudbot_sim::{Input, World};
 
-use tokio::sync::mpsc;
+use baudbot_proto::v1;
+use futures_util::{FutureExt as _, StreamExt as _};
 
 use super::{DirectWorld, NewWorld, Next, WorldActor};
 use crate::endpoint::{Output, Sender, Signals};
-use crate::limits::{InForce, Limits};
+use crate::limits::{Account, InForce, Limits};
 use crate::message::{Message, Watch};
 use crate::pace::{Lockstep, Pace, Timed};
 
@@ -98,9 +99,12 @@ fn a_world_keeps_a_short_timeline_until_somebody_looks_at_it() {
     go_on(&mut actor, &mut now, until);
     let kept = |actor: &WorldActor| actor.world.robot(0).timeline().events().count();
     assert_eq!(kept(&actor), 512);
-    let (frames, mut seen) = mpsc::channel(8);
+    let limits = actor.charges.limits().clone();
+    let (frames, mut seen) = limits.outbox(&limits.tally(&Account::Process), "Watch", 8);
     actor.handle(Message::Watch(Watch { every_ticks: 1, details: vec![0], pins_finest_ns: None, frames }));
-    assert_eq!(seen.try_recv().unwrap().details[0].events.len(), 512, "the first picture has a past");
+    let first = seen.next().now_or_never().flatten().unwrap().unwrap();
+    let first: v1::WatchResponse = first.decode().unwrap();
+    assert_eq!(first.details[0].events.len(), 512, "the first picture has a past");
     let until = now + minute;
     go_on(&mut actor, &mut now, until);
     assert_eq!(kept(&actor), actor.world.usual_timeline());

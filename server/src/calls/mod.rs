@@ -6,6 +6,7 @@ mod requests;
 
 use std::collections::HashMap;
 use std::pin::Pin;
+use std::sync::Arc;
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::page_request::Request;
@@ -13,7 +14,7 @@ use baudbot_proto::v1::page_response::Response;
 use futures_util::StreamExt;
 use prost::Message as _;
 use prost::bytes::Bytes;
-use tokio::sync::mpsc;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
 use tokio::task::{AbortHandle, JoinSet};
 use tokio_stream::Stream;
 use tonic::{Status, Streaming};
@@ -28,6 +29,9 @@ pub(crate) const MAX_MESSAGE: usize = baudbot_scenario::MAX_BYTES + (1 << 16);
 /// Responses that wait for a page that does not read. Frames beyond that are missed where they are made.
 pub(crate) const RESPONSES_AHEAD: usize = 16;
 
+/// Kilobytes of them.
+const KILOBYTES_AHEAD: usize = 1 << 10;
+
 /// Calls of one page that are under way at a time.
 const MAX_CALLS: usize = 64;
 
@@ -41,7 +45,7 @@ struct Call {
 /// The calls of one page.
 struct Calls<S> {
     services: S,
-    responses: mpsc::Sender<Bytes>,
+    responses: Queue,
     under_way: HashMap<u32, Call>,
     /// Each task ends with the number of its call.
     tasks: JoinSet<u32>,
@@ -53,6 +57,7 @@ pub(crate) async fn take_calls<S: Services>(
     services: S,
     responses: mpsc::Sender<Bytes>,
 ) {
+    let responses = Queue { sender: responses, room: Arc::new(Semaphore::new(KILOBYTES_AHEAD)) };
     let mut calls = Calls { services, responses, under_way: HashMap::new(), tasks: JoinSet::new() };
     loop {
         tokio::select! {
@@ -129,7 +134,7 @@ impl<S: Services> Calls<S> {
         let queue = self.responses.clone();
         self.tasks.spawn(async move {
             if let Err(status) = work.await {
-                let _ = queue.send(bytes(failure(call, &status))).await;
+                queue.send(failure(call, &status)).await;
             }
             call
         })
@@ -146,25 +151,25 @@ impl<S: Services> Calls<S> {
     }
 
     async fn fail(&self, call: u32, status: &Status) {
-        let _ = self.responses.send(bytes(failure(call, status))).await;
+        self.responses.send(failure(call, status)).await;
     }
 
     async fn respond(&self, call: u32, response: Response) {
-        let _ = self.responses.send(bytes(v1::PageResponse { call, response: Some(response) })).await;
+        self.responses.send(v1::PageResponse { call, response: Some(response) }).await;
     }
 }
 
 /// Where the responses of a call go.
 struct Responses {
     call: u32,
-    queue: mpsc::Sender<Bytes>,
+    queue: Queue,
 }
 
 impl Responses {
     /// Waits for room in the queue; `false` if the page is gone.
     async fn send(&self, response: Response) -> bool {
         let response = v1::PageResponse { call: self.call, response: Some(response) };
-        self.queue.send(bytes(response)).await.is_ok()
+        self.queue.send(response).await
     }
 
     /// Passes on what comes, no faster than the page reads, and then that the call is over.
@@ -193,6 +198,59 @@ fn failure(call: u32, status: &Status) -> v1::PageResponse {
     v1::PageResponse { call, response: Some(Response::Failure(failure)) }
 }
 
-fn bytes(response: v1::PageResponse) -> Bytes {
-    response.encode_to_vec().into()
+/// What waits for a page: so many responses, and so many bytes, unless it is a single long one.
+#[derive(Clone)]
+struct Queue {
+    sender: mpsc::Sender<Bytes>,
+    /// Kilobytes.
+    room: Arc<Semaphore>,
+}
+
+impl Queue {
+    /// Waits for room; `false` if the page is gone.
+    async fn send(&self, response: v1::PageResponse) -> bool {
+        let bytes = response.encode_to_vec();
+        let kilobytes = bytes.len().div_ceil(1 << 10).clamp(1, KILOBYTES_AHEAD);
+        let needed = u32::try_from(kilobytes).unwrap_or(u32::MAX);
+        let room = tokio::select! {
+            room = Arc::clone(&self.room).acquire_many_owned(needed) => room,
+            () = self.sender.closed() => return false,
+        };
+        let Ok(room) = room else { return false };
+        self.sender.send(Bytes::from_owner(Waiting { bytes, _room: room })).await.is_ok()
+    }
+}
+
+/// A response that takes room until it is written.
+struct Waiting {
+    bytes: Vec<u8>,
+    _room: OwnedSemaphorePermit,
+}
+
+impl AsRef<[u8]> for Waiting {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use futures_util::FutureExt as _;
+
+    use super::*;
+
+    #[tokio::test]
+    async fn a_page_that_does_not_read_has_a_megabyte_waiting_and_not_sixteen_messages() {
+        let (sender, mut waiting) = mpsc::channel(RESPONSES_AHEAD);
+        let queue = Queue { sender, room: Arc::new(Semaphore::new(KILOBYTES_AHEAD)) };
+        let long =
+            || v1::PageResponse { call: 1, response: Some(Response::Message(vec![0; 300 << 10].into())) };
+        let sent =
+            (0..RESPONSES_AHEAD).take_while(|_| queue.send(long()).now_or_never() == Some(true)).count();
+        assert_eq!(sent, 3);
+        drop(waiting.recv().await);
+        assert_eq!(queue.send(long()).now_or_never(), Some(true), "what is read makes room");
+        drop(waiting);
+        assert!(!queue.send(long()).await, "the page is gone");
+    }
 }

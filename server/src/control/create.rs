@@ -12,7 +12,6 @@ use crate::limits::{Cancelled, InForce, Payer};
 use crate::message::Request as Asked;
 use crate::pace::Pace;
 use crate::quote::brief;
-use crate::system::blocking;
 
 impl Control {
     /// Creates a world for a client.
@@ -59,10 +58,10 @@ impl Control {
         new: NewWorld,
         payer: Option<Payer>,
     ) -> Result<v1::WorldStatus, Status> {
-        let registry = self.registry.clone();
+        let (registry, limits) = (self.registry.clone(), self.registry.limits());
         // To count the memory of a large one takes a while.
-        let world = blocking(move || registry.create(new, payer.as_ref())).await??;
-        let status = status_of(world.request(Asked::Report).await?).await?.1;
+        let world = limits.making().make(move || registry.create(new, payer.as_ref())).await??;
+        let status = status_of(world.request(Asked::Report).await?, self.registry.limits()).await?.1;
         self.told.note(&status);
         Ok(status)
     }

@@ -1,19 +1,15 @@
-//! The list of all worlds: all are asked at once, and one that does not answer keeps nobody waiting.
+//! The list of all worlds: some are asked at a time, and one that does not answer keeps nobody waiting.
 
-use std::collections::BTreeMap;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use baudbot_proto::v1;
-use tokio::sync::oneshot;
+use futures_util::future::join_all;
 use tokio::time::{Instant, timeout_at};
 use tonic::Status;
 
 use super::Control;
-use crate::convert;
-use crate::message::{Message, Reply, Request};
-use crate::report::Report;
-use crate::system::blocking;
+use super::status::{field_1, status_in_bytes};
+use crate::limits::Parts;
+use crate::message::WorldHandle;
 
 /// How long worlds have to answer. One within a very long tick, whose `OnTick` blocks, or that waits for a brain that hangs,
 /// does not.
@@ -25,64 +21,38 @@ const IMPATIENCE: Duration = Duration::from_millis(100);
 /// Worlds that are asked at once: their states are copied for the answer.
 const AT_ONCE: usize = 64;
 
-/// What was last told of each world.
-#[derive(Default)]
-pub(crate) struct Told(Mutex<BTreeMap<String, v1::WorldStatus>>);
-
-impl Told {
-    /// Notes what is told of a world.
-    pub(super) fn note(&self, status: &v1::WorldStatus) {
-        self.lock().insert(status.world.clone(), status.clone());
-    }
-
-    pub(super) fn forget(&self, world: &str) {
-        self.lock().remove(world);
-    }
-
-    fn last(&self, world: &str) -> Option<v1::WorldStatus> {
-        self.lock().get(world).cloned()
-    }
-
-    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, v1::WorldStatus>> {
-        // The map is consistent between any two of its changes, so a panic elsewhere does not spoil it.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 impl Control {
-    /// The statuses of all worlds; of one that does not answer, what was last told of it. A world that is deleted meanwhile is
-    /// left out.
-    pub(super) async fn list_all(&self) -> Result<Vec<v1::WorldStatus>, Status> {
+    /// The response to a ListWorlds: the statuses of all worlds; of one that does not answer, what was last told of it. A world that is
+    /// deleted meanwhile is left out.
+    pub(super) async fn list_in_bytes(&self) -> Result<Parts, Status> {
         let mut patience = PATIENCE;
-        let mut statuses = Vec::new();
+        let mut list = Vec::new();
+        // They are in the order of their names.
         for worlds in self.registry.all().chunks(AT_ONCE) {
-            let asked: Vec<_> = worlds
-                .iter()
-                .filter_map(|world| {
-                    let (reply, answer): (Reply<Report>, _) = oneshot::channel();
-                    world.send(Message::Request(Request::Report, reply)).ok()?;
-                    Some((world.name(), answer))
-                })
-                .collect();
             let deadline = Instant::now() + patience;
-            let mut reports = Vec::new();
-            for (name, mut answer) in asked {
-                match (timeout_at(deadline, &mut answer).await, self.told.last(name)) {
-                    (Ok(answer), _) => reports.extend(answer.ok().and_then(Result::ok)),
-                    (Err(_), Some(last)) => {
-                        statuses.push(last);
-                        patience = IMPATIENCE;
-                    }
-                    // Nothing is known of it yet.
-                    (Err(_), None) => reports.extend(answer.await.ok().and_then(Result::ok)),
+            let statuses = join_all(worlds.iter().map(|world| self.status_or_last(world, deadline))).await;
+            for (status, is_late) in statuses {
+                if is_late {
+                    patience = IMPATIENCE;
                 }
+                list.extend(status.into_iter().flat_map(|status| field_1(status).0));
             }
-            let work = move || reports.iter().map(convert::status).collect::<Vec<_>>();
-            let fresh = blocking(work).await?;
-            fresh.iter().for_each(|status| self.told.note(status));
-            statuses.extend(fresh);
         }
-        statuses.sort_by(|a, b| a.world.cmp(&b.world));
-        Ok(statuses)
+        Ok(Parts(list))
+    }
+
+    /// The status of a world, or what was last told of it, and whether it did not answer in time.
+    async fn status_or_last(&self, world: &WorldHandle, deadline: Instant) -> (Option<Parts>, bool) {
+        let mut status = std::pin::pin!(status_in_bytes(world));
+        let in_time = timeout_at(deadline, &mut status).await;
+        let (status, is_late) = match (in_time, self.told.last(world.name())) {
+            (Ok(status), _) => (status, false),
+            (Err(_), Some(last)) => return (Some(last), true),
+            // Nothing is known of it yet.
+            (Err(_), None) => (status.await, false),
+        };
+        let Ok(status) = status else { return (None, is_late) };
+        self.told.note_bytes(world.name(), status.clone());
+        (Some(status), is_late)
     }
 }

@@ -5,6 +5,8 @@ mod create;
 mod list;
 mod recordings;
 mod reset;
+mod service;
+mod status;
 
 use baudbot_budget::{Allowance, RobotBudget};
 use baudbot_proto::v1;
@@ -16,19 +18,20 @@ use tracing::Instrument;
 
 use crate::access::caller_of;
 use crate::convert;
-use crate::limits::{Cancelled, Limit};
+use crate::in_bytes::decoded;
+use crate::limits::{Cancelled, InForce, Limit};
 use crate::message::{Message, Request as Asked};
 use crate::quote::brief;
 use crate::recording::Folder;
 use crate::registry::Registry;
 use crate::report::Report;
-use crate::system::blocking;
 
 use budget_queue::BUDGETS;
 use create::{parse_scenario, parsing_bytes, payer};
-pub(crate) use list::Told;
 pub(crate) use recordings::stop_recording;
 pub(crate) use reset::scenario_of_reset;
+pub(crate) use service::ControlServer;
+pub(crate) use status::Told;
 
 /// The implementation of the operator's service.
 pub(crate) struct Control {
@@ -52,13 +55,13 @@ impl Control {
             let (scenario, _held) = scenario_of_reset(&world, request).await?;
             world.request(Asked::Reset(scenario)).await
         };
-        let status = status_of(reset.instrument(span).await?).await?.1;
+        let status = status_of(reset.instrument(span).await?, self.registry.limits()).await?.1;
         self.told.note(&status);
         Ok(status)
     }
 
     async fn status(&self, world: &str, request: Asked) -> Result<Option<v1::WorldStatus>, Status> {
-        let status = status_of(self.request(world, request).await?).await?.1;
+        let status = status_of(self.request(world, request).await?, self.registry.limits()).await?.1;
         self.told.note(&status);
         Ok(Some(status))
     }
@@ -66,12 +69,12 @@ impl Control {
 
 /// The status of a world, with the report that it is made of. Fingerprinting a large world takes a while, in which other
 /// calls must not wait.
-pub(crate) async fn status_of(report: Report) -> Result<(Report, v1::WorldStatus), Status> {
+pub(crate) async fn status_of(report: Report, limits: &InForce) -> Result<(Report, v1::WorldStatus), Status> {
     let work = move || {
         let status = convert::status(&report);
         (report, status)
     };
-    blocking(work).await
+    limits.making().make(work).await
 }
 
 /// Most robots whose budget one call asks for: each takes a while.
@@ -130,16 +133,14 @@ impl ControlService for Control {
         &self,
         _: Request<v1::ListWorldsRequest>,
     ) -> Result<Response<v1::ListWorldsResponse>, Status> {
-        let worlds = self.list_all().await?;
-        Ok(Response::new(v1::ListWorldsResponse { worlds }))
+        Ok(Response::new(decoded(self.list_in_bytes().await?)?))
     }
 
     async fn get_world(
         &self,
         request: Request<v1::GetWorldRequest>,
     ) -> Result<Response<v1::GetWorldResponse>, Status> {
-        let status = self.status(&request.get_ref().world, Asked::Report).await?;
-        Ok(Response::new(v1::GetWorldResponse { status }))
+        Ok(Response::new(decoded(self.world_in_bytes(&request.get_ref().world).await?)?))
     }
 
     async fn start_world(
@@ -190,7 +191,7 @@ impl ControlService for Control {
         request: Request<v1::SnapshotWorldRequest>,
     ) -> Result<Response<v1::SnapshotWorldResponse>, Status> {
         let report = self.request(&request.get_ref().world, Asked::Snapshot).await?;
-        let (report, status) = status_of(report).await?;
+        let (report, status) = status_of(report, self.registry.limits()).await?;
         let (snapshot, status) = (report.snapshot, Some(status));
         let mut response = Response::new(v1::SnapshotWorldResponse { snapshot, status });
         let most = self.registry.limits().limits().snapshots_per_world.max(1);

@@ -19,7 +19,6 @@ use crate::quote::brief;
 use crate::recording::Folder;
 use crate::registry::Registry;
 use crate::report::{RecordingReport, Report};
-use crate::system::blocking;
 
 impl Control {
     fn folder(&self) -> Result<&Folder, Status> {
@@ -33,8 +32,10 @@ impl Control {
 
     pub(super) async fn save(&self, request: v1::SaveWorldRequest) -> Result<v1::SaveWorldResponse, Status> {
         let v1::SaveWorldRequest { world: name, snapshot } = request;
-        let world = self.request(&name, Request::Save { snapshot }).await?.world;
-        blocking(move || {
+        let Report { world, held, .. } = self.request(&name, Request::Save { snapshot }).await?;
+        let work = move || {
+            // Counted as long as the copy is there.
+            let _held = held;
             let saved_mcap =
                 saved::to_bytes(&name, &world).map_err(|error| Status::internal(error.to_string()))?;
             if saved_mcap.len() > MAX_SAVED {
@@ -45,8 +46,8 @@ impl Control {
                 return Err(Status::resource_exhausted(text));
             }
             Ok(v1::SaveWorldResponse { saved_mcap, tick: world.tick(), state_hash: world.hash() })
-        })
-        .await?
+        };
+        self.registry.limits().making().make(work).await?
     }
 
     pub(super) async fn record(
@@ -71,7 +72,7 @@ impl Control {
 
     pub(super) async fn list(&self) -> Result<v1::ListRecordingsResponse, Status> {
         let folder = self.folder()?.clone();
-        let recordings = blocking(move || folder.list()).await??;
+        let recordings = self.registry.limits().making().make(move || folder.list()).await??;
         Ok(v1::ListRecordingsResponse { recordings })
     }
 

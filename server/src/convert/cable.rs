@@ -2,14 +2,17 @@
 
 use baudbot_proto::v1;
 use baudbot_wire::meaning::Direction;
+use bytes::Bytes;
+use prost::Message as _;
 
-use crate::cables::{CableItem, CableNews};
+use crate::frame::{CableItem, CableNews};
 
-/// What came over a cable.
-pub(crate) fn cable_news(news: CableNews) -> v1::WatchCableResponse {
+/// What came over a cable, in bytes.
+pub(crate) fn cable_news(news: CableNews) -> Bytes {
     let CableNews { items, missed, has_restarted } = news;
     let items = items.into_iter().map(item).collect();
-    v1::WatchCableResponse { items, missed_items: missed, restarted: has_restarted }
+    let response = v1::WatchCableResponse { items, missed_items: missed, restarted: has_restarted };
+    response.encode_to_vec().into()
 }
 
 fn item(item: CableItem) -> v1::CableItem {

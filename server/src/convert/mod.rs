@@ -26,7 +26,7 @@ pub(crate) use budget::robot_budget;
 pub(crate) use cable::cable_news;
 pub(crate) use coverage::coverage;
 pub(crate) use intervention::intervention;
-pub(crate) use observe::{frame, world_description};
+pub(crate) use observe::{frame, own_in_bytes, truth_in_bytes, world_description};
 pub use pace::pace_of;
 pub(crate) use pace::{pace_from, pace_to};
 pub(crate) use replay::replay;

@@ -10,12 +10,14 @@ use baudbot_sim::model::RobotSpec;
 use baudbot_sim::movable::{Movable, MovableShape};
 use baudbot_sim::mover::Mover;
 use baudbot_sim::surroundings::{Field, Light, Region, Source, Zone};
+use bytes::Bytes;
+use prost::Message as _;
 
 use super::brain::description;
 use super::detail::detail;
 use super::{battery, pins, score};
 use crate::columns::sensor_columns;
-use crate::frame::{Frame, RobotTruth, Thing};
+use crate::frame::{Frame, Own, RobotTruth, Thing, Truth};
 
 /// The description of a world: what stands still in it, and what moves.
 pub(crate) fn world_description(scenario: &Scenario) -> v1::DescribeWorldResponse {
@@ -156,19 +158,41 @@ fn field(field: &Field) -> v1::ScalarField {
 }
 
 /// A frame for an observer.
-pub(crate) fn frame(frame: Frame) -> v1::WatchResponse {
-    let collisions = frame.collisions.into_iter();
+pub(crate) fn frame(Frame { truth, own }: Frame) -> v1::WatchResponse {
+    let v1::WatchResponse { collisions, missed_frames, details, annotations, .. } = own_part(own);
+    v1::WatchResponse { collisions, missed_frames, details, annotations, ..truth_part(truth) }
+}
+
+/// The part of a frame that is the same for all observers. With [`own_in_bytes`] behind it, it is a frame.
+pub(crate) fn truth_in_bytes(truth: Truth) -> Bytes {
+    truth_part(truth).encode_to_vec().into()
+}
+
+/// The part of a frame that is one observer's.
+pub(crate) fn own_in_bytes(own: Own) -> Bytes {
+    own_part(own).encode_to_vec().into()
+}
+
+fn truth_part(truth: Truth) -> v1::WatchResponse {
     v1::WatchResponse {
-        tick: frame.tick,
-        time_ns: frame.time.as_ns(),
-        robots: frame.robots.into_iter().map(truth).collect(),
+        tick: truth.tick,
+        time_ns: truth.time.as_ns(),
+        robots: truth.robots.into_iter().map(robot_truth).collect(),
+        ending: truth.ending.unwrap_or_default(),
+        things: truth.things.into_iter().map(thing).collect(),
+        score: truth.score.map(score),
+        ..Default::default()
+    }
+}
+
+fn own_part(own: Own) -> v1::WatchResponse {
+    let collisions = own.collisions.into_iter();
+    v1::WatchResponse {
         collisions: collisions.map(|c| v1::Collision { robot: c.robot, with: c.with }).collect(),
-        missed_frames: frame.missed_frames,
-        ending: frame.ending.unwrap_or_default(),
-        things: frame.things.into_iter().map(thing).collect(),
-        score: frame.score.map(score),
-        details: frame.details.into_iter().map(detail).collect(),
-        annotations: frame.beliefs.iter().map(annotation).collect(),
+        missed_frames: own.missed_frames,
+        details: own.details.into_iter().map(detail).collect(),
+        annotations: own.beliefs.iter().map(annotation).collect(),
+        ..Default::default()
     }
 }
 
@@ -180,7 +204,7 @@ fn thing(Thing { name, x_m, y_m, heading_rad, blocked_ns }: Thing) -> v1::ThingT
     v1::ThingTruth { thing: name, x_m, y_m, heading_rad, blocked_ns }
 }
 
-fn truth(truth: RobotTruth) -> v1::RobotTruth {
+fn robot_truth(truth: RobotTruth) -> v1::RobotTruth {
     v1::RobotTruth {
         x_m: truth.motion.pose.position.x,
         y_m: truth.motion.pose.position.y,

@@ -5,13 +5,17 @@ use std::sync::Arc;
 use std::task::{Context, Poll};
 
 use baudbot_access::needs_at;
+use baudbot_proto::v1::brain_link_service_server::SERVICE_NAME as BRAIN_LINK;
+use baudbot_proto::v1::trainer_service_server::SERVICE_NAME as TRAINER;
 use futures_util::future::{self, Either, MapOk, Ready, TryFutureExt};
+use http_body::Body as _;
 use tokio::task::futures::TaskLocalFuture;
 use tonic::body::Body;
 use tonic::codegen::http::{Request, Response};
 use tonic::{Code, Status};
 use tower::{Layer, Service};
 
+use super::metered::Metered;
 use super::{Admission, OpenOnConnection};
 use crate::access::{Access, Caller, Guarded, authorization};
 use crate::audit::call::Call;
@@ -71,7 +75,8 @@ where
         let need = needs_at(request.uri().path());
         let record = Record::is_for(need).then(|| self.record(&request, caller.name())).flatten();
         let unanswered = Unanswered(request.extensions().get::<Arc<Admission>>().cloned());
-        let guard = self.guard(&caller, open, record.clone(), unanswered);
+        let metered = self.metered(&request);
+        let guard = self.guard(&caller, open, record.clone(), (unanswered, metered));
         request.extensions_mut().insert(caller.clone());
         Either::Right(Call { caller, record }.serve(self.inner.call(request)).map_ok(guard))
     }
@@ -89,20 +94,35 @@ impl<S> Checked<S> {
         Some(Record::new(log, who, from, request.uri().path()).into())
     }
 
+    /// What counts the bytes of a response to this request while they wait.
+    fn metered(&self, request: &Request<Body>) -> Guard {
+        let caller = request.extensions().get().map(|Payer(tally)| Arc::clone(tally));
+        let (limits, path) = (self.check.limits.clone(), request.uri().path().to_owned());
+        Box::new(move |response| match caller {
+            Some(caller) if *caller.account() != Account::Process && !response.body().is_end_stream() => {
+                let what = path.rsplit('/').next().unwrap_or_default();
+                // What brains are told is their robots', and not what they ask for.
+                let pays = ![BRAIN_LINK, TRAINER].iter().any(|service| path[1..].starts_with(service));
+                response.map(|body| Body::new(Metered::new(body, &limits, &caller, what, pays)))
+            }
+            Some(_) | None => response,
+        })
+    }
+
     /// What stands between a service's response and its caller.
     fn guard(
         &self,
         caller: &Caller,
         open: Option<Open>,
         record: Option<Arc<Record>>,
-        unanswered: Unanswered,
+        (unanswered, metered): (Unanswered, Guard),
     ) -> Guard {
         let grant = match caller {
             Caller::Trusted | Caller::Nobody => None,
             Caller::Holder(grant) => Some((self.check.access.clone(), Arc::clone(grant))),
         };
         Box::new(move |response| {
-            let mut response = unanswered.answered(response);
+            let mut response = metered(unanswered.answered(response));
             if let Some((access, grant)) = grant {
                 response = response.map(|body| Body::new(Guarded::new(body, access, grant)));
             }

@@ -32,6 +32,7 @@ mod calls;
 mod connection;
 mod incoming;
 mod listener;
+mod metered;
 mod tls;
 
 use std::collections::BTreeMap;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::fmt;
 use std::net::{IpAddr, Ipv6Addr};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -102,6 +102,8 @@ pub(crate) struct Payer(pub(crate) Arc<Tally>);
 pub(crate) struct Tally {
     account: Account,
     counts: [AtomicUsize; 3],
+    /// Bytes that wait until it reads them.
+    unread: AtomicU64,
     requests: Mutex<Bucket>,
 }
 
@@ -115,7 +117,7 @@ pub(crate) enum Counted {
 
 impl Tally {
     fn new(account: Account) -> Self {
-        Self { account, counts: Default::default(), requests: Mutex::default() }
+        Self { account, counts: Default::default(), unread: AtomicU64::new(0), requests: Mutex::default() }
     }
 
     pub(crate) fn account(&self) -> &Account {
@@ -139,6 +141,29 @@ impl Tally {
     /// When there may be another one.
     pub(super) fn request(&self, now: Instant, per_s: u32, burst: u32) -> Result<(), Duration> {
         self.requests().take(now, per_s, burst)
+    }
+
+    /// Counts what it was told as so many requests, whether it may have made as many or not.
+    pub(super) fn charge(&self, now: Instant, per_s: u32, requests: u32) {
+        self.requests().charge(now, per_s, requests);
+    }
+
+    /// Whether it has not had more than so many requests are worth.
+    pub(super) fn has_budget(&self, now: Instant, per_s: u32, burst: u32) -> bool {
+        self.requests().has_one(now, per_s, burst)
+    }
+
+    /// Bytes that wait until it reads them.
+    pub(super) fn unread(&self) -> u64 {
+        self.unread.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn add_unread(&self, bytes: u64) {
+        self.unread.fetch_add(bytes, Ordering::Relaxed);
+    }
+
+    pub(super) fn sub_unread(&self, bytes: u64) {
+        self.unread.fetch_sub(bytes, Ordering::Relaxed);
     }
 
     fn requests(&self) -> MutexGuard<'_, Bucket> {
@@ -187,6 +212,12 @@ impl Accounts {
     pub(super) fn most(&self, what: Counted) -> usize {
         let tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         tallies.values().map(|tally| tally.count(what)).max().unwrap_or(0)
+    }
+
+    /// Bytes that wait for the account that leaves most unread.
+    pub(super) fn most_unread(&self) -> u64 {
+        let tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        tallies.values().map(|tally| tally.unread()).max().unwrap_or(0)
     }
 }
 

@@ -29,6 +29,18 @@ impl Bucket {
         }
     }
 
+    /// Takes so many events at once, whether they are there or not: later ones wait for longer.
+    pub(super) fn charge(&mut self, now: Instant, per_s: u32, events: u32) {
+        let one = Duration::from_secs(1) / per_s.max(1);
+        self.full_at = Some(self.full_at.map_or(now, |at| at.max(now)) + one.saturating_mul(events));
+    }
+
+    /// Whether there is an event to be taken.
+    pub(super) fn has_one(&self, now: Instant, per_s: u32, burst: u32) -> bool {
+        let mut copy = *self;
+        copy.take(now, per_s, burst).is_ok()
+    }
+
     /// Whether it is as if nothing had ever been taken.
     pub(super) fn is_full(&self, now: Instant) -> bool {
         self.full_at.is_none_or(|at| at <= now)
@@ -55,5 +67,14 @@ mod tests {
         let in_a_second = (100..1100).filter(|&at| bucket.take(ms(at), 10, 20).is_ok()).count();
         assert_eq!(in_a_second, 9);
         assert!(!bucket.is_full(ms(2000)) && bucket.is_full(ms(4000)));
+    }
+
+    #[test]
+    fn what_is_charged_afterwards_is_waited_for() {
+        let (mut bucket, start) = (Bucket::default(), Instant::now());
+        bucket.charge(start, 10, 35);
+        assert!(!bucket.has_one(start, 10, 20), "35 are more than 20");
+        assert_eq!(bucket.take(start, 10, 20), Err(Duration::from_millis(1600)));
+        assert!(bucket.has_one(start + Duration::from_millis(1600), 10, 20));
     }
 }

@@ -73,6 +73,11 @@ impl Charges {
         self.limits.hold(self.state.bytes())
     }
 
+    /// The memory of a copy of the state for somebody who is told of it, whatever the limit: of such copies there are few.
+    pub(crate) fn copied(&self) -> Option<Held> {
+        self.limits.count_memory(self.state.bytes())
+    }
+
     /// Memory for a snapshot of this world, and its place.
     ///
     /// # Errors

@@ -9,9 +9,11 @@ use tonic::Status;
 
 use super::accounts::{Account, Accounts, Counted, Taken, Tally, count_up};
 use super::limit::{Exceeded, Limit};
+use super::making::Making;
 use super::memory::{Held, Memory, ScenarioHeld};
 use super::overload::Overload;
 use super::parsing::{Cancelled, Parsing, Waiter};
+use super::unread::Unread;
 use super::{Limits, SOON};
 use crate::clock;
 use crate::log::Throttle;
@@ -27,6 +29,8 @@ struct Shared {
     memory: Arc<Memory>,
     parsing: Parsing,
     overload: Overload,
+    unread: Unread,
+    making: Making,
     /// Of what a whole server has: connections, worlds, robots, snapshots.
     counts: [AtomicUsize; 4],
     refused: [AtomicU64; Limit::ALL.len()],
@@ -62,6 +66,8 @@ impl InForce {
             memory: Arc::default(),
             parsing: Parsing::new(limits.parsing),
             overload: Overload::default(),
+            unread: Unread::default(),
+            making: Making::new(limits.parsing),
             counts: Default::default(),
             refused: Default::default(),
             logged: Default::default(),
@@ -116,6 +122,12 @@ impl InForce {
             Limit::Memory => (limits.memory_bytes as f64, Some(memory.held() as f64)),
             Limit::Waiting => (limits.waiting as f64, Some(parsing.counts().0 as f64)),
             Limit::Overload => (limits.overload_after_s as f64, Some(overload.seconds(clock::now()) as f64)),
+            Limit::UnreadPerStream => (limits.unread_per_stream as f64, None),
+            Limit::UnreadPerCaller => {
+                let most = limits.unread_per_caller.unwrap_or(Limits::UNREAD_PER_CALLER);
+                (most as f64, Some(accounts.most_unread() as f64))
+            }
+            Limit::Unread => (limits.unread as f64, Some(self.unread().held() as f64)),
         }
     }
 
@@ -128,7 +140,7 @@ impl InForce {
     }
 
     /// Counts a refusal, with its words.
-    fn refuse(&self, limit: Limit, what: String, retry_after: Option<Duration>) -> Exceeded {
+    pub(super) fn refuse(&self, limit: Limit, what: String, retry_after: Option<Duration>) -> Exceeded {
         self.note(limit, &what);
         Exceeded { limit, what, retry_after }
     }
@@ -201,6 +213,16 @@ impl InForce {
             let what = format!("{} has made {per_s} requests in a second", tally.account());
             self.refuse(Limit::Requests, what, Some(wait))
         })
+    }
+
+    /// Those who make answers.
+    pub(crate) fn making(&self) -> &Making {
+        &self.0.making
+    }
+
+    /// What waits for clients.
+    pub(super) fn unread(&self) -> &Unread {
+        &self.0.unread
     }
 
     fn take(
@@ -324,6 +346,13 @@ impl InForce {
         }
         let what = format!("worlds in real time have lagged for {seconds} s, {after} s or more");
         Err(self.refuse(Limit::Overload, what, None))
+    }
+
+    /// Memory that is there already, and is counted whatever the limit.
+    pub(crate) fn count_memory(&self, bytes: u64) -> Option<Held> {
+        let mut held = self.0.memory.hold(0, u64::MAX)?;
+        held.set(bytes);
+        Some(held)
     }
 
     /// Reads something, when it is its turn, with memory for the time that it takes. What nobody waits for any more is not begun.

@@ -24,11 +24,14 @@ pub(crate) enum Limit {
     Memory,
     Waiting,
     Overload,
+    UnreadPerStream,
+    UnreadPerCaller,
+    Unread,
 }
 
 impl Limit {
     /// All of them, in their order.
-    pub(crate) const ALL: [Self; 15] = [
+    pub(crate) const ALL: [Self; 18] = [
         Self::Connections,
         Self::ConnectionsPerAddress,
         Self::ConnectionsPerToken,
@@ -44,6 +47,9 @@ impl Limit {
         Self::Memory,
         Self::Waiting,
         Self::Overload,
+        Self::UnreadPerStream,
+        Self::UnreadPerCaller,
+        Self::Unread,
     ];
 
     /// Its name in metrics, the option that changes it, and what a client can do instead.
@@ -72,6 +78,9 @@ impl Limit {
             Self::Memory => ("memory_bytes", "--max-memory", "delete a world"),
             Self::Waiting => ("waiting", "--max-waiting", "try again in a second"),
             Self::Overload => ("overload_after_s", "--overload-after", "pause a world, or try again later"),
+            Self::UnreadPerStream => ("unread_bytes_per_stream", "--max-unread-per-stream", READ),
+            Self::UnreadPerCaller => ("unread_bytes_per_caller", "--max-unread-per-caller", READ),
+            Self::Unread => ("unread_bytes", "--max-unread", READ),
         }
     }
 
@@ -85,6 +94,9 @@ impl Limit {
         self.words().1
     }
 }
+
+/// What a client can do for which too much waits.
+const READ: &str = "read what you ask for";
 
 /// A limit is reached.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -16,7 +16,8 @@
 //! - [`InForce`] has the limits of a running server and what is used of them. What takes something gets a guard, and gives it back by
 //!   dropping that.
 //! - [`Accounts`](accounts::Accounts) count by caller, [`Memory`](memory::Memory) counts bytes, [`Parsing`](parsing::Parsing) is the
-//!   queue for scenarios, [`Overload`](overload::Overload) knows whether worlds keep their pace.
+//!   queue for scenarios, [`Overload`](overload::Overload) knows whether worlds keep their pace, [`Unread`](unread::Unread) counts what
+//!   waits for clients.
 
 mod accounts;
 mod bucket;
@@ -24,9 +25,11 @@ mod charges;
 mod in_force;
 mod limit;
 mod machine;
+mod making;
 mod memory;
 mod overload;
 mod parsing;
+mod unread;
 
 use std::time::Duration;
 
@@ -36,6 +39,7 @@ pub(crate) use in_force::{InForce, Place};
 pub(crate) use limit::{Exceeded, Limit};
 pub(crate) use memory::{Held, ScenarioHeld};
 pub(crate) use parsing::Cancelled;
+pub(crate) use unread::{Inbox, Outbox, Parts};
 
 use crate::system::usual_connections;
 
@@ -84,6 +88,12 @@ pub struct Limits {
     /// No more worlds are started in a pace other than lockstep, once worlds in real time have let time go in each of so many
     /// seconds; 0 for always.
     pub overload_after_s: u64,
+    /// Bytes that wait until clients read them, of all streams.
+    pub unread: u64,
+    /// Those of one caller; without it [`Self::UNREAD_PER_CALLER`].
+    pub unread_per_caller: Option<u64>,
+    /// Those of one stream of frames: further frames are missed.
+    pub unread_per_stream: u64,
 }
 
 impl Limits {
@@ -95,6 +105,8 @@ impl Limits {
     pub const REQUESTS_PER_S: u32 = 2000;
     /// Worlds of a caller.
     pub const WORLDS_PER_CALLER: usize = 512;
+    /// Bytes that wait until a caller reads them.
+    pub const UNREAD_PER_CALLER: u64 = 64 << 20;
 
     /// What one address, or one user, may have of all connections, unless it is told otherwise.
     pub(crate) fn half_of_connections(&self) -> usize {
@@ -131,6 +143,9 @@ impl Limits {
             parsing: processors,
             waiting: 256,
             overload_after_s: 3,
+            unread: 128 << 20,
+            unread_per_caller: None,
+            unread_per_stream: 16 << 20,
         }
     }
 

@@ -8,6 +8,7 @@ use tokio::sync::oneshot;
 use tonic::Status;
 
 use super::{Message, Order, Request};
+use crate::answers::Answers;
 use crate::audit::call::by;
 use crate::limits::{Exceeded, Held, InForce};
 use crate::mailbox::Mailbox;
@@ -22,6 +23,7 @@ pub(crate) struct WorldHandle {
     /// The bytes of its state.
     bytes: Arc<AtomicU64>,
     mailbox: Arc<Mailbox<Message>>,
+    answers: Arc<Answers>,
 }
 
 impl WorldHandle {
@@ -33,12 +35,17 @@ impl WorldHandle {
         (limits, bytes): (InForce, Arc<AtomicU64>),
         mailbox: Arc<Mailbox<Message>>,
     ) -> Self {
-        Self { name, made, limits, bytes, mailbox }
+        Self { name, made, limits, bytes, mailbox, answers: Arc::default() }
     }
 
     /// The limits of its server.
     pub(crate) fn limits(&self) -> &InForce {
         &self.limits
+    }
+
+    /// The answers that are made once for many.
+    pub(crate) fn answers(&self) -> &Answers {
+        &self.answers
     }
 
     /// Memory for a copy of its state.

@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 use baudbot_recording::RecordedRun;
 use baudbot_sim::Scenario;
-use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
+use tokio::sync::{OwnedSemaphorePermit, oneshot};
 use tonic::Status;
 
 use crate::cables::WatchCable;
 use crate::endpoint::Write;
-use crate::frame::Frame;
+use crate::limits::Outbox;
 use crate::measures::Measures;
-use crate::report::{CoverageReport, Report};
+use crate::report::{CoverageReport, Report, Standing, Version};
 pub(crate) use attach::{Attach, Attached, Delivery, Lease, Recipient, Told};
 pub(crate) use handle::WorldHandle;
 pub(crate) use request::{RecordConfig, Request};
@@ -34,6 +34,8 @@ pub(crate) enum Message {
     DescribeReplay(oneshot::Sender<Option<Arc<RecordedRun>>>),
     Measure(oneshot::Sender<Measures>),
     Cover(oneshot::Sender<CoverageReport>),
+    /// Asks how the world stands, unless it stands as it did at this version.
+    Stand(Option<Version>, oneshot::Sender<Standing>),
     Watch(Watch),
     WatchCable(WatchCable),
     Attach(Attach, Reply<Attached>),
@@ -72,5 +74,5 @@ pub(crate) struct Watch {
     pub(crate) details: Vec<usize>,
     /// Whether details have what is on the pins of their chips; pulses with a shorter period, in nanoseconds, are told together.
     pub(crate) pins_finest_ns: Option<u64>,
-    pub(crate) frames: mpsc::Sender<Frame>,
+    pub(crate) frames: Outbox,
 }

@@ -156,6 +156,14 @@ pub(super) fn write(worlds: &[World], limits: &InForce, most_robots: usize) -> S
         up.add(&[("world", &world.name)], f64::from(u8::from(world.measures.is_some())));
     }
     up.write(&mut text);
+    let mut statuses = Family::counter(
+        "baudbot_world_statuses_made_total",
+        "Statuses that were made for operators; each is told to all who ask before the world changes.",
+    );
+    for world in worlds {
+        statuses.add(&[("world", &world.name)], world.statuses as f64);
+    }
+    statuses.write(&mut text);
     let answered: Vec<_> =
         worlds.iter().filter_map(|world| Some((&*world.name, world.measures.as_ref()?))).collect();
     write_worlds(&answered, &mut text);

@@ -52,6 +52,8 @@ struct World {
     name: String,
     /// `None` if it did not answer.
     measures: Option<Measures>,
+    /// Statuses that were made of it.
+    statuses: u64,
 }
 
 impl Metrics {
@@ -81,14 +83,14 @@ impl Metrics {
         let ask = |world: WorldHandle| {
             let (reply, answer) = oneshot::channel();
             let _ = world.send(Message::Measure(reply));
-            (world.name().to_owned(), answer)
+            (world.name().to_owned(), world.answers().status.made(), answer)
         };
         let asked: Vec<_> = self.registry.all().into_iter().map(ask).collect();
         let deadline = Instant::now() + PATIENCE;
         let mut worlds = Vec::new();
-        for (name, answer) in asked {
+        for (name, statuses, answer) in asked {
             let measures = timeout_at(deadline, answer).await.ok().and_then(Result::ok);
-            worlds.push(World { name, measures });
+            worlds.push(World { name, measures, statuses });
         }
         worlds
     }

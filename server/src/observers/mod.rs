@@ -3,15 +3,18 @@
 mod details;
 mod pins;
 
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
 use baudbot_sim::collision::Collision;
 use baudbot_sim::raycast::RayCaster;
 use baudbot_sim::{RobotView, ThingView, World};
-use tokio::sync::mpsc;
+use bytes::Bytes;
 
 use crate::beliefs::Beliefs;
-use crate::frame::{Charge, Frame, RobotDetail, RobotTruth, Score, Thing};
+use crate::convert;
+use crate::frame::{Charge, Frame, Own, RobotDetail, RobotTruth, Score, Thing, Truth};
+use crate::limits::{Outbox, Parts};
 use crate::log::event;
 use crate::message::Watch;
 use crate::sessions::Sessions;
@@ -36,7 +39,7 @@ pub(crate) struct Observers {
 struct Observer {
     number: u64,
     every_ticks: u64,
-    frames: mpsc::Sender<Frame>,
+    frames: Outbox,
     missed_frames: u64,
     /// Whether it has missed the last frame that was due.
     misses: bool,
@@ -61,6 +64,24 @@ pub(crate) struct View<'a> {
     pub(crate) beliefs: &'a Beliefs,
 }
 
+/// What is made once for all observers who are shown the world as it stands.
+struct Shared<'a> {
+    view: View<'a>,
+    /// The part of a frame that is the same for all, in bytes.
+    truth: OnceCell<Bytes>,
+    caster: OnceCell<RayCaster<'a>>,
+}
+
+impl<'a> Shared<'a> {
+    fn new(view: View<'a>) -> Self {
+        Self { view, truth: OnceCell::new(), caster: OnceCell::new() }
+    }
+
+    fn truth(&self) -> Bytes {
+        self.truth.get_or_init(|| convert::truth_in_bytes(Truth::of(self.view.world))).clone()
+    }
+}
+
 impl Observers {
     /// Adds an observer. It gets a first frame at once, also of a world that stands.
     pub(crate) fn add(&mut self, watch: Watch, view: View<'_>) {
@@ -75,7 +96,7 @@ impl Observers {
             misses: false,
             eye: Eye::new(details, pins_finest_ns, view.world),
         };
-        if observer.show(view) {
+        if observer.show(&Shared::new(view)) {
             event!(
                 view,
                 info,
@@ -125,11 +146,12 @@ impl Observers {
 
     /// Sends a frame at the start of a tick to the observers that are due for one; at the end of a run, to all.
     pub(crate) fn show(&mut self, view: View<'_>) {
+        let shared = Shared::new(view);
         self.each(view, |observer| {
             let world = view.world;
             observer.eye.note(world);
             let due = world.tick().is_multiple_of(observer.every_ticks) || world.ending().is_some();
-            !due || observer.show(view)
+            !due || observer.show(&shared)
         });
     }
 
@@ -141,7 +163,8 @@ impl Observers {
 
     /// Sends all observers a frame between two ticks: the world was changed by hand, or is at another tick.
     pub(crate) fn show_now(&mut self, view: View<'_>) {
-        self.each(view, |observer| observer.show(view));
+        let shared = Shared::new(view);
+        self.each(view, |observer| observer.show(&shared));
     }
 
     /// Calls `see` for all observers, and removes those for which it is `false` or that are gone.
@@ -160,11 +183,15 @@ impl Observers {
 
 impl Observer {
     /// Sends a frame if there is room; `false` if the observer is gone.
-    fn show(&mut self, view: View<'_>) -> bool {
+    fn show(&mut self, shared: &Shared<'_>) -> bool {
+        let view = shared.view;
         let world = view.world;
         // The last place is for the end of the run, which no observer must miss.
-        let needed = if world.ending().is_some() { 1 } else { 2 };
-        if self.frames.capacity() < needed {
+        let has_room = match world.ending() {
+            Some(_) => self.frames.places() >= 1,
+            None => self.frames.places() >= 2 && self.frames.has_budget(),
+        };
+        if !has_room {
             self.missed_frames += 1;
             if !std::mem::replace(&mut self.misses, true) {
                 event!(view, debug, observer = self.number, "observer does not read, and misses frames");
@@ -175,8 +202,8 @@ impl Observer {
             let missed_frames = self.missed_frames;
             event!(view, debug, observer = self.number, missed_frames, "observer reads again");
         }
-        let frame = Frame { missed_frames: self.missed_frames, ..self.eye.frame(view) };
-        self.frames.try_send(frame).is_ok()
+        let own = convert::own_in_bytes(self.eye.own(shared, self.missed_frames));
+        self.frames.push(Parts(vec![shared.truth(), own]))
     }
 }
 
@@ -206,28 +233,42 @@ impl Eye {
 
     /// A frame of the world as it stands.
     pub(crate) fn frame(&mut self, view: View<'_>) -> Frame {
-        let world = view.world;
-        Frame {
-            tick: world.tick(),
-            time: world.time(),
-            robots: world.robots().enumerate().map(|(i, robot)| truth(world, i, &robot)).collect(),
+        let own = self.own(&Shared::new(view), 0);
+        Frame { truth: Truth::of(view.world), own }
+    }
+
+    /// What is in a frame for this observer only.
+    fn own(&mut self, shared: &Shared<'_>, missed_frames: u64) -> Own {
+        Own {
             collisions: std::mem::take(&mut self.collisions),
-            missed_frames: 0,
-            ending: world.ending().map(ToString::to_string),
-            things: world.things().map(thing).collect(),
-            score: Score::of(world),
-            details: self.details(view),
-            beliefs: view.beliefs.since(&mut self.published),
+            missed_frames,
+            details: self.details(shared),
+            beliefs: shared.view.beliefs.since(&mut self.published),
         }
     }
 
-    fn details(&mut self, view: View<'_>) -> Vec<RobotDetail> {
+    fn details(&mut self, shared: &Shared<'_>) -> Vec<RobotDetail> {
         if self.detailed.is_empty() {
             return Vec::new();
         }
-        let caster = RayCaster::new(view.world);
+        let view = shared.view;
+        let caster = shared.caster.get_or_init(|| RayCaster::new(view.world));
         let detailed = self.detailed.iter_mut();
-        detailed.map(|detailed| detailed.tell(view.world, view.sessions, &caster)).collect()
+        detailed.map(|detailed| detailed.tell(view.world, view.sessions, caster)).collect()
+    }
+}
+
+impl Truth {
+    /// That of a world as it stands.
+    fn of(world: &World) -> Self {
+        Self {
+            tick: world.tick(),
+            time: world.time(),
+            robots: world.robots().enumerate().map(|(i, robot)| truth(world, i, &robot)).collect(),
+            ending: world.ending().map(ToString::to_string),
+            things: world.things().map(thing).collect(),
+            score: Score::of(world),
+        }
     }
 }
 

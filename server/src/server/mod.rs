@@ -296,7 +296,7 @@ impl Server {
     /// If there is no such world, or it is not being recorded.
     pub async fn stop_recording(&self, world: &str) -> Result<v1::WorldStatus, Status> {
         let (report, recording) = stop_recording(&self.registry, world).await?;
-        Ok(status_of(Report { recording: Some(recording), ..report }).await?.1)
+        Ok(status_of(Report { recording: Some(recording), ..report }, self.registry.limits()).await?.1)
     }
 
     /// Makes no world any more: the server is about to stop.

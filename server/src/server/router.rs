@@ -4,8 +4,6 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use baudbot_proto::v1::control_service_server::ControlServiceServer;
-use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
 use baudbot_proto::v1::trainer_service_server::{SERVICE_NAME as TRAINER, TrainerServiceServer};
 use prost::Message as _;
 use prost_types::FileDescriptorSet;
@@ -17,9 +15,9 @@ use tower::layer::util::{Identity, Stack};
 
 use super::ServerError;
 use crate::brain_link::{BrainLink, BrainLinkServer};
-use crate::control::Control;
+use crate::control::{Control, ControlServer};
 use crate::gate::{CheckCalls, Gate};
-use crate::observe::Observe;
+use crate::observe::{Observe, ObserveServer};
 use crate::trainer::Trainer;
 
 /// How often a silent connection is pinged, and how long it has to answer.
@@ -42,12 +40,12 @@ pub(super) async fn ordinary(
 ) -> Result<Router, ServerError> {
     let (health, health_service) = tonic_health::server::health_reporter();
     is_serving::<BrainLinkServer>(&health).await;
-    is_serving::<ObserveServiceServer<Observe>>(&health).await;
+    is_serving::<ObserveServer>(&health).await;
     let observe = Observe { registry: control.registry.clone() };
     Ok(with_operator(control, check, gate, &health, without_trainers(contract()))
         .await?
         .add_service(health_service)
-        .add_service(ObserveServiceServer::new(observe))
+        .add_service(ObserveServer::new(observe))
         .add_service(brain_link(control, gate)))
 }
 
@@ -87,7 +85,7 @@ async fn with_operator(
     health: &HealthReporter,
     contract: FileDescriptorSet,
 ) -> Result<Router, ServerError> {
-    is_serving::<ControlServiceServer<Control>>(health).await;
+    is_serving::<ControlServer>(health).await;
     let reflection = || {
         tonic_reflection::server::Builder::configure()
             .register_file_descriptor_set(contract.clone())
@@ -99,8 +97,7 @@ async fn with_operator(
         .add_service(reflection().build_v1alpha()?)
         .add_service(
             // A scenario may have 16 MiB, and a request is a little longer than that.
-            ControlServiceServer::from_arc(Arc::clone(control))
-                .max_decoding_message_size(baudbot_scenario::MAX_BYTES + (1 << 16)),
+            ControlServer::new(Arc::clone(control), baudbot_scenario::MAX_BYTES + (1 << 16)),
         ))
 }
 
