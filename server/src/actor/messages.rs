@@ -18,6 +18,7 @@ impl WorldActor {
         }
         self.handle_now(message);
         self.handle_deferred();
+        self.answer_halts();
     }
 
     pub(super) fn handle_now(&mut self, message: Message) {

@@ -7,6 +7,7 @@
 mod attachments;
 mod direct;
 mod final_command;
+mod halting;
 mod interventions;
 mod log;
 mod lookahead;
@@ -48,6 +49,7 @@ use crate::pace::WatchdogPolicy;
 use crate::report::Activity;
 use crate::sessions::Sessions;
 pub use direct::DirectWorld;
+use halting::Halts;
 use interventions::Interventions;
 pub(crate) use new_world::{NewWorld, start};
 pub use new_world::{OnBelief, OnTick};
@@ -86,6 +88,8 @@ pub(crate) struct WorldActor {
     /// And the number of the last belief that it was told.
     on_belief: Option<(OnBelief, u64)>,
     progress: Option<Telling>,
+    /// Those who have made the world stand, and are told when it does.
+    halts: Halts,
     /// Messages that would see the world, which is ahead of its brains; oldest first.
     deferred: VecDeque<Message>,
     schedule: Schedule,
@@ -163,6 +167,7 @@ impl WorldActor {
             on_tick,
             on_belief: on_belief.map(|on_belief| (on_belief, 0)),
             progress: progress.map(Telling::new),
+            halts: Halts::default(),
             deferred: VecDeque::new(),
             schedule: Schedule::new(neighbours),
             over: None,
@@ -352,6 +357,7 @@ impl WorldActor {
         if self.stepper.credits == 0 {
             self.answer_stepper();
         }
+        self.answer_halts();
         self.schedule.note_finish(clock::since(now));
     }
 
@@ -368,6 +374,7 @@ impl WorldActor {
         self.keep_now();
         self.show();
         self.sessions.tell_ended(&self.world);
+        self.answer_halts();
     }
 
     /// The watchdog acts on every brain that has not answered in time.

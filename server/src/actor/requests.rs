@@ -44,12 +44,19 @@ impl WorldActor {
             Request::Start => {
                 self.check_load(self.pacer.pace).map(|()| self.start()).map(|()| self.report(0))
             }
-            Request::Pause => self.reported(Self::pause),
+            Request::Pause => {
+                self.pause();
+                return self.halted(reply);
+            }
             Request::Reset(scenario) => self.reset(scenario).map(|()| self.report(0)),
             Request::Delete => self.reported(Self::delete),
-            Request::SetPace(pace) => {
-                self.check_load_at(pace).map(|()| self.set_pace(pace)).map(|()| self.report(0))
-            }
+            Request::SetPace(pace) => match self.check_load_at(pace) {
+                Ok(()) => {
+                    self.set_pace(pace);
+                    return self.halted(reply);
+                }
+                Err(status) => Err(status),
+            },
             Request::Fork(pace) => self.reported(|actor| actor.fork(pace)),
         };
         self.keep_now();

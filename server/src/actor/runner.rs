@@ -107,6 +107,9 @@ impl Runner<Message> for WorldActor {
         if self.state.until(None).is_some_and(|retry| now >= retry) {
             self.keep_now();
         }
+        if self.halts.are_late(now) {
+            self.answer_halts_at_last();
+        }
         self.pacer.running.set(self.activity() == Activity::Running, now);
         let next = self.next(now);
         if let Next::Wait(until) = next {
@@ -179,7 +182,7 @@ impl WorldActor {
 
     /// Nothing is to be done before this instant, but for what could not be written.
     fn wait(&mut self, until: Option<Instant>) -> Then {
-        let until = self.state.until(until);
+        let until = self.halts.until(self.state.until(until));
         self.schedule.wait(until)
     }
 

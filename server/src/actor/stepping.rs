@@ -72,7 +72,10 @@ impl WorldActor {
     /// Does no further ticks for a StepWorld.
     pub(super) fn end_stepping(&mut self) {
         self.stepper.credits = 0;
-        self.answer_stepper();
+        // Within a tick, at its end.
+        if self.phase == Phase::Between {
+            self.answer_stepper();
+        }
     }
 
     pub(super) fn answer_stepper(&mut self) {

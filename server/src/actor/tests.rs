@@ -10,11 +10,14 @@ use baudbot_sim::{Input, World};
 use baudbot_proto::v1;
 use futures_util::{FutureExt as _, StreamExt as _};
 
+use tokio::sync::oneshot;
+
 use super::{DirectWorld, NewWorld, Next, WorldActor};
 use crate::endpoint::{Output, Sender, Signals};
 use crate::limits::{Account, InForce, Limits};
-use crate::message::{Message, Watch};
+use crate::message::{Message, Request, Watch};
 use crate::pace::{Lockstep, Pace, Timed};
+use crate::report::Activity;
 
 /// Simulated milliseconds of a tick.
 const TICK_MS: u64 = 10;
@@ -108,6 +111,28 @@ fn a_world_keeps_a_short_timeline_until_somebody_looks_at_it() {
     let until = now + minute;
     go_on(&mut actor, &mut now, until);
     assert_eq!(kept(&actor), actor.world.usual_timeline());
+}
+
+/// Whoever makes a world stand is told when it does: the tick that has begun is over by then.
+#[test]
+fn a_world_stands_by_the_time_that_its_operator_is_told_so() {
+    let stand = [Request::Pause, Request::SetPace(Pace::Stepped(Lockstep::default()))];
+    for (request, name) in stand.into_iter().zip(["pause", "stepped"]) {
+        let (mut actor, mut now) = (actor(Pace::REAL_TIME), Instant::now());
+        actor.begin(now);
+        let (reply, mut told) = oneshot::channel();
+        actor.handle(Message::Request(request, reply));
+        assert!(told.try_recv().is_err(), "{name}: the tick is not over yet");
+        let until = now + Duration::from_secs(1);
+        go_on(&mut actor, &mut now, until);
+        let report = told.try_recv().unwrap().unwrap();
+        assert_eq!((report.world.tick(), actor.world.tick()), (1, 1), "{name}");
+        assert_eq!(report.activity, Activity::Paused);
+        // Of a world that stands it is told at once.
+        let (reply, mut told) = oneshot::channel();
+        actor.handle(Message::Request(Request::Pause, reply));
+        assert_eq!(told.try_recv().unwrap().unwrap().world.tick(), 1);
+    }
 }
 
 /// Over links that take no time, commands are handed over as such.
