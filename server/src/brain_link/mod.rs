@@ -9,8 +9,6 @@ use std::time::Duration;
 use baudbot_fields::printable::{Printable, is_printable};
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request as Content;
-use tokio::sync::mpsc;
-use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Code, Request, Response, Status, Streaming};
 use tracing::Instrument;
@@ -21,7 +19,7 @@ use crate::audit::call::{by, note_robots};
 use crate::beliefs::Beliefs;
 use crate::convert::{self, AttachResponse};
 use crate::endpoint::Mode;
-use crate::message::{Attach, Attached, Delivery, Lease, Message, Recipient, WorldHandle};
+use crate::message::{Attach, Attached, Deliveries, Lease, Message, Recipient, WorldHandle};
 use crate::registry::Registry;
 use crate::sessions::RESERVED;
 pub(crate) use service::BrainLinkServer;
@@ -66,7 +64,7 @@ impl BrainLink {
         }
         let told = what_it_is_told(&caller, &hello);
         let world = self.registry.find("hello.world", &hello.world).map_err(&told)?;
-        let (deliveries, stream) = mpsc::channel(TURNS_AHEAD + RESERVED);
+        let (deliveries, stream) = Deliveries::new(TURNS_AHEAD + RESERVED);
         let span = tracing::info_span!(
             "brain",
             world = world.name(),
@@ -80,7 +78,7 @@ impl BrainLink {
         let welcome = convert::first_response(&attached);
         // The task lives as long as the brain stays.
         tokio::spawn(listen(requests, attached, mode, deliveries).instrument(span));
-        let turns = ReceiverStream::new(stream).map(convert::delivery);
+        let turns = stream.map(convert::delivery);
         Ok(Response::new(Box::pin(tokio_stream::once(Ok(welcome)).chain(turns))))
     }
 }
@@ -164,7 +162,7 @@ async fn listen(
     requests: Streaming<v1::AttachRequest>,
     attached: Attached,
     mode: Mode,
-    deliveries: mpsc::Sender<Delivery>,
+    deliveries: Deliveries,
 ) {
     let steps = Steps::new(&attached, mode);
     let Attached { mut lease, robots, beliefs, .. } = attached;
@@ -175,7 +173,7 @@ async fn listen(
         biased;
         problem = listener.take_all(requests, &lease) => if let Err(status) = problem {
             lease.why = status.message().to_owned();
-            let _ = deliveries.try_send(Delivery::Close(status));
+            deliveries.close(status);
         },
         // What comes on a stream that the world has closed, or whose reader is gone, is of no use.
         () = deliveries.closed() => {}

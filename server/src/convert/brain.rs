@@ -86,6 +86,6 @@ pub(crate) fn delivery(delivery: Delivery) -> Result<AttachResponse, Status> {
     match delivery {
         Delivery::Close(status) => Err(status),
         Delivery::Ended { tick } => Ok(response(v1::attach_response::Response::Ended(v1::Ended { tick }))),
-        Delivery::Turn(bytes) => Ok(AttachResponse::Turn(bytes)),
+        Delivery::Turn { turn, .. } => Ok(AttachResponse::Turn(turn)),
     }
 }

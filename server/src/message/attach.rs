@@ -1,11 +1,13 @@
 //! A brain and its robots: how it takes them, what it receives, and how they are released.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use baudbot_sim::Scenario;
 use bytes::Bytes;
 use tokio::sync::mpsc;
+use tokio_stream::wrappers::ReceiverStream;
+use tokio_stream::{Stream, StreamExt};
 use tonic::Status;
 
 use super::{Message, WorldHandle};
@@ -65,7 +67,7 @@ impl Drop for Lease {
 
 /// Who is at the other end of a stream that holds robots. Only a trainer is told the truth.
 pub(crate) enum Recipient {
-    Brain(mpsc::Sender<Delivery>),
+    Brain(Deliveries),
     Trainer(mpsc::Sender<Told>),
 }
 
@@ -73,7 +75,7 @@ impl Recipient {
     /// Places in the stream that are free.
     pub(crate) fn capacity(&self) -> usize {
         match self {
-            Self::Brain(deliveries) => deliveries.capacity(),
+            Self::Brain(deliveries) => deliveries.queue.capacity(),
             Self::Trainer(told) => told.capacity(),
         }
     }
@@ -81,16 +83,25 @@ impl Recipient {
     /// Deliveries that it has not read yet.
     pub(crate) fn waiting(&self) -> usize {
         match self {
-            Self::Brain(deliveries) => deliveries.max_capacity() - deliveries.capacity(),
+            Self::Brain(deliveries) => deliveries.queue.max_capacity() - deliveries.queue.capacity(),
             Self::Trainer(told) => told.max_capacity() - told.capacity(),
         }
     }
 
-    /// Gives a Turn; `false` if there is no room for it, or nobody who takes it.
-    pub(crate) fn turn(&self, turn: Bytes, truth: impl FnOnce() -> Truth) -> bool {
+    /// Gives the Turn of this number; `false` if there is no room for it, or nobody who takes it.
+    pub(crate) fn turn(&self, number: u64, turn: Bytes, truth: impl FnOnce() -> Truth) -> bool {
         match self {
-            Self::Brain(deliveries) => deliveries.try_send(Delivery::Turn(turn)).is_ok(),
+            Self::Brain(deliveries) => deliveries.turn(number, turn),
             Self::Trainer(told) => told.try_send(Told::Turn(turn, truth().into())).is_ok(),
+        }
+    }
+
+    /// Turns up to this number are of a run that is over: a brain that has not been given them is not.
+    pub(crate) fn void(&self, number: u64) {
+        match self {
+            Self::Brain(deliveries) => deliveries.void.store(number, Ordering::Relaxed),
+            // The trainers' service knows the era of each.
+            Self::Trainer(_) => {}
         }
     }
 
@@ -98,7 +109,7 @@ impl Recipient {
     pub(crate) fn ended(&self, tick: u64, truth: impl FnOnce() -> Truth) {
         // Whoever is gone, or has not read hundreds of Turns, is not told.
         match self {
-            Self::Brain(deliveries) => drop(deliveries.try_send(Delivery::Ended { tick })),
+            Self::Brain(deliveries) => drop(deliveries.queue.try_send(Delivery::Ended { tick })),
             Self::Trainer(told) => drop(told.try_send(Told::Ended(truth().into()))),
         }
     }
@@ -106,16 +117,71 @@ impl Recipient {
     /// Ends the stream.
     pub(crate) fn close(&self, status: Status) {
         match self {
-            Self::Brain(deliveries) => drop(deliveries.try_send(Delivery::Close(status))),
+            Self::Brain(deliveries) => drop(deliveries.queue.try_send(Delivery::Close(status))),
             Self::Trainer(told) => drop(told.try_send(Told::Close(status))),
         }
     }
 }
 
+/// What is delivered to a brain. Clones lead to the same one.
+#[derive(Clone)]
+pub(crate) struct Deliveries {
+    queue: mpsc::Sender<Delivery>,
+    /// Turns up to this number are void.
+    void: Arc<AtomicU64>,
+    /// Bytes of the Turns that wait.
+    bytes: Arc<AtomicU64>,
+}
+
+/// Bytes of Turns that wait for a brain, unless it is a single one.
+const MOST_BYTES: u64 = 16 << 20;
+
+impl Deliveries {
+    /// So many deliveries may wait. The stream leaves out Turns that have become void while they waited.
+    pub(crate) fn new(places: usize) -> (Self, impl Stream<Item = Delivery> + Send) {
+        let (queue, waiting) = mpsc::channel(places);
+        let this = Self { queue, void: Arc::default(), bytes: Arc::default() };
+        let (void, bytes) = (Arc::clone(&this.void), Arc::clone(&this.bytes));
+        let is_good = move |delivery: &Delivery| match delivery {
+            Delivery::Turn { number, turn } => {
+                bytes.fetch_sub(turn.len() as u64, Ordering::Relaxed);
+                *number > void.load(Ordering::Relaxed)
+            }
+            Delivery::Ended { .. } | Delivery::Close(_) => true,
+        };
+        (this, ReceiverStream::new(waiting).filter(is_good))
+    }
+
+    /// Gives the Turn of this number; `false` if there is no room for it, or nobody who takes it.
+    fn turn(&self, number: u64, turn: Bytes) -> bool {
+        let bytes = turn.len() as u64;
+        let waiting = self.bytes.fetch_add(bytes, Ordering::Relaxed);
+        let fits = waiting == 0 || waiting + bytes <= MOST_BYTES;
+        let is_sent = fits && self.queue.try_send(Delivery::Turn { number, turn }).is_ok();
+        if !is_sent {
+            self.bytes.fetch_sub(bytes, Ordering::Relaxed);
+        }
+        is_sent
+    }
+
+    /// Ends the stream.
+    pub(crate) fn close(&self, status: Status) {
+        let _ = self.queue.try_send(Delivery::Close(status));
+    }
+
+    /// Waits until nobody takes them any more.
+    pub(crate) async fn closed(&self) {
+        self.queue.closed().await;
+    }
+}
+
 /// A delivery to a brain.
 pub(crate) enum Delivery {
-    /// A Turn, in the bytes that go over the network.
-    Turn(Bytes),
+    /// The Turn of this number, in the bytes that go over the network.
+    Turn {
+        number: u64,
+        turn: Bytes,
+    },
     Ended {
         tick: u64,
     },
@@ -128,4 +194,30 @@ pub(crate) enum Told {
     Turn(Bytes, Box<Truth>),
     Ended(Box<Truth>),
     Close(Status),
+}
+
+#[cfg(test)]
+mod tests {
+    use futures_util::FutureExt as _;
+
+    use super::*;
+
+    #[test]
+    fn turns_that_become_void_while_they_wait_are_not_told_and_too_many_bytes_are_lost() {
+        let (deliveries, stream) = Deliveries::new(300);
+        let mut stream = std::pin::pin!(stream);
+        let turn = |bytes: usize| Bytes::from(vec![0; bytes]);
+        assert!((1..=5).all(|number| deliveries.turn(number, turn(10))));
+        let recipient = Recipient::Brain(deliveries.clone());
+        recipient.void(5);
+        assert!(deliveries.turn(6, turn(10)));
+        deliveries.close(Status::aborted("the end"));
+        let mut next = || stream.next().now_or_never().flatten();
+        assert!(matches!(next(), Some(Delivery::Turn { number: 6, .. })));
+        assert!(matches!(next(), Some(Delivery::Close(_))));
+        assert!(deliveries.turn(7, turn(20 << 20)), "a single one");
+        assert!(!deliveries.turn(8, turn(1)));
+        next();
+        assert!(deliveries.turn(9, turn(1)), "it has been read");
+    }
 }

@@ -16,7 +16,7 @@ use crate::endpoint::Write;
 use crate::limits::Outbox;
 use crate::measures::Measures;
 use crate::report::{CoverageReport, Report, Standing, Version};
-pub(crate) use attach::{Attach, Attached, Delivery, Lease, Recipient, Told};
+pub(crate) use attach::{Attach, Attached, Deliveries, Delivery, Lease, Recipient, Told};
 pub(crate) use handle::WorldHandle;
 pub(crate) use request::{RecordConfig, Request};
 

@@ -16,14 +16,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Scenario, SimTime, Turn, World};
-use tokio::sync::mpsc;
 use tonic::Status;
 
 use crate::clock;
 use crate::endpoint::Mode;
 use crate::endpoint::Until;
 use crate::measures::Answering;
-use crate::message::{Attach, Recipient};
+use crate::message::{Attach, Deliveries, Recipient};
 use crate::pace::{Terms, WatchdogPolicy};
 use crate::thinking::ProcessorTime;
 pub(crate) use debt::Overtaken;
@@ -124,7 +123,7 @@ impl Sessions {
     /// Gives robots to a brain that has no stream: it steps where the world is driven. Gives the number of the session.
     pub(crate) fn seat(&mut self, brain: String, robots: Vec<usize>) -> u64 {
         // Nobody is at the other end: Turns are never given, and of the end the brain hears otherwise.
-        let (deliveries, _) = mpsc::channel(1);
+        let (deliveries, _) = Deliveries::new(1);
         let collisions = vec![0; robots.len()];
         self.add(Session {
             brain,
@@ -226,6 +225,7 @@ impl Sessions {
     pub(crate) fn answer(&mut self, number: u64, turn: u64) -> Answer {
         self.note_thought(number, turn);
         let Some(session) = self.by_number.get_mut(&number) else { return Answer::Void };
+        session.turns.note_answer(turn);
         match session.debt.pay(turn) {
             Some(Paid::Turn { turn, was_only_one }) => {
                 session.answering.note(clock::since(turn.begun));

@@ -49,6 +49,9 @@ pub(super) struct Turns {
     last: u64,
     /// The last Turn before a reset, or before a change of pace. Answers to it and to earlier ones are thrown away.
     void: u64,
+    /// The last Turn that was answered, and whether none before it was left out.
+    answered: u64,
+    leaves_out: bool,
     /// Counts what makes Turns void in this world.
     pub(super) era: u64,
     /// The last Turns that were given; oldest first.
@@ -84,6 +87,21 @@ impl Turns {
         self.given.clear();
     }
 
+    /// A Step answers the Turn of this number; 0 for none. Void ones may have been taken back before they were given.
+    pub(super) fn note_answer(&mut self, number: u64) {
+        if number > self.answered {
+            self.leaves_out |= number > self.void && number != self.answered.max(self.void) + 1;
+            self.answered = number;
+        }
+    }
+
+    /// Turns that a brain which answers each of them has still to answer: they may be with the network, which takes thousands. Of a
+    /// brain that answers none, or some, nobody knows.
+    fn unanswered(&self) -> u64 {
+        let answers_each = self.answered > 0 && !self.leaves_out;
+        if answers_each { self.last.saturating_sub(self.answered) } else { 0 }
+    }
+
     pub(super) fn is_void(&self, number: u64) -> bool {
         number != 0 && number <= self.void
     }
@@ -103,6 +121,7 @@ impl Session {
     /// Another era begins with this world: Turns up to now are void, and no answer is owed.
     pub(super) fn begin_era(&mut self, era: u64, world: &World) {
         self.turns.void(era);
+        self.recipient.void(self.turns.void);
         self.debt = Debt::Settled;
         let collisions = self.robots.iter().map(|&robot| world.robot(robot).counters().collisions);
         self.collisions = collisions.collect();
@@ -127,12 +146,14 @@ impl Session {
             return;
         }
         let number = self.turns.last + 1;
-        let has_room = self.recipient.capacity() > RESERVED && self.debt.count() < MAX_OPEN;
         let begun = terms.owed_since();
+        // Where the world waits, there is one, and a Turn that is lost would not be waited for.
+        let is_ahead = begun.is_none() && self.turns.unanswered() >= MAX_OPEN as u64;
+        let has_room = self.recipient.capacity() > RESERVED && self.debt.count() < MAX_OPEN && !is_ahead;
         let truth = || self.truth(world, begun.is_some());
         // The brain may answer before this returns.
         let thinking = Thinking::begin(terms, processor, steps.iter().map(|turn| turn.robot));
-        if !has_room || !self.recipient.turn(self.turn(world, at, number, terms), truth) {
+        if !has_room || !self.recipient.turn(number, self.turn(world, at, number, terms), truth) {
             self.robots.iter().for_each(|&robot| slots[robot].lost_deliveries += 1);
             return;
         }
@@ -168,5 +189,41 @@ impl Session {
     /// The steps of its robots, `at` by robot.
     pub(super) fn steps(&self, at: &[Option<SimTime>]) -> Vec<Turn> {
         self.robots.iter().filter_map(|&robot| Some(Turn { robot, at: at[robot]? })).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turns(given: u64) -> Turns {
+        let mut turns = Turns::default();
+        (1..=given).for_each(|number| turns.give(Given { number, tick: number, thinking: None }));
+        turns
+    }
+
+    #[test]
+    fn a_brain_that_answers_each_turn_has_so_many_to_answer() {
+        let mut turns = turns(1000);
+        assert_eq!(turns.unanswered(), 0, "it may be one that only listens");
+        (1..=3).for_each(|number| turns.note_answer(number));
+        turns.note_answer(0);
+        turns.note_answer(3);
+        assert_eq!(turns.unanswered(), 997);
+        turns.note_answer(5);
+        assert_eq!(turns.unanswered(), 0, "it answers some only");
+    }
+
+    #[test]
+    fn turns_of_a_run_that_is_over_need_no_answer() {
+        let mut turns = turns(10);
+        turns.note_answer(1);
+        turns.void(1);
+        turns.give(Given { number: 11, tick: 0, thinking: None });
+        // Some of them had been given already, and are answered.
+        turns.note_answer(4);
+        assert_eq!(turns.unanswered(), 7);
+        turns.note_answer(11);
+        assert_eq!((turns.unanswered(), turns.leaves_out), (0, false));
     }
 }
