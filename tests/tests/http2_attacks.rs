@@ -387,6 +387,30 @@ async fn ping_and_settings_flood() {
     }
 }
 
+/// The same by one who has asked for something, and so may be silent for as long as it likes, and whatever else costs the server a look and
+/// gets nothing done.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn floods_of_frames_that_carry_nothing() {
+    const UNKNOWN: u8 = 0x42;
+    let floods = [
+        ("PING", frame::of(frame::PING, 0, 0, &[7; 8])),
+        ("answers to a PING", frame::of(frame::PING, frame::ACK, 0, &[7; 8])),
+        ("SETTINGS", frame::of(frame::SETTINGS, 0, 0, &[])),
+        ("PRIORITY", frame::of(frame::PRIORITY, 0, 3, &[0; 5])),
+        ("WINDOW_UPDATE", frame::of(frame::WINDOW_UPDATE, 0, 0, &1_u32.to_be_bytes())),
+        ("a kind that there is not", frame::of(UNKNOWN, 0, 0, &[7; 8])),
+    ];
+    let beside = Beside::begin().await;
+    for (name, piece) in floods {
+        let mut attacker = beside.attacker().await;
+        attacker.call(0, LIST, &[]).await;
+        let many = piece.repeat(500);
+        let closed = attacker.flood(Duration::from_secs(20), |_| many.clone()).await;
+        assert!(closed, "{name}: an attacker who sends {} frames is not closed", attacker.sent * 500);
+    }
+    beside.end().await;
+}
+
 /// CVE-2019-9517 and its family: answers are asked for, and no window is opened for them.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn zero_window() {

@@ -12,6 +12,8 @@ use tokio::time::{Sleep, sleep};
 use tonic::transport::server::Connected;
 
 use super::Admission;
+use super::frames::Frames;
+use crate::clock;
 
 /// How long a peer may leave unread what is written: as long as the server waits for one that does not answer pings.
 const STALLED: Duration = Duration::from_secs(40);
@@ -30,12 +32,15 @@ pub(crate) struct Connection<IO> {
     stalled: Option<Pin<Box<Sleep>>>,
     /// Bytes read since other tasks had their turn.
     read: usize,
+    /// Counts the frames of HTTP/2, if it speaks that.
+    frames: Option<Frames>,
 }
 
 impl<IO> Connection<IO> {
-    pub(super) fn new(io: IO, admission: Arc<Admission>) -> Self {
+    /// `frames` counts what is read, if that is HTTP/2.
+    pub(super) fn new(io: IO, admission: Arc<Admission>, frames: Option<Frames>) -> Self {
         let patience = admission.patience();
-        Self { io, admission, patience: Some(Box::pin(sleep(patience))), stalled: None, read: 0 }
+        Self { io, admission, patience: Some(Box::pin(sleep(patience))), stalled: None, read: 0, frames }
     }
 
     pub(super) fn io(&self) -> &IO {
@@ -60,6 +65,19 @@ impl<IO> Connection<IO> {
             return Err(io::Error::new(io::ErrorKind::TimedOut, "nothing was asked for"));
         }
         Ok(())
+    }
+
+    /// It is closed for frames of this kind.
+    fn note_flood(&self, kind: &str) {
+        if let Some(times) = self.admission.gate.0.floods.note(clock::now()) {
+            let from = self.admission.tally.account().to_string();
+            tracing::warn!(
+                times,
+                from,
+                kind,
+                "a connection is closed, as it sends too many frames of HTTP/2 that carry nothing"
+            );
+        }
     }
 
     /// The result of a write, or an error if the peer has taken nothing for too long.
@@ -104,6 +122,12 @@ impl<IO: AsyncRead + Unpin> AsyncRead for Connection<IO> {
         let before = buffer.filled().len();
         let result = Pin::new(&mut self.io).poll_read(context, buffer);
         self.read = if result.is_ready() { self.read + buffer.filled().len() - before } else { 0 };
+        if let Some(frames) = &mut self.frames
+            && let Err(kind) = frames.read(&buffer.filled()[before..], clock::now())
+        {
+            self.note_flood(kind);
+            return Poll::Ready(Err(io::Error::other(format!("too many frames: {kind}"))));
+        }
         result
     }
 }

@@ -10,6 +10,7 @@ use futures_util::stream::{self, Stream};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, UnixListener, UnixStream};
 
+use super::frames::Frames;
 use super::tls::{Secured, Tls};
 use super::{Admission, Connection, Gate};
 use crate::access::Caller;
@@ -61,17 +62,27 @@ impl Accept for UnixListener {
 pub(crate) struct GatedListener<L> {
     listener: L,
     gate: Gate,
+    /// Whether it is for pages, and not for calls of gRPC.
+    is_for_pages: bool,
 }
 
 impl<L: Accept> GatedListener<L> {
     pub(crate) fn new(listener: L, gate: Gate) -> Self {
-        Self { listener, gate }
+        Self { listener, gate, is_for_pages: false }
+    }
+
+    /// One for pages, which speak HTTP/1.1.
+    pub(crate) fn for_pages(listener: L, gate: Gate) -> Self {
+        Self { listener, gate, is_for_pages: true }
     }
 
     async fn next(&self) -> Connection<L::Io> {
         loop {
             match self.listener.accept().await {
-                Ok((io, caller, account)) => return Connection::new(io, self.gate.admit(caller, &account)),
+                Ok((io, caller, account)) => {
+                    let frames = (!self.is_for_pages).then(Frames::new);
+                    return Connection::new(io, self.gate.admit(caller, &account), frames);
+                }
                 Err(error) if is_of_one(&error) => {}
                 Err(error) => {
                     // Such as too many open files. Connections wait in the kernel meanwhile; accepting again at once is of no use.

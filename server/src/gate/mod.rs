@@ -19,6 +19,7 @@
 //!   (`patience`), or it is closed.
 //! - When no place is free, a new connection gets that of the connection which has been silent for longest, or else that of the oldest stranger,
 //!   which is closed for it. A flood of connections without calls, or without a token, so displaces itself, and never those that are in use.
+//! - A connection that sends too many frames which carry nothing (`frames`) is closed.
 //! - A connection that abandons a thousand calls more than it lets be answered is closed: it wants work and no answers.
 //! - So that no address takes all places, each may have so many, as may the holder of a token; a connection belongs to the first token
 //!   that is shown on it.
@@ -30,6 +31,7 @@
 
 mod calls;
 mod connection;
+mod frames;
 mod incoming;
 mod listener;
 mod metered;
@@ -65,6 +67,8 @@ struct Shared {
     patience: Duration,
     occupancy: Mutex<Occupancy>,
     accept_errors: Throttle,
+    /// Connections that are closed for what they send.
+    floods: Throttle,
 }
 
 /// The connections of a server, by number: the oldest come first.
@@ -112,8 +116,8 @@ pub(crate) struct Admission {
 impl Gate {
     /// A gate with these limits; connections have so long to make their first call.
     pub(crate) fn new(limits: InForce, patience: Duration) -> Self {
-        let accept_errors = Throttle::default();
-        Self(Arc::new(Shared { limits, patience, occupancy: Mutex::default(), accept_errors }))
+        let (accept_errors, floods) = (Throttle::default(), Throttle::default());
+        Self(Arc::new(Shared { limits, patience, occupancy: Mutex::default(), accept_errors, floods }))
     }
 
     /// The limits of the server.

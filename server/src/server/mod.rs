@@ -222,7 +222,7 @@ impl Server {
         for entry in listeners {
             self.viewers.extend(entry.listener.local_addr());
             let guard = Guard::new(&entry, &guards.hosts, guards.behind_proxy);
-            let listener = GatedListener::new(entry, guards.gate.clone());
+            let listener = GatedListener::for_pages(entry, guards.gate.clone());
             let services = page::Services {
                 pipes: self.pipes.clone(),
                 access: guards.access.clone(),
