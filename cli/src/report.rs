@@ -27,6 +27,21 @@ pub(crate) fn text(summary: &Summary) -> String {
     text
 }
 
+/// The summary in a line.
+pub(crate) fn line(summary: &Summary) -> String {
+    let Summary { world, ticks, simulated_s, wall_s, ending, state_hash, .. } = summary;
+    let sum = |of: fn(&Robot) -> u64| summary.robots.iter().map(of).sum::<u64>();
+    let late =
+        summary.clock.as_ref().map_or(String::new(), |clock| format!(", {} late ticks", clock.overruns));
+    format!(
+        "world {world}: {ticks} ticks, {} s simulated in {wall_s:.3} s{late}, {} commands, {} collisions, ended because {ending}, hash \
+         {state_hash}\n",
+        handy(*simulated_s),
+        sum(|robot| robot.commands),
+        sum(|robot| robot.collisions),
+    )
+}
+
 fn head(summary: &Summary) -> Vec<(&'static str, String)> {
     let name = if summary.scenario.is_empty() { &summary.world } else { &summary.scenario };
     let time = format!(

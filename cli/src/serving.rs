@@ -221,10 +221,15 @@ fn tell_ends(control: &ControlServiceClient<Channel>, runs: Vec<(String, Arc<Pro
     runs.into_iter().map(tell_end).collect()
 }
 
+/// Worlds of which a whole summary is told at the end; of each of more, a line.
+const MOST_IN_FULL: usize = 4;
+
 /// What has happened in the worlds that are still there and have begun.
 async fn summaries(server: &Server, worlds: &[(String, Arc<Scenario>)]) -> anyhow::Result<String> {
     let mut control = connect::control(server.channel().await?.into());
     let mut text = String::new();
+    // Of many, nobody reads pages.
+    let many = worlds.len() > MOST_IN_FULL;
     for (name, scenario) in worlds {
         let request = v1::GetWorldRequest { world: name.clone() };
         // An operator may have deleted it.
@@ -232,7 +237,11 @@ async fn summaries(server: &Server, worlds: &[(String, Arc<Scenario>)]) -> anyho
         let status = answer.into_inner().status.unwrap_or_default();
         if status.tick > 0 {
             let summary = Summary::new(scenario, &status, true, &Assigned::default(), Over::Grpc);
-            let _ = write!(text, "\n{}", report::text(&summary));
+            if many {
+                text += &report::line(&summary);
+            } else {
+                let _ = write!(text, "\n{}", report::text(&summary));
+            }
         }
     }
     Ok(text)

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How often an event is logged that a [`Throttle`] limits, at most.
+/// How often an event is logged that a [`Throttle`] limits, at most, unless it is told another time.
 const INTERVAL: Duration = Duration::from_secs(1);
 
 /// Logs an event of a world: `event!(this, info, field = value, "text")`. Each has the name of the world, and its simulated
@@ -22,8 +22,16 @@ macro_rules! event {
 pub(crate) use event;
 
 /// Counts what happens often, so that it is logged seldom.
-#[derive(Default)]
-pub(crate) struct Throttle(Mutex<Count>);
+pub(crate) struct Throttle {
+    interval: Duration,
+    count: Mutex<Count>,
+}
+
+impl Default for Throttle {
+    fn default() -> Self {
+        Self::each(INTERVAL)
+    }
+}
 
 #[derive(Default)]
 struct Count {
@@ -32,11 +40,16 @@ struct Count {
 }
 
 impl Throttle {
+    /// One that logs once in this time, at most.
+    pub(crate) fn each(interval: Duration) -> Self {
+        Self { interval, count: Mutex::default() }
+    }
+
     /// Counts an event. If it is to be logged now: how often it has happened since it was last logged.
     pub(crate) fn note(&self, now: Instant) -> Option<u64> {
-        let mut count = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut count = self.count.lock().unwrap_or_else(PoisonError::into_inner);
         count.since += 1;
-        if count.logged.is_some_and(|logged| now.saturating_duration_since(logged) < INTERVAL) {
+        if count.logged.is_some_and(|logged| now.saturating_duration_since(logged) < self.interval) {
             return None;
         }
         count.logged = Some(now);

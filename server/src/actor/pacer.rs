@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::WorldActor;
 use super::stopwatch::Stopwatch;
 use crate::clock;
-use crate::log::{Throttle, event};
+use crate::log::event;
 use crate::pace::{Clock, Pace, Pacing, Terms, Timed};
 
 /// The pace of a world and what is measured of it.
@@ -20,7 +20,8 @@ pub(super) struct Pacer {
     pub(super) running: Stopwatch,
     /// What `running` showed then. What is waited is a part of that time, also if a brain goes meanwhile and another comes much later.
     waited_from: Duration,
-    lags: Throttle,
+    /// Whether it has been told that the world lags.
+    has_told_lag: bool,
 }
 
 impl Pacer {
@@ -33,7 +34,7 @@ impl Pacer {
             waiting_since: clock::now(),
             running: Stopwatch::default(),
             waited_from: Duration::ZERO,
-            lags: Throttle::default(),
+            has_told_lag: false,
         }
     }
 
@@ -70,9 +71,18 @@ impl WorldActor {
         if self.could_keep_pace(factor) {
             self.charges.limits().note_lag(now);
         }
-        if let Some(times) = self.pacer.lags.note(now) {
-            let (let_go_s, sum_s) = (beyond.as_secs_f64(), self.pacer.statistics.let_go.as_secs_f64());
-            event!(self, warn, times, let_go_s, sum_s, "the world lags, and lets time go");
+        let limits = self.charges.limits();
+        if !std::mem::replace(&mut self.pacer.has_told_lag, true) {
+            let let_go_s = beyond.as_secs_f64();
+            limits.lag_in_all(now);
+            event!(
+                self,
+                warn,
+                let_go_s,
+                "the world cannot keep up with the wall clock, and lets time go; this is told once of a world, and then once a minute of all"
+            );
+        } else if let Some(times) = limits.lag_in_all(now) {
+            tracing::warn!(times, "worlds let time go; their statuses and summaries say which, and how much");
         }
     }
 

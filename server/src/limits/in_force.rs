@@ -29,6 +29,8 @@ struct Shared {
     memory: Arc<Memory>,
     parsing: Parsing,
     overload: Overload,
+    /// Of all worlds that lag.
+    lags: Throttle,
     unread: Unread,
     making: Making,
     /// Of what a whole server has: connections, worlds, robots, snapshots.
@@ -66,6 +68,7 @@ impl InForce {
             memory: Arc::default(),
             parsing: Parsing::new(limits.parsing),
             overload: Overload::default(),
+            lags: Throttle::each(EACH_MINUTE),
             unread: Unread::default(),
             making: Making::new(limits.parsing),
             counts: Default::default(),
@@ -334,6 +337,11 @@ impl InForce {
         self.0.overload.note(now);
     }
 
+    /// A world has let time go. If it is to be told of all worlds: how often that has happened since it was last told.
+    pub(crate) fn lag_in_all(&self, now: Instant) -> Option<u64> {
+        self.0.lags.note(now)
+    }
+
     /// Checks that another world may run by its own pace.
     ///
     /// # Errors
@@ -383,6 +391,9 @@ impl InForce {
         done
     }
 }
+
+/// How often it is told of all worlds that they lag.
+const EACH_MINUTE: Duration = Duration::from_secs(60);
 
 /// Megabytes, rounded up where less than one would be nothing.
 fn in_mb(bytes: u64) -> String {
