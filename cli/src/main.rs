@@ -42,6 +42,7 @@ mod grade;
 mod kept;
 mod link;
 mod list;
+mod load;
 mod locate;
 mod logs;
 mod man;

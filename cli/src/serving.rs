@@ -19,6 +19,7 @@ use tokio::time::{Instant, timeout_at};
 use crate::args::{DEFAULT_ADDRESS, ListenArgs, Over};
 use crate::assignment::{self, Assigned};
 use crate::error::{Refused, from_builder};
+use crate::load::Load;
 use crate::ports::{OpenPorts, PortsByRobot};
 use crate::signals::Stop;
 use crate::summary::Summary;
@@ -177,21 +178,22 @@ impl<'a> Serving<'a> {
 
 fn hear(stop_within: Duration) -> std::io::Result<Stop> {
     let stop = Stop::listen()?;
-    stop.exit_after(
-        stop_within + LAST_RESORT,
-        "the server hangs, and ends as after a kill; is a disk slow or full?",
-    )?;
+    let words =
+        |cause: &str| format!("the server does not come to its end, and ends as after a kill; {cause}");
+    stop.exit_after(stop_within + LAST_RESORT, words)?;
     Ok(stop)
 }
 
 /// Ends the server. Clients that keep their connections open are no fault of it; worlds that do not end by then are.
 async fn end(mut server: Server, limit: Instant, within: Duration) -> anyhow::Result<()> {
+    let load = Load::begin();
     if timeout_at(limit, server.end_worlds()).await.is_err() {
         let worlds = server.unended().join(", ");
         let within = within.as_secs();
         return Err(anyhow::anyhow!(
             "not everything has ended within {within} s (--stop-within), as after a kill: what {worlds} did since the last marks of \
-             their recordings and of the state may be missing; is a disk slow or full?"
+             their recordings and of the state may be missing; {}",
+            load.cause()
         ));
     }
     if timeout_at(Instant::now() + PATIENCE, server.end_streams()).await.is_err() {

@@ -8,6 +8,7 @@ use tokio::runtime;
 use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio::sync::watch;
 
+use crate::load::Load;
 use crate::text::tell;
 
 /// The wish of a person or a system that the program ends.
@@ -42,13 +43,19 @@ impl Stop {
     }
 
     /// Ends the program so long after the first signal, if it has not ended by itself: all other threads may be waiting for a disk.
-    pub(crate) fn exit_after(&self, limit: Duration, words: &'static str) -> io::Result<()> {
+    /// `words` are those of the error, and are told why.
+    pub(crate) fn exit_after(
+        &self,
+        limit: Duration,
+        words: impl FnOnce(&str) -> String + Send + 'static,
+    ) -> io::Result<()> {
         let mut stopped = self.0.clone();
         let runtime = runtime::Builder::new_current_thread().build()?;
         let wait = move || {
             if runtime.block_on(stopped.wait_for(|stop| *stop)).is_ok() {
+                let load = Load::begin();
                 thread::sleep(limit);
-                tell!("error: {words}");
+                tell!("error: {}", words(&load.cause()));
                 process::exit(1);
             }
         };
