@@ -68,6 +68,18 @@ impl WireLayout {
         }
     }
 
+    /// The most bytes that a message of readings takes on the wire.
+    fn readings_wire_len(&self, protocol: Protocol) -> usize {
+        match protocol {
+            Protocol::Framed { .. } => frame::encoded_len_max(self.borrow().readings_len_max()),
+            Protocol::Bare { .. } => self.borrow().bare_readings_len(),
+            Protocol::Khepera => {
+                khepera::readings_len_max(&self.borrow()) + khepera::positions_len(&self.borrow())[1]
+            }
+            Protocol::Create(version) => create::stream_len(version, &self.packets),
+        }
+    }
+
     /// The most bytes that a command takes on the wire.
     fn command_wire_len(&self, protocol: Protocol) -> usize {
         match protocol {
@@ -91,8 +103,18 @@ impl Body {
     /// behind it; 0 on a cable without a baud rate. An adapter's or a radio's delay is not in it. A brain that
     /// commands more often than that fills the cable's buffer, and its commands come ever later.
     pub fn command_ns(&self) -> u64 {
+        self.on_the_wire_ns(self.layout().command_wire_len(self.firmware.protocol))
+    }
+
+    /// How long a message with all readings is on the wire, in nanoseconds, rounded up; 0 on a cable without a baud rate.
+    /// An adapter's or a radio's delay is not in it.
+    pub fn message_ns(&self) -> u64 {
+        self.on_the_wire_ns(self.layout().readings_wire_len(self.firmware.protocol))
+    }
+
+    fn on_the_wire_ns(&self, bytes: usize) -> u64 {
         let (Some(baud), Some(bits)) = (self.baud, self.bits_per_character) else { return 0 };
-        let bits = self.layout().command_wire_len(self.firmware.protocol) as u64 * u64::from(bits);
+        let bits = bytes as u64 * u64::from(bits);
         bits.saturating_mul(1_000_000_000).div_ceil(u64::from(baud.max(1)))
     }
 }

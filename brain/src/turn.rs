@@ -16,6 +16,9 @@ pub struct Turn {
     pub readings: Vec<Option<Reading>>,
     /// The robot's body.
     pub body: Arc<Body>,
+    /// A complete, valid message of the microcontroller has come since the last turn. It may have no new reading: who asks
+    /// more often than sensors sample gets such answers.
+    pub has_message: bool,
 }
 
 /// A reading as it came over the wire.
@@ -46,6 +49,13 @@ impl Turn {
     /// Whether any sensor has a new reading.
     pub fn has_news(&self) -> bool {
         self.readings.iter().flatten().any(|reading| reading.readable)
+    }
+
+    /// Whether the microcontroller has been heard since the last turn, with new readings or without.
+    pub fn is_answered(&self) -> bool {
+        let mut readings = self.body.sensors.iter().zip(&self.readings);
+        let is_new = |reading: &Option<Reading>| reading.as_ref().is_some_and(|reading| reading.readable);
+        self.has_message || readings.any(|(sensor, reading)| sensor.is_on_wire() && is_new(reading))
     }
 }
 

@@ -54,7 +54,7 @@ impl Fleet {
         let bodies = self.bodies();
         let turn = |part: Part| {
             let body = Arc::clone(&bodies[part.robot]);
-            (part.robot, Turn { tick, at_ns: part.at_ns, readings: part.readings, body })
+            (part.robot, part.turn(tick, body))
         };
         Ok(Some(parts.into_iter().map(turn).collect()))
     }

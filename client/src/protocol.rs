@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use baudbot_brain::{Action, Belief, Body, Reading, Until};
+use baudbot_brain::{Action, Belief, Body, Reading, Turn, Until};
 use baudbot_proto::convert::{self, Breach};
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request;
@@ -33,6 +33,8 @@ pub(crate) struct Part {
     pub(crate) bytes: Vec<u8>,
     pub(crate) ports: Vec<(usize, Vec<u8>)>,
     pub(crate) readings: Vec<Option<Reading>>,
+    /// The microcontroller has been heard, with new readings or without.
+    pub(crate) has_message: bool,
 }
 
 /// One robot's part of an answer.
@@ -110,7 +112,13 @@ impl Answer<'_> {
 impl Part {
     pub(crate) fn has_news(&self) -> bool {
         let is_new = |reading: &Option<Reading>| reading.as_ref().is_some_and(|reading| reading.readable);
-        !self.bytes.is_empty() || !self.ports.is_empty() || self.readings.iter().any(is_new)
+        let has_bytes = !self.bytes.is_empty() || !self.ports.is_empty();
+        self.has_message || has_bytes || self.readings.iter().any(is_new)
+    }
+
+    /// What the robot's brain is given, which has this body.
+    pub(crate) fn turn(self, tick: u64, body: Arc<Body>) -> Turn {
+        Turn { tick, at_ns: self.at_ns, readings: self.readings, body, has_message: self.has_message }
     }
 }
 
@@ -161,5 +169,6 @@ fn part(turn: v1::RobotTurn, bodies: &[Arc<Body>]) -> Result<Part, Breach> {
     let (robot, body) = convert::item(bodies, turn.robot, "robot")?;
     let readings = convert::readings(turn.readings, body)?;
     let ports = convert::ports(turn.ports, body)?;
-    Ok(Part { robot, at_ns: turn.at_ns, bytes: turn.raw, ports, readings })
+    let has_message = turn.has_message;
+    Ok(Part { robot, at_ns: turn.at_ns, bytes: turn.raw, ports, readings, has_message })
 }

@@ -64,7 +64,7 @@ impl Robot {
             // Without a part for the only robot there is nothing to do but wait for the next turn.
             if let Some(part) = parts.pop() {
                 let body = Arc::clone(self.body());
-                return Ok(Some(Turn { tick, at_ns: part.at_ns, readings: part.readings, body }));
+                return Ok(Some(part.turn(tick, body)));
             }
         }
     }

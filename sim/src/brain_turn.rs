@@ -12,8 +12,14 @@ impl World {
     /// What the brain of messages sees that steps now: the readings that have arrived, and its robot's data sheet. `body` is
     /// that sheet, made once.
     pub fn turn_of(&self, turn: Turn, body: &Arc<Body>) -> baudbot_brain::Turn {
-        let readings = self.robot(turn.robot).readings().iter().map(reading).collect();
-        baudbot_brain::Turn { tick: self.tick(), at_ns: turn.at.as_ns(), readings, body: Arc::clone(body) }
+        let robot = self.robot(turn.robot);
+        baudbot_brain::Turn {
+            tick: self.tick(),
+            at_ns: turn.at.as_ns(),
+            readings: robot.readings().iter().map(reading).collect(),
+            body: Arc::clone(body),
+            has_message: robot.has_heard(),
+        }
     }
 }
 

@@ -197,6 +197,13 @@ impl Laptop {
         self.heard = Some(begun);
     }
 
+    /// Whether a message of the microcontroller's readings has come since the brain's last step: with new readings, or without.
+    pub(crate) fn has_heard(&self, spec: &RobotSpec) -> bool {
+        let mut on_wire =
+            self.readings.iter().zip(&*spec.sensors).filter(|(_, sensor)| sensor.port.is_none());
+        self.heard.is_some() || on_wire.any(|(reading, _)| reading.readable)
+    }
+
     /// Each sensor's reading, and when that was truly sampled.
     pub(crate) fn readings_with_truth(
         &mut self,

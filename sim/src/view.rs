@@ -115,6 +115,11 @@ impl<'a> RobotView<'a> {
         self.state.ports.iter().map(|port| port.instants.as_slice())
     }
 
+    /// Whether a message of the microcontroller's readings has come since the brain's last step: with new readings, or without.
+    pub fn has_heard(&self) -> bool {
+        self.state.laptop.has_heard(self.spec)
+    }
+
     /// For the brain: the last reading of each sensor that arrived, in the order of the wire.
     pub fn readings(&self) -> &'a [Reading] {
         &self.state.laptop.readings

@@ -82,14 +82,15 @@ impl RawReadings {
                 self.readings[*place] = Some(reading);
             }
         }
-        self.hear(raw);
+        let has_message = self.hear(raw);
         let (readings, body) = (self.readings.clone(), Arc::clone(&self.body));
-        Turn { tick: raw.tick, at_ns: raw.at_ns, readings, body }
+        Turn { tick: raw.tick, at_ns: raw.at_ns, readings, body, has_message }
     }
 
-    /// What the microcontroller says.
-    fn hear(&mut self, raw: &RawTurn) {
+    /// What the microcontroller says; the answer is whether that was a whole message of readings.
+    fn hear(&mut self, raw: &RawTurn) -> bool {
         let Self { layout, port, readings, messages, .. } = self;
+        let mut has_message = false;
         let (signals, places) = (&layout.signals, &layout.places);
         let layout = layout.borrow();
         match port {
@@ -97,7 +98,7 @@ impl RawReadings {
                 for &byte in &raw.bytes {
                     // A damaged frame is lost, and its readings stay what they were.
                     if let Some(Ok(payload)) = decoder.push(byte) {
-                        note_frame(readings, (&layout, places), payload, raw.at_ns);
+                        has_message |= note_frame(readings, (&layout, places), payload, raw.at_ns);
                     }
                 }
             }
@@ -107,6 +108,7 @@ impl RawReadings {
                     if let Some(payload) = decoder.push(byte, at_ns) {
                         *messages = messages.wrapping_add(1);
                         let values = Values::new(layout.components, payload);
+                        has_message = true;
                         note_all(readings, (&layout, places), values, *messages);
                     }
                 }
@@ -114,16 +116,19 @@ impl RawReadings {
             Port::Khepera(lines, positions) => {
                 hear_lines((lines, positions), &raw.bytes, &layout, |told| {
                     *messages = messages.wrapping_add(1);
+                    has_message = true;
                     note_lines(readings, (&layout, places), told, *messages);
                 });
             }
             Port::Create(version, stream) => {
                 hear_stream((*version, stream), &raw.bytes, |payload| {
                     *messages = messages.wrapping_add(1);
+                    has_message = true;
                     note_packets(readings, (&layout, places, signals), payload, *messages);
                 });
             }
         }
+        has_message
     }
 }
 
@@ -181,8 +186,8 @@ fn note_frame(
     (layout, places): (&Layout<'_>, &[usize]),
     payload: &[u8],
     at_ns: u64,
-) {
-    let Ok(Message::Readings(message)) = Message::parse(payload, layout) else { return };
+) -> bool {
+    let Ok(Message::Readings(message)) = Message::parse(payload, layout) else { return false };
     let closed_ns = clock::unwrap_time(message.time_100us, at_ns);
     for entry in message.entries() {
         // The largest age on the wire stands for any from there on, so it tells nothing.
@@ -196,6 +201,7 @@ fn note_frame(
         };
         readings[places[entry.sensor]] = Some(reading);
     }
+    true
 }
 
 /// Notes a message that knows no readability, so that every value that arrives is readable.

@@ -3814,6 +3814,10 @@ pub struct RobotTurn {
     /// For a serial port: the baud rate of the robot's cable, if it has one; programs and robots may change it.
     #[prost(uint32, optional, tag = "7")]
     pub baud: ::core::option::Option<u32>,
+    /// MESSAGES: a complete, valid message of readings has arrived from the microcontroller since the last step. It may have no new
+    /// reading: who asks a polled firmware more often than its sensors sample gets such answers, and must ask again.
+    #[prost(bool, tag = "8")]
+    pub has_message: bool,
 }
 /// What arrived on the cable of a sensor's own.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]

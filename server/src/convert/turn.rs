@@ -92,6 +92,7 @@ fn robot_turn(bytes: &mut Backwards, (world, view): (&World, &RobotView<'_>), tu
         }
         bytes.bytes_field(3, view.unread());
     } else {
+        bytes.varint_field(8, view.has_heard().into());
         let arrived = view.readings().iter().enumerate().filter(|(_, reading)| !reading.values.is_empty());
         for (sensor, read) in arrived.rev() {
             bytes.message(4, |bytes| reading(bytes, sensor, read));
@@ -269,6 +270,7 @@ mod tests {
                 readable: read.readable,
             };
             expected.readings = arrived.map(reading).collect();
+            expected.has_message = view.has_heard();
         }
         expected
     }

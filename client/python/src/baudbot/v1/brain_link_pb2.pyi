@@ -1142,6 +1142,7 @@ class RobotTurn(_message.Message):
     PORTS_FIELD_NUMBER: _builtins.int
     RAW_AFTER_NS_FIELD_NUMBER: _builtins.int
     BAUD_FIELD_NUMBER: _builtins.int
+    HAS_MESSAGE_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
     """Its place in the Hello."""
     at_ns: _builtins.int
@@ -1150,6 +1151,10 @@ class RobotTurn(_message.Message):
     """RAW: the bytes that arrived since the last step."""
     baud: _builtins.int
     """For a serial port: the baud rate of the robot's cable, if it has one; programs and robots may change it."""
+    has_message: _builtins.bool
+    """MESSAGES: a complete, valid message of readings has arrived from the microcontroller since the last step. It may have no new
+    reading: who asks a polled firmware more often than its sensors sample gets such answers, and must ask again.
+    """
     @_builtins.property
     def readings(self) -> _containers.RepeatedCompositeFieldContainer[Global___Reading]:
         """MESSAGES: the last reading of each sensor of which one has arrived."""
@@ -1174,10 +1179,11 @@ class RobotTurn(_message.Message):
         ports: _abc.Iterable[Global___PortBytes] | None = ...,
         raw_after_ns: _abc.Iterable[_builtins.int] | None = ...,
         baud: _builtins.int | None = ...,
+        has_message: _builtins.bool = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "baud", b"baud"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "at_ns", b"at_ns", "baud", b"baud", "ports", b"ports", "raw", b"raw", "raw_after_ns", b"raw_after_ns", "readings", b"readings", "robot", b"robot"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "at_ns", b"at_ns", "baud", b"baud", "has_message", b"has_message", "ports", b"ports", "raw", b"raw", "raw_after_ns", b"raw_after_ns", "readings", b"readings", "robot", b"robot"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__baud: _TypeAlias = _typing.Literal["baud"]  # noqa: Y015
     _WhichOneofArgType__baud: _TypeAlias = _typing.Literal["_baud", b"_baud"]  # noqa: Y015
