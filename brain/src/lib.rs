@@ -20,11 +20,13 @@
 //!
 //! impl Brain for Timid {
 //!     fn step(&mut self, turn: &Turn) -> Action {
-//!         match turn.value("ir_front") {
-//!             None => Action::wait(),
+//!         let action = match turn.value("ir_front") {
+//!             None => turn.body.request(),
 //!             Some(nearness) if nearness > 0.25 => Action::drive(0.5, -0.5),
 //!             Some(_) => Action::drive(0.4, 0.4),
-//!         }
+//!         };
+//!         // One command for each message, and another if none comes for 0.1 s: the cable may have lost the last.
+//!         action.until_message_or(turn.at_ns + 100_000_000)
 //!     }
 //! }
 //! ```

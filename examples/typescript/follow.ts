@@ -88,10 +88,18 @@ stream.on("error", (error: Error) => {
   process.exit(1);
 });
 
-function answer({ robot, atNs, readings }: pb.RobotTurn): MessageInitShape<typeof pb.RobotStepSchema> {
+/** When each robot gets a command though no message has come, by its place: the cable may have lost the last one. */
+const repeatNs: bigint[] = [];
+
+/** One command for each message, and another after 0.1 s without any: the server asks in ticks without news, too. */
+function answer({ robot, atNs, readings, hasMessage }: pb.RobotTurn): MessageInitShape<typeof pb.RobotStepSchema> {
+  const isNews = hasMessage || readings.some(({ readable }) => readable);
+  if (!isNews && atNs < (repeatNs[robot] ?? 0n)) {
+    return { robot, untilMessage: { atLatestNs: repeatNs[robot] } };
+  }
+  const atLatestNs = (repeatNs[robot] = atNs + 100_000_000n);
   const sensors = bodies[robot]?.sensors ?? [];
   const value = (name: string, unread: number) =>
     readings.find((reading) => sensors[reading.sensor]?.sensor === name)?.values[0] ?? unread;
-  // The next step is when readings have arrived, or after 0.1 s: the cable may have lost the command.
-  return { robot, output: { case: "command", value: step(value) }, untilMessage: { atLatestNs: atNs + 100_000_000n } };
+  return { robot, output: { case: "command", value: step(value) }, untilMessage: { atLatestNs } };
 }

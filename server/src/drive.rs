@@ -23,7 +23,9 @@ use crate::server::{ServerError, WorldConfig};
 ///     fn step(&mut self, turn: &Turn) -> Action {
 ///         let ahead = ["ir_front_left", "ir_front", "ir_front_right"];
 ///         let is_near = |sensor| turn.value(sensor).is_none_or(|nearness| nearness > 0.2);
-///         if ahead.into_iter().any(is_near) { Action::drive(0.5, -0.5) } else { Action::drive(0.4, 0.4) }
+///         let action = if ahead.into_iter().any(is_near) { Action::drive(0.5, -0.5) } else { Action::drive(0.4, 0.4) };
+///         // One command for each message, and another if none comes for 0.1 s: the cable may have lost the last.
+///         action.until_message_or(turn.at_ns + 100_000_000)
 ///     }
 /// }
 ///
