@@ -78,6 +78,29 @@ class Parameters(unittest.TestCase):
 
 
 class Turns(unittest.TestCase):
+    def test_a_command_that_is_made_of_a_reading_that_has_not_come_is_refused_with_the_sensors_name(self):
+        class Hasty(baudbot.Brain):
+            def step(self, turn):
+                return baudbot.drive(0.5, turn.value("ir") - turn.value("odometer"))
+
+        nothing = pb.Turn(turn=1, tick=0, robots=[pb.RobotTurn(robot=0, at_ns=10_000_000)])
+        with self.assertRaises(baudbot.Error) as caught:
+            answers(Session(welcome(), Hasty), nothing)
+        expected = (
+            "Hasty.step: a signal is no number, as nothing has arrived from `ir` and `odometer` yet; say what to take until then, "
+            'as in turn.value("ir", 0.0)'
+        )
+        self.assertEqual(str(caught.exception), expected)
+        self.assertEqual(answers(Session(welcome(), Follow), nothing).robots[0].command.left_signal, 0.5)
+
+    def test_a_message_without_a_new_reading_is_news(self):
+        session = Session(welcome(), Follow)
+        answers(session, turn(1, 0, (0, 10_000_000, 0.5, True)))
+        for number, has_message in ((2, False), (3, True)):
+            asked = turn(number, number, (0, 10_000_000 * number, 0.5, False))
+            asked.robots[0].has_message = has_message
+            self.assertEqual(answers(session, asked).robots[0].HasField("command"), has_message)
+
     def test_sensors_go_by_name_with_value_age_and_readability(self):
         body = Body.of(welcome().robots[0], 1)
         message = turn(1, 3, (0, 30_000_000, 0.25, True)).robots[0]

@@ -53,7 +53,7 @@ class Seat:
         """Writes what the brain has decided. Anything that is not an `Output` is refused."""
         part = self._part
         if isinstance(output, Command):
-            self._command(part, output)
+            self._command(part, output, turn)
         elif isinstance(output, bytes) and self.brain.raw:
             part.raw = output
         elif isinstance(output, Poll):
@@ -68,8 +68,10 @@ class Seat:
         self.deadline_ns = turn.at_ns + self._patience_ns if self._patience_ns else 0
         self.wait()
 
-    def _command(self, part: pb.RobotStep, output: Command) -> None:
+    def _command(self, part: pb.RobotStep, output: Command, turn: Turn) -> None:
         left, right, others, thinking_s, operations = output
+        if turn.missed and any(signal != signal for signal in (left, right, *(others or ()))):
+            raise Error(self._unknown(turn.missed))
         command = part.command
         try:
             command.left_signal = left
@@ -86,6 +88,13 @@ class Seat:
             part.thinking_ns = round(thinking_s * 1e9)
         if operations is not None:
             part.operations = operations
+
+    def _unknown(self, sensors: Sequence[str]) -> str:
+        named = " and ".join(f"`{sensor}`" for sensor in dict.fromkeys(sensors))
+        return (
+            f"{type(self.brain).__name__}.step: a signal is no number, as nothing has arrived from {named} yet; say what to take "
+            f'until then, as in turn.value("{sensors[0]}", 0.0)'
+        )
 
     def wait(self) -> None:
         """Says what the brain waits for."""

@@ -80,7 +80,7 @@ class Turn(Mapping[str, Reading]):
     """A brain's step. As a mapping it has the last reading of each sensor from which one has arrived, by the sensor's name."""
 
     # Nothing is made of a message before it is asked for: ten robots with five sensors each have fifty readings in a turn.
-    __slots__ = ("_arrived", "_message", "_readings", "at_ns", "body", "tick")
+    __slots__ = ("_arrived", "_message", "_readings", "at_ns", "body", "missed", "tick")
 
     def __init__(self, body: Body, message: pb.RobotTurn, tick: int) -> None:
         self.body, self._message, self.tick = body, message, tick
@@ -88,6 +88,8 @@ class Turn(Mapping[str, Reading]):
         self.at_ns: int = message.at_ns
         self._readings = message.readings
         self._arrived: dict[str, pb.Reading] | None = None
+        #: Sensors whose values were asked for before any had arrived, without a default.
+        self.missed: tuple[str, ...] = ()
 
     @property
     def at_s(self) -> float:
@@ -96,7 +98,9 @@ class Turn(Mapping[str, Reading]):
 
     @property
     def news(self) -> bool:
-        """Whether anything has arrived since the last turn."""
+        """Whether anything has arrived since the last turn; a message of the robot's may have no new reading."""
+        if self._message.has_message:
+            return True
         for reading in self._readings:
             if reading.readable:
                 return True
@@ -148,13 +152,17 @@ class Turn(Mapping[str, Reading]):
         return default
 
     def value(self, sensor: str, default: float = math.nan) -> float:
-        """The first value of a sensor's last reading; `default` if none has arrived yet."""
+        """The first value of a sensor's last reading; `default` if none has arrived yet. Without a default that is no number, and
+        a command that is made of it is refused.
+        """
         reading = self._find(sensor)
         if reading is not None:
             first: float = reading.values[0]
             return first
         if sensor not in self.body.sensors:
             raise self._missing(sensor)
+        if default != default:
+            self.missed += (sensor,)
         return default
 
     def _missing(self, sensor: str) -> NoReading:
