@@ -72,6 +72,10 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
     head.extend(pacing(summary));
     head.extend(summary.score.iter().flat_map(score));
     head.extend(summary.recording.iter().flat_map(recording));
+    if summary.unseen_lines > 0 {
+        let lines = count(usize::try_from(summary.unseen_lines).unwrap_or(usize::MAX), "line");
+        head.push(("hint", format!("the brain's program printed {lines}: --show-output shows them")));
+    }
     for Blocked { mover, blocked_s } in &summary.blocked {
         let text = format!("`{mover}` stood still for {} s, as something was in its way", handy(*blocked_s));
         head.push(("warning", text));
@@ -183,6 +187,7 @@ fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
         let text = format!("{brain}, {} turns, {} commands obeyed", robot.turns, robot.commands);
         facts.push(("brain", text));
     }
+    facts.extend(habit(robot, simulated_s).map(|habit| ("hint", habit)));
     if !robot.said.is_empty() {
         facts.push(("said", Printable(&robot.said).to_string()));
     }
@@ -206,6 +211,34 @@ fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
     }
     facts
 }
+
+/// What is odd about how often a brain wrote.
+fn habit(robot: &Robot, simulated_s: f64) -> Option<String> {
+    if robot.brain.is_empty() || robot.turns == 0 {
+        return None;
+    }
+    if robot.downlink.bytes == 0 {
+        return Some(format!(
+            "the brain sent nothing in {} turns: does its step return a command?",
+            robot.turns
+        ));
+    }
+    let times = times_too_often(robot.commands, robot.uplink.messages, simulated_s)?;
+    Some(format!("the brain wrote {times} times as often as a message came: one command for each is enough"))
+}
+
+/// How many commands there were for each message, if there were too many: each takes the cable from the next. Where little is
+/// heard it is right to repeat oneself.
+fn times_too_often(commands: u64, messages: u64, simulated_s: f64) -> Option<String> {
+    let enough = (messages as f64).max(REPEATS_PER_S * simulated_s);
+    (messages > 0 && commands as f64 > OFTEN * enough).then(|| handy(commands as f64 / messages as f64))
+}
+
+/// So often a brain may repeat its command without news.
+const REPEATS_PER_S: f64 = 10.0;
+
+/// So many times as many commands as are enough are too many.
+const OFTEN: f64 = 1.5;
 
 /// What a chip did, what it sent, and what its program or its wiring hardly means.
 fn chip(chip: &Chip, sent_bytes: u64) -> impl Iterator<Item = (&'static str, String)> {
@@ -431,6 +464,14 @@ mod tests {
     fn quantiles_are_told_with_three_digits() {
         let found = [0.0, 0.012_345, 28.8051, 399.01, 12_345.0, 0.999_9].map(about);
         assert_eq!(found, [0.0, 0.0123, 28.8, 399.0, 12_300.0, 1.0]);
+    }
+
+    #[test]
+    fn more_commands_than_messages_are_too_many() {
+        assert_eq!(times_too_often(1179, 590, 19.0).as_deref(), Some("2"));
+        let enough =
+            [(590, 590), (700, 590), (300, 590), (200, 3)].map(|(n, of)| times_too_often(n, of, 20.0));
+        assert_eq!(enough, [const { None }; 4]);
     }
 
     #[test]

@@ -170,12 +170,14 @@ impl Crew {
         process.failed(problem).await
     }
 
-    /// Ends the programs and all their children after the run: first they have a while to end by themselves.
+    /// Ends the programs and all their children after the run: first they have a while to end by themselves. The answer is how
+    /// many lines they have printed to their standard output, without those with which baudbot's own packages end a run.
     ///
     /// # Errors
     /// If one has printed an exception.
-    pub async fn end(self) -> Result<(), Failure> {
-        self.release(&mut Idle::default()).await
+    pub async fn end(mut self) -> Result<u64, Failure> {
+        self.finish().await?;
+        Ok(self.members.iter().map(|member| member.process.printed()).sum())
     }
 
     /// Ends them in the middle of a run: they are told so by a signal at once.
@@ -190,14 +192,20 @@ impl Crew {
     /// # Errors
     /// If one has printed an exception.
     pub async fn release(mut self, idle: &mut Idle) -> Result<(), Failure> {
+        self.finish().await?;
+        idle.members.extend(self.members.into_iter().filter(|member| member.lifetime == Lifetime::ManyRuns));
+        Ok(())
+    }
+
+    /// Ends those that are for one run.
+    async fn finish(&mut self) -> Result<(), Failure> {
         for member in self.members.iter_mut().filter(|member| member.lifetime == Lifetime::Run) {
             member.process.end(PATIENCE).await;
         }
-        if let Some(member) = self.members.iter_mut().find(|member| member.process.has_traceback()) {
-            return Err(member.process.failed(Problem::Traceback).await);
+        match self.members.iter_mut().find(|member| member.process.has_traceback()) {
+            Some(member) => Err(member.process.failed(Problem::Traceback).await),
+            None => Ok(()),
         }
-        idle.members.extend(self.members.into_iter().filter(|member| member.lifetime == Lifetime::ManyRuns));
-        Ok(())
     }
 }
 

@@ -18,17 +18,26 @@ struct Text {
     /// Bytes that are no longer kept.
     dropped: u64,
     has_traceback: bool,
+    /// Lines of its standard output, without those with which baudbot's own packages end a run.
+    printed: u64,
+}
+
+/// The stream of a program that something was printed to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum From {
+    StandardOutput,
+    StandardError,
 }
 
 impl Kept {
     /// Reads until the program closes the stream.
-    pub(crate) async fn read(self, mut stream: impl AsyncRead + Unpin, output: Output) {
+    pub(crate) async fn read(self, mut stream: impl AsyncRead + Unpin, from: From, output: Output) {
         let (mut buffer, mut line) = (vec![0; 16 << 10], Vec::new());
         loop {
             match stream.read(&mut buffer).await {
                 Ok(0) | Err(_) => return,
                 Ok(n) => {
-                    self.take(&buffer[..n], &mut line);
+                    self.take(&buffer[..n], &mut line, from);
                     if output == Output::Shown {
                         // Without a standard error there is nobody to see it.
                         let _ = stderr().write_all(&buffer[..n]).await;
@@ -39,7 +48,7 @@ impl Kept {
     }
 
     /// `line` is the beginning of this stream's current line.
-    fn take(&self, bytes: &[u8], line: &mut Vec<u8>) {
+    fn take(&self, bytes: &[u8], line: &mut Vec<u8>, from: From) {
         let mut text = self.text();
         text.end.extend(bytes);
         let over = text.end.len().saturating_sub(MOST_BYTES);
@@ -47,12 +56,18 @@ impl Kept {
         text.dropped += over as u64;
         for &byte in bytes {
             if byte == b'\n' {
+                text.printed += u64::from(from == From::StandardOutput && !line.starts_with(END_OF_A_RUN));
                 line.clear();
             } else if line.len() < TRACEBACK.len() {
                 line.push(byte);
                 text.has_traceback |= line.as_slice() == TRACEBACK;
             }
         }
+    }
+
+    /// How many lines it has printed to its standard output, without those with which baudbot's own packages end a run.
+    pub(crate) fn printed(&self) -> u64 {
+        self.text().printed
     }
 
     /// Whether an exception of Python's was printed.
@@ -81,6 +96,9 @@ impl Kept {
 
 const TRACEBACK: &[u8] = b"Traceback (most recent call last):";
 
+/// How the last line of a program begins that uses one of baudbot's packages.
+const END_OF_A_RUN: &[u8] = b"the run is over";
+
 /// Of a program's output so much is kept.
 const MOST_BYTES: usize = 64 << 10;
 
@@ -92,15 +110,28 @@ mod tests {
     use super::*;
 
     #[test]
+    fn lines_are_counted_but_for_the_last_one_of_baudbots_packages() {
+        let (kept, mut line) = (Kept::default(), Vec::new());
+        kept.take(b"here\nthe run", &mut line, From::StandardOutput);
+        kept.take(b" is over after 12 turns\nand\nthere", &mut line, From::StandardOutput);
+        kept.take(b"oh\n", &mut Vec::new(), From::StandardError);
+        assert_eq!(kept.printed(), 2);
+    }
+
+    #[test]
     fn the_end_is_kept_and_a_traceback_is_seen_across_pieces() {
         let (kept, mut line) = (Kept::default(), Vec::new());
         for _ in 0..10_000 {
-            kept.take(b"0123456789\n", &mut line);
+            kept.take(b"0123456789\n", &mut line, From::StandardOutput);
         }
         assert!(!kept.has_traceback());
-        kept.take(b"say Traceback (most recent call last):\nTraceback (most re", &mut line);
+        kept.take(
+            b"say Traceback (most recent call last):\nTraceback (most re",
+            &mut line,
+            From::StandardOutput,
+        );
         assert!(!kept.has_traceback());
-        kept.take(b"cent call last):\n\x1b[2Jend", &mut line);
+        kept.take(b"cent call last):\n\x1b[2Jend", &mut line, From::StandardOutput);
         assert!(kept.has_traceback());
         let lines = kept.last_lines();
         assert_eq!(lines.len(), MOST_LINES + 1);

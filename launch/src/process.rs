@@ -15,7 +15,7 @@ use tokio::task::JoinHandle;
 use tokio::time::timeout;
 
 use crate::failure::{Failure, Problem};
-use crate::kept::Kept;
+use crate::kept::{From, Kept};
 use crate::task::{Lifetime, Task};
 
 /// A program that was started. When this is dropped, it and all its children are killed.
@@ -66,8 +66,10 @@ impl Process {
         })?;
         let kept = Kept::default();
         let output = task.output;
-        let out = child.stdout.take().map(|out| tokio::spawn(kept.clone().read(out, output)));
-        let errors = child.stderr.take().map(|errors| tokio::spawn(kept.clone().read(errors, output)));
+        let out =
+            child.stdout.take().map(|out| tokio::spawn(kept.clone().read(out, From::StandardOutput, output)));
+        let read = |errors| tokio::spawn(kept.clone().read(errors, From::StandardError, output));
+        let errors = child.stderr.take().map(read);
         let readers = out.into_iter().chain(errors).collect();
         let runs = child.stdin.take();
         let group = child.id().and_then(|id| Pid::from_raw(id.cast_signed()));
@@ -108,6 +110,10 @@ impl Process {
     pub(crate) fn processes(&self) -> Vec<Pid> {
         let marked = marked(&self.mark);
         if marked.is_empty() { self.group.into_iter().collect() } else { marked }
+    }
+
+    pub(crate) fn printed(&self) -> u64 {
+        self.kept.printed()
     }
 
     pub(crate) fn has_traceback(&self) -> bool {

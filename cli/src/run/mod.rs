@@ -63,6 +63,8 @@ struct Outside<'a> {
     debuggers: Debuggers,
     stop: Stop,
     interrupted: bool,
+    /// Lines that the programs of brains have printed, and nobody has seen.
+    unseen_lines: u64,
 }
 
 pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
@@ -78,7 +80,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     if !args.quiet {
         debuggers.tell(&plan.scenario);
     }
-    let mut outside = Outside { args, files, debuggers, stop, interrupted: false };
+    let mut outside = Outside { args, files, debuggers, stop, interrupted: false, unseen_lines: 0 };
     let status = match plan.over {
         Over::Direct => direct::run(&plan, on_tick, &mut outside).await,
         Over::Grpc => served::run(&plan, on_tick, &mut outside).await,
@@ -87,6 +89,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let status = outside.files.finish().await.and(status)?;
     let mut summary = Summary::new(&plan.scenario, &status, outside.interrupted, &plan.assigned, plan.over);
     summary.add_last_lines(|robot| plan.tails.last_line(robot));
+    summary.unseen_lines = outside.unseen_lines;
     show(args, &summary)?;
     let unwritten = summary.recording.as_ref().and_then(|recording| recording.problem.as_ref());
     if let Some(problem) = unwritten {

@@ -133,7 +133,8 @@ impl Running<'_, '_> {
         if self.outside.interrupted {
             crew.stop().await;
         } else {
-            crew.end().await?;
+            let printed = crew.end().await?;
+            self.outside.unseen_lines = if self.outside.args.show_output { 0 } else { printed };
         }
         if status.recording.is_none() {
             return Ok(status);

@@ -47,6 +47,9 @@ pub(crate) struct Summary {
     /// Where it was recorded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) recording: Option<Recording>,
+    /// Lines that the programs of brains have printed, and nobody has seen.
+    #[serde(skip)]
+    pub(crate) unseen_lines: u64,
     pub(crate) robots: Vec<Robot>,
 }
 
@@ -151,6 +154,7 @@ impl Summary {
             score: status.score.as_ref().map(Score::new),
             blocked: status.movers.iter().filter(|mover| mover.blocked_ns > 0).map(Blocked::new).collect(),
             recording: status.recording.as_ref().map(Recording::new),
+            unseen_lines: 0,
             robots: robots.map(|(spec, robot)| Robot::new(spec, robot, status, assigned)).collect(),
         }
     }

@@ -197,6 +197,33 @@ fn what_a_program_prints_is_shown_if_it_is_wanted() {
 }
 
 #[test]
+fn what_a_program_printed_unseen_and_a_brain_that_commands_nothing_are_hinted_at() {
+    let loud = program("avoid").replacen("-c '", "-c 'echo good; echo morning; ", 1);
+    let run = |brain: &str, more: &[&str]| {
+        good(&[&["run", "wander", "--seconds", "2", "--brain", brain], more].concat())
+    };
+    let text = run(&loud, &[]);
+    assert!(text.contains("the brain's program printed 2 lines: --show-output shows them"), "{text}");
+    let text = run(&loud, &["--show-output"]);
+    assert!(!text.contains("hint"), "{text}");
+    let text = run("avoid", &[]);
+    assert!(!text.contains("hint"), "{text}");
+    // It waits for its odometer.
+    let late = [
+        "run",
+        "arsim",
+        "--brain",
+        "navigate",
+        "--seconds",
+        "2",
+        "--set",
+        "robots.robot.sensors.odometer.phase_ms=5000",
+    ];
+    let text = good(&late);
+    assert!(text.contains("the brain sent nothing in 200 turns: does its step return a command?"), "{text}");
+}
+
+#[test]
 fn a_program_that_drives_another_robot_is_told() {
     let scenario = std::env::temp_dir().join(format!("baudbot-two-{}.toml", std::process::id()));
     let robots = ["alice", "bob"].map(|name| {
