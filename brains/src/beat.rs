@@ -2,48 +2,65 @@
 //!
 //! A command that is sent between two messages is still on a slow cable when the second comes. Its answer then goes out
 //! late, between that message and the next, and so on for ever: each command answers a message that is nearly a period old.
-//! So a brain that has missed a message waits for the next one before it sends.
+//! So between two messages a brain sends only what is off the cable before the next can come.
 
-use baudbot_brain::{Body, Turn};
+use baudbot_brain::Body;
 
-/// When the microcontroller's messages come.
+/// When the messages of a microcontroller come that streams them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Beat {
-    /// They come by themselves, and not when asked for.
-    streams: bool,
     /// Time that a command takes on the cable, in nanoseconds.
     command_ns: u64,
     /// When the last one came.
     heard_ns: Option<u64>,
-    /// How long after the one before that was.
-    interval_ns: Option<u64>,
+    /// How long after the one before it each of the last ones came, the newest first.
+    intervals_ns: [Option<u64>; 4],
 }
 
 impl Beat {
     /// That of a robot with this body, of which nothing has come.
     pub(crate) fn new(body: &Body) -> Self {
-        let (streams, command_ns) = (body.firmware.period_ns.is_some(), body.command_ns());
-        Self { streams, command_ns, heard_ns: None, interval_ns: None }
+        Self { command_ns: body.command_ns(), heard_ns: None, intervals_ns: [None; 4] }
     }
 
-    /// Takes in a turn, and says whether it brought a message of the microcontroller.
-    pub(crate) fn hear(&mut self, turn: &Turn) -> bool {
-        let mut readings = turn.body.sensors.iter().zip(&turn.readings);
-        let is_heard = readings.any(|(sensor, reading)| {
-            sensor.is_on_wire() && reading.as_ref().is_some_and(|reading| reading.readable)
-        });
-        if is_heard {
-            self.interval_ns = self.heard_ns.map(|before_ns| turn.at_ns.saturating_sub(before_ns));
-            self.heard_ns = Some(turn.at_ns);
+    /// A message comes at this instant. It wants an answer, as each does.
+    pub(crate) fn hear(&mut self, at_ns: u64) -> bool {
+        if let Some(before_ns) = self.heard_ns {
+            self.intervals_ns.rotate_right(1);
+            self.intervals_ns[0] = Some(at_ns.saturating_sub(before_ns));
         }
-        is_heard
+        self.heard_ns = Some(at_ns);
+        true
     }
 
-    /// When the next message is due, in nanoseconds, if a command that is sent at this instant would still be on the cable
-    /// then.
+    /// Until when a command waits for the next message, in nanoseconds, if one that is sent at this instant could still be on the
+    /// cable then. A message that has just come is answered.
     pub(crate) fn in_the_way_of(&self, at_ns: u64) -> Option<u64> {
-        let next_ns = self.heard_ns?.saturating_add(self.interval_ns?);
-        let is_in_the_way = next_ns > at_ns && next_ns < at_ns.saturating_add(self.command_ns);
-        (self.streams && is_in_the_way).then_some(next_ns)
+        let (heard_ns, [shortest_ns, longest_ns]) = (self.heard_ns?, self.usual_ns()?);
+        let soonest_ns = heard_ns.saturating_add(shortest_ns);
+        // To wait for longer is not worth it.
+        let worth_ns = soonest_ns.saturating_add(self.command_ns.saturating_mul(4));
+        let latest_ns = heard_ns.saturating_add(longest_ns).saturating_add(longest_ns / 4).min(worth_ns);
+        // Messages that come faster than commands go cannot be answered each, whenever one is sent.
+        let is_too_fast = longest_ns <= self.command_ns;
+        let is_in_the_way = at_ns < latest_ns && at_ns.saturating_add(self.command_ns) > soonest_ns;
+        (heard_ns != at_ns && !is_too_fast && is_in_the_way).then_some(latest_ns)
+    }
+
+    /// When it is silent for too long, so that the last command is said again.
+    pub(crate) fn silent_ns(&self) -> u64 {
+        let twice_ns = |[_, longest_ns]: [u64; 2]| longest_ns.saturating_mul(2).min(10 * REPEAT_NS);
+        let silence_ns = self.usual_ns().map_or(0, twice_ns);
+        self.heard_ns.map_or(0, |heard_ns| heard_ns.saturating_add(silence_ns))
+    }
+
+    /// The shortest and the longest time between two messages of late. One that was much longer had a message lost in it.
+    fn usual_ns(&self) -> Option<[u64; 2]> {
+        let known_ns = || self.intervals_ns.iter().flatten().copied();
+        let shortest_ns = known_ns().min()?;
+        Some([shortest_ns, known_ns().max()?.min(shortest_ns.saturating_mul(2))])
     }
 }
+
+/// So often a command is repeated when nothing comes, in nanoseconds.
+pub(crate) const REPEAT_NS: u64 = 100_000_000;

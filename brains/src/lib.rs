@@ -65,7 +65,9 @@ mod awaited;
 mod beat;
 mod chance;
 mod kinds;
+mod pace;
 mod proximity_sensors;
+mod questions;
 mod restarting;
 mod standard;
 #[cfg(test)]

@@ -7,9 +7,10 @@
 //! Deviation: the listing's robot always has an odometer reading. Ours waits, in state 0, until the first
 //! one has come over the cable.
 
-use baudbot_brain::{Action, Brain, Turn};
+use baudbot_brain::{Action, Brain, Signals, Turn};
 
 use crate::parameter::{PROBABILITY, Parameter, SIGNAL};
+use crate::throttle::CommandThrottle;
 
 /// Listing 5.3's parameters; the defaults are its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +58,8 @@ pub const ODOMETER: &str = "odometer";
 pub struct Navigate {
     parameters: Parameters,
     state: State,
+    /// `None` before the first turn.
+    throttle: Option<CommandThrottle>,
 }
 
 /// The listing's states 0, 1 and 2.
@@ -70,7 +73,7 @@ enum State {
 impl Navigate {
     /// A brain at its start.
     pub const fn new(parameters: Parameters) -> Self {
-        Self { parameters, state: State::Start }
+        Self { parameters, state: State::Start, throttle: None }
     }
 
     /// Whether it is at its destination and stands still from the next step on.
@@ -81,8 +84,9 @@ impl Navigate {
 
 impl Brain for Navigate {
     fn step(&mut self, turn: &Turn) -> Action {
+        let throttle = self.throttle.get_or_insert_with(|| CommandThrottle::new(&turn.body));
         let Some(&[x, y, ..]) = turn.reading(ODOMETER).map(|reading| reading.values.as_slice()) else {
-            return turn.body.request();
+            return throttle.ask(turn);
         };
         let signal = match self.state {
             State::Start => {
@@ -100,13 +104,13 @@ impl Brain for Navigate {
             }
             State::Arrived => 0.0,
         };
-        Action::drive(signal, signal)
+        throttle.send(turn, Signals { left: signal, right: signal })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use baudbot_brain::{Firmware, Protocol};
+    use baudbot_brain::{Body, Firmware, Protocol};
 
     use super::*;
     use crate::test_body::{body, turn};
@@ -116,7 +120,7 @@ mod tests {
         let body = body(&[(ODOMETER, "odometer", 0.0)]);
         let step = |(tick, moved): (usize, &f64)| {
             let values = [1.0 + 0.6 * moved, 2.0 + 0.8 * moved, 0.3];
-            let turn = turn(&body, tick as u64 * 10_000_000, &[Some(&values)]);
+            let turn = turn(&body, tick as u64 * 20_000_000, &[Some(&values)]);
             let signals = navigate.step(&turn).signals.unwrap();
             assert_eq!(signals.left, signals.right);
             signals.left
@@ -136,10 +140,11 @@ mod tests {
     #[test]
     fn the_step_that_arrives_still_drives_and_the_next_stands() {
         let mut navigate = Navigate::new(Parameters::default());
+        let mut other = navigate.clone();
         let before = signals(&mut navigate, &[0.0, 0.985]);
         assert!((before[1] - 0.9 * 0.015).abs() < 1e-12 && navigate.arrived());
         // Once arrived it stays so, wherever it is pushed.
-        assert_eq!(signals(&mut navigate, &[0.985, 0.2]), [0.0, 0.0]);
+        assert_eq!(signals(&mut other, &[0.0, 0.985, 0.985, 0.2])[2..], [0.0, 0.0]);
     }
 
     #[test]
@@ -150,15 +155,19 @@ mod tests {
 
     #[test]
     fn without_a_reading_it_waits_or_asks() {
-        let mut polled = body(&[(ODOMETER, "odometer", 0.0)]);
-        let mut navigate = Navigate::new(Parameters::default());
-        assert_eq!(navigate.step(&turn(&polled, 0, &[None])), Action::wait());
-        polled.firmware = Firmware { protocol: Protocol::Framed { ages: true }, period_ns: None };
-        assert_eq!(navigate.step(&turn(&polled, 0, &[None])), Action::poll());
-        polled.firmware.protocol = Protocol::Khepera;
-        assert_eq!(navigate.step(&turn(&polled, 0, &[None])), Action::poll());
-        polled.firmware.protocol = Protocol::Bare { gap_ns: 0 };
-        assert_eq!(navigate.step(&turn(&polled, 0, &[None])), Action::drive(0.0, 0.0));
-        assert_eq!(navigate, Navigate::new(Parameters::default()));
+        let first = |protocol, period_ns| {
+            let body =
+                Body { firmware: Firmware { protocol, period_ns }, ..body(&[(ODOMETER, "odometer", 0.0)]) };
+            let mut navigate = Navigate::new(Parameters::default());
+            let action = navigate.step(&turn(&body, 0, &[None]));
+            assert_eq!(navigate.state, State::Start);
+            assert_eq!(navigate.step(&turn(&body, 1_000_000, &[None])), Action::wait(), "the cable is taken");
+            action
+        };
+        let framed = Protocol::Framed { ages: true };
+        assert_eq!(first(framed, Some(20_000_000)), Action::wait());
+        assert_eq!(first(framed, None), Action::poll());
+        assert_eq!(first(Protocol::Khepera, None), Action::poll());
+        assert_eq!(first(Protocol::Bare { gap_ns: 0 }, None), Action::drive(0.0, 0.0));
     }
 }

@@ -1,60 +1,45 @@
-//! A throttle for commands: a brain sends no more of them than its cable can carry.
+//! A throttle for commands: a brain sends no more of them than its cable can carry, and no fewer than there are messages.
 
 use baudbot_brain::{Action, Body, Signals, Turn};
 
-use crate::beat::Beat;
+use crate::pace::Pace;
 
-/// Sends signals when they change, again now and then since a cable may lose them, and never before the last command is off
-/// the cable: one that waits behind others comes too late. What a message changed while the cable was taken waits for the
-/// [next message](crate::beat), if that is due soon. A firmware that answers only when asked is asked once for each answer.
+/// Sends signals with each message and when they change, as the [pace](crate::pace) of the cable allows.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CommandThrottle {
-    /// Time that a command takes on the cable.
-    command_ns: u64,
-    /// Whether it is commands that bring the readings.
-    asks: bool,
     /// A greater signal is refused.
     limit: Option<f64>,
-    sent: Option<(u64, Signals)>,
-    news: bool,
-    beat: Beat,
-    /// The cable was taken when the last message came.
-    is_out_of_step: bool,
+    sent: Option<Signals>,
+    pace: Pace,
 }
 
 impl CommandThrottle {
     pub(crate) fn new(body: &Body) -> Self {
-        let (asks, limit) = (body.firmware.period_ns.is_none(), body.signal_limit);
-        let beat = Beat::new(body);
-        Self {
-            command_ns: body.command_ns(),
-            asks,
-            limit,
-            sent: None,
-            news: false,
-            beat,
-            is_out_of_step: false,
-        }
+        Self { limit: body.signal_limit, sent: None, pace: Pace::new(body) }
     }
 
     /// What is done in a turn in which the motors are to have these signals.
     pub(crate) fn send(&mut self, turn: &Turn, signals: Signals) -> Action {
-        self.news |= turn.has_news();
         let signals = within(self.limit, signals);
-        let since_ns = self.sent.map(|(sent_ns, _)| turn.at_ns.saturating_sub(sent_ns));
-        let is_free = since_ns.is_none_or(|since_ns| since_ns >= self.command_ns);
-        if self.beat.hear(turn) {
-            self.is_out_of_step = !is_free;
-        }
-        let is_other = self.sent.is_none_or(|(_, sent)| sent != signals) || (self.asks && self.news);
-        let is_due = is_other || since_ns.is_some_and(|since_ns| since_ns >= REPEAT_NS);
-        let waits = self.is_out_of_step && self.beat.in_the_way_of(turn.at_ns).is_some();
-        if !is_free || !is_due || waits {
+        self.pace.hear(turn);
+        if !self.pace.sends(turn.at_ns, self.sent != Some(signals)) {
             return Action::wait();
         }
-        self.sent = Some((turn.at_ns, signals));
-        (self.news, self.is_out_of_step) = (false, false);
+        self.pace.sent(turn.at_ns);
+        self.sent = Some(signals);
         Action::drive(signals.left, signals.right)
+    }
+
+    /// What is done in a turn in which nothing is known yet that signals could follow from: a firmware that answers only when
+    /// asked is asked.
+    pub(crate) fn ask(&mut self, turn: &Turn) -> Action {
+        let request = turn.body.request();
+        self.pace.hear(turn);
+        if request == Action::wait() || !self.pace.sends(turn.at_ns, false) {
+            return Action::wait();
+        }
+        self.pace.sent(turn.at_ns);
+        request
     }
 }
 
@@ -74,9 +59,6 @@ pub(crate) fn within(limit: Option<f64>, Signals { left, right }: Signals) -> Si
         }
     }
 }
-
-/// So often signals are repeated that stay the same, in nanoseconds.
-const REPEAT_NS: u64 = 100_000_000;
 
 #[cfg(test)]
 mod tests {
@@ -122,7 +104,34 @@ mod tests {
             throttle.send(&turn, Signals::default()).signals.is_some()
         };
         assert!(asked(0, false));
-        assert!(!asked(40, false) && asked(50, true) && !asked(52, true) && asked(80, false));
+        assert!(!asked(40, false) && asked(50, true));
+        assert!(!asked(52, true), "the answer to what was asked at 50 ms is still to come");
+        assert!(!asked(80, false) && asked(90, true));
+    }
+
+    #[test]
+    fn an_answer_without_a_new_reading_is_answered_at_once() {
+        let mut body = body(&[("front", "ir", 0.0)]);
+        (body.firmware.period_ns, body.baud) = (None, Some(115_200));
+        let mut throttle = CommandThrottle::new(&body);
+        let mut asked = |at_ms: u64, has_message: bool| {
+            let turn = Turn { has_message, ..turn(&body, at_ms * MS, &[None]) };
+            throttle.send(&turn, Signals::default()).signals.is_some()
+        };
+        assert!(
+            asked(0, false) && asked(10, true) && asked(20, true) && !asked(30, false) && asked(40, true)
+        );
+    }
+
+    #[test]
+    fn signals_that_stay_the_same_answer_each_message() {
+        let body = body(&[("front", "ir", 0.0)]);
+        let mut throttle = CommandThrottle::new(&body);
+        let sent = (0..50).filter(|i| {
+            let turn = turn(&body, i * 20 * MS, &[Some(&[0.1][..])]);
+            throttle.send(&turn, Signals::default()).signals.is_some()
+        });
+        assert_eq!(sent.count(), 50);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! A finite-state machine that makes one transition a step, as the listing does: it drives on (state 0),
 //! waits for its time to turn (1), turns on the spot until it is time to stop (2), and drives on again. The
 //! probabilities are per step, so a brain that steps more seldom than the listing's 100 times a second turns
-//! more seldom and for longer. It sees nothing; in a closed room it runs into the wall.
+//! more seldom and for longer. What it has decided is sent as often as the cable wants it. It sees nothing; in a closed room it runs into the wall.
 //!
 //! A wart of the listing that we keep: its "left turn" drives the left wheel forwards and the right one
 //! backwards, which turns the robot to its right. With equal probabilities nobody notices.
@@ -12,6 +12,7 @@ use baudbot_brain::{Action, Brain, Signals, Turn};
 
 use crate::chance::Chance;
 use crate::parameter::{PROBABILITY, Parameter, SIGNAL};
+use crate::throttle::CommandThrottle;
 
 /// Listing 5.1's parameters; the defaults are its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +81,8 @@ pub struct Wander {
     chance: Chance,
     state: State,
     signals: Signals,
+    /// `None` before the first turn.
+    throttle: Option<CommandThrottle>,
 }
 
 /// The listing's states 0, 1 and 2.
@@ -93,12 +96,20 @@ enum State {
 impl Wander {
     /// A brain at its start; `chance` says when it turns and which way.
     pub fn new(parameters: Parameters, chance: Chance) -> Self {
-        Self { parameters, chance, state: State::Forward, signals: Signals::default() }
+        Self { parameters, chance, state: State::Forward, signals: Signals::default(), throttle: None }
     }
 }
 
 impl Brain for Wander {
-    fn step(&mut self, _: &Turn) -> Action {
+    fn step(&mut self, turn: &Turn) -> Action {
+        let signals = self.decide();
+        self.throttle.get_or_insert_with(|| CommandThrottle::new(&turn.body)).send(turn, signals)
+    }
+}
+
+impl Wander {
+    /// A transition.
+    fn decide(&mut self) -> Signals {
         let p = self.parameters;
         match self.state {
             State::Forward => {
@@ -118,21 +129,19 @@ impl Brain for Wander {
                 }
             }
         }
-        Action::drive(self.signals.left, self.signals.right)
+        self.signals
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_body::{body, turn};
 
     const STEPS: usize = 100_000;
 
     fn signals(parameters: Parameters) -> Vec<Signals> {
         let mut wander = Wander::new(parameters, Chance::new(3, "alice/wander"));
-        let turn = turn(&body(&[]), 0, &[]);
-        (0..STEPS).map(|_| wander.step(&turn).signals.unwrap()).collect()
+        (0..STEPS).map(|_| wander.decide()).collect()
     }
 
     /// Pieces of the run in which the signals stay the same.

@@ -10,8 +10,8 @@ const GOLDEN: [(&str, &str, u64); 6] = [
     ("arsim", "constant:left=0.7,right=-0.7", 0x6aac6e1bf23d609f),
     ("arsim", "navigate", 0xd14ff56530303bb5),
     ("wander", "avoid", 0x986b919e077e9243),
-    ("wander", "wander:forward=0.3", 0x0d72b6b05680e68d),
-    ("khepera", "avoid", 0x9653797cff2d5949),
+    ("wander", "wander:forward=0.3", 0x6c2f336de2ceeb5b),
+    ("khepera", "avoid", 0x06d58ddb453eb4db),
     ("crowd", "avoid", 0xa2f16396467c5cc9),
 ];
 

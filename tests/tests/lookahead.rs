@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use baudbot_brains::catalogue;
-use baudbot_client::{Action, Client, Error};
+use baudbot_client::{Action, Brain, Client, Error};
 use baudbot_proto::v1;
 use baudbot_server::{Pace, Server, WatchdogPolicy, WorldConfig};
 use baudbot_tests::system::{client, lockstep, operator, serve, status, strict, watched};
@@ -173,11 +173,13 @@ async fn attach_all(client: &Client) -> baudbot_client::Fleet {
     client.attach_many("w", &names.iter().map(String::as_str).collect::<Vec<_>>()).await.unwrap()
 }
 
+const CONSTANT: &str = "constant:left=0.2,right=0.3";
+
 /// The fingerprints of all states that the world of [`slow`] goes through in strict lockstep.
 fn all_states() -> HashSet<u64> {
     let (toml, changes) = slow();
     let changes: Vec<&str> = changes.iter().map(String::as_str).collect();
-    let mut local = InProcess::new(scenario(&toml, &changes), "constant:left=0.2,right=0.3").unwrap();
+    let mut local = InProcess::new(scenario(&toml, &changes), CONSTANT).unwrap();
     let mut states = HashSet::new();
     while local.world.ending().is_none() {
         states.insert(local.world.hash());
@@ -195,11 +197,16 @@ async fn who_looks_sees_only_what_strict_lockstep_would_show() {
     let states = all_states();
     let server = serve_slow(lockstep()).await;
     let mut fleet = attach_all(&client(&server).await.thinks_as_scenario()).await;
+    let brain = |body: &_| catalogue::brain(CONSTANT, 1, body).unwrap();
+    let mut brains: Vec<_> = fleet.bodies().iter().map(|body| brain(body)).collect();
     let mut ticks = HashSet::new();
     while let Some(turns) = fleet.turns().await.unwrap() {
         // The world has the time to go ahead; whoever asks then waits for the answer.
         tokio::time::sleep(Duration::from_millis(3)).await;
-        let actions: Vec<_> = turns.iter().map(|(robot, _)| (*robot, Action::drive(0.2, 0.3))).collect();
+        let actions: Vec<_> = turns
+            .iter()
+            .map(|(robot, turn)| (*robot, Action { until: None, ..brains[*robot].step(turn) }))
+            .collect();
         let act = async {
             tokio::time::sleep(Duration::from_millis(2)).await;
             fleet.act(&actions).await.unwrap();

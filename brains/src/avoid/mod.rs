@@ -16,14 +16,13 @@
 //! What no sensor sees is run into: ARSim's own pair, at 45° to the left and right, looks past a box that
 //! stands straight ahead.
 //!
-//! It sends a command only when it has decided something, and not before the last one is off the cable. So
-//! commands never queue, and a firmware that answers only when asked is asked once for each answer. News that came while the
-//! cable was taken are answered with the next (`beat`), if those are due soon.
+//! It answers each message, with what it has decided or, if no sensor that counts is in it, with what it said before. When
+//! it may send is said in `pace`.
 
 use baudbot_brain::{Action, Body, Brain, SensorKind, Turn};
 
-use crate::beat::Beat;
 use crate::chance::Chance;
+use crate::pace::Pace;
 
 mod parameters;
 #[cfg(test)]
@@ -38,14 +37,13 @@ pub struct Avoid {
     parameters: Parameters,
     chance: Chance,
     eyes: Vec<Eye>,
-    /// Time that a command takes on the wire.
-    command_ns: u64,
     state: State,
     /// New readings have come since the last decision.
     news: bool,
     decided_ns: u64,
-    sent_ns: Option<u64>,
-    beat: Beat,
+    /// It has said that it stands still, because it sees nothing.
+    stands: bool,
+    pace: Pace,
 }
 
 /// A sensor that counts.
@@ -80,12 +78,11 @@ impl Avoid {
             parameters,
             chance,
             eyes,
-            command_ns: body.command_ns(),
             state: State::Drive,
             news: false,
             decided_ns: 0,
-            sent_ns: None,
-            beat: Beat::new(body),
+            stands: false,
+            pace: Pace::new(body),
         };
         (!brain.eyes.is_empty()).then_some(brain)
     }
@@ -163,48 +160,43 @@ impl Avoid {
 impl Brain for Avoid {
     fn step(&mut self, turn: &Turn) -> Action {
         self.look(turn);
-        let is_message = self.beat.hear(turn);
-        let action = self.act(turn.at_ns, is_message);
+        self.pace.hear(turn);
+        let action = self.act(turn.at_ns);
         action.until_message_or(self.awake_ns(turn.at_ns))
     }
 }
 
 impl Avoid {
-    /// When there is something to do though no news have come.
+    /// When there is something to do though no news have come. That it has become blind is something else to be said.
     fn awake_ns(&self, at_ns: u64) -> u64 {
-        let free_ns = |pause_ns: u64| self.sent_ns.map_or(at_ns, |sent_ns| sent_ns.saturating_add(pause_ns));
-        if self.is_blind(at_ns) {
-            return free_ns(self.command_ns.max(REPEAT_NS));
+        let is_blind = self.is_blind(at_ns);
+        let next_ns = self.pace.next_ns(at_ns, is_blind && !self.stands);
+        if is_blind {
+            return next_ns;
         }
         let stale_ns = (self.parameters.stale_s * 1e9) as u64;
         let oldest_ns = self.eyes.iter().filter_map(|eye| eye.seen_ns).min().unwrap_or(at_ns);
-        let blind_ns = oldest_ns.saturating_add(stale_ns).saturating_add(1);
-        if !self.news {
-            return blind_ns;
-        }
-        let free_ns = free_ns(self.command_ns).max(at_ns);
-        blind_ns.min(self.beat.in_the_way_of(free_ns).unwrap_or(free_ns))
+        next_ns.min(oldest_ns.saturating_add(stale_ns).saturating_add(1))
     }
 
-    fn act(&mut self, at_ns: u64, is_message: bool) -> Action {
-        let blind = self.is_blind(at_ns);
-        // One command at a time: those that wait behind others on the cable come too late. A blind robot has
-        // nothing new to say, and repeats itself only because the cable may lose a command.
-        let pause_ns = if blind { self.command_ns.max(REPEAT_NS) } else { self.command_ns };
-        let free = self.sent_ns.is_none_or(|sent_ns| at_ns.saturating_sub(sent_ns) >= pause_ns);
-        let waits = !blind && !is_message && self.beat.in_the_way_of(at_ns).is_some();
-        if !free || waits || !(blind || self.news) {
+    fn act(&mut self, at_ns: u64) -> Action {
+        let is_blind = self.is_blind(at_ns);
+        // A robot that sees no more stops though no message has come.
+        if !self.pace.sends(at_ns, is_blind && !self.stands) {
             return Action::wait();
         }
-        self.sent_ns = Some(at_ns);
-        if blind {
+        self.pace.sent(at_ns);
+        self.stands = is_blind;
+        if is_blind {
             self.state = State::Drive;
             return Action::drive(0.0, 0.0);
         }
-        let seconds = at_ns.saturating_sub(self.decided_ns) as f64 * 1e-9;
-        self.state = self.decide(seconds);
-        self.decided_ns = at_ns;
-        self.news = false;
+        if self.news {
+            let seconds = at_ns.saturating_sub(self.decided_ns) as f64 * 1e-9;
+            self.state = self.decide(seconds);
+            self.decided_ns = at_ns;
+            self.news = false;
+        }
         let (left, right) = self.signals();
         Action::drive(left, right)
     }
@@ -224,6 +216,3 @@ fn wrap(angle_rad: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     (angle_rad + PI).rem_euclid(TAU) - PI
 }
-
-/// A blind robot says so often that it stands still, in nanoseconds.
-const REPEAT_NS: u64 = 100_000_000;

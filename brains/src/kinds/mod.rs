@@ -92,7 +92,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "constant",
-        summary: "sends the same signals in every step",
+        summary: "sends the same signals all the time",
         settings: || settings(constant::PARAMETERS),
         make: |request| Ok(Box::new(Constant::new(request.parameters(constant::PARAMETERS)?))),
         together: None,

@@ -2,7 +2,7 @@
 //! `baudbot-learn`, `baudbot.gym` in Python).
 //!
 //! It has what an environment observes, in the same order and as coarsely, and answers when an environment would: at each
-//! turn with news, and after a second without any.
+//! turn with a message, and after a second without any.
 
 use baudbot_brain::{Action, Body, Brain, Protocol, Reading, Signals, Turn};
 
@@ -102,7 +102,7 @@ impl Brain for Policy {
     fn step(&mut self, turn: &Turn) -> Action {
         let is_first = self.stepped_ns.is_none();
         let stepped_ns = *self.stepped_ns.get_or_insert(turn.at_ns);
-        if turn.has_news() || turn.at_ns.saturating_sub(stepped_ns) >= PATIENCE_NS {
+        if turn.is_answered() || turn.has_news() || turn.at_ns.saturating_sub(stepped_ns) >= PATIENCE_NS {
             self.take(turn);
             self.stepped_ns = Some(turn.at_ns);
             return self.act(turn.at_ns).until_message_or(turn.at_ns + PATIENCE_NS);

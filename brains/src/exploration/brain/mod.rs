@@ -14,10 +14,12 @@ use baudbot_brain::{Action, Belief, Body, Brain, Point, Signals, Turn};
 use super::Command;
 use super::scout::{self, Scout};
 use crate::awaited::Awaited;
+use crate::beat::REPEAT_NS;
 use crate::estimate::Estimate;
 use crate::mapping::{Occupancy, PlacedScan};
 use crate::navigate::ODOMETER;
 use crate::odometry::{self, Odometry};
+use crate::pace::Pace;
 use crate::scanner::Scanner;
 use crate::slam::{self, Slam};
 
@@ -42,7 +44,11 @@ pub struct Explore {
     odometry: Option<Odometry>,
     /// What corrects the odometer, and its map; `None` if that is believed.
     slam: Option<(Slam, Occupancy)>,
-    sent_ns: Option<u64>,
+    /// What was sent last.
+    signals: Signals,
+    /// The odometer has had news since.
+    has_news: bool,
+    pace: Pace,
     now_ns: u64,
 }
 
@@ -63,7 +69,9 @@ impl Explore {
             wheels: odometry::Parameters { variance_m2_per_m: WHEELS_M2_PER_M, ..wheels },
             odometry: None,
             slam: slam(&parameters),
-            sent_ns: None,
+            signals: Signals::default(),
+            has_news: false,
+            pace: Pace::new(body),
             now_ns: 0,
         })
     }
@@ -101,23 +109,29 @@ impl Explore {
         }
     }
 
-    fn act(&mut self, turn: &Turn, has_news: bool) -> Action {
+    fn act(&mut self, turn: &Turn) -> Action {
         let at_ns = turn.at_ns;
         let is_blind = self.is_blind(at_ns);
-        let pause_ns = if is_blind { self.command_ns.max(REPEAT_NS) } else { self.command_ns };
-        let is_free = self.sent_ns.is_none_or(|sent_ns| at_ns.saturating_sub(sent_ns) >= pause_ns);
-        if !is_free || !(is_blind || has_news) {
+        // A robot that knows no more where it is stops though no message has come.
+        if !self.pace.sends(at_ns, is_blind && self.signals != Signals::default()) {
             return Action::wait();
         }
-        self.sent_ns = Some(at_ns);
-        let Some(odometry) = self.odometry.as_ref().filter(|_| !is_blind) else {
-            self.scout.pause();
-            return Action::drive(0.0, 0.0);
+        self.pace.sent(at_ns);
+        let odometry = self.odometry.as_ref().filter(|_| !is_blind);
+        self.signals = match odometry {
+            None => {
+                self.scout.pause();
+                Signals::default()
+            }
+            Some(_) if !std::mem::take(&mut self.has_news) => self.signals,
+            Some(odometry) => {
+                let here = odometry.estimate().world_from_robot;
+                let haste = odometry.haste(self.command_ns);
+                let Signals { left, right } = self.scout.step(at_ns, &here, self.scan.as_ref(), haste);
+                Signals { left: haste * left, right: haste * right }
+            }
         };
-        let here = odometry.estimate().world_from_robot;
-        let haste = odometry.haste(self.command_ns);
-        let Signals { left, right } = self.scout.step(at_ns, &here, self.scan.as_ref(), haste);
-        Action::drive(haste * left, haste * right)
+        Action::drive(self.signals.left, self.signals.right)
     }
 
     /// Whether the odometer has been silent for too long.
@@ -140,9 +154,13 @@ impl Explore {
 impl Brain for Explore {
     fn step(&mut self, turn: &Turn) -> Action {
         self.now_ns = turn.at_ns;
-        let has_news = self.look(turn);
-        let action = self.act(turn, has_news);
-        action.until_message_or(turn.at_ns.saturating_add(self.command_ns.max(REPEAT_NS)))
+        self.has_news |= self.look(turn);
+        self.pace.hear(turn);
+        let action = self.act(turn);
+        // It may have become blind by then.
+        let latest_ns = turn.at_ns.saturating_add(self.command_ns.max(REPEAT_NS));
+        let next_ns = self.pace.next_ns(turn.at_ns, false);
+        action.until_message_or(next_ns.clamp(turn.at_ns.saturating_add(1), latest_ns))
     }
 
     fn belief(&mut self) -> Option<Belief> {
@@ -162,5 +180,3 @@ fn slam(parameters: &Parameters) -> Option<(Slam, Occupancy)> {
 
 /// Variance of what the odometer says a wheel has gone, in square metres for each metre, if it is corrected.
 const WHEELS_M2_PER_M: f64 = 1e-3;
-/// A blind robot says so often that it stands still, in nanoseconds.
-const REPEAT_NS: u64 = 100_000_000;
