@@ -16,6 +16,11 @@ pub(crate) struct Parameter<P> {
     pub(crate) field: fn(&mut P) -> &mut f64,
 }
 
+/// A length for a body of this radius, in metres, that is so many metres for one of 0.4 m: the default of what follows the body.
+pub(crate) fn for_body(length_m: f64, radius_m: f64) -> f64 {
+    length_m * (radius_m / 0.2)
+}
+
 /// Motor signals. 1 is full voltage; some motors take more, and then nothing limits them.
 pub(crate) const SIGNAL: RangeInclusive<f64> = -10.0..=10.0;
 

@@ -4,6 +4,8 @@
 use baudbot_brain::{Body, Mount, Sensor, SensorKind, Turn};
 use baudbot_geometry::{Direction, Point, Pose};
 
+use crate::parameter::for_body;
+
 /// The infra-red sensors and sonars of a robot that sit on its body and look ahead.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ProximitySensors {
@@ -28,9 +30,8 @@ struct Feeler {
     is_sonar: bool,
     /// Half the opening angle of its cone, in radians.
     half_rad: f64,
-    is_near: bool,
-    /// What it read last.
-    value: f64,
+    /// What it read last; `None` if that does not count.
+    value: Option<f64>,
 }
 
 /// The echo of a sonar: something is somewhere in its cone.
@@ -52,8 +53,7 @@ impl ProximitySensors {
             robot_from_sensor: mount(described),
             is_sonar: described.kind == SensorKind::Sonar,
             half_rad: 0.5 * described.opening_rad.unwrap_or(0.0),
-            is_near: false,
-            value: 0.0,
+            value: None,
         };
         let sensors = body.sensors.iter().enumerate();
         let proximity = sensors
@@ -76,29 +76,33 @@ impl ProximitySensors {
             let reading = turn.readings.get(feeler.sensor).and_then(Option::as_ref);
             let value = reading.filter(|reading| reading.readable).and_then(|new| new.values.first());
             if let Some(&value) = value {
-                feeler.is_near = feeler.feels(value, self.radius_m, self.near);
-                feeler.value = value;
+                feeler.value = Some(value);
             }
         }
     }
 
     /// What it felt does not count any more.
     pub(crate) fn forget(&mut self) {
-        self.proximity.iter_mut().for_each(|feeler| feeler.is_near = false);
+        self.proximity.iter_mut().for_each(|feeler| feeler.value = None);
     }
 
     /// Whether something is near, by the newest readings.
     pub(crate) fn is_near(&self) -> bool {
-        self.is_near_but(|_| false)
+        self.is_near_but(f64::INFINITY, |_| false)
     }
 
-    /// The same, without echoes of sonars that come from obstacles whose places are known better, by the laser.
-    pub(crate) fn is_near_but(&self, is_known: impl Fn(&Echo) -> bool) -> bool {
+    /// The same on a way that ends after so many metres, without echoes of sonars that come from obstacles whose places are known
+    /// better, by the laser.
+    pub(crate) fn is_near_but(&self, way_m: f64, is_known: impl Fn(&Echo) -> bool) -> bool {
+        let near = Near { near_m: self.near.near_m.min(way_m), ..self.near };
         let is_known = |feeler: &Feeler| {
-            let Feeler { robot_from_sensor, half_rad, value: distance_m, .. } = *feeler;
-            feeler.is_sonar && is_known(&Echo { robot_from_sensor, half_rad, distance_m })
+            let Feeler { robot_from_sensor, half_rad, .. } = *feeler;
+            let is_known = |distance_m| is_known(&Echo { robot_from_sensor, half_rad, distance_m });
+            feeler.is_sonar && feeler.value.is_some_and(is_known)
         };
-        self.proximity.iter().any(|feeler| feeler.is_near && !is_known(feeler))
+        let feels =
+            |feeler: &Feeler| feeler.value.is_some_and(|value| feeler.feels(value, self.radius_m, near));
+        self.proximity.iter().any(|feeler| feels(feeler) && !is_known(feeler))
     }
 }
 
@@ -110,7 +114,7 @@ impl Feeler {
         }
         let forward = self.robot_from_sensor.direction();
         let point_in_robot = self.robot_from_sensor.position + forward.vector() * value;
-        is_in_way(point_in_robot, near.near_m, radius_m + ALMOST_M)
+        is_in_way(point_in_robot, near.near_m, radius_m + ALMOST * near.near_m)
     }
 }
 
@@ -128,15 +132,20 @@ fn looks_ahead(robot_from_sensor: &Pose) -> bool {
     Direction::from_angle(robot_from_sensor.heading).cos > AHEAD_COS
 }
 
+/// How far ahead of a body with this radius something is near if nobody says so: three quarters of the radius, both in metres.
+pub(crate) fn near_m(radius_m: f64) -> f64 {
+    for_body(0.15, radius_m)
+}
+
 /// Whether a point would be in a disc of this radius that is so far ahead.
 pub(crate) fn is_in_way(point_in_robot: Point, ahead_m: f64, radius_m: f64) -> bool {
     let off = point_in_robot - Point::new(ahead_m, 0.0);
     point_in_robot.x > 0.0 && off.norm() < radius_m
 }
 
-/// Room that there must be beside a disc that is a little ahead, in metres. A sonar does not say where in its cone something
-/// is: with half a cone of 0.2 rad and 0.15 m to go, 3 cm to the side.
-const ALMOST_M: f64 = 0.03;
+/// Room that there must be beside a disc that is a little ahead, as a part of how far that is. A sonar does not say where in its
+/// cone something is: with half a cone of 0.2 rad and 0.15 m to go, 3 cm to the side.
+const ALMOST: f64 = 0.2;
 /// Cosine of the greatest angle at which a sensor looks ahead: 80°.
 const AHEAD_COS: f64 = 0.17;
 
@@ -149,14 +158,7 @@ mod tests {
         let near = Near { near_m: 0.15, near_reading: 0.4 };
         let feels = |heading: f64, distance_m: f64| {
             let robot_from_sensor = Pose::new(0.2 * heading.cos(), 0.2 * heading.sin(), heading);
-            let feeler = Feeler {
-                sensor: 0,
-                robot_from_sensor,
-                is_sonar: true,
-                half_rad: 0.0,
-                is_near: false,
-                value: 0.0,
-            };
+            let feeler = Feeler { sensor: 0, robot_from_sensor, is_sonar: true, half_rad: 0.0, value: None };
             feeler.feels(distance_m, 0.2, near)
         };
         assert!(feels(0.0, 0.16) && !feels(0.0, 0.19));

@@ -9,16 +9,15 @@ use serde::Deserialize;
 
 use crate::parameter::{ParameterError, check_positive};
 use crate::process::{CognitiveProcess, StepContext};
-use crate::proximity_sensors::{Near, ProximitySensors};
+use crate::proximity_sensors::{self, Near, ProximitySensors};
 use crate::registry::BuildContext;
 
 /// The distances and readings at which something is near, and the behaviour that is raised then.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
-    /// What a sonar finds this close on the robot's way is near, in metres.
-    #[serde(default = "near_m")]
-    pub near_m: f64,
+    /// What a sonar finds this close on the robot's way is near, in metres; by default three quarters of the body's radius.
+    pub near_m: Option<f64>,
     /// An infra-red reading from which on something is near.
     #[serde(default = "near_reading")]
     pub near_reading: f64,
@@ -27,10 +26,6 @@ pub struct Parameters {
     /// Γ while something is near.
     #[serde(default = "gamma")]
     pub gamma: f64,
-}
-
-fn near_m() -> f64 {
-    0.15
 }
 
 fn near_reading() -> f64 {
@@ -55,6 +50,7 @@ impl DetectProximity {
     /// If a parameter makes no sense, or no infra-red sensor or sonar looks ahead.
     pub fn new(parameters: Parameters, context: &BuildContext<'_>) -> Result<Self, ParameterError> {
         let Parameters { near_m, near_reading, raise, gamma } = parameters;
+        let near_m = near_m.unwrap_or_else(|| proximity_sensors::near_m(context.body.radius_m));
         check_positive([("near_m", near_m), ("near_reading", near_reading)])?;
         if !gamma.is_finite() {
             return Err(ParameterError::range("gamma", "finite", gamma));

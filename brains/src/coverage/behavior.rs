@@ -12,7 +12,7 @@ use super::regions::{Parts, Region, Rows, regions};
 use crate::behavior::Steering;
 use crate::behavior::steering::{Helm, braking};
 use crate::navigation::{CELLS_A_STEP, Floor, Method, Path, Pursuit};
-use crate::parameter::{ParameterError, check_not_negative, check_positive};
+use crate::parameter::{ParameterError, check_not_negative, check_positive, for_body};
 use crate::planning::ThetaStar;
 use crate::process::{MotorBehavior, StepContext};
 
@@ -24,12 +24,10 @@ pub struct Parameters {
     pub walls_m: Vec<[f64; 4]>,
     /// From one row to the next, in metres; without it one and a half times the body's radius.
     pub row_m: Option<f64>,
-    /// Room that is kept between the body and each wall, in metres.
-    #[serde(default = "clearance_m")]
-    pub clearance_m: f64,
-    /// Side of the map's cells, in metres.
-    #[serde(default = "cell_m")]
-    pub cell_m: f64,
+    /// Room that is kept between the body and each wall, in metres. By default a quarter of its radius.
+    pub clearance_m: Option<f64>,
+    /// Side of the map's cells, in metres. By default an eighth of the body's radius.
+    pub cell_m: Option<f64>,
     /// How far ahead on a row it looks, in metres.
     #[serde(default = "look_ahead_m")]
     pub look_ahead_m: f64,
@@ -42,14 +40,6 @@ pub struct Parameters {
     /// How it steers.
     #[serde(default)]
     pub steering: Steering,
-}
-
-fn clearance_m() -> f64 {
-    0.05
-}
-
-fn cell_m() -> f64 {
-    0.025
 }
 
 fn look_ahead_m() -> f64 {
@@ -106,9 +96,11 @@ impl CoverRows {
             ("reached_m", p.reached_m),
             ("stray_m", p.stray_m),
         ])?;
-        check_not_negative([("clearance_m", p.clearance_m)])?;
-        let floor = Floor::new(&p.walls_m, p.cell_m, body.radius_m + p.clearance_m, Method::ThetaStar)?;
-        let apart = ((row_m / p.cell_m + ROUNDING) as usize).max(1);
+        let clearance_m = p.clearance_m.unwrap_or(for_body(0.05, body.radius_m));
+        let cell_m = p.cell_m.unwrap_or(for_body(0.025, body.radius_m));
+        check_not_negative([("clearance_m", clearance_m)])?;
+        let floor = Floor::new(&p.walls_m, cell_m, body.radius_m + clearance_m, Method::ThetaStar)?;
+        let apart = ((row_m / cell_m + ROUNDING) as usize).max(1);
         Ok(Self {
             parts: Parts::new(floor.grid()),
             regions: [Rows::AlongX, Rows::AlongY].map(|rows| (rows, regions(floor.grid(), rows, apart))),

@@ -20,13 +20,15 @@ pub struct LeftOut {
     pub barred: usize,
     /// Places at which it looked from near, and which its laser does not show.
     pub unseen: usize,
+    /// Places to which it did not get, though there seemed to be a way.
+    pub missed: usize,
 }
 
 impl LeftOut {
     /// Whether it is nothing.
     #[must_use]
     pub const fn is_nothing(&self) -> bool {
-        self.openings == 0 && self.barred == 0 && self.unseen == 0
+        self.openings == 0 && self.barred == 0 && self.unseen == 0 && self.missed == 0
     }
 }
 
@@ -46,6 +48,7 @@ impl fmt::Display for LeftOut {
             ),
             (self.barred, format!("{} with something low in the way", some(self.barred, "opening"))),
             (self.unseen, format!("{} that its laser does not show", some(self.unseen, "place"))),
+            (self.missed, format!("{} to which it did not get in time", some(self.missed, "place"))),
         ];
         let parts: Vec<_> = parts.into_iter().filter(|(count, _)| *count > 0).map(|(_, text)| text).collect();
         write!(f, "has seen all but {}", parts.join(", "))
@@ -62,6 +65,8 @@ pub(super) struct Rest<'a> {
     /// The edge of the dark, without cells that were viewed in vain.
     pub(super) wanted: &'a [Cell],
     pub(super) given_up: &'a BTreeSet<Cell>,
+    /// Cells to which it did not get, with those beside them.
+    pub(super) missed: &'a BTreeSet<Cell>,
     pub(super) half_width_m: f64,
 }
 
@@ -76,15 +81,19 @@ impl Rest<'_> {
         };
         let (near, far): (Vec<_>, Vec<_>) =
             groups(&self.dark.edge(|_| false)).into_iter().partition(|group| touches(group, &covered));
+        let is_missed = |group: &&Vec<Cell>| group.iter().any(|cell| self.missed.contains(cell));
+        let missed = near.iter().chain(&far).filter(is_missed).count();
         let is_in_vain = |group: &&Vec<Cell>| group.iter().any(|cell| self.given_up.contains(cell));
-        let unseen = near.iter().filter(is_in_vain).filter(|group| self.is_wide(group)).count();
+        let near = near.iter().filter(|group| !is_missed(group));
+        let unseen = near.filter(is_in_vain).filter(|group| self.is_wide(group)).count();
         // What would be open if proximity had found nothing is barred; what would not is narrow.
         let could_reach = far.iter().filter(|group| touches(group, &covered_but)).flatten();
         let barred = self.beyond(could_reach, is_covered);
         let is_narrow = |cell: &&Cell| !cell.sides().any(|cell| barred.contains(&cell));
         let narrow = self.beyond(self.wanted.iter().filter(is_narrow), is_covered);
         let [barred, openings] = [barred, narrow].map(|cells| self.mouths(&cells, is_covered));
-        LeftOut { openings, width_m: least_width_m(self.half_width_m, self.grid.cell_m()), barred, unseen }
+        let width_m = least_width_m(self.half_width_m, self.grid.cell_m());
+        LeftOut { openings, width_m, barred, unseen, missed }
     }
 
     /// Whether the robot could go through this part of the edge if nothing is there.

@@ -12,6 +12,10 @@
 //!
 //! For proximity a robot uses its laser and whatever infra-red sensors and sonars look ahead; they should be mounted lower than
 //! the laser. Something counts as near, too, if the robot ought to drive and has not moved for two seconds.
+//!
+//! All lengths follow the body's radius, but for those of which somebody says otherwise. Progress is watched: a goal that is not
+//! reached in some times its way is given up, and who has not got on for most of a minute ends; both name what they leave out. The
+//! robot stands while something walks in front of it.
 
 mod approach;
 pub mod behavior;
@@ -23,6 +27,7 @@ pub mod nodes;
 mod outlook;
 pub mod placement;
 mod scout;
+mod walkers;
 
 #[doc(hidden)]
 pub mod generated;
@@ -32,7 +37,7 @@ mod arena;
 
 use baudbot_geometry::{Point, Pose};
 
-use crate::mapping::PlacedScan;
+use crate::mapping::{Occupancy, PlacedScan};
 
 pub use brain::Explore;
 pub use frontiers::Frontiers;
@@ -80,6 +85,15 @@ pub enum Failure {
     TooLarge,
 }
 
+/// Where an explorer goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// What it wants to reach, or to see.
+    pub place: Point,
+    /// How much of the way there is left, in metres.
+    pub left_m: f64,
+}
+
 /// A method of exploration.
 pub trait Explorer {
     /// One step; the more often it is called, the earlier the robot stops in front of something.
@@ -87,4 +101,16 @@ pub trait Explorer {
 
     /// Since the last step something else may have driven the robot.
     fn interrupt(&mut self);
+
+    /// Where it goes now, from here.
+    fn goal(&self, here: &Pose) -> Option<Goal>;
+
+    /// It does not get to its goal: it leaves that out.
+    fn abandon(&mut self);
+
+    /// It does not get on at all: it ends, and leaves out all that is still to be seen.
+    fn finish(&mut self, here: &Pose);
+
+    /// What it knows of the floor.
+    fn grid(&self) -> &Occupancy;
 }

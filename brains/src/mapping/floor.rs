@@ -4,7 +4,7 @@
 //! cell but from where rays have [ended](Occupancy::surface) in it. A cell is open if it has as much room as half the width of a
 //! way, and is not known to be occupied nor in the dark. Ways lead from open cell to open cell over sides and corners. Their
 //! lengths are found by Dijkstra's algorithm, in whole numbers: 10 for a step over a side and 14 over a corner. Where there is less
-//! room than half a path and 10 cm a step counts up to five times, so that paths keep to the middle of what is narrow.
+//! room than half a path and as much as is at ease a step counts up to five times, so that paths keep to the middle of what is narrow.
 //!
 //! A path leads through every gap that is as wide as a path and a cell: so far apart may its middle and the nearest
 //! centres of cells be, taken twice.
@@ -31,6 +31,7 @@ pub struct Floor<'a> {
     /// In metres, in the same order; what is more than a wide way needs is not looked for.
     room_m: Vec<f32>,
     radius_m: f64,
+    ease_m: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,12 +42,17 @@ enum Kind {
 }
 
 impl<'a> Floor<'a> {
-    /// Where a disc with this radius, in metres, fits that is now at `here`. What is at the points of `obstacles` counts
-    /// as occupied, whatever the grid says.
+    /// Where a disc with this radius, in metres, fits that is now at `here`, and to which `ease_m` more room is as good as any. What
+    /// is at the points of `obstacles` counts as occupied, whatever the grid says.
     #[must_use]
-    pub(crate) fn new(dark: &Dark<'a>, radius_m: f64, here: Point, obstacles: &[Point]) -> Self {
+    pub(crate) fn new(
+        dark: &Dark<'a>,
+        (radius_m, ease_m): (f64, f64),
+        here: Point,
+        obstacles: &[Point],
+    ) -> Self {
         let grid = dark.grid();
-        let far_m = radius_m + EASE_M;
+        let far_m = radius_m + ease_m;
         let mut room_m = vec![far_m as f32; dark.len()];
         let surfaces =
             grid.cells().filter(|&cell| is_surface(grid, cell)).filter_map(|cell| grid.surface(cell));
@@ -58,7 +64,7 @@ impl<'a> Floor<'a> {
             if is_open { Kind::Open } else { Kind::Closed }
         };
         let kinds = room_m.iter().enumerate().map(kind).collect();
-        let mut floor = Self { grid, kinds, room_m, radius_m };
+        let mut floor = Self { grid, kinds, room_m, radius_m, ease_m };
         floor.free_around(dark, here);
         floor
     }
@@ -99,7 +105,7 @@ impl<'a> Floor<'a> {
     }
 
     /// Points at which to turn, so that a path becomes straight lines over open cells; the last one is its end. No line has less
-    /// room than the part of the way that it stands for.
+    /// room than the part of the way that it stands for, but for a cell.
     #[must_use]
     pub fn straighten(&self, from: Point, path: &[Cell]) -> Vec<Point> {
         let mut turns: Vec<Point> = Vec::new();
@@ -109,7 +115,9 @@ impl<'a> Floor<'a> {
         for &cell in path {
             let center = self.grid.center(cell);
             least_m = least_m.min(room_m(cell));
-            if !self.is_line_as_roomy(begin, center, least_m) && end != begin {
+            // In a slanted passage the room changes by a part of a cell from one to the next.
+            let enough_m = least_m - self.grid.cell_m() as f32;
+            if !self.is_line_as_roomy(begin, center, enough_m) && end != begin {
                 turns.push(end);
                 least_m = room_m(self.grid.cell(end)).min(room_m(cell));
                 begin = end;
@@ -124,7 +132,7 @@ impl<'a> Floor<'a> {
     fn step(&self, place: usize, step: u32) -> Option<u32> {
         match self.kinds[place] {
             Kind::Open => {
-                let spare = (f64::from(self.room_m[place]) - self.radius_m) / EASE_M;
+                let spare = (f64::from(self.room_m[place]) - self.radius_m) / self.ease_m;
                 Some(step + (4.0 * f64::from(step) * (1.0 - spare.clamp(0.0, 1.0))) as u32)
             }
             Kind::Tight => Some(10 * step),
@@ -209,9 +217,6 @@ impl Search<'_> {
     }
 }
 
-/// Beyond half a path so much room is as good as any, in metres.
-pub(crate) const EASE_M: f64 = 0.1;
-
 const STEPS: [(i32, i32, u32); 8] =
     [(1, 0, 10), (0, 1, 10), (-1, 0, 10), (0, -1, 10), (1, 1, 14), (-1, 1, 14), (-1, -1, 14), (1, -1, 14)];
 
@@ -272,16 +277,16 @@ mod tests {
     #[test]
     fn ways_lead_around_obstacles_and_are_straight_where_they_can_be() {
         let grid = square();
-        let dark = Dark::new(&grid);
+        let dark = Dark::new(&grid, 0.05);
         let (here, there) = (Point::new(-1.99, 0.01), Point::new(1.99, 0.01));
         let goal = grid.cell(there);
-        let free = Floor::new(&dark, 0.25, here, &[]);
+        let free = Floor::new(&dark, (0.25, 0.1), here, &[]);
         let straight = path(&free, here, goal).unwrap();
         assert_eq!((straight[0], straight.last()), (grid.cell(here), Some(&goal)));
         assert_eq!(free.straighten(here, &straight), [grid.center(goal)]);
         // A wall across, with a door above.
         let wall = wall(-4.5, 1.0, None);
-        let floor = Floor::new(&dark, 0.25, here, &wall);
+        let floor = Floor::new(&dark, (0.25, 0.1), here, &wall);
         let round = path(&floor, here, goal).unwrap();
         let clear = |cell: &Cell| wall.iter().all(|point| (grid.center(*cell) - point).norm() >= 0.25 - 1e-6);
         assert!(round.iter().all(clear));
@@ -295,7 +300,7 @@ mod tests {
     fn a_way_leads_through_every_gap_as_wide_as_a_way_and_a_cell_and_through_none_that_is_narrower_than_a_way()
      {
         let grid = square();
-        let dark = Dark::new(&grid);
+        let dark = Dark::new(&grid, 0.05);
         let here = Point::new(-2.0, 0.0);
         let goal = grid.cell(Point::new(2.0, 0.0));
         for shift in 0..10 {
@@ -303,7 +308,7 @@ mod tests {
             let passes = |gap_m: f64| {
                 let mut wall = wall(-4.5, 4.5, Some((low, low + gap_m)));
                 wall.extend([Point::new(0.013, low), Point::new(0.013, low + gap_m)]);
-                path(&Floor::new(&dark, 0.225, here, &wall), here, goal).is_some()
+                path(&Floor::new(&dark, (0.225, 0.1), here, &wall), here, goal).is_some()
             };
             assert!(passes(0.476) && !passes(0.449), "{low}");
         }
@@ -312,10 +317,10 @@ mod tests {
     #[test]
     fn a_way_keeps_to_the_middle_of_what_is_narrow() {
         let grid = square();
-        let dark = Dark::new(&grid);
+        let dark = Dark::new(&grid, 0.05);
         let here = Point::new(-2.0, 0.0);
         let floor_wall = wall(-4.5, 4.5, Some((-0.35, 0.35)));
-        let floor = Floor::new(&dark, 0.225, here, &floor_wall);
+        let floor = Floor::new(&dark, (0.225, 0.1), here, &floor_wall);
         let turns = floor.straighten(here, &path(&floor, here, grid.cell(Point::new(2.0, 1.0))).unwrap());
         let ends = std::iter::once(here).chain(turns.iter().copied()).collect::<Vec<_>>();
         let nearest_m = ends.windows(2).flat_map(|pair| {
@@ -328,10 +333,10 @@ mod tests {
     #[test]
     fn a_robot_beside_a_wall_gets_away_and_not_nearer() {
         let grid = square();
-        let dark = Dark::new(&grid);
+        let dark = Dark::new(&grid, 0.05);
         let wall = wall(-2.0, 2.0, None);
         let here = Point::new(-0.19, 0.0);
-        let floor = Floor::new(&dark, 0.25, here, &wall);
+        let floor = Floor::new(&dark, (0.25, 0.1), here, &wall);
         let out = path(&floor, here, grid.cell(Point::new(-1.0, 0.0))).unwrap();
         assert!(out.iter().all(|cell| grid.center(*cell).x < -0.16), "{out:?}");
         assert!(!floor.is_line_as_roomy(here, Point::new(-0.1, 0.0), 0.0));

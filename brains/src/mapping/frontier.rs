@@ -3,7 +3,7 @@
 //! A frontier is where what is known to be free ends at what is unknown. Here it is the first unknown cells, those with a free one
 //! at one of their four sides: to see them is what a robot can do to know more.
 //!
-//! *Deviation.* Unknown cells count only where they are wide: in a square of 5 cm of which nothing is known. They are
+//! *Deviation.* Unknown cells count only where they are wide: in a square of some centimetres of which nothing is known. They are
 //! dark. What is narrower lies between two rays of a laser, or beside a wall that it met at an acute angle; it is taken to be
 //! free to go and to look through, if nothing else is in the way.
 
@@ -16,16 +16,18 @@ use super::occupancy::{Occupancy, Occupied};
 #[derive(Clone, Debug)]
 pub struct Dark<'a> {
     grid: &'a Occupancy,
+    /// The side of a square that counts, in cells.
+    side: usize,
     /// In the order of the grid's cells. What is beyond the grid is dark, too.
     is_dark: Vec<bool>,
 }
 
 impl<'a> Dark<'a> {
-    /// What is dark in a grid.
+    /// What is dark in a grid: what is at least so wide, in metres, and unknown.
     #[must_use]
-    pub fn new(grid: &'a Occupancy) -> Self {
+    pub fn new(grid: &'a Occupancy, wide_m: f64) -> Self {
         let [columns, rows] = grid.size();
-        let side = side(grid);
+        let side = math::round(wide_m / grid.cell_m()).max(1.0) as usize;
         // All squares that have a cell of the grid begin in this larger grid, so many cells to the left and below.
         let [wide, high] = [columns + side, rows + side].map(|length| length + side);
         let is_known = |column: usize, row: usize| {
@@ -41,7 +43,7 @@ impl<'a> Dark<'a> {
             let (column, row) = (place % columns + 1, place / columns + 1);
             squares.within(column, row, side) > 0
         };
-        Self { grid, is_dark: (0..columns * rows).map(is_dark).collect() }
+        Self { grid, side, is_dark: (0..columns * rows).map(is_dark).collect() }
     }
 
     pub(crate) fn grid(&self) -> &'a Occupancy {
@@ -71,7 +73,7 @@ impl<'a> Dark<'a> {
         let free = self.grid.cells().filter(|&cell| self.grid.state(cell) == Occupied::Free);
         let edge: Vec<_> =
             free.flat_map(Cell::sides).filter(|cell| self.is_dark(*cell) && !but(cell)).collect();
-        let least = side(self.grid) + 1;
+        let least = self.side + 1;
         groups(&edge).into_iter().filter(|group| group.len() >= least).flatten().collect()
     }
 
@@ -117,11 +119,6 @@ pub fn groups(cells: &[Cell]) -> Vec<Vec<Cell>> {
     groups
 }
 
-/// The side of a square that counts, in cells.
-fn side(grid: &Occupancy) -> usize {
-    math::round(WIDE_M / grid.cell_m()).max(1.0) as usize
-}
-
 /// How many cells of a rectangle are something.
 struct Sums {
     wide: usize,
@@ -150,9 +147,6 @@ impl Sums {
         at(right, top) + at(column, row) - at(column, top) - at(right, row)
     }
 }
-
-/// What is narrower, and unknown, is no frontier, in metres.
-pub(crate) const WIDE_M: f64 = 0.05;
 
 #[cfg(test)]
 mod tests {
@@ -186,7 +180,7 @@ mod tests {
     fn a_corridor_has_an_edge_ahead_and_one_behind() {
         for cell_m in [0.1, 0.05, 0.025] {
             let grid = corridor(cell_m);
-            let groups = groups(&Dark::new(&grid).edge(|_| false));
+            let groups = groups(&Dark::new(&grid, 0.05).edge(|_| false));
             let mut columns: Vec<_> =
                 groups.iter().map(|group| cell_m * f64::from(group[0].column)).collect();
             columns.sort_by(f64::total_cmp);
@@ -201,21 +195,21 @@ mod tests {
     #[test]
     fn what_is_left_out_is_no_edge_nor_what_is_too_few_to_be_wide() {
         let grid = corridor(0.025);
-        let dark = Dark::new(&grid);
+        let dark = Dark::new(&grid, 0.05);
         assert!(dark.edge(|cell| cell.column < 5).iter().all(|cell| cell.column >= 5));
         let edge = dark.edge(|_| false);
         let ahead: Vec<_> = edge.iter().copied().filter(|cell| cell.column > 5).collect();
         let few = dark.edge(|cell| !ahead[..2].contains(cell));
         assert!(few.is_empty(), "{few:?}");
         let nothing = Occupancy::new(0.1);
-        assert!(Dark::new(&nothing).edge(|_| false).is_empty());
+        assert!(Dark::new(&nothing, 0.05).edge(|_| false).is_empty());
     }
 
     #[test]
     fn what_is_narrow_and_unknown_is_not_dark() {
         let mut grid = Occupancy::new(0.025);
         grid.free_disc(Point::new(0.0, 0.0), 1.0);
-        let dark = Dark::new(&grid);
+        let dark = Dark::new(&grid, 0.05);
         assert!(!dark.is_dark(grid.cell(Point::new(0.0, 0.0))));
         assert!(dark.is_dark(grid.cell(Point::new(1.2, 0.0))) && dark.is_dark(Cell { column: 999, row: 0 }));
         // Two discs that almost touch leave a gap of one cell.
@@ -225,13 +219,13 @@ mod tests {
         }
         let gap = Cell { column: 0, row: 0 };
         assert_eq!(grid.state(gap), Occupied::Unknown);
-        assert!(!Dark::new(&grid).is_dark(gap));
+        assert!(!Dark::new(&grid, 0.05).is_dark(gap));
     }
 
     #[test]
     fn a_cell_is_seen_from_where_nothing_is_between() {
         let grid = corridor(0.05);
-        let dark = Dark::new(&grid);
+        let dark = Dark::new(&grid, 0.05);
         let ahead = dark.edge(|cell| cell.column < 5);
         let mut seen = vec![false; dark.len()];
         dark.light(ahead[ahead.len() / 2], 1.5, |place| seen[place] = true);

@@ -156,6 +156,17 @@ impl Occupancy {
         })
     }
 
+    /// Whether the cell at a place is free.
+    pub(crate) fn is_free_at(&self, place: usize) -> bool {
+        self.log_odds[place] < 0.0
+    }
+
+    /// How much is known, in square metres.
+    pub(crate) fn known_m2(&self) -> f64 {
+        let known = self.log_odds.iter().filter(|log_odds| **log_odds != 0.0).count();
+        known as f64 * self.grid.cell_m * self.grid.cell_m
+    }
+
     /// The log-odds of all cells, in the order of [`cells`](Self::cells).
     pub(super) fn values(&self) -> &[f32] {
         &self.log_odds

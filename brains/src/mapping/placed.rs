@@ -73,12 +73,12 @@ impl PlacedScan {
         self.ends.iter().copied()
     }
 
-    /// Whether it was taken from about here: within 5 cm and 0.1 rad.
+    /// Whether it was taken from about here: within so many metres, and 0.1 rad.
     #[must_use]
-    pub fn is_from(&self, world_from_robot: &Pose) -> bool {
+    pub fn is_from(&self, world_from_robot: &Pose, within_m: f64) -> bool {
         let turned = angle::difference(self.world_from_robot.heading, world_from_robot.heading);
         let moved = (self.world_from_robot.position - world_from_robot.position).norm();
-        moved <= HERE_M && turned.abs() <= HERE_RAD
+        moved <= within_m && turned.abs() <= HERE_RAD
     }
 
     /// Whether a disc of radius `half_width_m` can go from where the robot was straight to the point `to`, as far as
@@ -103,10 +103,7 @@ impl PlacedScan {
     }
 }
 
-/// A scan counts as taken here if the robot has moved less than this, in metres, ...
-const HERE_M: f64 = 0.05;
-
-/// ... and has turned less than this, in radians.
+/// A scan counts as taken here if the robot has turned less than this, in radians.
 const HERE_RAD: f64 = 0.1;
 
 /// So far within the opening angle a path must lead, in radians, that what is beside it is seen too.
@@ -162,8 +159,8 @@ mod tests {
     #[test]
     fn a_scan_is_from_here_until_the_robot_has_gone_on() {
         let scan = scan([1.0; 5]);
-        assert!(scan.is_from(&Pose::new(1.04, 2.0, FRAC_PI_2 - 0.09)));
-        assert!(!scan.is_from(&Pose::new(1.06, 2.0, FRAC_PI_2)));
-        assert!(!scan.is_from(&Pose::new(1.0, 2.0, FRAC_PI_2 + 0.11)));
+        assert!(scan.is_from(&Pose::new(1.04, 2.0, FRAC_PI_2 - 0.09), 0.05));
+        assert!(!scan.is_from(&Pose::new(1.06, 2.0, FRAC_PI_2), 0.05));
+        assert!(!scan.is_from(&Pose::new(1.0, 2.0, FRAC_PI_2 + 0.11), 0.05));
     }
 }

@@ -12,7 +12,7 @@ use crate::behavior::Steering;
 use crate::behavior::steering::{Helm, braking};
 use crate::navigation::Goals;
 use crate::odometry::Odometry;
-use crate::parameter::{ParameterError, check_not_negative, check_positive};
+use crate::parameter::{ParameterError, check_not_negative, check_positive, for_body};
 use crate::process::{MotorBehavior, StepContext};
 
 /// Where it goes, and what it heeds on its way.
@@ -30,15 +30,13 @@ pub struct Parameters {
     /// By which sensors it sees.
     #[serde(default)]
     pub sight: sight::Parameters,
-    /// Room to be kept beside the body, in metres: r_s.
-    #[serde(default = "clearance_m")]
-    pub clearance_m: f64,
+    /// Room to be kept beside the body, in metres: r_s. By default three quarters of its radius.
+    pub clearance_m: Option<f64>,
     /// What is farther away than this does not count, in metres.
     #[serde(default = "window_m")]
     pub window_m: f64,
-    /// Side of the cells in which obstacles are remembered, in metres.
-    #[serde(default = "cell_m")]
-    pub cell_m: f64,
+    /// Side of the cells in which obstacles are remembered, in metres. By default a quarter of the body's radius.
+    pub cell_m: Option<f64>,
     /// What it does not see for so long is forgotten, in seconds.
     #[serde(default = "forget_s")]
     pub forget_s: f64,
@@ -63,9 +61,8 @@ pub struct Parameters {
     /// It begins to slow down with so much room ahead, in metres.
     #[serde(default = "slow_m")]
     pub slow_m: f64,
-    /// It drives no further with so much room ahead, in metres.
-    #[serde(default = "stop_m")]
-    pub stop_m: f64,
+    /// It drives no further with so much room ahead, in metres. By default half of the body's radius.
+    pub stop_m: Option<f64>,
     /// So fast somebody may walk into its path, in metres a second; 0 if nobody does. Only by lasers alone it heeds that. Who is slower
     /// than [`Memory::slowest_m_s`] is taken to stand.
     #[serde(default = "walker_m_s")]
@@ -85,16 +82,8 @@ fn reached_m() -> f64 {
     0.1
 }
 
-fn clearance_m() -> f64 {
-    0.15
-}
-
 fn window_m() -> f64 {
     1.5
-}
-
-fn cell_m() -> f64 {
-    0.05
 }
 
 fn forget_s() -> f64 {
@@ -125,10 +114,6 @@ fn slow_m() -> f64 {
     0.6
 }
 
-fn stop_m() -> f64 {
-    0.1
-}
-
 fn walker_m_s() -> f64 {
     0.5
 }
@@ -141,6 +126,24 @@ fn stale_s() -> f64 {
     0.5
 }
 
+/// Those of the parameters that follow the body, in metres.
+#[derive(Clone, Copy, Debug)]
+struct Lengths {
+    clearance_m: f64,
+    cell_m: f64,
+    stop_m: f64,
+}
+
+impl Lengths {
+    fn new(p: &Parameters, radius_m: f64) -> Self {
+        Self {
+            clearance_m: p.clearance_m.unwrap_or(for_body(0.15, radius_m)),
+            cell_m: p.cell_m.unwrap_or(for_body(0.05, radius_m)),
+            stop_m: p.stop_m.unwrap_or(for_body(0.1, radius_m)),
+        }
+    }
+}
+
 /// A behaviour that goes to a goal past what it sees.
 #[derive(Clone, Debug)]
 pub struct Vfh {
@@ -151,6 +154,7 @@ pub struct Vfh {
     histogram: Histogram,
     helm: Helm,
     radius_m: f64,
+    lengths: Lengths,
     previous_rad: Option<f64>,
     seen_ns: Option<u64>,
     /// When the newest scan was taken.
@@ -165,16 +169,15 @@ impl Vfh {
     pub fn new(parameters: Parameters, body: &Body) -> Result<Self, ParameterError> {
         let p = &parameters;
         p.steering.check()?;
-        check(p)?;
-        let most_m = 0.5 * (body.radius_m + p.clearance_m);
-        if p.cell_m > most_m {
+        let lengths = Lengths::new(p, body.radius_m);
+        let cell_m = lengths.cell_m;
+        check(p, &lengths)?;
+        let most_m = 0.5 * (body.radius_m + lengths.clearance_m);
+        if cell_m > most_m {
             let problem = "must be at most half of the body's radius with its clearance";
-            return Err(ParameterError::value(
-                "cell_m",
-                format_args!("{problem}, {most_m}, is {}", p.cell_m),
-            ));
+            return Err(ParameterError::value("cell_m", format_args!("{problem}, {most_m}, is {cell_m}")));
         }
-        let (sight, slowest_m_s) = (Sight::new(&p.sight, body)?, Memory::slowest_m_s(p.cell_m));
+        let (sight, slowest_m_s) = (Sight::new(&p.sight, body)?, Memory::slowest_m_s(cell_m));
         if sight.tells_walkers() && p.walker_m_s > 0.0 && p.walker_m_s < slowest_m_s {
             let why = "with cells of `cell_m` anything slower cannot be told from what stands still";
             let found = p.walker_m_s;
@@ -185,10 +188,11 @@ impl Vfh {
         Ok(Self {
             goals,
             sight,
-            memory: Memory::new(p.cell_m, p.window_m, p.forget_s),
+            memory: Memory::new(cell_m, p.window_m, p.forget_s),
             histogram: Histogram::new(p.sectors),
             helm: Helm::new(p.steering),
             radius_m: body.radius_m,
+            lengths,
             previous_rad: None,
             seen_ns: None,
             taken_ns: 0,
@@ -215,7 +219,7 @@ impl Vfh {
         let p = &self.parameters;
         let (here, heading_rad) = (world_from_robot.position, world_from_robot.heading);
         let offset = goal - here;
-        let (wide_m, slack_m) = (self.radius_m + p.clearance_m, p.cell_m);
+        let (wide_m, slack_m) = (self.radius_m + self.lengths.clearance_m, self.lengths.cell_m);
         let window = Window { radius_m: p.window_m, wide_m, slack_m, low: p.low, high: p.high };
         // What is farther away than the goal is not in the way.
         let near = |obstacle: &Point| (obstacle - here).norm() <= offset.norm();
@@ -237,7 +241,7 @@ impl Vfh {
     /// How far the body can go straight on before it meets something, in metres.
     fn room_m(&self, world_from_robot: &Pose) -> f64 {
         let ahead = Direction::from_angle(world_from_robot.heading).vector();
-        let half_width_m = self.radius_m + 0.5 * self.parameters.clearance_m;
+        let half_width_m = self.radius_m + 0.5 * self.lengths.clearance_m;
         let room = |obstacle: Point| {
             let offset: Vector = obstacle - world_from_robot.position;
             let (along_m, aside_m) = (offset.dot(&ahead), ahead.perp(&offset));
@@ -274,7 +278,7 @@ impl Vfh {
         now_ns: u64,
     ) -> (Signals, &'static str) {
         let p = &self.parameters;
-        let part = ((self.room_m(world_from_robot) - p.stop_m) / p.slow_m).min(most);
+        let part = ((self.room_m(world_from_robot) - self.lengths.stop_m) / p.slow_m).min(most);
         let safe = self.safe_m_s(world_from_robot, now_ns) / p.steering.speed_m_s;
         if part > 0.0 && safe > SLOWEST {
             let part = part.min(safe);
@@ -302,10 +306,10 @@ impl Vfh {
 }
 
 /// Checks the parameters.
-fn check(p: &Parameters) -> Result<(), ParameterError> {
+fn check(p: &Parameters, lengths: &Lengths) -> Result<(), ParameterError> {
     check_positive([
         ("window_m", p.window_m),
-        ("cell_m", p.cell_m),
+        ("cell_m", lengths.cell_m),
         ("forget_s", p.forget_s),
         ("low", p.low),
         ("wide_rad", p.wide_rad),
@@ -314,14 +318,14 @@ fn check(p: &Parameters) -> Result<(), ParameterError> {
         ("stale_s", p.stale_s),
     ])?;
     let others = [
-        ("clearance_m", p.clearance_m),
+        ("clearance_m", lengths.clearance_m),
         ("turn_radius_m", p.turn_radius_m),
-        ("stop_m", p.stop_m),
+        ("stop_m", lengths.stop_m),
         ("walker_m_s", p.walker_m_s),
     ];
     check_not_negative(others.into_iter().chain(p.costs.map(|cost| ("costs", cost))))?;
-    if p.cell_m * 1000.0 < p.window_m {
-        return Err(ParameterError::range("cell_m", "at least a thousandth of window_m", p.cell_m));
+    if lengths.cell_m * 1000.0 < p.window_m {
+        return Err(ParameterError::range("cell_m", "at least a thousandth of window_m", lengths.cell_m));
     }
     if !(8..=720).contains(&p.sectors) {
         return Err(ParameterError::range("sectors", "from 8 to 720", p.sectors as f64));
@@ -339,7 +343,7 @@ impl MotorBehavior for Vfh {
         self.goals.begin();
         self.sight.forget();
         let p = &self.parameters;
-        self.memory = Memory::new(p.cell_m, p.window_m, p.forget_s);
+        self.memory = Memory::new(self.lengths.cell_m, p.window_m, p.forget_s);
         self.histogram = Histogram::new(p.sectors);
         (self.previous_rad, self.seen_ns, self.taken_ns) = (None, None, 0);
     }

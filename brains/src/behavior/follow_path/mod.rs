@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 use super::steering::{Helm, Steering, braking};
 use crate::navigation::{CELLS_A_STEP, Floor, Goals, Method, Path, Pursuit};
-use crate::parameter::{ParameterError, check_not_negative, check_positive};
+use crate::parameter::{ParameterError, check_not_negative, check_positive, for_body};
 use crate::planning::ThetaStar;
 use crate::process::{MotorBehavior, StepContext};
 
@@ -25,12 +25,10 @@ pub struct Parameters {
     pub walls_m: Vec<[f64; 4]>,
     /// Goals `[x, y]`, in metres, one after the other.
     pub goals_m: Vec<[f64; 2]>,
-    /// Room that is kept between the body and each wall, in metres.
-    #[serde(default = "clearance_m")]
-    pub clearance_m: f64,
-    /// Side of the map's cells, in metres.
-    #[serde(default = "cell_m")]
-    pub cell_m: f64,
+    /// Room that is kept between the body and each wall, in metres. By default half of its radius.
+    pub clearance_m: Option<f64>,
+    /// Side of the map's cells, in metres. By default a quarter of the body's radius.
+    pub cell_m: Option<f64>,
     /// How a path is found.
     #[serde(default)]
     pub method: Method,
@@ -49,14 +47,6 @@ pub struct Parameters {
     /// How it steers.
     #[serde(default)]
     pub steering: Steering,
-}
-
-fn clearance_m() -> f64 {
-    0.1
-}
-
-fn cell_m() -> f64 {
-    0.05
 }
 
 fn look_ahead_m() -> f64 {
@@ -100,9 +90,11 @@ impl FollowPath {
         let p = parameters;
         p.steering.check()?;
         check_positive([("look_ahead_m", p.look_ahead_m), ("stray_m", p.stray_m)])?;
-        check_not_negative([("clearance_m", p.clearance_m)])?;
+        let clearance_m = p.clearance_m.unwrap_or(for_body(0.1, body.radius_m));
+        let cell_m = p.cell_m.unwrap_or(for_body(0.05, body.radius_m));
+        check_not_negative([("clearance_m", clearance_m)])?;
         let goals = Goals::new("goals_m", &p.goals_m, p.reached_m, p.again)?;
-        let floor = Floor::new(&p.walls_m, p.cell_m, body.radius_m + p.clearance_m, p.method)?;
+        let floor = Floor::new(&p.walls_m, cell_m, body.radius_m + clearance_m, p.method)?;
         Ok(Self {
             paths: paths(&floor, goals.points(), p.again)?,
             floor,

@@ -81,7 +81,7 @@ fn it_stands_while_nobody_says_where_it_is() {
 fn what_makes_no_sense_is_refused() {
     let refused = |toml: &str| made(toml).err().unwrap();
     assert_eq!(refused("slam = 1"), "slam: a process of kind `slam` beside this one makes the map");
-    assert_eq!(refused("cell_m = 0.001"), "cell_m: must be from 0.02 to 10, is 0.001");
+    assert_eq!(refused("cell_m = 11"), "cell_m: must be from 0 to 10, is 11");
     assert!(refused("metod = 1").contains("unknown field `metod`"), "{}", refused("metod = 1"));
     let blind = body(&[("odometer", "odometer", 0.0)]);
     let refused = ExploreFloor::new(Parameters::default(), &blind).err().unwrap().to_string();

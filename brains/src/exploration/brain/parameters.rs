@@ -4,10 +4,11 @@ use std::f64::consts::PI;
 
 use serde::Deserialize;
 
-use crate::exploration::{frontiers, nodes};
+use crate::exploration::nodes;
 use crate::parameter::Parameter;
+use crate::proximity_sensors;
 
-/// How a robot explores. The lengths of the methods that are not here have their own defaults.
+/// How a robot explores. The lengths of the methods that are not here follow the body, as do those that are 0.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
@@ -15,25 +16,25 @@ pub struct Parameters {
     pub method: f64,
     /// 1: the odometer is corrected by scans, see [`slam`](crate::slam); 0: it is believed. What is in between is rounded.
     pub slam: f64,
-    /// How far away from the robot nodes are placed, D, in metres.
+    /// How far away from the robot nodes are placed, D, in metres; 0: five radii of the body, and half a metre at least.
     pub distance_m: f64,
-    /// Room behind a node, Δ, in metres.
+    /// Room behind a node, Δ, in metres; 0: six tenths of D.
     pub margin_m: f64,
     /// Width of a feasible angular interval, `γ_min`, in radians; 0: as wide as the robot needs at the distance D.
     pub width_rad: f64,
-    /// How far apart nodes are, d, in metres.
+    /// How far apart nodes are, d, in metres; 0: 0.95 D.
     pub separation_m: f64,
-    /// How far away a node may be that is gone to directly, L, in metres. If the laser's range is less, that counts.
+    /// How far away a node may be that is gone to directly, L, in metres; 0: 3 D. If the laser's range is less, that counts.
     pub sight_m: f64,
-    /// Side of the cells of the map in which frontiers are found, in metres.
+    /// Side of the cells of the map in which frontiers are found, in metres; 0: an eighth of the body's radius.
     pub cell_m: f64,
-    /// Speed at which it drives, in m/s.
+    /// Speed at which it drives, in m/s; less where there is little room.
     pub speed_m_s: f64,
     /// Rate at which it turns on the spot, in rad/s.
     pub turn_rate_rad_s: f64,
     /// Speed of a wheel at signal 1, in m/s, about: what is wrong with it the odometer shows.
     pub full_speed_m_s: f64,
-    /// What a sonar or the laser finds this close to the robot on its way is near, in metres.
+    /// What a sonar or the laser finds this close to the robot on its way is near, in metres; 0: three quarters of the body's radius.
     pub near_m: f64,
     /// An infra-red reading from which something is near.
     pub near_reading: f64,
@@ -47,22 +48,41 @@ impl Parameters {
     }
 }
 
+impl Parameters {
+    /// The same, with what a body of this radius needs, in metres, for what is 0.
+    pub(crate) fn of_body(self, radius_m: f64) -> Self {
+        let nodes = nodes::Parameters::of_body(radius_m);
+        let or = |set: f64, of_body: f64| if set > 0.0 { set } else { of_body };
+        let distance_m = or(self.distance_m, nodes.placement.distance_m);
+        // Those follow the distance, whoever says what that is.
+        let times = distance_m / nodes.placement.distance_m;
+        Self {
+            distance_m,
+            margin_m: or(self.margin_m, times * nodes.placement.margin_m),
+            separation_m: or(self.separation_m, times * nodes.placement.separation_m),
+            sight_m: or(self.sight_m, times * nodes.sight_m),
+            cell_m: or(self.cell_m, nodes.map.cell_m),
+            near_m: or(self.near_m, proximity_sensors::near_m(radius_m)),
+            ..self
+        }
+    }
+}
+
 impl Default for Parameters {
     fn default() -> Self {
-        let nodes = nodes::Parameters::default();
         Self {
             method: 0.0,
             slam: 0.0,
-            distance_m: nodes.placement.distance_m,
-            margin_m: nodes.placement.margin_m,
+            distance_m: 0.0,
+            margin_m: 0.0,
             width_rad: 0.0,
-            separation_m: nodes.placement.separation_m,
-            sight_m: nodes.sight_m,
-            cell_m: frontiers::Parameters::default().cell_m,
+            separation_m: 0.0,
+            sight_m: 0.0,
+            cell_m: 0.0,
             speed_m_s: 0.3,
             turn_rate_rad_s: 0.8,
             full_speed_m_s: 0.8,
-            near_m: 0.15,
+            near_m: 0.0,
             near_reading: 0.4,
             stale_s: 0.5,
         }
@@ -84,13 +104,13 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "distance_m",
-        meaning: "how far away nodes are placed, in metres",
-        range: 0.1..=100.0,
+        meaning: "how far away nodes are placed, in metres; 0: five radii of the body",
+        range: 0.0..=100.0,
         field: |p| &mut p.distance_m,
     },
     Parameter {
         name: "margin_m",
-        meaning: "room behind a node, in metres",
+        meaning: "room behind a node, in metres; 0: six tenths of that",
         range: 0.0..=100.0,
         field: |p| &mut p.margin_m,
     },
@@ -102,20 +122,20 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "separation_m",
-        meaning: "how far apart nodes are, in metres",
-        range: 0.1..=100.0,
+        meaning: "how far apart nodes are, in metres; 0: a little less than that",
+        range: 0.0..=100.0,
         field: |p| &mut p.separation_m,
     },
     Parameter {
         name: "sight_m",
-        meaning: "largest distance of a node that is driven to directly, in metres",
+        meaning: "largest distance of a node that is driven to directly, in metres; 0: three times that",
         range: 0.0..=1000.0,
         field: |p| &mut p.sight_m,
     },
     Parameter {
         name: "cell_m",
-        meaning: "side of the cells of the map, in metres",
-        range: 0.02..=10.0,
+        meaning: "side of the cells of the map, in metres; 0: an eighth of the body's radius",
+        range: 0.0..=10.0,
         field: |p| &mut p.cell_m,
     },
     Parameter {
@@ -138,7 +158,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "near_m",
-        meaning: "distance at which a sonar or the laser finds an obstacle near, in metres",
+        meaning: "how near a sonar or the laser takes an obstacle to be in the way, in metres; 0: three quarters of the body's radius",
         range: 0.0..=100.0,
         field: |p| &mut p.near_m,
     },

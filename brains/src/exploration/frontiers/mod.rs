@@ -19,56 +19,22 @@
 //! - Obstacles that proximity found are forgotten when nothing else is left to be done, so that an obstacle does not close a
 //!   room for ever; but not more often than `attempts` times.
 
+mod parameters;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use baudbot_geometry::{Point, Pose};
 
 use super::approach::{Approach, heading_to, turn};
-use super::left_out::{LeftOut, Rest, least_width_m};
+use super::left_out::{LeftOut, Rest};
 use super::outlook::{Outlook, sparse};
-use super::{Command, Explorer, Failure, Input};
+use super::{Command, Explorer, Failure, Goal, Input};
 use crate::mapping::disc::Disc;
 use crate::mapping::floor::is_clear;
 use crate::mapping::frontier::{Dark, is_edge};
 use crate::mapping::{Cell, Floor, Occupancy, PlacedScan};
 
-/// The lengths of the method.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameters {
-    /// Side of a cell, in metres.
-    pub cell_m: f64,
-    /// The robot's radius, in metres.
-    pub radius_m: f64,
-    /// Half the width that a path must have, in metres: the robot's radius and a little more.
-    pub half_width_m: f64,
-    /// A point on the way is reached within this distance, in metres.
-    pub reach_m: f64,
-    /// The distance from which dark cells are viewed, in metres, as long as that is possible.
-    pub view_m: f64,
-    /// How often all that proximity found is forgotten.
-    pub attempts: usize,
-}
-
-impl Default for Parameters {
-    fn default() -> Self {
-        Self {
-            cell_m: 0.025,
-            radius_m: 0.2,
-            half_width_m: 0.2 + ROOM_M,
-            reach_m: 0.03,
-            view_m: 1.0,
-            attempts: 2,
-        }
-    }
-}
-
-impl Parameters {
-    /// The least width of a passage that such a robot takes for sure, in metres.
-    #[must_use]
-    pub fn least_width_m(&self) -> f64 {
-        least_width_m(self.half_width_m, self.cell_m)
-    }
-}
+pub use parameters::Parameters;
 
 /// A robot that explores by frontiers.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,6 +47,8 @@ pub struct Frontiers {
     /// How often the bumps were forgotten.
     forgotten: usize,
     given_up: BTreeSet<Cell>,
+    /// To these it did not get.
+    missed: BTreeSet<Cell>,
     /// How often each cell to which a plan led was of the edge no more.
     resolved: BTreeMap<Cell, usize>,
     /// How many plans have come to an end.
@@ -130,6 +98,47 @@ impl Explorer for Frontiers {
             self.state = State::Plan;
         }
     }
+
+    fn goal(&self, here: &Pose) -> Option<Goal> {
+        match &self.state {
+            State::Go { plan, approach } => {
+                let ways = [here.position, approach.to].into_iter().chain(plan.turns.iter().rev().copied());
+                let ways: Vec<_> = ways.collect();
+                let left_m = ways.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
+                Some(Goal { place: self.grid.center(plan.look_at), left_m })
+            }
+            State::Look { at } => Some(Goal { place: self.grid.center(*at), left_m: 0.0 }),
+            State::Plan | State::Ended(_) => None,
+        }
+    }
+
+    fn abandon(&mut self) {
+        let (State::Go { plan: Plan { look_at, .. }, .. } | State::Look { at: look_at }) = self.state else {
+            return;
+        };
+        let cells = self.around(look_at, self.parameters.radius_m);
+        self.given_up.extend(&cells);
+        self.missed.extend(&cells);
+        self.ended += 1;
+        self.state = State::Plan;
+    }
+
+    fn finish(&mut self, here: &Pose) {
+        if matches!(self.state, State::Ended(_)) {
+            return;
+        }
+        let dark = Dark::new(&self.grid, self.parameters.wide_m());
+        let wanted = dark.edge(|cell| self.given_up.contains(cell));
+        let reached: Vec<_> = self.floor(&dark, here, &self.bumps).search(here.position).collect();
+        // What can be reached, and was not.
+        self.missed.extend(&wanted);
+        let left_out = self.left_out(here, &dark, &wanted, &reached);
+        self.state = State::Ended(Command::Done(left_out));
+    }
+
+    fn grid(&self) -> &Occupancy {
+        &self.grid
+    }
 }
 
 impl Frontiers {
@@ -143,16 +152,11 @@ impl Frontiers {
             bumps: Vec::new(),
             forgotten: 0,
             given_up: BTreeSet::new(),
+            missed: BTreeSet::new(),
             resolved: BTreeMap::new(),
             ended: 0,
             state: State::Plan,
         }
-    }
-
-    /// What it knows.
-    #[must_use]
-    pub fn grid(&self) -> &Occupancy {
-        &self.grid
     }
 
     /// How many of its plans have come to an end.
@@ -168,10 +172,10 @@ impl Frontiers {
         }
     }
 
-    /// Puts a new scan into the grid, and gives up a plan that is no good after it.
-    pub(super) fn remember(&mut self, input: &Input<'_>) {
+    /// Puts a new scan into the grid, and gives up a plan that is no good after it. Says whether there was one.
+    pub(super) fn remember(&mut self, input: &Input<'_>) -> bool {
         let Some(scan) = input.scan.filter(|scan| self.last_scan.as_ref() != Some(scan)) else {
-            return;
+            return false;
         };
         self.last_scan = Some(scan.clone());
         if !self.grid.add(scan) {
@@ -191,6 +195,7 @@ impl Frontiers {
             }
             State::Go { .. } | State::Look { .. } | State::Plan | State::Ended(_) => {}
         }
+        true
     }
 
     /// What to do in this state; `None` if it has become another.
@@ -201,7 +206,8 @@ impl Frontiers {
             State::Plan => self.state = self.plan(here),
             State::Go { plan, approach } => return self.go(input, plan, approach),
             State::Look { at } => {
-                let is_here = input.scan.is_some_and(|scan| scan.is_from(here));
+                let is_here =
+                    input.scan.is_some_and(|scan| scan.is_from(here, HERE * self.parameters.radius_m));
                 let turn = turn(here, heading_to(here, self.grid.center(at)));
                 if let Some(command) = turn.or(if is_here { None } else { Some(Command::Wait) }) {
                     self.state = State::Look { at };
@@ -222,8 +228,8 @@ impl Frontiers {
         if self.bumps.len() > MOST_BUMPS {
             return State::Ended(Command::Failed(Failure::Stuck));
         }
-        let dark = Dark::new(&self.grid);
-        let floor = Floor::new(&dark, self.parameters.half_width_m, here.position, &self.bumps);
+        let dark = Dark::new(&self.grid, self.parameters.wide_m());
+        let floor = self.floor(&dark, here, &self.bumps);
         let wanted = dark.edge(|cell| self.given_up.contains(cell));
         let mut search = floor.search(here.position);
         let mut reached = Vec::new();
@@ -248,30 +254,37 @@ impl Frontiers {
 
     /// The places that a robot leaves out which can reach these cells.
     fn left_out(&self, here: &Pose, dark: &Dark<'_>, wanted: &[Cell], reached: &[Cell]) -> LeftOut {
-        let half_width_m = self.parameters.half_width_m;
-        let reached_but: Vec<_> =
-            Floor::new(dark, half_width_m, here.position, &[]).search(here.position).collect();
-        let (grid, given_up) = (&self.grid, &self.given_up);
-        Rest { grid, dark, reached, reached_but: &reached_but, wanted, given_up, half_width_m }.left_out()
+        let half_width_m = self.parameters.half_width_m();
+        let reached_but: Vec<_> = self.floor(dark, here, &[]).search(here.position).collect();
+        let (grid, given_up, missed) = (&self.grid, &self.given_up, &self.missed);
+        Rest { grid, dark, reached, reached_but: &reached_but, wanted, given_up, missed, half_width_m }
+            .left_out()
+    }
+
+    /// Where it fits.
+    fn floor<'a>(&self, dark: &Dark<'a>, here: &Pose, bumps: &[Point]) -> Floor<'a> {
+        let ease_m = EASE * self.parameters.radius_m;
+        Floor::new(dark, (self.parameters.half_width_m(), ease_m), here.position, bumps)
     }
 
     /// How far to look, and for what, one after the other. Cells side by side are mostly seen from the same places.
     fn views(&self, wanted: &[Cell]) -> [(f64, Vec<Cell>); 3] {
-        let Parameters { view_m, cell_m, .. } = self.parameters;
+        let Parameters { view_m, cell_m, radius_m, .. } = self.parameters;
         let range_m = self.last_scan.as_ref().map_or(view_m, |scan| scan.scan().range_m);
         // What is just at the end of the laser's range it may not see.
         let view_m = view_m.min(range_m - 2.0 * cell_m).max(cell_m);
         // No line is longer than what is known.
         let [columns, rows] = self.grid.size();
         let range_m = range_m.min((columns + rows) as f64 * cell_m);
-        let few = sparse(wanted, (SPARSE_M / cell_m) as i32 + 1);
+        let few = sparse(wanted, (SPARSE * radius_m / cell_m) as i32 + 1);
         [(view_m, few.clone()), (view_m, wanted.to_vec()), (view_m.max(range_m), few)]
     }
 
     fn go(&mut self, input: &Input<'_>, mut plan: Plan, mut approach: Approach) -> Option<Command> {
         let here = &input.world_from_robot;
         // The centre of the cell that it is in is reached.
-        let reach_m = self.parameters.reach_m.max(HALF_DIAGONAL * self.parameters.cell_m);
+        let Parameters { radius_m, cell_m, .. } = self.parameters;
+        let reach_m = (REACH * radius_m).max(HALF_DIAGONAL * cell_m);
         let Some(command) = approach.step(here, reach_m) else {
             self.state = match plan.turns.pop() {
                 Some(to) => State::Go { plan, approach: Approach::new(to) },
@@ -281,7 +294,7 @@ impl Frontiers {
         };
         if input.near && matches!(command, Command::Drive { .. }) {
             // So near that no path leads any farther ahead.
-            let ahead_m = self.parameters.half_width_m - 0.5 * self.parameters.cell_m;
+            let ahead_m = self.parameters.half_width_m() - 0.5 * cell_m;
             self.bumps.push(here.position + here.direction().vector() * ahead_m);
             return None;
         }
@@ -291,12 +304,8 @@ impl Frontiers {
 
     /// Whether there is still an open way to the place, or one that is narrower by no more than the laser's noise.
     fn is_open(&self, here: &Pose, plan: &Plan, approach: &Approach) -> bool {
-        let radius_m = self.parameters.half_width_m - NOISE_M;
         let mut from = here.position;
-        let mut is_open = |to: Point| {
-            let path = (std::mem::replace(&mut from, to), to);
-            is_clear(&self.grid, path, radius_m, &self.bumps)
-        };
+        let mut is_open = |to: Point| self.is_straight(std::mem::replace(&mut from, to), to);
         is_open(approach.to) && plan.turns.iter().rev().all(|turn| is_open(*turn))
     }
 
@@ -313,27 +322,40 @@ impl Frontiers {
 
     /// A cell that was viewed from near in vain, with its neighbours.
     fn give_up(&mut self, cell: Cell) {
-        for (row, half) in Disc::new(BESIDE_M / self.parameters.cell_m).rows {
-            self.given_up.extend((-half..=half).map(|column| cell.offset(column, row)));
-        }
+        self.given_up.extend(self.around(cell, BESIDE * self.parameters.radius_m));
+    }
+
+    /// The cells within so many metres of one.
+    fn around(&self, cell: Cell, radius_m: f64) -> Vec<Cell> {
+        let rows = Disc::new(radius_m / self.parameters.cell_m).rows.into_iter();
+        rows.flat_map(|(row, half)| (-half..=half).map(move |column| cell.offset(column, row))).collect()
+    }
+
+    /// Whether the robot can go straight from here to there, by what it knows.
+    pub(super) fn is_straight(&self, here: Point, to: Point) -> bool {
+        let half_width_m = self.parameters.half_width_m() - NOISE * self.parameters.radius_m;
+        is_clear(&self.grid, (here, to), half_width_m, &self.bumps)
     }
 }
 
-/// Room beside the robot on its way, in metres: what it drives beside the straight line, 1 cm, and what the end of a wall may
-/// reach beyond where its last cell was met, half a cell.
-pub(super) const ROOM_M: f64 = 0.025;
+/// A point on the way is reached within this distance, in radii of the body, as are all lengths here.
+const REACH: f64 = 0.15;
+/// A scan was taken where the robot is if it has moved less since then.
+pub(super) const HERE: f64 = 0.25;
+/// Beyond half a path so much room is as good as any.
+const EASE: f64 = 0.5;
 
 /// Of a cell, in cells, and a little more.
 const HALF_DIAGONAL: f64 = 0.71;
 
-/// By so much less room a path is not closed that was open, in metres.
-const NOISE_M: f64 = 0.01;
+/// By so much less room a path is not closed that was open.
+const NOISE: f64 = 0.05;
 
-/// What is given up with a cell is so near to it, in metres.
-const BESIDE_M: f64 = 0.05;
+/// What is given up with a cell is so near to it.
+const BESIDE: f64 = 0.25;
 
-/// One cell of the edge in a square of this side stands for the others, in metres.
-const SPARSE_M: f64 = 0.1;
+/// One cell of the edge in a square of this side stands for the others.
+const SPARSE: f64 = 0.5;
 
 /// What was of the edge no more so often is noise.
 const MOST_TIMES: usize = 5;

@@ -32,7 +32,7 @@ impl Nodes {
 
     /// It is here, on a straight path from the active node: at a node that is here, or a new one.
     fn pass(&mut self, here: &Pose) {
-        let is_here = |node: &usize| self.distance(here, *node) <= self.parameters.reach_m;
+        let is_here = |node: &usize| self.distance(here, *node) <= self.parameters.reach_m();
         let known = self.graph.having(Status::Completed).find(is_here);
         let node = known.unwrap_or_else(|| self.graph.add_passed(here.position, Status::Completed));
         if node != self.active {

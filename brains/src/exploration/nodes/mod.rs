@@ -35,35 +35,14 @@ use baudbot_geometry::{Point, Pose, angle};
 use super::approach::{Approach, heading_to, turn};
 use super::frontiers::{self, Frontiers};
 use super::graph::{Graph, Status};
-use super::placement::Placement;
-use super::{Command, Explorer, Failure, Input};
-use crate::mapping::View;
+use super::{Command, Explorer, Failure, Goal, Input};
+use crate::mapping::{Occupancy, PlacedScan, View};
 
 mod led;
+mod parameters;
 mod route;
 
-/// The lengths of the method.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameters {
-    /// D, Δ, `γ_min` and d.
-    pub placement: Placement,
-    /// A node is reached within this distance, a, in metres.
-    pub reach_m: f64,
-    /// How far away a target may be that is gone to directly, L, in metres: at most the laser's range.
-    pub sight_m: f64,
-    /// Half the width that a direct way must have, in metres: the robot's radius and a little more.
-    pub half_width_m: f64,
-    /// Those of the map.
-    pub map: frontiers::Parameters,
-}
-
-impl Default for Parameters {
-    fn default() -> Self {
-        let placement = Placement { distance_m: 1.0, margin_m: 0.6, width_rad: 0.5, separation_m: 0.95 };
-        let map = frontiers::Parameters::default();
-        Self { placement, reach_m: 0.1, sight_m: 3.0, half_width_m: 0.25, map }
-    }
-}
+pub use parameters::Parameters;
 
 /// A robot that explores by nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,6 +61,8 @@ pub struct Nodes {
     looked_round: Vec<usize>,
     /// Where it has turned aside since then, between nodes.
     trail: Vec<Point>,
+    /// There is a new scan.
+    has_news: bool,
     state: State,
 }
 
@@ -123,6 +104,8 @@ struct Leg {
     from: Option<usize>,
     /// Along a path of the graph.
     is_edge: bool,
+    /// The map was asked whether it is clear.
+    is_seen: bool,
 }
 
 impl Explorer for Nodes {
@@ -130,7 +113,7 @@ impl Explorer for Nodes {
         if self.graph.nodes().len() > MOST_NODES {
             self.state = State::Ended(Command::Failed(Failure::TooLarge));
         }
-        self.map.remember(input);
+        self.has_news = self.map.remember(input);
         loop {
             // Each turn of the loop reaches, blocks or gives up a node, so there are not many.
             if let Some(command) = self.advance(input) {
@@ -149,6 +132,47 @@ impl Explorer for Nodes {
             self.state = State::Resume;
         }
     }
+
+    fn goal(&self, here: &Pose) -> Option<Goal> {
+        if let State::Led { .. } = self.state {
+            return self.map.goal(here);
+        }
+        let target = self.target.filter(|_| !matches!(self.state, State::Ended(_)))?;
+        let paths = self.graph.paths_to(target);
+        let left_m = match self.state {
+            State::Go(Leg { approach, node, .. }) => {
+                (approach.to - here.position).norm() + paths.length(node.unwrap_or(self.active))
+            }
+            State::Start
+            | State::LookRound { .. }
+            | State::Place
+            | State::Decide
+            | State::Look { .. }
+            | State::Led { .. }
+            | State::Resume
+            | State::Ended(_) => self.distance(here, self.active) + paths.length(self.active),
+        };
+        Some(Goal { place: self.graph.place(target), left_m })
+    }
+
+    fn abandon(&mut self) {
+        if let State::Led { .. } = self.state {
+            self.map.abandon();
+        } else if let Some(target) = self.target.take() {
+            self.graph.give_up(target);
+            self.state = State::Decide;
+        }
+    }
+
+    fn finish(&mut self, here: &Pose) {
+        self.map.interrupt();
+        self.map.finish(here);
+        self.state = State::Led { ended: self.map.ended(), leg: None };
+    }
+
+    fn grid(&self) -> &Occupancy {
+        self.map.grid()
+    }
 }
 
 impl Nodes {
@@ -165,6 +189,7 @@ impl Nodes {
             tried: Vec::new(),
             looked_round: Vec::new(),
             trail: Vec::new(),
+            has_news: false,
             state: State::Start,
         }
     }
@@ -209,7 +234,7 @@ impl Nodes {
         if self.graph.nodes().is_empty() {
             return State::Start;
         }
-        let is_here = |node: &usize| self.distance(here, *node) <= self.parameters.reach_m;
+        let is_here = |node: &usize| self.distance(here, *node) <= self.parameters.reach_m();
         let known = self.graph.having(Status::Completed).chain([self.active]);
         let nearest =
             known.filter(is_here).min_by(|a, b| self.distance(here, *a).total_cmp(&self.distance(here, *b)));
@@ -235,7 +260,9 @@ impl Nodes {
         if let Some(turn) = turn(here, heading_rad) {
             return Some(turn);
         }
-        let Some(scan) = input.scan.filter(|scan| scan.is_from(here)) else { return Some(Command::Wait) };
+        let Some(scan) = input.scan.filter(|scan| self.is_from(scan, here)) else {
+            return Some(Command::Wait);
+        };
         if self.graph.nodes().is_empty() {
             self.active = self.graph.add(here.position, Status::Completed);
         }
@@ -255,8 +282,8 @@ impl Nodes {
         if let Some(turn) = self.place(input, heading_rad) {
             return Some(turn);
         }
-        let Parameters { sight_m, half_width_m, .. } = self.parameters;
-        self.graph.join_seen(self.active, sight_m, half_width_m);
+        let Parameters { sight_m, .. } = self.parameters;
+        self.graph.join_seen(self.active, sight_m, self.parameters.half_width_m());
         if more {
             self.state = State::LookRound { heading_rad: angle::wrap(heading_rad + PI), more: false };
         } else {
@@ -272,27 +299,41 @@ impl Nodes {
         if let Some(turn) = turn(here, heading_to(here, self.graph.place(node))) {
             return Some(turn);
         }
-        let Some(scan) = input.scan.filter(|scan| scan.is_from(here)) else { return Some(Command::Wait) };
-        if scan.view(self.graph.place(node), self.parameters.half_width_m) != View::Clear {
+        let Some(scan) = input.scan.filter(|scan| self.is_from(scan, here)) else {
+            return Some(Command::Wait);
+        };
+        if scan.view(self.graph.place(node), self.parameters.half_width_m()) != View::Clear {
             self.fail(node, false);
             return None;
         }
-        let at_node = self.distance(here, self.active) <= self.parameters.reach_m;
+        let at_node = self.distance(here, self.active) <= self.parameters.reach_m();
         if !at_node {
             self.trail.push(here.position);
         }
         let (to, from) = (self.graph.place(node), at_node.then_some(self.active));
-        self.state = State::Go(Leg { approach: Approach::new(to), node: Some(node), from, is_edge: false });
+        self.state = State::Go(Leg {
+            approach: Approach::new(to),
+            node: Some(node),
+            from,
+            is_edge: false,
+            is_seen: false,
+        });
         None
     }
 
     fn go(&mut self, input: &Input<'_>, mut leg: Leg) -> Option<Command> {
         let here = &input.world_from_robot;
-        let Some(command) = leg.approach.step(here, self.parameters.reach_m) else {
+        let Some(command) = leg.approach.step(here, self.parameters.reach_m()) else {
             self.arrive(&leg);
             return None;
         };
         if input.near && matches!(command, Command::Drive { .. }) {
+            self.fail(leg.node.unwrap_or(self.active), leg.is_edge);
+            return None;
+        }
+        // A node is somewhere in a passage, and the robot somewhere at a node: it may come askew to a door.
+        let is_new = !std::mem::replace(&mut leg.is_seen, true);
+        if (is_new || self.has_news) && !self.map.is_straight(here.position, leg.approach.to) {
             self.fail(leg.node.unwrap_or(self.active), leg.is_edge);
             return None;
         }
@@ -328,6 +369,11 @@ impl Nodes {
                 self.graph.give_up(node);
             }
         }
+    }
+
+    /// Whether a scan was taken where the robot is.
+    fn is_from(&self, scan: &PlacedScan, here: &Pose) -> bool {
+        scan.is_from(here, frontiers::HERE * self.parameters.map.radius_m)
     }
 
     fn distance(&self, here: &Pose, node: usize) -> f64 {

@@ -12,7 +12,7 @@ impl Nodes {
         loop {
             let Some(target) = self.choose(here) else { return self.lead(here) };
             let paths = self.graph.paths_to(target);
-            if self.distance(here, self.active) > self.parameters.reach_m {
+            if self.distance(here, self.active) > self.parameters.reach_m() {
                 if let Some(state) = self.rejoin(here, target, &paths) {
                     return state;
                 }
@@ -61,8 +61,13 @@ impl Nodes {
         }
         let next = next?;
         let to = self.graph.place(next);
-        let leg =
-            Leg { approach: Approach::new(to), node: Some(next), from: Some(self.active), is_edge: true };
+        let leg = Leg {
+            approach: Approach::new(to),
+            node: Some(next),
+            from: Some(self.active),
+            is_edge: true,
+            is_seen: false,
+        };
         Some(State::Go(leg))
     }
 
@@ -88,7 +93,7 @@ impl Nodes {
             Some(&place) => (place, None),
             None => (self.graph.place(self.active), Some(self.active)),
         };
-        Leg { approach: Approach::new(to), node, from: None, is_edge: false }
+        Leg { approach: Approach::new(to), node, from: None, is_edge: false, is_seen: false }
     }
 }
 

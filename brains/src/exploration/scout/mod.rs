@@ -10,15 +10,18 @@
 //! - The robot stops as soon as something is near, and takes that for true if it is so for a while: single rays are
 //!   wrong by more than a door leaves room.
 
+mod watch;
+
 use baudbot_brain::{Body, Sensor, SensorKind, Signals, Turn};
 use baudbot_geometry::{Point, Pose, angle, math};
 
 use super::brain::Parameters;
-use super::placement::{self, Placement};
-use super::{Command, Explorer, Frontiers, Input, Nodes, approach, frontiers, nodes};
+use super::placement::Placement;
+use super::{Command, Explorer, Frontiers, Input, Nodes, approach, frontiers, nodes, placement, walkers};
 use crate::mapping::PlacedScan;
 use crate::proximity_sensors::{Echo, Near, ProximitySensors, is_in_way};
 use crate::throttle::within;
+use watch::{Verdict, Watch};
 
 /// An explorer with a body.
 pub(super) struct Scout {
@@ -33,13 +36,22 @@ pub(super) struct Scout {
     driving_since: Option<(u64, Point)>,
     /// Since when something has been near.
     near_since: Option<u64>,
+    watch: Watch,
+    /// When it was last asked whether the explorer gets on.
+    watched_ns: Option<u64>,
+    /// The last scan, and when it came.
+    scan: Option<(PlacedScan, u64)>,
+    /// The greatest speed that somebody who walks leaves it, in metres a second.
+    safe_m_s: f64,
     command: Command,
 }
 
 impl Scout {
     /// That of a robot with this body, and a laser of this range.
     pub(super) fn new(parameters: Parameters, body: &Body, range_m: f64) -> Self {
+        let parameters = parameters.of_body(body.radius_m);
         let near = Near { near_m: parameters.near_m, near_reading: parameters.near_reading };
+        let speed_m_s = parameters.speed_m_s.min(EASY_HZ * body.radius_m);
         Self {
             explorer: explorer(&parameters, body.radius_m, range_m),
             half_track_m: body.half_track_m,
@@ -48,6 +60,10 @@ impl Scout {
             proximity: ProximitySensors::new(body, near),
             driving_since: None,
             near_since: None,
+            watch: Watch::new(body.radius_m, speed_m_s),
+            watched_ns: None,
+            scan: None,
+            safe_m_s: f64::INFINITY,
             command: Command::Wait,
             parameters,
         }
@@ -63,17 +79,61 @@ impl Scout {
     pub(super) fn step(&mut self, at_ns: u64, here: &Pose, scan: Option<&PlacedScan>, haste: f64) -> Signals {
         let is_stalled = self.is_stalled(at_ns, here.position, haste);
         let is_known = |echo: &Echo| scan.is_some_and(|scan| shows(scan, here, echo));
-        let near =
-            self.proximity.is_near_but(is_known) || scan.is_some_and(|scan| self.sees_near(here, scan));
+        // What is behind the end of a way is not in it.
+        let way_m = self.path().map_or(f64::INFINITY, |to| (to - here.position).norm());
+        let near = self.proximity.is_near_but(way_m, is_known)
+            || scan.is_some_and(|scan| self.sees_near(here, scan, way_m));
         let since_ns = near.then(|| *self.near_since.get_or_insert(at_ns));
         self.near_since = since_ns;
         let is_sure = since_ns.is_some_and(|since_ns| at_ns.saturating_sub(since_ns) >= SURE_NS);
         let input = Input { world_from_robot: *here, scan, near: is_stalled || is_sure };
         self.command = self.explorer.step(&input);
-        if near && matches!(self.command, Command::Drive { .. }) {
+        self.watch(at_ns, here, haste);
+        self.look_for_walkers(at_ns, here, scan);
+        if matches!(self.command, Command::Drive { .. }) && (near || self.waits_for_somebody()) {
+            if self.waits_for_somebody() {
+                self.pause();
+            }
             return Signals::default();
         }
-        within(self.signal_limit, self.signals(here))
+        within(self.signal_limit, self.signals(here, scan))
+    }
+
+    /// Ends what does not get on.
+    fn watch(&mut self, at_ns: u64, here: &Pose, haste: f64) {
+        let since_ns = *self.watched_ns.get_or_insert(at_ns);
+        let passed_ns = at_ns.saturating_sub(since_ns);
+        if matches!(self.command, Command::Done(_) | Command::Failed(_)) || passed_ns < WATCH_NS {
+            return;
+        }
+        self.watched_ns = Some(at_ns);
+        // A robot that stood for another reason has not driven in vain.
+        let passed_s = passed_ns.min(2 * WATCH_NS) as f64 * 1e-9 * haste;
+        let stands = matches!(self.command, Command::Wait) || self.waits_for_somebody();
+        let passed_s = if stands { 0.0 } else { passed_s };
+        let known_m2 = self.explorer.grid().known_m2();
+        match self.watch.look(passed_s, self.explorer.goal(here), known_m2) {
+            Verdict::GoesOn => {}
+            Verdict::Abandon => self.explorer.abandon(),
+            Verdict::Ends => self.explorer.finish(here),
+        }
+    }
+
+    /// How fast it may be for who walks ahead of it.
+    fn look_for_walkers(&mut self, at_ns: u64, here: &Pose, scan: Option<&PlacedScan>) {
+        let Some(scan) = scan else { return };
+        if self.scan.as_ref().is_none_or(|(old, _)| old != scan) {
+            self.scan = Some((scan.clone(), at_ns));
+        }
+        let age_s =
+            self.scan.as_ref().map_or(0.0, |(_, since_ns)| at_ns.saturating_sub(*since_ns) as f64 * 1e-9);
+        let body = (self.radius_m, self.parameters.speed_m_s);
+        self.safe_m_s = walkers::safe_m_s(self.explorer.grid(), scan, here, body, age_s);
+    }
+
+    /// Somebody walks so near that it may not drive.
+    fn waits_for_somebody(&self) -> bool {
+        self.safe_m_s < CRAWL_M_S
     }
 
     /// It stands, for another reason than its own.
@@ -86,6 +146,7 @@ impl Scout {
         self.pause();
         self.proximity.forget();
         self.explorer.interrupt();
+        self.watch.rest();
     }
 
     /// The explorer's last command.
@@ -103,6 +164,7 @@ impl Scout {
         match self.command {
             Command::Wait => "waits for a scan".to_owned(),
             Command::Turn { .. } => "turns".to_owned(),
+            Command::Drive { .. } if self.waits_for_somebody() => "waits for somebody".to_owned(),
             Command::Drive { .. } => "drives".to_owned(),
             Command::Done(left_out) => left_out.to_string(),
             Command::Failed(failure) => format!("gave up: {failure:?}"),
@@ -119,11 +181,20 @@ impl Scout {
 
     /// Whether a scan shows something in the way that is near: sonars overlook edges, and walls that they meet at an
     /// acute angle.
-    fn sees_near(&self, here: &Pose, scan: &PlacedScan) -> bool {
+    fn sees_near(&self, here: &Pose, scan: &PlacedScan, way_m: f64) -> bool {
         let forward = here.direction();
         let in_robot = |end: Point| Point::from(forward.inverse().apply(end - here.position));
-        let room_m = self.radius_m + BARELY_M;
-        scan.ends().any(|(end, met)| met && is_in_way(in_robot(end), self.parameters.near_m, room_m))
+        let (ahead_m, room_m) = (self.parameters.near_m.min(way_m), self.radius_m + BARELY_M);
+        scan.ends().any(|(end, met)| met && is_in_way(in_robot(end), ahead_m, room_m))
+    }
+
+    /// The speed for as much room as there is: a small robot between walls is as slow as it is small, and who walks slows down any.
+    fn most_m_s(&self, here: &Pose, scan: Option<&PlacedScan>) -> f64 {
+        let ends = scan.iter().flat_map(|scan| scan.ends()).filter(|(_, met)| *met);
+        let nearest_m = ends.map(|(end, _)| (end - here.position).norm()).fold(f64::INFINITY, f64::min);
+        let room_m = (nearest_m - self.radius_m).max(0.0);
+        let easy_m_s = EASY_HZ * (self.radius_m + room_m);
+        self.parameters.speed_m_s.min(easy_m_s).min(self.safe_m_s)
     }
 
     /// Whether it ought to drive and has not moved for too long: the longer, the more slowly it may drive.
@@ -140,7 +211,7 @@ impl Scout {
     }
 
     /// Signals of the left and the right motor.
-    fn signals(&self, here: &Pose) -> Signals {
+    fn signals(&self, here: &Pose, scan: Option<&PlacedScan>) -> Signals {
         let p = &self.parameters;
         let (speed, turn_rate) = match self.command {
             Command::Wait | Command::Done(_) | Command::Failed(_) => (0.0, 0.0),
@@ -153,7 +224,9 @@ impl Scout {
             Command::Drive { to } => {
                 let aside = angle::difference(approach::heading_to(here, to), here.heading);
                 let way_m = (to - here.position).norm();
-                let speed = (SPEED_GAIN_HZ * way_m).clamp(LEAST_SPEED_M_S.min(p.speed_m_s), p.speed_m_s);
+                let most = self.most_m_s(here, scan);
+                let speed = (SPEED_GAIN_HZ * way_m)
+                    .clamp((LEAST_HZ * self.radius_m).min(LEAST_SPEED_M_S).min(most), most);
                 let rate = (TURN_GAIN_HZ * aside).clamp(-p.turn_rate_rad_s, p.turn_rate_rad_s);
                 (speed * math::cos(aside).max(0.0), rate)
             }
@@ -182,8 +255,7 @@ pub(super) fn laser(body: &Body) -> Option<&Sensor> {
 
 fn explorer(parameters: &Parameters, radius_m: f64, range_m: f64) -> Box<dyn Explorer + Send> {
     let Parameters { distance_m, margin_m, width_rad, separation_m, cell_m, .. } = *parameters;
-    let half_width_m = radius_m + frontiers::ROOM_M;
-    let map = frontiers::Parameters { cell_m, radius_m, half_width_m, ..frontiers::Parameters::default() };
+    let map = frontiers::Parameters { cell_m, ..frontiers::Parameters::of_body(radius_m) };
     if parameters.method >= 0.5 {
         return Box::new(Frontiers::new(map));
     }
@@ -192,14 +264,10 @@ fn explorer(parameters: &Parameters, radius_m: f64, range_m: f64) -> Box<dyn Exp
     Box::new(Nodes::new(nodes::Parameters {
         placement: Placement { distance_m, margin_m, width_rad, separation_m },
         sight_m: parameters.sight_m.min(range_m),
-        half_width_m: radius_m + ROOM_M,
         map,
-        ..nodes::Parameters::default()
     }))
 }
 
-/// Room beside the robot on its way, in metres.
-const ROOM_M: f64 = 0.05;
 /// Room beside the robot for what the laser sees, which from so near is where it is seen but for half a centimetre, in metres.
 const BARELY_M: f64 = 0.005;
 /// An echo and the end of a ray that are no farther apart than so, in metres, ...
@@ -214,8 +282,16 @@ const TURN_GAIN_HZ: f64 = 2.0;
 const LEAST_RATE_RAD_S: f64 = 0.15;
 /// Speed for each metre that is left.
 const SPEED_GAIN_HZ: f64 = 1.5;
-/// Least speed, in m/s.
+/// Least speed for each metre of the body's radius, ...
+const LEAST_HZ: f64 = 0.4;
+/// ... and no more than that, in m/s.
 const LEAST_SPEED_M_S: f64 = 0.08;
+/// Speed for each metre from the robot's centre to what is nearest.
+const EASY_HZ: f64 = 1.5;
+/// Slower than that it does not drive for who walks, in m/s.
+const CRAWL_M_S: f64 = 0.02;
+/// How often it is seen whether it gets on, in nanoseconds.
+const WATCH_NS: u64 = 500_000_000;
 /// A robot that moves goes so far, in metres, ...
 const MOVED_M: f64 = 0.02;
 /// ... in so many nanoseconds.

@@ -1,0 +1,147 @@
+//! Whether an explorer gets on: a goal that is not reached in some times its way is given up, and who has not got on for most of a minute
+//! ends.
+//!
+//! It gets on when it knows more of the floor, or when it comes nearer to a goal than it ever was. So one that goes to and fro between
+//! two goals does not get on, however much it drives. Time counts as much as the robot may drive of what it wants.
+
+use std::collections::BTreeMap;
+
+use baudbot_geometry::math;
+
+use crate::exploration::Goal;
+
+/// What it has come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// It gets on, or there is time yet.
+    GoesOn,
+    /// It does not get to its goal.
+    Abandon,
+    /// It does not get on at all.
+    Ends,
+}
+
+/// What has been tried, and what has come of it.
+#[derive(Clone, Debug)]
+pub(super) struct Watch {
+    /// Goals in the same square of this side are the same, in metres.
+    side_m: f64,
+    /// How fast it goes if nothing is in its way, in metres a second.
+    speed_m_s: f64,
+    tried: BTreeMap<(i64, i64), Tried>,
+    /// How much of the floor was known when it last got on, in square metres.
+    known_m2: f64,
+    /// For how long it has not got on, in seconds.
+    quiet_s: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Tried {
+    /// The way that was left when it was last nearer than ever, in metres.
+    least_m: f64,
+    /// How much time it has, in seconds ...
+    allowed_s: f64,
+    /// ... and has spent, ...
+    spent_s: f64,
+    /// ... since it was last nearer than ever.
+    quiet_s: f64,
+}
+
+impl Watch {
+    /// For a robot with this radius, in metres, that drives at this speed, in metres a second, where it has room.
+    pub(super) fn new(radius_m: f64, speed_m_s: f64) -> Self {
+        let speed_m_s = SLOW * speed_m_s;
+        Self { side_m: 2.0 * radius_m, speed_m_s, tried: BTreeMap::new(), known_m2: 0.0, quiet_s: 0.0 }
+    }
+
+    /// So many seconds have passed with this goal, and so much of the floor is known, in square metres.
+    pub(super) fn look(&mut self, passed_s: f64, goal: Option<Goal>, known_m2: f64) -> Verdict {
+        self.quiet_s += passed_s;
+        if known_m2 > self.known_m2 + self.side_m * self.side_m {
+            self.known_m2 = known_m2;
+            self.rest();
+        }
+        let verdict = goal.map_or(Verdict::GoesOn, |goal| self.pursue(passed_s, goal));
+        if self.quiet_s > PATIENCE_S { Verdict::Ends } else { verdict }
+    }
+
+    /// What has been does not count.
+    pub(super) fn rest(&mut self) {
+        self.quiet_s = 0.0;
+    }
+
+    fn pursue(&mut self, passed_s: f64, Goal { place, left_m }: Goal) -> Verdict {
+        let square = |m: f64| math::floor(m / self.side_m) as i64;
+        let allowed_s = TIMES * left_m / self.speed_m_s + GRACE_S;
+        let new = Tried { least_m: f64::INFINITY, allowed_s, spent_s: 0.0, quiet_s: 0.0 };
+        let tried = self.tried.entry((square(place.x), square(place.y))).or_insert(new);
+        tried.spent_s += passed_s;
+        tried.quiet_s += passed_s;
+        if left_m < tried.least_m - 0.125 * self.side_m {
+            tried.least_m = left_m;
+            tried.quiet_s = 0.0;
+            self.quiet_s = 0.0;
+        }
+        if tried.quiet_s > QUIET_S || tried.spent_s > tried.allowed_s {
+            // Another goal may be in the same square.
+            *tried = Tried { spent_s: 0.0, quiet_s: 0.0, ..*tried };
+            return Verdict::Abandon;
+        }
+        Verdict::GoesOn
+    }
+}
+
+/// A goal must be reached in so many times its way ...
+const TIMES: f64 = 3.0;
+/// ... at this part of the speed, ...
+const SLOW: f64 = 0.5;
+/// ... and so many seconds, for turns and looks.
+const GRACE_S: f64 = 20.0;
+/// A goal to which the robot has not come nearer for so many seconds is given up.
+const QUIET_S: f64 = 15.0;
+/// A robot that has not got on for so many seconds ends.
+const PATIENCE_S: f64 = 45.0;
+
+#[cfg(test)]
+mod tests {
+    use baudbot_geometry::Point;
+
+    use super::*;
+
+    /// When a robot gives up for the first time that has these goals and this way left at an instant, in seconds, and when it ends.
+    fn ends(goal: impl Fn(f64) -> (f64, f64)) -> (Option<f64>, Option<f64>) {
+        let mut watch = Watch::new(0.2, 0.3);
+        let (mut abandoned_s, mut ended_s) = (None, None);
+        for i in 0..400 {
+            let at_s = 0.5 * f64::from(i);
+            let (x, left_m) = goal(at_s);
+            match watch.look(0.5, Some(Goal { place: Point::new(x, 0.1), left_m }), 0.0) {
+                Verdict::GoesOn => {}
+                Verdict::Abandon => abandoned_s = abandoned_s.or(Some(at_s)),
+                Verdict::Ends => ended_s = ended_s.or(Some(at_s)),
+            }
+        }
+        (abandoned_s, ended_s)
+    }
+
+    #[test]
+    fn who_comes_nearer_gets_on_and_who_goes_to_and_fro_does_not() {
+        assert_eq!(ends(|at_s| (30.1, 60.0 - 0.3 * at_s)), (None, None), "a long way");
+        let (abandoned_s, ended_s) = ends(|_| (5.1, 2.0));
+        assert!((14.0..17.0).contains(&abandoned_s.unwrap()) && (44.0..47.0).contains(&ended_s.unwrap()));
+        // Two metres towards one goal, two towards the other.
+        let (abandoned_s, ended_s) = ends(|at_s| {
+            let (turn, part) = ((at_s / 10.0).floor(), (at_s % 10.0) / 10.0);
+            (if turn % 2.0 == 0.0 { 1.1 } else { 9.1 }, 4.0 - 2.0 * part)
+        });
+        assert!(abandoned_s.unwrap() < 60.0 && ended_s.unwrap() < 70.0, "{abandoned_s:?}, {ended_s:?}");
+    }
+
+    #[test]
+    fn who_comes_to_know_more_gets_on() {
+        let mut watch = Watch::new(0.2, 0.3);
+        for i in 0..400 {
+            assert_eq!(watch.look(0.5, None, 0.01 * f64::from(i)), Verdict::GoesOn, "{i}");
+        }
+    }
+}
