@@ -1,6 +1,7 @@
 //! What the whole-system tests share: scenarios, a world with its brains in one thread ([`InProcess`]), and a
 //! server with its brains over real gRPC ([`system`]).
 
+pub mod narrow;
 pub mod system;
 
 pub use baudbot_experiment::in_process::InProcess;
