@@ -1,5 +1,6 @@
 /** The world's program (the crate `page`): a server, its worlds and brains in WebAssembly, with files in memory. */
 import { ConsoleStdout, Directory, File, Inode, PreopenDirectory, WASI } from "@bjorn3/browser_wasi_shim";
+import { date } from "./dated";
 
 /** What the program exports (`page/src/abi.rs`). */
 interface Exports {
@@ -28,6 +29,7 @@ export class Engine {
   static async begin(wasm: BufferSource, say: (line: string) => void): Promise<Engine> {
     const recordings = new Directory(new Map<string, Inode>());
     const folders = new PreopenDirectory("/", new Map<string, Inode>([["recordings", recordings]]));
+    date(folders.dir);
     const out = () => ConsoleStdout.lineBuffered(say);
     const wasi = new WASI([], [], [out(), out(), out(), folders], { debug: false });
     const { instance } = await WebAssembly.instantiate(wasm, {
