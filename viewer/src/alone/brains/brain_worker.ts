@@ -1,21 +1,12 @@
 /** The worker of a brain that was typed into the page: it attaches to robots as any other brain, and drives until it is ended. */
 import { create, fromBinary } from "@bufbuild/protobuf";
-import {
-  AttachResponseSchema,
-  BrainLinkService,
-  HelloSchema,
-  PortMode,
-  StepSchema,
-  type AttachResponse,
-  type RobotDescription,
-  type Turn,
-} from "../../gen/baudbot/v1/brain_link_pb";
+import { AttachResponseSchema, BrainLinkService, HelloSchema, PortMode } from "../../gen/baudbot/v1/brain_link_pb";
 import { Connection } from "../../net/connection";
 import type { FromBrain, ToBrain } from "../messages";
 import { PortSocket } from "../port_socket";
-import { stepOfJavascript, type Step } from "./javascript";
-import { stepOfPython } from "./python";
-import { BrainTurn, stepOf } from "./turn";
+import { makerOfJavascript, type Make } from "./javascript";
+import { makerOfPython } from "./python";
+import { Driver } from "./driver";
 
 onmessage = ({ data }: MessageEvent<ToBrain>) => {
   void begin(data).catch((error: unknown) => over(error));
@@ -23,7 +14,7 @@ onmessage = ({ data }: MessageEvent<ToBrain>) => {
 
 /** Reads the text first: a brain that cannot step takes no robot. */
 async function begin(task: ToBrain): Promise<void> {
-  const step = await read(task);
+  const make = await read(task);
   const { world, robots, name: brain } = task;
   const connection = new Connection(() => new PortSocket(task.port));
   await new Promise<void>((resolve) => {
@@ -31,14 +22,16 @@ async function begin(task: ToBrain): Promise<void> {
     connection.open();
   });
   const hello = create(HelloSchema, { world, robots, mode: PortMode.MESSAGES, brain, thinksAsScenario: true });
-  const driver = new Driver(step);
+  const driver = new Driver(make);
   const call = connection.begin(
     BrainLinkService.method.attach,
     { request: { case: "hello", value: hello } },
     {
       message(bytes) {
         try {
-          const answer = driver.hear(fromBinary(AttachResponseSchema, bytes).response);
+          const { response } = fromBinary(AttachResponseSchema, bytes);
+          const answer = driver.hear(response);
+          if (response.case === "welcome") tell({ kind: "drives" });
           if (answer) connection.next(call, BrainLinkService.method.attach, { request: answer });
         } catch (error) {
           connection.end(call);
@@ -50,45 +43,10 @@ async function begin(task: ToBrain): Promise<void> {
   );
 }
 
-function read({ language, code, pyodide }: ToBrain): Step | Promise<Step> {
-  if (language === "javascript") return stepOfJavascript(code);
+function read({ language, code, pyodide }: ToBrain): Make | Promise<Make> {
+  if (language === "javascript") return makerOfJavascript(code);
   tell({ kind: "loading", what: "Python" });
-  return stepOfPython(code, pyodide, (text) => tell({ kind: "said", text }));
-}
-
-/** The brains of a stream's robots. */
-class Driver {
-  private robots: RobotDescription[] = [];
-  private memories: Record<string, unknown>[] = [];
-
-  constructor(private readonly step: Step) {}
-
-  /** The request that answers, if there is one. */
-  hear(response: AttachResponse["response"]) {
-    if (response.case === "welcome") {
-      this.robots = response.value.robots;
-      this.forget();
-      tell({ kind: "drives" });
-    } else if (response.case === "ended") {
-      this.forget();
-    } else if (response.case === "turn") {
-      return { case: "step" as const, value: this.answer(response.value) };
-    }
-    return undefined;
-  }
-
-  private answer({ turn, tick, robots }: Turn) {
-    const answers = robots.map((part) => {
-      const shown = new BrainTurn(part, this.robots[part.robot]!, Number(tick));
-      return stepOf(part, this.step(shown, this.memories[part.robot]!));
-    });
-    return create(StepSchema, { turn, robots: answers });
-  }
-
-  /** A run begins without what was kept from another one. */
-  private forget(): void {
-    this.memories = this.robots.map(() => ({}));
-  }
+  return makerOfPython(code, pyodide, (text) => tell({ kind: "said", text }));
 }
 
 function over(error?: unknown): void {

@@ -1,5 +1,5 @@
 /** Brains in Python, by Pyodide, which is loaded when the first one is wanted. */
-import type { Step } from "./javascript";
+import type { Make } from "./javascript";
 import type { Answer, BrainTurn } from "./turn";
 
 /** As much of the package `baudbot` as such a brain needs. Its brains are made for each robot. */
@@ -42,14 +42,29 @@ def main(brain):
 
 baudbot.Brain, baudbot.Command, baudbot.Turn, baudbot.main = Brain, Command, Turn, main
 baudbot.drive = Command
-baudbot.kind = None
-_brains = {}
+_own = frozenset(sys.modules)
 
 
-def _step(turn):
-    brain = _brains.get(turn.robot) or _brains.setdefault(turn.robot, baudbot.kind())
-    command = brain.step(Turn(turn))
-    return None if command is None else (command.left, command.right)
+def _compiled(code):
+    return compile(code, "brain.py", "exec")
+
+
+def _make(code):
+    """A run has new brains: of what the code, or a module that it has imported, kept from another one nothing is left."""
+    for name in set(sys.modules) - _own:
+        del sys.modules[name]
+    baudbot.kind, brains = None, {}
+    exec(code, {"__name__": "__main__", "__builtins__": __builtins__})
+    if baudbot.kind is None:
+        return None
+
+    def step(turn):
+        if turn.robot not in brains:
+            brains[turn.robot] = baudbot.kind()
+        command = brains[turn.robot].step(Turn(turn))
+        return None if command is None else (command.left, command.right)
+
+    return step
 `;
 
 /** An import that stays one, so that the same script is a module and none. */
@@ -62,24 +77,29 @@ interface Script {
 
 /** What is used of Pyodide. */
 interface Pyodide {
-  runPython(code: string, options?: { filename?: string; globals?: Proxy }): unknown;
-  globals: { get(name: string): Proxy };
+  runPython(code: string): unknown;
+  globals: { get(name: string): (code: unknown) => Proxy | undefined };
 }
-type Proxy = { (turn: BrainTurn): undefined | { toJs(): [number, number]; destroy(): void } };
+type Proxy = { (turn: BrainTurn): undefined | { toJs(): [number, number]; destroy(): void }; destroy(): void };
 
-/** The brain that a text hands to `baudbot.main`. */
-export async function stepOfPython(code: string, folder: string, say: (text: string) => void): Promise<Step> {
+/** What makes the brain that a text hands to `baudbot.main`. */
+export async function makerOfPython(code: string, folder: string, say: (text: string) => void): Promise<Make> {
   const { loadPyodide } = (await load(`${folder}pyodide.mjs`)) as Script;
   const python: Pyodide = await loadPyodide({ indexURL: folder, stdout: say, stderr: say });
   python.runPython(PACKAGE);
-  python.runPython(code, { filename: "brain.py" });
-  if (python.runPython("baudbot.kind is None")) throw new Error("no brain was given to baudbot.main");
-  const step = python.globals.get("_step");
-  return (turn): Answer | undefined => {
-    const signals = step(turn);
-    if (!signals) return undefined;
-    const [left, right] = signals.toJs();
-    signals.destroy();
-    return { left, right };
+  const [compile, make] = [python.globals.get("_compiled"), python.globals.get("_make")];
+  const compiled = compile(code);
+  let former: Proxy | undefined;
+  return () => {
+    former?.destroy();
+    const step = (former = make(compiled));
+    if (!step) throw new Error("no brain was given to baudbot.main");
+    return (turn): Answer | undefined => {
+      const signals = step(turn);
+      if (!signals) return undefined;
+      const [left, right] = signals.toJs();
+      signals.destroy();
+      return { left, right };
+    };
   };
 }
