@@ -1,4 +1,4 @@
-/** Brains that are typed into the page: each run has new ones. */
+/** Brains that are typed into the page: when they are asked, and that each run has new ones. */
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { create } from "@bufbuild/protobuf";
@@ -28,6 +28,23 @@ function drives(brain: string | Make, robots = 1) {
     return answer?.value.robots?.map(({ output }) => (output as { value?: { leftSignal: number } })?.value?.leftSignal);
   };
 }
+
+test("a brain is asked when there is news, or when what it waits for is over", () => {
+  const step = drives("let n = 0; function step() { n++; return { left: n, right: 0 }; }");
+  // As in real time over 9600 baud: each second step is without news.
+  const answers = [0, 1, 2, 3, 4, 5].map((tick) => step(tick, 10 * tick + 0.5, tick % 2 === 0)?.[0]);
+  assert.deepEqual(answers, [1, undefined, 2, undefined, 3, undefined]);
+  assert.deepEqual(step(14, 140.4, false), [undefined], "0.1 s after its last step");
+  assert.deepEqual(step(15, 140.5, false), [4], "0.1 s after its last step it may repeat itself");
+});
+
+test("a brain that wants to be asked in each step is", () => {
+  const step = drives("let n = 0; function step() { n++; return { left: n, right: 0, wait_s: 0 }; }");
+  assert.deepEqual(
+    [0, 1, 2].map((tick) => step(tick, 10 * tick, false)?.[0]),
+    [1, 2, 3],
+  );
+});
 
 test("each run has a new brain, whatever it keeps where", () => {
   const kept = [

@@ -1,4 +1,4 @@
-/** The brains of a stream's robots: each run has new ones. */
+/** The brains of a stream's robots: which of them are asked in a Turn, and that each run has new ones. */
 import { create } from "@bufbuild/protobuf";
 import {
   StepSchema,
@@ -13,6 +13,8 @@ import { BrainTurn, stepOf } from "./turn";
 /** What is kept of a robot in a run. */
 interface Seat {
   memory: Record<string, unknown>;
+  /** What its brain waits for ends then, by the robot's clock. */
+  deadline_ns: bigint;
   /** In which tick it stepped last. */
   tick: bigint;
 }
@@ -50,12 +52,18 @@ export class Driver {
   private part(part: RobotTurn, tick: bigint) {
     const seat = this.seats[part.robot]!;
     seat.tick = tick;
+    // A server asks brains that wait, too, unless it waits for them. Without news there is nothing to answer.
+    if (part.atNs < seat.deadline_ns && !part.readings.some((reading) => reading.readable)) {
+      return { robot: part.robot, untilMessage: { atLatestNs: seat.deadline_ns } };
+    }
     const shown = new BrainTurn(part, this.robots[part.robot]!, Number(tick));
-    return stepOf(part, this.step(shown, seat.memory));
+    const answer = stepOf(part, this.step(shown, seat.memory));
+    seat.deadline_ns = answer.untilMessage.atLatestNs;
+    return answer;
   }
 
-  /** A run begins without what was kept from another one. */
+  /** A run begins without what was kept from another one, and with nothing to wait for longer than usual. */
   private seat(): void {
-    this.seats = this.robots.map(() => ({ memory: {}, tick: -1n }));
+    this.seats = this.robots.map(() => ({ memory: {}, deadline_ns: 0n, tick: -1n }));
   }
 }

@@ -59,12 +59,12 @@ export interface Answer {
 export function stepOf(
   { robot, atNs }: RobotTurn,
   answer: Answer | null | undefined,
-): MessageInitShape<typeof RobotStepSchema> {
+): MessageInitShape<typeof RobotStepSchema> & { untilMessage: { atLatestNs: bigint } } {
   const wait_s = number(answer?.wait_s ?? WAIT_S, "wait_s");
   const untilMessage = { atLatestNs: atNs + BigInt(Math.round(Math.max(0, wait_s) * 1e9)) };
   if (answer === null || answer === undefined) return { robot, untilMessage };
   const value = { leftSignal: number(answer.left, "left"), rightSignal: number(answer.right, "right") };
-  return { robot, output: { case: "command", value }, untilMessage };
+  return { robot, output: { case: "command" as const, value }, untilMessage };
 }
 
 function number(value: unknown, name: string): number {
