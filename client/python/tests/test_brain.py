@@ -153,6 +153,26 @@ class Waiting(unittest.TestCase):
         again = answers(session, turn(4, 1, (0, 10_000_000, 0.1, False)))
         self.assertTrue(again.robots[0].HasField("command"))
 
+    def test_each_run_has_a_new_brain(self):
+        class Counts(Follow):
+            steps = 0
+
+            def step(self, turn):
+                self.steps += 1
+                return baudbot.drive(self.steps / 10, 0.0)
+
+        session = Session(welcome(2), Counts)
+
+        def step(number, tick, *robots):
+            parts = answers(session, turn(number, tick, *((robot, 10_000_000 * tick, 0.1, True) for robot in robots))).robots
+            return [round(10 * part.command.left_signal) for part in parts]
+
+        self.assertEqual([step(tick, tick, 0, 1) for tick in (0, 1, 2)], [[1, 1], [2, 2], [3, 3]])
+        # What a robot is asked later in the same tick belongs to the run, too.
+        self.assertEqual([step(3, 3, 0), step(4, 3, 1)], [[4], [4]])
+        # The world was reset, and restored at once.
+        self.assertEqual([step(5, 1, 0, 1), step(6, 2, 0, 1), step(7, 2, 0, 1)], [[1, 1], [2, 2], [1, 1]])
+
     def test_a_brain_may_be_asked_in_every_tick_or_wait_for_ever(self):
         class Every(Follow):
             every_tick = True

@@ -56,7 +56,7 @@ class Brain:
             setattr(self, name, self.parameter(name, value))
 
     def start(self) -> None:
-        """Called once, before the first step, when `body` and the parameters are set."""
+        """Called before the first step, when `body` and the parameters are set. A reset of the world begins with a new brain."""
 
     def step(self, turn: Turn) -> Output | Awaitable[Output]:
         """Decides what the robot does next: `drive(left, right)`, `poll()`, or None for no new command.

@@ -22,10 +22,12 @@ Make = Callable[[Body], Brain]
 class Seat:
     """A robot of the stream and its brain."""
 
-    __slots__ = ("_look_ns", "_part", "_patience_ns", "body", "brain", "deadline_ns", "place")
+    __slots__ = ("_look_ns", "_part", "_patience_ns", "body", "brain", "deadline_ns", "place", "tick")
 
     def __init__(self, place: int, body: Body, brain: Brain) -> None:
         self.place, self.body, self.brain = place, body, brain
+        # In which it stepped last.
+        self.tick = -1
         if brain.every_tick:
             self._patience_ns = 0
         else:
@@ -119,6 +121,7 @@ class Session:
 
     def __init__(self, welcome: pb.Welcome, make: Make) -> None:
         bodies = [Body.of(robot, welcome.step_ns) for robot in welcome.robots]
+        self._make = make
         self.seats = [Seat(place, body, make(body)) for place, body in enumerate(bodies)]
         #: Turns in which a brain was asked, and the tick of the last.
         self.turns, self.tick = 0, -1
@@ -128,15 +131,15 @@ class Session:
 
     def asked(self, turn: pb.Turn) -> Iterator[tuple[Seat, Turn]]:
         """The robots that are asked in this turn. Each must be answered before the next is taken."""
-        if turn.tick <= self.tick:
-            for seat in self.seats:
-                seat.forget()
         self.tick = turn.tick
         self._request = pb.AttachRequest()
         step = self._request.step
         step.turn = turn.turn
         for part in turn.robots:
             seat = self.seats[part.robot]
+            if turn.tick <= seat.tick:
+                self._renew(seat)
+            seat.tick = turn.tick
             seat.begin(step.robots.add())
             arrived = Turn(seat.body, part, turn.tick)
             if seat.is_asked(arrived):
@@ -144,6 +147,12 @@ class Session:
                 yield seat, arrived
             else:
                 seat.wait()
+
+    def _renew(self, seat: Seat) -> None:
+        """The world went back in time, as by a reset: this is another run, and has a new brain. A robot steps once in a tick."""
+        seat.brain = self._make(seat.body)
+        seat.brain.start()
+        seat.forget()
 
     def answer(self) -> pb.AttachRequest:
         """The answer to the turn whose robots have been asked."""
