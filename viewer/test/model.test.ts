@@ -6,11 +6,12 @@ import { WatchResponseSchema } from "../src/gen/baudbot/v1/observe_pb";
 import { readChoice, writeChoice } from "../src/address";
 import { DeadReckoning, counted, rolled, wheelSensor } from "../src/model/odometry";
 import { composed, relative, wrapped } from "../src/model/pose";
+import { messagesText } from "../src/model/quantities";
 import { Ring, SeriesTable } from "../src/model/ring";
 import { columnsOf, partsOf } from "../src/model/sensors";
 import { isDriveKey, signals, stickOfAxes, stickOfKeys } from "../src/model/stick";
 import { Trail } from "../src/model/trail";
-import { clock, count, duration, exactMs, lengthText, roundStep, short } from "../src/model/units";
+import { brief, clock, count, duration, exactMs, lengthText, roundStep, short } from "../src/model/units";
 import { Motion } from "../src/model/motion";
 import { Frame } from "../src/net/frames";
 import { firstEvery, nextEvery } from "../src/net/rate";
@@ -214,4 +215,15 @@ test("numbers are short and have their units", () => {
   assert.equal(count(1234567n), "1\u202f234\u202f567");
   assert.deepEqual([clock(1.5), clock(75.25), clock(3725)], ["1.500 s", "1:15.25", "1:02:05.00"]);
   assert.deepEqual([0.3, 1, 1.1, 3, 7, 60].map(roundStep), [0.5, 1, 2, 5, 10, 100]);
+});
+
+test("a brain that writes more often than it reads is told of", () => {
+  assert.equal(messagesText(594n, 594n), "594 messages up, 594 down");
+  assert.match(messagesText(590n, 1179n), /the brain wrote 2(\.0)? times as often as it read/);
+  assert.equal(messagesText(3n, 9n), "3 messages up, 9 down");
+});
+
+test("what others say is cut", () => {
+  assert.equal(brief("abc", 3), "abc");
+  assert.equal(brief("🦀".repeat(3000), 200), `${"🦀".repeat(200)}…`);
 });

@@ -4,6 +4,7 @@ import { rgb, withAlpha, type Theme } from "./palette";
 import { traceBody } from "./robots";
 import { BOLD, label, type Scene } from "./scene";
 import { toPixel, useMetres } from "./view";
+import { brief } from "../model/units";
 
 const UNKNOWN = 255;
 const OCCUPIED = 254;
@@ -123,7 +124,7 @@ function drawPose(scene: Scene, index: number, pose: BelievedPose, state: string
   context.font = BOLD;
   context.textAlign = "center";
   const below = Math.max(4, robot.radiusM * view.scale) + 18;
-  label(scene, state === "" ? "belief" : `belief: ${state.slice(0, 40)}`, x, y + below, theme.belief);
+  label(scene, state === "" ? "belief" : `belief: ${brief(state, 40)}`, x, y + below, theme.belief);
 }
 
 /** Where it believes to be with 95 of 100: two standard deviations and a half, 2.45. */

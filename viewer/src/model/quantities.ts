@@ -1,7 +1,7 @@
 /** What of a robot is a number that changes: what the charts can show. */
 import type { Belief, RobotDescription } from "../gen/baudbot/v1/brain_link_pb";
 import type { RobotDetail, RobotTruth } from "../gen/baudbot/v1/observe_pb";
-import { numberOf } from "./units";
+import { count, fixed, numberOf } from "./units";
 import { columnsOf, partsOf } from "./sensors";
 
 export type Values = Map<string, number>;
@@ -87,6 +87,19 @@ export function ageOf(now: Snapshot, sensor: number): number | undefined {
   const at_ns = now.detail?.sensors[sensor]?.sampledAtNs;
   return at_ns === undefined ? undefined : numberOf(now.time_ns - at_ns);
 }
+
+/** How many messages went over the link, and what is the matter if the brain writes more of them than it reads. */
+export function messagesText(up: bigint, down: bigint): string {
+  const text = `${count(up)} messages up, ${count(down)} down`;
+  const times = numberOf(down) / Math.max(1, numberOf(up));
+  if (numberOf(up) < ENOUGH || times < OFTEN) return text;
+  return `${text}: the brain wrote ${fixed(times, 1)} times as often as it read; commands without news delay those that have some`;
+}
+
+/** Of so many messages it is no matter of chance. */
+const ENOUGH = 50;
+/** Brains that repeat their commands now and then write less than that. */
+const OFTEN = 1.5;
 
 function detailValues(values: Values, detail: RobotDetail): void {
   values

@@ -95,3 +95,9 @@ export function roundStep(least: number): number {
   const digit = [1, 2, 5].find((digit) => digit * power >= least * (1 - 1e-9));
   return (digit ?? 10) * power;
 }
+
+/** What somebody else has said, cut if it is long. */
+export function brief(text: string, most: number): string {
+  const characters = [...text];
+  return characters.length <= most ? text : `${characters.slice(0, most).join("")}…`;
+}

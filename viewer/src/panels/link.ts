@@ -2,6 +2,7 @@
 import { el, setClass, setText } from "../dom";
 import type { LineStatus } from "../gen/baudbot/v1/world_pb";
 import type { RobotRecord } from "../model/record";
+import { messagesText } from "../model/quantities";
 import { count, duration, fixed, numberOf } from "../model/units";
 import { ValueRow } from "./value_row";
 
@@ -83,10 +84,7 @@ export class LinkSection {
         setClass(cell, "bad", lost > 0n);
       }
     }
-    setText(
-      this.messages,
-      `${count(detail.uplink?.messages ?? 0n)} messages up, ${count(detail.downlink?.messages ?? 0n)} down`,
-    );
+    setText(this.messages, messagesText(detail.uplink?.messages ?? 0n, detail.downlink?.messages ?? 0n));
     this.refreshCycles();
   }
 

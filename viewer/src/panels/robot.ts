@@ -4,7 +4,7 @@ import { el, setText, Throttle } from "../dom";
 import { labelOf } from "../model/quantities";
 import type { RobotRecord } from "../model/record";
 import type { Store } from "../model/store";
-import { degrees, fixed, short, withUnit } from "../model/units";
+import { brief, degrees, fixed, short, withUnit } from "../model/units";
 import type { ChartPanel } from "./chart";
 import type { HandSection } from "./hand";
 import { LinkSection } from "./link";
@@ -14,6 +14,9 @@ import { ValueRow } from "./value_row";
 const RATE_HZ = 10;
 /** Sensors that have rows; more would not be looked at. */
 const MOST_SENSORS = 64;
+/** Characters of what a brain says that it does: anybody may attach one, and everybody sees it. */
+const MOST_STATE = 200;
+const MOST_NAME = 40;
 
 export class RobotPanel {
   readonly element: HTMLElement;
@@ -119,7 +122,10 @@ export class RobotPanel {
 
   private refreshBelief(record: RobotRecord): void {
     const belief = this.store.beliefs.get(record.robot);
-    setText(this.state, belief ? belief.state || "publishes no state" : "The brain publishes nothing.");
+    setText(
+      this.state,
+      belief ? brief(belief.state, MOST_STATE) || "publishes no state" : "The brain publishes nothing.",
+    );
     this.state.classList.toggle("belief-text", belief !== undefined);
     const utilities = belief?.utilities.slice(0, 32) ?? [];
     this.dropUtilities(new Set(utilities.map((utility) => utility.name)));
@@ -140,7 +146,9 @@ export class RobotPanel {
   }
 
   private makeUtility(name: string): ValueRow {
-    const row = new ValueRow(`utility:${name}`, name, { kind: "bar", range: [0, 1] }, (key) => this.chart.toggle(key));
+    const row = new ValueRow(`utility:${name}`, brief(name, MOST_NAME), { kind: "bar", range: [0, 1] }, (key) =>
+      this.chart.toggle(key),
+    );
     row.charted(this.chart.keys.includes(row.key));
     this.utilityRows.set(name, row);
     this.utilities.append(row.element);
