@@ -52,8 +52,9 @@ export class Driver {
   private part(part: RobotTurn, tick: bigint) {
     const seat = this.seats[part.robot]!;
     seat.tick = tick;
-    // A server asks brains that wait, too, unless it waits for them. Without news there is nothing to answer.
-    if (part.atNs < seat.deadline_ns && !part.readings.some((reading) => reading.readable)) {
+    // A server asks brains that wait, too, unless it waits for them. Without a message there is nothing to answer; one may come without readings.
+    const hasNews = part.hasMessage || part.readings.some((reading) => reading.readable);
+    if (part.atNs < seat.deadline_ns && !hasNews) {
       return { robot: part.robot, untilMessage: { atLatestNs: seat.deadline_ns } };
     }
     const shown = new BrainTurn(part, this.robots[part.robot]!, Number(tick));
