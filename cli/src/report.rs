@@ -231,7 +231,8 @@ fn habit(robot: &Robot, simulated_s: f64) -> Option<String> {
 /// heard it is right to repeat oneself.
 fn times_too_often(commands: u64, messages: u64, simulated_s: f64) -> Option<String> {
     let enough = (messages as f64).max(REPEATS_PER_S * simulated_s);
-    (messages > 0 && commands as f64 > OFTEN * enough).then(|| handy(commands as f64 / messages as f64))
+    (messages > 0 && commands as f64 > OFTEN * enough)
+        .then(|| format!("{:.1}", commands as f64 / messages as f64))
 }
 
 /// So often a brain may repeat its command without news.
@@ -468,7 +469,7 @@ mod tests {
 
     #[test]
     fn more_commands_than_messages_are_too_many() {
-        assert_eq!(times_too_often(1179, 590, 19.0).as_deref(), Some("2"));
+        assert_eq!(times_too_often(1179, 590, 19.0).as_deref(), Some("2.0"));
         let enough =
             [(590, 590), (700, 590), (300, 590), (200, 3)].map(|(n, of)| times_too_often(n, of, 20.0));
         assert_eq!(enough, [const { None }; 4]);
