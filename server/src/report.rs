@@ -41,6 +41,8 @@ pub(crate) struct Version {
     pub(crate) changes: u64,
     /// Beliefs that its brains have published.
     pub(crate) beliefs: u64,
+    /// Steps of its brains that were thrown away, also outside the world's own thread.
+    pub(crate) lost_steps: u64,
     /// Bytes and ticks of its recording, and whether that has a problem.
     pub(crate) recording: Option<(u64, u64, bool)>,
 }

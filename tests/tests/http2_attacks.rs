@@ -611,6 +611,8 @@ async fn what_waits_for_the_reader_of_any_method_is_counted() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_thousand_questions_are_answered_by_one_status() {
     const MOST: u64 = 4 << 20;
+    const CALLS: u32 = 1000;
+    const PIECE: u64 = 16 << 10;
     let _alone = ALONE.lock().await;
     let (server, address, _folder) =
         serve_unread(1000, Limits { unread: 2 * MOST, unread_per_caller: Some(MOST), ..Limits::default() })
@@ -621,7 +623,7 @@ async fn a_thousand_questions_are_answered_by_one_status() {
     for path in ["/baudbot.v1.ControlService/GetWorld", LIST] {
         for _ in 0..4 {
             let mut attacker = Attacker::with_settings(address, &[(4, 0)]).await;
-            for number in 0..125 {
+            for number in 0..CALLS / 8 {
                 let message = if path == LIST { Vec::new() } else { prost::Message::encode_to_vec(&get) };
                 attacker.call(number, path, &message).await;
             }
@@ -633,7 +635,8 @@ async fn a_thousand_questions_are_answered_by_one_status() {
     while metric(&server, ended).await < 900.0 {
         assert!(began.elapsed() < Duration::from_secs(30), "{}", metric(&server, ended).await);
         let waits = metric(&server, UNREAD).await;
-        assert!(waits <= MOST as f64, "{waits}");
+        // Of each call the network has a piece, which is counted until it goes.
+        assert!(waits <= (MOST + u64::from(CALLS) * PIECE) as f64, "{waits}");
     }
     assert_eq!(metric(&server, "baudbot_world_statuses_made_total{world=\"w\"}").await, 1.0);
     let now = Held::now();

@@ -133,6 +133,7 @@ impl WorldActor {
         let version = Version {
             changes: self.changes,
             beliefs: self.beliefs.published(),
+            lost_steps: self.sessions.all_lost_steps(),
             recording: recording.map(|report| (report.bytes, report.ticks, report.problem.is_some())),
         };
         let report = (known != Some(&version)).then(|| self.report(0));

@@ -30,8 +30,12 @@ impl Metered {
         let (outbox, inbox) = limits.outbox(caller, what, usize::MAX);
         let pays = pays.then(|| (limits.clone(), Arc::clone(caller)));
         let mut metered = Self { body, outbox, inbox, pays, trailers: None, is_over: false };
-        // Whoever reads it asks again, and is woken then.
-        let _ = metered.fill(&mut Context::from_waker(Waker::noop()));
+        // What is single, and how it ended. Whoever reads it asks again, and is woken then.
+        for _ in 0..2 {
+            if !matches!(metered.fill(&mut Context::from_waker(Waker::noop())), Poll::Ready(Ok(()))) {
+                break;
+            }
+        }
         metered
     }
 
@@ -41,7 +45,7 @@ impl Metered {
             return Poll::Ready(Ok(()));
         }
         let Some(frame) = std::task::ready!(Pin::new(&mut self.body).poll_frame(context)) else {
-            self.is_over = true;
+            self.finish();
             return Poll::Ready(Ok(()));
         };
         match frame?.into_data() {
@@ -51,9 +55,17 @@ impl Metered {
                 }
                 self.outbox.push(Parts(vec![bytes]));
             }
-            Err(frame) => (self.trailers, self.is_over) = (frame.into_trailers().ok(), true),
+            Err(frame) => {
+                self.trailers = frame.into_trailers().ok();
+                self.finish();
+            }
         }
         Poll::Ready(Ok(()))
+    }
+
+    /// The service is done. Its end of the body goes: what it has encoded lies in memory as long as that does.
+    fn finish(&mut self) {
+        (self.body, self.is_over) = (Body::empty(), true);
     }
 
     /// It ends with this status, and with it the service.
@@ -61,7 +73,7 @@ impl Metered {
         let mut trailers = HeaderMap::new();
         // The words of a limit fit into headers.
         let _ = status.add_header(&mut trailers);
-        (self.body, self.is_over) = (Body::empty(), true);
+        self.finish();
         Frame::trailers(trailers)
     }
 }

@@ -51,6 +51,11 @@ impl Sessions {
         }
     }
 
+    /// Steps for all robots that were thrown away.
+    pub(crate) fn all_lost_steps(&self) -> u64 {
+        self.slots.iter().map(|slot| self.lost_steps(slot)).sum()
+    }
+
     /// Steps for a robot that were thrown away.
     pub(super) fn lost_steps(&self, slot: &Slot) -> u64 {
         let session = slot.session().and_then(|number| self.by_number.get(&number));
