@@ -77,8 +77,8 @@ fn a_room_behind_a_door_of_half_a_metre_is_explored() {
 #[test]
 fn a_door_that_is_too_narrow_is_looked_through_and_named() {
     for brain in [NODES, FRONTIERS] {
-        // How much is seen through the door depends on the noise: with seeds 1 to 8 from 0.972 to 0.999 of what can be seen.
-        let said = explore(&Plan::rooms_with(0.38), brain, 7);
+        // How much is seen through the door depends on the noise: with seeds 1 to 8 from 0.977 to 1.000 of what can be seen.
+        let said = explore(&Plan::rooms_with(0.38), brain, 1);
         assert_eq!(said, "has seen all but 1 opening narrower than 0.48 m", "{brain}");
     }
 }
