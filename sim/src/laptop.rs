@@ -9,7 +9,7 @@ use baudbot_wire::{Layout, Message, Values, clock};
 use serde::{Deserialize, Serialize};
 
 use crate::firmware::{Decoder, Firmware, Found, Protocol};
-use crate::histogram::Histogram;
+use crate::freshness::Freshness;
 use crate::link::{Line, Message as Arrived};
 use crate::model::RobotSpec;
 use crate::sensor::Sensor;
@@ -61,16 +61,6 @@ pub(crate) struct Laptop {
     pub(crate) informed: bool,
     /// Whether there is a brain, and it has taken the step.
     pub(crate) has_stepped: bool,
-}
-
-/// How old one sensor's readings were when the brain got them.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Freshness {
-    /// Steps of the brain in which the sensor was readable.
-    pub readable: u64,
-    /// The true ages of those readings whose age is known: all but those of a bare message that bytes were lost
-    /// around.
-    pub ages: Histogram,
 }
 
 impl Laptop {
@@ -285,12 +275,8 @@ impl Laptop {
         for ((reading, sampled_at), freshness) in
             self.readings.iter_mut().zip(&mut self.sampled).zip(&mut self.freshness)
         {
-            if !core::mem::take(&mut reading.readable) {
-                continue;
-            }
-            freshness.readable += 1;
-            if let Some(sampled_at) = sampled_at.take() {
-                freshness.ages.note(at.since(sampled_at));
+            if core::mem::take(&mut reading.readable) {
+                freshness.note(at, sampled_at.take());
             }
         }
     }

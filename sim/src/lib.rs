@@ -43,6 +43,7 @@ mod decoder;
 pub mod drive;
 pub mod fault;
 pub mod firmware;
+mod freshness;
 mod hash;
 mod heap;
 mod histogram;
@@ -80,8 +81,9 @@ mod wheels;
 mod world;
 
 pub use baudbot_geometry::Pose;
+pub use freshness::Freshness;
 pub use histogram::Histogram;
-pub use laptop::{Freshness, Reading};
+pub use laptop::Reading;
 pub use robot::Written;
 pub use scenario::Scenario;
 pub use time::SimTime;

@@ -94,14 +94,9 @@ impl RawReadings {
         let (signals, places) = (&layout.signals, &layout.places);
         let layout = layout.borrow();
         match port {
-            Port::Framed(decoder) => {
-                for &byte in &raw.bytes {
-                    // A damaged frame is lost, and its readings stay what they were.
-                    if let Some(Ok(payload)) = decoder.push(byte) {
-                        has_message |= note_frame(readings, (&layout, places), payload, raw.at_ns);
-                    }
-                }
-            }
+            Port::Framed(decoder) => hear_frames(decoder, &raw.bytes, |payload| {
+                has_message |= note_frame(readings, (&layout, places), payload, raw.at_ns);
+            }),
             Port::Bare { decoder, silence } => {
                 let at_ns = silence.clock_ns(raw);
                 for &byte in &raw.bytes {
@@ -134,6 +129,15 @@ impl RawReadings {
 
 /// What a Khepera told: the positions of its wheels, if they came, and the values of all else.
 type Told<'a> = (Option<[i32; 2]>, Numbers<'a>);
+
+/// Notes the frames that these bytes complete. A damaged one is lost, and its readings stay what they were.
+fn hear_frames(decoder: &mut Decoder, bytes: &[u8], mut note: impl FnMut(&[u8])) {
+    for &byte in bytes {
+        if let Some(Ok(payload)) = decoder.push(byte) {
+            note(payload);
+        }
+    }
+}
 
 /// Notes the readings of a Khepera that these bytes complete.
 fn hear_lines<'a>(

@@ -37,13 +37,7 @@ pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
             what: "journals of worlds, gone on with",
             seeds: vec![journal.take()],
             words: RECORDS,
-            run: Box::new(|bytes| match Journal::read(bytes).and_then(|journal| journal.restore()) {
-                Ok(restored) => restored.world.tick(),
-                Err(error) => match Journal::salvage(bytes) {
-                    Ok(salvaged) => salvaged.restored.world.tick(),
-                    Err(_) => outcome(&error.to_string()),
-                },
-            }),
+            run: Box::new(journals),
         },
         Target {
             name: "states",
@@ -57,6 +51,17 @@ pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
 
 /// With a device with its own clock, one with its own cable, an adapter, things that move and a floor that is counted.
 const SCENARIO: &str = include_str!("world.toml");
+
+/// What is not restored is salvaged.
+fn journals(bytes: &[u8]) -> u64 {
+    match Journal::read(bytes).and_then(|journal| journal.restore()) {
+        Ok(restored) => restored.world.tick(),
+        Err(error) => match Journal::salvage(bytes) {
+            Ok(salvaged) => salvaged.restored.world.tick(),
+            Err(_) => outcome(&error.to_string()),
+        },
+    }
+}
 
 fn recordings(bytes: &[u8]) -> u64 {
     Frames::read(bytes).take(10).for_each(drop);

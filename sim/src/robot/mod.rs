@@ -106,13 +106,8 @@ impl Robot {
     }
 
     pub(crate) fn new(spec: &RobotSpec, seed: u64, noise: bool) -> Self {
-        let Start { pose, speed_m_s, turn_rate_rad_s, wheels_at_rest } = spec.start;
-        let mut motion = spec.drive.place(pose, speed_m_s, turn_rate_rad_s);
-        if wheels_at_rest {
-            motion.wheel_speed_rad_s = Wheels::default();
-        }
         Self {
-            motion,
+            motion: started(spec),
             signals: Wheels::default(),
             motor_noise: NoiseState::new(
                 &spec.drive.motor_noise,
@@ -204,6 +199,16 @@ impl Robot {
         self.uplink.begin_burst();
         self.downlink.begin_burst();
     }
+}
+
+/// The motion with which a robot starts.
+fn started(spec: &RobotSpec) -> Motion {
+    let Start { pose, speed_m_s, turn_rate_rad_s, wheels_at_rest } = spec.start;
+    let mut motion = spec.drive.place(pose, speed_m_s, turn_rate_rad_s);
+    if wheels_at_rest {
+        motion.wheel_speed_rad_s = Wheels::default();
+    }
+    motion
 }
 
 /// Of each port, whether it is a dialogue; nothing if none is.
