@@ -4,12 +4,13 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use baudbot_sim::World;
-use baudbot_sim::cable::{Cable, Listener};
+use baudbot_sim::cable::Listener;
 use baudbot_wire::meaning::Item;
 
 use crate::convert;
 use crate::frame::{CableItem, CableNews};
 use crate::limits::{Outbox, Parts};
+use crate::message::WatchCable;
 
 /// Items that wait for a watcher that does not read. Of more the oldest are missed.
 const MOST_WAITING: usize = 512;
@@ -19,13 +20,6 @@ const MOST_KEPT: usize = 1 << 16;
 
 /// Bytes of an item that a watcher is told.
 const MOST_TOLD: usize = 4096;
-
-/// Who wants to see the bytes of a cable.
-pub(crate) struct WatchCable {
-    pub(crate) robot: usize,
-    pub(crate) cable: Cable,
-    pub(crate) news: Outbox,
-}
 
 /// The watchers of a world's cables.
 #[derive(Default)]
@@ -161,6 +155,7 @@ fn kept(item: &Item<'_>) -> CableItem {
 mod tests {
     use baudbot_proto::v1::WatchCableResponse;
     use baudbot_sim::Input;
+    use baudbot_sim::cable::Cable;
     use futures_util::{FutureExt as _, StreamExt as _};
 
     use super::*;

@@ -28,6 +28,7 @@ mod stopwatch;
 #[cfg(test)]
 mod tests;
 mod timeline;
+mod watchdog;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -45,7 +46,6 @@ use crate::limits::Charges;
 use crate::log::event;
 use crate::message::Message;
 use crate::observers::Observers;
-use crate::pace::WatchdogPolicy;
 use crate::report::Activity;
 use crate::sessions::Sessions;
 pub use direct::DirectWorld;
@@ -375,34 +375,6 @@ impl WorldActor {
         self.show();
         self.sessions.tell_ended(&self.world);
         self.answer_halts();
-    }
-
-    /// The watchdog acts on every brain that has not answered in time.
-    fn time_out(&mut self) {
-        let Some(watchdog) = self.pacer.pace.watchdog() else { return };
-        let timeout = watchdog.timeout;
-        self.changes += 1;
-        let now = clock::now();
-        self.pacer.note_wait(now);
-        self.pacer.wait_from(now);
-        for number in self.sessions.owing().collect::<Vec<_>>() {
-            self.pacer.statistics.watchdog_timeouts += 1;
-            event!(self, warn, session = number, brain = self.sessions.name(number),
-                timeout_s = timeout.as_secs_f64(), policy = ?watchdog.policy, "brain has not answered in time");
-            match watchdog.policy {
-                WatchdogPolicy::Wait => {}
-                WatchdogPolicy::GoOn => {
-                    let overtaken = self.sessions.give_up(number);
-                    self.settle(&overtaken.steps);
-                    self.deliver_deferred(number, overtaken.deferred);
-                }
-                WatchdogPolicy::Detach => {
-                    let status = Status::deadline_exceeded(format!("no answer to a Turn within {timeout:?}"));
-                    self.close(number, status);
-                }
-            }
-        }
-        self.handle_deferred_at_last();
     }
 
     fn tick_end(&self) -> SimTime {

@@ -14,7 +14,7 @@ use crate::quote::brief;
 use crate::report::{Activity, Report, Standing, Version};
 
 impl WorldActor {
-    /// Does what an operator requests, and replies at once or when it is done.
+    /// Does what an operator requests, unless that is refused, and replies at once or when it is done.
     pub(super) fn handle_request(&mut self, request: Request, reply: Reply<Report>) {
         if reply.is_closed() {
             return; // its client is gone
@@ -23,6 +23,11 @@ impl WorldActor {
             return drop(reply.send(Err(status)));
         }
         self.log_request(&request);
+        self.fulfil(request, reply);
+    }
+
+    /// Does what is requested and is not refused, and replies.
+    fn fulfil(&mut self, request: Request, reply: Reply<Report>) {
         let answer = match request {
             Request::Step { ticks } => return self.step(ticks, reply),
             Request::Seek { tick } => return self.seek(tick, reply),
@@ -34,10 +39,7 @@ impl WorldActor {
             },
             Request::Report => Ok(self.report(0)),
             Request::Save { snapshot } => self.saved(snapshot),
-            Request::Snapshot => self.take_snapshot().map(|number| {
-                self.keep_snapshot(number);
-                self.report(number)
-            }),
+            Request::Snapshot => self.snapshot_now(),
             Request::Record(config) => self.record(config).map(|()| self.report(0)),
             Request::StopRecording(closed) => self.stop_recording(closed),
             Request::Restore { snapshot } => self.restore(snapshot).map(|()| self.report(0)),
@@ -67,6 +69,13 @@ impl WorldActor {
     fn reported(&mut self, work: impl FnOnce(&mut Self)) -> Result<Report, Status> {
         work(self);
         Ok(self.report(0))
+    }
+
+    /// Takes a snapshot, keeps it, and reports its number.
+    fn snapshot_now(&mut self) -> Result<Report, Status> {
+        let number = self.take_snapshot()?;
+        self.keep_snapshot(number);
+        Ok(self.report(number))
     }
 
     /// Checks that the world may run at this pace, if others lag.

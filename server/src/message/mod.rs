@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use baudbot_recording::RecordedRun;
 use baudbot_sim::Scenario;
+use baudbot_sim::cable::Cable;
 use tokio::sync::{OwnedSemaphorePermit, oneshot};
 use tonic::Status;
 
-use crate::cables::WatchCable;
 use crate::endpoint::Write;
 use crate::limits::Outbox;
 use crate::measures::Measures;
@@ -75,4 +75,11 @@ pub(crate) struct Watch {
     /// Whether details have what is on the pins of their chips; pulses with a shorter period, in nanoseconds, are told together.
     pub(crate) pins_finest_ns: Option<u64>,
     pub(crate) frames: Outbox,
+}
+
+/// Who wants to see the bytes of a cable.
+pub(crate) struct WatchCable {
+    pub(crate) robot: usize,
+    pub(crate) cable: Cable,
+    pub(crate) news: Outbox,
 }

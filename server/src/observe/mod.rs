@@ -15,11 +15,10 @@ use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status};
 
 use crate::answers::{Last, Made};
-use crate::cables::WatchCable;
 use crate::convert;
 use crate::in_bytes::decoded;
 use crate::limits::{Account, InForce, Inbox, Parts, Payer, Tally};
-use crate::message::{Message, Watch};
+use crate::message::{Message, Watch, WatchCable};
 use crate::observers::MAX_DETAILS;
 use crate::quote::brief;
 use crate::registry::Registry;

@@ -1,8 +1,9 @@
 //! Looking at what is kept without going on with it, and making a world of what is left of a damaged one.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
-use baudbot_recording::journal::{Entries, Journal, JournalError, Ports, Salvaged};
+use baudbot_recording::journal::{Entries, Journal, JournalError, Ports, Restored, Salvaged};
 
 use super::file_names;
 use super::folder::{StateError, StateFolder};
@@ -97,7 +98,7 @@ pub enum RecoverError {
         /// Which.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        source: io::Error,
     },
 }
 
@@ -138,10 +139,6 @@ impl StateFolder {
         }
         let (journal, salvaged) = salvage(storage, &from)?;
         let target = worlds.join(to);
-        let failed = |path: &Path| {
-            let path = path.to_owned();
-            move |source| RecoverError::Io { path, source }
-        };
         if from == target {
             let aside = file_names::damaged(storage, &from);
             storage.rename(&from, &aside).map_err(failed(&from))?;
@@ -151,29 +148,51 @@ impl StateFolder {
         }
         let mut notes = notes(&journal, &salvaged);
         storage.make_folder(&target).map_err(failed(&target))?;
-        for (number, path) in file_names::snapshots(storage, &from).map_err(failed(&from))? {
-            match kept::snapshot(storage, number, &path) {
-                Ok(snapshot) => {
-                    let path = file_names::snapshot(&target, number);
-                    let written = storage.write(&path, &snapshot.bytes).and_then(|file| file.sync());
-                    written.map_err(failed(&path))?;
-                }
-                Err(error) => notes.push(format!("snapshot {number} {error}, and is left out")),
-            }
-        }
+        notes.extend(copy_snapshots(storage, &from, &target)?);
         let restored = &salvaged.restored;
-        let ports = Ports { ports: restored.ports.clone() };
-        let (world, made) = (&restored.world, &restored.made);
-        let bytes = Entries::beginning(to, world, made, &restored.settings, &ports).take();
-        // The journal comes last, whole: with it the world is there.
-        let path = file_names::journal(&target, 1);
-        let new = path.with_extension(file_names::UNFINISHED);
-        let written = storage.write(&new, &bytes).and_then(|file| file.sync());
-        written.and_then(|()| storage.rename(&new, &path)).map_err(failed(&path))?;
-        storage.sync_folder(&target).map_err(failed(&target))?;
-        let (tick, time_s) = (world.tick(), world.time().as_seconds());
+        begin_journal(storage, to, &target, restored)?;
+        let (tick, time_s) = (restored.world.tick(), restored.world.time().as_seconds());
         Ok(Recovered { name: to.to_owned(), tick, time_s, from, notes })
     }
+}
+
+/// A file or folder cannot be written.
+fn failed(path: &Path) -> impl FnOnce(io::Error) -> RecoverError {
+    let path = path.to_owned();
+    move |source| RecoverError::Io { path, source }
+}
+
+/// Copies the snapshots of a world that can be used, and tells which are left out.
+fn copy_snapshots(storage: &dyn Storage, from: &Path, target: &Path) -> Result<Vec<String>, RecoverError> {
+    let mut left_out = Vec::new();
+    for (number, path) in file_names::snapshots(storage, from).map_err(failed(from))? {
+        match kept::snapshot(storage, number, &path) {
+            Ok(snapshot) => {
+                let path = file_names::snapshot(target, number);
+                let written = storage.write(&path, &snapshot.bytes).and_then(|file| file.sync());
+                written.map_err(failed(&path))?;
+            }
+            Err(error) => left_out.push(format!("snapshot {number} {error}, and is left out")),
+        }
+    }
+    Ok(left_out)
+}
+
+/// Writes the journal with which the world `to` goes on. It comes last, whole: with it the world is there.
+fn begin_journal(
+    storage: &dyn Storage,
+    to: &str,
+    target: &Path,
+    restored: &Restored,
+) -> Result<(), RecoverError> {
+    let ports = Ports { ports: restored.ports.clone() };
+    let (world, made) = (&restored.world, &restored.made);
+    let bytes = Entries::beginning(to, world, made, &restored.settings, &ports).take();
+    let path = file_names::journal(target, 1);
+    let new = path.with_extension(file_names::UNFINISHED);
+    let written = storage.write(&new, &bytes).and_then(|file| file.sync());
+    written.and_then(|()| storage.rename(&new, &path)).map_err(failed(&path))?;
+    storage.sync_folder(target).map_err(failed(target))
 }
 
 /// How what is in this folder is; `None` if nothing was ever kept in it.
@@ -215,12 +234,12 @@ fn damaged(storage: &dyn Storage, worlds: &Path, name: &str) -> Option<PathBuf> 
 
 /// The newest journal of a folder of which something is left.
 fn salvage(storage: &dyn Storage, folder: &Path) -> Result<(PathBuf, Salvaged), RecoverError> {
-    let failed = |source| RecoverError::Io { path: folder.to_owned(), source };
     let mut problem =
         RecoverError::Nothing { file: folder.to_owned(), problem: Problem::NoJournal.to_string() };
-    for (number, (_, path)) in file_names::journals(storage, folder).map_err(failed)?.into_iter().enumerate()
+    for (number, (_, path)) in
+        file_names::journals(storage, folder).map_err(failed(folder))?.into_iter().enumerate()
     {
-        let bytes = storage.read(&path).map_err(failed)?;
+        let bytes = storage.read(&path).map_err(failed(folder))?;
         match Journal::salvage(&bytes) {
             Ok(salvaged) => return Ok((path, salvaged)),
             Err(error) if number == 0 => {

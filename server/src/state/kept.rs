@@ -140,24 +140,8 @@ pub(super) fn peek(storage: &dyn Storage, name: &str, folder: &Path) -> Result<O
             Err(error) => return Err(used(error.into())),
             Ok(journal) => {
                 let restored = journal.restore().map_err(|error| used(error.into()))?;
-                let mut notes = Vec::new();
-                if let Some((newer, problem)) = begun {
-                    notes.push(format!(
-                        "{} {problem}, and {} before it is continued",
-                        file(&newer),
-                        file(&path)
-                    ));
-                }
-                if journal.torn() > 0 {
-                    let torn = journal.torn();
-                    notes.push(format!(
-                        "the last {torn} bytes of its journal are an unfinished write and are left out"
-                    ));
-                }
                 let (snapshots, spoiled) = snapshots(storage, folder)?;
-                for (path, error) in &spoiled {
-                    notes.push(format!("{} {error}, and is left out", file(path)));
-                }
+                let notes = notes(&path, begun.as_ref(), &journal, &spoiled);
                 let spoiled = spoiled.into_iter().map(|(path, _)| path).collect();
                 let note = (!notes.is_empty()).then(|| notes.join("; "));
                 let world = kept(name, restored, snapshots);
@@ -171,6 +155,28 @@ pub(super) fn peek(storage: &dyn Storage, name: &str, folder: &Path) -> Result<O
         None if file_names::is_unused(storage, folder).map_err(at)? => Ok(None),
         None => Err((folder.to_owned(), Problem::NoJournal)),
     }
+}
+
+/// What is to be told about a world that goes on with this journal: of a newer one that was only begun, an unfinished write at its end,
+/// and snapshots that cannot be used.
+fn notes(
+    path: &Path,
+    begun: Option<&Unusable>,
+    journal: &Journal,
+    spoiled: &[(PathBuf, JournalError)],
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some((newer, problem)) = begun {
+        notes.push(format!("{} {problem}, and {} before it is continued", file(newer), file(path)));
+    }
+    if journal.torn() > 0 {
+        let torn = journal.torn();
+        notes.push(format!("the last {torn} bytes of its journal are an unfinished write and are left out"));
+    }
+    for (path, error) in spoiled {
+        notes.push(format!("{} {error}, and is left out", file(path)));
+    }
+    notes
 }
 
 fn file(path: &Path) -> String {

@@ -1,0 +1,170 @@
+//! The limits of worlds, and of what is in them: their places, their memory, and the load that they are.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use baudbot_sim::Scenario;
+use tonic::Status;
+
+use super::{InForce, Place, Whole};
+use crate::clock;
+use crate::limits::accounts::{Counted, Taken, Tally};
+use crate::limits::memory::{Held, ScenarioHeld};
+use crate::limits::parsing::{Cancelled, Waiter};
+use crate::limits::{Exceeded, Limit, Limits, SOON};
+use crate::system::blocking;
+
+impl InForce {
+    /// The place of a world with so many robots.
+    ///
+    /// # Errors
+    /// If there are too many worlds, or robots.
+    pub(crate) fn world(&self, robots: usize) -> Result<(Place, Place), Exceeded> {
+        self.check_robots(robots)?;
+        let limits = self.limits();
+        let (worlds, most) = (limits.worlds, limits.robots);
+        let world = self.place(Whole::Worlds, 1, worlds);
+        let world = world
+            .ok_or_else(|| self.refuse(Limit::Worlds, format!("the server has {worlds} worlds"), None))?;
+        let robots = self.place(Whole::Robots, robots, most).ok_or_else(|| {
+            let what = format!("with {robots} more robots the server would have more than {most}");
+            self.refuse(Limit::Robots, what, None)
+        })?;
+        Ok((world, robots))
+    }
+
+    /// Checks the number of robots of a world.
+    ///
+    /// # Errors
+    /// If there are too many.
+    pub(crate) fn check_robots(&self, robots: usize) -> Result<(), Exceeded> {
+        let most = self.limits().robots_per_world;
+        if robots <= most {
+            return Ok(());
+        }
+        let what = format!("the world would have {robots} robots, more than {most}");
+        Err(self.refuse(Limit::RobotsPerWorld, what, None))
+    }
+
+    /// A world that this caller creates.
+    ///
+    /// # Errors
+    /// If it has too many.
+    pub(crate) fn world_of(&self, tally: &Arc<Tally>) -> Result<Taken, Exceeded> {
+        let most = tally.account().most(self.limits().worlds_per_caller, Limits::WORLDS_PER_CALLER);
+        self.take(tally, Counted::Worlds, most, Limit::WorldsPerCaller, "worlds")
+    }
+
+    /// The place of another snapshot.
+    ///
+    /// # Errors
+    /// If there are too many.
+    pub(crate) fn snapshot(&self) -> Result<Place, Exceeded> {
+        let most = self.limits().snapshots;
+        self.place(Whole::Snapshots, 1, most)
+            .ok_or_else(|| self.refuse(Limit::Snapshots, format!("the server keeps {most} snapshots"), None))
+    }
+
+    fn place(&self, of: Whole, count: usize, most: usize) -> Option<Place> {
+        let more = |n: usize| n.checked_add(count).filter(|&sum| sum <= most);
+        self.0.counts[of as usize].fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).ok()?;
+        Some(Place { limits: self.clone(), of, count })
+    }
+
+    /// Memory that is not held.
+    pub(crate) fn free_bytes(&self) -> u64 {
+        self.limits().memory_bytes.saturating_sub(self.0.memory.held())
+    }
+
+    /// Memory for something.
+    ///
+    /// # Errors
+    /// If there is not so much.
+    pub(crate) fn hold(&self, bytes: u64) -> Result<Held, Exceeded> {
+        let most = self.limits().memory_bytes;
+        self.0.memory.hold(bytes, most).ok_or_else(|| {
+            let free = self.free_bytes();
+            let what = format!(
+                "this takes {} MB, and {} MB are free of the server's {} MB",
+                in_mb(bytes),
+                in_mb(free),
+                in_mb(most)
+            );
+            self.refuse(Limit::Memory, what, None)
+        })
+    }
+
+    /// Memory for a scenario that is there, unless another world has it, too.
+    ///
+    /// # Errors
+    /// If there is not so much.
+    pub(crate) fn hold_scenario(&self, scenario: &Arc<Scenario>) -> Result<Arc<ScenarioHeld>, Exceeded> {
+        self.0.memory.hold_scenario(scenario, |bytes| self.hold(bytes))
+    }
+
+    /// A world that follows the wall clock has let time go that it could have kept.
+    pub(crate) fn note_lag(&self, now: Instant) {
+        self.0.overload.note(now);
+    }
+
+    /// A world has let time go. If it is to be told of all worlds: how often that has happened since it was last told.
+    pub(crate) fn lag_in_all(&self, now: Instant) -> Option<u64> {
+        self.0.lags.note(now)
+    }
+
+    /// Checks that another world may run by its own pace.
+    ///
+    /// # Errors
+    /// If those that are there lag already.
+    pub(crate) fn check_load(&self) -> Result<(), Exceeded> {
+        let after = self.limits().overload_after_s;
+        let seconds = self.0.overload.seconds(clock::now());
+        if after == 0 || seconds < after {
+            return Ok(());
+        }
+        let what = format!("worlds in real time have lagged for {seconds} s, {after} s or more");
+        Err(self.refuse(Limit::Overload, what, None))
+    }
+
+    /// Memory that is there already, and is counted whatever the limit.
+    pub(crate) fn count_memory(&self, bytes: u64) -> Option<Held> {
+        let mut held = self.0.memory.hold(0, u64::MAX)?;
+        held.set(bytes);
+        Some(held)
+    }
+
+    /// Reads something, when it is its turn, with memory for the time that it takes. What nobody waits for any more is not begun.
+    ///
+    /// # Errors
+    /// If too many wait, or there is not so much memory; or if the work panics.
+    pub(crate) async fn read<T: Send + 'static>(
+        &self,
+        bytes: u64,
+        work: impl FnOnce(&Cancelled) -> T + Send + 'static,
+    ) -> Result<T, Status> {
+        // The request itself is in memory while it waits.
+        let held = self.hold(bytes)?;
+        let most = self.limits().waiting;
+        let Some(permit) = self.0.parsing.turn(most).await else {
+            let what = format!("{most} requests wait until theirs is read");
+            return Err(self.refuse(Limit::Waiting, what, Some(SOON)).into());
+        };
+        let waiter = Waiter(Cancelled::default());
+        let cancelled = waiter.0.clone();
+        let work = move || {
+            // Kept until the work is done, even if nobody waits for it any more.
+            let _kept = (permit, held);
+            work(&cancelled)
+        };
+        let done = blocking(work).await;
+        drop(waiter);
+        done
+    }
+}
+
+/// Megabytes, rounded up where less than one would be nothing.
+fn in_mb(bytes: u64) -> String {
+    let mb = bytes as f64 / 1e6;
+    if mb < 100.0 { format!("{mb:.1}") } else { format!("{mb:.0}") }
+}
