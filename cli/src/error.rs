@@ -1,16 +1,13 @@
-//! Errors as this program prints them: one line, and an exit code.
+//! Errors as this program prints them, in one line. `failure` prints them.
 
 use std::error::Error;
 use std::fmt;
 use std::io;
 use std::os::unix::fs::FileTypeExt;
-use std::process::ExitCode;
 
 use baudbot_fields::printable::Printable;
 use baudbot_server::{Address, ServerError};
 use tonic::Code;
-
-use crate::text::tell;
 
 /// The command asks for something that cannot be: a scenario or an argument has to be changed. Exit code 2,
 /// as for options that do not exist; anything that goes wrong later is exit code 1.
@@ -49,25 +46,6 @@ pub(crate) fn from_output(error: io::Error, name: &str) -> anyhow::Error {
         return ReaderGone.into();
     }
     anyhow::Error::from(error).context(format!("cannot write {name}"))
-}
-
-/// Tells what went wrong, unless nobody is there any more to whom it matters, and gives the exit code.
-pub(crate) fn told(error: &anyhow::Error) -> ExitCode {
-    if !error.is::<ReaderGone>() {
-        tell!("error: {}", text(error));
-    }
-    exit_code(error)
-}
-
-/// The exit code of an error. For [`ReaderGone`] it is that of a program which the signal SIGPIPE has ended.
-fn exit_code(error: &anyhow::Error) -> ExitCode {
-    ExitCode::from(if error.is::<Refused>() {
-        2
-    } else if error.is::<ReaderGone>() {
-        141
-    } else {
-        1
-    })
 }
 
 /// The error with its causes. A cause that the text before it already tells is left out.

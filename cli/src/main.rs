@@ -2,7 +2,7 @@
 //!
 //! From the command line inwards:
 //!
-//! 1. `args` is the command line; `error` is how a command fails, in one line.
+//! 1. `args` is the command line; `error` is why a command fails, in one line, and `failure` how it ends then.
 //! 2. `run`, `sweep`, `tune`, `grade`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
 //!    `preset`, `evidence`, `fit`, `export`, `watch`, `new`, `token`, `state`, `cert`, `list` and `pages` are the commands, one a file or folder; `work` is
 //!    what `sweep`, `tune` and `grade` share, and `class` grades many brains.
@@ -35,6 +35,7 @@ mod error;
 mod escapes;
 mod evidence;
 mod export;
+mod failure;
 mod fit;
 mod foxglove;
 mod gdb;
@@ -105,7 +106,7 @@ fn main() -> ExitCode {
     let _logs = logs::start(filter, format, serves);
     match execute(command) {
         Ok(code) => code,
-        Err(error) => error::told(&error),
+        Err(error) => failure::told(&error),
     }
 }
 

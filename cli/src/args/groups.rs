@@ -10,6 +10,7 @@ use console::Term;
 
 use super::Cli;
 use crate::error;
+use crate::failure;
 use crate::text::tell;
 
 /// What somebody wants to do, with the commands for it. `help` is clap's own.
@@ -67,7 +68,7 @@ fn told(error: &clap::Error) -> ExitCode {
     }
     match written {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => error::told(&error::from_output(failure, "stdout")),
+        Err(problem) => failure::told(&error::from_output(problem, "stdout")),
     }
 }
 

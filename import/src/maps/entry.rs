@@ -147,10 +147,17 @@ impl Raw {
     }
 
     fn svg(&self, file: String, path: &str) -> Result<Source, ImportError> {
-        let wrong = |field: &str, problem: String| ImportError::field(format!("{path}.{field}"), problem);
         if self.unknown.is_some() {
-            return Err(wrong("unknown", "is for maps with `ros` only: take it out".into()));
+            let problem = "is for maps with `ros` only: take it out";
+            return Err(ImportError::field(format!("{path}.unknown"), problem));
         }
+        let plan = Plan { scale: self.scale(path)?, choice: self.choice(path)?, marks: self.marks() };
+        Ok(Source::Svg { file, plan })
+    }
+
+    /// How the drawing lies in the arena, with what is usual where nothing is said.
+    fn scale(&self, path: &str) -> Result<Scale, ImportError> {
+        let wrong = |field: &str, problem: String| ImportError::field(format!("{path}.{field}"), problem);
         let Some(m_per_unit) = self.m_per_unit else {
             return Err(wrong(
                 "m_per_unit",
@@ -172,21 +179,29 @@ impl Raw {
             let problem = format!("must be from {MIN_TOLERANCE} to {MAX_POSITION}, is {tolerance}");
             return Err(wrong("tolerance_m", problem));
         }
-        let scale = Scale { m_per_unit, origin, tolerance };
+        Ok(Scale { m_per_unit, origin, tolerance })
+    }
+
+    /// Which shapes of the drawing are walls.
+    fn choice(&self, path: &str) -> Result<Choice, ImportError> {
         let selectors = |field: &str, texts: &Option<Vec<String>>| {
             let texts = texts.iter().flatten().enumerate();
             let parse = |(i, text): (usize, &String)| {
-                text.parse::<Selector>().map_err(|problem| wrong(&format!("{field}[{i}]"), problem))
+                text.parse::<Selector>()
+                    .map_err(|problem| ImportError::field(format!("{path}.{field}[{i}]"), problem))
             };
             texts.map(parse).collect::<Result<Vec<Selector>, _>>()
         };
-        let choice =
-            Choice { only: selectors("only", &self.only)?, without: selectors("without", &self.without)? };
+        Ok(Choice { only: selectors("only", &self.only)?, without: selectors("without", &self.without)? })
+    }
+
+    /// The places that are asked for: where robots start, then the goal.
+    fn marks(&self) -> Vec<Wanted> {
         let starts = self.starts.iter().flatten();
         let starts =
             starts.map(|(robot, id)| Wanted { id: id.clone(), purpose: Purpose::Start(robot.clone()) });
         let goal = self.goal.iter().map(|id| Wanted { id: id.clone(), purpose: Purpose::Goal });
-        Ok(Source::Svg { file, plan: Plan { scale, choice, marks: starts.chain(goal).collect() } })
+        starts.chain(goal).collect()
     }
 }
 

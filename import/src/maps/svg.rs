@@ -243,20 +243,7 @@ fn notes(
         let idle = selectors.iter().filter_map(|selector| selector.chooses_nothing(traits));
         notes.extend(idle.map(|text| FileNote { weight: Weight::Warning, field, text }));
     }
-    let [images, texts] = drawing.passed_over()?;
-    let mut left_out = Vec::new();
-    if let Some(names) = listed(walls.left_out.iter().map(|name| short(name)).collect::<Vec<_>>().iter()) {
-        left_out
-            .push(format!("{} by `only` and `without` ({names})", counted(walls.left_out.len(), "shape")));
-    }
-    let others = [
-        (found.transparent, "shape that can be seen through"),
-        (found.clipped, "shape outside its clip path"),
-        (images, "image"),
-        (texts, "text"),
-    ];
-    left_out
-        .extend(others.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| counted(count, what)));
+    let left_out = left_out(drawing, found, walls)?;
     if !left_out.is_empty() {
         let text = format!("left out: {}", left_out.join("; "));
         notes.push(FileNote { weight: Weight::Remark, field: "svg", text });
@@ -279,6 +266,25 @@ fn notes(
         ))
     }));
     Ok(notes)
+}
+
+/// What is no wall and no place, each kind with its number.
+fn left_out(drawing: &Drawing, found: &Found<'_>, walls: &Walls) -> Result<Vec<String>, String> {
+    let [images, texts] = drawing.passed_over()?;
+    let mut left_out = Vec::new();
+    if let Some(names) = listed(walls.left_out.iter().map(|name| short(name)).collect::<Vec<_>>().iter()) {
+        left_out
+            .push(format!("{} by `only` and `without` ({names})", counted(walls.left_out.len(), "shape")));
+    }
+    let others = [
+        (found.transparent, "shape that can be seen through"),
+        (found.clipped, "shape outside its clip path"),
+        (images, "image"),
+        (texts, "text"),
+    ];
+    left_out
+        .extend(others.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| counted(count, what)));
+    Ok(left_out)
 }
 
 /// A name without the words around it.
