@@ -96,8 +96,8 @@ impl CoverRows {
             ("reached_m", p.reached_m),
             ("stray_m", p.stray_m),
         ])?;
-        let clearance_m = p.clearance_m.unwrap_or(for_body(0.05, body.radius_m));
-        let cell_m = p.cell_m.unwrap_or(for_body(0.025, body.radius_m));
+        let clearance_m = p.clearance_m.unwrap_or_else(|| for_body(0.05, body.radius_m));
+        let cell_m = p.cell_m.unwrap_or_else(|| for_body(0.025, body.radius_m));
         check_not_negative([("clearance_m", clearance_m)])?;
         let floor = Floor::new(&p.walls_m, cell_m, body.radius_m + clearance_m, Method::ThetaStar)?;
         let apart = ((row_m / cell_m + ROUNDING) as usize).max(1);

@@ -137,9 +137,9 @@ struct Lengths {
 impl Lengths {
     fn new(p: &Parameters, radius_m: f64) -> Self {
         Self {
-            clearance_m: p.clearance_m.unwrap_or(for_body(0.15, radius_m)),
-            cell_m: p.cell_m.unwrap_or(for_body(0.05, radius_m)),
-            stop_m: p.stop_m.unwrap_or(for_body(0.1, radius_m)),
+            clearance_m: p.clearance_m.unwrap_or_else(|| for_body(0.15, radius_m)),
+            cell_m: p.cell_m.unwrap_or_else(|| for_body(0.05, radius_m)),
+            stop_m: p.stop_m.unwrap_or_else(|| for_body(0.1, radius_m)),
         }
     }
 }

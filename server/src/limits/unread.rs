@@ -226,10 +226,7 @@ impl Shared {
 
     /// Ends the stream, as it is the slowest.
     fn cut(&self, limit: Limit, most: u64) -> bool {
-        let whose = match limit {
-            Limit::Unread => "all callers leave",
-            _ => "it leaves",
-        };
+        let whose = if limit == Limit::Unread { "all callers leave" } else { "it leaves" };
         let what = format!(
             "the stream {} ends, as it is the slowest of {} and {whose} {:.0} MB unread",
             self.what,

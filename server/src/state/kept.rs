@@ -136,7 +136,7 @@ pub(super) fn peek(storage: &dyn Storage, name: &str, folder: &Path) -> Result<O
         match Journal::read(&bytes) {
             // The power failed before all of it was on the disk, and before the one before was removed, which has all that was. If
             // there is none, it is lost.
-            Err(error) if error.has_no_state() => begun = begun.or(Some(used(error.into()))),
+            Err(error) if error.has_no_state() => begun = begun.or_else(|| Some(used(error.into()))),
             Err(error) => return Err(used(error.into())),
             Ok(journal) => {
                 let restored = journal.restore().map_err(|error| used(error.into()))?;

@@ -90,8 +90,8 @@ impl FollowPath {
         let p = parameters;
         p.steering.check()?;
         check_positive([("look_ahead_m", p.look_ahead_m), ("stray_m", p.stray_m)])?;
-        let clearance_m = p.clearance_m.unwrap_or(for_body(0.1, body.radius_m));
-        let cell_m = p.cell_m.unwrap_or(for_body(0.05, body.radius_m));
+        let clearance_m = p.clearance_m.unwrap_or_else(|| for_body(0.1, body.radius_m));
+        let cell_m = p.cell_m.unwrap_or_else(|| for_body(0.05, body.radius_m));
         check_not_negative([("clearance_m", clearance_m)])?;
         let goals = Goals::new("goals_m", &p.goals_m, p.reached_m, p.again)?;
         let floor = Floor::new(&p.walls_m, cell_m, body.radius_m + clearance_m, p.method)?;
