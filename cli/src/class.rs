@@ -108,6 +108,9 @@ fn sorted(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 /// What came of one: a grading, or why there is none.
 type Outcome = Result<Grading, String>;
 
+/// Gives brains that are named as `--brain` has them to robots.
+type Assign<'a> = &'a dyn Fn(&[String]) -> anyhow::Result<Assigned>;
+
 /// The exit code of a brain that is not good enough.
 pub(crate) const NOT_PASSED: u8 = 3;
 
@@ -115,7 +118,7 @@ pub(crate) const NOT_PASSED: u8 = 3;
 pub(crate) fn run(
     exercise: &Exercise,
     args: &GradeArgs,
-    (Class(entries), assign): (Class, &dyn Fn(&[String]) -> anyhow::Result<Assigned>),
+    (Class(entries), assign): (Class, Assign<'_>),
     stop: &AtomicBool,
 ) -> anyhow::Result<ExitCode> {
     let bar = work::progress(args.quiet);

@@ -130,20 +130,18 @@ fn farthest(points: &[(f64, f64)], value: f64) -> Option<f64> {
 /// What an IR sensor reads on average of a wide wall straight ahead; nothing if it measures the light around it.
 fn reading(infrared: &Infrared) -> Option<impl Fn(f64) -> f64> {
     let is_lit = !matches!(infrared.model, InfraredModel::Ambient { .. });
-    is_lit.then(|| {
-        |distance_m: f64| match &infrared.model {
-            InfraredModel::Phenomenological { c1_m2, c2 } => {
-                let of_ray = |i: usize| {
-                    let cos_kappa = infrared.fan.cos_kappa(i);
-                    let ray_m = distance_m / cos_kappa;
-                    let is_near = cos_kappa > 0.0 && ray_m < infrared.range_m;
-                    if is_near { (cos_kappa * (c1_m2 / (ray_m * ray_m) + c2)).min(1.0) } else { 0.0 }
-                };
-                (0..infrared.fan.len()).map(of_ray).sum::<f64>() / infrared.fan.len() as f64
-            }
-            InfraredModel::Lookup(lookup) => lookup.moments(distance_m, 0.0).0,
-            InfraredModel::Ambient { .. } => 0.0,
+    is_lit.then_some(|distance_m: f64| match &infrared.model {
+        InfraredModel::Phenomenological { c1_m2, c2 } => {
+            let of_ray = |i: usize| {
+                let cos_kappa = infrared.fan.cos_kappa(i);
+                let ray_m = distance_m / cos_kappa;
+                let is_near = cos_kappa > 0.0 && ray_m < infrared.range_m;
+                if is_near { (cos_kappa * (c1_m2 / (ray_m * ray_m) + c2)).min(1.0) } else { 0.0 }
+            };
+            (0..infrared.fan.len()).map(of_ray).sum::<f64>() / infrared.fan.len() as f64
         }
+        InfraredModel::Lookup(lookup) => lookup.moments(distance_m, 0.0).0,
+        InfraredModel::Ambient { .. } => 0.0,
     })
 }
 
