@@ -269,7 +269,7 @@ fn no_contact_is_deeper_than_a_nanometre() {
     contacts(10_000);
 }
 
-/// `cargo test --release -p baudbot-sim --test main --all-features -- --ignored million_contacts --nocapture`
+/// `cargo test --release -p baudbot-sim --test outside --all-features -- --ignored million_contacts --nocapture`
 #[test]
 #[ignore = "takes minutes: by the command above"]
 fn a_million_contacts_are_not_deeper_than_a_nanometre() {
