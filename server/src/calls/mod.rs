@@ -243,8 +243,7 @@ mod tests {
     async fn a_page_that_does_not_read_has_a_megabyte_waiting_and_not_sixteen_messages() {
         let (sender, mut waiting) = mpsc::channel(RESPONSES_AHEAD);
         let queue = Queue { sender, room: Arc::new(Semaphore::new(KILOBYTES_AHEAD)) };
-        let long =
-            || v1::PageResponse { call: 1, response: Some(Response::Message(vec![0; 300 << 10])) };
+        let long = || v1::PageResponse { call: 1, response: Some(Response::Message(vec![0; 300 << 10])) };
         let sent =
             (0..RESPONSES_AHEAD).take_while(|_| queue.send(long()).now_or_never() == Some(true)).count();
         assert_eq!(sent, 3);

@@ -105,18 +105,32 @@ impl<'a> Scene<'a> {
 
     /// A look from `from`, at a height whose layer of the arena is `layer`, as far as `range_m`.
     pub(crate) fn look(&self, from: Point, height: Height, range_m: f64) -> Viewpoint<'_> {
-        self.look_of(from, from, height, range_m)
+        self.look_with_eye(from, from, height, range_m)
     }
 
     /// The same of an eye that is at `eye` in the frozen scene, and has moved on to `from` since.
-    pub(crate) fn look_of(&self, eye: Point, from: Point, height: Height, range_m: f64) -> Viewpoint<'_> {
+    pub(crate) fn look_with_eye(
+        &self,
+        eye: Point,
+        from: Point,
+        height: Height,
+        range_m: f64,
+    ) -> Viewpoint<'_> {
         let covered = self.covering(eye, height);
         Viewpoint { covered, ..self.look_around(from, height, range_m) }
     }
 
-    fn look_around(&self, from: Point, height: Height, range_m: f64) -> Viewpoint<'_> {
+    /// A look of an eye that sticks out of nothing.
+    pub(crate) fn look_around(&self, from: Point, height: Height, range_m: f64) -> Viewpoint<'_> {
         let around = Circle { center: from, radius: range_m };
         Viewpoint { index: self.arena.seen(height.layer), scene: self, height, around, covered: None }
+    }
+
+    /// Whether a place on the looking robot, in its own frame, is within its body, if that is a disc.
+    #[inline]
+    pub(crate) fn is_in_own_disc(&self, place: Vector) -> bool {
+        let body = &self.frozen.bodies[self.own];
+        body.outline.is_empty() && reaches(body.disc.radius, place)
     }
 
     /// What an eye that sticks out of its body has been pushed into or through: what is between it and the body's middle.
@@ -125,7 +139,7 @@ impl<'a> Scene<'a> {
         let (middle, radius) = (body.disc.center, body.disc.radius);
         let out = eye - middle;
         let is_within = if body.outline.is_empty() {
-            out.norm_squared() <= (radius + TOUCHING_M) * (radius + TOUCHING_M)
+            reaches(radius, out)
         } else {
             polygon::contains(&body.outline, eye)
         };
@@ -343,6 +357,11 @@ impl Figure {
 fn normal_of(segment: &Segment) -> Vector {
     let along = segment.end - segment.start;
     Vector::new(-along.y, along.x)
+}
+
+/// Whether a disc of this radius reaches so far from its middle.
+fn reaches(radius_m: f64, out: Vector) -> bool {
+    out.norm_squared() <= (radius_m + TOUCHING_M) * (radius_m + TOUCHING_M)
 }
 
 /// An eye this close to its body's rim, or to a wall, is on it: it is not in it, or behind.

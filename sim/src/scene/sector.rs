@@ -111,9 +111,11 @@ impl Scene<'_> {
     /// `None` if too much is near, or if the eye, at this height, is covered.
     #[inline]
     pub(crate) fn in_sector(&self, sector: &Sector, height: Height, pose: &Pose) -> Option<InSector<'_>> {
-        let eye = pose.position + self.facing(pose).apply(sector.apex);
-        if self.covering(eye, height).is_some() {
-            return None;
+        if !self.is_in_own_disc(sector.apex) {
+            let eye = pose.position + self.facing(pose).apply(sector.apex);
+            if self.covering(eye, height).is_some() {
+                return None;
+            }
         }
         let strokes = self.strokes.get_or_init(|| {
             let (reach, facing) = (self.reach?, self.facing(pose));

@@ -44,7 +44,12 @@ impl Mount {
 
     /// A look from there as far as `range_m`.
     pub(crate) fn look<'a>(&self, at: &Measurement<'a>, from: &Pose, range_m: f64) -> Viewpoint<'a> {
+        let scene = at.scene;
+        // A turret turns about the middle, so that its angle does not matter. Most sensors are settled by this, without a sine.
+        if scene.is_in_own_disc(self.pose.position.coords) {
+            return scene.look_around(from.position, self.height, range_m);
+        }
         let eye = self.world_from_sensor(at).position;
-        at.scene.look_of(eye, from.position, self.height, range_m)
+        scene.look_with_eye(eye, from.position, self.height, range_m)
     }
 }
