@@ -147,6 +147,12 @@ impl<'a> Scene<'a> {
             return None;
         }
         let far = out.norm();
+        let around = Circle { center: middle, radius: far };
+        let near = self.neighbors(&around, height.layer);
+        // Where nothing is as near as the eye, as mostly, there is nothing to be looked for.
+        if near.is_some_and(|near| near.leave_free(&around, self.arena.seen(height.layer), self.frozen)) {
+            return None;
+        }
         let direction = Direction { cos: out.x / far, sin: out.y / far };
         let ray = Ray { origin: middle, direction };
         self.look_around(middle, height, far - TOUCHING_M).see(&ray).map(|hit| hit.what)

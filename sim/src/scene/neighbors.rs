@@ -84,6 +84,17 @@ impl Neighbors {
         })
     }
 
+    /// Whether none of it reaches into this disc.
+    pub(super) fn leave_free(&self, disc: &Circle, index: &Index, frozen: &Frozen) -> bool {
+        let is_in = |shape| match shape {
+            Shape::Segment(i) => disc.overlaps_segment(&index.segments()[i]),
+            Shape::Circle(i) => disc.overlaps_circle(&index.circles()[i]),
+        };
+        let discs = frozen.crowd.discs();
+        !self.shapes(index).any(is_in)
+            && !self.bodies.iter().any(|&i| disc.overlaps_circle(&discs[i as usize]))
+    }
+
     /// Whether there is nothing.
     pub(crate) fn is_empty(&self) -> bool {
         self.shapes.is_empty() && self.bodies.is_empty()
