@@ -14,8 +14,8 @@ use baudbot_tests::InProcess;
 
 use super::localization::witnessed;
 
+mod narrow;
 mod passages;
-mod truth;
 
 const ROOM: &str = include_str!("../../../scenarios/explore-room.toml");
 const OFFICE: &str = include_str!("../../../scenarios/explore-office.toml");
@@ -85,6 +85,15 @@ fn check(toml: &str, brain: &str, most_m: f64) {
     let explored = explore((0, baudbot_scenario::parse(toml).unwrap()), brain);
     println!("{brain}: {explored:?}");
     assert!(explored.sensed >= 0.995 && explored.distance_m <= most_m, "{brain}: {explored:?}");
+    assert_eq!(explored.collisions, 0, "{brain}: {explored:?}");
+}
+
+/// The same with another seed, however long the way is.
+fn check_seed(toml: &str, brain: &str, seed: u64) {
+    let scenario = baudbot_scenario::parse_with(toml, &[Override::parse(&format!("seed={seed}")).unwrap()]);
+    let explored = explore((seed, scenario.unwrap()), brain);
+    println!("{brain}: {explored:?}");
+    assert!(explored.sensed >= 0.995, "{brain}: {explored:?}");
     assert_eq!(explored.collisions, 0, "{brain}: {explored:?}");
 }
 

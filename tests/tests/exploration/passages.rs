@@ -5,8 +5,8 @@
 
 use baudbot_brains::exploration::generated::{Course, Plan};
 use baudbot_tests::InProcess;
+use baudbot_tests::narrow::{Arena, Outline, Truth};
 
-use super::truth::Truth;
 use super::{FRONTIERS, NODES, started, toml_of};
 
 /// Of the robot of `explore-office`.
@@ -25,7 +25,8 @@ fn explore(plan: &Plan, brain: &str, seed: u64) -> String {
         local.run(100);
         said = local.belief(0).expect("a belief").state;
     }
-    let share = Truth::new(plan, RADIUS_M).share_sensed(&local.world, [START[0], START[1]], RANGE_M);
+    let share =
+        Truth::new(&arena_of(plan), RADIUS_M).share_sensed(&local.world, [START[0], START[1]], RANGE_M);
     let counters = local.world.robot(0).counters();
     let seconds = local.world.time().as_ns() as f64 * 1e-9;
     println!("{brain}: {share:.4} on {:.1} m in {seconds:.0} s, {said}", counters.distance_m);
@@ -34,6 +35,21 @@ fn explore(plan: &Plan, brain: &str, seed: u64) -> String {
         "{brain}: {share} in {seconds} s, {counters:?}, {said}"
     );
     said
+}
+
+/// The walls of a plan.
+fn arena_of(plan: &Plan) -> Arena {
+    let (width, height) = plan.size_m;
+    let outline =
+        |points_m: Vec<[f64; 2]>, is_island| Outline { is_closed: points_m.len() > 2, points_m, is_island };
+    let border = outline(vec![[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]], false);
+    let walls = plan.walls.iter().map(|&[x0, y0, x1, y1]| outline(vec![[x0, y0], [x1, y1]], false));
+    let boxes = plan
+        .boxes
+        .iter()
+        .map(|points| outline(points.iter().map(|point| [point.x, point.y]).collect(), true));
+    let outlines = [border].into_iter().chain(walls).chain(boxes).collect();
+    Arena { outlines, starts_m: vec![], people_m: vec![] }
 }
 
 fn explore_corridor(course: Course) {
