@@ -36,8 +36,12 @@ impl Class {
         for path in &args.class {
             if brain_in(path, with).is_none() && path.is_dir() {
                 for file in sorted(path)? {
-                    // What else lies there, such as notes, is nobody's.
-                    entries.extend(brain_in(&file, with).map(|brain| (file, brain)));
+                    match brain_in(&file, with) {
+                        Some(brain) => entries.push((file, brain)),
+                        // It may be notes, or the brain of somebody who would miss the grading.
+                        None if is_hidden(&file) => {}
+                        None => tell!("note: {} is no brain, and is left out", file.display()),
+                    }
                 }
                 continue;
             }
@@ -73,7 +77,7 @@ fn brain_in(path: &Path, with: Option<&str>) -> Option<String> {
         let inside = ["brain.toml", "brain.py"].map(|name| path.join(name));
         return inside.iter().filter(|file| file.is_file()).find_map(|file| brain_in(file, with));
     }
-    let shown = path.to_str().filter(|_| path.is_file() && !name(path).starts_with('.'))?;
+    let shown = path.to_str().filter(|_| path.is_file() && !is_hidden(path))?;
     let quoted = shlex::try_quote(shown).ok()?;
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
     match (ending, with) {
@@ -87,6 +91,10 @@ fn brain_in(path: &Path, with: Option<&str>) -> Option<String> {
             (mode & 0o111 != 0).then(|| format!("exec:{quoted}"))
         }
     }
+}
+
+fn is_hidden(path: &Path) -> bool {
+    name(path).starts_with('.')
 }
 
 fn name(path: &Path) -> String {

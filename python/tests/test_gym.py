@@ -39,6 +39,12 @@ def steered(observation: Any) -> np.ndarray:
     return np.asarray([nearest_steer(float(nearest)) for nearest in rows], np.float32)
 
 
+class Refusing(unittest.TestCase):
+    def refused(self, words: str, call: Any) -> None:
+        with self.assertRaisesRegex(baudbot.Error, words):
+            call()
+
+
 class Checkers(unittest.TestCase):
     def test_gymnasium(self) -> None:
         for name in KINDS:
@@ -148,7 +154,7 @@ class Copies(unittest.TestCase):
                 make(envs)
 
 
-class Bits(unittest.TestCase):
+class Bits(Refusing):
     def test_64_worlds_on_two_threads_are_64_on_one(self) -> None:
         hashes = set()
         for threads in (1, 2, 3):
@@ -299,11 +305,7 @@ class Pictures(unittest.TestCase):
         self.assertTrue((env.render() != image).any())
 
 
-class BadInput(unittest.TestCase):
-    def refused(self, words: str, call: Any) -> None:
-        with self.assertRaisesRegex(baudbot.Error, words):
-            call()
-
+class BadInput(Refusing):
     def test_options(self) -> None:
         self.refused("there is no part|no such part", lambda: Env("wander", reward={"distance": 1.0}))
         self.refused("name one of", lambda: Env(scenario("ecoli")))

@@ -319,11 +319,7 @@ fn browser(name: &str, bash: &str) -> (PathBuf, PathBuf) {
         "#!/usr/bin/env bash\nurl=${{!#}}\nprintf '%s\n' $$ \"$@\" > '{}'\n{ASKS}{bash}\n",
         told.display()
     );
-    // A process of its own writes it: a program that a test beside starts meanwhile would inherit the open file, and who tries
-    // to run a file that is open for writing is told that it is busy.
-    let mut writer = Command::new("sh");
-    writer.args(["-c", "printf %s \"$1\" > \"$0\" && chmod +x \"$0\""]).arg(&program).arg(text);
-    assert!(writer.status().unwrap().success());
+    crate::cli::write_program(&program, &text);
     (program, told)
 }
 

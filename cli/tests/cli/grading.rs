@@ -226,8 +226,6 @@ fn junit_has_a_case_for_each_criterion() {
 
 #[test]
 fn a_class_is_graded_into_a_table_for_people_programs_and_continuous_integration() {
-    use std::os::unix::fs::PermissionsExt;
-
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     std::fs::create_dir(place("class")).unwrap();
@@ -235,13 +233,13 @@ fn a_class_is_graded_into_a_table_for_people_programs_and_continuous_integration
     let program = format!(
         "#!/bin/sh\nexec {baudbot} brain avoid --connect $BAUDBOT_CONNECT --world $BAUDBOT_WORLD --robot $BAUDBOT_ROBOT --seed $BAUDBOT_SEED\n"
     );
-    std::fs::write(place("class/ada"), program).unwrap();
-    std::fs::set_permissions(place("class/ada"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    crate::cli::write_program(place("class/ada").as_ref(), &program);
     std::fs::write(place("class/bob.toml"), "motor = 3\n").unwrap();
     std::fs::write(place("class/notes.txt"), "nobody's").unwrap();
     let arguments = ["grade", "wander", "--seeds", "1", "--class", &place("class"), "--csv", &place("a.csv")];
     let (code, out, err) = crate::cli::baudbot(&[&arguments[..], &["--junit", &place("a.xml")]].concat());
-    assert_eq!((code, err.as_str()), (3, ""), "{out}");
+    let note = format!("note: {} is no brain, and is left out\n", place("class/notes.txt"));
+    assert_eq!((code, err), (3, note), "{out}");
     let lines: Vec<_> = out.lines().collect();
     assert!(lines[2].starts_with("  ada  5.00") && lines[2].ends_with("passed"), "{out}");
     assert!(

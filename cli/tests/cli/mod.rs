@@ -41,7 +41,7 @@ mod tune;
 mod umbmark;
 
 use std::io::{BufRead, BufReader, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
@@ -68,6 +68,14 @@ fn good(args: &[&str]) -> String {
     let (code, out, err) = baudbot(args);
     assert_eq!((code, err.as_str()), (0, ""), "{args:?}");
     out
+}
+
+/// Writes a program that can be run. A process of its own does it: a program that a test beside starts meanwhile would inherit the
+/// open file, and who tries to run a file that is open for writing is told that it is busy.
+fn write_program(path: &Path, text: &str) {
+    let mut writer = Command::new("sh");
+    writer.args(["-c", "printf %s \"$1\" > \"$0\" && chmod +x \"$0\""]).arg(path).arg(text);
+    assert!(writer.status().unwrap().success());
 }
 
 /// A program that runs meanwhile, and does not outlive its test.
