@@ -27,8 +27,9 @@ pub(super) fn ages(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Vec<A
 
 fn median(ages: &[u64]) -> Option<u64> {
     let mut ages = ages.to_vec();
-    let middle = ages.len() / 2;
-    if ages.is_empty() { None } else { Some(*ages.select_nth_unstable(middle).1) }
+    // By nearest rank, as runs count it.
+    let middle = ages.len().checked_sub(1)? / 2;
+    Some(*ages.select_nth_unstable(middle).1)
 }
 
 fn of_wire(plan: &Plan<'_>, bounds: &Bounds, i: usize) -> Span {

@@ -14,9 +14,10 @@ use alloc::vec::Vec;
 
 use super::curve::Curve;
 use super::pattern::Pattern;
-use super::plan::{Plan, Range};
+use super::plan::{Plan, Range, turnaround_ns};
 use super::wire;
 use baudbot_sim::firmware::Mode;
+use baudbot_sim::model::Writes;
 
 /// The bounds of a robot's cycle, in nanoseconds; `None` where there is no end.
 #[derive(Clone, Debug)]
@@ -30,11 +31,15 @@ pub(super) struct Bounds {
     pub(super) wire_up: Range,
     /// Most work of the microcontroller that is there at an instant, what is looked at included.
     pub(super) backlog: Option<u64>,
+    /// How late the last byte of a command is taken at most.
+    pub(super) obeyed_late: Option<u64>,
     /// Besides the wire.
     pub(super) wait_up: Option<u64>,
     pub(super) step: Option<u64>,
     pub(super) thinking: Option<u64>,
     pub(super) down: Option<u64>,
+    /// Whether a message comes only when the brain has answered the one before.
+    pub(super) takes_turns: bool,
     /// Why something has no end.
     pub(super) reason: Option<&'static str>,
 }
@@ -88,6 +93,7 @@ impl Bounds {
             framing,
             wire_up: Range { least: wire::least_ns(link, bytes.least), most: link.burst_ns(bytes.most) },
             backlog,
+            obeyed_late: fixed.obeyed_late(&estimate),
             wait_up,
             step: Some(fixed.step_ns(&estimate)),
             thinking: Some(
@@ -95,6 +101,7 @@ impl Bounds {
                     + if plan.spec.is_onboard() { longest_task_ns(plan, framing.most) } else { 0 },
             ),
             down,
+            takes_turns: fixed.takes_turns(),
             reason: fixed.reason(&estimate),
         }
     }
@@ -177,30 +184,45 @@ impl Fixed<'_> {
 
     /// How often commands are written, in all the ways in which it is known; each is true.
     pub(super) fn commands(&self, estimate: &Estimate) -> Vec<Vec<Curve>> {
-        let Plan { spec, step_ns, noise, .. } = *self.plan;
+        let Plan { spec, step_ns, .. } = *self.plan;
+        let thinking = self.plan.thinking();
+        let in_a_turn = self.plan.commands_in_a_turn() as usize;
+        // On board a brain waits for the processor before it thinks.
+        let waits = thinking.width_ns() + if spec.is_onboard() { longest_task_ns(self.plan, 0) } else { 0 };
         // No more than one step a tick: the last instant of one and the first of the next are near.
-        let mut ways = vec![vec![Curve::every(step_ns).late_by(step_ns)]];
-        let thinking_ns = self.plan.thinking().least_ns;
-        if thinking_ns >= step_ns {
-            ways.push(vec![Curve::every(thinking_ns)]);
+        let each_tick = Curve::every(step_ns).late_by(step_ns + waits);
+        let mut ways = vec![vec![each_tick; in_a_turn]];
+        if thinking.least_ns >= step_ns {
+            ways.push(vec![Curve::every(thinking.least_ns); in_a_turn]);
         }
-        let (Mode::Stream(frame), Some(late), Some(wait)) =
-            (spec.firmware.mode, estimate.backlog, estimate.wait_up)
-        else {
-            return ways;
-        };
+        match self.plan.writes() {
+            Writes::OnMessage => ways.extend(self.answers(estimate)),
+            Writes::WhenFree | Writes::AtMost(_) if self.plan.pause_ns() > 0 => {
+                ways.push(vec![Curve::every(self.plan.pause_ns()).late_by(waits)]);
+            }
+            Writes::WhenFree | Writes::EveryTick | Writes::AtMost(_) => {}
+        }
+        ways
+    }
+
+    /// How often messages come that a brain answers, if that is known.
+    fn answers(&self, estimate: &Estimate) -> Option<Vec<Curve>> {
+        let Plan { spec, noise, .. } = *self.plan;
+        let Mode::Stream(frame) = spec.firmware.mode else { return None };
+        let (late, wait) = estimate.backlog.zip(estimate.wait_up)?;
         let wire = spec.link.burst_ns(self.bytes.most) - wire::least_ns(&spec.link, self.bytes.least);
-        let late = late + self.framing.width() + wire + wait + self.step_ns(estimate);
+        let thinking = self.plan.thinking().width_ns();
+        let parts = [self.framing.width(), wire, wait, self.step_ns(estimate), thinking];
+        let late = parts.into_iter().fold(late, u64::saturating_add);
         let mut curves = vec![Curve::every(frame.period_ns()).late_by(late)];
         for (_, sensor, clock, link) in self.plan.ports() {
             let (spread, jitter) = if noise { (clock.spread_ns, clock.jitter_ns) } else { (0, 0) };
             let bytes = wire::port_bytes(sensor);
             let wire = link.burst_ns(bytes.most) - wire::least_ns(link, bytes.least) + wire::frame_ns(link);
-            let late = jitter + wire + wire::hold_up_ns(link).most + self.step_ns(estimate);
+            let late = jitter + wire + wire::hold_up_ns(link).most + self.step_ns(estimate) + thinking;
             curves.push(Curve::every(clock.period_ns.saturating_sub(spread).max(1)).late_by(late));
         }
-        ways.push(curves);
-        ways
+        Some(curves)
     }
 
     /// How long a message waits at most for the brain's step: until the next tick begins, or the brain is done. If no
@@ -215,6 +237,7 @@ impl Fixed<'_> {
         let least = self.framing.least + wire_least + wire::hold_up_ns(link).least;
         match spec.firmware.mode {
             _ if self.plan.has_ports() => step_ns.max(busy),
+            Mode::Poll if !self.takes_turns() => step_ns.max(busy),
             Mode::Poll => {
                 let command = wire::least_ns(link, self.plan.command_bytes().least);
                 let robot = self.plan.least_obeying_ns();
@@ -225,17 +248,42 @@ impl Fixed<'_> {
                 let Some((late, wait)) = estimate.backlog.zip(estimate.wait_up) else {
                     return step_ns.max(busy);
                 };
-                let most = late + link.burst_ns(self.bytes.most) + wait + busy;
-                let tick = |ns: u64| (frame.phase_ns() + ns) / step_ns;
+                let most =
+                    [link.burst_ns(self.bytes.most), wait, busy].into_iter().fold(late, u64::saturating_add);
+                let tick = |ns: u64| frame.phase_ns().saturating_add(ns) / step_ns;
                 let in_place = frame.period_ns() % step_ns == 0 && tick(least) == tick(most);
-                let apart = frame.period_ns() >= step_ns + most.saturating_sub(least);
+                let apart = frame.period_ns() >= step_ns.saturating_add(most.saturating_sub(least));
                 if in_place || apart { busy } else { step_ns.max(busy) }
             }
         }
     }
 
+    /// Whether a command that answers a message of a stream has always arrived before the next message is due, and the wire is
+    /// free again. Then nothing of the one is in the way of the other.
+    pub(super) fn is_over_in_time(&self, estimate: &Estimate) -> bool {
+        let Plan { spec, .. } = self.plan;
+        let Mode::Stream(frame) = spec.firmware.mode else { return false };
+        let is_asked =
+            self.plan.writes() == Writes::OnMessage && !self.plan.has_ports() && !spec.is_onboard();
+        let Estimate { backlog: Some(framed), wait_up: Some(wait), down: Some(down) } = *estimate else {
+            return false;
+        };
+        let turn = turnaround_ns(&spec.link).unwrap_or(0);
+        let thinking = self.plan.thinking().most_ns;
+        let parts = [spec.link.burst_ns(self.bytes.most), wait, self.step_ns(estimate), thinking, down, turn];
+        is_asked && parts.into_iter().fold(framed, u64::saturating_add) < frame.period_ns()
+    }
+
+    /// The least time from the instant at which a message is due to the arrival of the command that answers it.
+    pub(super) fn least_exchange_ns(&self) -> u64 {
+        let link = &self.plan.spec.link;
+        let up = wire::least_ns(link, self.bytes.least) + wire::hold_up_ns(link).least;
+        let down = wire::least_ns(link, self.plan.command_bytes().least) + wire::hold_down_ns(link).least;
+        self.framing.least + up + self.plan.thinking().least_ns + down
+    }
+
     /// The brain answers, and only then is there something to answer again.
     pub(super) fn takes_turns(&self) -> bool {
-        self.plan.polls() && !self.plan.has_ports()
+        self.plan.polls() && !self.plan.has_ports() && self.plan.writes() == Writes::OnMessage
     }
 }

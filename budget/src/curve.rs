@@ -56,24 +56,48 @@ pub(super) fn queue(sources: &[Source]) -> Option<Queue> {
     if load > 1.0 {
         return None;
     }
-    let demand = |x: u64| {
-        let each = sources.iter().map(|s| s.curve.count(x).saturating_mul(s.work_ns));
-        each.fold(0, u64::saturating_add)
-    };
-    let working = || sources.iter().filter(|source| source.work_ns > 0);
     let mut x = 0;
     let mut backlog_ns = 0;
     for _ in 0..MOST_STEPS {
-        let work = demand(x);
+        let work = demand(sources, x);
         backlog_ns = backlog_ns.max(work.saturating_sub(x));
-        // The next instant at which one more can come.
-        let next = working().map(|s| s.curve.count(x).saturating_mul(s.curve.period_ns) - s.curve.jitter_ns);
-        match next.min() {
+        match next_ns(sources, x) {
             Some(next) if work > next => x = next,
             _ => return Some(Queue { backlog_ns, busy_ns: work }),
         }
     }
     None
+}
+
+/// The most work that there is at an instant, in nanoseconds, if the server has not rested for `ns` before it or longer; 0 if
+/// it never works for so long. `None` if there may be no end to it.
+pub(super) fn backlog_after(sources: &[Source], ns: u64) -> Option<u64> {
+    let busy_ns = queue(sources)?.busy_ns;
+    let mut x = ns;
+    let mut backlog_ns = 0;
+    for _ in 0..MOST_STEPS {
+        if x > busy_ns {
+            return Some(backlog_ns);
+        }
+        backlog_ns = backlog_ns.max(demand(sources, x).saturating_sub(x));
+        let Some(next) = next_ns(sources, x) else { return Some(backlog_ns) };
+        x = next;
+    }
+    None
+}
+
+/// The work that comes within a time, both its ends included.
+fn demand(sources: &[Source], within_ns: u64) -> u64 {
+    let each = sources.iter().map(|s| s.curve.count(within_ns).saturating_mul(s.work_ns));
+    each.fold(0, u64::saturating_add)
+}
+
+/// The next time in which one more can come.
+fn next_ns(sources: &[Source], x: u64) -> Option<u64> {
+    let working = sources.iter().filter(|source| source.work_ns > 0);
+    working
+        .map(|s| s.curve.count(x).saturating_mul(s.curve.period_ns).saturating_sub(s.curve.jitter_ns))
+        .min()
 }
 
 #[cfg(test)]
@@ -97,6 +121,14 @@ mod tests {
         // The first may be 25 late: then the second and the third come at once, and the fourth 5 later.
         let late = queue(&[source(10, 25, 7)]).unwrap();
         assert_eq!(late.backlog_ns, 3 * 7 + 7 - 5);
+    }
+
+    #[test]
+    fn what_came_long_ago_is_done() {
+        let sources = [source(100, 0, 30), source(40, 0, 5)];
+        // At once 35; 30 later 5, if it has worked since then; it never works for 40.
+        assert_eq!([0, 30, 36].map(|ns| backlog_after(&sources, ns)), [Some(35), Some(5), Some(0)]);
+        assert_eq!(backlog_after(&[source(10, 0, 11)], 0), None);
     }
 
     #[test]

@@ -4,10 +4,13 @@ use alloc::string::ToString;
 use alloc::vec::Vec;
 
 use super::bounds::Bounds;
+use super::pattern::gcd;
 use super::plan::Plan;
 use super::report::{Cycle, Part, Row, Span};
 use super::timeline::Outcome;
 use super::wire;
+use baudbot_sim::firmware::Mode;
+use baudbot_sim::time::SimTime;
 
 pub(super) fn cycle(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Cycle {
     let typical = median(outcome);
@@ -20,18 +23,37 @@ pub(super) fn cycle(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Cycl
         })
         .collect();
     let total = rows.iter().fold(Span::exactly(0), |sum, row| sum.then(row.span));
-    let total = Span { typical_ns: typical.map(|(_, sum)| sum), ..total };
+    let in_place = by_pulse(plan, bounds, &rows);
+    let worst_ns = total.worst_ns.map(|sum| in_place.map_or(sum, |in_place| sum.min(in_place)));
+    let total = Span { typical_ns: typical.map(|(_, sum)| sum), worst_ns, ..total };
     let unbounded = if total.worst_ns.is_none() { bounds.reason } else { None };
     Cycle { rows, total, unbounded: unbounded.map(ToString::to_string) }
+}
+
+/// The longest cycle where servos take up commands: messages that are due at the same instants between two pulses do not all
+/// wait for a whole one.
+fn by_pulse(plan: &Plan<'_>, bounds: &Bounds, rows: &[Row]) -> Option<u64> {
+    let Mode::Stream(frame) = plan.spec.firmware.mode else { return None };
+    let (period, pulse) = (frame.period_ns(), plan.pulse_ns());
+    let messages = pulse.checked_div(gcd(u128::from(period), u128::from(pulse)) as u64);
+    let messages = messages.filter(|messages| *messages <= MOST_MESSAGES)?;
+    let is_behind = |part| !matches!(part, Part::Acquisition | Part::Framing | Part::Actuation);
+    let behind = rows.iter().filter(|row| is_behind(row.part));
+    let framed = bounds.backlog?;
+    let obeyed = behind.map(|row| row.span.worst_ns).try_fold(framed, |sum, ns| sum.checked_add(ns?))?;
+    let wait = |k: u64| {
+        let due = SimTime::from_ns(frame.phase_ns() + k * period);
+        (due + obeyed).up_to(pulse).since(due)
+    };
+    let longest = (0..messages).map(wait).max()?;
+    longest.checked_add(bounds.pattern.reads_ns.most)
 }
 
 /// The cycle that is longer than one half of all and shorter than the other.
 fn median(outcome: &Outcome) -> Option<([u64; 9], u64)> {
     let mut cycles = outcome.cycles.clone();
-    let middle = cycles.len() / 2;
-    if cycles.is_empty() {
-        return None;
-    }
+    // By nearest rank, as runs count it: of two values that come equally often it is the lower one.
+    let middle = cycles.len().checked_sub(1)? / 2;
     Some(*cycles.select_nth_unstable_by_key(middle, |(parts, sum)| (*sum, *parts)).1)
 }
 
@@ -50,9 +72,12 @@ fn bounds_of(plan: &Plan<'_>, bounds: &Bounds, part: Part) -> Span {
         }
         Part::Obeying => {
             let (byte, obeying) = (plan.receiving_ns(), plan.spec.processor.obeying_ns);
-            let worst = bounds.late_ns(byte + obeying).map(|late| late + byte + obeying);
+            let worst = bounds.obeyed_late.map(|late| late + byte + obeying);
             Span::between(plan.least_obeying_ns(), worst)
         }
         Part::Actuation => Span::between(0, Some(plan.pulse_ns())),
     }
 }
+
+/// More messages than so many are not looked at one by one.
+const MOST_MESSAGES: u64 = 2048;

@@ -3,50 +3,106 @@
 use alloc::vec::Vec;
 
 use super::bounds::{Estimate, Fixed, MOST_ROUNDS, longest_task_ns};
-use super::curve::{Curve, Source, queue};
+use super::curve::{Curve, Source, backlog_after, queue};
 use super::plan::Plan;
+use super::wire;
 use baudbot_sim::firmware::Mode;
+use baudbot_sim::link::Link;
+use baudbot_sim::model::Writes;
 
 impl Fixed<'_> {
     /// Most work that there is at an instant, in nanoseconds.
     pub(super) fn backlog(&self, estimate: &Estimate) -> Option<u64> {
         let plan = self.plan;
-        let reads: Vec<u64> = plan.on_wire().iter().map(|sensor| plan.read_ns(sensor).most).collect();
+        let reads = self.reads();
         let frame_ns = self.framing.most.checked_add(self.blocked_ns(estimate.wait_up?)?)?;
         if plan.spec.is_onboard() && plan.spec.thinking_ns > 0 {
             return self.backlog_on_board(&reads);
         }
-        let byte_ns = plan.spec.link.burst_ns(plan.command_bytes().most);
-        let late = estimate.down?.checked_add(byte_ns)?;
-        let ways = self.commands(estimate).into_iter().map(|way| {
-            let curves = way.into_iter().map(|curve| curve.late_by(late));
-            curves.collect::<Vec<_>>()
+        let late = estimate.backlog?;
+        let backlogs = self.arrivals(estimate).into_iter().filter_map(|arrivals| {
+            let in_order = queue(&self.in_order(&reads, Some((frame_ns, late)), &arrivals));
+            let once = self.once_each(&reads, frame_ns, &arrivals);
+            [in_order.map(|queue| queue.backlog_ns), once].into_iter().flatten().min()
         });
-        ways.filter_map(|way| {
-            let in_order = self.in_order(&reads, frame_ns, &way, estimate.backlog?);
-            let once = self.once_each(&reads, frame_ns, &way);
-            [in_order, once].into_iter().flatten().min()
+        backlogs.min()
+    }
+
+    fn reads(&self) -> Vec<u64> {
+        self.plan.on_wire().iter().map(|sensor| self.plan.read_ns(sensor).most).collect()
+    }
+
+    /// How late the last byte of a command is taken at most. What fell due before the message that it answers is done, unless
+    /// the processor has not rested since.
+    pub(super) fn obeyed_late(&self, estimate: &Estimate) -> Option<u64> {
+        let own_ns = self.plan.receiving_ns() + self.plan.spec.processor.obeying_ns;
+        let most = estimate.backlog?;
+        let is_alone = self.takes_turns() || self.is_over_in_time(estimate);
+        // On board thinking is work of the processor, too.
+        if !is_alone || self.plan.spec.is_onboard() {
+            return Some(most.saturating_sub(own_ns));
+        }
+        let reads = self.reads();
+        let frame = (self.framing.most.saturating_add(self.blocked_ns(estimate.wait_up?)?), most);
+        let backlogs = self.arrivals(estimate).into_iter().filter_map(|arrivals| {
+            let since = backlog_after(&self.in_order(&reads, None, &arrivals), 0)?;
+            let before =
+                backlog_after(&self.in_order(&reads, Some(frame), &arrivals), self.least_exchange_ns())?;
+            Some(since.max(before))
+        });
+        Some(backlogs.chain([most]).min()?.saturating_sub(own_ns))
+    }
+
+    /// What arrives from the laptop, in all the ways in which it is known; each is true.
+    fn arrivals(&self, estimate: &Estimate) -> Vec<Arrivals> {
+        let plan = self.plan;
+        let late = estimate.down.map(|down| down + plan.spec.link.burst_ns(plan.command_bytes().most));
+        let known = self.commands(estimate).into_iter().filter_map(|way| Some((way, late?)));
+        let ways = known.map(|(way, late)| Arrivals {
+            pieces: Vec::new(),
+            commands: way.into_iter().map(|curve| curve.late_by(late)).collect(),
+            command_ns: plan.command_ns(),
+        });
+        ways.chain(self.off_the_wire()).collect()
+    }
+
+    /// Whatever is written: a serial line brings one character after the other.
+    fn off_the_wire(&self) -> Option<Arrivals> {
+        let Plan { spec, .. } = self.plan;
+        let character_ns = wire::least_ns(&spec.link, 1);
+        let command_ns = wire::least_ns(&spec.link, self.plan.command_bytes().least);
+        let character = Source { curve: Curve::every(character_ns), work_ns: self.plan.receiving_ns() };
+        (matches!(spec.link, Link::Uart(_)) && character_ns > 0).then(|| Arrivals {
+            pieces: alloc::vec![character],
+            commands: alloc::vec![Curve::every(command_ns)],
+            command_ns: spec.processor.obeying_ns,
         })
-        .min()
     }
 
     /// What fell due earlier comes first.
-    fn in_order(&self, reads: &[u64], frame_ns: u64, commands: &[Curve], late: u64) -> Option<u64> {
+    /// A frame makes so much work, and is asked for so late.
+    fn in_order(&self, reads: &[u64], frame: Option<(u64, u64)>, arrivals: &Arrivals) -> Vec<Source> {
         let source = |curve, work_ns| Source { curve, work_ns };
         let sensors = self.plan.on_wire().iter().zip(reads);
         let mut sources: Vec<_> =
             sensors.map(|(sensor, &ns)| source(Curve::every(sensor.schedule.period_ns()), ns)).collect();
-        let command_ns = self.plan.command_ns();
-        sources.extend(commands.iter().map(|&curve| source(curve, command_ns)));
-        match self.plan.spec.firmware.mode {
-            Mode::Stream(frame) => sources.push(source(Curve::every(frame.period_ns()), frame_ns)),
-            Mode::Poll => sources.extend(commands.iter().map(|&curve| source(curve.late_by(late), frame_ns))),
+        let Arrivals { pieces, commands, command_ns } = arrivals;
+        sources.extend(pieces);
+        sources.extend(commands.iter().map(|&curve| source(curve, *command_ns)));
+        match (frame, self.plan.spec.firmware.mode) {
+            (None, _) => {}
+            (Some((frame_ns, _)), Mode::Stream(frame)) => {
+                sources.push(source(Curve::every(frame.period_ns()), frame_ns));
+            }
+            (Some((frame_ns, late)), Mode::Poll) => {
+                sources.extend(commands.iter().map(|&curve| source(curve.late_by(late), frame_ns)));
+            }
         }
-        queue(&sources).map(|queue| queue.backlog_ns)
+        sources
     }
 
     /// What is under way, and each other task once; commands as many as can have come meanwhile.
-    fn once_each(&self, reads: &[u64], frame_ns: u64, commands: &[Curve]) -> Option<u64> {
+    fn once_each(&self, reads: &[u64], frame_ns: u64, arrivals: &Arrivals) -> Option<u64> {
         let tasks = reads.iter().sum::<u64>() + frame_ns;
         let command_ns = self.plan.command_ns();
         let longest = reads.iter().copied().chain([frame_ns, command_ns]).max()?;
@@ -56,8 +112,14 @@ impl Fixed<'_> {
         }
         let mut backlog = base;
         for _ in 0..MOST_ROUNDS {
-            let come = commands.iter().fold(0_u64, |sum, curve| sum.saturating_add(curve.count(backlog)));
-            let next = base.checked_add(come.checked_mul(command_ns)?)?;
+            let commands =
+                arrivals.commands.iter().map(|&curve| Source { curve, work_ns: arrivals.command_ns });
+            let come = arrivals.pieces.iter().copied().chain(commands);
+            let come = come.map(|source| source.curve.count(backlog).saturating_mul(source.work_ns));
+            let next = come.fold(base, u64::saturating_add);
+            if next == u64::MAX {
+                return None;
+            }
             if next == backlog {
                 return Some(backlog);
             }
@@ -67,7 +129,8 @@ impl Fixed<'_> {
     }
 
     /// On board a step of the brain may come before each task, but no more than one a tick; and two commands can
-    /// wait, as a third is written only when a frame has been served behind the first.
+    /// wait, as a third is written only when a frame has been served behind the first. A brain that writes unasked may write in
+    /// each of its steps.
     fn backlog_on_board(&self, reads: &[u64]) -> Option<u64> {
         let Plan { spec, step_ns, .. } = *self.plan;
         if self.plan.has_ports() {
@@ -75,17 +138,34 @@ impl Fixed<'_> {
         }
         let command_ns = self.plan.command_ns();
         let longest = longest_task_ns(self.plan, 0);
-        let tasks: u64 = reads.iter().sum::<u64>() + 2 * command_ns + longest;
-        let most = reads.len() as u64 + 5;
+        let tasks: u64 = reads.iter().sum::<u64>() + longest;
+        let asked = self.plan.writes() == Writes::OnMessage;
+        let most = if asked { reads.len() as u64 + 5 } else { u64::MAX };
         let mut backlog = tasks;
         for _ in 0..MOST_ROUNDS {
             let thinks = most.min(backlog / step_ns + 2);
-            let next = tasks + thinks * spec.thinking_ns;
+            let commands = if asked { 2 } else { thinks.saturating_mul(self.plan.commands_in_a_turn()) };
+            let work =
+                thinks.saturating_mul(spec.thinking_ns).saturating_add(commands.saturating_mul(command_ns));
+            let next = tasks.saturating_add(work);
+            if next == u64::MAX {
+                return None;
+            }
             if next == backlog {
-                break;
+                return Some(backlog);
             }
             backlog = next;
         }
-        Some(tasks + most.min(backlog / step_ns + 2) * spec.thinking_ns)
+        asked.then(|| tasks + most.saturating_mul(spec.thinking_ns) + 2 * command_ns)
     }
+}
+
+/// What the laptop sends to the microcontroller, as it arrives there.
+struct Arrivals {
+    /// Work besides that of a whole command.
+    pieces: Vec<Source>,
+    /// When commands are whole.
+    commands: Vec<Curve>,
+    /// The work that each of them makes, in nanoseconds.
+    command_ns: u64,
 }

@@ -13,7 +13,8 @@
 //! 5. `remedy` changes the robot and computes it again, as far as the `allowance` goes; `change` has what can be changed,
 //!    `ports` what of sensors' own cables, `apply` does it.
 //!
-//! A brain is taken to answer each message once, and to write nothing else. Byte errors and outages are left out: what
+//! When a brain writes is part of the question (`RobotModel::writes`): unless that is stated, it is taken to answer each message
+//! once, and to write nothing else. Byte errors and outages are left out: what
 //! arrives is as old as the bounds say, what is lost has no age.
 //!
 //! *Deviations.* The notes add up the events of one Δt. Here a message may take longer than Δt, and the next be under
@@ -56,7 +57,7 @@ pub use report::{
 };
 
 use baudbot_sim::Scenario;
-use baudbot_sim::model::RobotSpec;
+use baudbot_sim::model::{RobotSpec, Writes};
 use bounds::Bounds;
 use plan::Plan;
 use timeline::{Outcome, Timeline};
@@ -97,11 +98,11 @@ impl Budget {
         robots: impl IntoIterator<Item = &'a RobotSpec>,
         measured: impl Fn(&RobotSpec) -> Option<Thinking>,
     ) -> Self {
-        let mut alike: BTreeMap<(&str, Option<Thinking>), usize> = BTreeMap::new();
+        let mut alike: BTreeMap<(&str, Option<Writes>, Option<Thinking>), usize> = BTreeMap::new();
         let mut budgets: Vec<RobotBudget> = Vec::new();
         for spec in robots {
             let thinking = measured(spec);
-            let first = *alike.entry((spec.table_name(), thinking)).or_insert(budgets.len());
+            let first = *alike.entry((spec.table_name(), spec.writes, thinking)).or_insert(budgets.len());
             let budget = match (budgets.get(first), thinking) {
                 (Some(first), _) => RobotBudget { robot: spec.name.clone(), ..first.clone() },
                 (None, None) => RobotBudget::of(scenario, spec),
@@ -172,6 +173,7 @@ impl RobotBudget {
         Self {
             robot: plan.spec.name.clone(),
             step_ns: plan.step_ns,
+            writes: plan.writes(),
             deadline_ns: plan.deadline_ns(),
             starts_after_ns: plan.spec.processor.bootloader_ns,
             dead_time_ns: plan.spec.dead_time_ns,

@@ -11,6 +11,7 @@ use super::timeline::Outcome;
 use super::wire;
 use baudbot_sim::firmware::Mode;
 use baudbot_sim::link::Link;
+use baudbot_sim::model::Writes;
 use baudbot_sim::sensor::{OwnClock, Sensor};
 use baudbot_sim::time::SECOND_NS;
 
@@ -57,21 +58,27 @@ pub(super) fn port_share(sensor: &Sensor, clock: &OwnClock, link: &Link) -> f64 
 /// polled robot does what it can.
 fn rates(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Rates {
     let ports: f64 = plan.ports().map(|(_, _, clock, _)| 1.0 / clock.period_ns as f64).sum();
-    let most = 1.0 / plan.brain_ns() as f64;
+    let steps = 1.0 / plan.brain_ns() as f64;
+    let ran = outcome.ran_ns.max(1) as f64;
+    let obeyed = outcome.commands as f64 / ran;
+    let unasked = match plan.writes() {
+        Writes::OnMessage => None,
+        Writes::WhenFree => Some(obeyed),
+        Writes::EveryTick => Some(steps),
+        Writes::AtMost(_) if plan.pause_ns() > 0 => Some(steps.min(1.0 / plan.pause_ns() as f64)),
+        Writes::AtMost(_) => Some(steps * plan.commands_in_a_turn() as f64),
+    };
     match plan.spec.firmware.mode {
         Mode::Stream(frame) => {
             let messages = 1.0 / frame.period_ns() as f64;
             let bytes_up = messages * bounds.pattern.mean_bytes;
-            Rates { messages, bytes_up, commands: most.min(messages + ports) }
+            Rates { messages, bytes_up, commands: unasked.unwrap_or_else(|| steps.min(messages + ports)) }
         }
-        Mode::Poll => {
-            let ran = outcome.ran_ns.max(1) as f64;
-            Rates {
-                messages: outcome.messages as f64 / ran,
-                bytes_up: outcome.bytes_up as f64 / ran,
-                commands: outcome.commands as f64 / ran,
-            }
-        }
+        Mode::Poll => Rates {
+            messages: outcome.messages as f64 / ran,
+            bytes_up: outcome.bytes_up as f64 / ran,
+            commands: unasked.unwrap_or(obeyed),
+        },
     }
 }
 

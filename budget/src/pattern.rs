@@ -98,7 +98,7 @@ fn messages(plan: &Plan<'_>, frame: &Schedule) -> Option<u64> {
     (all <= 2 * MOST_MESSAGES).then_some(all as u64)
 }
 
-fn gcd(mut a: u128, mut b: u128) -> u128 {
+pub(super) fn gcd(mut a: u128, mut b: u128) -> u128 {
     while b != 0 {
         (a, b) = (b, a % b);
     }

@@ -8,7 +8,7 @@ use baudbot_wire::{frame, khepera};
 use baudbot_sim::Scenario;
 use baudbot_sim::firmware::{Mode, Protocol};
 use baudbot_sim::link::{Adapter, Link};
-use baudbot_sim::model::RobotSpec;
+use baudbot_sim::model::{RobotSpec, Writes};
 use baudbot_sim::motor::Motors;
 use baudbot_sim::sensor::{Device, OwnClock, Sensor};
 
@@ -51,6 +51,34 @@ impl<'a> Plan<'a> {
     /// A robot as its scenario has it.
     pub(super) fn of(scenario: &Scenario, spec: &'a RobotSpec) -> Self {
         Self { spec, step_ns: scenario.step_ns, noise: scenario.noise, measured: None }
+    }
+
+    /// When its brain writes: as the scenario states, or in answer to messages only.
+    pub(super) fn writes(&self) -> Writes {
+        self.spec.writes.unwrap_or_default()
+    }
+
+    /// How many commands its brain writes in a turn at most.
+    pub(super) fn commands_in_a_turn(&self) -> u64 {
+        self.writes().in_a_turn(self.step_ns)
+    }
+
+    /// The least time between two steps in which its brain writes, as far as it is the brain that sees to that.
+    pub(super) fn pause_ns(&self) -> u64 {
+        match self.writes() {
+            Writes::OnMessage | Writes::EveryTick => 0,
+            Writes::WhenFree => self.command_time_ns(),
+            Writes::AtMost(frequency) if self.commands_in_a_turn() == 1 => frequency.period_ns(),
+            Writes::AtMost(_) => 0,
+        }
+    }
+
+    /// How long a brain takes a command to be on the cable, which knows no more of that than its rate.
+    pub(super) fn command_time_ns(&self) -> u64 {
+        match &self.spec.link {
+            Link::Ideal | Link::Onboard | Link::Usb(_) => 0,
+            link @ Link::Uart(_) => link.burst_ns(self.command_bytes().most),
+        }
     }
 
     /// How long its brain thinks: as was measured, or as the scenario says. On board it takes the processor as long as the

@@ -130,7 +130,7 @@ fn limits(plan: &Plan<'_>, bounds: &Bounds) -> Vec<(String, Option<f64>)> {
     let mut limits = alloc::vec![often("steps of the brain", plan.brain_ns())];
     if let Mode::Stream(frame) = plan.spec.firmware.mode {
         limits.push(often("frames", frame.period_ns()));
-    } else if !plan.has_ports() {
+    } else if bounds.takes_turns {
         limits.push(often("round trips", round_trip_ns(plan, bounds)));
     }
     limits.push(("messages up".to_string(), most_messages(link, bounds.pattern.bytes.least)));

@@ -3,6 +3,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
+use baudbot_sim::model::Writes;
 use serde::Serialize;
 
 /// A time of which the least, the usual and the most is known, in nanoseconds.
@@ -209,6 +210,8 @@ pub struct RobotBudget {
     pub robot: String,
     /// Δt, in nanoseconds.
     pub step_ns: u64,
+    /// When its brain writes, which all the rest goes by.
+    pub writes: Writes,
     /// When a cycle must be over, in nanoseconds: Δt, or the deadline that the scenario states.
     pub deadline_ns: u64,
     /// Until when after the start of the run nothing happens, in nanoseconds, because a bootloader waits; no part of a cycle.
@@ -243,6 +246,11 @@ pub struct Budget {
 }
 
 impl Thinking {
+    /// How much longer the longest takes than the shortest.
+    pub(super) const fn width_ns(self) -> u64 {
+        self.most_ns.saturating_sub(self.least_ns)
+    }
+
     /// Always the same.
     pub(super) const fn exactly(ns: u64) -> Self {
         Self { least_ns: ns, typical_ns: ns, most_ns: ns }

@@ -12,6 +12,7 @@ use super::plan::{Plan, calm};
 use super::report::Part;
 use baudbot_sim::firmware::Mode;
 use baudbot_sim::link::{Line, Link};
+use baudbot_sim::model::Writes;
 use baudbot_sim::schedule::Due;
 use baudbot_sim::time::SimTime;
 
@@ -89,6 +90,9 @@ pub(super) struct Timeline<'a> {
     news: Option<Option<Open>>,
     sampled: Vec<Option<SimTime>>,
     busy_until: SimTime,
+    /// The brain's last step in which it wrote, and whether it owes an answer to a message that came before it might write again.
+    wrote: Option<SimTime>,
+    owes: bool,
     left: usize,
     outcome: Outcome,
 }
@@ -116,6 +120,8 @@ impl<'a> Timeline<'a> {
             news: None,
             sampled: vec![None; sensors],
             busy_until: SimTime::ZERO,
+            wrote: None,
+            owes: false,
             left: events,
             outcome: Outcome { ages: vec![Vec::new(); sensors], ..Outcome::default() },
             link,
@@ -306,9 +312,30 @@ impl<'a> Timeline<'a> {
         }
         self.busy_until = written;
         let news = self.news.take();
+        if !self.writes_now(at, news.is_some()) {
+            return;
+        }
+        self.wrote = Some(at);
+        self.write(written, news.flatten().map(|cycle| Open { stepped: at, written, ..cycle }));
+        for _ in 1..self.plan.commands_in_a_turn() {
+            self.write(written, None);
+        }
+    }
+
+    /// Whether the brain writes in its step.
+    fn writes_now(&mut self, at: SimTime, has_news: bool) -> bool {
+        let pause_ns = self.plan.pause_ns();
+        let is_free = self.wrote.is_none_or(|wrote| at.since(wrote) >= pause_ns);
         // The first word of a polled robot is the brain's.
-        if news.is_some() || (self.plan.polls() && self.outcome.steps == 1) {
-            self.write(written, news.flatten().map(|cycle| Open { stepped: at, written, ..cycle }));
+        let asks = self.plan.polls() && self.outcome.steps == 1;
+        match self.plan.writes() {
+            Writes::OnMessage => has_news || asks,
+            Writes::EveryTick => true,
+            Writes::AtMost(_) => is_free,
+            Writes::WhenFree => {
+                self.owes |= has_news || asks;
+                is_free && core::mem::take(&mut self.owes)
+            }
         }
     }
 

@@ -49,6 +49,7 @@ impl Fixed<'_> {
         };
         let shared = match turnaround_ns(link) {
             None => 0,
+            Some(_) if self.is_over_in_time(estimate) => 0,
             Some(turn) => self.shared_ns(turn, estimate)?,
         };
         let hold = wire::hold_up_ns(link).most;
@@ -126,9 +127,10 @@ impl Fixed<'_> {
         let hold = wire::hold_down_ns(link);
         let shared = match turnaround_ns(link) {
             None => 0,
+            Some(turn) if self.is_over_in_time(estimate) => turn,
             Some(turn) => self.shared_ns(turn, estimate)?,
         };
-        if self.takes_turns() {
+        if self.takes_turns() || self.is_over_in_time(estimate) {
             let fits = wire::radio(link).is_none_or(|radio| bytes <= u64::from(radio.packet_bytes));
             return fits.then_some(hold.most + wire::frame_ns(link) + burst + shared + u64::from(burst > 0));
         }
@@ -154,9 +156,12 @@ impl Fixed<'_> {
         let work_ns = link.burst_ns(bytes);
         let source = |curve: &Curve| Source { curve: curve.late_by(hold.width()), work_ns };
         let queue = queue(&commands.iter().map(source).collect::<Vec<_>>())?;
+        // The answer is the first that is written in its turn.
+        let behind = if wire::radio(link).is_some() { 0 } else { self.plan.commands_in_a_turn() - 1 };
+        let behind_ns = behind.saturating_mul(work_ns);
         hold.most
             .checked_add(wire::frame_ns(link))?
-            .checked_add(queue.backlog_ns)?
+            .checked_add(queue.backlog_ns.saturating_sub(behind_ns))?
             .checked_add(u64::from(work_ns > 0))
     }
 }

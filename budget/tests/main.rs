@@ -7,3 +7,4 @@ mod limits;
 mod random;
 mod remedies;
 mod run;
+mod writers;

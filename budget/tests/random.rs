@@ -148,7 +148,7 @@ pub(crate) fn scenarios() -> impl Strategy<Value = String> {
 }
 
 /// The same robots each time; more or others with `PROPTEST_CASES` and `PROPTEST_RNG_SEED`.
-fn config(cases: u32) -> ProptestConfig {
+pub(crate) fn config(cases: u32) -> ProptestConfig {
     let mut config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
     // 256 is proptest's own number.
     config.cases = if config.cases > 256 { config.cases } else { cases };

@@ -4,9 +4,12 @@ use anyhow::Context;
 use baudbot_brains::catalogue;
 use baudbot_client::{Client, Error, Summary};
 use baudbot_experiment::assignment::{self, AssignmentError};
+use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 
-pub(crate) use baudbot_experiment::assignment::{Assigned, Assignment, NONE, fitting_brain, named};
+pub(crate) use baudbot_experiment::assignment::{
+    Assigned, Assignment, DEFAULT, NONE, fitting_brain, is_for, named, sees,
+};
 
 use crate::error::Refused;
 
@@ -43,6 +46,11 @@ pub(crate) fn set_parameters(assigned: &mut Assigned, arguments: &[String]) -> a
         set.map_err(|error| Refused::error(format!("--parameter {argument}: {error}")))?;
     }
     Ok(())
+}
+
+/// States of the scenario's robots when their brains write, unless the scenario does.
+pub(crate) fn state_writes(assigned: &Assigned, scenario: &mut Scenario) -> anyhow::Result<()> {
+    assigned.state_writes(&mut scenario.robots).map_err(|error| Refused::error(error.to_string()))
 }
 
 /// Whether a `--brain` is for all robots that no other one names.

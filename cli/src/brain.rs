@@ -112,7 +112,7 @@ fn entries() -> Vec<Value> {
     };
     let entry = |entry: catalogue::Entry| {
         let parameters: Vec<_> = entry.parameters.iter().map(parameter).collect();
-        json!({ "name": entry.name, "summary": entry.summary, "parameters": parameters })
+        json!({ "name": entry.name, "summary": entry.summary, "writes": entry.writes.to_string(), "parameters": parameters })
     };
     catalogue::catalogue().into_iter().map(entry).collect()
 }

@@ -1,13 +1,14 @@
 //! Which brain drives which robot, and the brains at work, as gRPC clients like any other.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 use std::time::Duration;
 
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_client::{Brain, Client, Error, Fleet, Summary, run_fleet};
 use baudbot_launch::{BadProgram, EXEC, Held, Program, Task};
 use baudbot_proto::v1;
-use baudbot_sim::model::RobotSpec;
+use baudbot_sim::model::{RobotModel, RobotSpec, Writes};
 use baudbot_sim::sensor::Device;
 use wildmatch::WildMatch;
 
@@ -38,6 +39,33 @@ impl Assigned {
         let brain = self.brains.iter().find(|brain| is_its(&brain.robots)).map(|brain| brain.brain.clone());
         let program = || self.programs.iter().find(|task| is_its(&task.robots));
         brain.or_else(|| program().map(|task| format!("{EXEC}{}", task.program)))
+    }
+
+    /// States of robots when their brains write, unless their scenario does: of a brain of the catalogue as the catalogue says it; a
+    /// program is taken to answer messages only.
+    ///
+    /// # Errors
+    /// If the catalogue has no such brain.
+    pub fn state_writes(&self, robots: &mut [RobotSpec]) -> Result<(), CatalogueError> {
+        let mut of: HashMap<&str, Writes> = HashMap::new();
+        for Assignment { brain, robots } in &self.brains {
+            let writes = catalogue::writes(brain)?;
+            of.extend(robots.iter().map(|robot| (robot.as_str(), writes)));
+        }
+        // Robots that share a model go on doing so.
+        let mut last: Option<(Arc<RobotModel>, Writes, Arc<RobotModel>)> = None;
+        for spec in robots.iter_mut().filter(|spec| spec.writes.is_none()) {
+            let writes = of.get(spec.name.as_str()).copied().unwrap_or_default();
+            let shared =
+                last.as_ref().filter(|(old, its, _)| Arc::ptr_eq(old, &spec.model) && *its == writes);
+            let new = shared.map_or_else(
+                || Arc::new(RobotModel { writes: Some(writes), ..RobotModel::clone(&spec.model) }),
+                |(_, _, new)| Arc::clone(new),
+            );
+            let old = std::mem::replace(&mut spec.model, Arc::clone(&new));
+            last = Some((old, writes, new));
+        }
+        Ok(())
     }
 
     /// Sets a parameter of all brains that have it. Which parameters a program has, only the program knows.
@@ -200,6 +228,12 @@ fn brain_for<'a>(spec: &RobotSpec, brains: &[(Option<&str>, &'a str)]) -> Option
     found.or_else(|| named(None)).map(|(_, brain)| *brain)
 }
 
+/// Whether `ROBOT=BRAIN` names this robot, its table, or a pattern that it matches.
+pub fn is_for(text: &str, spec: &RobotSpec) -> bool {
+    let (robot, _) = split(text);
+    robot.is_some_and(|robot| spec.name == robot || spec.table_name() == robot || matches(robot, &spec.name))
+}
+
 /// Whether this means all names that match it.
 fn is_pattern(text: &str) -> bool {
     text.contains(['*', '?'])
@@ -258,6 +292,11 @@ pub fn split(text: &str) -> (Option<&str>, &str) {
         Some((robot, _)) => (Some(robot), &text[robot.len() + 1..]),
         None => (None, text),
     }
+}
+
+/// Whether the default brain can drive this robot.
+pub fn sees(spec: &RobotSpec) -> bool {
+    has_infrared(spec) && !drives_itself(spec)
 }
 
 /// A brain that can drive this robot: the default one if it sees enough, else one that is blind.

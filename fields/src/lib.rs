@@ -20,6 +20,7 @@ mod read;
 mod tree;
 #[cfg(feature = "toml")]
 mod words;
+mod writes;
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -34,6 +35,7 @@ pub use nearest::{edits, nearest};
 use printable::Printable;
 #[cfg(feature = "toml")]
 pub use read::read;
+pub use writes::{Frequency, NoWrites, Writes};
 
 /// An error in a field. Path and problem are [`printable`], whatever they quote.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

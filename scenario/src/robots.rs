@@ -21,7 +21,7 @@ use baudbot_sim::battery::Battery;
 use baudbot_sim::drive::{Deviation, Drive, Wheel, forward_gain, turn_gain};
 use baudbot_sim::firmware::Firmware;
 use baudbot_sim::link::Link;
-use baudbot_sim::model::{RobotModel, RobotSpec};
+use baudbot_sim::model::{RobotModel, RobotSpec, Writes};
 use baudbot_sim::processor::Processor;
 use baudbot_sim::sensor::Sensor;
 use baudbot_sim::time::SECOND_NS;
@@ -144,6 +144,7 @@ fn model(
         firmware,
         link,
         thinking_ns,
+        writes: writes(&path.field("brain"), raw.brain.writes.as_deref())?,
         deadline: faults::deadline(path, raw.brain.deadline_ms, raw.brain.on_late, context.step.step_ns)?,
         faults: Vec::new(),
         brain_operations: raw.brain.operations,
@@ -318,6 +319,15 @@ fn deviation(path: &Path, body: &raw::Body, half_track_m: f64) -> Result<Option<
 const LEAST_DEVIATION: f64 = 0.5;
 /// The same, upwards.
 const MOST_DEVIATION: f64 = 2.0;
+
+/// When a brain writes, if that is stated.
+fn writes(path: &Path, raw: Option<&str>) -> Result<Option<Writes>> {
+    let read = |text: &str| {
+        let refused = |error| path.field("writes").error(format!("{error}, is {text:?}"));
+        text.parse::<Writes>().map_err(refused)
+    };
+    raw.map(read).transpose()
+}
 
 /// How long a brain thinks that does not say, in nanoseconds: a time, or operations of the processor that it runs
 /// on. In both ways no longer than [`MAX_THINKING_US`].

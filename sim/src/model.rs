@@ -5,6 +5,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Deref;
 
+pub use baudbot_fields::{Frequency, NoWrites, Writes};
 use baudbot_geometry::{Point, Pose};
 
 use crate::actuator::Actuator;
@@ -79,6 +80,8 @@ pub struct RobotModel {
     pub link: Link,
     /// How long a brain thinks that does not say, in nanoseconds.
     pub thinking_ns: u64,
+    /// When its brain writes, if that is stated.
+    pub writes: Option<Writes>,
     /// When its commands must be there.
     pub deadline: Deadline,
     /// Its faults.

@@ -4,6 +4,7 @@
 mod repertoires;
 
 use baudbot_brain::{Body, Brain};
+use baudbot_fields::Writes;
 
 pub use crate::kinds::{CatalogueError, Entry, Setting, nearest_first};
 use crate::kinds::{KINDS, Kind};
@@ -36,6 +37,18 @@ pub fn check(description: &str) -> Result<(), CatalogueError> {
     match Text::find(name)? {
         Some(text) => text.read(settings).map(drop),
         None => kind(name).map(drop),
+    }
+}
+
+/// When the brain that `description` describes writes, at most.
+///
+/// # Errors
+/// As [`brain`] says it.
+pub fn writes(description: &str) -> Result<Writes, CatalogueError> {
+    let (name, settings) = description.split_once(':').unwrap_or((description, ""));
+    match Text::find(name)? {
+        Some(text) => Ok(text.read(settings)?.writes()),
+        None => Ok(kind(name)?.writes),
     }
 }
 

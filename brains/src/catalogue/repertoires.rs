@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use baudbot_brain::{Body, Brain};
+use baudbot_fields::Writes;
 
 use crate::description::{Description, DescriptionError, edited};
 use crate::kinds::{CatalogueError, Entry, PLACED_SCANS};
@@ -35,9 +36,10 @@ pub(super) fn entries() -> impl Iterator<Item = Entry> {
     BUILT_IN.iter().map(|&(name, toml)| {
         let description = Description::parse(toml);
         let summary = description.as_ref().map_or("", Description::summary).to_owned();
+        let writes = description.as_ref().map_or_else(|_| Writes::default(), Description::writes);
         let mut kinds = description.iter().flat_map(Description::kinds);
         let together = PLACED_SCANS.filter(|_| kinds.any(|kind| PLACING.contains(&kind)));
-        Entry { name, summary, parameters: Vec::new(), together }
+        Entry { name, writes, summary, parameters: Vec::new(), together }
     })
 }
 

@@ -27,7 +27,7 @@ mod policy;
 mod raw;
 
 use baudbot_brain::{Body, Brain};
-use baudbot_fields::Cause;
+use baudbot_fields::{Cause, Writes};
 use toml::{Table, Value};
 
 use crate::composed::Composed;
@@ -96,6 +96,11 @@ impl Description {
     /// The kinds of its processes.
     pub fn kinds(&self) -> impl Iterator<Item = &str> {
         self.raw.motor.values().chain(self.raw.cognitive.values()).map(|process| process.kind.as_str())
+    }
+
+    /// When it writes, at most. A policy answers whatever comes, though the cable may still be taken.
+    pub fn writes(&self) -> Writes {
+        if self.raw.policy.is_some() { Writes::EveryTick } else { Writes::WhenFree }
     }
 
     /// The brain, for a robot with this body: one of processes, or a [policy](crate::policy). `seed` chooses its random numbers.

@@ -6,6 +6,7 @@ mod nearest;
 use std::ops::RangeInclusive;
 
 use baudbot_brain::{Body, Brain};
+use baudbot_fields::Writes;
 
 pub use error::CatalogueError;
 pub use nearest::nearest_first;
@@ -28,6 +29,8 @@ pub struct Entry {
     pub name: &'static str,
     /// Its description, in a line.
     pub summary: String,
+    /// When it writes, at most: what a budget takes for granted of it.
+    pub writes: Writes,
     /// What can be set; of a brain that is described in TOML any number can be, by its path.
     pub parameters: Vec<Setting>,
     /// Two kinds of sensors that it needs together: readings of the first are of no use before those of the second have come
@@ -51,6 +54,7 @@ pub struct Setting {
 /// A kind of brain, and how one is made.
 pub(crate) struct Kind {
     pub(crate) name: &'static str,
+    pub(crate) writes: Writes,
     summary: &'static str,
     settings: fn() -> Vec<Setting>,
     make: fn(&BrainRequest<'_>) -> Result<Box<dyn Brain + Send>, CatalogueError>,
@@ -70,6 +74,7 @@ struct BrainRequest<'a> {
 pub(crate) const KINDS: &[Kind] = &[
     Kind {
         name: "ant",
+        writes: Writes::WhenFree,
         summary: "goes out on a winding path, and returns by its home vector and by remembered landmarks",
         settings: || settings(ant::PARAMETERS),
         make: |request| {
@@ -83,6 +88,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "avoid",
+        writes: Writes::WhenFree,
         summary: "wanders without running into what its infra-red sensors see",
         settings: || settings(avoid::PARAMETERS),
         make: |request| {
@@ -92,6 +98,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "constant",
+        writes: Writes::WhenFree,
         summary: "sends the same signals all the time",
         settings: || settings(constant::PARAMETERS),
         make: |request| Ok(Box::new(Constant::new(request.parameters(constant::PARAMETERS)?))),
@@ -99,6 +106,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "ecoli",
+        writes: Writes::WhenFree,
         summary: "seeks more of what it senses as E. coli does: runs while it gets better, tumbles if not",
         settings: || settings(ecoli::PARAMETERS),
         make: |request| {
@@ -112,6 +120,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "explore",
+        writes: Writes::WhenFree,
         summary: "explores until its laser has seen every part of the floor",
         settings: || settings(explore::PARAMETERS),
         make: |request| {
@@ -124,6 +133,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "larva",
+        writes: Writes::WhenFree,
         summary: "crawls away from light like a fly's larva, swinging its head, until the reflex tires",
         settings: || settings(larva::PARAMETERS),
         make: |request| {
@@ -137,6 +147,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "navigate",
+        writes: Writes::WhenFree,
         summary: "drives a distance by its odometer and stops",
         settings: || settings(navigate::PARAMETERS),
         make: |request| {
@@ -150,6 +161,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "stentor",
+        writes: Writes::WhenFree,
         summary: "sits still; when disturbed it turns away, backs off, contracts and finally drives off",
         settings: || settings(stentor::PARAMETERS),
         make: |request| {
@@ -163,6 +175,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "wander",
+        writes: Writes::WhenFree,
         summary: "drives on and turns now and then, blindly and at random",
         settings: || settings(wander::PARAMETERS),
         make: |request| Ok(Box::new(Wander::new(request.parameters(wander::PARAMETERS)?, request.chance()))),
@@ -170,6 +183,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "woodlouse",
+        writes: Writes::WhenFree,
         summary: "runs fast where it is dry and slowly where it is damp, and so stays where it is damp",
         settings: || settings(woodlice::PARAMETERS),
         make: |request| {
@@ -187,6 +201,7 @@ impl Kind {
     pub(crate) fn entry(&self) -> Entry {
         Entry {
             name: self.name,
+            writes: self.writes,
             summary: self.summary.to_owned(),
             parameters: (self.settings)(),
             together: self.together,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use baudbot_fields::Writes;
 use clap::Args;
 
 use super::{ChangeArgs, measure};
@@ -13,6 +14,16 @@ pub(crate) struct BudgetArgs {
     /// Only this robot; may be given several times [default: all]
     #[arg(long = "robot", value_name = "ROBOT")]
     pub(crate) robots: Vec<String>,
+    /// The brain that the verdict is for, of one robot, or of all robots that no other --brain names, as in `baudbot run`
+    ///
+    /// A budget depends on when its brain writes. Each brain of the catalogue says so itself; a program (`exec:…`) is taken to answer
+    /// each message once, and to write nothing else. The default is `avoid` for robots with IR sensors; for others any brain that
+    /// answers each message once.
+    #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
+    pub(crate) brains: Vec<String>,
+    /// When brains write, whatever they and the scenario say: on-message, when-free, every-tick, or so many a second, as in 10-per-s
+    #[arg(long, value_name = "WHEN")]
+    pub(crate) writes: Option<Writes>,
     /// Write JSON, with units in the names
     #[arg(long)]
     pub(crate) json: bool,

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use baudbot_budget::{Budget, Verdict};
+use baudbot_budget::{Budget, RobotBudget, Verdict};
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 use serde::Serialize;
@@ -17,6 +17,7 @@ use serde::Serialize;
 use self::measured::Measured;
 use self::program::ProgramBudget;
 use crate::args::BudgetArgs;
+use crate::assignment::{self, Assigned, Assignment};
 use crate::error::Refused;
 use crate::output_files::Inputs;
 use crate::robot_groups;
@@ -30,7 +31,8 @@ pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
     let inputs = args.measured.iter().fold(inputs, |all, recording| all.file("recording", recording));
     inputs.check(args.svg.iter().map(|path| ("--svg", path.as_path())))?;
     let source = Source::find(&args.scenario)?;
-    let scenario = source.parse(&overrides(&args.changes)?)?;
+    let mut scenario = source.parse(&overrides(&args.changes)?)?;
+    let assigned = assigned(args, &source, &mut scenario)?;
     let named = |name: &String| scenario.robots.iter().position(|robot| robot.name == *name);
     if let Some(name) = args.robots.iter().find(|name| named(name).is_none()) {
         let names: Vec<_> = scenario.robots.iter().map(|robot| format!("`{}`", robot.name)).collect();
@@ -51,9 +53,38 @@ pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
     if args.json {
         text::print_json(&Budgets { computed: &computed, programs: &programs })?;
     } else {
-        text::print(&told(&source, &wanted, (&computed, &programs), &measured))?;
+        text::print(&told(&source, &wanted, (&computed, &programs), (&measured, &assigned)))?;
     }
     Ok(code(args, &computed, &programs))
+}
+
+/// Who drives the robots, as far as that is known; `scenario` says afterwards when they write.
+fn assigned(args: &BudgetArgs, source: &Source, scenario: &mut Scenario) -> anyhow::Result<Assigned> {
+    let mut brains = args.brains.clone();
+    let is_open = !brains.iter().any(|brain| assignment::is_for_all(brain));
+    brains.extend(is_open.then(|| assignment::NONE.to_owned()));
+    let mut assigned = assignment::assign(&brains, &scenario.robots, &source.shown_brains())?;
+    let is_free = |spec: &&RobotSpec| {
+        assignment::sees(spec) && !args.brains.iter().any(|brain| assignment::is_for(brain, spec))
+    };
+    let free = scenario.robots.iter().filter(|spec| is_open && is_free(spec)).map(|spec| spec.name.clone());
+    assigned.brains.push(Assignment { brain: assignment::DEFAULT.to_owned(), robots: free.collect() });
+    if let Some(writes) = args.writes {
+        for spec in &mut scenario.robots {
+            Arc::make_mut(&mut spec.model).writes = Some(writes);
+        }
+    }
+    assignment::state_writes(&assigned, scenario)?;
+    Ok(assigned)
+}
+
+/// For which brain the verdict holds.
+fn brain(robot: &RobotBudget, brain: Option<&str>) -> String {
+    let writes = robot.writes.phrase();
+    match brain {
+        Some(brain) => format!("  holds if its brain, `{brain}`, {writes}\n"),
+        None => format!("  holds for a brain that {writes}\n"),
+    }
 }
 
 /// The budgets of all robots: those that were computed, and those of programs, which were measured.
@@ -109,7 +140,7 @@ fn told(
     source: &Source,
     specs: &[&RobotSpec],
     (budget, programs): (&Budget, &[ProgramBudget]),
-    measured: &Measured,
+    (measured, assigned): (&Measured, &Assigned),
 ) -> String {
     if specs.is_empty() {
         return format!("{}: no robots\n", source.label());
@@ -122,8 +153,9 @@ fn told(
         robot.map(|robot| {
             let warnings = together::warnings(spec, robot);
             let warnings: String = warnings.iter().map(|warning| format!("  warning: {warning}\n")).collect();
+            let brain = brain(robot, assigned.brain_of(&spec.name).as_deref());
             let thinking = measured.told(spec).unwrap_or_default();
-            table::robot(robot, &thinking) + &warnings + &robot_groups::others(spec, count)
+            table::robot(robot, &(brain + &thinking)) + &warnings + &robot_groups::others(spec, count)
         })
     };
     let robots: Vec<_> =

@@ -171,6 +171,16 @@ fn cycles(cycles: &Cycles) -> String {
         let [median, most] = [p50_ms, p95_ms].map(|ms| duration(about(ms) * 1e6));
         text += &format!("; half took at most {median}, 95 % {most}, the longest {}", duration(max_ms * 1e6));
     }
+    if cycles.unstated_writes > 0 {
+        let [writes, disturbed] =
+            [cycles.unstated_writes, cycles.disturbed].map(|n| usize::try_from(n).unwrap_or(usize::MAX));
+        text += &format!(
+            "; {} other than `{}`, which disturbed {}: a budget for that does not hold for them",
+            count(writes, "write"),
+            cycles.writes,
+            count(disturbed, "cycle")
+        );
+    }
     text + &format!("; {} exchanges a second", handy(about(cycles.exchanges_per_s)))
 }
 

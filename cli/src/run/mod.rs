@@ -147,6 +147,7 @@ impl Plan {
             }
             assigned.programs.iter_mut().for_each(|task| task.output = Output::Shown);
         }
+        assignment::state_writes(&assigned, &mut scenario)?;
         let (world, seed) = (source.world_name(&scenario), scenario.seed);
         let frame = record::short_frame(&args.record, scenario.step_ns);
         let analysed = VCD.robots(&args.chips.vcd, &scenario.robots)?;

@@ -2,7 +2,7 @@
 
 use baudbot_proto::v1;
 use baudbot_sim::link::Link;
-use baudbot_sim::model::RobotSpec;
+use baudbot_sim::model::{RobotSpec, Writes};
 use baudbot_sim::sensor::Sensor as SensorSpec;
 use serde::Serialize;
 
@@ -62,6 +62,12 @@ pub(crate) struct Cycles {
     pub(crate) kept: u64,
     pub(crate) late: u64,
     pub(crate) unanswered: u64,
+    /// When its brain is taken to write: what a budget of this robot goes by.
+    pub(crate) writes: Writes,
+    /// Writes beyond that.
+    pub(crate) unstated_writes: u64,
+    /// Answered cycles that these disturbed; the bounds of the budget need not hold for them.
+    pub(crate) disturbed: u64,
     /// Of those that were kept or late; absent if there were none.
     pub(crate) kept_percent: Option<f64>,
     /// Messages of readings a second that were answered by a command.
@@ -174,7 +180,7 @@ impl Robot {
             chip: status.chip.as_ref().map(|chip| Chip::new(chip, spec)),
             uplink: Line::new(&status.uplink.unwrap_or_default(), capacity),
             downlink: Line::new(&status.downlink.unwrap_or_default(), capacity),
-            cycles: Cycles::new(status.cycles.as_ref(), simulated_s),
+            cycles: Cycles::new(status.cycles.as_ref(), spec.writes.unwrap_or_default(), simulated_s),
             thinking_wall: status.thinking_wall.as_ref().map(Thinking::new),
             thinking_processor: status.thinking_processor.as_ref().map(Thinking::new),
             battery: status.battery.as_ref().map(Battery::new),
@@ -201,7 +207,7 @@ impl Line {
 }
 
 impl Cycles {
-    fn new(status: Option<&v1::CycleStatus>, simulated_s: f64) -> Self {
+    fn new(status: Option<&v1::CycleStatus>, writes: Writes, simulated_s: f64) -> Self {
         let status = status.copied().unwrap_or_default();
         let all = status.kept + status.late;
         let answered = status.durations.map_or(0, |durations| durations.count);
@@ -210,6 +216,9 @@ impl Cycles {
             kept: status.kept,
             late: status.late,
             unanswered: status.unanswered,
+            writes,
+            unstated_writes: status.unstated_writes,
+            disturbed: status.disturbed,
             kept_percent: (all > 0).then(|| status.kept as f64 / all as f64 * 100.0),
             exchanges_per_s: if simulated_s > 0.0 { answered as f64 / simulated_s } else { 0.0 },
             duration: status.durations.as_ref().map(Durations::new),

@@ -400,6 +400,13 @@ pub struct CycleStatus {
     /// How long the cycles took that were answered; absent if none was.
     #[prost(message, optional, tag = "5")]
     pub durations: ::core::option::Option<Durations>,
+    /// Writes of the brain that the scenario's `brain.writes` does not allow; of a scenario that does not state it, those that answer no
+    /// message. They are counted from the start of the run, or from when its state was restored.
+    #[prost(uint64, tag = "6")]
+    pub unstated_writes: u64,
+    /// Answered cycles that these disturbed: the bounds of a budget need not hold for them.
+    #[prost(uint64, tag = "7")]
+    pub disturbed: u64,
 }
 /// A distribution of durations. Quantiles are accurate to 0.8 %, the rest is exact.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
@@ -701,6 +708,9 @@ pub struct RobotBudget {
     /// cycles.
     #[prost(uint64, tag = "16")]
     pub starts_after_ns: u64,
+    /// When its brain is taken to write, which all the rest goes by: `on-message`, `when-free`, `every-tick` or, for instance, `10-per-s`.
+    #[prost(string, tag = "17")]
+    pub writes: ::prost::alloc::string::String,
 }
 /// A duration, with its minimum, typical and maximum values.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]

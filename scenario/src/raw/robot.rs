@@ -183,6 +183,11 @@ pub(crate) struct Brain {
     /// obeyed; the run ends. The motors' [dead time](actuators.md#robotsmotors) delays that as it delays
     /// commands. Default: `"hold"`. Range: only with `deadline_ms`.
     pub(crate) on_late: Option<RawOnLate>,
+    /// [When it writes commands](../explanation/timing.md#when-a-brain-writes), which `baudbot budget` goes by and runs count
+    /// exceptions from: an answer to each message and no more (`"on-message"`); once a tick, but not before the last command is
+    /// off the cable (`"when-free"`); once a tick (`"every-tick"`); up to so many commands a second (`"10-per-s"`). Default: what
+    /// the brain says of itself, or `"on-message"`.
+    pub(crate) writes: Option<String>,
 }
 
 /// A robot's sensors or actuators by name. What one may contain depends on its kind, so each is kept as a table

@@ -8,6 +8,7 @@ pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {
     let RobotBudget {
         robot,
         step_ns,
+        writes,
         deadline_ns,
         starts_after_ns,
         dead_time_ns,
@@ -38,6 +39,7 @@ pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {
         bottleneck,
         remedies: remedies.into_iter().map(remedy).collect(),
         left_out: left_out.unwrap_or_default(),
+        writes: writes.to_string(),
     }
 }
 

@@ -174,6 +174,8 @@ pub(super) fn cycle_status(cycles: &Cycles, deadline_ns: u64) -> v1::CycleStatus
         kept: cycles.kept,
         late: cycles.late,
         unanswered: cycles.unanswered,
+        unstated_writes: cycles.exceptions.writes,
+        disturbed: cycles.exceptions.cycles,
         durations: durations(&cycles.durations),
     }
 }

@@ -36,8 +36,9 @@ enum Next {
 
 impl Robot {
     /// The brain steps at `at`, in this tick: it has now been given all that arrived.
-    pub(crate) fn hand_over(&mut self, tick: u64, at: SimTime) {
+    pub(crate) fn hand_over(&mut self, tick: u64, at: SimTime, step_ns: u64) {
         self.laptop.hand_over(tick, at);
+        self.writes.begin_step(at, step_ns);
         for port in &mut self.ports {
             port.clear();
         }
@@ -215,7 +216,10 @@ impl Robot {
         self.recorder.receive(now, taken, self.microcontroller.free_at());
         let Taken::Command(at) = taken else { return };
         if let Some(begun) = self.downlink.cycle_of_last_byte() {
-            self.cycles.close(&spec.deadline, begun, spec.drive.motor.takes_effect(at));
+            if self.cycles.close(&spec.deadline, begun, spec.drive.motor.takes_effect(at)) {
+                let is_empty = || self.downlink.waiting(&spec.link, at) == 0;
+                self.cycles.exceptions.cycles += u64::from(self.writes.close(is_empty));
+            }
         }
     }
 

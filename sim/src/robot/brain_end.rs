@@ -60,7 +60,7 @@ impl Robot {
         if taken == 0 {
             return;
         }
-        let message = Message { cycle: self.laptop.answer(), ..Message::default() };
+        let message = Message { cycle: self.note_write(spec, at, taken), ..Message::default() };
         let (_, until) = self.downlink.send_message(&spec.link, at, &bytes[..taken], message);
         self.recorder.note(at, until, What::Down { bytes: taken as u32 });
     }
@@ -71,9 +71,20 @@ impl Robot {
             return self.write(spec, at, spec.firmware.command(&command, &mut [0; frame::MAX_FRAME]));
         };
         self.laptop.has_stepped = true;
-        let message = Message { cycle: self.laptop.answer(), ..Message::default() };
+        let message = Message { cycle: self.note_write(spec, at, len), ..Message::default() };
         let (_, until) = self.downlink.send_command((at, len), command, message);
         self.recorder.note(at, until, What::Down { bytes: len as u32 });
+    }
+
+    /// When the control cycle began that is answered with so many bytes at `at`.
+    fn note_write(&mut self, spec: &RobotSpec, at: SimTime, bytes: usize) -> Option<SimTime> {
+        let is_late = self.laptop.answers_tick.is_some();
+        let cycle = self.laptop.answer();
+        let is_asked = cycle.is_some() || (self.laptop.informed && !is_late);
+        if self.writes.note(spec, at, bytes, is_asked) {
+            self.cycles.exceptions.writes += 1;
+        }
+        cycle
     }
 
     /// A command that is under way as it is becomes bytes.

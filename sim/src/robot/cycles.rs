@@ -16,6 +16,7 @@ use alloc::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
+use super::writes::Exceptions;
 use crate::histogram::Histogram;
 use crate::model::Deadline;
 use crate::time::SimTime;
@@ -29,6 +30,9 @@ pub struct Cycles {
     pub late: u64,
     /// Overtaken or not answered.
     pub unanswered: u64,
+    /// How far the brain wrote otherwise than is stated of it.
+    #[serde(skip)]
+    pub exceptions: Exceptions,
     /// How long those took that were answered, in time or not.
     pub durations: Histogram,
     /// Those that are not over yet, oldest first.
@@ -80,10 +84,11 @@ impl Cycles {
         self.open.push_back(Open { begun, is_late: false, closed: None });
     }
 
-    /// A command is obeyed that answers the message whose cycle began at `begun`, and takes effect at `at`.
-    pub(super) fn close(&mut self, deadline: &Deadline, begun: SimTime, at: SimTime) {
+    /// A command is obeyed that answers the message whose cycle began at `begun`, and takes effect at `at`. Whether it is the
+    /// first that answers it.
+    pub(super) fn close(&mut self, deadline: &Deadline, begun: SimTime, at: SimTime) -> bool {
         if self.answered.is_some_and(|answered| answered >= begun) {
-            return;
+            return false;
         }
         self.answered = Some(begun);
         let mut is_known = false;
@@ -97,6 +102,7 @@ impl Cycles {
             self.unanswered = self.unanswered.saturating_sub(1);
             self.count(deadline, at.since(begun));
         }
+        true
     }
 
     fn count(&mut self, deadline: &Deadline, duration_ns: u64) {

@@ -1,6 +1,6 @@
 //! The state of a robot.
 //!
-//! What happens on it within a tick is in `advance`, what its brain writes in `brain_end`, what its control cycles are in
+//! What happens on it within a tick is in `advance`, what its brain writes in `brain_end`, whether it may in `writes`, what its control cycles are in
 //! `cycles`, and what goes on cables of sensors' own in `ports`.
 
 mod advance;
@@ -12,6 +12,7 @@ mod measurement;
 mod onboard;
 mod ports;
 mod recorder;
+mod writes;
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -23,6 +24,8 @@ pub use brain_end::Written;
 use chip::ChipState;
 pub use cycles::Cycles;
 pub(crate) use recorder::Recorder;
+pub use writes::Exceptions;
+use writes::WriteWatch;
 
 use crate::actuator::ActuatorState;
 use crate::battery::BatteryState;
@@ -68,6 +71,8 @@ pub(crate) struct Robot {
     pub(crate) commanded_at: SimTime,
     pub(crate) counters: RobotCounters,
     pub(crate) cycles: Cycles,
+    #[serde(skip)]
+    pub(crate) writes: WriteWatch,
     #[serde(skip)]
     pub(crate) recorder: Recorder,
     /// Memory of a message that is over, for the next one.
@@ -137,6 +142,7 @@ impl Robot {
             commanded_at: SimTime::ZERO,
             counters: RobotCounters::default(),
             cycles: Cycles::default(),
+            writes: WriteWatch::default(),
             recorder: Recorder::default(),
             spare: Vec::new(),
         }

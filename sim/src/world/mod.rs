@@ -250,7 +250,7 @@ impl World {
         parallel::each(*is_parallel, &mut state.robots, steps, |own, robot, step| {
             let spec = &scenario.robots[own];
             if let Some(at) = *step {
-                robot.hand_over(tick, at);
+                robot.hand_over(tick, at, scenario.step_ns);
             }
             for input in inputs_by_robot.of(own).map(|i| answer(&inputs[i])) {
                 robot.answer(spec, input.at, &input.written);

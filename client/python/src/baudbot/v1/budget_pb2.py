@@ -24,35 +24,35 @@ _sym_db = _symbol_database.Default()
 
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x17\x62\x61udbot/v1/budget.proto\x12\nbaudbot.v1\"k\n\x10GetBudgetRequest\x12\x0f\n\x05world\x18\x01 \x01(\tH\x00\x12\x17\n\rscenario_toml\x18\x02 \x01(\tH\x00\x12\x11\n\toverrides\x18\x03 \x03(\t\x12\x0e\n\x06robots\x18\x04 \x03(\tB\n\n\x08scenario\"<\n\x11GetBudgetResponse\x12\'\n\x06robots\x18\x01 \x03(\x0b\x32\x17.baudbot.v1.RobotBudget\"\xe7\x03\n\x0bRobotBudget\x12\r\n\x05robot\x18\x01 \x01(\t\x12\x0f\n\x07step_ns\x18\x02 \x01(\x04\x12#\n\x04rows\x18\x03 \x03(\x0b\x32\x15.baudbot.v1.BudgetRow\x12%\n\x05total\x18\x04 \x01(\x0b\x32\x16.baudbot.v1.BudgetSpan\x12\x11\n\tunbounded\x18\x05 \x01(\t\x12%\n\x05rates\x18\x06 \x03(\x0b\x32\x16.baudbot.v1.BudgetRate\x12#\n\x04\x61ges\x18\x07 \x03(\x0b\x32\x15.baudbot.v1.BudgetAge\x12%\n\x05loads\x18\x08 \x03(\x0b\x32\x16.baudbot.v1.BudgetLoad\x12$\n\x04\x63hip\x18\t \x01(\x0b\x32\x16.baudbot.v1.BudgetChip\x12*\n\x07verdict\x18\n \x01(\x0e\x32\x19.baudbot.v1.BudgetVerdict\x12\x12\n\nbottleneck\x18\x0b \x01(\t\x12*\n\x08remedies\x18\x0c \x03(\x0b\x32\x18.baudbot.v1.BudgetRemedy\x12\x13\n\x0b\x64\x65\x61\x64line_ns\x18\r \x01(\x04\x12\x10\n\x08left_out\x18\x0e \x01(\t\x12\x14\n\x0c\x64\x65\x61\x64_time_ns\x18\x0f \x01(\x04\x12\x17\n\x0fstarts_after_ns\x18\x10 \x01(\x04\"i\n\nBudgetSpan\x12\x0f\n\x07\x62\x65st_ns\x18\x01 \x01(\x04\x12\x17\n\ntypical_ns\x18\x02 \x01(\x04H\x00\x88\x01\x01\x12\x15\n\x08worst_ns\x18\x03 \x01(\x04H\x01\x88\x01\x01\x42\r\n\x0b_typical_nsB\x0b\n\t_worst_ns\"?\n\tBudgetRow\x12\x0c\n\x04part\x18\x01 \x01(\t\x12$\n\x04span\x18\x02 \x01(\x0b\x32\x16.baudbot.v1.BudgetSpan\"\x80\x01\n\nBudgetRate\x12\x0c\n\x04what\x18\x01 \x01(\t\x12\x17\n\nmost_per_s\x18\x02 \x01(\x01H\x00\x88\x01\x01\x12\x1a\n\rtypical_per_s\x18\x03 \x01(\x01H\x01\x88\x01\x01\x12\x0e\n\x06limits\x18\x04 \x01(\x08\x42\r\n\x0b_most_per_sB\x10\n\x0e_typical_per_s\"T\n\tBudgetAge\x12\x0e\n\x06sensor\x18\x01 \x01(\t\x12$\n\x04span\x18\x02 \x01(\x0b\x32\x16.baudbot.v1.BudgetSpan\x12\x11\n\tunbounded\x18\x03 \x01(\t\")\n\nBudgetLoad\x12\x0c\n\x04what\x18\x01 \x01(\t\x12\r\n\x05share\x18\x02 \x01(\x01\"\xd8\x01\n\nBudgetChip\x12\x16\n\tram_bytes\x18\x01 \x01(\x04H\x00\x88\x01\x01\x12\x1f\n\x12\x62rain_memory_bytes\x18\x02 \x01(\x04H\x01\x88\x01\x01\x12 \n\x13operations_per_step\x18\x03 \x01(\x01H\x02\x88\x01\x01\x12\x1d\n\x10\x62rain_operations\x18\x04 \x01(\x01H\x03\x88\x01\x01\x42\x0c\n\n_ram_bytesB\x15\n\x13_brain_memory_bytesB\x16\n\x14_operations_per_stepB\x13\n\x11_brain_operations\"\xb9\x01\n\x0c\x42udgetRemedy\x12\x0c\n\x04what\x18\x01 \x01(\t\x12$\n\x04\x63ost\x18\x02 \x01(\x0e\x32\x16.baudbot.v1.BudgetCost\x12\x11\n\toverrides\x18\x03 \x03(\t\x12\x0f\n\x07step_ns\x18\x04 \x01(\x04\x12%\n\x05total\x18\x05 \x01(\x0b\x32\x16.baudbot.v1.BudgetSpan\x12*\n\x07verdict\x18\x06 \x01(\x0e\x32\x19.baudbot.v1.BudgetVerdict*\x82\x01\n\rBudgetVerdict\x12\x1e\n\x1a\x42UDGET_VERDICT_UNSPECIFIED\x10\x00\x12\x18\n\x14\x42UDGET_VERDICT_KEEPS\x10\x01\x12\x1c\n\x18\x42UDGET_VERDICT_SOMETIMES\x10\x02\x12\x19\n\x15\x42UDGET_VERDICT_MISSES\x10\x03*\xf4\x01\n\nBudgetCost\x12\x1b\n\x17\x42UDGET_COST_UNSPECIFIED\x10\x00\x12\x17\n\x13\x42UDGET_COST_SETTING\x10\x01\x12\x19\n\x15\x42UDGET_COST_BOTH_ENDS\x10\x02\x12\x18\n\x14\x42UDGET_COST_FIRMWARE\x10\x03\x12\x1b\n\x17\x42UDGET_COST_LONGER_STEP\x10\x04\x12\x15\n\x11\x42UDGET_COST_CABLE\x10\x05\x12\x19\n\x15\x42UDGET_COST_PROCESSOR\x10\x06\x12\x16\n\x12\x42UDGET_COST_LAYOUT\x10\x07\x12\x14\n\x10\x42UDGET_COST_LOSS\x10\x08\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x17\x62\x61udbot/v1/budget.proto\x12\nbaudbot.v1\"k\n\x10GetBudgetRequest\x12\x0f\n\x05world\x18\x01 \x01(\tH\x00\x12\x17\n\rscenario_toml\x18\x02 \x01(\tH\x00\x12\x11\n\toverrides\x18\x03 \x03(\t\x12\x0e\n\x06robots\x18\x04 \x03(\tB\n\n\x08scenario\"<\n\x11GetBudgetResponse\x12\'\n\x06robots\x18\x01 \x03(\x0b\x32\x17.baudbot.v1.RobotBudget\"\xf7\x03\n\x0bRobotBudget\x12\r\n\x05robot\x18\x01 \x01(\t\x12\x0f\n\x07step_ns\x18\x02 \x01(\x04\x12#\n\x04rows\x18\x03 \x03(\x0b\x32\x15.baudbot.v1.BudgetRow\x12%\n\x05total\x18\x04 \x01(\x0b\x32\x16.baudbot.v1.BudgetSpan\x12\x11\n\tunbounded\x18\x05 \x01(\t\x12%\n\x05rates\x18\x06 \x03(\x0b\x32\x16.baudbot.v1.BudgetRate\x12#\n\x04\x61ges\x18\x07 \x03(\x0b\x32\x15.baudbot.v1.BudgetAge\x12%\n\x05loads\x18\x08 \x03(\x0b\x32\x16.baudbot.v1.BudgetLoad\x12$\n\x04\x63hip\x18\t \x01(\x0b\x32\x16.baudbot.v1.BudgetChip\x12*\n\x07verdict\x18\n \x01(\x0e\x32\x19.baudbot.v1.BudgetVerdict\x12\x12\n\nbottleneck\x18\x0b \x01(\t\x12*\n\x08remedies\x18\x0c \x03(\x0b\x32\x18.baudbot.v1.BudgetRemedy\x12\x13\n\x0b\x64\x65\x61\x64line_ns\x18\r \x01(\x04\x12\x10\n\x08left_out\x18\x0e \x01(\t\x12\x14\n\x0c\x64\x65\x61\x64_time_ns\x18\x0f \x01(\x04\x12\x17\n\x0fstarts_after_ns\x18\x10 \x01(\x04\x12\x0e\n\x06writes\x18\x11 \x01(\t\"i\n\nBudgetSpan\x12\x0f\n\x07\x62\x65st_ns\x18\x01 \x01(\x04\x12\x17\n\ntypical_ns\x18\x02 \x01(\x04H\x00\x88\x01\x01\x12\x15\n\x08worst_ns\x18\x03 \x01(\x04H\x01\x88\x01\x01\x42\r\n\x0b_typical_nsB\x0b\n\t_worst_ns\"?\n\tBudgetRow\x12\x0c\n\x04part\x18\x01 \x01(\t\x12$\n\x04span\x18\x02 \x01(\x0b\x32\x16.baudbot.v1.BudgetSpan\"\x80\x01\n\nBudgetRate\x12\x0c\n\x04what\x18\x01 \x01(\t\x12\x17\n\nmost_per_s\x18\x02 \x01(\x01H\x00\x88\x01\x01\x12\x1a\n\rtypical_per_s\x18\x03 \x01(\x01H\x01\x88\x01\x01\x12\x0e\n\x06limits\x18\x04 \x01(\x08\x42\r\n\x0b_most_per_sB\x10\n\x0e_typical_per_s\"T\n\tBudgetAge\x12\x0e\n\x06sensor\x18\x01 \x01(\t\x12$\n\x04span\x18\x02 \x01(\x0b\x32\x16.baudbot.v1.BudgetSpan\x12\x11\n\tunbounded\x18\x03 \x01(\t\")\n\nBudgetLoad\x12\x0c\n\x04what\x18\x01 \x01(\t\x12\r\n\x05share\x18\x02 \x01(\x01\"\xd8\x01\n\nBudgetChip\x12\x16\n\tram_bytes\x18\x01 \x01(\x04H\x00\x88\x01\x01\x12\x1f\n\x12\x62rain_memory_bytes\x18\x02 \x01(\x04H\x01\x88\x01\x01\x12 \n\x13operations_per_step\x18\x03 \x01(\x01H\x02\x88\x01\x01\x12\x1d\n\x10\x62rain_operations\x18\x04 \x01(\x01H\x03\x88\x01\x01\x42\x0c\n\n_ram_bytesB\x15\n\x13_brain_memory_bytesB\x16\n\x14_operations_per_stepB\x13\n\x11_brain_operations\"\xb9\x01\n\x0c\x42udgetRemedy\x12\x0c\n\x04what\x18\x01 \x01(\t\x12$\n\x04\x63ost\x18\x02 \x01(\x0e\x32\x16.baudbot.v1.BudgetCost\x12\x11\n\toverrides\x18\x03 \x03(\t\x12\x0f\n\x07step_ns\x18\x04 \x01(\x04\x12%\n\x05total\x18\x05 \x01(\x0b\x32\x16.baudbot.v1.BudgetSpan\x12*\n\x07verdict\x18\x06 \x01(\x0e\x32\x19.baudbot.v1.BudgetVerdict*\x82\x01\n\rBudgetVerdict\x12\x1e\n\x1a\x42UDGET_VERDICT_UNSPECIFIED\x10\x00\x12\x18\n\x14\x42UDGET_VERDICT_KEEPS\x10\x01\x12\x1c\n\x18\x42UDGET_VERDICT_SOMETIMES\x10\x02\x12\x19\n\x15\x42UDGET_VERDICT_MISSES\x10\x03*\xf4\x01\n\nBudgetCost\x12\x1b\n\x17\x42UDGET_COST_UNSPECIFIED\x10\x00\x12\x17\n\x13\x42UDGET_COST_SETTING\x10\x01\x12\x19\n\x15\x42UDGET_COST_BOTH_ENDS\x10\x02\x12\x18\n\x14\x42UDGET_COST_FIRMWARE\x10\x03\x12\x1b\n\x17\x42UDGET_COST_LONGER_STEP\x10\x04\x12\x15\n\x11\x42UDGET_COST_CABLE\x10\x05\x12\x19\n\x15\x42UDGET_COST_PROCESSOR\x10\x06\x12\x16\n\x12\x42UDGET_COST_LAYOUT\x10\x07\x12\x14\n\x10\x42UDGET_COST_LOSS\x10\x08\x62\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'baudbot.v1.budget_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_BUDGETVERDICT']._serialized_start=1540
-  _globals['_BUDGETVERDICT']._serialized_end=1670
-  _globals['_BUDGETCOST']._serialized_start=1673
-  _globals['_BUDGETCOST']._serialized_end=1917
+  _globals['_BUDGETVERDICT']._serialized_start=1556
+  _globals['_BUDGETVERDICT']._serialized_end=1686
+  _globals['_BUDGETCOST']._serialized_start=1689
+  _globals['_BUDGETCOST']._serialized_end=1933
   _globals['_GETBUDGETREQUEST']._serialized_start=39
   _globals['_GETBUDGETREQUEST']._serialized_end=146
   _globals['_GETBUDGETRESPONSE']._serialized_start=148
   _globals['_GETBUDGETRESPONSE']._serialized_end=208
   _globals['_ROBOTBUDGET']._serialized_start=211
-  _globals['_ROBOTBUDGET']._serialized_end=698
-  _globals['_BUDGETSPAN']._serialized_start=700
-  _globals['_BUDGETSPAN']._serialized_end=805
-  _globals['_BUDGETROW']._serialized_start=807
-  _globals['_BUDGETROW']._serialized_end=870
-  _globals['_BUDGETRATE']._serialized_start=873
-  _globals['_BUDGETRATE']._serialized_end=1001
-  _globals['_BUDGETAGE']._serialized_start=1003
-  _globals['_BUDGETAGE']._serialized_end=1087
-  _globals['_BUDGETLOAD']._serialized_start=1089
-  _globals['_BUDGETLOAD']._serialized_end=1130
-  _globals['_BUDGETCHIP']._serialized_start=1133
-  _globals['_BUDGETCHIP']._serialized_end=1349
-  _globals['_BUDGETREMEDY']._serialized_start=1352
-  _globals['_BUDGETREMEDY']._serialized_end=1537
+  _globals['_ROBOTBUDGET']._serialized_end=714
+  _globals['_BUDGETSPAN']._serialized_start=716
+  _globals['_BUDGETSPAN']._serialized_end=821
+  _globals['_BUDGETROW']._serialized_start=823
+  _globals['_BUDGETROW']._serialized_end=886
+  _globals['_BUDGETRATE']._serialized_start=889
+  _globals['_BUDGETRATE']._serialized_end=1017
+  _globals['_BUDGETAGE']._serialized_start=1019
+  _globals['_BUDGETAGE']._serialized_end=1103
+  _globals['_BUDGETLOAD']._serialized_start=1105
+  _globals['_BUDGETLOAD']._serialized_end=1146
+  _globals['_BUDGETCHIP']._serialized_start=1149
+  _globals['_BUDGETCHIP']._serialized_end=1365
+  _globals['_BUDGETREMEDY']._serialized_start=1368
+  _globals['_BUDGETREMEDY']._serialized_end=1553
 # @@protoc_insertion_point(module_scope)

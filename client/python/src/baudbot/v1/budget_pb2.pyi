@@ -183,6 +183,7 @@ class RobotBudget(_message.Message):
     LEFT_OUT_FIELD_NUMBER: _builtins.int
     DEAD_TIME_NS_FIELD_NUMBER: _builtins.int
     STARTS_AFTER_NS_FIELD_NUMBER: _builtins.int
+    WRITES_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
     """Its name."""
     step_ns: _builtins.int
@@ -203,6 +204,8 @@ class RobotBudget(_message.Message):
     """When the robot's program starts, in nanoseconds after the start of the run: so long a bootloader waits, and there are no
     cycles.
     """
+    writes: _builtins.str
+    """When its brain is taken to write, which all the rest goes by: `on-message`, `when-free`, `every-tick` or, for instance, `10-per-s`."""
     @_builtins.property
     def rows(self) -> _containers.RepeatedCompositeFieldContainer[Global___BudgetRow]:
         """The parts of a cycle, in their order."""
@@ -250,10 +253,11 @@ class RobotBudget(_message.Message):
         left_out: _builtins.str = ...,
         dead_time_ns: _builtins.int = ...,
         starts_after_ns: _builtins.int = ...,
+        writes: _builtins.str = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["chip", b"chip", "total", b"total"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["ages", b"ages", "bottleneck", b"bottleneck", "chip", b"chip", "dead_time_ns", b"dead_time_ns", "deadline_ns", b"deadline_ns", "left_out", b"left_out", "loads", b"loads", "rates", b"rates", "remedies", b"remedies", "robot", b"robot", "rows", b"rows", "starts_after_ns", b"starts_after_ns", "step_ns", b"step_ns", "total", b"total", "unbounded", b"unbounded", "verdict", b"verdict"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["ages", b"ages", "bottleneck", b"bottleneck", "chip", b"chip", "dead_time_ns", b"dead_time_ns", "deadline_ns", b"deadline_ns", "left_out", b"left_out", "loads", b"loads", "rates", b"rates", "remedies", b"remedies", "robot", b"robot", "rows", b"rows", "starts_after_ns", b"starts_after_ns", "step_ns", b"step_ns", "total", b"total", "unbounded", b"unbounded", "verdict", b"verdict", "writes", b"writes"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 

@@ -952,6 +952,8 @@ class CycleStatus(_message.Message):
     LATE_FIELD_NUMBER: _builtins.int
     UNANSWERED_FIELD_NUMBER: _builtins.int
     DURATIONS_FIELD_NUMBER: _builtins.int
+    UNSTATED_WRITES_FIELD_NUMBER: _builtins.int
+    DISTURBED_FIELD_NUMBER: _builtins.int
     deadline_ns: _builtins.int
     """When a command must be there after its cycle began: the step, unless the scenario states another deadline."""
     kept: _builtins.int
@@ -960,6 +962,12 @@ class CycleStatus(_message.Message):
     """Cycles that were answered later or, where the scenario states a deadline, not by then."""
     unanswered: _builtins.int
     """Messages of readings that a newer one overtook, or that the brain chose not to answer."""
+    unstated_writes: _builtins.int
+    """Writes of the brain that the scenario's `brain.writes` does not allow; of a scenario that does not state it, those that answer no
+    message. They are counted from the start of the run, or from when its state was restored.
+    """
+    disturbed: _builtins.int
+    """Answered cycles that these disturbed: the bounds of a budget need not hold for them."""
     @_builtins.property
     def durations(self) -> Global___Durations:
         """How long the cycles took that were answered; absent if none was."""
@@ -972,10 +980,12 @@ class CycleStatus(_message.Message):
         late: _builtins.int = ...,
         unanswered: _builtins.int = ...,
         durations: Global___Durations | None = ...,
+        unstated_writes: _builtins.int = ...,
+        disturbed: _builtins.int = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["durations", b"durations"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["deadline_ns", b"deadline_ns", "durations", b"durations", "kept", b"kept", "late", b"late", "unanswered", b"unanswered"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["deadline_ns", b"deadline_ns", "disturbed", b"disturbed", "durations", b"durations", "kept", b"kept", "late", b"late", "unanswered", b"unanswered", "unstated_writes", b"unstated_writes"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
