@@ -1,6 +1,7 @@
 //! Experiments from their file to their outputs.
 
 mod shards;
+mod writes;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

@@ -1,6 +1,7 @@
 //! Control cycles: what they cost, whether they are kept, and what a late brain gets.
 
 use crate::common::{BODY, command, world};
+use baudbot_sim::robot::Exceptions;
 use baudbot_sim::timeline::{Event, What};
 use baudbot_sim::{Ending, Input, SimTime, World};
 
@@ -266,4 +267,35 @@ fn an_answer_that_comes_a_tick_late_is_late() {
     let cycles = world.robot(0).cycles();
     assert_eq!((cycles.kept, cycles.late), (0, 49));
     assert_eq!(cycles.durations.min_ns(), Some(COST_NS + 20_000_000));
+}
+
+/// A brain that writes twice in a turn, or in turns without a message, does what `writes` says, or is counted.
+#[test]
+fn writes_that_nobody_stated_are_counted_with_the_cycles_that_they_disturb() {
+    // Two ticks for a message: every other step has none.
+    let toml = |writes: &str| robot(writes, "").replace("step_ms = 20.0", "step_ms = 10.0");
+    let run = |writes: &str, commands: usize, on_message: bool| {
+        let mut world = world(&toml(writes));
+        for _ in 0..100 {
+            let turn = world.begin()[0];
+            let bytes = command(world.robot(0).spec(), 1.0, 1.0).repeat(commands);
+            let is_silent = on_message && !world.robot(0).readings()[0].readable;
+            let bytes = if is_silent { &[][..] } else { &bytes[..] };
+            world.finish(&[Input { robot: 0, at: turn.at, bytes }]);
+        }
+        let cycles = world.robot(0).cycles();
+        (cycles.exceptions, cycles.durations.count())
+    };
+    let none = Exceptions::default();
+    assert_eq!(run("", 1, true), (none, 50));
+    assert_eq!(run("writes = \"every-tick\"", 1, false), (none, 50));
+    assert_eq!(run("writes = \"when-free\"", 1, false), (none, 50));
+    assert_eq!(run("writes = \"200-per-s\"", 2, false), (none, 50));
+    // Each second step has no message, and what is written in it is gone when the next is answered.
+    let (unasked, cycles) = run("", 1, false);
+    assert_eq!((unasked.writes, cycles), (50, 50));
+    assert!(unasked.cycles >= 49, "{unasked:?}");
+    assert_eq!(run("writes = \"every-tick\"", 2, true), (Exceptions { writes: 50, cycles: 50 }, 50));
+    let (often, _) = run("writes = \"10-per-s\"", 1, false);
+    assert!(often.writes >= 98 && often.cycles == 50, "{often:?}");
 }

@@ -123,3 +123,47 @@ fn what_is_not_there_for_programs_is_refused_with_what_is() {
     let (code, _, err) = baudbot(&["budget", FIRMWARE, "--seconds", "0"]);
     assert!(code == 2 && err.contains("above 0"), "{err}");
 }
+
+/// Three compasses at 9600 baud, and a brain that is to answer within 13 ms.
+const COMPASSES: &str = include_str!("../../../budget/tests/every_tick.toml");
+
+/// A verdict holds for the brain that it names, and a run says if the brain was not as it was taken to be.
+#[test]
+fn a_verdict_names_its_brain_and_a_run_counts_what_that_did_otherwise() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("compasses.toml");
+    std::fs::write(&file, COMPASSES).unwrap();
+    let file = file.to_str().unwrap();
+    let lines = |arguments: &[&str]| -> Vec<String> {
+        let out = good(&[&["budget", file][..], arguments].concat());
+        out.lines().take(2).map(str::to_owned).collect()
+    };
+    let [program, wander] = [["--brain", "exec:true"], ["--brain", "wander"]].map(|brain| lines(&brain));
+    assert!(program[0].contains(": meets its deadline of 13 ms: "), "{program:?}");
+    assert_eq!(
+        program[1],
+        "  holds if its brain, `exec:true`, answers each message once and writes nothing else"
+    );
+    assert!(wander[0].contains(": mostly meets its deadline of 13 ms: "), "{wander:?}");
+    assert_eq!(
+        wander[1],
+        "  holds if its brain, `wander`, writes once every tick, whether or not a message has come"
+    );
+    assert!(lines(&["--writes", "when-free"])[1].ends_with("not before its last command is off the cable"));
+    assert!(baudbot(&["budget", file, "--writes", "often"]).2.contains("must be \"on-message\""));
+
+    let run = |stated: &[&str]| -> Value {
+        let run = ["run", file, "--brain", "wander", "--seconds", "10", "--json"];
+        let out: Value = serde_json::from_str(&good(&[&run[..], stated].concat())).unwrap();
+        out["robots"][0]["cycles"].clone()
+    };
+    let cycles = run(&[]);
+    assert_eq!((&cycles["late"], &cycles["writes"]), (&91.into(), &"every-tick".into()));
+    assert_eq!((&cycles["unstated_writes"], &cycles["disturbed"]), (&0.into(), &0.into()));
+    let cycles = run(&["--set", "robots.robot.brain.writes=\"on-message\""]);
+    assert_eq!((&cycles["late"], &cycles["writes"]), (&91.into(), &"on-message".into()));
+    assert!(
+        cycles["unstated_writes"].as_u64() > Some(600) && cycles["disturbed"].as_u64() >= Some(91),
+        "{cycles}"
+    );
+}
