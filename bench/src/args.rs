@@ -46,6 +46,9 @@ pub(crate) struct Args {
     /// Write one line per workload, comma-separated; `-` is stdout, and the table is then left out
     #[arg(long, value_name = "FILE", conflicts_with = "json")]
     pub(crate) csv: Option<PathBuf>,
+    /// Write the figures of this run into a page of the manual, in place of the table that it has
+    #[arg(long, value_name = "FILE.md", conflicts_with_all = ["ticks", "instructions"])]
+    pub(crate) page: Option<PathBuf>,
     /// No progress bar, no notes, no table (files are still written)
     #[arg(long, global = true)]
     pub(crate) quiet: bool,

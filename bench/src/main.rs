@@ -3,6 +3,7 @@
 mod args;
 mod count;
 mod files;
+mod page;
 mod pairs;
 mod table;
 
@@ -63,6 +64,9 @@ fn bench(args: &Args) -> anyhow::Result<ExitCode> {
     if let Some(path) = file {
         let content = if args.json.is_some() { files::json(&measured)? } else { files::csv(&measured)? };
         write(path, &content)?;
+    }
+    if let Some(path) = args.page.as_ref().filter(|_| failed == 0) {
+        page::write(path, &measured)?;
     }
     if !args.quiet && file.is_none_or(|path| path.as_os_str() != "-") {
         print(&table::text(&measured))?;
