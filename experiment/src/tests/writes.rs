@@ -77,12 +77,3 @@ fn each_brain_of_the_catalogue_writes_when_it_says() {
         }
     }
 }
-
-/// A brain that says more of itself than is true gets worse bounds than it deserves.
-#[test]
-fn none_that_writes_every_tick_waits_for_its_cable() {
-    for entry in catalogue().into_iter().filter(|entry| entry.writes == Writes::EveryTick) {
-        let found = exceptions(entry.name, CABLES[2], Some(Writes::WhenFree));
-        assert!(found.writes > 100 && found.cycles > 0, "{}: {found:?}", entry.name);
-    }
-}
