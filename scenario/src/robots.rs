@@ -117,7 +117,6 @@ fn model(
     let dead_time_ns = motors.dead_time_ns;
     let body = path.field("body");
     let (outline, radius_m) = outline(&body, &raw.body)?;
-    let look = shapes::look(&body, raw.body.height_m, raw.body.color)?;
     let drive = drive(&body, &raw.body, radius_m, motors)?;
     let Equipment { actuators, battery, charge, mut sensors } = equipment(path, &mut raw, radius_m, context)?;
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
@@ -131,7 +130,7 @@ fn model(
     let model = RobotModel {
         drive,
         outline,
-        look,
+        look: shapes::look(&body, raw.body.height_m, raw.body.color)?,
         signal_limit,
         actuators,
         battery,
