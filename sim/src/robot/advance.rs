@@ -215,11 +215,11 @@ impl Robot {
         let taken = self.microcontroller.receive(spec, now, &mut self.downlink);
         self.recorder.receive(now, taken, self.microcontroller.free_at());
         let Taken::Command(at) = taken else { return };
-        if let Some(begun) = self.downlink.cycle_of_last_byte() {
-            if self.cycles.close(&spec.deadline, begun, spec.drive.motor.takes_effect(at)) {
-                let is_empty = || self.downlink.waiting(&spec.link, at) == 0;
-                self.cycles.exceptions.cycles += u64::from(self.writes.close(is_empty));
-            }
+        if let Some(begun) = self.downlink.cycle_of_last_byte()
+            && self.cycles.close(&spec.deadline, begun, spec.drive.motor.takes_effect(at))
+        {
+            let is_empty = || self.downlink.waiting(&spec.link, at) == 0;
+            self.cycles.exceptions.cycles += u64::from(self.writes.close(is_empty));
         }
     }
 
