@@ -75,7 +75,7 @@ fn no_cycle_is_longer_than_the_bound_for_a_brain_that_writes_as_stated() {
             let measured = run_writing(scenario, seconds, writer);
             medians += u32::from(has_median(&toml, &budget));
             match held(&toml, &budget, &measured) {
-                Ok(ratio) => ratios.extend(ratio),
+                Ok(ratio) => ratios.extend(ratio.map(|ratio| (writer, ratio))),
                 Err(what) => wrong.push(format!("{case}, {writer:?}: {what} ({:?})\n{toml}", budget.verdict)),
             }
             let has_cycles = measured.world.robot(0).cycles().durations.count() > 0;
@@ -83,15 +83,21 @@ fn no_cycle_is_longer_than_the_bound_for_a_brain_that_writes_as_stated() {
         }
     }
     wrong.iter().for_each(|wrong| println!("WRONG {}", wrong.lines().next().unwrap_or_default()));
-    ratios.sort_by(f64::total_cmp);
-    let share = |q: f64| ratios[(q * (ratios.len() - 1) as f64) as usize];
-    println!(
-        "{cases} scenarios, {} bounds, {medians} medians; longest by bound: median {:.3}, 5 % below {:.3}, least {:.3}",
-        ratios.len(),
-        share(0.5),
-        share(0.05),
-        share(0.0)
-    );
+    println!("{cases} scenarios, {} bounds, {medians} medians; longest by bound:", ratios.len());
+    for writer in Writer::ALL {
+        let mut of: Vec<f64> =
+            ratios.iter().filter(|(its, _)| *its == writer).map(|(_, ratio)| *ratio).collect();
+        of.sort_by(f64::total_cmp);
+        let share =
+            |q: f64| of.get((q * of.len().saturating_sub(1) as f64) as usize).copied().unwrap_or(f64::NAN);
+        println!(
+            "{writer:?}: {} bounds, median {:.3}, 5 % below {:.3}, least {:.3}",
+            of.len(),
+            share(0.5),
+            share(0.05),
+            share(0.0)
+        );
+    }
     assert!(
         ratios.len() > cases as usize && medians > cases / 4,
         "{} bounds, {medians} medians",

@@ -25,7 +25,7 @@ pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec], shown: &[&str])
                 "robot `{robot}` has no IR sensors, so the default brain `{}` cannot drive it; give it another \
                  with --brain {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain), or give its microcontroller a \
                  program of yours with --firmware {robot}=FILE (`baudbot new firmware` begins one){shown}",
-                assignment::DEFAULT
+                DEFAULT
             )
         } else {
             format!("--brain: {error}")

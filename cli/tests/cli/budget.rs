@@ -144,12 +144,14 @@ fn a_verdict_names_its_brain_and_a_run_counts_what_that_did_otherwise() {
         program[1],
         "  holds if its brain, `exec:true`, answers each message once and writes nothing else"
     );
-    assert!(wander[0].contains(": mostly meets its deadline of 13 ms: "), "{wander:?}");
+    assert!(wander[0].contains(": meets its deadline of 13 ms: "), "{wander:?}");
     assert_eq!(
         wander[1],
-        "  holds if its brain, `wander`, writes once every tick, whether or not a message has come"
+        "  holds if its brain, `wander`, writes at most once a tick, and not before its last command is off the cable"
     );
-    assert!(lines(&["--writes", "when-free"])[1].ends_with("not before its last command is off the cable"));
+    let blind = lines(&["--writes", "every-tick"]);
+    assert!(blind[0].contains(": mostly meets its deadline of 13 ms: "), "{blind:?}");
+    assert!(blind[1].ends_with("writes once every tick, whether or not a message has come"), "{blind:?}");
     assert!(baudbot(&["budget", file, "--writes", "often"]).2.contains("must be \"on-message\""));
 
     let run = |stated: &[&str]| -> Value {
@@ -158,12 +160,13 @@ fn a_verdict_names_its_brain_and_a_run_counts_what_that_did_otherwise() {
         out["robots"][0]["cycles"].clone()
     };
     let cycles = run(&[]);
-    assert_eq!((&cycles["late"], &cycles["writes"]), (&91.into(), &"every-tick".into()));
+    assert_eq!((&cycles["late"], &cycles["writes"]), (&0.into(), &"when-free".into()));
     assert_eq!((&cycles["unstated_writes"], &cycles["disturbed"]), (&0.into(), &0.into()));
+    // It turns now and then without being asked, which is not what this says of it.
     let cycles = run(&["--set", "robots.robot.brain.writes=\"on-message\""]);
-    assert_eq!((&cycles["late"], &cycles["writes"]), (&91.into(), &"on-message".into()));
+    assert_eq!((&cycles["late"], &cycles["writes"]), (&0.into(), &"on-message".into()));
     assert!(
-        cycles["unstated_writes"].as_u64() > Some(600) && cycles["disturbed"].as_u64() >= Some(91),
+        cycles["unstated_writes"].as_u64() > Some(0) && cycles["disturbed"].as_u64() > Some(0),
         "{cycles}"
     );
 }

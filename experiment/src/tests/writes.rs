@@ -34,7 +34,7 @@ fn robot(cable: &str) -> String {
          battery = {{ nominal_v = 12.0, capacity_mah = 1200.0 }}\n{eyes}\
          [robots.sensors.odometer]\nkind = \"odometer\"\nperiod_ms = 20.0\n\
          [robots.sensors.gauge]\nkind = \"battery\"\nperiod_ms = 100.0\n\
-         [robots.sensors.nose]\nkind = \"field\"\nfield = \"smell\"\nperiod_ms = 50.0\n\
+         [robots.sensors.nose]\nkind = \"field\"\nfield = \"smell\"\nmount = {{ x_m = 0.0 }}\nperiod_ms = 50.0\n\
          [robots.sensors.laser]\nkind = \"laser\"\nmount = {{ x_m = 0.0 }}\nrays = 61\nopening_rad = 4.0\nrange_m = 5.0\nperiod_ms = 100.0\n\
          port = {{ link = {{ kind = \"uart\", baud = 115200 }} }}\n"
     )
