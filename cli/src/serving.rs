@@ -20,7 +20,7 @@ use crate::args::{DEFAULT_ADDRESS, ListenArgs, Over};
 use crate::assignment::{self, Assigned};
 use crate::error::{Refused, from_builder};
 use crate::load::Load;
-use crate::ports::{OpenPorts, PortsByRobot};
+use crate::ports::{Known, OpenPorts, PortsByRobot};
 use crate::signals::Stop;
 use crate::summary::Summary;
 use crate::text::tell;
@@ -50,8 +50,8 @@ pub(crate) struct Serving<'a> {
     stop_within: Duration,
 }
 
-/// A world's name, what is in it, and a robot with a brain that can drive it.
-type Described = (String, String, Option<(String, String)>);
+/// A world's name, what is in it, and its robots that a brain of the catalogue can drive, each with one.
+type Described = (String, String, Vec<(String, String)>);
 
 impl<'a> Serving<'a> {
     /// # Errors
@@ -93,9 +93,9 @@ impl<'a> Serving<'a> {
     pub(crate) fn add(&mut self, name: &str, scenario: &Arc<Scenario>, world: WorldConfig) {
         // What a robot says whose program has a language of its own, no brain of the catalogue understands.
         let is_understood = |spec: &&RobotSpec| spec.chip.as_ref().is_none_or(|chip| !chip.is_opaque());
-        let robot = scenario.robots.iter().find(is_understood);
-        let robot = robot.map(|spec| (spec.name.clone(), assignment::fitting_brain(spec).to_owned()));
-        self.worlds.push((name.to_owned(), describe(name, scenario), robot));
+        let robots = scenario.robots.iter().filter(is_understood);
+        let robots = robots.map(|spec| (spec.name.clone(), assignment::fitting_brain(spec).to_owned()));
+        self.worlds.push((name.to_owned(), describe(name, scenario), robots.collect()));
         self.live.push((name.to_owned(), Arc::clone(scenario)));
         let run = Arc::new(Progress::default());
         self.runs.push((name.to_owned(), Arc::clone(&run)));
@@ -104,7 +104,7 @@ impl<'a> Serving<'a> {
 
     /// Names a brain for the world that was added last, instead of one that only fits its robots.
     pub(crate) fn suggest(&mut self, brain: &str) {
-        if let Some((_, _, Some((_, fitting)))) = self.worlds.last_mut() {
+        for (_, fitting) in self.worlds.last_mut().into_iter().flat_map(|(_, _, robots)| robots) {
             brain.clone_into(fitting);
         }
     }
@@ -124,6 +124,10 @@ impl<'a> Serving<'a> {
         };
         for (world, scenario) in &self.live {
             let ports = ports::with_those_of_scenario(&given, &scenario.serial_ports)?;
+            // A robot that has a port is its program's: no brain gets it.
+            for (_, _, robots) in self.worlds.iter_mut().filter(|(name, ..)| name == world) {
+                robots.retain(|(robot, _)| !ports.contains_key(robot));
+            }
             self.ports.push((world.clone(), ports));
         }
         Ok(())
@@ -131,7 +135,7 @@ impl<'a> Serving<'a> {
 
     /// A world that does a recording again.
     pub(crate) fn add_replay(&mut self, name: &str, world: WorldConfig) {
-        self.worlds.push((name.to_owned(), format!("world {name}: replays a recording\n"), None));
+        self.worlds.push((name.to_owned(), format!("world {name}: replays a recording\n"), Vec::new()));
         self.builder = std::mem::take(&mut self.builder).world(world);
     }
 
@@ -148,8 +152,9 @@ impl<'a> Serving<'a> {
         let mut stop = hear(stop_within).context("cannot listen for Ctrl-C")?;
         let server = builder.serve().await.map_err(from_builder)?;
         text::print(&greeting(&server, &worlds))?;
-        let mut open =
-            OpenPorts::open(server.channel().await?.into(), &ports, ports::reach(listen.access.open)).await?;
+        let known = |world: &str, robot: &str, device: Option<&str>| of_port(&live, world, robot, device);
+        let reach = ports::reach(listen.access.open);
+        let mut open = OpenPorts::open(server.channel().await?.into(), &ports, reach, known).await?;
         text::print(&open.greeting())?;
         let ends = tell_ends(&connect::control(server.channel().await?.into()), runs);
         loop {
@@ -173,6 +178,18 @@ impl<'a> Serving<'a> {
             text::print(&summaries?)?;
         }
         end(server, limit, stop_within).await
+    }
+}
+
+/// What these scenarios say of a port that the contract does not.
+fn of_port(live: &[(String, Arc<Scenario>)], world: &str, robot: &str, device: Option<&str>) -> Known {
+    let scenario = live.iter().find(|(name, _)| name == world).map(|(_, scenario)| scenario);
+    let spec = scenario.and_then(|scenario| scenario.robots.iter().find(|spec| spec.name == robot));
+    let sensor =
+        device.and_then(|device| spec?.sensors.iter().find(|sensor| sensor.name == device)?.port.as_ref());
+    Known {
+        has_chip: spec.is_some_and(|spec| spec.chip.is_some()),
+        answers: sensor.map(|port| port.dialogue.is_some()),
     }
 }
 
@@ -271,8 +288,8 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
     if let Some(link) = viewer::link(server) {
         let _ = writeln!(text, "\n{link}");
     }
-    let with_robot = worlds.iter().find(|(_, _, robot)| robot.is_some());
-    if let (Some((address, is_local)), Some((world, _, robot))) =
+    let with_robot = worlds.iter().find(|(_, _, robots)| !robots.is_empty());
+    if let (Some((address, is_local)), Some((world, _, robots))) =
         (server.client_address(), with_robot.or_else(|| worlds.first()))
     {
         // On this machine, programs of this user find the server's token themselves.
@@ -280,7 +297,7 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
         let token = if is_local { "" } else { " --token-file FILE" };
         let connect = format!("--connect {address}{ca}{token} --world {world}");
         let _ = writeln!(text, "\nIn a second terminal:");
-        if let Some((robot, brain)) = robot {
+        if let Some((robot, brain)) = robots.first() {
             let _ = writeln!(text, "  baudbot brain {brain} {connect} --robot {robot}");
         }
         let _ = writeln!(text, "  baudbot watch {connect}");

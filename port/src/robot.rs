@@ -27,7 +27,7 @@ const MOST_STEPS: usize = 32;
 /// The serial ports of a robot, open for programs.
 #[derive(Debug)]
 pub struct RobotPorts {
-    robot: String,
+    robot: v1::RobotDescription,
     step_ns: u64,
     lines: Vec<Line>,
     /// How far this machine's clock is ahead of the server's.
@@ -88,7 +88,7 @@ impl RobotPorts {
         let (tell, told) = unbounded_channel();
         let lines = lines(&description, ports, reach, welcome.step_ns, &tell)?;
         Ok(Self {
-            robot: robot.to_owned(),
+            robot: description,
             step_ns: welcome.step_ns,
             lines,
             ahead: Ahead::default(),
@@ -100,6 +100,11 @@ impl RobotPorts {
 
     /// Name of the robot.
     pub fn robot(&self) -> &str {
+        &self.robot.robot
+    }
+
+    /// The robot as the server describes it.
+    pub fn description(&self) -> &v1::RobotDescription {
         &self.robot
     }
 

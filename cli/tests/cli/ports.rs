@@ -27,6 +27,8 @@ struct Served {
     server: Running,
     /// Where its ports are, as it says.
     places: Vec<String>,
+    /// What it has said by then.
+    greeting: String,
     folder: PathBuf,
 }
 
@@ -50,7 +52,7 @@ fn serve(folder: &TempDir, scenario: &str, args: &[&str], ports: usize) -> Serve
 
 fn started(command: &mut Command, folder: PathBuf, ports: usize) -> Served {
     let mut server = Running(command.spawn().unwrap());
-    let mut places = Vec::new();
+    let (mut places, mut greeting) = (Vec::new(), String::new());
     let mut out = BufReader::new(server.0.stdout.as_mut().unwrap());
     while places.len() < ports {
         let mut line = String::new();
@@ -64,8 +66,9 @@ fn started(command: &mut Command, folder: PathBuf, ports: usize) -> Served {
         {
             places.push(place.split(" (").next().unwrap().to_owned());
         }
+        greeting += &line;
     }
-    Served { server, places, folder }
+    Served { server, places, greeting, folder }
 }
 
 impl Served {
@@ -122,6 +125,82 @@ fn asked(port: &mut (impl Read + Write), command: &str) -> String {
 fn refusal(folder: &TempDir, scenario: &str, args: &[&str]) -> (i32, String) {
     let (code, _, err) = said(prepared(folder.path(), scenario, args).output().unwrap());
     (code, err)
+}
+
+/// Who starts the real robot's driver at such a port would only hear nothing.
+#[test]
+fn what_no_driver_of_the_real_thing_understands_is_told_at_the_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scenario = KHEPERA.to_owned();
+    let mut args = vec!["--port".to_owned(), "k=pty:k.tty".to_owned()];
+    // A second port of a cable is no second thing to be told.
+    args.extend(["--port".to_owned(), "r0=unix:r0.sock".to_owned()]);
+    for (i, robot) in ["thymio-2", "e-puck", "turtlebot3-burger"].iter().enumerate() {
+        let y = 2 * (i + 1);
+        scenario += &format!("[[robots]]\nname = \"r{i}\"\npreset = \"{robot}\"\nstart = {{ y_m = {y} }}\n");
+        args.extend(["--port".to_owned(), format!("r{i}=pty:r{i}.tty")]);
+    }
+    for laser in ["rplidar-a1", "lds-01", "urg-04lx"] {
+        scenario += &format!("sensors.{laser} = {{ preset = \"{laser}\" }}\n");
+        args.extend(["--port".to_owned(), format!("r2/{laser}=pty:{laser}.tty")]);
+    }
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let served = serve(&folder, &scenario, &args, args.len() / 2);
+    let greeting = served.greeting.clone();
+    let errors = served.folder.join("stderr");
+    served.stop();
+    let said = fs::read_to_string(errors).unwrap();
+    for robot in ["r0", "r1", "r2"] {
+        let note = format!(
+            "note: {robot} speaks baudbot's own frames; no driver of the real robot understands them, unless"
+        );
+        assert_eq!(said.matches(&note).count(), 1, "{robot}: {said}");
+    }
+    for laser in ["rplidar-a1", "lds-01"] {
+        let note =
+            format!("note: r2/{laser} sends scans by SCIP 2.0 and answers no commands; no driver of the");
+        assert_eq!(said.matches(&note).count(), 1, "{laser}: {said}");
+    }
+    assert!(!said.contains("note: k ") && !said.contains("note: r2/urg-04lx "), "{said}");
+    // Robots whose programs come through ports are not offered to brains; the other one is.
+    assert!(greeting.contains("--robot n\n") && !greeting.contains("--robot k"), "{greeting}");
+}
+
+/// As at a port of the server itself; whether a laser answers, other machines do not know.
+#[test]
+fn a_port_on_another_machine_tells_what_is_not_understood_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = "name = \"ports\"\n[[robots]]\nname = \"r\"\npreset = \"thymio-2\"\n\
+        sensors.lds-01 = { preset = \"lds-01\" }\n";
+    let server = Running(prepared(folder.path(), scenario, &[]).spawn().unwrap());
+    let socket = folder.path().join("0.sock");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !socket.exists() {
+        assert!(Instant::now() < deadline, "the server does not listen");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let socket = format!("unix:{}", socket.display());
+    let mut open = command(&[
+        "port",
+        "open",
+        "r=pty:r.tty",
+        "r/lds-01=pty:lds.tty",
+        "--connect",
+        &socket,
+        "--world",
+        "ports",
+    ]);
+    let told = File::create(folder.path().join("stderr")).unwrap();
+    let opened = started(open.current_dir(folder.path()).stderr(told), folder.path().to_owned(), 2);
+    let said = opened.complaints();
+    opened.stop();
+    drop(server);
+    for note in [
+        "note: r speaks baudbot's own frames; no driver of the real robot understands them",
+        "note: r/lds-01 speaks SCIP 2.0; no driver of a laser by another maker than Hokuyo understands it",
+    ] {
+        assert_eq!(said.matches(note).count(), 1, "{note}: {said}");
+    }
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Serial ports for other people's programs: `serve --port`, `port open`.
 
-use std::collections::BTreeMap;
+mod spoken;
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Context;
 use baudbot_client::Channel;
@@ -10,6 +12,7 @@ use baudbot_sim::scenario::SerialPort;
 use tokio::sync::watch;
 use tokio::task::JoinSet;
 
+pub(crate) use self::spoken::Known;
 use crate::args::OpenPortArgs;
 use crate::connect;
 use crate::error::{Refused, from_server};
@@ -26,7 +29,12 @@ pub(crate) async fn open(args: &OpenPortArgs) -> anyhow::Result<()> {
     let world = connect::world(channel.clone(), &args.server).await?;
     let names: Vec<_> = world.robots.iter().map(|robot| robot.robot.clone()).collect();
     let ports = by_robot(&args.ports, &names, args.open)?;
-    let mut open = OpenPorts::open(channel, &[(world.world, ports)], reach(args.open)).await?;
+    let known = |_: &str, robot: &str, _: Option<&str>| {
+        let status = world.robots.iter().find(|status| status.robot == robot);
+        Known { has_chip: status.is_some_and(|status| status.chip.is_some()), answers: None }
+    };
+    let ports = [(world.world.clone(), ports)];
+    let mut open = OpenPorts::open(channel, &ports, reach(args.open), known).await?;
     text::print(&open.greeting())?;
     tokio::select! {
         gone = open.gone() => gone?,
@@ -105,11 +113,13 @@ pub(crate) struct OpenPorts {
 }
 
 impl OpenPorts {
-    /// Opens the ports of robots of these worlds.
+    /// Opens the ports of robots of these worlds. What is known of a port by the names of its world, its robot and its device is asked
+    /// for, to tell where no driver will understand what is spoken.
     pub(crate) async fn open(
         channel: Channel,
         worlds: &[(String, PortsByRobot)],
         reach: Reach,
+        known: impl Fn(&str, &str, Option<&str>) -> Known,
     ) -> anyhow::Result<Self> {
         let (stop, _) = watch::channel(false);
         let mut open = Self { tasks: JoinSet::new(), stop, greeting: String::new() };
@@ -118,6 +128,12 @@ impl OpenPorts {
             let opened = RobotPorts::open(channel.clone(), world, robot, ports, reach).await.map_err(refused);
             let opened = opened.with_context(|| format!("the serial ports of {robot}"))?;
             open.greet(ports, &opened);
+            let devices: BTreeSet<_> = ports.iter().map(|(device, _)| device.as_deref()).collect();
+            for device in devices {
+                spoken::note(opened.description(), device, known(world, robot, device))
+                    .iter()
+                    .for_each(|note| tell!("note: {note}"));
+            }
             let mut stopped = open.stop.subscribe();
             let robot = robot.clone();
             open.tasks.spawn(async move {
