@@ -23,7 +23,7 @@ export default defineConfig({
       input: worker ?? "page.html",
       output: {
         format: worker ? "iife" : "es",
-        postBanner: "/* With the packages that viewer/LICENSES.md names */",
+        postBanner: "/* With work of others: see THIRD-PARTY-NOTICES.txt */",
         entryFileNames: worker ? `${part}.js` : "page.js",
         assetFileNames: "page[extname]",
         codeSplitting: false,

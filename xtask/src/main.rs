@@ -5,13 +5,14 @@
 //! 3. [`needs`] looks for the tools that they need, and installs them if that is asked for.
 //! 4. [`ladder`] runs sections one after the other, and sums up. [`shell`] starts their programs, [`records`] keeps how long
 //!    they take and which have passed.
-//! 5. [`house`] measures the structure of the code.
+//! 5. [`house`] measures the structure of the code; [`notices`] collects those of others' work for what is given away.
 
 mod arguments;
 mod house;
 mod ladder;
 mod list;
 mod needs;
+mod notices;
 mod place;
 mod records;
 mod sections;

@@ -129,6 +129,7 @@ fn worlds_installed(shell: &Shell) -> Result<std::path::PathBuf, Failure> {
 /// The wheels of a release; and the package as README has people install it from a clone.
 pub(super) fn wheel(shell: &Shell) -> Result<(), Failure> {
     super::release::script(shell, "python/build-wheel", &[])?;
+    noticed(shell)?;
     let folder = shell.place.scratch("wheel").map_err(Failure::file(&shell.place.target))?;
     let python = environment(shell, &folder, &["python/pyproject.toml"], &["./python[all]"])?;
     let mut import = shell.command(python);
@@ -139,6 +140,18 @@ pub(super) fn wheel(shell: &Shell) -> Result<(), Failure> {
     let mut program = shell.command(folder.join("bin/baudbot"));
     program.arg("--version");
     shell.run(program)
+}
+
+/// The notices of others' work are in the wheel, as they are collected now.
+fn noticed(shell: &Shell) -> Result<(), Failure> {
+    let words = "import glob, sys, zipfile\n\
+        wheel = zipfile.ZipFile(glob.glob('target/wheels/baudbot-*.whl')[0])\n\
+        names = [name for name in wheel.namelist() if name.endswith('/share/doc/baudbot/THIRD-PARTY-NOTICES.txt')]\n\
+        now = open('target/notices/THIRD-PARTY-NOTICES.txt', 'rb').read()\n\
+        sys.exit(None if [wheel.read(name) for name in names] == [now] else f'the wheel has other notices: {names}')";
+    let mut command = shell.command("python3");
+    command.args(["-c", words]);
+    shell.run(command)
 }
 
 /// Sweeps on a cluster. Ray is large, and a cluster takes a while to come up.
