@@ -99,7 +99,10 @@ pub(crate) fn start(
     }
     actor.begin_to_keep();
     let mailbox = pool
-        .add(|waker| Arc::new(Mailbox::new(actor, waker)))
+        .add(|waker| {
+            actor.wakes_if_lost(&waker);
+            Arc::new(Mailbox::new(actor, waker))
+        })
         .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
     tracing::info!(world = &*name, tick, time_s, robots, paused, "world made");
     Ok(WorldHandle::new(name, made, room, mailbox))

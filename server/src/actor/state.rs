@@ -11,6 +11,7 @@ use super::ports::senders;
 use super::{Phase, WorldActor};
 use crate::endpoint::Sender;
 use crate::log::event;
+use crate::pool::Waker;
 use crate::report::Keeping;
 use crate::state::{Keeper, Now, Resumed, StateFolder};
 
@@ -128,6 +129,13 @@ impl WorldActor {
             keeper.note_snapshot(number, bytes, most);
         }
         self.state.keeper = Some(keeper);
+    }
+
+    /// A disk that fails while nobody wants anything of the world wakes it, so that it attempts to be kept again.
+    pub(super) fn wakes_if_lost(&self, waker: &Waker) {
+        if let Some(keeper) = &self.state.keeper {
+            keeper.wakes_if_lost(waker.clone());
+        }
     }
 
     /// A tick has begun, or somebody is about to see the world.

@@ -4,6 +4,7 @@ mod queue;
 mod tasks;
 mod threads;
 
+use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -94,6 +95,12 @@ impl Pool {
             Self::Threads(threads) => threads.join(),
             Self::Tasks(tasks) => tasks.join(),
         }
+    }
+}
+
+impl fmt::Debug for Waker {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Waker")
     }
 }
 

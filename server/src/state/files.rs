@@ -4,12 +4,13 @@ use std::collections::VecDeque;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Instant;
 
 use super::file_names;
 use super::shared::{Place, Shared, write_whole};
 use super::storage::{Storage, Stored};
+use crate::pool::Waker;
 use crate::report::Keeping;
 
 /// Bytes that wait for the disk, at most, beside those of a whole state.
@@ -30,6 +31,8 @@ pub(crate) struct WorldFiles {
     kept_tick: AtomicU64,
     /// The folder's name is taken by something else, which is left as it is: nothing is written.
     is_taken: bool,
+    /// Wakes the world.
+    waker: OnceLock<Waker>,
 }
 
 /// What is to be written.
@@ -72,6 +75,8 @@ struct Disk {
     is_named: bool,
     /// Snapshots that are not.
     snapshots: Vec<PathBuf>,
+    /// Snapshots that could not be forced onto it: they are written anew, as the system may take them for written.
+    doubtful: Vec<PathBuf>,
     /// Journals that go when the present one is on the disk for good.
     former: Vec<PathBuf>,
 }
@@ -83,7 +88,10 @@ impl WorldFiles {
         let number = former.first().map_or(0, |(number, _)| *number);
         let kept_tick = if former.is_empty() { 0 } else { tick };
         let former = former.into_iter().map(|(_, path)| path).collect();
-        Self::beginning(folder, shared, kept_tick, Disk { number, former, ..Disk::default() })
+        // A server that was killed may not have forced them onto the disk.
+        let snapshots = file_names::snapshots(&*shared.storage, &folder).unwrap_or_default();
+        let snapshots = snapshots.into_iter().map(|(_, path)| path).collect();
+        Self::beginning(folder, shared, kept_tick, Disk { number, former, snapshots, ..Disk::default() })
     }
 
     /// None, as the folder's name is taken by something else.
@@ -102,7 +110,14 @@ impl WorldFiles {
             is_dirty: AtomicBool::new(false),
             kept_tick: AtomicU64::new(kept_tick),
             is_taken: false,
+            waker: OnceLock::new(),
         }
+    }
+
+    /// Wakes the world from now on if something of it cannot be kept.
+    pub(super) fn wakes_if_lost(&self, waker: Waker) {
+        // It has one task only.
+        let _ = self.waker.set(waker);
     }
 
     /// Takes work, and carries it out on this thread if the caller `waits`.
@@ -209,24 +224,30 @@ impl WorldFiles {
         &*self.shared.storage
     }
 
-    /// A snapshot never changes: one that is there is left as it is.
+    /// A snapshot never changes: one that is there is left as it is, unless it may not be on the disk.
     fn write_snapshot(&self, disk: &mut Disk, number: u64, bytes: &[u8]) -> io::Result<()> {
         let path = file_names::snapshot(&self.folder, number);
-        if !self.storage().is_free(&path) {
+        if !self.storage().is_free(&path) && !disk.doubtful.contains(&path) {
             return Ok(());
         }
         write_whole(self.storage(), &path, bytes)?;
+        disk.doubtful.retain(|other| *other != path);
         disk.snapshots.push(path);
         Ok(())
     }
 
     /// Nothing of the world is kept from now on, until another journal begins.
     fn lose(&self, problem: &str) {
-        let mut queue = lock(&self.queue);
-        queue.work.clear();
-        queue.bytes = 0;
-        lock(&self.problem).get_or_insert_with(|| problem.to_owned());
-        self.is_lost.store(true, Ordering::Release);
+        {
+            let mut queue = lock(&self.queue);
+            queue.work.clear();
+            queue.bytes = 0;
+            lock(&self.problem).get_or_insert_with(|| problem.to_owned());
+        }
+        if !self.is_lost.swap(true, Ordering::AcqRel) {
+            // It may have nothing to do, and no reason to look.
+            self.waker.get().inspect(|waker| waker.wake(None));
+        }
     }
 
     pub(super) fn is_lost(&self) -> bool {
@@ -273,7 +294,7 @@ impl WorldFiles {
             }
             Err(error) => {
                 let mut disk = lock(&self.disk);
-                disk.snapshots.extend(snapshots);
+                disk.doubtful.extend(snapshots);
                 disk.former.extend(former);
                 disk.has_journal = false;
                 disk.open = None;

@@ -96,6 +96,7 @@ impl StateFolder {
         for folder in [WORLDS, RECORDINGS].map(|name| path.join(name)) {
             private::make_folder(&folder).map_err(at(&folder))?;
         }
+        sync_names(&System, path).map_err(at(path))?;
         let threads = Threads::start().map_err(at(path))?;
         Ok(Self::with(path, Arc::new(System), threads, Some(file)))
     }
@@ -107,7 +108,8 @@ impl StateFolder {
     /// If it cannot be made.
     pub fn simulated(path: &Path, storage: Arc<dyn Storage>) -> Result<Self, StateError> {
         let worlds = path.join(WORLDS);
-        storage.make_folder(&worlds).map_err(|source| StateError::Io { path: worlds, source })?;
+        let made = storage.make_folder(&worlds).and_then(|()| sync_names(&*storage, path));
+        made.map_err(|source| StateError::Io { path: worlds, source })?;
         Ok(Self::with(path, storage, Threads::Tasks, None))
     }
 
@@ -178,6 +180,16 @@ impl StateFolder {
         // Nothing panics while it is changed.
         self.0.taken.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// The names of the folders are on the disk, or what is in them would be lost with them: those around may have been made with it, by this
+/// server or by one that was killed. What cannot do that for one of these, as it may be another user's, does not matter then.
+fn sync_names(storage: &dyn Storage, path: &Path) -> io::Result<()> {
+    for around in path.ancestors().skip(1) {
+        let around = if around.as_os_str().is_empty() { Path::new(".") } else { around };
+        let _ = storage.sync_folder(around);
+    }
+    storage.sync_folder(path)
 }
 
 /// What is in the folder of the worlds under this name; `None` if nobody has to be told of it.

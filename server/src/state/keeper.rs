@@ -14,6 +14,7 @@ use crate::endpoint::Sender;
 use crate::log::event;
 use crate::message::RecordConfig;
 use crate::pace::Pace;
+use crate::pool::Waker;
 use crate::report::Keeping;
 use crate::sessions::Sessions;
 
@@ -176,6 +177,16 @@ impl Keeper {
 
     /// Another run begins, or it goes on from another state: so does another journal.
     pub(crate) fn begin(&mut self, now: &Now<'_>) {
+        if self.lost.is_some() {
+            // It may be kept again with this one, and what follows belongs to it.
+            self.begin_again(now);
+        } else {
+            self.begin_journal(now);
+            self.look_for_failure(now);
+        }
+    }
+
+    fn begin_journal(&mut self, now: &Now<'_>) {
         (self.settings, self.pace) = (settings(now), now.pace);
         let all = ports(now.senders, &[]);
         // What follows stands behind it.
@@ -190,7 +201,6 @@ impl Keeper {
         let snapshots = if self.lost.is_some() { self.snapshots.clone() } else { Vec::new() };
         let (tick, on_disk) = (self.at.0, Arc::clone(&self.on_disk));
         self.files.add(Work::Begin { journal, tick, snapshots, on_disk }, waits(now.pace));
-        self.look_for_failure(now);
     }
 
     /// Keeps a snapshot, and no more than `most` of them.
@@ -211,21 +221,29 @@ impl Keeper {
         }
     }
 
-    /// When another journal is to be attempted, if nothing is kept at the moment.
+    /// Wakes the world if something cannot be written, or forced onto the disk, later.
+    pub(crate) fn wakes_if_lost(&self, waker: Waker) {
+        self.files.wakes_if_lost(waker);
+    }
+
+    /// When another journal is to be attempted, if nothing is kept at the moment. One of which that has not been noted is overdue.
     pub(crate) fn retry_at(&self) -> Option<Instant> {
-        self.lost.as_ref().map(|lost| lost.retry)
+        match &self.lost {
+            Some(lost) => Some(lost.retry),
+            None => self.files.is_lost().then_some(self.written),
+        }
     }
 
     /// Notes that something could not be written, and attempts another journal when it is time. Whether entries can be collected.
     fn look_for_failure(&mut self, now: &Now<'_>) -> bool {
         let is_lost = self.files.is_lost();
-        let (instant, retry) = (self.files.now(), self.files.now() + RETRY_AFTER);
+        let instant = self.files.now();
         match &mut self.lost {
             None if is_lost => {
                 let (problem, kept_tick) = (self.files.problem(), self.keeping().tick);
                 event!(now, error, problem, kept_tick, "state not kept; the world goes on");
                 self.entries.clear();
-                self.lost = Some(Lost { retry, is_trying: false });
+                self.lost = Some(Lost { retry: instant + RETRY_AFTER, is_trying: false });
                 false
             }
             None => true,
@@ -235,21 +253,28 @@ impl Keeper {
                 true
             }
             Some(lost) if instant >= lost.retry => {
-                (lost.retry, lost.is_trying) = (retry, true);
-                self.begin_again(now);
-                self.lost.is_none()
+                lost.is_trying = true;
+                self.begin_again(now)
             }
             Some(lost) => lost.is_trying,
         }
     }
 
-    fn begin_again(&mut self, now: &Now<'_>) {
-        self.begin(now);
-        if let Some(lost) = self.lost.as_mut().filter(|_| waits(now.pace)) {
-            // It has been attempted, without success.
-            lost.is_trying = false;
-            self.entries.clear();
+    /// Attempts another journal, once. Whether things are kept again.
+    fn begin_again(&mut self, now: &Now<'_>) -> bool {
+        self.begin_journal(now);
+        // A disk that is full and slow may have taken longer for this than until the next attempt: between two of them others have
+        // their turn.
+        let retry = self.files.now() + RETRY_AFTER;
+        let has_failed = waits(now.pace) && self.files.is_lost();
+        if let Some(lost) = &mut self.lost {
+            (lost.retry, lost.is_trying) = (retry, !has_failed);
         }
+        if has_failed {
+            self.entries.clear();
+            return false;
+        }
+        self.look_for_failure(now) && self.lost.is_none()
     }
 
     /// The time since an instant. The clock may have been turned back.
