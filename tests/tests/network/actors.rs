@@ -61,17 +61,7 @@ impl Stage {
     }
 
     async fn channel(&self, host: &str) -> Result<Channel, Error> {
-        let (network, host) = (self.network.clone(), host.to_owned());
-        let connector = tower::service_fn(move |_| {
-            let (network, host) = (network.clone(), host.clone());
-            async move { network.connect(&host).await.map(TokioIo::new) }
-        });
-        Endpoint::from_static("http://server")
-            .http2_keep_alive_interval(KEEPALIVE)
-            .keep_alive_timeout(KEEPALIVE)
-            .connect_timeout(Duration::from_secs(5))
-            .connect_with_connector(connector)
-            .await
+        channel(&self.network, host).await
     }
 
     /// Does this until the run is over.
@@ -82,6 +72,21 @@ impl Stage {
             () = work => {}
         }
     }
+}
+
+/// A connection of a host to the server.
+pub(crate) async fn channel(network: &Network, host: &str) -> Result<Channel, Error> {
+    let (network, host) = (network.clone(), host.to_owned());
+    let connector = tower::service_fn(move |_| {
+        let (network, host) = (network.clone(), host.clone());
+        async move { network.connect(&host).await.map(TokioIo::new) }
+    });
+    Endpoint::from_static("http://server")
+        .http2_keep_alive_interval(KEEPALIVE)
+        .keep_alive_timeout(KEEPALIVE)
+        .connect_timeout(Duration::from_secs(5))
+        .connect_with_connector(connector)
+        .await
 }
 
 fn client(stage: &Stage, channel: Channel) -> Client {

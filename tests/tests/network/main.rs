@@ -1,12 +1,15 @@
 //! The network as a simulation: a server and its clients on one thread, with a clock that does not wait, over connections that are
 //! slow, cut off, reset and lost, other ones for each seed. Whatever happens the world is, at each tick, what it is without a network.
 //!
+//! In [`kept`] the disk and the clock break, too, and servers are killed.
+//!
 //! `BAUDBOT_NETWORK_SEEDS` says how many seeds are tried, or which (`500..1000`), `BAUDBOT_NETWORK_SEED` tries one alone.
 
 mod actors;
 mod chance;
 mod clock;
 mod judge;
+mod kept;
 mod link;
 
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};

@@ -142,6 +142,7 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "firefox", rung: Rung::Release, protects: "both pages in Firefox", needs: &[Node, TOOLS, VIEWER, WASI, Program("firefox-esr", "firefox-esr")], check: |shell, _| pages::firefox(shell), ..PLAIN },
     Section { name: "kills", rung: Rung::Release, protects: "what was told before a kill -9 is there after it", arguments: "[ROUNDS]", check: release::kills, ..PLAIN },
     Section { name: "network", rung: Rung::Release, protects: "servers and clients over a network that breaks in all ways", arguments: "[SEEDS | --seed SEED]", check: release::network, ..PLAIN },
+    Section { name: "faults", rung: Rung::Release, protects: "what operators were told, over kills, power cuts, full disks and a broken network", arguments: "[SEEDS | --seed SEED]", check: release::faults, ..PLAIN },
     Section { name: "fuzz", rung: Rung::Release, protects: "all that reads bytes from outside, by counts of inputs", arguments: "[SECONDS | wanted]", check: release::fuzz, ..PLAIN },
     Section { name: "soak", rung: Rung::Release, protects: "a server with all that clients do at once: nothing grows", arguments: "[HOURS]", check: release::soak, ..PLAIN },
     Section { name: "cluster", rung: Rung::Release, protects: "sweeps on a cluster by Ray, a node of which is killed", needs: &[Python, Network], check: |shell, _| python::cluster(shell), ..PLAIN },

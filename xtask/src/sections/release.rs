@@ -53,13 +53,28 @@ fn number<'a>(argument: Option<&'a String>, usual: &'a str) -> Result<&'a str, F
 
 /// A network that breaks in all ways, of so many seeds, or of one.
 pub(super) fn network(shell: &Shell, arguments: &[String]) -> Result<(), Failure> {
-    let (variable, value) = match arguments {
-        [] | [_] => ("BAUDBOT_NETWORK_SEEDS", number(arguments.first(), "2000")?),
-        [option, seed] if option == "--seed" => ("BAUDBOT_NETWORK_SEED", number(Some(seed), "0")?),
-        [_, ..] => return Err(Failure::Wrong("./test network [SEEDS | --seed SEED]".to_owned())),
+    seeds(shell, arguments, ("network", "NETWORK", "2000"), "in_any_way")
+}
+
+/// A network, a disk and a clock that break in all ways, and servers that are killed, of so many seeds, or of one.
+pub(super) fn faults(shell: &Shell, arguments: &[String]) -> Result<(), Failure> {
+    seeds(shell, arguments, ("faults", "FAULT", "10000"), "what_operators_were_told")
+}
+
+/// The test of the simulated network that has this in its name, with so many seeds, or one.
+fn seeds(
+    shell: &Shell,
+    arguments: &[String],
+    (section, variable, usual): (&str, &str, &str),
+    test: &str,
+) -> Result<(), Failure> {
+    let (end, value) = match arguments {
+        [] | [_] => ("SEEDS", number(arguments.first(), usual)?),
+        [option, seed] if option == "--seed" => ("SEED", number(Some(seed), "0")?),
+        [_, ..] => return Err(Failure::Wrong(format!("./test {section} [SEEDS | --seed SEED]"))),
     };
-    let mut command = of_all(shell, ["--quiet", "--test", "network", "--", "--nocapture", "in_any_way"]);
-    command.env(variable, value);
+    let mut command = of_all(shell, ["--quiet", "--test", "network", "--", "--nocapture", test]);
+    command.env(format!("BAUDBOT_{variable}_{end}"), value);
     shell.run(command)
 }
 
