@@ -31,6 +31,8 @@ pub struct Watched {
     pub cables: Vec<usize>,
     /// How many bytes.
     pub bytes: usize,
+    /// Whether it is [kept](World::keep_starts) how robots are when a tick begins.
+    pub starts: bool,
 }
 
 /// Where a replay is not what was recorded.
@@ -160,6 +162,7 @@ impl Replay {
 
     /// Makes manual changes, begins the tick, and compares it with the recording.
     fn begin(&mut self, world: &mut World) -> Result<()> {
+        world.keep_starts(self.watched.starts);
         for &robot in &self.watched.pins {
             world.keep_edges(robot, true);
         }

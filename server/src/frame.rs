@@ -114,6 +114,8 @@ impl Score {
 /// Details of a robot, for observers that have asked for them.
 pub(crate) struct RobotDetail {
     pub(crate) robot: usize,
+    /// The instant of these numbers, if it is not the frame's.
+    pub(crate) at: Option<SimTime>,
     pub(crate) sensors: Vec<SensorDetail>,
     pub(crate) uplink: LineCounters,
     pub(crate) downlink: LineCounters,
@@ -143,6 +145,8 @@ pub(crate) struct SensorDetail {
     pub(crate) values: Vec<f64>,
     /// When that reading was truly sampled.
     pub(crate) sampled_at: Option<SimTime>,
+    /// The least and the most that readings were old since the last frame, in nanoseconds.
+    pub(crate) ages_ns: Option<(u64, u64)>,
     /// Whether it is new since the brain's last step.
     pub(crate) readable: bool,
     pub(crate) samples: u64,

@@ -1,21 +1,22 @@
 //! The laptop's end of the link: what has arrived, decoded, with the state of readability.
 
+mod message;
+
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
-use baudbot_wire::create::Payload;
-use baudbot_wire::khepera::{self, Answer};
-use baudbot_wire::{Layout, Message, Values, clock};
 use serde::{Deserialize, Serialize};
 
-use crate::firmware::{Decoder, Firmware, Found, Protocol};
+use crate::firmware::{Decoder, Firmware, Found};
 use crate::freshness::Freshness;
+use crate::heard::AllHeard;
 use crate::link::{Line, Message as Arrived};
 use crate::model::RobotSpec;
 use crate::sensor::Sensor;
 use crate::sensor::port::{PortState, Received};
 use crate::time::SimTime;
 use crate::values::ReadingValues;
+use message::{Noted, note, note_positions};
 
 /// The last reading of one sensor that reached the laptop.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -49,6 +50,9 @@ pub(crate) struct Laptop {
     pub(crate) freshness: Vec<Freshness>,
     /// When the readings that are readable were truly sampled.
     sampled: Vec<Option<SimTime>>,
+    /// The truth for observers.
+    #[serde(skip)]
+    pub(crate) truth: AllHeard,
     /// Began the control cycle of the newest message of the microcontroller's since the brain's last step.
     heard: Option<SimTime>,
     /// The ticks of the brain's last steps, and when the control cycles began that it had to answer in them.
@@ -74,6 +78,7 @@ impl Laptop {
             busy_until: SimTime::ZERO,
             freshness: alloc::vec![Freshness::default(); sensors],
             sampled: alloc::vec![None; sensors],
+            truth: AllHeard::default(),
             heard: None,
             asked: VecDeque::new(),
             answers_tick: None,
@@ -132,11 +137,16 @@ impl Laptop {
             Found::Payload(payload) => Some(note(&mut self.readings, &spec.firmware, payload, at)),
         };
         uplink.counters.bad_messages += self.decoder.cut_short() - before;
-        self.take_noted(spec, found, uplink)
+        self.take_noted(spec, found, (at, uplink))
     }
 
     /// What a byte ended, if it ended anything, counts; of readings the answer is what is to be known of them.
-    fn take_noted(&mut self, spec: &RobotSpec, found: Option<Noted>, uplink: &mut Line) -> Option<Arrived> {
+    fn take_noted(
+        &mut self,
+        spec: &RobotSpec,
+        found: Option<Noted>,
+        (at, uplink): (SimTime, &mut Line),
+    ) -> Option<Arrived> {
         match found {
             None => {}
             Some(Noted::Nonsense) => uplink.counters.bad_messages += 1,
@@ -151,18 +161,24 @@ impl Laptop {
                 self.decoder.keep_positions(positions);
                 if let Some(message) = uplink.message() {
                     self.note_ages(&message);
+                    self.truth.keep_positions(&message.sampled);
                 }
             }
             Some(Noted::Readings) => {
                 if let Some(positions) = self.decoder.take_positions() {
                     note_positions(&mut self.readings, &spec.firmware.layout(), positions);
+                    self.truth.take_positions(at);
                 }
                 uplink.counters.messages += 1;
                 self.has_message = true;
                 let message = uplink.message();
-                if let Some(message) = &message {
-                    self.note_ages(message);
-                    self.heard = message.cycle;
+                match &message {
+                    Some(message) => {
+                        self.note_ages(message);
+                        self.hear(message, at);
+                        self.heard = message.cycle;
+                    }
+                    None => self.hear_unknown(at),
                 }
                 return message;
             }
@@ -194,22 +210,27 @@ impl Laptop {
         self.heard.is_some() || on_wire.any(|(reading, _)| reading.readable)
     }
 
-    /// Each sensor's reading, and when that was truly sampled.
+    /// Each sensor's reading, and when that was truly sampled; and where observers are told of it.
     pub(crate) fn readings_with_truth(
         &mut self,
-    ) -> impl Iterator<Item = (&mut Reading, &mut Option<SimTime>)> {
-        self.readings.iter_mut().zip(&mut self.sampled)
-    }
-
-    /// When the reading of sensor `i` was truly sampled that the brain has not been given yet.
-    pub(crate) fn sampled_at(&self, i: usize) -> Option<SimTime> {
-        self.sampled.get(i).copied().flatten()
+    ) -> (impl Iterator<Item = (&mut Reading, &mut Option<SimTime>)>, &mut AllHeard) {
+        (self.readings.iter_mut().zip(&mut self.sampled), &mut self.truth)
     }
 
     fn note_ages(&mut self, message: &Arrived) {
         for &(i, sampled_at) in &message.sampled {
             self.sampled[i] = Some(sampled_at);
         }
+    }
+
+    fn hear(&mut self, message: &Arrived, now: SimTime) {
+        message.sampled.iter().for_each(|&(i, sampled_at)| self.truth.take(i, now, Some(sampled_at)));
+    }
+
+    /// Readings have come of which it is not known when they were sampled, nor which of the new ones they are.
+    fn hear_unknown(&mut self, now: SimTime) {
+        let new = self.readings.iter().enumerate().filter(|(_, reading)| reading.readable);
+        new.for_each(|(i, _)| self.truth.take(i, now, None));
     }
 
     /// A byte arrives on the cable of sensor `i`'s own. If it ends a message that is no reading, the answer is whether that
@@ -238,8 +259,11 @@ impl Laptop {
         let reading = &mut self.readings[i];
         let sequence = reading.sequence.wrapping_add(1);
         *reading = Reading { values: values.into(), sampled_at, sequence, readable: true };
-        if let Some(message) = state.line.message() {
-            self.note_ages(&message);
+        let message = state.line.message();
+        self.truth.take(i, arrival.0, None);
+        if let Some(message) = &message {
+            self.note_ages(message);
+            self.hear(message, arrival.0);
         }
         None
     }
@@ -280,109 +304,6 @@ impl Laptop {
             }
         }
     }
-}
-
-/// What a message was.
-enum Noted {
-    Nonsense,
-    /// Of a command: nothing that a brain waits for.
-    Acknowledgement,
-    /// No readings, but what a brain that asks waits for.
-    Answer,
-    /// The position counters of a Khepera, which become readings with the next that it tells.
-    Positions([i32; 2]),
-    Readings,
-}
-
-/// Notes the readings of a message.
-fn note(readings: &mut [Reading], firmware: &Firmware, payload: &[u8], at: SimTime) -> Noted {
-    let layout = firmware.layout();
-    match firmware.protocol {
-        Protocol::Framed { .. } => note_frame(readings, &layout, payload, at),
-        // The bare decoder gives a payload only when it is whole, so there is a value for every component.
-        Protocol::Bare { .. } => note_all(readings, &layout, Values::new(layout.components, payload)),
-        Protocol::Khepera => match Answer::parse(payload, &layout) {
-            Ok(Answer::Readings(values)) => note_levels(readings, &layout, values),
-            Ok(Answer::Positions(positions)) => Noted::Positions(positions),
-            Ok(Answer::Acknowledgement) => Noted::Acknowledgement,
-            Ok(Answer::Registers(_) | Answer::Refusal) => Noted::Answer,
-            Err(_) => Noted::Nonsense,
-        },
-        Protocol::Create(version) => note_packets(readings, firmware, Payload { version, bytes: payload }),
-    }
-}
-
-/// Notes a message of a Create's stream. A sensor that is not told has no reading; another stream than that of the layout has
-/// none at all.
-fn note_packets(readings: &mut [Reading], firmware: &Firmware, payload: Payload<'_>) -> Noted {
-    let layout = firmware.layout();
-    let mut rest = firmware.signals();
-    for (reading, components) in readings.iter_mut().zip(layout.sensors()) {
-        let (signals, behind) = rest.split_at(components.len().min(rest.len()));
-        rest = behind;
-        let told = || components.iter().zip(signals).map(|(to, signal)| payload.value((*signal)?, *to));
-        if components.is_empty() || !told().all(|value| value.is_some()) {
-            continue;
-        }
-        note_one(reading, told().flatten());
-    }
-    Noted::Readings
-}
-
-fn note_frame(readings: &mut [Reading], layout: &Layout<'_>, payload: &[u8], at: SimTime) -> Noted {
-    let Ok(Message::Readings(message)) = Message::parse(payload, layout) else { return Noted::Nonsense };
-    let closed_ns = clock::unwrap_time(message.time_100us, at.as_ns());
-    for entry in message.entries() {
-        let reading = &mut readings[entry.sensor];
-        reading.values.clear();
-        reading.values.extend(entry.values);
-        // The largest age on the wire stands for any from there on, so it tells nothing.
-        let age = entry.age_100us.filter(|&age| age < u8::MAX);
-        let age_ns = age.map(|age| u64::from(age) * clock::UNIT_NS);
-        reading.sampled_at = age_ns.map(|age_ns| SimTime::from_ns(closed_ns.saturating_sub(age_ns)));
-        reading.sequence = message.sequence;
-        reading.readable = true;
-    }
-    Noted::Readings
-}
-
-/// Notes a message that knows no readability: a value for every component.
-fn note_all(readings: &mut [Reading], layout: &Layout<'_>, mut values: impl Iterator<Item = f64>) -> Noted {
-    for (reading, components) in readings.iter_mut().zip(layout.sensors()) {
-        note_one(reading, values.by_ref().take(components.len()));
-    }
-    Noted::Readings
-}
-
-/// Notes an answer to `N`: a value for every component that is no counter.
-fn note_levels(
-    readings: &mut [Reading],
-    layout: &Layout<'_>,
-    mut values: impl Iterator<Item = f64>,
-) -> Noted {
-    for (reading, components) in readings.iter_mut().zip(layout.sensors()) {
-        if !components.is_empty() && khepera::counted(components, [0; 2]).is_none() {
-            note_one(reading, values.by_ref().take(components.len()));
-        }
-    }
-    Noted::Readings
-}
-
-/// Notes the position counters that came before an answer to `N`.
-fn note_positions(readings: &mut [Reading], layout: &Layout<'_>, positions: [i32; 2]) {
-    for (reading, components) in readings.iter_mut().zip(layout.sensors()) {
-        if let Some(values) = khepera::counted(components, positions) {
-            note_one(reading, values.into_iter());
-        }
-    }
-}
-
-/// Notes values that have no number of their own on the wire.
-fn note_one(reading: &mut Reading, values: impl Iterator<Item = f64>) {
-    reading.values.clear();
-    reading.values.extend(values);
-    reading.sequence = reading.sequence.wrapping_add(1);
-    reading.readable = true;
 }
 
 /// Most steps of the brain that it may answer later than in their ticks, and be known to.

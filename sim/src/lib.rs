@@ -46,6 +46,7 @@ pub mod firmware;
 mod freshness;
 mod hash;
 mod heap;
+mod heard;
 mod histogram;
 mod laptop;
 pub mod link;
@@ -82,6 +83,7 @@ mod world;
 
 pub use baudbot_geometry::Pose;
 pub use freshness::Freshness;
+pub use heard::{AgeSpan, Heard};
 pub use histogram::Histogram;
 pub use laptop::Reading;
 pub use robot::Written;

@@ -109,6 +109,11 @@ impl Timeline {
         Self { room, ..Self::default() }
     }
 
+    /// One without events, of which there were as many.
+    pub(crate) fn emptied(&self) -> Self {
+        Self { total: self.total, ..Self::default() }
+    }
+
     /// The bytes that its events take once there are as many as it keeps.
     pub(crate) fn heap_bytes(&self) -> usize {
         self.room * size_of::<Event>()

@@ -9,6 +9,7 @@ use crate::battery::{Battery, BatteryState};
 use crate::chip::{Board, Warning};
 use crate::drive::{Motion, Wheels};
 use crate::freshness::Freshness;
+use crate::heard::Heard;
 use crate::laptop::Reading;
 use crate::link::{Cable, LineCounters, Tape};
 use crate::model::RobotSpec;
@@ -126,9 +127,9 @@ impl<'a> RobotView<'a> {
         &self.state.laptop.readings
     }
 
-    /// When the reading of a sensor was truly sampled that has come since the brain's last step, as far as that is known.
-    pub fn sampled_at(&self, sensor: usize) -> Option<SimTime> {
-        self.state.laptop.sampled_at(sensor)
+    /// The truth about the last reading of a sensor that has come: for observers, never for its brain.
+    pub fn heard(&self, sensor: usize) -> Heard {
+        self.state.laptop.truth.of(sensor)
     }
 
     /// Each sensor's truth, in the order of the wire.

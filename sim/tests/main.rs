@@ -2,6 +2,7 @@
 //! what is allocated is counted for each thread.
 
 mod adapters;
+mod ages;
 mod airtight;
 mod answers;
 mod bootloader;

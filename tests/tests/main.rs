@@ -20,6 +20,7 @@ mod exchanges;
 mod exploration;
 mod figures;
 mod floods;
+mod frames;
 mod goldens;
 mod limits;
 mod localization;

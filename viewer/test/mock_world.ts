@@ -196,6 +196,8 @@ export class MockWorld {
         return {
           values: known ? samples[s] : [],
           sampledAtNs: known ? at * STEP_NS : undefined,
+          leastAgeNs: known ? (this.tick - at) * STEP_NS : undefined,
+          mostAgeNs: known ? (this.tick - at) * STEP_NS : undefined,
           readable: known && this.tick % period < 1n,
           samples: this.tick / period,
           missed: this.missed,

@@ -6,7 +6,8 @@ import { WatchResponseSchema } from "../src/gen/baudbot/v1/observe_pb";
 import { readChoice, writeChoice } from "../src/address";
 import { DeadReckoning, counted, rolled, wheelSensor } from "../src/model/odometry";
 import { composed, relative, wrapped } from "../src/model/pose";
-import { messagesText } from "../src/model/quantities";
+import { agesText, messagesText } from "../src/model/quantities";
+import { RobotRecord } from "../src/model/record";
 import { Ring, SeriesTable } from "../src/model/ring";
 import { columnsOf, partsOf } from "../src/model/sensors";
 import { isDriveKey, signals, stickOfAxes, stickOfKeys } from "../src/model/stick";
@@ -215,6 +216,30 @@ test("numbers are short and have their units", () => {
   assert.equal(count(1234567n), "1\u202f234\u202f567");
   assert.deepEqual([clock(1.5), clock(75.25), clock(3725)], ["1.500 s", "1:15.25", "1:02:05.00"]);
   assert.deepEqual([0.3, 1, 1.1, 3, 7, 60].map(roundStep), [0.5, 1, 2, 5, 10, 100]);
+});
+
+test("the ages that are shown are those of all frames since somebody looked", () => {
+  const description = create(RobotDescriptionSchema, { sensors: [{ sensor: "ir", kind: SensorKind.IR }] });
+  const record = new RobotRecord(0, description, 0.1);
+  const at = (tick: number, ages?: [number, number]) => {
+    const [leastAgeNs, mostAgeNs] = ages?.map((ms) => BigInt(Math.round(ms * 1e6))) ?? [];
+    const details = [{ robot: 0, sensors: [{ values: [0.5], leastAgeNs, mostAgeNs }] }];
+    const rest = create(WatchResponseSchema, { tick: BigInt(tick), timeNs: BigInt(tick) * 10_000_000n, details });
+    const poses = { count: 0, x_m: new Float64Array(), y_m: new Float64Array(), heading_rad: new Float64Array() };
+    record.take(new Frame(rest, { ...poses, collided: new Uint8Array() }, []), undefined, tick === 0);
+  };
+  at(0);
+  assert.equal(record.takeAges(0), undefined);
+  at(4, [20.4, 30]);
+  at(8, [25, 40.4]);
+  const ages = record.takeAges(0);
+  assert.deepEqual(ages, { least_ns: 20.4e6, most_ns: 40.4e6 });
+  assert.equal(agesText(ages!), "20.4–40.4 ms");
+  assert.equal(record.takeAges(0), undefined, "no frame has come since");
+  assert.equal(record.values.get("age:ir"), 40.4);
+  assert.equal(record.values.get("least-age:ir"), 25);
+  assert.equal(agesText({ least_ns: 0.5e6, most_ns: 1.5e6 }), "500 µs – 1.50 ms");
+  assert.equal(agesText({ least_ns: 30e6, most_ns: 30.001e6 }), "30.0 ms");
 });
 
 test("a brain that writes more often than it reads is told of", () => {

@@ -71,8 +71,11 @@ pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
         if args.timeline.is_some() {
             pins.extend(chips::all(robots));
         }
-        let replay =
-            start(&args.file, &recorded, recording::Watched { pins, cables, bytes: serial::MOST_BYTES })?;
+        let replay = start(
+            &args.file,
+            &recorded,
+            recording::Watched { pins, cables, bytes: serial::MOST_BYTES, starts: false },
+        )?;
         outputs.extend(bag(args, &recorded, &replay.1)?);
         is_whole = pass::run(replay, &window, outputs, &stop, args.quiet)?;
     }

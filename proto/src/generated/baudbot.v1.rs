@@ -4927,7 +4927,8 @@ pub struct WatchRequest {
     #[prost(uint64, tag = "5")]
     pub pins_finest_ns: u64,
 }
-/// The truth at the start of a tick.
+/// The truth at the start of a tick: at that instant, and of what came before it. What happens at the instant itself belongs to
+/// the tick, and thus to a later frame.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct WatchResponse {
     /// Ticks done.
@@ -5107,6 +5108,10 @@ pub struct RobotDetail {
     /// Events on pins since the last frame that are not told: until a signal is told again, nothing is known of it.
     #[prost(uint64, tag = "15")]
     pub missed_pin_events: u64,
+    /// The instant of these numbers; absent if it is the frame's time. Who begins to look within a tick, as at a world that waits for
+    /// a brain's answer, sees in the first frame how the robot is at the brain's step.
+    #[prost(uint64, optional, tag = "16")]
+    pub at_ns: ::core::option::Option<u64>,
 }
 /// Something on a signal of a chip's pins: see docs/reference/firmware.md.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
@@ -5169,6 +5174,13 @@ pub struct SensorDetail {
     /// The line of its own cable; absent if it has none.
     #[prost(message, optional, tag = "8")]
     pub port: ::core::option::Option<LineStatus>,
+    /// How old the reading has been at least since the last frame that was made for this observer, each instant in between counted:
+    /// as a reading came, and at the frames. Absent if it is not known.
+    #[prost(uint64, optional, tag = "9")]
+    pub least_age_ns: ::core::option::Option<u64>,
+    /// How old at most: as the reading was about to be replaced, or at a frame.
+    #[prost(uint64, optional, tag = "10")]
+    pub most_age_ns: ::core::option::Option<u64>,
 }
 /// Rays of a sensor, as they run at the frame's time.
 #[derive(Clone, PartialEq, ::prost::Message)]

@@ -227,7 +227,10 @@ impl RecordedRun {
     }
 
     /// What entered the world in a tick, from the first of these messages on.
-    pub(crate) fn inputs_at(&self, tick: u64) -> Result<Vec<v1::RecordedInputs>> {
+    ///
+    /// # Errors
+    /// If they cannot be read.
+    pub fn inputs_at(&self, tick: u64) -> Result<Vec<v1::RecordedInputs>> {
         let from = self.inputs.partition_point(|kept| kept.tick < tick);
         let those = self.inputs[from..].iter().take_while(|kept| kept.tick == tick);
         those.map(|kept| decode(topic::INPUTS, &self.bytes[kept.place.clone()])).collect()

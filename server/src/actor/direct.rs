@@ -72,6 +72,7 @@ impl DirectWorld {
         let actor = &mut self.actor;
         actor.recording.wait_for_disk();
         actor.pacer.running.set(true, clock::now());
+        actor.show_start();
         let mut turns = actor.world.begin().to_vec();
         actor.record_tick();
         actor.show();

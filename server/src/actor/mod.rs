@@ -264,6 +264,7 @@ impl WorldActor {
         self.follow_clock(now);
         self.set_ports();
         let lockstep = self.pacer.pace.lockstep();
+        self.show_start();
         let mut turns = self.world.begin().to_vec();
         self.record_tick();
         self.keep();
@@ -295,7 +296,7 @@ impl WorldActor {
         sleeps
     }
 
-    /// Shows the world at the start of a tick to `on_tick` and to observers, and says how far it is.
+    /// Shows a tick that has begun to `on_tick`, and says how far the world is.
     fn show(&mut self) {
         if let Some((on_belief, seen)) = &mut self.on_belief {
             for (robot, belief) in self.beliefs.since(seen) {
@@ -308,7 +309,6 @@ impl WorldActor {
         if let Some(progress) = &self.progress {
             progress.tell(&self.world);
         }
-        self.observers.show(view!(self));
         self.observers.keep_pins(None, &mut self.world);
         self.cables.listen(&mut self.world);
     }
@@ -369,6 +369,7 @@ impl WorldActor {
         self.pacer.clock = None;
         let why = self.world.ending().map(ToString::to_string).unwrap_or_default();
         event!(self, info, why, "run ended");
+        self.show_start();
         self.world.begin();
         self.record_tick();
         self.keep_now();

@@ -115,6 +115,14 @@ impl WorldActor {
         recorder.stop(&self.world, !self.sessions.is_any_overtaken(), None);
     }
 
+    /// Shows how a tick begins, before it does: to observers, and in the recording.
+    pub(super) fn show_start(&mut self) {
+        if let Some(recorder) = &mut self.recording.recorder {
+            recorder.look(view!(self));
+        }
+        self.observers.show(view!(self));
+    }
+
     /// Records a tick that has begun.
     pub(super) fn record_tick(&mut self) {
         let is_sure = !self.sessions.is_any_overtaken();

@@ -164,6 +164,7 @@ impl WorldActor {
             self.forget_seen();
         }
         self.spend_credit();
+        self.show_start();
         self.show();
         self.follow_clock(now);
         Ok(())
@@ -171,7 +172,9 @@ impl WorldActor {
 
     /// Goes some way towards a tick, and returns so that messages can be handled.
     fn approach(&mut self, replay: &mut Replay, tick: u64, now: Instant) -> Result<(), RecordingError> {
-        while self.world.tick() < tick && clock::since(now) < AT_ONCE && replay.step(&mut self.world)? {}
+        while self.world.tick() < tick && clock::since(now) < AT_ONCE && replay.step(&mut self.world)? {
+            self.observers.note(&self.world);
+        }
         Ok(())
     }
 
@@ -204,6 +207,7 @@ impl WorldActor {
             self.forget_seen();
             drop(reply.send(Ok(self.report(0))));
         }
+        self.world.keep_starts(false);
         self.pacer.paused = true;
         self.pacer.clock = None;
         self.phase = Phase::Between;

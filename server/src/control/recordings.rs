@@ -4,7 +4,7 @@ use std::io::BufReader;
 use std::sync::Arc;
 
 use baudbot_proto::v1;
-use baudbot_recording::{RecordedRun, RecordingError, Replay, saved};
+use baudbot_recording::{RecordedRun, RecordingError, Replay, Watched, saved};
 use baudbot_sim::World;
 use tokio::sync::oneshot;
 use tonic::Status;
@@ -163,7 +163,7 @@ const UNPACKED: u64 = 8;
 
 /// A world that replays a recording, at its beginning.
 fn replay(recorded: Result<RecordedRun, RecordingError>) -> Result<(Replay, World), RecordingError> {
-    Replay::start(Arc::new(recorded?))
+    Replay::start_watching(Arc::new(recorded?), Watched { starts: true, ..Watched::default() })
 }
 
 /// Most frames a simulated second.

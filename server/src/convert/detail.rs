@@ -11,6 +11,7 @@ pub(super) fn detail(detail: RobotDetail) -> v1::RobotDetail {
     let [uplink_waiting_bytes, downlink_waiting_bytes] = detail.under_way;
     v1::RobotDetail {
         robot: detail.robot as u32,
+        at_ns: detail.at.map(|at| at.as_ns()),
         sensors: detail.sensors.into_iter().map(sensor).collect(),
         uplink: Some(line_status(&detail.uplink)),
         downlink: Some(line_status(&detail.downlink)),
@@ -32,6 +33,8 @@ fn sensor(sensor: SensorDetail) -> v1::SensorDetail {
     v1::SensorDetail {
         values: sensor.values,
         sampled_at_ns: sensor.sampled_at.map(|at| at.as_ns()),
+        least_age_ns: sensor.ages_ns.map(|(least_ns, _)| least_ns),
+        most_age_ns: sensor.ages_ns.map(|(_, most_ns)| most_ns),
         readable: sensor.readable,
         samples: sensor.samples,
         missed: sensor.missed,

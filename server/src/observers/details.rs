@@ -2,7 +2,7 @@
 
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::raycast::{CastRay, RayCaster};
-use baudbot_sim::{RobotView, SensorView, SimTime, World};
+use baudbot_sim::{AgeSpan, RobotView, SensorView, SimTime, World};
 
 use super::pins::Pins;
 use crate::frame::{RayFan, RobotDetail, SensorDetail};
@@ -16,8 +16,8 @@ pub(super) struct Detailed {
     robot: usize,
     /// The number of the last event of its timeline that has been told.
     events: u64,
-    /// When the last reading of each sensor was truly sampled.
-    sampled: Vec<Option<SimTime>>,
+    /// How old the reading of each sensor was from the last frame on.
+    ages: Vec<AgeSpan>,
     /// What is on the pins of its chip, if the observer wants that.
     pins: Option<Pins>,
     /// Whether the observer has had a frame.
@@ -26,9 +26,9 @@ pub(super) struct Detailed {
 
 impl Detailed {
     pub(super) fn new(robot: usize, pins_finest_ns: Option<u64>, world: &World) -> Self {
-        let sampled = vec![None; world.robot(robot).spec().sensors.len()];
+        let ages = vec![AgeSpan::default(); world.robot(robot).spec().sensors.len()];
         let pins = pins_finest_ns.and_then(|finest_ns| Pins::new(robot, finest_ns, world));
-        Self { robot, events: 0, sampled, pins, is_known: false }
+        Self { robot, events: 0, ages, pins, is_known: false }
     }
 
     /// The robot, if the observer looks at its pins.
@@ -45,36 +45,43 @@ impl Detailed {
         *self = Self { pins, ..Self::new(self.robot, None, world) };
     }
 
-    /// At the start of each tick: when a reading was sampled is known only until the brain has been given it.
+    /// At the start of each tick: which readings have come in the last one.
     pub(super) fn note(&mut self, world: &World) {
-        let robot = world.robot(self.robot);
-        for (i, sampled) in self.sampled.iter_mut().enumerate() {
-            *sampled = robot.sampled_at(i).or(*sampled);
+        if let Some(robot) = world.robot_at_start(self.robot) {
+            for (i, ages) in self.ages.iter_mut().enumerate() {
+                *ages = ages.join(robot.heard(i).ages);
+            }
         }
         if let Some(pins) = &mut self.pins {
             pins.look(self.robot, world);
         }
     }
 
-    /// The details now.
+    /// The details at the start of the tick. If it is not known any more how the robot was then, they are those of its brain's
+    /// step in the tick, and say so.
     pub(super) fn tell(&mut self, world: &World, sessions: &Sessions, caster: &RayCaster<'_>) -> RobotDetail {
-        let view = world.robot(self.robot);
+        let (view, at) = match world.robot_at_start(self.robot) {
+            Some(view) => (view, world.time()),
+            None => (world.robot(self.robot), within(world, self.robot)),
+        };
         let spec = view.spec();
-        let (missed_events, events) = view.timeline().since(self.events);
+        let (missed_events, events) = world.robot(self.robot).timeline().since(self.events);
         // Before the first frame nothing is missed.
         let missed_events = if self.events == 0 { 0 } else { missed_events };
-        let events = events.copied().collect();
+        let known = view.timeline().total().saturating_sub(self.events).saturating_sub(missed_events);
+        let events = events.take(known as usize).copied().collect();
         self.events = view.timeline().total();
         let is_first = std::mem::replace(&mut self.is_known, true);
         let (pin_events, missed) = self.pins.as_mut().map_or_else(Default::default, |pins| {
             pins.look(self.robot, world);
-            pins.take()
+            pins.take(world.time())
         });
         let missed_pin_events = if is_first { 0 } else { missed };
         let sensors = view.sensors().enumerate();
-        let sensors = sensors.map(|(i, sensor)| self.sensor(&view, (i, &sensor), caster)).collect();
+        let sensors = sensors.map(|(i, sensor)| self.sensor(&view, at, (i, &sensor), caster)).collect();
         RobotDetail {
             robot: self.robot,
+            at: (at != world.time()).then_some(at),
             sensors,
             uplink: *view.uplink(),
             downlink: *view.downlink(),
@@ -92,15 +99,21 @@ impl Detailed {
     }
 
     fn sensor(
-        &self,
+        &mut self,
         view: &RobotView<'_>,
+        at: SimTime,
         (i, sensor): (usize, &SensorView<'_>),
         caster: &RayCaster<'_>,
     ) -> SensorDetail {
-        let (reading, spec) = (&view.readings()[i], view.spec());
+        let (reading, spec, sampled_at) = (&view.readings()[i], view.spec(), view.heard(i).sampled_at);
+        let age = sampled_at
+            .map_or_else(AgeSpan::default, |sampled_at| AgeSpan::default().and(at.since(sampled_at)));
+        // The age now is the first one from here on.
+        let ages = std::mem::replace(&mut self.ages[i], age).join(age);
         SensorDetail {
             values: reading.values.to_vec(),
-            sampled_at: self.sampled[i].or(reading.sampled_at),
+            sampled_at,
+            ages_ns: ages.bounds_ns(),
             readable: reading.readable,
             samples: sensor.samples,
             missed: sensor.missed,
@@ -123,4 +136,10 @@ impl Detailed {
         let lengths_m = casts.iter().map(length).collect();
         Some(RayFan { world_from_sensor: caster.place(self.robot, mount), opening_rad, lengths_m })
     }
+}
+
+/// How far a robot is within the tick that has begun.
+fn within(world: &World, robot: usize) -> SimTime {
+    let turn = world.turns().iter().find(|turn| turn.robot == robot);
+    turn.map_or_else(|| world.time(), |turn| turn.at)
 }

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use baudbot_sim::collision::Collision;
 use baudbot_sim::raycast::RayCaster;
-use baudbot_sim::{RobotView, ThingView, World};
+use baudbot_sim::{ThingView, World};
 use bytes::Bytes;
 
 use crate::beliefs::Beliefs;
@@ -144,7 +144,8 @@ impl Observers {
         self.missed_frames + self.present.iter().map(|observer| observer.missed_frames).sum::<u64>()
     }
 
-    /// Sends a frame at the start of a tick to the observers that are due for one; at the end of a run, to all.
+    /// Sends a frame at the start of a tick to the observers that are due for one; at the end of a run, to all. The tick has
+    /// not begun, or it is [kept](World::keep_starts) how robots were then: cables are ahead of bodies within a tick.
     pub(crate) fn show(&mut self, view: View<'_>) {
         let shared = Shared::new(view);
         self.each(view, |observer| {
@@ -153,6 +154,11 @@ impl Observers {
             let due = world.tick().is_multiple_of(observer.every_ticks) || world.ending().is_some();
             !due || observer.show(&shared)
         });
+    }
+
+    /// Collects the data of a tick in which nobody is shown anything.
+    pub(crate) fn note(&mut self, world: &World) {
+        self.present.iter_mut().for_each(|observer| observer.eye.note(world));
     }
 
     /// Forgets what observers have seen: the world is at another time.
@@ -220,7 +226,7 @@ impl Eye {
         Self::new(0..world.robots().len().min(MAX_DETAILS), None, world)
     }
 
-    /// At the start of each tick: collects the data of past ticks for the next frame.
+    /// Before each tick: collects the data of past ticks for the next frame.
     pub(crate) fn note(&mut self, world: &World) {
         let room = MAX_COLLISIONS.saturating_sub(self.collisions.len());
         self.collisions.extend(world.collisions().iter().take(room).cloned());
@@ -264,7 +270,7 @@ impl Truth {
         Self {
             tick: world.tick(),
             time: world.time(),
-            robots: world.robots().enumerate().map(|(i, robot)| truth(world, i, &robot)).collect(),
+            robots: (0..world.robots().len()).map(|i| truth(world, i)).collect(),
             ending: world.ending().map(ToString::to_string),
             things: world.things().map(thing).collect(),
             score: Score::of(world),
@@ -278,7 +284,8 @@ fn thing(view: ThingView<'_>) -> Thing {
     Thing { name, x_m: position.x, y_m: position.y, heading_rad, blocked_ns: view.blocked_ns }
 }
 
-fn truth(world: &World, index: usize, robot: &RobotView<'_>) -> RobotTruth {
+fn truth(world: &World, index: usize) -> RobotTruth {
+    let robot = world.robot_at_start(index).unwrap_or_else(|| world.robot(index));
     let mut samples = Vec::new();
     for (sensor, spec) in robot.sensors().zip(robot.spec().sensors.iter()) {
         let missing = spec.encodings.len() - sensor.sample.len();
@@ -290,7 +297,7 @@ fn truth(world: &World, index: usize, robot: &RobotView<'_>) -> RobotTruth {
         collided: robot.collided(),
         samples,
         actuators: robot.actuators().to_vec(),
-        battery: Charge::of(robot),
+        battery: Charge::of(&robot),
         in_zone_ns: world.score().in_zone_ns(index).to_vec(),
     }
 }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use baudbot_sim::World;
 use baudbot_sim::chip::{Board, News, Scope, Shown};
+use baudbot_sim::{SimTime, World};
 
 /// Events on a robot's pins that a frame has at most: the last ones.
 const MOST_EVENTS: usize = 8192;
@@ -45,9 +45,12 @@ impl Pins {
         }
     }
 
-    /// What is to be told, and how much is not.
-    pub(super) fn take(&mut self) -> (Vec<(usize, Shown)>, u64) {
-        (std::mem::take(&mut self.waiting), std::mem::take(&mut self.missed))
+    /// What is to be told at an instant, and how much is not. A chip may be ahead of it, and what is later waits.
+    pub(super) fn take(&mut self, at: SimTime) -> (Vec<(usize, Shown)>, u64) {
+        let is_past = |(_, shown): &(usize, Shown)| shown.at_ns() <= at.as_ns();
+        let (told, later) = std::mem::take(&mut self.waiting).into_iter().partition(is_past);
+        self.waiting = later;
+        (told, std::mem::take(&mut self.missed))
     }
 
     /// Drops what is oldest, but for the last of signals that are not told again: it still holds.

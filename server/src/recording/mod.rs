@@ -171,6 +171,15 @@ impl Recorder {
         self.digests.ticks() >= MARK_EVERY_TICKS || clock::since(self.marked) >= interval
     }
 
+    /// Records how a tick begins, before it does.
+    pub(crate) fn look(&mut self, view: View<'_>) {
+        let Some((eye, every)) = self.eye.as_mut().filter(|_| !self.is_over) else { return };
+        eye.note(view.world);
+        if view.world.tick().is_multiple_of(*every) || view.world.ending().is_some() {
+            self.batch.push(Entry::Frame(Box::new(eye.frame(view))));
+        }
+    }
+
     /// Records a tick that has begun. `is_sure`: no brain has yet to answer an earlier one.
     pub(crate) fn tick(&mut self, view: View<'_>, is_sure: bool) {
         if self.is_over {
@@ -186,12 +195,6 @@ impl Recorder {
         let ended = world.ending();
         if let Some(ending) = ended {
             self.event(world.tick(), v1::ReplayEventKind::Ending, format!("the run has ended: {ending}"));
-        }
-        if let Some((eye, every)) = &mut self.eye {
-            eye.note(world);
-            if world.tick().is_multiple_of(*every) || ended.is_some() {
-                self.batch.push(Entry::Frame(Box::new(eye.frame(view))));
-            }
         }
         if is_sure && (self.is_mark_due() || ended.is_some()) {
             self.mark(view);

@@ -23,7 +23,8 @@ impl Microcontroller {
         let mut reading_ns = 0;
         // Most were sampled at the same instant.
         let mut told = (SimTime::NEVER, None);
-        for (channel, (reading, truly_at)) in channels.iter_mut().zip(laptop.readings_with_truth()) {
+        let (readings, truth) = laptop.readings_with_truth();
+        for (i, (channel, (reading, truly_at))) in channels.iter_mut().zip(readings).enumerate() {
             let fresh = core::mem::take(&mut channel.fresh);
             if !fresh && !repeats {
                 continue;
@@ -38,6 +39,7 @@ impl Microcontroller {
             if channel.samples > 0 {
                 *truly_at = Some(channel.measured_at);
             }
+            truth.take(i, now, (channel.samples > 0).then_some(channel.measured_at));
         }
         self.sequence = self.sequence.wrapping_add(1);
         let begun = SimTime::from_ns(now.as_ns().saturating_sub(reading_ns));

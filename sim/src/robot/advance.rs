@@ -48,6 +48,7 @@ impl Robot {
     /// `ended` the sensors are read a last time, and no brain steps.
     pub(crate) fn listen(&mut self, spec: &RobotSpec, tick: &Tick<'_>, ended: bool) -> Option<SimTime> {
         let (now, end) = (tick.start, tick.end);
+        self.laptop.truth.begin_tick();
         self.note_faults(spec, now, end);
         let mut earliest = self.laptop.busy_until.max(now);
         if ended {

@@ -104,10 +104,21 @@ pub struct RobotCounters {
 }
 
 impl Robot {
-    /// The bytes of what is not serialised: its timeline, and when bytes have arrived.
+    /// The bytes of what is not serialised: its timeline, when bytes have arrived, and the truth about its readings.
     pub(crate) fn unsaved_bytes(&self) -> usize {
         let ports = self.ports.iter().map(|port| port.instants.len()).sum::<usize>();
-        self.recorder.timeline.heap_bytes() + (self.laptop.instants.len() + ports) * size_of::<SimTime>()
+        self.recorder.timeline.heap_bytes()
+            + (self.laptop.instants.len() + ports) * size_of::<SimTime>()
+            + self.laptop.truth.heap_bytes()
+    }
+
+    /// What it is now, without its chip, and of its timeline only how many events there were.
+    pub(crate) fn as_seen(&mut self) -> Self {
+        let (chip, recorder) = (self.rare.fourth.take(), core::mem::take(&mut self.recorder));
+        let mut seen = self.clone();
+        seen.recorder.timeline = recorder.timeline.emptied();
+        (self.rare.fourth, self.recorder) = (chip, recorder);
+        seen
     }
 
     pub(crate) fn new(spec: &RobotSpec, seed: u64, noise: bool) -> Self {

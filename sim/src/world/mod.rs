@@ -12,6 +12,7 @@ mod probe;
 mod saved;
 mod score;
 mod spare;
+mod starts;
 
 use alloc::boxed::Box;
 use alloc::sync::Arc;
@@ -146,12 +147,11 @@ impl World {
             collisions: Vec::new(),
             ending: None,
         };
-        let (ahead, spare) = (Ahead::default(), Spare::default());
+        let (ahead, spare, seen) = (Ahead::default(), Spare::default(), None);
         let is_parallel = cfg!(feature = "rayon") && state.robots.len() >= CROWD;
         let (origin, altered) = (Arc::clone(&scenario), Altered::default());
         let changes = |spec: &RobotSpec| matches!(spec.firmware.protocol, Protocol::Create(_));
         let may_change_baud = scenario.robots.iter().any(changes);
-        let seen = None;
         let mut world =
             Self { origin, scenario, altered, state, seen, ahead, spare, is_parallel, may_change_baud };
         world.keep_timeline(world.usual_timeline());
@@ -196,6 +196,7 @@ impl World {
     pub fn begin(&mut self) -> &[Turn] {
         if !core::mem::replace(&mut self.state.begun, true) {
             self.state.turns.clear();
+            self.spare.starts.take(&mut self.state.robots);
             let mut frozen = self.spare.frozen.take().unwrap_or_default();
             self.freeze(&mut frozen);
             let mut steps = core::mem::take(&mut self.spare.steps);

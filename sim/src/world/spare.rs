@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 use super::Turn;
 use super::inputs_by_robot::InputsByRobot;
 use super::motion::Lists;
+use super::starts::Starts;
 use crate::scene::Frozen;
 use crate::time::SimTime;
 
@@ -17,6 +18,7 @@ pub(super) struct Spare {
     /// When each robot's brain steps in the tick, if it does.
     pub(super) steps: Vec<Option<SimTime>>,
     pub(super) inputs_by_robot: InputsByRobot,
+    pub(super) starts: Starts,
 }
 
 impl Spare {

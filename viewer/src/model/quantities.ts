@@ -1,7 +1,7 @@
 /** What of a robot is a number that changes: what the charts can show. */
 import type { Belief, RobotDescription } from "../gen/baudbot/v1/brain_link_pb";
 import type { RobotDetail, RobotTruth } from "../gen/baudbot/v1/observe_pb";
-import { count, fixed, numberOf } from "./units";
+import { count, duration, fixed, numberOf } from "./units";
 import { columnsOf, partsOf } from "./sensors";
 
 export type Values = Map<string, number>;
@@ -33,8 +33,9 @@ export function quantities(description: RobotDescription, now: Snapshot, before:
   if (now.truth) truthValues(values, now.truth, description);
   description.sensors.forEach((sensor, i) => {
     for (const [name, value] of sensorValues(description, i, now)) values.set(`sensor:${name}`, value);
-    const age = ageOf(now, i);
-    if (age !== undefined) values.set(`age:${sensor.sensor}`, age / 1e6);
+    const ages = agesOf(now, i);
+    if (!ages) return;
+    values.set(`age:${sensor.sensor}`, ages.most_ns / 1e6).set(`least-age:${sensor.sensor}`, ages.least_ns / 1e6);
   });
   for (const utility of now.belief?.utilities.slice(0, 32) ?? []) values.set(`utility:${utility.name}`, utility.value);
   if (now.detail) detailValues(values, now.detail);
@@ -82,10 +83,34 @@ function leastOf(values: readonly number[]): number {
   return met.length > 0 ? Math.min(...met) : NaN;
 }
 
-/** How old a sensor's reading is, in nanoseconds. */
-export function ageOf(now: Snapshot, sensor: number): number | undefined {
-  const at_ns = now.detail?.sensors[sensor]?.sampledAtNs;
-  return at_ns === undefined ? undefined : numberOf(now.time_ns - at_ns);
+/** The least and the most of some ages, in nanoseconds. */
+export interface Ages {
+  least_ns: number;
+  most_ns: number;
+}
+
+/**
+ * How old a sensor's reading was at least and at most since the frame before, all instants in between counted: frames come in step
+ * with readings, so that at the frames alone a reading would always seem to be of the same age.
+ */
+export function agesOf(now: Snapshot, sensor: number): Ages | undefined {
+  const detail = now.detail?.sensors[sensor];
+  if (detail?.leastAgeNs === undefined || detail.mostAgeNs === undefined) return undefined;
+  return { least_ns: numberOf(detail.leastAgeNs), most_ns: numberOf(detail.mostAgeNs) };
+}
+
+/** Both together. */
+export function joined(some: Ages | undefined, others: Ages | undefined): Ages | undefined {
+  if (!some || !others) return some ?? others;
+  return { least_ns: Math.min(some.least_ns, others.least_ns), most_ns: Math.max(some.most_ns, others.most_ns) };
+}
+
+/** The least and the most, such as `20.4–40.4 ms`. */
+export function agesText({ least_ns, most_ns }: Ages): string {
+  const [least, most] = [duration(least_ns), duration(most_ns)];
+  if (least === most) return most;
+  const unit = most.slice(most.indexOf(" "));
+  return least.endsWith(unit) ? `${least.slice(0, -unit.length)}–${most}` : `${least} – ${most}`;
 }
 
 /** How many messages went over the link, and what is the matter if the brain writes more of them than it reads. */
@@ -124,7 +149,8 @@ export function labelOf(key: string): string {
     turn: "turn rate",
     pose: name === "heading" ? "heading" : name,
     signal: `${name} signal`,
-    age: `age of ${name}`,
+    age: `age of ${name}, at most`,
+    "least-age": `age of ${name}, at least`,
     rate: `bytes ${name}`,
     waiting: `waiting ${name}`,
     cycles: `${name} cycles`,
@@ -147,6 +173,7 @@ export function unitOf(key: string, robot: RobotDescription | undefined): string
     pose: name === "heading" ? "rad" : "m",
     signal: "1",
     age: "ms",
+    "least-age": "ms",
     rate: "B/s",
     waiting: "B",
     cycles: "cycles",

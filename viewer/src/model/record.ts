@@ -4,7 +4,7 @@ import type { RobotDetail, RobotTruth } from "../gen/baudbot/v1/observe_pb";
 import type { Frame } from "../net/frames";
 import { DeadReckoning, wheelSensor, type Reckoned } from "./odometry";
 import type { Pose } from "./pose";
-import { quantities, sentBy, type Sent, type Snapshot, type Values } from "./quantities";
+import { agesOf, joined, quantities, sentBy, type Ages, type Sent, type Snapshot, type Values } from "./quantities";
 import { Ring, SeriesTable } from "./ring";
 import { PinLog } from "./pins";
 import { Timeline } from "./timeline";
@@ -32,6 +32,8 @@ export class RobotRecord {
   readonly pins = new PinLog();
   readonly strips: Ring[];
   private readonly stripTimes = new Ring(STRIP);
+  /** How old each sensor's readings were since somebody looked. */
+  private ages: (Ages | undefined)[] = [];
   readonly ghostTrail = new Trail(900);
   readonly ghost: DeadReckoning | undefined;
   now: Snapshot | undefined;
@@ -67,6 +69,7 @@ export class RobotRecord {
     const isNew = before === undefined || before.time_ns !== now.time_ns;
     this.values = quantities(this.description, now, this.sent[0]);
     this.now = now;
+    this.ages = this.description.sensors.map((_, i) => joined(this.ages[i], agesOf(now, i)));
     if (detail) this.timeline.take(detail.events, first);
     if (detail) this.pins.take(detail.pinEvents, detail.missedPinEvents, Number(frame.timeNs));
     if (isNew) {
@@ -94,6 +97,7 @@ export class RobotRecord {
     this.ghost?.goOn(last?.state);
     this.lastTick = last?.tick ?? -Infinity;
     this.now = this.ghostSampledAt = undefined;
+    this.ages = [];
     this.values = new Map();
     this.sent = [];
   }
@@ -104,6 +108,13 @@ export class RobotRecord {
     this.ghostSampledAt = undefined;
     this.sent = [];
     for (const ring of this.history) ring.drop(POSES);
+  }
+
+  /** How old a sensor's readings were since the last call for it; undefined if no frame has come since then that knows it. */
+  takeAges(sensor: number): Ages | undefined {
+    const ages = this.ages[sensor];
+    this.ages[sensor] = undefined;
+    return ages;
   }
 
   /** Where it truly was at an instant, as far as that is remembered. */

@@ -1,10 +1,10 @@
 /** A sensor in the robot panel: its values, how old they are, and when it was fresh. */
 import { hue, kindName } from "../arena/palette";
 import { el, setClass, setText, surface } from "../dom";
-import { ageOf, readingOf } from "../model/quantities";
+import { agesText, readingOf, type Ages } from "../model/quantities";
 import { STRIP, type RobotRecord } from "../model/record";
 import { partsOf, type Part } from "../model/sensors";
-import { count, duration, withUnit } from "../model/units";
+import { count, withUnit } from "../model/units";
 import { ValueRow } from "./value_row";
 
 const STRIP_HEIGHT = 9;
@@ -22,6 +22,8 @@ export class SensorRows {
   private readonly scans: { part: Part; canvas: HTMLCanvasElement }[] = [];
   private readonly parts: Part[];
   private readonly ageButton: HTMLButtonElement;
+  /** Of the last frames: since the last picture. */
+  private ages: Ages | undefined;
 
   constructor(
     private readonly record: RobotRecord,
@@ -38,7 +40,7 @@ export class SensorRows {
         type: "button",
         class: "age-button",
         title: `Age of ${name}'s reading: add it to the chart, or remove it`,
-        click: () => chart(`age:${name}`),
+        click: () => (chart(`age:${name}`), chart(`least-age:${name}`)),
       },
       this.age,
     );
@@ -98,10 +100,12 @@ export class SensorRows {
   private refreshAge(): void {
     const { now } = this.record;
     const detail = now?.detail?.sensors[this.index];
-    const age_ns = now && ageOf(now, this.index);
+    const ages = this.record.takeAges(this.index);
+    // Without a new frame those of the last ones are still what is to be seen.
+    if (ages || detail?.sampledAtNs === undefined) this.ages = ages;
     setText(
       this.age,
-      age_ns !== undefined ? duration(age_ns) : detail && detail.values.length > 0 ? "age unknown" : "no reading",
+      this.ages ? agesText(this.ages) : detail && detail.values.length > 0 ? "age unknown" : "no reading",
     );
     setClass(this.age, "fresh", detail?.readable ?? false);
     this.ageButton.title = detail?.readable

@@ -818,7 +818,9 @@ Global___WatchRequest: _TypeAlias = WatchRequest  # noqa: Y015
 
 @_typing.final
 class WatchResponse(_message.Message):
-    """The truth at the start of a tick."""
+    """The truth at the start of a tick: at that instant, and of what came before it. What happens at the instant itself belongs to
+    the tick, and thus to a later frame.
+    """
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1108,6 +1110,7 @@ class RobotDetail(_message.Message):
     BAUD_FIELD_NUMBER: _builtins.int
     PIN_EVENTS_FIELD_NUMBER: _builtins.int
     MISSED_PIN_EVENTS_FIELD_NUMBER: _builtins.int
+    AT_NS_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
     """Its place in DescribeWorld."""
     uplink_waiting_bytes: _builtins.int
@@ -1126,6 +1129,10 @@ class RobotDetail(_message.Message):
     """Baud rate of that cable as it is now; absent if it has none."""
     missed_pin_events: _builtins.int
     """Events on pins since the last frame that are not told: until a signal is told again, nothing is known of it."""
+    at_ns: _builtins.int
+    """The instant of these numbers; absent if it is the frame's time. Who begins to look within a tick, as at a world that waits for
+    a brain's answer, sees in the first frame how the robot is at the brain's step.
+    """
     @_builtins.property
     def sensors(self) -> _containers.RepeatedCompositeFieldContainer[Global___SensorDetail]:
         """In the order of its data sheet."""
@@ -1172,13 +1179,19 @@ class RobotDetail(_message.Message):
         baud: _builtins.int | None = ...,
         pin_events: _abc.Iterable[Global___PinEvent] | None = ...,
         missed_pin_events: _builtins.int = ...,
+        at_ns: _builtins.int | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "baud", b"baud", "cycles", b"cycles", "downlink", b"downlink", "uplink", b"uplink"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_at_ns", b"_at_ns", "_baud", b"_baud", "at_ns", b"at_ns", "baud", b"baud", "cycles", b"cycles", "downlink", b"downlink", "uplink", b"uplink"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "attached", b"attached", "baud", b"baud", "brain", b"brain", "cable_pulled", b"cable_pulled", "cycles", b"cycles", "downlink", b"downlink", "downlink_waiting_bytes", b"downlink_waiting_bytes", "events", b"events", "missed_events", b"missed_events", "missed_pin_events", b"missed_pin_events", "pin_events", b"pin_events", "robot", b"robot", "sensors", b"sensors", "uplink", b"uplink", "uplink_waiting_bytes", b"uplink_waiting_bytes"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_at_ns", b"_at_ns", "_baud", b"_baud", "at_ns", b"at_ns", "attached", b"attached", "baud", b"baud", "brain", b"brain", "cable_pulled", b"cable_pulled", "cycles", b"cycles", "downlink", b"downlink", "downlink_waiting_bytes", b"downlink_waiting_bytes", "events", b"events", "missed_events", b"missed_events", "missed_pin_events", b"missed_pin_events", "pin_events", b"pin_events", "robot", b"robot", "sensors", b"sensors", "uplink", b"uplink", "uplink_waiting_bytes", b"uplink_waiting_bytes"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__at_ns: _TypeAlias = _typing.Literal["at_ns"]  # noqa: Y015
+    _WhichOneofArgType__at_ns: _TypeAlias = _typing.Literal["_at_ns", b"_at_ns"]  # noqa: Y015
     _WhichOneofReturnType__baud: _TypeAlias = _typing.Literal["baud"]  # noqa: Y015
     _WhichOneofArgType__baud: _TypeAlias = _typing.Literal["_baud", b"_baud"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__at_ns) -> _WhichOneofReturnType__at_ns | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__baud) -> _WhichOneofReturnType__baud | None: ...
 
 Global___RobotDetail: _TypeAlias = RobotDetail  # noqa: Y015
@@ -1255,6 +1268,8 @@ class SensorDetail(_message.Message):
     READABLE_STEPS_FIELD_NUMBER: _builtins.int
     RAYS_FIELD_NUMBER: _builtins.int
     PORT_FIELD_NUMBER: _builtins.int
+    LEAST_AGE_NS_FIELD_NUMBER: _builtins.int
+    MOST_AGE_NS_FIELD_NUMBER: _builtins.int
     sampled_at_ns: _builtins.int
     """When that was truly sampled; absent if it is not known."""
     readable: _builtins.bool
@@ -1265,6 +1280,12 @@ class SensorDetail(_message.Message):
     """Samples left out because the microcontroller was busy."""
     readable_steps: _builtins.int
     """Steps of the brain in which it was readable."""
+    least_age_ns: _builtins.int
+    """How old the reading has been at least since the last frame that was made for this observer, each instant in between counted:
+    as a reading came, and at the frames. Absent if it is not known.
+    """
+    most_age_ns: _builtins.int
+    """How old at most: as the reading was about to be replaced, or at a frame."""
     @_builtins.property
     def values(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
         """The last reading that has reached the laptop, as its brain has it; none if none has."""
@@ -1288,13 +1309,24 @@ class SensorDetail(_message.Message):
         readable_steps: _builtins.int = ...,
         rays: Global___RayFan | None = ...,
         port: _world_pb2.LineStatus | None = ...,
+        least_age_ns: _builtins.int | None = ...,
+        most_age_ns: _builtins.int | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_sampled_at_ns", b"_sampled_at_ns", "port", b"port", "rays", b"rays", "sampled_at_ns", b"sampled_at_ns"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_least_age_ns", b"_least_age_ns", "_most_age_ns", b"_most_age_ns", "_sampled_at_ns", b"_sampled_at_ns", "least_age_ns", b"least_age_ns", "most_age_ns", b"most_age_ns", "port", b"port", "rays", b"rays", "sampled_at_ns", b"sampled_at_ns"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_sampled_at_ns", b"_sampled_at_ns", "missed", b"missed", "port", b"port", "rays", b"rays", "readable", b"readable", "readable_steps", b"readable_steps", "sampled_at_ns", b"sampled_at_ns", "samples", b"samples", "values", b"values"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_least_age_ns", b"_least_age_ns", "_most_age_ns", b"_most_age_ns", "_sampled_at_ns", b"_sampled_at_ns", "least_age_ns", b"least_age_ns", "missed", b"missed", "most_age_ns", b"most_age_ns", "port", b"port", "rays", b"rays", "readable", b"readable", "readable_steps", b"readable_steps", "sampled_at_ns", b"sampled_at_ns", "samples", b"samples", "values", b"values"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__least_age_ns: _TypeAlias = _typing.Literal["least_age_ns"]  # noqa: Y015
+    _WhichOneofArgType__least_age_ns: _TypeAlias = _typing.Literal["_least_age_ns", b"_least_age_ns"]  # noqa: Y015
+    _WhichOneofReturnType__most_age_ns: _TypeAlias = _typing.Literal["most_age_ns"]  # noqa: Y015
+    _WhichOneofArgType__most_age_ns: _TypeAlias = _typing.Literal["_most_age_ns", b"_most_age_ns"]  # noqa: Y015
     _WhichOneofReturnType__sampled_at_ns: _TypeAlias = _typing.Literal["sampled_at_ns"]  # noqa: Y015
     _WhichOneofArgType__sampled_at_ns: _TypeAlias = _typing.Literal["_sampled_at_ns", b"_sampled_at_ns"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__least_age_ns) -> _WhichOneofReturnType__least_age_ns | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__most_age_ns) -> _WhichOneofReturnType__most_age_ns | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__sampled_at_ns) -> _WhichOneofReturnType__sampled_at_ns | None: ...
 
 Global___SensorDetail: _TypeAlias = SensorDetail  # noqa: Y015
