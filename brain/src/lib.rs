@@ -39,6 +39,7 @@ mod action;
 mod belief;
 mod body;
 mod brain;
+mod each_run;
 mod layout;
 mod raw;
 mod turn;
@@ -53,6 +54,7 @@ pub use body::{
     SensorKind, Sweep,
 };
 pub use brain::Brain;
+pub use each_run::EachRun;
 pub use layout::WireLayout;
 pub use raw::{RawCommands, RawReadings, RawTurn};
 pub use turn::{Reading, Turn};

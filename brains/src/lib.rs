@@ -68,8 +68,9 @@ mod kinds;
 mod pace;
 mod proximity_sensors;
 mod questions;
-mod restarting;
 mod standard;
+#[cfg(test)]
+mod starting_over;
 #[cfg(test)]
 mod test_body;
 mod throttle;

@@ -22,7 +22,6 @@ use crate::catalogue::{shown_name, text_of};
 use crate::description::Description;
 pub use crate::given::Given;
 use crate::registry::Registry;
-use crate::restarting::Restarting;
 
 /// Runs a brain of one's own, under this name. `make` makes it for a robot, from its data sheet and what the program was
 /// [given]: the seed of the brain's own random numbers, and its parameters. It is called for each robot, and again when the brain starts over: when the operator wants that, after a lost
@@ -127,7 +126,6 @@ fn drive<B: Brain, E: Display>(
     attachment: &Attachment,
     make: impl Fn(&Body) -> Result<B, E>,
 ) -> anyhow::Result<()> {
-    let make = |body: &Body| Restarting::new(&make, body);
     let driving = attachment.drive(make, |line| eprintln!("{line}"));
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let summary = runtime.block_on(driving).map_err(|error| anyhow::anyhow!("{error}"))?;

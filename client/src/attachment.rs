@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::time::Duration;
 
-use baudbot_brain::{Body, Brain};
+use baudbot_brain::{Body, Brain, EachRun};
 use thiserror::Error as ThisError;
 use tokio::time::Instant;
 
@@ -68,8 +68,8 @@ impl<E> AttachmentError<E> {
 
 impl Attachment {
     /// Attaches, and drives until the run is over. `make` makes the brain of each robot from its data sheet; it is called again
-    /// when the operator restarts the brain, and after a lost connection, as the world may have changed meanwhile. `tell` is given a
-    /// line for people for each of these.
+    /// for each run, when the operator restarts the brain, and after a lost connection, as the world may have changed meanwhile.
+    /// `tell` is given a line for people for each of the last two, and if `make` fails.
     ///
     /// # Errors
     /// If the program cannot attach, is thrown off, or loses its server and does not find it again.
@@ -82,8 +82,12 @@ impl Attachment {
         let mut attached = self.attach(&make).await?;
         tell(&driving);
         loop {
-            let (fleet, brains) = &mut attached;
-            let lost = match run_fleet(fleet, brains).await {
+            let (mut fleet, brains) = attached;
+            let again = |body: &Body| {
+                make(body).inspect_err(|error| tell(&format!("a new run, but no brain for it: {error}"))).ok()
+            };
+            let mut brains: Vec<_> = brains.into_iter().map(|brain| EachRun::new(brain, again)).collect();
+            let lost = match run_fleet(&mut fleet, &mut brains).await {
                 Ok(_) if fleet.is_closed() => AttachmentError::Closed,
                 Ok(summary) => return Ok(summary),
                 Err(Error::Restart) => match self.attach(&make).await {

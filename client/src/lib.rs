@@ -80,9 +80,9 @@ mod session;
 mod stream;
 
 pub use baudbot_brain::{
-    Action, Actuator, ActuatorKind, Belief, BelievedPose, Body, Brain, Component, Encoding, Firmware,
-    GridMap, MotorKind, Mount, Particle, Point, Port, PortFormat, Protocol, RawCommands, RawReadings,
-    RawTurn, Reading, Sensor, SensorKind, Signals, Sweep, Turn, Until, Utility, WireLayout,
+    Action, Actuator, ActuatorKind, Belief, BelievedPose, Body, Brain, Component, EachRun, Encoding,
+    Firmware, GridMap, MotorKind, Mount, Particle, Point, Port, PortFormat, Protocol, RawCommands,
+    RawReadings, RawTurn, Reading, Sensor, SensorKind, Signals, Sweep, Turn, Until, Utility, WireLayout,
 };
 
 #[cfg(feature = "network")]

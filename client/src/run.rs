@@ -18,7 +18,8 @@ pub struct Summary {
     pub last_tick: u64,
 }
 
-/// Lets `brain` drive `robot` until the run is over or the server closes the stream.
+/// Lets `brain` drive `robot` until the run is over or the server closes the stream. If the world is reset meanwhile, the same brain goes
+/// on with what it knows; [`EachRun`](crate::EachRun) makes a new one.
 ///
 /// # Errors
 /// See [`Robot::turn`].

@@ -8,9 +8,9 @@ use baudbot_tests::{InProcess, scenario};
 
 /// A brain where it is at home.
 #[derive(Clone, Copy)]
-struct Home {
-    brain: &'static str,
-    toml: &'static str,
+pub(crate) struct Home {
+    pub(crate) brain: &'static str,
+    pub(crate) toml: &'static str,
     /// It drives, and has no goal at which it stops: how far it drives counts, too.
     drives_on: bool,
 }
@@ -25,7 +25,7 @@ macro_rules! home {
     };
 }
 
-const HOMES: &[Home] = &[
+pub(crate) const HOMES: &[Home] = &[
     home!("ant", "ant", false),
     home!("avoid", "wander", true),
     home!("constant", "wander", false),

@@ -4,7 +4,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use baudbot_client::{Client, Robot, Signals};
+use baudbot_client::{Action, Body, Brain, Client, EachRun, Robot, Signals, Turn, run_fleet};
+use baudbot_experiment::assignment::{Assignment, AttachedBrains};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_recording::{RecordedRun, Replay};
@@ -13,6 +14,8 @@ use baudbot_tests::system::{client, operator, serve};
 use baudbot_tests::{WANDER, crowd, scenario};
 use tonic::transport::Channel;
 use tonic::{Code, Status};
+
+use crate::exchanges::HOMES;
 
 type Operator = ControlServiceClient<Channel>;
 
@@ -102,6 +105,61 @@ async fn a_reset_makes_the_state_that_create_world_makes_and_brains_stay() {
     reset(&mut operator, with(&[])).await.unwrap();
     assert_eq!(run(&mut operator, "w", &mut robot, 100).await, first);
     server.shutdown().await;
+}
+
+/// Drives forwards, and later back.
+struct Counts(u32);
+
+impl Brain for Counts {
+    fn step(&mut self, _: &Turn) -> Action {
+        self.0 += 1;
+        let signal = if self.0 <= 25 { 0.2 } else { -0.2 };
+        Action::drive(signal, signal)
+    }
+}
+
+/// Runs, the one after the other on one world: resets come behind a run, at once, and in the middle. All of the length of the first
+/// have its fingerprint.
+async fn runs_alike(operator: &mut Operator, ticks: u64, name: &str) {
+    let mut hashes = Vec::new();
+    for ticks in [ticks, ticks, 1, ticks, 37, ticks] {
+        let request = v1::StepWorldRequest { world: "w".into(), ticks };
+        hashes.push(operator.step_world(request).await.unwrap().into_inner().status.unwrap().state_hash);
+        reset(operator, with(&[])).await.unwrap();
+    }
+    assert_eq!([hashes[1], hashes[3], hashes[5]], [hashes[0]; 3], "{name}");
+}
+
+/// The same for brains that are typed into the page is in `viewer/test/page.ts`, for those in Python in `client/python/tests`.
+#[tokio::test]
+async fn each_run_has_a_new_brain() {
+    let (server, mut operator, client) = serve_stepped(WANDER, &["end.after_s=1.0"]).await;
+    let mut fleet = client.attach_many("w", &["robot"]).await.unwrap();
+    let mut brains = [EachRun::new(Counts(0), |_: &Body| Some(Counts(0)))];
+    let driver = tokio::spawn(async move {
+        while !fleet.is_closed() && run_fleet(&mut fleet, &mut brains).await.is_ok() {}
+    });
+    runs_alike(&mut operator, 100, "counts").await;
+    server.shutdown().await;
+    driver.await.unwrap();
+}
+
+/// A reset changes nothing of what a run of the catalogue's brains is: it has the bits of the first one on a new world.
+#[tokio::test]
+async fn each_run_of_each_brain_of_the_catalogue_has_the_bits_of_the_first() {
+    for home in HOMES {
+        let scenario = scenario(home.toml, &[]);
+        let robots: Vec<_> = scenario.robots.iter().map(|robot| robot.name.clone()).collect();
+        let server = serve(scenario, Pace::Stepped(Lockstep::default())).await;
+        let (mut operator, client) = (operator(&server).await, client(&server).await);
+        let assignment = Assignment { brain: home.brain.to_owned(), robots };
+        let mut attached = AttachedBrains::attach(client, "w", assignment, 1).await.unwrap();
+        let driver =
+            tokio::spawn(async move { while attached.run().await.is_ok_and(|summary| summary.turns > 0) {} });
+        runs_alike(&mut operator, 120, home.brain).await;
+        server.shutdown().await;
+        driver.await.unwrap();
+    }
 }
 
 #[tokio::test]

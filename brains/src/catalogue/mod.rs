@@ -3,12 +3,11 @@
 
 mod repertoires;
 
-use baudbot_brain::{Body, Brain};
+use baudbot_brain::{Body, Brain, EachRun};
 use baudbot_fields::Writes;
 
 pub use crate::kinds::{CatalogueError, Entry, Setting, nearest_first};
 use crate::kinds::{KINDS, Kind};
-use crate::restarting::Restarting;
 use repertoires::Text;
 #[cfg(feature = "program")]
 pub(crate) use repertoires::text_of;
@@ -23,7 +22,8 @@ pub fn brain(description: &str, seed: u64, body: &Body) -> Result<Box<dyn Brain 
     let (name, settings) = description.split_once(':').unwrap_or((description, ""));
     if let Some(text) = Text::find(name)? {
         let description = text.read(settings)?;
-        return Ok(Box::new(Restarting::new(move |body: &Body| text.brain(&description, seed, body), body)?));
+        let make = move |body: &Body| text.brain(&description, seed, body);
+        return Ok(Box::new(EachRun::new(make(body)?, move |body: &Body| make(body).ok())));
     }
     kind(name)?.brain(settings, seed, body)
 }

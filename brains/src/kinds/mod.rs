@@ -5,7 +5,7 @@ mod nearest;
 
 use std::ops::RangeInclusive;
 
-use baudbot_brain::{Body, Brain};
+use baudbot_brain::{Body, Brain, EachRun};
 use baudbot_fields::Writes;
 
 pub use error::CatalogueError;
@@ -19,7 +19,6 @@ use crate::animals::woodlice::brain::{self as woodlice, WoodlouseBrain};
 use crate::chance::Chance;
 use crate::exploration::brain as explore;
 use crate::parameter::Parameter;
-use crate::restarting::Restarting;
 use crate::{Avoid, Constant, Explore, Navigate, Wander, avoid, constant, navigate, wander};
 
 /// A kind of brain.
@@ -219,7 +218,7 @@ impl Kind {
         let make = move |body: &Body| {
             (self.make)(&BrainRequest { brain: self.name, settings: &settings, seed, body })
         };
-        Ok(Box::new(Restarting::new(make, body)?))
+        Ok(Box::new(EachRun::new(make(body)?, move |body: &Body| make(body).ok())))
     }
 }
 
