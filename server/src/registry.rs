@@ -175,7 +175,7 @@ impl Registry {
 fn check_name(name: &str) -> Result<(), Status> {
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if name.is_empty() || name.len() > 64 || !name.chars().all(fits) {
-        let shown: String = name.chars().take(80).collect();
+        let shown = brief(&name.chars().take(80).collect::<String>());
         let text = format!("world: must be 1 to 64 letters, digits, `_` or `-`, is `{shown}`");
         return Err(Status::invalid_argument(text));
     }

@@ -30,6 +30,7 @@ mod navigation;
 mod page;
 mod pins;
 mod potential;
+mod quoted;
 mod recipes;
 mod recording;
 mod resetting;

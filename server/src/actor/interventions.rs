@@ -6,6 +6,7 @@ use tonic::Status;
 use super::{Phase, WorldActor, view};
 use crate::log::event;
 use crate::message::{Message, Reply, Request};
+use crate::quote::brief;
 use crate::report::Report;
 
 /// Changes that wait for the end of the tick, at most.
@@ -76,7 +77,7 @@ impl WorldActor {
 }
 
 fn refused(error: &InterventionError) -> Status {
-    let text = format!("intervention: {error}");
+    let text = format!("intervention: {}", brief(&error.to_string()));
     match error {
         InterventionError::Unknown { .. } => Status::not_found(text),
         // The actor changes nothing within a tick, so the state was restored.

@@ -11,7 +11,7 @@ use crate::convert;
 use crate::limits::{Cancelled, InForce, Payer};
 use crate::message::Request as Asked;
 use crate::pace::Pace;
-use crate::quote::brief;
+use crate::quote::cut;
 
 impl Control {
     /// Creates a world for a client.
@@ -136,5 +136,5 @@ pub(super) fn parse_overrides(texts: &[String]) -> Result<Vec<Override>, Status>
 
 /// The status for a scenario that makes no sense because of this field of the request.
 pub(super) fn scenario_error(field: &str, error: &ScenarioError) -> Status {
-    Status::invalid_argument(format!("{field}: {}", brief(&error.to_string())))
+    Status::invalid_argument(format!("{field}: {}", cut(&error.to_string())))
 }

@@ -16,6 +16,7 @@ use tonic::{Code, Status};
 use tower::{Layer, Service};
 
 use super::metered::Metered;
+use super::printed::printed;
 use super::{Admission, OpenOnConnection};
 use crate::access::{Access, Caller, Guarded, authorization};
 use crate::audit::call::Call;
@@ -69,7 +70,7 @@ where
                 if let Some(record) = self.record(&request, &name(&self.check.access, &request)) {
                     record.refuse(&status);
                 }
-                return Either::Left(future::ok(status.into_http()));
+                return Either::Left(future::ok(printed(status.into_http())));
             }
         };
         let need = needs_at(request.uri().path());
@@ -122,7 +123,7 @@ impl<S> Checked<S> {
             Caller::Holder(grant) => Some((self.check.access.clone(), Arc::clone(grant))),
         };
         Box::new(move |response| {
-            let mut response = metered(unanswered.answered(response));
+            let mut response = metered(printed(unanswered.answered(response)));
             if let Some((access, grant)) = grant {
                 response = response.map(|body| Body::new(Guarded::new(body, access, grant)));
             }

@@ -35,6 +35,7 @@ mod frames;
 mod incoming;
 mod listener;
 mod metered;
+mod printed;
 mod tls;
 
 use std::collections::BTreeMap;

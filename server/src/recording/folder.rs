@@ -9,6 +9,7 @@ use std::time::UNIX_EPOCH;
 use baudbot_proto::v1;
 use tonic::Status;
 
+use crate::quote::brief;
 use crate::system::open_plain_file;
 
 /// A folder of recordings.
@@ -24,7 +25,7 @@ impl Folder {
     pub(crate) fn file(&self, name: &str) -> Result<PathBuf, Status> {
         let fits = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
         if name.is_empty() || name.len() > 64 || name.starts_with('.') || !name.chars().all(fits) {
-            let shown: String = name.chars().take(80).collect();
+            let shown = brief(&name.chars().take(80).collect::<String>());
             let text = format!(
                 "recording: must be 1 to 64 letters, digits, `_`, `-` or `.`, the first one not `.`, is `{shown}`"
             );
