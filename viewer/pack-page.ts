@@ -1,4 +1,5 @@
 /** Puts the page's parts together: `tsx pack-page.ts FOLDER WASM`, after its scripts are in FOLDER/site. See build-page. */
+import { createHash } from "node:crypto";
 import { cpSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
@@ -24,8 +25,12 @@ rmSync(join(site, "pyodide"), { recursive: true, force: true });
 mkdirSync(join(site, "pyodide"));
 for (const name of PYODIDE) cpSync(join("node_modules/pyodide", name), join(site, "pyodide", name));
 
+// What the policy allows in one file is this very script.
+const own = script("page.js");
+const hash = createHash("sha256").update(own).digest("base64");
 // The replacements are functions: in a text `$&` would mean something.
 const single = read("index.html")
+  .replace("script-src 'self'", () => `script-src 'sha256-${hash}'`)
   .replace(/<link rel="stylesheet"[^>]*>/, () => `<style>${read("page.css")}</style>`)
   .replace(/<script type="module"[^>]*><\/script>/, () => "")
   .replace(
@@ -34,7 +39,7 @@ const single = read("index.html")
       `<script type="text/plain" id="world-worker">${script("world-worker.js")}</script>\n` +
       `<script type="text/plain" id="brain-worker">${script("brain-worker.js")}</script>\n` +
       `<script type="text/plain" id="world-wasm">${Buffer.from(program).toString("base64")}</script>\n` +
-      `<script type="module">${script("page.js")}</script>\n</body>`,
+      `<script type="module">${own}</script>\n</body>`,
   );
 writeFileSync(join(out, "baudbot.html"), single);
 

@@ -44,6 +44,7 @@ async function open(
 ): Promise<Page> {
   const page = await (await browser.newContext({ viewport: size, colorScheme })).newPage();
   page.on("pageerror", (error) => assert.fail(error));
+  page.on("console", (message) => assert.doesNotMatch(message.text(), /Content Security Policy/));
   await page.goto(`${where}#empty`);
   await page.waitForFunction(() => document.querySelector<HTMLTextAreaElement>("[data-testid=scenario-text]")?.value);
   return page;
@@ -104,6 +105,8 @@ test("the same from a web server, and the program replays its recording to the s
   const [download] = await Promise.all([page.waitForEvent("download"), page.getByTestId("save-recording").click()]);
   const file = join(folder, download.suggestedFilename());
   await download.saveAs(file);
+  const dated = await page.locator(".recording .world-line").first().textContent();
+  assert.ok(dated?.includes(String(new Date().getFullYear())), dated ?? "");
   await page.close();
   if (!BAUDBOT) return;
   const said = execFileSync(BAUDBOT, ["replay", file, "--json"], { encoding: "utf8" });
@@ -128,6 +131,60 @@ test("a brain in Python drives as the same one in a program", options, async () 
   assert.equal(hashOf(await run(page, "python")), javascript);
   assert.ok(loaded.some((url) => url.includes("pyodide")));
   await page.close();
+});
+
+test("each run has a new brain, of whatever kind", options, async () => {
+  const page = await open(web.address);
+  const drive = "n <= 100 ? 0.2 : -0.2";
+  const kinds = [
+    [":wander"],
+    ["javascript", `let n = 0; function step() { n++; const v = ${drive}; return { left: v, right: v }; }`],
+    [
+      "python",
+      "import baudbot\nn = 0\nclass B(baudbot.Brain):\n    def step(self, turn):\n        global n\n        n += 1\n" +
+        "        v = 0.2 if n <= 100 else -0.2\n        return baudbot.drive(v, v)\nbaudbot.main(B)\n",
+    ],
+  ] as const;
+  for (const [kind, text] of kinds) {
+    await run(page, kind, text);
+    await page.keyboard.press("Escape");
+    const frames = () => page.evaluate(() => window.baudbotViewer.frames);
+    const seen = () => page.evaluate(() => ({ tick: window.baudbotViewer.tick, pose: window.baudbotViewer.pose }));
+    const first = await seen();
+    assert.ok(first.tick > 100, `${kind}: ${first.tick}`);
+    for (const again of [1, 2]) {
+      // The world goes on at once, as fast as possible, and is over when no frames come any more.
+      let before = await frames();
+      await page.getByTestId("reset").click();
+      await page.waitForFunction((before) => window.baudbotViewer.frames > before, before);
+      do {
+        before = await frames();
+        await page.waitForTimeout(500);
+      } while ((await frames()) > before);
+      assert.deepEqual(await seen(), first, `${kind}, reset ${again}`);
+    }
+  }
+  await page.close();
+});
+
+test("no script that is written into the page is run, and nothing is told elsewhere", options, async () => {
+  for (const where of [SINGLE, web.address]) {
+    const page = await (await browser.newContext()).newPage();
+    await page.goto(`${where}#empty`);
+    const refused = await page.evaluate(async () => {
+      const seen: string[] = [];
+      document.addEventListener("securitypolicyviolation", (event) => seen.push(event.effectiveDirective));
+      const script = document.createElement("script");
+      script.textContent = "document.title = 'written';";
+      document.body.append(script);
+      await fetch("https://example.invalid/").catch(() => undefined);
+      new Image().src = "https://example.invalid/image";
+      await new Promise((resolve) => setTimeout(resolve, 200));
+      return { seen: [...new Set(seen)].sort(), isRun: document.title === "written" };
+    });
+    assert.deepEqual(refused, { seen: ["connect-src", "img-src", "script-src-elem"], isRun: false }, where);
+    await page.close();
+  }
 });
 
 test("what is wrong with a brain is said, and one in an endless loop is ended", options, async () => {
