@@ -49,7 +49,11 @@ fn facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
     facts.extend(robot.chip.iter().flat_map(|chip| self::chip(chip, robot.uplink.bytes)));
     let [distance, speed] = [robot.distance_m, robot.distance_m / simulated_s].map(handy);
     let collisions = count(usize::try_from(robot.collisions).unwrap_or(usize::MAX), "collision");
-    facts.push(("driven", format!("{distance} m, {speed} m/s on average, {collisions}")));
+    let stood = match robot.stood_in_contact_s {
+        0.0 => String::new(),
+        stood_s => format!(", stood in contact for {} s", handy(stood_s)),
+    };
+    facts.push(("driven", format!("{distance} m, {speed} m/s on average, {collisions}{stood}")));
     facts.push(("link", link(robot)));
     if !robot.has_program_only() {
         facts.push(("cycles", cycles(&robot.cycles)));

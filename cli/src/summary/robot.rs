@@ -19,6 +19,8 @@ pub(crate) struct Robot {
     pub(crate) brain: String,
     pub(crate) distance_m: f64,
     pub(crate) collisions: u64,
+    /// How long something has kept it from moving.
+    pub(crate) stood_in_contact_s: f64,
     pub(crate) turns: u64,
     pub(crate) commands: u64,
     pub(crate) lost_deliveries: u64,
@@ -167,6 +169,7 @@ impl Robot {
             brain: assigned.brain_of(&spec.name).unwrap_or_else(|| status.brain.clone()),
             distance_m: status.distance_m,
             collisions: status.collisions,
+            stood_in_contact_s: seconds(status.stood_in_contact_ns),
             turns: status.turns,
             commands: status.commands,
             lost_deliveries: status.lost_deliveries,

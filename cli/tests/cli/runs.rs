@@ -45,6 +45,21 @@ fn the_summary_as_json() {
     assert!(robot["sensors"][0]["age"]["mean_ms"].as_f64().unwrap() > 9.9, "the frame's time on the line");
 }
 
+/// The robot drives into the wall before it and is held there; in its own arena it meets nothing in that time.
+#[test]
+fn a_summary_says_how_long_a_robot_stood_in_contact() {
+    let run = ["wander", "--brain", "constant:left=0.5,right=0.5", "--set", "collision=slide", "--seconds"];
+    let stood_s =
+        |seconds| json(&[&run[..], &[seconds]].concat())["robots"][0]["stood_in_contact_s"].as_f64();
+    let (ten_s, twenty_s) = (stood_s("10").unwrap(), stood_s("20").unwrap());
+    assert!(ten_s > 0.0 && (twenty_s - ten_s - 10.0).abs() < 0.011, "{ten_s} s, {twenty_s} s");
+    let out = good(&[&["run"], &run[..], &["20"]].concat());
+    assert!(out.contains(&format!(", 1 collision, stood in contact for {twenty_s} s\n")), "{out}");
+    assert_eq!(stood_s("1"), Some(0.0));
+    let free = good(&[&["run"], &run[..], &["1"]].concat());
+    assert!(!free.contains("in contact"), "{free}");
+}
+
 /// Such as what it waits for.
 #[test]
 fn a_summary_has_what_a_brain_last_said_of_itself() {

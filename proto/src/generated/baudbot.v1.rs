@@ -317,6 +317,9 @@ pub struct RobotStatus {
     /// The chip that runs a program of the user's own; absent if there is none.
     #[prost(message, optional, tag = "20")]
     pub chip: ::core::option::Option<ChipStatus>,
+    /// How long something has kept it from moving, where robots slide along what they run into.
+    #[prost(uint64, tag = "21")]
+    pub stood_in_contact_ns: u64,
 }
 /// A microcontroller that runs a program of the user's own, cycle by cycle.
 #[derive(Clone, PartialEq, ::prost::Message)]

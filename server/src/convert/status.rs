@@ -122,6 +122,7 @@ fn robot_status(robot: &RobotView<'_>, slot: &SlotReport) -> v1::RobotStatus {
         in_zone_ns: Vec::new(),
         cycles: Some(cycle_status(robot.cycles(), robot.spec().deadline.within_ns)),
         chip: robot.board().map(|board| chip_status(robot, board)),
+        stood_in_contact_ns: robot.stood_in_contact_ns(),
     }
 }
 

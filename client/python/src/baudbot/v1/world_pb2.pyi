@@ -717,6 +717,7 @@ class RobotStatus(_message.Message):
     THINKING_WALL_FIELD_NUMBER: _builtins.int
     THINKING_PROCESSOR_FIELD_NUMBER: _builtins.int
     CHIP_FIELD_NUMBER: _builtins.int
+    STOOD_IN_CONTACT_NS_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
     """Its name."""
     brain: _builtins.str
@@ -739,6 +740,8 @@ class RobotStatus(_message.Message):
     """Steps that its brain sent beyond those that the world takes in a tick, and that were discarded."""
     said: _builtins.str
     """What its brain last said of itself in words (Belief.state), at most 256 characters; empty if it has said nothing."""
+    stood_in_contact_ns: _builtins.int
+    """How long something has kept it from moving, where robots slide along what they run into."""
     @_builtins.property
     def uplink(self) -> Global___LineStatus:
         """Microcontroller to laptop."""
@@ -802,10 +805,11 @@ class RobotStatus(_message.Message):
         thinking_wall: Global___Durations | None = ...,
         thinking_processor: Global___Durations | None = ...,
         chip: Global___ChipStatus | None = ...,
+        stood_in_contact_ns: _builtins.int = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["battery", b"battery", "chip", b"chip", "cycles", b"cycles", "downlink", b"downlink", "thinking_processor", b"thinking_processor", "thinking_wall", b"thinking_wall", "uplink", b"uplink"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["attached", b"attached", "battery", b"battery", "brain", b"brain", "chip", b"chip", "collisions", b"collisions", "commands", b"commands", "cycles", b"cycles", "distance_m", b"distance_m", "downlink", b"downlink", "frames_missed", b"frames_missed", "in_zone_ns", b"in_zone_ns", "lost_deliveries", b"lost_deliveries", "lost_steps", b"lost_steps", "robot", b"robot", "said", b"said", "sensors", b"sensors", "thinking_processor", b"thinking_processor", "thinking_wall", b"thinking_wall", "turns", b"turns", "uplink", b"uplink"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["attached", b"attached", "battery", b"battery", "brain", b"brain", "chip", b"chip", "collisions", b"collisions", "commands", b"commands", "cycles", b"cycles", "distance_m", b"distance_m", "downlink", b"downlink", "frames_missed", b"frames_missed", "in_zone_ns", b"in_zone_ns", "lost_deliveries", b"lost_deliveries", "lost_steps", b"lost_steps", "robot", b"robot", "said", b"said", "sensors", b"sensors", "stood_in_contact_ns", b"stood_in_contact_ns", "thinking_processor", b"thinking_processor", "thinking_wall", b"thinking_wall", "turns", b"turns", "uplink", b"uplink"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
