@@ -235,6 +235,8 @@ impl Oracle {
                 late: cycles.late,
                 unanswered: cycles.unanswered,
                 durations: durations(&cycles.durations),
+                unstated_writes: cycles.exceptions.writes,
+                disturbed: cycles.exceptions.cycles,
             }),
             events: Vec::new(),
             missed_events: 0,

@@ -10,6 +10,7 @@ use std::time::Instant;
 use super::file_names;
 use super::shared::{Place, Shared, write_whole};
 use super::storage::{Storage, Stored};
+use super::work::Work;
 use crate::pool::Waker;
 use crate::report::Keeping;
 
@@ -33,24 +34,6 @@ pub(crate) struct WorldFiles {
     is_taken: bool,
     /// Wakes the world.
     waker: OnceLock<Waker>,
-}
-
-/// What is to be written.
-#[derive(Debug)]
-pub(super) enum Work {
-    /// More of the journal, up to this tick.
-    Append(Vec<u8>, u64),
-    /// Another journal, up to this tick, and snapshots that may not have been written yet.
-    Begin {
-        journal: Vec<u8>,
-        tick: u64,
-        snapshots: Vec<(u64, Vec<u8>)>,
-        /// How many bytes of this journal are on the disk for good, which is told here.
-        on_disk: Arc<AtomicU64>,
-    },
-    Snapshot(u64, Vec<u8>),
-    /// A snapshot is not kept any more.
-    Forget(u64),
 }
 
 #[derive(Debug, Default)]
@@ -390,26 +373,6 @@ impl Disk {
         (self.has_journal, self.path, self.number, self.length) = (true, path, number, journal.len() as u64);
         self.is_named = false;
         Ok(())
-    }
-}
-
-impl Work {
-    fn bytes(&self) -> usize {
-        match self {
-            Self::Append(bytes, _) | Self::Snapshot(_, bytes) => bytes.len(),
-            Self::Begin { journal, snapshots, .. } => {
-                journal.len() + snapshots.iter().map(|(_, bytes)| bytes.len()).sum::<usize>()
-            }
-            Self::Forget(_) => 0,
-        }
-    }
-
-    /// Its bytes if they are a whole state, which may be large.
-    fn whole(&self) -> usize {
-        match self {
-            Self::Begin { .. } | Self::Snapshot(..) => self.bytes(),
-            Self::Append(..) | Self::Forget(_) => 0,
-        }
     }
 }
 

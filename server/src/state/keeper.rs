@@ -8,7 +8,8 @@ use baudbot_proto::v1;
 use baudbot_recording::journal::{At, Entries, KeptRecording, PortState, Ports, Settings};
 use baudbot_sim::{Scenario, World};
 
-use super::files::{Work, WorldFiles};
+use super::files::WorldFiles;
+use super::work::Work;
 use crate::convert;
 use crate::endpoint::Sender;
 use crate::log::event;

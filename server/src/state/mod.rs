@@ -23,6 +23,7 @@ mod storage;
 #[cfg(test)]
 mod tests;
 mod threads;
+mod work;
 
 pub use check::{Checked, RecoverError, Recovered, Soundness};
 pub use folder::{StateError, StateFolder};

@@ -6,10 +6,11 @@ use std::sync::Arc;
 use baudbot_recording::journal::{Entries, Ports, Settings};
 use baudbot_sim::{Scenario, World};
 
-use super::files::{Work, WorldFiles};
+use super::files::WorldFiles;
 use super::shared::{OpenJournals, Shared};
 use super::storage::System;
 use super::threads::Threads;
+use super::work::Work;
 use super::{Found, StateFolder};
 
 /// A file of a world, and what is in it.

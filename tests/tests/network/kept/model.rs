@@ -64,6 +64,8 @@ pub(crate) struct Snapshot {
     hash: u64,
     /// A server has ended before it was certain.
     may_be_lost: bool,
+    /// A server was killed while the disk failed to take it, which the next one cannot know: it reads what was not written.
+    is_doubtful: bool,
 }
 
 /// How a server ended.
@@ -134,6 +136,16 @@ impl Model {
             End::PowerLost => is_on_disk(&self.lives[..=place]),
         };
         told == EVER || self.lives.iter().enumerate().skip(self.compared).all(survives)
+    }
+
+    /// Whether a server has ended while the disk failed to take what was told at this time.
+    fn is_doubtful(&self, told: Duration) -> bool {
+        self.ends().iter().any(|life| {
+            let from = told.max(life.began);
+            let mut faults = self.faults.iter();
+            let fails = faults.any(|(begins, ends)| *begins <= life.died && from < *ends + KEPT_AFTER);
+            from <= life.died && fails && self.after(from, ON_DISK_AFTER) > life.died
+        })
     }
 
     /// Whether the disk did not take everything at this time, or what it had not taken was not kept again yet.
@@ -244,6 +256,7 @@ impl Model {
         let mut worlds = std::mem::take(&mut self.worlds);
         for snapshot in worlds.values_mut().flat_map(|world| world.snapshots.values_mut()) {
             snapshot.may_be_lost |= !self.is_certain(snapshot.told);
+            snapshot.is_doubtful |= self.is_doubtful(snapshot.told);
         }
         self.worlds = worlds;
         for status in found.values() {
@@ -282,7 +295,9 @@ impl Model {
         self.told(status, now);
         let world = self.worlds.get_mut(&status.world).unwrap();
         let (tick, hash) = (status.tick, status.state_hash);
-        world.snapshots.insert(number, Snapshot { told: now, tick, hash, may_be_lost: false });
+        world
+            .snapshots
+            .insert(number, Snapshot { told: now, tick, hash, may_be_lost: false, is_doubtful: false });
     }
 
     /// A snapshot may have been made, with the number of one that is lost.
@@ -305,7 +320,10 @@ impl Model {
     pub(crate) fn no_snapshot(&mut self, world: &str, number: u64) {
         let snapshots = &mut self.worlds.get_mut(world).unwrap().snapshots;
         let snapshot = snapshots.remove(&number).unwrap();
-        assert!(snapshot.may_be_lost, "snapshot {number} of `{world}` is lost: {snapshot:?}");
+        assert!(
+            snapshot.may_be_lost || snapshot.is_doubtful,
+            "snapshot {number} of `{world}` is lost: {snapshot:?}"
+        );
     }
 
     pub(crate) fn deleted(&mut self, world: &str, now: Duration) {
