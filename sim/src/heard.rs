@@ -97,9 +97,9 @@ impl AllHeard {
         self.positions = positions;
     }
 
-    /// The bytes that it takes.
-    pub(crate) fn heap_bytes(&self) -> usize {
-        self.sensors.len() * size_of::<Heard>() + self.positions.len() * size_of::<(usize, SimTime)>()
+    /// The bytes that it takes when each of so many sensors has been heard.
+    pub(crate) fn heap_bytes(&self, sensors: usize) -> usize {
+        sensors * size_of::<Heard>() + self.positions.len() * size_of::<(usize, SimTime)>()
     }
 }
 

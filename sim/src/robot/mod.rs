@@ -109,7 +109,7 @@ impl Robot {
         let ports = self.ports.iter().map(|port| port.instants.len()).sum::<usize>();
         self.recorder.timeline.heap_bytes()
             + (self.laptop.instants.len() + ports) * size_of::<SimTime>()
-            + self.laptop.truth.heap_bytes()
+            + self.laptop.truth.heap_bytes(self.laptop.readings.len())
     }
 
     /// What it is now, without its chip, and of its timeline only how many events there were.
