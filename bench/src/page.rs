@@ -45,7 +45,7 @@ fn table(commit: &str, measured: &[(&Workload, Outcome)]) -> String {
 
 /// The commit that the page is part of; what was built from other files is of none.
 fn commit(page: &Path) -> anyhow::Result<String> {
-    let folder = page.parent().filter(|folder| folder.is_dir()).unwrap_or(Path::new("."));
+    let folder = page.parent().filter(|folder| folder.is_dir()).unwrap_or_else(|| Path::new("."));
     let git = |arguments: &[&str]| -> anyhow::Result<String> {
         let done =
             Command::new("git").arg("-C").arg(folder).args(arguments).output().context("cannot run git")?;
