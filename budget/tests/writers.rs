@@ -4,7 +4,7 @@
 //! 200 scenarios here. A thousand, with how tight the bounds are:
 //!
 //! ```sh
-//! PROPTEST_CASES=1000 BUDGET_SECONDS=10 cargo test --release -p baudbot-budget --test against_runs writers -- --ignored --nocapture
+//! PROPTEST_CASES=1000 BUDGET_SECONDS=10 cargo test --release -p baudbot-budget --test against_runs writers -- --nocapture
 //! ```
 
 use std::sync::Arc;
@@ -60,7 +60,6 @@ fn held(toml: &str, budget: &RobotBudget, measured: &Measured) -> Result<Option<
 }
 
 #[test]
-#[ignore = "takes more than a minute of processor time"]
 fn no_cycle_is_longer_than_the_bound_for_a_brain_that_writes_as_stated() {
     let config = config(200);
     let cases = config.cases;
