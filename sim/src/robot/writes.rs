@@ -35,6 +35,8 @@ pub(crate) struct WriteWatch {
     wrote: Option<SimTime>,
     has_spoken: bool,
     is_disturbed: bool,
+    /// The most bytes of a command, which are the same all the time and dear to count.
+    command_bytes: Option<u64>,
 }
 
 impl WriteWatch {
@@ -65,7 +67,8 @@ impl WriteWatch {
             }
             Writes::EveryTick | Writes::AtMost(_) => true,
         };
-        let most = writes.in_a_turn(step_ns).saturating_mul(command_bytes(spec));
+        let command = *self.command_bytes.get_or_insert_with(|| command_bytes(spec));
+        let most = writes.in_a_turn(step_ns).saturating_mul(command);
         let is_exception = !is_allowed || self.bytes > most;
         self.is_disturbed |= is_exception;
         is_exception
