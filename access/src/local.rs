@@ -20,7 +20,7 @@
 //! there.
 //!
 //! A server removes its files when it ends. What one leaves behind that was killed is worthless, as its token was known to that
-//! server only, and the next server on this address replaces it.
+//! server only, and the next server of this user on this address replaces it, in whichever of these folders it is.
 //!
 //! In Python:
 //!
@@ -82,7 +82,11 @@ fn publish_in(folders: &[PathBuf], names: &[String], token: &Token) -> Result<Lo
     let mut foreign = None;
     for folder in folders.iter().filter(|_| !names.is_empty()) {
         match (make(folder), &foreign) {
-            (Ok(()), _) => return write(folder, names, token),
+            (Ok(()), _) => {
+                let files = write(folder, names, token)?;
+                retire(folders.iter().filter(|other| *other != folder), names);
+                return Ok(files);
+            }
             (Err(PrivateError::Foreign { path, owner }), _) => {
                 foreign.get_or_insert(PrivateError::NoPlace { path, owner });
             }
@@ -101,6 +105,16 @@ fn write(folder: &Path, names: &[String], token: &Token) -> Result<LocalFiles, P
         files.0.push(LocalFile { path, text });
     }
     Ok(files)
+}
+
+/// Removes what servers that were killed have left for these addresses in other folders, where a client might look first.
+fn retire<'a>(folders: impl Iterator<Item = &'a PathBuf>, names: &[String]) {
+    for folder in folders.filter(|folder| private::check_folder(folder).is_ok()) {
+        for name in names {
+            // It is not there, as a rule.
+            let _ = fs::remove_file(folder.join(name));
+        }
+    }
 }
 
 fn find_in(folders: &[PathBuf], names: &[String]) -> Result<Option<Token>, PrivateError> {
@@ -282,6 +296,23 @@ mod tests {
         assert_eq!(text(find_in(&folders, &names)), Some(next.reveal()));
         drop(new);
         assert_eq!(text(find_in(&folders, &names)), None);
+    }
+
+    /// A server that was started with another `XDG_RUNTIME_DIR`, or without one, has its files elsewhere.
+    #[test]
+    fn the_file_of_a_dead_server_in_another_folder_is_in_nobodys_way() {
+        let folder = tempfile::tempdir().unwrap();
+        let folders = [folder.path().join("session"), folder.path().join("tmp")];
+        let names = names("127.0.0.1:7400");
+        let dead = publish_in(&folders[..1], &names, &token()).unwrap();
+        let next = token();
+        let files = publish_in(&folders[1..], &names, &next).unwrap();
+        assert_ne!(text(find_in(&folders, &names)), Some(next.reveal()), "it knows of no other folder");
+        drop(files);
+        let reversed = [folders[1].clone(), folders[0].clone()];
+        let files = publish_in(&reversed, &names, &next).unwrap();
+        assert_eq!(text(find_in(&folders, &names)), Some(next.reveal()));
+        drop((dead, files));
     }
 
     #[test]
