@@ -67,17 +67,9 @@ impl<'a> Plan<'a> {
     pub(super) fn pause_ns(&self) -> u64 {
         match self.writes() {
             Writes::OnMessage | Writes::EveryTick => 0,
-            Writes::WhenFree => self.command_time_ns(),
+            Writes::WhenFree => self.spec.command_time_ns(),
             Writes::AtMost(frequency) if self.commands_in_a_turn() == 1 => frequency.period_ns(),
             Writes::AtMost(_) => 0,
-        }
-    }
-
-    /// How long a brain takes a command to be on the cable, which knows no more of that than its rate.
-    pub(super) fn command_time_ns(&self) -> u64 {
-        match &self.spec.link {
-            Link::Ideal | Link::Onboard | Link::Usb(_) => 0,
-            link @ Link::Uart(_) => link.burst_ns(self.command_bytes().most),
         }
     }
 

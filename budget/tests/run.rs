@@ -151,12 +151,15 @@ fn run_as(
         let first = heard + ports > 0 && tick == 0;
         // Who is polled speaks when asked; who streams needs no first word, which would delay the answer to it. Before its
         // firmware starts nobody hears.
-        let is_first = !core::mem::replace(&mut has_started, turn.at.as_ns() >= bootloader_ns) && has_started;
+        let is_first = !has_started && turn.at.as_ns() >= bootloader_ns;
+        has_started |= is_first;
         let asks = is_first && world.robot(0).spec().firmware.mode == Mode::Poll;
         let speaks = asks || news || first;
         let said = if is_first { &opening[..] } else { &[] };
         let at = turn.at + thinking_ns(tick);
         let commands = hand.commands(turn.at, speaks);
+        // An answer to a port that comes behind the start is heard, and no first word is needed.
+        has_started |= commands > 0 && at.as_ns() >= bootloader_ns;
         let first = if commands > 0 { &bytes[..] } else { said };
         let inputs = [first].into_iter().chain((1..commands).map(|_| &bytes[..]));
         let inputs: Vec<_> = inputs.map(|bytes| Input { robot: 0, at, bytes }).collect();

@@ -81,7 +81,7 @@ fn no_cycle_is_longer_than_the_bound_for_a_brain_that_writes_as_stated() {
             assert!(writer != Writer::Never || !has_cycles, "{case}: cycles without a command");
         }
     }
-    wrong.iter().for_each(|wrong| println!("WRONG {}", wrong.lines().next().unwrap_or_default()));
+    wrong.iter().for_each(|wrong| println!("WRONG {wrong}"));
     println!("{cases} scenarios, {} bounds, {medians} medians; longest by bound:", ratios.len());
     for writer in Writer::ALL {
         let mut of: Vec<f64> =

@@ -11,9 +11,9 @@ pub enum Writes {
     /// asked once, first.
     #[default]
     OnMessage,
-    /// One command in a turn, whether or not a message has come, and none before the last one is off the cable.
+    /// At most one command in a turn, whether or not a message has come, and none before the last one is off the cable.
     WhenFree,
-    /// One command in a turn, whether or not a message has come.
+    /// At most one command in a turn, whether or not a message has come.
     EveryTick,
     /// Up to so many commands a second, whether or not a message has come.
     AtMost(Frequency),
@@ -114,7 +114,7 @@ impl fmt::Display for Phrase {
             Writes::WhenFree => {
                 f.write_str("writes at most once a tick, and not before its last command is off the cable")
             }
-            Writes::EveryTick => f.write_str("writes once every tick, whether or not a message has come"),
+            Writes::EveryTick => f.write_str("writes at most once a tick, whether or not a message has come"),
             Writes::AtMost(frequency) => {
                 write!(f, "writes up to {frequency} commands a second, whether or not a message has come")
             }

@@ -70,17 +70,25 @@ impl AllHeard {
         }
     }
 
-    /// A reading comes at `now`.
+    /// A reading comes at `now`. On board one comes of each sensor in each step, so this is short.
+    #[inline]
     pub(crate) fn take(&mut self, sensor: usize, now: SimTime, sampled_at: Option<SimTime>) {
         if sensor >= self.sensors.len() {
-            self.sensors.resize(sensor + 1, Heard::default());
+            self.grow(sensor);
         }
         let heard = &mut self.sensors[sensor];
-        let former = core::mem::replace(&mut heard.sampled_at, sampled_at);
-        for sampled_at in former.into_iter().chain(sampled_at) {
+        if let Some(former) = core::mem::replace(&mut heard.sampled_at, sampled_at) {
+            heard.ages = heard.ages.and(now.since(former));
+        }
+        if let Some(sampled_at) = sampled_at {
             heard.ages = heard.ages.and(now.since(sampled_at));
         }
         self.has_news = true;
+    }
+
+    #[cold]
+    fn grow(&mut self, sensor: usize) {
+        self.sensors.resize(sensor + 1, Heard::default());
     }
 
     /// Counters come that [become a reading](Self::take_positions) with the next message.

@@ -92,6 +92,17 @@ pub struct RobotModel {
     pub brain_memory_bytes: Option<u64>,
 }
 
+impl RobotModel {
+    /// How long a command is on the cable by the rate of that alone, in nanoseconds: all that a brain knows of it. 0 on a cable
+    /// without a rate.
+    pub fn command_time_ns(&self) -> u64 {
+        match &self.link {
+            Link::Ideal | Link::Onboard | Link::Usb(_) => 0,
+            link @ Link::Uart(_) => link.burst_ns(self.firmware.command_len_max() as u64),
+        }
+    }
+}
+
 impl RobotSpec {
     /// The name of its table in the scenario, by which its fields can be changed.
     pub fn table_name(&self) -> &str {

@@ -3,12 +3,9 @@
 //! A status quotes what callers have written: names, fields, lines of files. Quotations are escaped where they are made
 //! ([`quote`](crate::quote)); here, at the one door that all statuses leave by, what somebody has forgotten is escaped.
 
-use std::pin::Pin;
-use std::task::{Context, Poll};
-
 use baudbot_fields::printable::{PrintableLines, is_printable};
-use bytes::Bytes;
-use http_body::{Body as _, Frame, SizeHint};
+use http_body::Body as _;
+use http_body_util::BodyExt;
 use tonic::Status;
 use tonic::body::Body;
 use tonic::codegen::http::{HeaderMap, Response};
@@ -16,7 +13,18 @@ use tonic::codegen::http::{HeaderMap, Response};
 /// The response with the status that it has, or will end with, as it may be shown.
 pub(super) fn printed(mut response: Response<Body>) -> Response<Body> {
     print(response.headers_mut());
-    if response.body().is_end_stream() { response } else { response.map(|body| Body::new(Printed(body))) }
+    if response.body().is_end_stream() {
+        return response;
+    }
+    let with_trailers = |body: Body| {
+        body.map_frame(|mut frame| {
+            if let Some(trailers) = frame.trailers_mut() {
+                print(trailers);
+            }
+            frame
+        })
+    };
+    response.map(|body| Body::new(with_trailers(body)))
 }
 
 /// Escapes the message of a status, if it has one.
@@ -33,51 +41,12 @@ fn print(headers: &mut HeaderMap) {
     }
 }
 
-struct Printed(Body);
-
-impl http_body::Body for Printed {
-    type Data = Bytes;
-    type Error = Status;
-
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        context: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, Status>>> {
-        Pin::new(&mut self.0).poll_frame(context).map_ok(|mut frame| {
-            if let Some(trailers) = frame.trailers_mut() {
-                print(trailers);
-            }
-            frame
-        })
-    }
-
-    fn is_end_stream(&self) -> bool {
-        self.0.is_end_stream()
-    }
-
-    fn size_hint(&self) -> SizeHint {
-        self.0.size_hint()
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use bytes::Bytes;
+    use http_body_util::Empty;
+
     use super::*;
-
-    /// A body that has nothing but an end.
-    struct Ends(Option<HeaderMap>);
-
-    impl http_body::Body for Ends {
-        type Data = Bytes;
-        type Error = Status;
-
-        fn poll_frame(
-            mut self: Pin<&mut Self>,
-            _: &mut Context<'_>,
-        ) -> Poll<Option<Result<Frame<Bytes>, Status>>> {
-            Poll::Ready(self.0.take().map(|trailers| Ok(Frame::trailers(trailers))))
-        }
-    }
 
     #[test]
     fn a_status_is_escaped_in_headers_and_keeps_its_code_and_lines() {
@@ -95,9 +64,9 @@ mod tests {
     async fn a_status_is_escaped_in_trailers() {
         let mut trailers = HeaderMap::new();
         Status::internal("\u{1b}c").add_header(&mut trailers).unwrap();
-        let mut body = printed(Response::new(Body::new(Ends(Some(trailers))))).into_body();
-        let frame = std::future::poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await;
-        let status = Status::from_header_map(frame.unwrap().unwrap().trailers_ref().unwrap()).unwrap();
+        let ends = Empty::<Bytes>::new().with_trailers(std::future::ready(Some(Ok(trailers))));
+        let body = printed(Response::new(Body::new(ends))).into_body().collect().await.unwrap();
+        let status = Status::from_header_map(body.trailers().unwrap()).unwrap();
         assert_eq!((status.code(), status.message()), (tonic::Code::Internal, r"\u{1b}c"));
     }
 }

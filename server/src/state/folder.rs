@@ -182,8 +182,9 @@ impl StateFolder {
     }
 }
 
-/// The names of the folders are on the disk, or what is in them would be lost with them: those around may have been made with it, by this
-/// server or by one that was killed. What cannot do that for one of these, as it may be another user's, does not matter then.
+/// Forces the names of the folders onto the disk, without which what is in them would be lost. The folders around may have been made
+/// with it, by this server or by one that was killed. One of those that cannot be synced may be another user's, who made it long ago, and
+/// is passed over.
 fn sync_names(storage: &dyn Storage, path: &Path) -> io::Result<()> {
     for around in path.ancestors().skip(1) {
         let around = if around.as_os_str().is_empty() { Path::new(".") } else { around };

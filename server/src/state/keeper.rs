@@ -227,7 +227,7 @@ impl Keeper {
         self.files.wakes_if_lost(waker);
     }
 
-    /// When another journal is to be attempted, if nothing is kept at the moment. One of which that has not been noted is overdue.
+    /// When another journal is to be attempted, if nothing is kept at the moment; at once if that has not been noted yet.
     pub(crate) fn retry_at(&self) -> Option<Instant> {
         match &self.lost {
             Some(lost) => Some(lost.retry),

@@ -1,7 +1,7 @@
 //! The state of a robot.
 //!
-//! What happens on it within a tick is in `advance`, what its brain writes in `brain_end`, whether it may in `writes`, what its control cycles are in
-//! `cycles`, and what goes on cables of sensors' own in `ports`.
+//! What happens on it within a tick is in `advance`, what its brain writes in `brain_end`, whether that is as stated in `writes`,
+//! what its control cycles are in `cycles`, and what goes on cables of sensors' own in `ports`.
 
 mod advance;
 mod brain_end;

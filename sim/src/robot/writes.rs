@@ -11,7 +11,6 @@ use baudbot_fields::Writes;
 use baudbot_wire::khepera;
 
 use crate::firmware::{Mode, Protocol};
-use crate::link::Link;
 use crate::model::RobotSpec;
 use crate::time::SimTime;
 
@@ -35,8 +34,16 @@ pub(crate) struct WriteWatch {
     wrote: Option<SimTime>,
     has_spoken: bool,
     is_disturbed: bool,
-    /// The most bytes of a command, which are the same all the time and dear to count.
-    command_bytes: Option<u64>,
+    /// The same all the time, and dear to count.
+    command: Option<CommandSize>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct CommandSize {
+    /// The most bytes of a command, with the question that goes with it.
+    bytes: u64,
+    /// Its time on the cable.
+    time_ns: u64,
 }
 
 impl WriteWatch {
@@ -59,16 +66,16 @@ impl WriteWatch {
         let waited_ns = last.map_or(u64::MAX, |last| at.since(last));
         let may_speak = is_asked || (!has_spoken && speaks_first(spec));
         let writes = spec.writes.unwrap_or_default();
+        let command = *self.command.get_or_insert_with(|| CommandSize::of(spec));
         let is_allowed = match writes {
             Writes::OnMessage => may_speak,
-            Writes::WhenFree => before > 0 || waited_ns >= command_time_ns(spec),
+            Writes::WhenFree => before > 0 || waited_ns >= command.time_ns,
             Writes::AtMost(frequency) if writes.in_a_turn(step_ns) == 1 => {
                 before > 0 || waited_ns >= frequency.period_ns()
             }
             Writes::EveryTick | Writes::AtMost(_) => true,
         };
-        let command = *self.command_bytes.get_or_insert_with(|| command_bytes(spec));
-        let most = writes.in_a_turn(step_ns).saturating_mul(command);
+        let most = writes.in_a_turn(step_ns).saturating_mul(command.bytes);
         let is_exception = !is_allowed || self.bytes > most;
         self.is_disturbed |= is_exception;
         is_exception
@@ -87,19 +94,13 @@ fn speaks_first(spec: &RobotSpec) -> bool {
     spec.firmware.mode == Mode::Poll || matches!(spec.firmware.protocol, Protocol::Create(_))
 }
 
-/// The most bytes of a command, with the question that goes with it.
-fn command_bytes(spec: &RobotSpec) -> u64 {
-    let question = match spec.firmware.protocol {
-        Protocol::Khepera => khepera::poll(&spec.firmware.layout()).len(),
-        Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Create(_) => 0,
-    };
-    (spec.firmware.command_len_max() + question) as u64
-}
-
-/// How long a brain takes a command to be on the cable, which knows no more of that than its rate.
-fn command_time_ns(spec: &RobotSpec) -> u64 {
-    match &spec.link {
-        Link::Ideal | Link::Onboard | Link::Usb(_) => 0,
-        link @ Link::Uart(_) => link.burst_ns(spec.firmware.command_len_max() as u64),
+impl CommandSize {
+    fn of(spec: &RobotSpec) -> Self {
+        let question = match spec.firmware.protocol {
+            Protocol::Khepera => khepera::poll(&spec.firmware.layout()).len(),
+            Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Create(_) => 0,
+        };
+        let bytes = (spec.firmware.command_len_max() + question) as u64;
+        Self { bytes, time_ns: spec.command_time_ns() }
     }
 }
