@@ -16,7 +16,7 @@ fn main() {
     divan::main();
 }
 
-/// The office of `scenarios/explore-office.toml`.
+/// The office of `catalogue/scenarios/explore-office.toml`.
 fn office() -> Map {
     let mut walls = vec![
         [4.5, 0.0, 4.5, 1.4],

@@ -13,7 +13,16 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The folders of the crates, in the order of what they need.
-const CRATES: &[&str] = &["fields", "access", "geometry", "wire", "brain", "proto", "client", "brains"];
+const CRATES: &[&str] = &[
+    "crates/fields",
+    "crates/access",
+    "crates/geometry",
+    "crates/wire",
+    "crates/brain",
+    "proto",
+    "client",
+    "brains",
+];
 
 /// Files that go with the crates as they are.
 const BESIDE: &[&str] = &["LICENSE-APACHE", "LICENSE-MIT", "docs/reference/brains.md"];

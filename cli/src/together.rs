@@ -88,7 +88,7 @@ mod tests {
 
     use super::*;
 
-    const HALL: &str = include_str!("../../scenarios/hall.toml");
+    const HALL: &str = include_str!("../../catalogue/scenarios/hall.toml");
 
     fn at_baud(baud: u32, others: &[&str]) -> Vec<String> {
         let baud = format!("robots.robot.link.baud={baud}");

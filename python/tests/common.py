@@ -16,7 +16,7 @@ PROGRAM = os.environ.get("BAUDBOT", "baudbot")
 
 def scenario(name: str) -> str:
     """The file of a scenario of the project."""
-    return str(ROOT / "scenarios" / f"{name}.toml")
+    return str(ROOT / "catalogue/scenarios" / f"{name}.toml")
 
 
 def program(*arguments: str) -> Any:

@@ -153,7 +153,7 @@ class Packed(unittest.TestCase):
     def test_programs_of_microcontrollers_are_in_it(self) -> None:
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
-            shutil.copy(ROOT / "scenarios/firmware/wander.hex", folder / "own.hex")
+            shutil.copy(ROOT / "catalogue/scenarios/firmware/wander.hex", folder / "own.hex")
             # A jump to itself.
             (folder / "idle.hex").write_text(":02000000FFCF30\n:00000001FF\n")
             varied = EXPERIMENT.replace("robots.robot.link.baud", "robots.robot.microcontroller.program").replace('brain = "avoid"', 'brain = "none"')

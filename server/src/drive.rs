@@ -30,7 +30,7 @@ use crate::server::{ServerError, WorldConfig};
 /// }
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let scenario = baudbot_scenario::parse(include_str!("../../scenarios/wander.toml"))?;
+/// let scenario = baudbot_scenario::parse(include_str!("../../catalogue/scenarios/wander.toml"))?;
 /// let drive = baudbot_server::drive(&scenario, Timid, 60.0)?;
 /// assert!(drive.collisions.is_empty(), "{:?}", drive.collisions);
 /// assert!(drive.distance_m() > 10.0, "{} m", drive.distance_m());
@@ -242,7 +242,7 @@ mod tests {
     }
 
     fn wander() -> Scenario {
-        baudbot_scenario::parse(include_str!("../../scenarios/wander.toml")).unwrap()
+        baudbot_scenario::parse(include_str!("../../catalogue/scenarios/wander.toml")).unwrap()
     }
 
     /// Two robots that stand side by side in the open.

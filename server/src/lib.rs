@@ -29,7 +29,7 @@
 //! use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
 //! use baudbot_sim::Scenario;
 //!
-//! let scenario = baudbot_scenario::parse(include_str!("../../scenarios/wander.toml"))?;
+//! let scenario = baudbot_scenario::parse(include_str!("../../catalogue/scenarios/wander.toml"))?;
 //! let world = WorldConfig::new("wander", scenario).pace(Pace::Lockstep(Lockstep::default()));
 //! let server = Server::builder().world(world).in_process().await?;
 //! let channel = server.channel().await?; // for any gRPC client of package baudbot.v1

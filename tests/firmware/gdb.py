@@ -20,7 +20,7 @@ class World:
     """A robot whose chip waits for a debugger."""
 
     def __init__(self, baudbot: str, elf: str, seconds: str = "1.0", options: tuple[str, ...] = ()):
-        scenario = str(ROOT / "scenarios/firmware.toml")
+        scenario = str(ROOT / "catalogue/scenarios/firmware.toml")
         command = [baudbot, "run", scenario, "--firmware", f"robot={elf}", "--seconds", seconds, "--gdb", "robot=0", *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         said = ""
@@ -136,7 +136,7 @@ def a_signal_ends_a_world_that_waits(baudbot: str, elf: str, *options: str) -> N
 
 def refusals(baudbot: str, elf: str) -> None:
     """What cannot be is told in a line, with exit code 2."""
-    scenario = str(ROOT / "scenarios/firmware.toml")
+    scenario = str(ROOT / "catalogue/scenarios/firmware.toml")
     waiting = World(baudbot, elf)
     taken = waiting.address.rsplit(":", 1)[1]
     for words, text in [

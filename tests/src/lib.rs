@@ -9,12 +9,12 @@ pub use baudbot_experiment::in_process::InProcess;
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
 
-/// `scenarios/arsim.toml`.
-pub const ARSIM: &str = include_str!("../../scenarios/arsim.toml");
-/// `scenarios/wander.toml`.
-pub const WANDER: &str = include_str!("../../scenarios/wander.toml");
-/// `scenarios/khepera.toml`.
-pub const KHEPERA: &str = include_str!("../../scenarios/khepera.toml");
+/// `catalogue/scenarios/arsim.toml`.
+pub const ARSIM: &str = include_str!("../../catalogue/scenarios/arsim.toml");
+/// `catalogue/scenarios/wander.toml`.
+pub const WANDER: &str = include_str!("../../catalogue/scenarios/wander.toml");
+/// `catalogue/scenarios/khepera.toml`.
+pub const KHEPERA: &str = include_str!("../../catalogue/scenarios/khepera.toml");
 
 /// A scenario with some fields changed.
 ///

@@ -2,7 +2,7 @@
 
 use baudbot_tests::{InProcess, scenario};
 
-const ECOLI: &str = include_str!("../../scenarios/ecoli.toml");
+const ECOLI: &str = include_str!("../../catalogue/scenarios/ecoli.toml");
 
 /// The robots' mean distance from the source, before and after so many seconds.
 fn distances_m(brain: &str, seed: u64, seconds: u64) -> (f64, f64) {
@@ -26,7 +26,7 @@ fn a_hundred_robots_gather_at_a_scent_as_e_coli_does() {
     assert!(after > 0.8 * before, "who senses nothing does not gather: {before} {after}");
 }
 
-const STENTOR: &str = include_str!("../../scenarios/stentor.toml");
+const STENTOR: &str = include_str!("../../catalogue/scenarios/stentor.toml");
 
 /// What a Stentor does one after the other, each with when it began, and how far it is from the poison's source in the end.
 fn stentor(brain: &str) -> (Vec<(String, f64)>, f64) {
@@ -61,7 +61,7 @@ fn a_robot_escalates_as_stentor_does() {
     assert_eq!(names, ["feed", "turn_away", "contract", "detach"], "a weak behaviour is skipped");
 }
 
-const ANT: &str = include_str!("../../scenarios/ant.toml");
+const ANT: &str = include_str!("../../catalogue/scenarios/ant.toml");
 
 /// How far from its nest an ant is where its vector is at an end, and at its own end; and whether it knows that it is home.
 fn ant(seed: u64) -> (f64, f64, bool) {

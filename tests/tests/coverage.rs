@@ -13,7 +13,7 @@ use tonic::transport::Channel;
 use tonic::{Code, Status};
 
 /// A room of 4 m by 3 m with a niche that is none of it, in cells of 5 cm, and a robot with a laser.
-const COVERAGE: &str = include_str!("../../scenarios/devices/coverage.toml");
+const COVERAGE: &str = include_str!("../../catalogue/scenarios/devices/coverage.toml");
 
 async fn observer(server: &Server) -> ObserveServiceClient<Channel> {
     ObserveServiceClient::new(server.channel().await.unwrap())

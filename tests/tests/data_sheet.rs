@@ -11,7 +11,7 @@ use baudbot_sim::sensor::SensorKind;
 
 /// Calls this for each robot.
 fn for_each_robot(mut check: impl FnMut(&RobotSpec)) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/devices");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../catalogue/scenarios/devices");
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "toml") {

@@ -19,7 +19,7 @@ macro_rules! home {
     ($brain:literal, $scenario:literal, $drives_on:literal) => {
         Home {
             brain: $brain,
-            toml: include_str!(concat!("../../scenarios/", $scenario, ".toml")),
+            toml: include_str!(concat!("../../catalogue/scenarios/", $scenario, ".toml")),
             drives_on: $drives_on,
         }
     };

@@ -229,7 +229,7 @@ fn a_photoresistor_in_the_dark_blocks_a_bs2_for_131_ms() {
 /// What the utility of waiting is before the signal is lost at 5 s, how deep it falls, for how many steps it falls, and how
 /// far the robot drives meanwhile.
 fn dip(brain: &str) -> (f64, f64, usize, f64) {
-    const PATIENT: &str = include_str!("../../scenarios/patient.toml");
+    const PATIENT: &str = include_str!("../../catalogue/scenarios/patient.toml");
     let mut local = InProcess::new(scenario(PATIENT, &["noise=false"]), brain).unwrap();
     let mut course = Vec::new();
     let at_m = |local: &InProcess| local.world.robot(0).motion().pose.position.x;
@@ -266,7 +266,8 @@ fn a_signal_that_is_lost_for_150_ms_makes_a_small_dip_in_a_utility() {
 #[test]
 fn who_waits_before_a_door_drives_through_it_once_it_is_open() {
     let mut local =
-        InProcess::new(scenario(include_str!("../../scenarios/patient.toml"), &[]), "patient").unwrap();
+        InProcess::new(scenario(include_str!("../../catalogue/scenarios/patient.toml"), &[]), "patient")
+            .unwrap();
     local.run(850);
     let at = |local: &InProcess| local.world.robot(0).motion().pose.position;
     assert!(at(&local).x < 0.9, "it waits: {}", at(&local));

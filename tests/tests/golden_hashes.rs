@@ -37,13 +37,13 @@ fn every_scenario_has_its_golden_hash_after_1000_ticks() {
     assert_eq!(found, GOLDEN);
 }
 
-/// A program on a robot's chip: `scenarios/firmware/wander.hex`.
+/// A program on a robot's chip: `catalogue/scenarios/firmware/wander.hex`.
 const GOLDEN_CHIP: u64 = 0xcd6c54ff79481365;
 
 #[test]
 fn a_program_on_a_robots_chip_has_its_golden_hash_after_1000_ticks() {
-    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios"));
-    let text = baudbot_import::inline(include_str!("../../scenarios/firmware.toml"), folder);
+    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios"));
+    let text = baudbot_import::inline(include_str!("../../catalogue/scenarios/firmware.toml"), folder);
     let mut world = World::new(scenario(&text.unwrap(), &[]).into());
     for _ in 0..1000 {
         world.begin();

@@ -9,7 +9,7 @@ use baudbot_client::{Action, Body, Brain, Turn};
 use baudbot_sim::Scenario;
 use baudbot_tests::{InProcess, scenario};
 
-const SCENARIO: &str = include_str!("../../scenarios/tour.toml");
+const SCENARIO: &str = include_str!("../../catalogue/scenarios/tour.toml");
 const BRAIN: &str = include_str!("../../brains/repertoires/tour.toml");
 
 /// A brain, and where it believes to be, for a test that knows the truth.

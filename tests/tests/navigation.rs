@@ -2,7 +2,7 @@
 
 use baudbot_tests::{InProcess, WANDER, scenario};
 
-const WEDGE: &str = include_str!("../../scenarios/wedge.toml");
+const WEDGE: &str = include_str!("../../catalogue/scenarios/wedge.toml");
 
 /// Where the wedge's robot is after so many seconds, and why its run ended, if it did.
 fn wedge(brain: &str, y_m: f64, seconds: u64) -> ([f64; 2], Option<String>) {

@@ -16,8 +16,8 @@ const STEPPED: fn() -> Pace = || Pace::Stepped(Lockstep::default());
 
 /// A robot whose program sends what it sees, and drives its motors by PWM.
 fn firmware() -> Scenario {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios"));
-    let text = baudbot_import::inline(include_str!("../../scenarios/firmware.toml"), folder);
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios"));
+    let text = baudbot_import::inline(include_str!("../../catalogue/scenarios/firmware.toml"), folder);
     scenario(&text.unwrap(), &[])
 }
 

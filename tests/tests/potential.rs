@@ -9,8 +9,8 @@ use baudbot_brains::registry::Registry;
 use baudbot_client::Body;
 use baudbot_tests::{InProcess, scenario};
 
-const WEDGE: &str = include_str!("../../scenarios/wedge.toml");
-const WANDER: &str = include_str!("../../scenarios/wander.toml");
+const WEDGE: &str = include_str!("../../catalogue/scenarios/wedge.toml");
+const WANDER: &str = include_str!("../../catalogue/scenarios/wander.toml");
 
 /// Where pillars stand, and the goal.
 struct Trap {

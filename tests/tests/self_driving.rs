@@ -26,8 +26,9 @@ pub(crate) fn with_another(seconds: f64) -> Scenario {
 }
 
 fn self_driving(more: &str, changes: &[&str]) -> Scenario {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios"));
-    let text = baudbot_import::inline(include_str!("../../scenarios/firmware.toml"), folder).unwrap();
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios"));
+    let text =
+        baudbot_import::inline(include_str!("../../catalogue/scenarios/firmware.toml"), folder).unwrap();
     scenario(&(text + more), changes)
 }
 

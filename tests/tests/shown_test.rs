@@ -29,7 +29,7 @@ impl Brain for Timid {
 
 #[test]
 fn a_minute_without_a_collision() -> Result<(), Box<dyn std::error::Error>> {
-    let scenario = baudbot_scenario::parse(include_str!("../../scenarios/wander.toml"))?;
+    let scenario = baudbot_scenario::parse(include_str!("../../catalogue/scenarios/wander.toml"))?;
     let drive = drive(&scenario, Timid, 60.0)?;
     assert!(drive.collisions.is_empty(), "{:?}", drive.collisions);
     assert!(drive.distance_m() > 10.0, "{} m", drive.distance_m());

@@ -3,10 +3,10 @@
 
 use baudbot_tests::{InProcess, scenario};
 
-const HALL: &str = include_str!("../../scenarios/hall.toml");
-const TOUR: &str = include_str!("../../scenarios/tour.toml");
-const ERRANDS: &str = include_str!("../../scenarios/errands.toml");
-const ROOM: &str = include_str!("../../scenarios/explore-room.toml");
+const HALL: &str = include_str!("../../catalogue/scenarios/hall.toml");
+const TOUR: &str = include_str!("../../catalogue/scenarios/tour.toml");
+const ERRANDS: &str = include_str!("../../catalogue/scenarios/errands.toml");
+const ROOM: &str = include_str!("../../catalogue/scenarios/explore-room.toml");
 
 /// How a run went.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use baudbot_tests::{InProcess, scenario};
 
-const SWEEPER: &str = include_str!("../../scenarios/sweeper.toml");
+const SWEEPER: &str = include_str!("../../catalogue/scenarios/sweeper.toml");
 
 /// The scenario with this seed, for so long, or until the battery is empty.
 fn sweep(brain: &str, seed: u64, minutes: u64) -> InProcess {
@@ -35,7 +35,7 @@ fn it_never_runs_empty_in_an_hour() {
     never_runs_empty(1..=10, 60);
 }
 
-/// What `baudbot tune experiments/tune-sweeper.toml` found with seeds 1 to 3 (docs/reference/experiments.md).
+/// What `baudbot tune catalogue/experiments/tune-sweeper.toml` found with seeds 1 to 3 (docs/reference/experiments.md).
 const TUNED: &str = "sweeper:motor.sweep.parameters.forward=0.72126,motor.sweep.parameters.turn_probability=0.006575,\
                      motor.turn_away.utility.weights.near=2.289,motor.turn_away.parameters.turn=0.50381,\
                      motor.charge.utility.bias=1.0386,motor.charge.parameters.full=0.6871";

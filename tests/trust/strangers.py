@@ -20,7 +20,7 @@ from contextlib import contextmanager
 import grpc
 
 ROOT = pathlib.Path(__file__).parents[2]
-BUF = ROOT / "tools/node_modules/.bin/buf"
+BUF = ROOT / "xtask/tools/node_modules/.bin/buf"
 LIST = "baudbot.v1.ControlService/ListWorlds"
 NEEDED, UNKNOWN = "a token is needed here", "the token is not valid on this server"
 #: The user `nobody` of Debian.

@@ -65,7 +65,7 @@ impl NodeFolder {
     /// Its path from the root.
     const fn path(self) -> &'static str {
         match self {
-            Self::Tools => "tools",
+            Self::Tools => "xtask/tools",
             Self::TypeScript => "examples/typescript",
             Self::Viewer => "viewer",
         }

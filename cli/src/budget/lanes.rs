@@ -89,7 +89,8 @@ mod tests {
 
     #[test]
     fn the_parts_follow_each_other_without_a_gap_and_red_begins_at_the_deadline() {
-        let scenario = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
+        let scenario =
+            baudbot_scenario::parse(include_str!("../../../catalogue/scenarios/wander.toml")).unwrap();
         let robot = Budget::of(&scenario).robots.remove(0);
         let diagram = diagram("wander", &robot).unwrap();
         let mut bars: Vec<_> = diagram.lanes.iter().flat_map(|lane| &lane.bars).collect();

@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn lines_of_text_are_told_with_their_greatest_length() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/devices/khepera-ascii.toml");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/devices/khepera-ascii.toml");
         let text = describe(&scenario(path, &[]).robots[0]);
         for part in [
             "khepera, lines of text; answers when polled\n",

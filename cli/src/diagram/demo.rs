@@ -10,7 +10,7 @@ use super::record::Kept;
 /// The scenario and so many cycles of 20 ms from an instant on, in the order of their ends. In each the five sensors
 /// are read, 19 bytes go up at 9600 baud, the brain thinks for 15 ms, and 7 bytes come down.
 pub(super) fn wander(start_ns: u64, cycles: u64) -> (Scenario, Vec<Event>) {
-    let scenario = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
+    let scenario = baudbot_scenario::parse(include_str!("../../../catalogue/scenarios/wander.toml")).unwrap();
     let mut events: Vec<_> =
         (0..cycles).flat_map(|cycle| one(start_ns.saturating_add(cycle * 20_000_000))).collect();
     events.sort_by_key(|event| event.end);

@@ -1,4 +1,4 @@
-//! `baudbot export --rosbag2`: what tools of ROS 2 find in a bag. `tools/check_rosbag.py` reads bags with a reader of others.
+//! `baudbot export --rosbag2`: what tools of ROS 2 find in a bag. `xtask/tools/check_rosbag.py` reads bags with a reader of others.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};

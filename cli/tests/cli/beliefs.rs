@@ -6,7 +6,7 @@ use roxmltree::Document;
 
 use crate::cli::{baudbot, good, place};
 
-const SWEEPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/sweeper.toml");
+const SWEEPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/sweeper.toml");
 
 /// Records 20 s of a brain.
 fn record(brain: &str, hz: &str, name: &str) -> String {
@@ -57,7 +57,7 @@ fn beliefs_are_a_table_and_utilities_a_chart() {
 /// A recording with a frame for each step has a belief for each step, and not only as often as people look.
 #[test]
 fn with_more_frames_brains_say_more() {
-    let patient = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/patient.toml");
+    let patient = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/patient.toml");
     let path = place("patient.mcap").to_str().unwrap().to_owned();
     let run = ["run", patient, "--brain", "patient", "--seconds", "6", "--no-noise", "--quiet"];
     good(&[&run[..], &["--record", &path, "--record-hz", "100"]].concat());

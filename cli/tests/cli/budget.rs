@@ -67,7 +67,7 @@ fn one_robot_can_be_asked_for_and_one_that_there_is_not_is_refused() {
     assert_eq!(baudbot(&["budget", "no-such-file.toml"]).0, 2);
 }
 
-const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/firmware.toml");
+const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/firmware.toml");
 
 #[test]
 fn a_program_is_measured_in_a_run_that_is_always_the_same() {
@@ -125,7 +125,7 @@ fn what_is_not_there_for_programs_is_refused_with_what_is() {
 }
 
 /// Three compasses at 9600 baud, and a brain that is to answer within 13 ms.
-const COMPASSES: &str = include_str!("../../../budget/tests/every_tick.toml");
+const COMPASSES: &str = include_str!("../../../crates/budget/tests/every_tick.toml");
 
 /// A verdict holds for the brain that it names, and a run says if the brain was not as it was taken to be.
 #[test]

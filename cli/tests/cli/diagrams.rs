@@ -2,7 +2,7 @@
 
 use crate::cli::{baudbot, good, place};
 
-const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/firmware.toml");
+const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/firmware.toml");
 
 /// What a diagram that cannot be says on stderr; nothing else may be said.
 fn refusal(args: &[&str]) -> String {
@@ -99,7 +99,7 @@ fn the_picture_of_the_manual_is_what_the_program_draws() {
     assert!(
         drawn == include_str!("../../../docs/pictures/pins.svg"),
         "look at the new one, which this makes:\n\
-         cargo run -- diagram scenarios/firmware.toml --at 0.595 --span 30 --svg docs/pictures/pins.svg"
+         cargo run -- diagram catalogue/scenarios/firmware.toml --at 0.595 --span 30 --svg docs/pictures/pins.svg"
     );
 }
 

@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use crate::cli::{baudbot, good, place};
 
-const WANDER: &str = include_str!("../../../scenarios/wander.toml");
+const WANDER: &str = include_str!("../../../catalogue/scenarios/wander.toml");
 
 /// Three robots in a row that drive into each other and the wall.
 const THREE: &str = r#"

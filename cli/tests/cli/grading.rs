@@ -41,10 +41,11 @@ fn findings(json: &Value) -> Vec<&str> {
     json["findings"].as_array().unwrap().iter().map(|finding| finding.as_str().unwrap()).collect()
 }
 
-/// Those in Python, and those that compute much, are run by `exercises/check.py` with a program that is optimised.
+/// Those in Python, and those that compute much, are run by `catalogue/exercises/check.py` with a program that is optimised.
 #[test]
 fn each_solution_passes_and_each_mistake_gets_its_word() {
-    let brains: toml::Table = include_str!("../../../exercises/solutions/brains.toml").parse().unwrap();
+    let brains: toml::Table =
+        include_str!("../../../catalogue/exercises/solutions/brains.toml").parse().unwrap();
     let is_here = |brain: &str| !brain.starts_with("exec:");
     let is_slow = |name: &str| ["charge", "errands", "explore", "localize"].contains(&name);
     for (name, of) in brains.iter().filter(|(name, _)| !is_slow(name)) {
@@ -96,7 +97,7 @@ fn the_list_the_task_and_the_file_of_an_exercise_are_told() {
     let task = good(&["grade", "circle", "--show"]);
     assert!(task.starts_with("circle: Drive a circle") && task.contains("end_error_m at most 0.1"), "{task}");
     let toml = good(&["grade", "circle", "--toml"]);
-    assert_eq!(toml, include_str!("../../../exercises/circle.toml"));
+    assert_eq!(toml, include_str!("../../../catalogue/exercises/circle.toml"));
     assert!(
         serde_json::from_str::<Value>(&good(&["grade", "--json"])).unwrap().as_array().unwrap().len() >= 10
     );

@@ -81,7 +81,7 @@ fn no_command_waits_for_ever_at_a_pipe_into_which_nobody_writes() {
 #[test]
 fn a_scenario_may_come_through_a_pipe() {
     let path = fifo("told.toml");
-    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/wander.toml");
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/wander.toml");
     // It waits for somebody who reads, for as long as that takes.
     let mut told = Command::new("sh").args(["-c", "cat \"$0\" > \"$1\"", scenario, &path]).spawn().unwrap();
     let (code, out, err) = Running::start(&["check", &path]).end();

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::cli::{baudbot, good, place};
 
-const OFFICE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/tour.toml");
+const OFFICE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/tour.toml");
 
 /// What is found in the office, as programs are told it.
 fn found(more: &[&str]) -> Value {

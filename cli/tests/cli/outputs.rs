@@ -8,19 +8,19 @@ use tempfile::TempDir;
 
 use crate::cli::{Running, command, said};
 
-const LASER: &str = include_str!("../../../scenarios/devices/laser.toml");
+const LASER: &str = include_str!("../../../catalogue/scenarios/devices/laser.toml");
 
 /// A folder with a file of each kind that commands read.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let put = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).unwrap();
-    put("w.toml", include_bytes!("../../../scenarios/wander.toml"));
-    put("my.toml", include_bytes!("../../../exercises/stop.toml"));
+    put("w.toml", include_bytes!("../../../catalogue/scenarios/wander.toml"));
+    put("my.toml", include_bytes!("../../../catalogue/exercises/stop.toml"));
     put("brain.toml", include_bytes!("../../../brains/repertoires/wedge.toml"));
-    put("firmware.toml", include_bytes!("../../../scenarios/firmware.toml"));
-    put("X.hex", include_bytes!("../../../scenarios/firmware/wander.hex"));
+    put("firmware.toml", include_bytes!("../../../catalogue/scenarios/firmware.toml"));
+    put("X.hex", include_bytes!("../../../catalogue/scenarios/firmware/wander.hex"));
     fs::create_dir(folder.path().join("firmware")).unwrap();
-    put("firmware/wander.hex", include_bytes!("../../../scenarios/firmware/wander.hex"));
+    put("firmware/wander.hex", include_bytes!("../../../catalogue/scenarios/firmware/wander.hex"));
     folder
 }
 
@@ -137,7 +137,7 @@ fn robots_and_lasers_do_not_become_one_in_a_bag() {
 #[test]
 fn an_example_goes_to_stdout_alone_if_it_needs_no_other_file() {
     let folder = tempfile::tempdir().unwrap();
-    let wander = include_str!("../../../scenarios/wander.toml");
+    let wander = include_str!("../../../catalogue/scenarios/wander.toml");
     assert_eq!(within(folder.path(), "init wander -"), (0, wander.to_owned(), String::new()));
     let (code, out, err) = within(folder.path(), "init firmware -");
     assert_eq!((code, out.as_str()), (2, ""), "{err}");

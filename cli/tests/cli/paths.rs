@@ -72,7 +72,7 @@ fn the_runs_of_all_scenarios_are_the_same() {
         same(&[name, "--seconds", "20", "--brain", "none"]);
     }
     let mut scenarios = 0;
-    for folder in ["scenarios", "scenarios/devices"] {
+    for folder in ["catalogue/scenarios", "catalogue/scenarios/devices"] {
         for entry in std::fs::read_dir(Path::new(ROOT).join(folder)).unwrap() {
             let name = entry.unwrap().file_name().into_string().unwrap();
             if name.ends_with(".toml") {
@@ -137,7 +137,7 @@ fn brains_that_poll_are_the_same() {
 #[test]
 fn tables_and_traces_are_the_same_to_the_last_byte() {
     for (scenario, brain) in
-        [("wander", "avoid"), ("khepera", "avoid"), ("scenarios/explore-room.toml", "explore")]
+        [("wander", "avoid"), ("khepera", "avoid"), ("catalogue/scenarios/explore-room.toml", "explore")]
     {
         let files = ["direct", "grpc"].map(|over| {
             let [csv, trace] = ["csv", "pftrace"].map(|end| place(&format!("path-{over}.{end}")));
@@ -158,7 +158,7 @@ fn recordings_are_the_same_and_replay_as_identical() {
     let exports = ["direct", "grpc"].map(|over| {
         let path = place(&format!("path-{over}.mcap"));
         let file = path.to_str().unwrap();
-        let room = ["scenarios/explore-room.toml", "--brain", "explore", "--seconds", "3"];
+        let room = ["catalogue/scenarios/explore-room.toml", "--brain", "explore", "--seconds", "3"];
         let summary = run(over, &[&room[..], &["--record", file, "--record-hz", "100"]].concat());
         assert_eq!(summary["recording"]["ticks"], 300);
         let (replayed, hash) = (good(&["replay", file, "--quiet"]), summary["state_hash"].as_str().unwrap());

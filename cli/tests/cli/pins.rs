@@ -7,7 +7,7 @@ use vcd::{Command, Parser, Value};
 
 use crate::cli::{baudbot, good, place};
 
-const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/firmware.toml");
+const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/firmware.toml");
 
 /// Each signal's changes, by its name.
 struct Seen {

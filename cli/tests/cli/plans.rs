@@ -4,8 +4,8 @@ use std::fs;
 
 use crate::cli::{baudbot, good, place};
 
-const WALL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/grid-wall.toml");
-const TRAP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/grid-trap.toml");
+const WALL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/grid-wall.toml");
+const TRAP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/grid-trap.toml");
 
 /// What is said of a way across one of the two grids, after its arguments.
 fn across(grid: &str, more: &[&str]) -> String {

@@ -41,7 +41,7 @@ fn a_program_drives_as_the_same_brain_in_this_process() {
 
 #[test]
 fn a_drive_of_a_test_is_the_run_of_the_command() {
-    let toml = include_str!("../../../scenarios/wander.toml");
+    let toml = include_str!("../../../catalogue/scenarios/wander.toml");
     for (seed, seconds) in [(1, 20.0), (5, 7.123)] {
         let mut scenario = baudbot_scenario::parse(toml).unwrap();
         scenario.seed = seed;

@@ -14,7 +14,7 @@ fn text(path: &Path) -> &str {
 
 /// Every scenario of the project.
 fn scenarios() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../catalogue/scenarios");
     let files = |folder: &Path| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     let mut found: Vec<PathBuf> = files(&folder);
     found.extend(files(&folder.join("devices")));
@@ -73,8 +73,10 @@ fn every_scenario_is_replayed_though_it_followed_the_clock() {
 
 /// Ten robots in one room.
 fn ten(scenario: &str) -> PathBuf {
-    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(scenario))
-        .unwrap();
+    let text = fs::read_to_string(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../catalogue/scenarios").join(scenario),
+    )
+    .unwrap();
     let start = text.lines().find(|line| line.starts_with("start = ")).unwrap();
     let starts: Vec<_> = (0..10)
         .map(|i| {

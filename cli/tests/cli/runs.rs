@@ -63,7 +63,7 @@ fn a_summary_says_how_long_a_robot_stood_in_contact() {
 /// Such as what it waits for.
 #[test]
 fn a_summary_has_what_a_brain_last_said_of_itself() {
-    let room = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/explore-room.toml");
+    let room = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/explore-room.toml");
     let run = [room, "--brain", "explore", "--ticks", "6"];
     let said = "waits for `laser` since 0.00 s";
     assert_eq!(json(&run)["robots"][0]["said"], said);

@@ -419,7 +419,7 @@ fn the_limit_of_a_field_is_found() {
 
 #[test]
 fn the_experiments_of_the_book_can_be_run() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../catalogue/experiments");
     let mut count = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

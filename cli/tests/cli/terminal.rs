@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use crate::cli::{baudbot, good, place};
 
-const WANDER: &str = include_str!("../../../scenarios/wander.toml");
+const WANDER: &str = include_str!("../../../catalogue/scenarios/wander.toml");
 
 /// What clears a screen, names a window, turns writing around and goes back in a line, as TOML writes it.
 const HOSTILE: &str = r"\u001b[2J\u001b]0;owned\u0007\u009b31m\u202egnp\u2066\r\b";

@@ -30,7 +30,7 @@ fn a_run_writes_a_trace_and_is_the_same_run() {
 
 #[test]
 fn a_trace_has_what_is_on_the_pins_of_a_chip() {
-    const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/firmware.toml");
+    const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/firmware.toml");
     let [path, tape] = ["pins.pftrace", "pins-of-trace.mcap"].map(place);
     let [path, tape] = [&path, &tape].map(|path| path.to_str().unwrap());
     let run = ["run", FIRMWARE, "--seconds", "1", "--json", "--quiet"];

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::cli::{baudbot, good, place};
 
-const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/firmware.toml");
+const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/firmware.toml");
 
 #[test]
 fn what_a_program_sends_is_the_same_on_every_path_and_in_an_export() {

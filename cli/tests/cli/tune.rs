@@ -6,7 +6,7 @@ use crate::cli::{baudbot, good};
 
 /// The tuning of the book in short: half a minute, two generations of four.
 fn short(name: &str) -> (String, String) {
-    let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/tune-sweeper.toml");
+    let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("../catalogue/experiments/tune-sweeper.toml");
     let toml = std::fs::read_to_string(&book).unwrap();
     let toml = toml.replace("1800.0", "30.0").replace("seeds = 3", "seeds = 1");
     let toml = toml.replace("generations = 20", "generations = 2\npopulation = 4");
@@ -32,7 +32,7 @@ fn the_tuning_of_the_book_can_be_run_and_what_it_found_drives() {
     assert!(read("trace.svg").starts_with("<svg "));
     assert!(read("best.toml").contains("# How full the battery is, from 0 to 1."), "comments stay");
     let best = Path::new(&out).join("best.toml");
-    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/sweeper.toml");
+    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../catalogue/scenarios/sweeper.toml");
     let (scenario, best) = (scenario.to_str().unwrap(), best.to_str().unwrap());
     // With the seed of the search the described brain does what the candidate did.
     let described = ["run", scenario, "--brain", best, "--seconds", "30", "--json"];
@@ -58,7 +58,7 @@ fn a_tuning_that_is_to_be_swept_is_told_with_its_command() {
 
 #[test]
 fn an_experiment_that_says_nothing_of_tuning_is_refused() {
-    let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/ftdi.toml");
+    let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("../catalogue/experiments/ftdi.toml");
     let (code, _, error) = baudbot(&["tune", book.to_str().unwrap()]);
     assert_eq!(code, 2, "{error}");
     assert!(error.contains("ftdi.toml: tune: is missing: what to maximize"), "{error}");

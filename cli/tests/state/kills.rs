@@ -17,7 +17,7 @@ use crate::state::operator::{Operator, lockstep, real_time, stepped};
 use crate::state::server::Server;
 use crate::state::{Chance, WANDER, crowd, parse, place};
 
-const FIRMWARE: &str = "../scenarios/firmware.toml";
+const FIRMWARE: &str = "../catalogue/scenarios/firmware.toml";
 
 /// No run ends by a collision.
 const ROBOT: &str = "collision=stop-robot";

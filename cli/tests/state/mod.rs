@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
 
-const WANDER: &str = include_str!("../../../scenarios/wander.toml");
+const WANDER: &str = include_str!("../../../catalogue/scenarios/wander.toml");
 
 /// A path that is not there yet, in a folder of this test's own.
 fn place(name: &str) -> PathBuf {

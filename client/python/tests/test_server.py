@@ -238,7 +238,7 @@ class Programs(WithPrograms):
         import pandas
 
         with TemporaryDirectory() as folder:
-            self.good("sweep", "experiments/follow.toml", "--seeds", "1", "--out", f"{folder}/out", "--quiet")
+            self.good("sweep", "catalogue/experiments/follow.toml", "--seeds", "1", "--out", f"{folder}/out", "--quiet")
             rows = pandas.read_csv(f"{folder}/out/rows.csv")
         self.assertEqual(len(rows), 20)
         self.assertTrue(rows.error.isna().all())

@@ -169,7 +169,7 @@ class Trains(WithTrainer):
 
     def test_several_robots_of_a_world_go_by_their_names(self):
         trainer = self.train(patience_s=None)
-        text = (ROOT / "scenarios" / "wander.toml").read_text()
+        text = (ROOT / "catalogue/scenarios/wander.toml").read_text()
         other = text[text.index("[[robots]]"):].replace('name = "robot"', 'name = "slow"').replace("x_m = -0.2", "x_m = 0.3")
         slow = "robots.slow.firmware.period_ms"
         trainer.create(f"{text}\n{other}", set={"end.after_s": 1.0, slow: 50.0})

@@ -4,7 +4,7 @@ use baudbot_scenario::parse;
 use baudbot_server::drive;
 use wall_follower::Follow;
 
-const ARENA: &str = include_str!("../../../scenarios/wander.toml");
+const ARENA: &str = include_str!("../../../catalogue/scenarios/wander.toml");
 
 type Tested = Result<(), Box<dyn std::error::Error>>;
 

@@ -38,9 +38,9 @@ const CONTRACTS: [Contract; 2] = [
         made: &["baudbot.v1.rs", DESCRIPTORS, TYPES],
     },
     Contract {
-        protos: "bench/proto",
+        protos: "crates/bench/proto",
         files: &["ping.proto"],
-        generated: "bench/src/network/generated",
+        generated: "crates/bench/src/network/generated",
         made: &["baudbot.bench.rs"],
     },
 ];

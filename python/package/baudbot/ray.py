@@ -4,7 +4,7 @@
 
     import baudbot.ray
 
-    frame = baudbot.ray.sweep("experiments/baud-vs-speed.toml", out="speeds")
+    frame = baudbot.ray.sweep("catalogue/experiments/baud-vs-speed.toml", out="speeds")
 """
 
 from __future__ import annotations

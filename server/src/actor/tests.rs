@@ -23,7 +23,7 @@ use crate::report::Activity;
 const TICK_MS: u64 = 10;
 
 fn actor(pace: Pace) -> WorldActor {
-    let scenario = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
+    let scenario = baudbot_scenario::parse(include_str!("../../../catalogue/scenarios/wander.toml")).unwrap();
     assert_eq!(scenario.step_ns, TICK_MS * 1_000_000);
     let new = NewWorld::new("w".into(), World::new(scenario.into()), pace);
     let charges = new.charges(&InForce::new(Limits::none())).unwrap();
@@ -138,7 +138,7 @@ fn a_world_stands_by_the_time_that_its_operator_is_told_so() {
 /// Over links that take no time, commands are handed over as such.
 #[test]
 fn a_world_driven_directly_is_the_one_that_the_bytes_of_its_commands_make() {
-    let wander = include_str!("../../../scenarios/wander.toml");
+    let wander = include_str!("../../../catalogue/scenarios/wander.toml");
     let (head, cable) = wander.split_once("[robots.link]").unwrap();
     for (link, is_free) in [(cable, false), ("kind = \"ideal\"", true), ("kind = \"onboard\"", true)] {
         let head = if is_free { head.replace("receiving_us_per_byte = 5.0", "") } else { head.to_owned() };

@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn nobody_reads_a_scenario_for_a_client_that_has_gone() {
-        let made = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
+        let made = baudbot_scenario::parse(include_str!("../../../catalogue/scenarios/wander.toml")).unwrap();
         let request = v1::ResetWorldRequest { seed: Some(7), ..Default::default() };
         assert_eq!(changed(&made, &request, &Cancelled::default()).unwrap().seed, 7);
         let gone = changed(&made, &request, &Cancelled::gone()).unwrap_err();

@@ -278,10 +278,10 @@ mod tests {
     #[test]
     fn turns_have_the_bytes_that_the_contracts_types_have() {
         let scenarios = [
-            include_str!("../../../scenarios/wander.toml"),
-            include_str!("../../../scenarios/khepera.toml"),
-            include_str!("../../../scenarios/ecoli.toml"),
-            include_str!("../../../scenarios/devices/laser.toml"),
+            include_str!("../../../catalogue/scenarios/wander.toml"),
+            include_str!("../../../catalogue/scenarios/khepera.toml"),
+            include_str!("../../../catalogue/scenarios/ecoli.toml"),
+            include_str!("../../../catalogue/scenarios/devices/laser.toml"),
         ];
         let (mut with_ports, mut opened) = (0, 0);
         for toml in scenarios {
@@ -312,7 +312,9 @@ mod tests {
     #[test]
     fn a_port_is_told_when_the_tick_begins_by_the_wall_clock() {
         let world = World::new(
-            baudbot_scenario::parse(include_str!("../../../scenarios/khepera.toml")).unwrap().into(),
+            baudbot_scenario::parse(include_str!("../../../catalogue/scenarios/khepera.toml"))
+                .unwrap()
+                .into(),
         );
         let (now, tick_begins) = (Instant::now(), Instant::now() - std::time::Duration::from_millis(5));
         let terms = Terms::FollowsClock { now, tick_begins, factor: 2.0 };

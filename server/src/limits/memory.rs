@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn a_scenario_that_is_shared_is_counted_once_and_given_back_by_the_last() {
         let memory = Arc::new(Memory::default());
-        let toml = include_str!("../../../scenarios/wander.toml");
+        let toml = include_str!("../../../catalogue/scenarios/wander.toml");
         let scenario = Arc::new(baudbot_scenario::parse(toml).unwrap());
         let hold =
             || memory.hold_scenario(&scenario, |bytes| Ok(memory.hold(bytes, u64::MAX).unwrap())).unwrap();

@@ -108,7 +108,7 @@ mod tests {
     #[tokio::test]
     async fn there_is_an_end_to_the_robots_that_are_told_of_and_the_others_are_counted() {
         let registry = Registry::new(InForce::new(Limits::none()));
-        let toml = include_str!("../../../scenarios/wander.toml");
+        let toml = include_str!("../../../catalogue/scenarios/wander.toml");
         for name in ["a", "b"] {
             let world = World::new(baudbot_scenario::parse(toml).unwrap().into());
             let pace = Pace::Lockstep(Lockstep::default());

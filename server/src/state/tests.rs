@@ -16,7 +16,7 @@ use super::{Found, StateFolder};
 /// A file of a world, and what is in it.
 type Entry<'a> = (&'a str, &'a [u8]);
 
-const WANDER: &str = include_str!("../../../scenarios/wander.toml");
+const WANDER: &str = include_str!("../../../catalogue/scenarios/wander.toml");
 
 /// The folder `lab` in one of a test's own, which goes with it.
 struct Lab(PathBuf);

@@ -17,8 +17,8 @@ use super::localization::witnessed;
 mod narrow;
 mod passages;
 
-const ROOM: &str = include_str!("../../../scenarios/explore-room.toml");
-const OFFICE: &str = include_str!("../../../scenarios/explore-office.toml");
+const ROOM: &str = include_str!("../../../catalogue/scenarios/explore-room.toml");
+const OFFICE: &str = include_str!("../../../catalogue/scenarios/explore-office.toml");
 const NODES: &str = "explore";
 const FRONTIERS: &str = "explore:method=1";
 

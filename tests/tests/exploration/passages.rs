@@ -1,7 +1,7 @@
 //! `explore` in narrow passages, by both methods: all is sensed that can be, by what the arena itself says; nothing is touched; and
 //! what is too narrow is named.
 //!
-//! `experiments/explore-passages.toml` has more widths, and ten starts of each.
+//! `catalogue/experiments/explore-passages.toml` has more widths, and ten starts of each.
 
 use baudbot_brains::exploration::generated::{Course, Plan};
 use baudbot_tests::InProcess;

@@ -14,11 +14,11 @@ use baudbot_tests::{InProcess, scenario};
 
 use arena::Arena;
 
-const ERRANDS: &str = include_str!("../../../scenarios/errands.toml");
-const HALL: &str = include_str!("../../../scenarios/hall.toml");
-const MOWER: &str = include_str!("../../../scenarios/mower.toml");
-const FORAGER: &str = include_str!("../../../scenarios/forager.toml");
-const SWEEPER: &str = include_str!("../../../scenarios/sweeper.toml");
+const ERRANDS: &str = include_str!("../../../catalogue/scenarios/errands.toml");
+const HALL: &str = include_str!("../../../catalogue/scenarios/hall.toml");
+const MOWER: &str = include_str!("../../../catalogue/scenarios/mower.toml");
+const FORAGER: &str = include_str!("../../../catalogue/scenarios/forager.toml");
+const SWEEPER: &str = include_str!("../../../catalogue/scenarios/sweeper.toml");
 
 /// How a run went.
 #[derive(Debug)]

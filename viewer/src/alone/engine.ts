@@ -2,7 +2,7 @@
 import { ConsoleStdout, Directory, File, Inode, PreopenDirectory, WASI } from "@bjorn3/browser_wasi_shim";
 import { date } from "./dated";
 
-/** What the program exports (`page/src/abi.rs`). */
+/** What the program exports (`viewer/page/src/abi.rs`). */
 interface Exports {
   memory: WebAssembly.Memory;
   _initialize(): void;

@@ -85,7 +85,7 @@ function work(): void {
   else rest = setTimeout(wake, REST_MS);
 }
 
-/** An answer to an order, or that a brain does not drive any more (`page/src/orders.rs`). */
+/** An answer to an order, or that a brain does not drive any more (`viewer/page/src/orders.rs`). */
 function hear(said: {
   id: number;
   result?: unknown;

@@ -1,5 +1,5 @@
 /**
- * Colours, as in the program's own pictures (plot/src/palette, whose test compares): those of sensors and zones are of
+ * Colours, as in the program's own pictures (crates/plot/src/palette, whose test compares): those of sensors and zones are of
  * Okabe's and Ito's and of Tol's sets, which the colour-blind tell apart. What is text or line on the ground differs by
  * theme.
  */

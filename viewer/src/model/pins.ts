@@ -31,7 +31,7 @@ export interface Pulses {
 
 /** More of a signal are not kept. */
 const MOST = 4000;
-/** Pulses are alike if they differ by less than this part of a period, as in sim/src/chip/pulses.rs. */
+/** Pulses are alike if they differ by less than this part of a period, as in crates/sim/src/chip/pulses.rs. */
 const UNLIKE = 50;
 
 export class PinLog {

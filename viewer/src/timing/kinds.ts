@@ -1,4 +1,4 @@
-/** What a bar stands for, and its colours: those of `baudbot diagram` (plot/src/timing/class.rs, whose test compares). */
+/** What a bar stands for, and its colours: those of `baudbot diagram` (crates/plot/src/timing/class.rs, whose test compares). */
 import { TimelineKind } from "../gen/baudbot/v1/observe_pb";
 import type { Happening } from "../model/timeline";
 

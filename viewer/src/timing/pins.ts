@@ -1,5 +1,5 @@
 /**
- * From what is on the pins of a chip to lanes of the timing diagram, as in `baudbot diagram` (plot/src/timing/pins.rs): waves of
+ * From what is on the pins of a chip to lanes of the timing diagram, as in `baudbot diagram` (crates/plot/src/timing/pins.rs): waves of
  * pins, results of the ADC, and the characters of the UART.
  */
 import { PinEventKind as K, PinSignalKind as S, TimelineKind, type PinSignal } from "../gen/baudbot/v1/observe_pb";

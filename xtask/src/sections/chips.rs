@@ -55,7 +55,7 @@ pub(super) fn firmware(shell: &Shell) -> Result<(), Failure> {
     shell.run(command)?;
     new_firmware(shell)?;
     for seed in ["1", "2"] {
-        drives(shell, &["scenarios/firmware.toml", "--seconds", "600", "--seed", seed], 30.0)?;
+        drives(shell, &["catalogue/scenarios/firmware.toml", "--seconds", "600", "--seed", seed], 30.0)?;
     }
     shell.run(script(
         shell,

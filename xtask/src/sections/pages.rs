@@ -8,7 +8,7 @@ use super::rust::built;
 use crate::shell::{Failure, Shell};
 
 fn buf(shell: &Shell, words: &[&str]) -> Result<(), Failure> {
-    let mut command = shell.command("tools/node_modules/.bin/buf");
+    let mut command = shell.command("xtask/tools/node_modules/.bin/buf");
     command.args(words);
     shell.run(command)?;
     shell.say(&format!("buf {}: nothing to say", words[0]));
@@ -23,7 +23,7 @@ pub(super) fn contract(shell: &Shell) -> Result<(), Failure> {
 
 pub(super) fn editors(shell: &Shell) -> Result<(), Failure> {
     let program = built(shell)?;
-    shell.run(script(shell, "python3".as_ref(), &["tools/check_schema.py", &program.to_string_lossy()]))
+    shell.run(script(shell, "python3".as_ref(), &["xtask/tools/check_schema.py", &program.to_string_lossy()]))
 }
 
 fn npm(shell: &Shell, name: &str, words: &[&str]) -> Command {

@@ -51,9 +51,10 @@ pub(super) fn environment(
 
 /// The interpreter with `baudbot-client` as people install it, and with what the checks need.
 pub(super) fn python(shell: &Shell) -> Result<PathBuf, Failure> {
-    let wanted = ["client/python/pyproject.toml", "client/python/requirements.txt", "tools/requirements.txt"];
+    let wanted =
+        ["client/python/pyproject.toml", "client/python/requirements.txt", "xtask/tools/requirements.txt"];
     let install =
-        ["-r", "client/python/requirements.txt", "-r", "tools/requirements.txt", "-e", "client/python"];
+        ["-r", "client/python/requirements.txt", "-r", "xtask/tools/requirements.txt", "-e", "client/python"];
     environment(shell, &shell.place.root.join(".venv"), &wanted, &install)
 }
 

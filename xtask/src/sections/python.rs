@@ -28,7 +28,7 @@ pub(super) fn brains(shell: &Shell) -> Result<(), Failure> {
     let mut generate = shell.command("client/python/generate");
     generate.arg("--check");
     shell.run(generate)?;
-    shell.run(script(shell, &python, &["wire/frames.py"]))?;
+    shell.run(script(shell, &python, &["crates/wire/frames.py"]))?;
     let mut types = script(shell, &python, &["-m", "mypy"]);
     types.current_dir(shell.place.root.join("client/python"));
     shell.run(types)?;
@@ -56,7 +56,7 @@ pub(super) fn brains(shell: &Shell) -> Result<(), Failure> {
         ));
     }
     // That the package and a bare stream end with the same bits; how long they take is for a quiet machine.
-    let mut turn = script(shell, &python, &["bench/python/turn.py", "--pairs", "1", "--seconds", "2"]);
+    let mut turn = script(shell, &python, &["crates/bench/python/turn.py", "--pairs", "1", "--seconds", "2"]);
     turn.env("BAUDBOT", program);
     shell.run(turn)
 }
@@ -99,7 +99,7 @@ pub(super) fn worlds(shell: &Shell) -> Result<(), Failure> {
     notebooks.env("PATH", path_with(&bin));
     shell.run(notebooks)?;
     // That it runs; how fast is for a quiet machine.
-    shell.run(script(shell, &python, &["bench/python/vector.py", "--seconds", "0.2"]))
+    shell.run(script(shell, &python, &["crates/bench/python/vector.py", "--seconds", "0.2"]))
 }
 
 /// What builds the package, and what its checks need; it brings itself what it asks for.
@@ -190,10 +190,10 @@ pub(super) fn exercises(shell: &Shell) -> Result<(), Failure> {
     let python = python(shell)?;
     let program = built(shell)?;
     let program = program.to_string_lossy();
-    shell.run(script(shell, &python, &["exercises/check.py", &program]))?;
+    shell.run(script(shell, &python, &["catalogue/exercises/check.py", &program]))?;
     let folder = shell.place.scratch("grade").map_err(Failure::file(&shell.place.target))?;
     let root = &shell.place.root;
-    let copies = [("examples/ci/grade.sh", "grade.sh"), ("exercises/mistakes/stop.py", "stop.py")];
+    let copies = [("examples/ci/grade.sh", "grade.sh"), ("catalogue/exercises/mistakes/stop.py", "stop.py")];
     for (from, to) in copies {
         std::fs::copy(root.join(from), folder.join(to)).map_err(Failure::file(&root.join(from)))?;
     }
@@ -230,14 +230,16 @@ pub(super) fn traces(shell: &Shell) -> Result<(), Failure> {
     let trace = folder.join("run.pftrace");
     let made_up = shell.place.target.join("tmp/made-up.pftrace");
     shell.run(of_all(shell, ["--quiet", "--test", "made_up"]))?;
-    shell.run(script(shell, &python, &["tools/check_trace.py", &made_up.to_string_lossy()]))?;
-    for arguments in
-        [&["khepera", "--brain", "none"][..], &["scenarios/devices/laser.toml", "--brain", "none"], &[]]
-    {
+    shell.run(script(shell, &python, &["xtask/tools/check_trace.py", &made_up.to_string_lossy()]))?;
+    for arguments in [
+        &["khepera", "--brain", "none"][..],
+        &["catalogue/scenarios/devices/laser.toml", "--brain", "none"],
+        &[],
+    ] {
         let mut run = shell.command(&program);
         run.arg("run").args(arguments).args(["--seconds", "5", "--quiet", "--timeline"]).arg(&trace);
         shell.run(run)?;
-        shell.run(script(shell, &python, &["tools/check_trace.py", &trace.to_string_lossy()]))?;
+        shell.run(script(shell, &python, &["xtask/tools/check_trace.py", &trace.to_string_lossy()]))?;
     }
     Ok(())
 }
@@ -249,43 +251,43 @@ pub(super) fn recordings(shell: &Shell) -> Result<(), Failure> {
     let folder = shell.place.scratch("recordings").map_err(Failure::file(&shell.place.target))?;
     let runs: [(&str, &[&str], &[&str]); 2] = [
         ("run.mcap", &[], &[]),
-        ("laser.mcap", &["scenarios/devices/laser.toml", "--brain", "wander"], &["urg"]),
+        ("laser.mcap", &["catalogue/scenarios/devices/laser.toml", "--brain", "wander"], &["urg"]),
     ];
     for (name, arguments, sensors) in runs {
         let file = folder.join(name);
         let mut run = shell.command(&program);
         run.arg("run").args(arguments).args(["--seconds", "5", "--quiet", "--record"]).arg(&file);
         shell.run(run)?;
-        let mut check = script(shell, &python, &["tools/check_recording.py", &file.to_string_lossy()]);
+        let mut check = script(shell, &python, &["xtask/tools/check_recording.py", &file.to_string_lossy()]);
         check.args(sensors);
         shell.run(check)?;
     }
-    shell.run(script(shell, &python, &["tools/check_rosbag.py", &program.to_string_lossy()]))
+    shell.run(script(shell, &python, &["xtask/tools/check_rosbag.py", &program.to_string_lossy()]))
 }
 
 /// A sweep in shards, as a cluster does it: the manifest by Kubernetes' own schemas, and its commands on this machine.
 pub(super) fn shards(shell: &Shell) -> Result<(), Failure> {
     let python = python(shell)?;
     let program = built(shell)?;
-    shell.run(script(shell, &python, &["tools/check_kubernetes.py", &program.to_string_lossy()]))
+    shell.run(script(shell, &python, &["xtask/tools/check_kubernetes.py", &program.to_string_lossy()]))
 }
 
 /// The manual is a site without broken links.
 pub(super) fn manual(shell: &Shell) -> Result<(), Failure> {
-    shell.run(shell.command("tools/docs"))
+    shell.run(shell.command("xtask/tools/docs"))
 }
 
 /// Tutorials and how-tos do what they say, and the pages that are made of the program's help and of the contract are up to date.
 /// The reader of some has the package with worlds in it.
 pub(super) fn manual_commands(shell: &Shell) -> Result<(), Failure> {
-    with_program(shell, "python3".as_ref(), &["tools/reference.py", "--check"])?;
+    with_program(shell, "python3".as_ref(), &["xtask/tools/reference.py", "--check"])?;
     let python = worlds_installed(shell)?;
-    with_program(shell, &python, &["tools/doc_commands.py"])
+    with_program(shell, &python, &["xtask/tools/doc_commands.py"])
 }
 
 /// The gallery's pictures are what its commands make.
 pub(super) fn gallery(shell: &Shell) -> Result<(), Failure> {
-    with_program(shell, "python3".as_ref(), &["tools/gallery.py", "--check"])
+    with_program(shell, "python3".as_ref(), &["xtask/tools/gallery.py", "--check"])
 }
 
 fn with_program(shell: &Shell, python: &std::path::Path, words: &[&str]) -> Result<(), Failure> {

@@ -81,13 +81,15 @@ fn seeds(
 /// Altered bytes for all that reads bytes from outside: so many inputs of each, so long, or as many as are wanted.
 pub(super) fn fuzz(shell: &Shell, arguments: &[String]) -> Result<(), Failure> {
     match arguments {
-        [] => script(shell, "tools/fuzz", &["--executions".to_owned(), "20000".to_owned()]),
+        [] => script(shell, "xtask/tools/fuzz", &["--executions".to_owned(), "20000".to_owned()]),
         [wanted] if wanted == "wanted" => {
-            script(shell, "tools/fuzz", &["--wanted".to_owned()])?;
-            script(shell, "tools/fuzz", &["--coverage".to_owned(), "60".to_owned()])
+            script(shell, "xtask/tools/fuzz", &["--wanted".to_owned()])?;
+            script(shell, "xtask/tools/fuzz", &["--coverage".to_owned(), "60".to_owned()])
         }
-        [seconds] => script(shell, "tools/fuzz", std::slice::from_ref(seconds)),
-        [_, ..] => Err(Failure::Wrong("./test fuzz [SECONDS | wanted]; tools/fuzz has more".to_owned())),
+        [seconds] => script(shell, "xtask/tools/fuzz", std::slice::from_ref(seconds)),
+        [_, ..] => {
+            Err(Failure::Wrong("./test fuzz [SECONDS | wanted]; xtask/tools/fuzz has more".to_owned()))
+        }
     }
 }
 

@@ -199,7 +199,7 @@ pub(super) fn program(shell: &Shell) -> Result<(), Failure> {
     let without: [(&[&str], &str); 5] = [
         (&["watch", "--foxglove"], "built without it; cargo build --release --features foxglove"),
         (
-            &["tune", "experiments/tune-sweeper.toml"],
+            &["tune", "catalogue/experiments/tune-sweeper.toml"],
             "built without optimizers; cargo build --release --features tune",
         ),
         (
@@ -229,7 +229,7 @@ pub(super) fn program(shell: &Shell) -> Result<(), Failure> {
 pub(super) fn instructions(shell: &Shell) -> Result<(), Failure> {
     shell.run(shell.cargo(["build", "--release", "-p", "baudbot-bench"]))?;
     let mut command = shell.command(shell.place.target.join("release/baudbot-bench"));
-    command.args(["--instructions", "--check", "bench/instructions.toml"]);
+    command.args(["--instructions", "--check", "crates/bench/instructions.toml"]);
     shell.run(command)
 }
 

@@ -1,0 +1,175 @@
+//! Scenarios of the gallery, run as people run them: by the program `baudbot run`, a process a repeat, from its start to its
+//! end.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use serde::Deserialize;
+
+use crate::calibration;
+use crate::measure::{Effort, Sample};
+use crate::outcome::Outcome;
+
+/// A scenario with its brain. Every repeat is a whole run, as the phases of a run do not cost the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Gallery {
+    /// The brain of all robots.
+    pub(crate) brain: &'static str,
+    /// Ticks of a run, unless it ends before.
+    pub(crate) ticks: u64,
+    /// The scenario's text.
+    pub(crate) scenario: &'static str,
+}
+
+/// Why a run could not be measured.
+#[derive(Debug, thiserror::Error)]
+pub enum GalleryError {
+    /// There is no program to run.
+    #[error(
+        "there is no program {}: `cargo build --release` makes it, or say with --program where it is",
+        .0.display()
+    )]
+    NoProgram(PathBuf),
+    /// The file with its scenario could not be written.
+    #[error("cannot write {}: {why}", path.display())]
+    File {
+        /// Its path.
+        path: PathBuf,
+        /// What the system says.
+        why: io::Error,
+    },
+    /// The program could not be started.
+    #[error("cannot start {}: {why}", program.display())]
+    Start {
+        /// It.
+        program: PathBuf,
+        /// What the system says.
+        why: io::Error,
+    },
+    /// The run failed.
+    #[error("`baudbot run` ended with {status}: {}", said.trim())]
+    Failed {
+        /// How it ended.
+        status: std::process::ExitStatus,
+        /// What it said last.
+        said: String,
+    },
+    /// What it wrote is no summary of a run.
+    #[error("the summary of `baudbot run`: {0}")]
+    Summary(#[from] serde_json::Error),
+    /// Two runs of the same scenario were not the same.
+    #[error("two runs were not the same: fingerprints {0} and {1}")]
+    NotTheSame(String, String),
+}
+
+/// Of the summary of a run.
+#[derive(Debug, Deserialize)]
+struct Summary {
+    ticks: u64,
+    simulated_s: f64,
+    state_hash: String,
+}
+
+impl Gallery {
+    /// Measures it with this program.
+    pub(crate) fn run(
+        self,
+        program: &Path,
+        outcome: &mut Outcome,
+        effort: Effort,
+        mut progress: impl FnMut(u32),
+    ) -> Result<(), GalleryError> {
+        if !program.is_file() {
+            return Err(GalleryError::NoProgram(program.to_owned()));
+        }
+        let file = ScenarioFile::write(self.scenario)?;
+        for repeat in 1..=effort.repeats {
+            progress(repeat);
+            let calibration_per_s = calibration::rounds_per_second();
+            let start = Instant::now();
+            let summary = self.once(program, &file.0)?;
+            let value = summary.simulated_s / start.elapsed().as_secs_f64();
+            outcome.samples.push(Sample { value, calibration_per_s });
+            let before = outcome.hash.replace(summary.state_hash.clone());
+            if let Some(before) = before.filter(|before| *before != summary.state_hash) {
+                return Err(GalleryError::NotTheSame(before, summary.state_hash));
+            }
+            outcome.hash_ticks = Some(summary.ticks);
+        }
+        Ok(())
+    }
+
+    fn once(self, program: &Path, scenario: &Path) -> Result<Summary, GalleryError> {
+        let mut command = Command::new(program);
+        command.arg("run").arg(scenario).args(["--brain", self.brain, "--ticks", &self.ticks.to_string()]);
+        let run = command.args(["--json", "--quiet"]).stdin(Stdio::null()).output();
+        let run = run.map_err(|why| GalleryError::Start { program: program.to_owned(), why })?;
+        if !run.status.success() {
+            let said = String::from_utf8_lossy(&run.stderr).into_owned();
+            return Err(GalleryError::Failed { status: run.status, said });
+        }
+        Ok(serde_json::from_slice(&run.stdout)?)
+    }
+}
+
+/// A file that is there as long as this is.
+struct ScenarioFile(PathBuf);
+
+impl ScenarioFile {
+    fn write(toml: &str) -> Result<Self, GalleryError> {
+        let path = std::env::temp_dir().join(format!("baudbot-bench-{}.toml", std::process::id()));
+        match fs::write(&path, toml) {
+            Ok(()) => Ok(Self(path)),
+            Err(why) => Err(GalleryError::File { path, why }),
+        }
+    }
+}
+
+impl Drop for ScenarioFile {
+    fn drop(&mut self) {
+        // What is left of it harms nobody.
+        let _ = fs::remove_file(&self.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WANDER: Gallery = Gallery {
+        brain: "avoid",
+        ticks: 10,
+        scenario: include_str!("../../../catalogue/scenarios/wander.toml"),
+    };
+
+    fn error(program: &Path) -> String {
+        let mut outcome = Outcome::new("R/wander", "× real time", 1);
+        let effort = Effort { seconds: 1.0, repeats: 1 };
+        WANDER.run(program, &mut outcome, effort, |_| {}).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_program_that_is_not_there_is_told_with_the_mending() {
+        let told =
+            "there is no program /nowhere/baudbot: `cargo build --release` makes it, or say with --program";
+        let error = error(Path::new("/nowhere/baudbot"));
+        assert!(error.starts_with(told), "{error}");
+    }
+
+    #[test]
+    fn a_program_that_fails_is_told_and_its_scenario_is_cleared_away() {
+        let error = error(Path::new("/bin/false"));
+        assert!(error.starts_with("`baudbot run` ended with exit status: 1"), "{error}");
+        let path = ScenarioFile::write("name = \"x\"").unwrap().0.clone();
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn a_program_that_is_another_one_is_told() {
+        let error = error(Path::new("/bin/echo"));
+        assert!(error.starts_with("the summary of `baudbot run`: expected value"), "{error}");
+    }
+}

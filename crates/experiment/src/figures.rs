@@ -1,0 +1,243 @@
+//! Figures of merit: the results of a run as numbers. A figure that does not apply to a run is missing.
+//!
+//! More figures go in three places of this file: a variant of [`Figure`], a line of [`INFOS`] in the same place, and
+//! `Figures::of`. What they are made of is in `metrics`, which takes it from a world here or from a server's status.
+
+use baudbot_sim::World;
+
+use crate::metrics::{Ages, Counted, RobotCounted};
+use crate::suggest::UnknownName;
+
+/// A figure of merit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "`INFOS` says what each is")]
+pub enum Figure {
+    TimeS,
+    Collisions,
+    DistanceM,
+    Covered,
+    Sensed,
+    GoalsReached,
+    GoalTimeS,
+    EnergyJ,
+    StalenessMeanMs,
+    StalenessP50Ms,
+    StalenessP95Ms,
+    StalenessMaxMs,
+    StepKept,
+    CycleP95Ms,
+    ExchangesPerS,
+    BytesLost,
+    FramesMissed,
+    ReadsMissed,
+}
+
+/// The description of a figure.
+#[derive(Clone, Copy, Debug)]
+pub struct Info {
+    /// The figure.
+    pub figure: Figure,
+    /// Its name in files.
+    pub name: &'static str,
+    /// Its name on charts, with its unit.
+    pub title: &'static str,
+    /// It is a share, from 0 to 1.
+    pub is_share: bool,
+    /// Its meaning.
+    pub meaning: &'static str,
+}
+
+/// All figures, in the order of their columns.
+pub const INFOS: [Info; COUNT] = [
+    info(Figure::TimeS, "time_s", "simulated time (s)", "simulated time of the run"),
+    info(Figure::Collisions, "collisions", "collisions", "collisions of all robots"),
+    info(Figure::DistanceM, "distance_m", "distance (m)", "distance driven by all robots together"),
+    share(
+        Figure::Covered,
+        "covered",
+        "covered share of the floor",
+        "share of the free floor that bodies covered",
+    ),
+    share(Figure::Sensed, "sensed", "sensed share of the floor", "share of the free floor that rays reached"),
+    info(
+        Figure::GoalsReached,
+        "goals_reached",
+        "goals reached",
+        "zones with `goal`, and `end.goal`, that were reached",
+    ),
+    info(
+        Figure::GoalTimeS,
+        "goal_time_s",
+        "time to the goal (s)",
+        "when the run ended because its goal, or all goals, were reached",
+    ),
+    info(Figure::EnergyJ, "energy_j", "energy (J)", "energy drawn from all batteries"),
+    info(
+        Figure::StalenessMeanMs,
+        "staleness_mean_ms",
+        "mean staleness (ms)",
+        "mean age of readings as the brain got them, of all sensors of all robots",
+    ),
+    info(
+        Figure::StalenessP50Ms,
+        "staleness_p50_ms",
+        "median staleness (ms)",
+        "median age of such readings, of the sensor with the oldest",
+    ),
+    info(
+        Figure::StalenessP95Ms,
+        "staleness_p95_ms",
+        "95th percentile of staleness (ms)",
+        "95th percentile of the age of such readings, of the sensor with the oldest",
+    ),
+    info(
+        Figure::StalenessMaxMs,
+        "staleness_max_ms",
+        "largest staleness (ms)",
+        "largest age of such a reading",
+    ),
+    share(
+        Figure::StepKept,
+        "step_kept",
+        "share of cycles that met the deadline",
+        "share of control cycles that met their deadline, of all robots",
+    ),
+    info(
+        Figure::CycleP95Ms,
+        "cycle_p95_ms",
+        "95th percentile of control cycles (ms)",
+        "95th percentile of the duration of answered control cycles, of the robot with the longest",
+    ),
+    info(
+        Figure::ExchangesPerS,
+        "exchanges_per_s",
+        "exchanges (1/s)",
+        "messages of readings per second that were answered by a command, of the robot with the fewest",
+    ),
+    info(
+        Figure::BytesLost,
+        "bytes_lost",
+        "bytes lost",
+        "bytes lost because a buffer was full or a cable was out, on all cables in both directions",
+    ),
+    info(
+        Figure::FramesMissed,
+        "frames_missed",
+        "frames missed",
+        "frames that fell due while the microcontroller was busy, of all robots",
+    ),
+    info(
+        Figure::ReadsMissed,
+        "reads_missed",
+        "reads missed",
+        "samples that fell due while the microcontroller was busy, of all sensors of all robots",
+    ),
+];
+
+const COUNT: usize = 18;
+
+const fn info(figure: Figure, name: &'static str, title: &'static str, meaning: &'static str) -> Info {
+    Info { figure, name, title, is_share: false, meaning }
+}
+
+const fn share(figure: Figure, name: &'static str, title: &'static str, meaning: &'static str) -> Info {
+    Info { is_share: true, ..info(figure, name, title, meaning) }
+}
+
+impl Figure {
+    /// The figure of this name.
+    ///
+    /// # Errors
+    /// Says which there are, the nearest first.
+    pub fn named(name: &str) -> Result<Self, UnknownName> {
+        let names = INFOS.map(|info| info.name);
+        let found = INFOS.iter().find(|info| info.name == name);
+        found.map(|info| info.figure).ok_or_else(|| UnknownName::new("figure", name, &names))
+    }
+
+    /// Its description.
+    pub fn info(self) -> &'static Info {
+        &INFOS[self as usize]
+    }
+}
+
+/// The figures of a run, in the order of [`INFOS`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Figures(pub(crate) [Option<f64>; COUNT]);
+
+impl Figures {
+    /// How many figures there are.
+    pub const COUNT: usize = COUNT;
+
+    /// One of them; `None` if it does not apply.
+    pub fn get(&self, figure: Figure) -> Option<f64> {
+        self.0[figure as usize]
+    }
+
+    pub(crate) fn set(&mut self, figure: Figure, value: Option<f64>) {
+        self.0[figure as usize] = value.filter(|value| value.is_finite());
+    }
+
+    /// Those of a run so far.
+    pub fn of_world(world: &World) -> Self {
+        Self::of(&Counted::of_world(world))
+    }
+
+    pub(crate) fn of(run: &Counted) -> Self {
+        let time_s = run.time_ns as f64 / 1e9;
+        let sum = |count: fn(&RobotCounted) -> u64| Some(run.robots.iter().map(count).sum::<u64>() as f64);
+        let ages = || run.robots.iter().flat_map(|robot| &robot.ages);
+        let aged: u64 = ages().map(|ages| ages.readings).sum();
+        let age_ns: f64 = ages().map(|ages| ages.mean_ns as f64 * ages.readings as f64).sum();
+        let energy = run.robots.iter().filter_map(|robot| robot.used_j).reduce(|a, b| a + b);
+        let exchanges = run.robots.iter().map(|robot| robot.answered).min();
+        let oldest = |of: fn(&Ages) -> u64| ages().map(of).max().map(|ns| ns as f64 / 1e6);
+        let cycle = run.robots.iter().filter_map(|robot| robot.cycle_p95_ns).max();
+        let kept: u64 = run.robots.iter().map(|robot| robot.kept).sum();
+        let cycles: u64 = run.robots.iter().map(|robot| robot.kept + robot.late).sum();
+        let mut figures = Self::default();
+        figures.set(Figure::TimeS, Some(time_s));
+        figures.set(Figure::Collisions, sum(|robot| robot.collisions));
+        figures
+            .set(Figure::DistanceM, Some(run.robots.iter().fold(0.0, |sum, robot| sum + robot.distance_m)));
+        figures.set(Figure::Covered, run.covered);
+        figures.set(Figure::Sensed, run.sensed);
+        figures.set(Figure::GoalsReached, Some(run.goals_reached as f64));
+        figures.set(Figure::GoalTimeS, run.is_goal.then_some(time_s));
+        figures.set(Figure::EnergyJ, energy);
+        figures.set(Figure::StalenessMeanMs, (aged > 0).then(|| age_ns / aged as f64 / 1e6));
+        figures.set(Figure::StalenessP50Ms, oldest(|ages| ages.p50_ns));
+        figures.set(Figure::StalenessP95Ms, oldest(|ages| ages.p95_ns));
+        figures.set(Figure::StalenessMaxMs, oldest(|ages| ages.max_ns));
+        figures.set(Figure::StepKept, (cycles > 0).then(|| kept as f64 / cycles as f64));
+        figures.set(Figure::CycleP95Ms, cycle.map(|ns| ns as f64 / 1e6));
+        figures.set(Figure::ExchangesPerS, exchanges.map(|count| count as f64 / time_s));
+        figures.set(Figure::BytesLost, sum(|robot| robot.bytes_lost));
+        figures.set(Figure::FramesMissed, sum(|robot| robot.frames_missed));
+        figures.set(Figure::ReadsMissed, sum(|robot| robot.reads_missed));
+        figures
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_figure_is_in_the_book() {
+        let book = include_str!("../../../docs/reference/experiments.md");
+        for info in &INFOS {
+            assert!(book.contains(&format!("\n| `{}` | ", info.name)), "{}", info.name);
+        }
+    }
+
+    #[test]
+    fn every_figure_stands_in_its_place() {
+        for (i, info) in INFOS.iter().enumerate() {
+            assert_eq!(info.figure as usize, i, "{}", info.name);
+            assert_eq!(Figure::named(info.name), Ok(info.figure));
+        }
+        let error = Figure::named("distance").unwrap_err().to_string();
+        assert!(error.starts_with("there is no figure `distance`; did you mean `distance_m`?"), "{error}");
+    }
+}
