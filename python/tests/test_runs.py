@@ -157,7 +157,7 @@ class Packed(unittest.TestCase):
             # A jump to itself.
             (folder / "idle.hex").write_text(":02000000FFCF30\n:00000001FF\n")
             varied = EXPERIMENT.replace("robots.robot.link.baud", "robots.robot.microcontroller.program").replace('brain = "avoid"', 'brain = "none"')
-            varied = varied.replace("[2400, 9600]", '["own.hex", "idle.hex"]').replace('"wander"', f'"{ROOT}/scenarios/firmware.toml"')
+            varied = varied.replace("[2400, 9600]", '["own.hex", "idle.hex"]').replace('"wander"', f'"{ROOT}/catalogue/scenarios/firmware.toml"')
             file = folder / "varied.toml"
             file.write_text(varied.replace("seeds = 6", "seeds = 1"))
             frame = baudbot.sweep(file, out=folder / "here")

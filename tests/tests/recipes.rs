@@ -1,10 +1,10 @@
-//! The recipes of CONTRIBUTING.md are true of their examples: what they name is there, and they name all that the example took.
+//! The recipes of the contributors' manual are true of their examples: what they name is there, and they name all that the example took.
 //! Source files that the other documents name are there, too.
 
 use std::fs;
 use std::path::Path;
 
-const CONTRIBUTING: &str = include_str!("../../CONTRIBUTING.md");
+const RECIPES: &str = include_str!("../../docs/architecture/recipes.md");
 
 /// Files that mention an example without being named one by one: what is written about it, what tests it, and what is
 /// generated.
@@ -22,11 +22,7 @@ struct Recipe {
 }
 
 fn recipes() -> Vec<Recipe> {
-    CONTRIBUTING
-        .split("\n## ")
-        .filter(|section| section.starts_with("How to add "))
-        .map(Recipe::read)
-        .collect()
+    RECIPES.split("\n## ").filter(|section| section.starts_with("How to add ")).map(Recipe::read).collect()
 }
 
 impl Recipe {
@@ -144,10 +140,13 @@ fn source_files_that_documents_name_are_there() {
             || path == "README.md"
             || (path.starts_with("docs/") && path.ends_with(".md"))
     };
+    // `NAME` stands for a thing's own name.
+    let is_source =
+        |name: &str| name.ends_with(".rs") && !name.contains(char::is_whitespace) && !name.contains("NAME");
     let mut named = 0;
     for (document, text) in found.iter().filter(|(path, _)| is_document(path)) {
         let quoted = text.split('`').skip(1).step_by(2);
-        for name in quoted.filter(|quoted| quoted.ends_with(".rs") && !quoted.contains(char::is_whitespace)) {
+        for name in quoted.filter(|quoted| is_source(quoted)) {
             named += 1;
             let below = format!("/{name}");
             let is_there = found.iter().any(|(path, _)| path == name || path.ends_with(&below));

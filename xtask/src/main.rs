@@ -5,12 +5,13 @@
 //! 3. [`needs`] looks for the tools that they need, and installs them if that is asked for.
 //! 4. [`ladder`] runs sections one after the other, and sums up. [`shell`] starts their programs, [`records`] keeps how long
 //!    they take and which have passed.
-//! 5. [`house`] measures the structure of the code; [`notices`] collects those of others' work for what is given away.
+//! 5. [`house`] measures the structure of the code, and [`map`] draws its crates; [`notices`] collects those of others' work for what is given away.
 
 mod arguments;
 mod house;
 mod ladder;
 mod list;
+mod map;
 mod needs;
 mod notices;
 mod place;

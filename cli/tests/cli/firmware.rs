@@ -224,7 +224,7 @@ fn bad_programs_are_told_of_and_the_world_goes_on() {
 
 #[test]
 fn a_run_says_how_long_the_rounds_of_the_main_loop_were() {
-    let robot = format!("{ROOT}/scenarios/firmware.toml");
+    let robot = format!("{ROOT}/catalogue/scenarios/firmware.toml");
     let summary: Value = serde_json::from_str(&good(&["run", &robot, "--seconds", "2", "--json"])).unwrap();
     let rounds = &summary["robots"][0]["chip"]["rounds"];
     // It asks for the time in eleven cycles, and each 20 ms it measures five voltages, and each 100 ms it writes a line.
@@ -244,7 +244,7 @@ fn a_run_says_how_long_the_rounds_of_the_main_loop_were() {
 
 #[test]
 fn check_lists_the_pins_and_draws_them() {
-    let robot = format!("{ROOT}/scenarios/firmware.toml");
+    let robot = format!("{ROOT}/catalogue/scenarios/firmware.toml");
     let text = good(&["check", &robot]);
     for expected in
         ["ATmega328P at 16 MHz", "A0 (PC0)", "sensors.ir_left", "motors.left.pwm", "its own language"]

@@ -38,7 +38,7 @@ impl Seeds {
         let problem = || Error::field("seeds", format!("`{text}` is not N, A..B or A,B,C"));
         let number =
             |text: &str| text.trim().parse().ok().filter(|&seed| seed <= MAX_SEED).ok_or_else(problem);
-        if let Some((first, last)) = text.split_once("../..") {
+        if let Some((first, last)) = text.split_once("..") {
             let (first, last) = (number(first)?, number(last)?);
             return if first <= last { Ok(Self::From(first, last)) } else { Err(problem()) };
         }

@@ -15,11 +15,13 @@ const PAGES: [(&str, &str); 3] = [
 fn each_test_that_a_page_names_is_there() {
     let mut functions = BTreeSet::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    for package in fs::read_dir(&root).unwrap().map(|entry| entry.unwrap().path()) {
-        if package.join("Cargo.toml").exists() {
-            ["src", "tests", "examples"]
-                .iter()
-                .for_each(|sources| collect(&package.join(sources), &mut functions));
+    for around in [root.join("crates"), root] {
+        for package in fs::read_dir(around).unwrap().map(|entry| entry.unwrap().path()) {
+            if package.join("Cargo.toml").exists() {
+                ["src", "tests", "examples"]
+                    .iter()
+                    .for_each(|sources| collect(&package.join(sources), &mut functions));
+            }
         }
     }
     assert!(functions.len() > 1000, "found only {} functions", functions.len());

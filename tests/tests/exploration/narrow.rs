@@ -1,5 +1,5 @@
 //! `explore` with bodies of other sizes, and in passages that are hardly wider than the body: samples of the table that
-//! `cargo run -p baudbot-tests --example explore_narrow` runs (CONTRIBUTING.md).
+//! `cargo run -p baudbot-tests --example explore_narrow` runs (docs/architecture/testing.md).
 
 use baudbot_tests::narrow::{Case, Outcome, Shape};
 

@@ -154,6 +154,7 @@ pub(crate) static SECTIONS: &[Section] = &[
 
     Section { name: "quick", rung: Rung::Asked, protects: "formatting, lints and tests of some crates", arguments: "CRATE…", needs: &[RUSTFMT, CLIPPY], check: rust::quick, ..PLAIN },
     Section { name: "learn", rung: Rung::Asked, protects: "policies that learn at fast and slow cables, for an hour", needs: &[Python], check: |shell, _| python::learn(shell), ..PLAIN },
+    Section { name: "map", rung: Rung::Asked, protects: "the picture of the crates in ARCHITECTURE.md; it is drawn anew", check: crate::map::write, ..PLAIN },
     Section { name: "notices", rung: Rung::Asked, protects: "the notices of others' work that builds of releases put into them", arguments: "[FOLDER]", check: crate::notices::write, ..PLAIN },
     Section { name: "licences", rung: Rung::Asked, protects: "a list of the licences of all that is built in", check: |shell, _| rust::cargo_deny(shell, &["list"]), ..PLAIN },
 ];

@@ -15,7 +15,7 @@ fn buf(shell: &Shell, words: &[&str]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The contract only grows: programs that were built with the last one go on. A release renews the file (CONTRIBUTING.md).
+/// The contract only grows: programs that were built with the last one go on. A release renews the file (docs/architecture/releases.md).
 pub(super) fn contract(shell: &Shell) -> Result<(), Failure> {
     buf(shell, &["lint", "proto"])?;
     buf(shell, &["breaking", "proto", "--against", "proto/released.binpb"])

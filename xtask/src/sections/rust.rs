@@ -5,7 +5,7 @@ use std::process::Command;
 use serde::Deserialize;
 
 use crate::shell::{Failure, Shell};
-use crate::{house, records, sections};
+use crate::{house, map, records, sections};
 
 /// A table of tests that take long.
 #[derive(Deserialize)]
@@ -24,6 +24,7 @@ pub(super) fn formatting(shell: &Shell) -> Result<(), Failure> {
 pub(super) fn structure(shell: &Shell) -> Result<(), Failure> {
     let root = &shell.place.root;
     let mut findings = house::findings(root)?;
+    findings.extend(map::finding(shell)?);
     findings.extend(sections::faults(&records::times(root)?, &records::greens(root)?));
     for package in ["baudbot-brain", "baudbot-client", "baudbot-brains"] {
         let mut command =
