@@ -3,11 +3,11 @@
 use anyhow::Context;
 use baudbot_brains::catalogue;
 use baudbot_client::{Client, Error, Summary};
-use baudbot_experiment::assignment::{self, AssignmentError};
+use baudbot_run::assignment::{self, AssignmentError};
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 
-pub(crate) use baudbot_experiment::assignment::{
+pub(crate) use baudbot_run::assignment::{
     Assigned, Assignment, DEFAULT, NONE, fitting_brain, is_for, named, sees,
 };
 

@@ -8,11 +8,12 @@ use std::sync::atomic::AtomicBool;
 use anyhow::Context;
 use baudbot_brains::catalogue;
 use baudbot_client::Body;
-use baudbot_experiment::{Seeds, assignment as experiment};
+use baudbot_experiment::Seeds;
 use baudbot_grade::junit::junit;
 use baudbot_grade::{Exercise, Grading, Options, Verdict, all, grade as grade_all};
 use baudbot_import::embedded;
-use baudbot_launch::{Output, Problem};
+use baudbot_run::assignment as run;
+use baudbot_run::programs::{Output, Problem};
 use baudbot_sim::Scenario;
 use serde_json::{Value, json};
 
@@ -126,7 +127,7 @@ fn assigned(
     for (i, brain) in exercise.brains.iter().enumerate() {
         // A fault of the file is not one of the command line.
         let own = [brain.clone(), NONE.to_owned()];
-        let checked = experiment::assign(&own, &scenario.robots)
+        let checked = run::assign(&own, &scenario.robots)
             .map_err(|error| error.to_string())
             .and_then(|own| check(&own, &scenario));
         checked.map_err(|error| Refused::error(format!("{name}: brains[{i}]: {error}")))?;

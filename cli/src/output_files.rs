@@ -6,10 +6,10 @@ use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use baudbot_experiment::assignment;
 use baudbot_import::embedded;
 use baudbot_import::kind::Kind;
 use baudbot_import::source;
+use baudbot_run::assignment;
 use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-use baudbot_learn as learn;
-use baudbot_learn::{Agent, Reward};
 use baudbot_plot::arena;
 use baudbot_plot::quantity::duration;
 use baudbot_plot::timing::{self, Diagram};
+use baudbot_run::learn;
+use baudbot_run::learn::{Agent, Reward};
 use baudbot_sim::World;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::intern;

@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use baudbot_learn::{self as learn, Arrays, Autoreset, Reward, Rewards, Seeds, Tally};
+use baudbot_run::learn::{self, Arrays, Autoreset, Reward, Rewards, Seeds, Tally};
 use numpy::{PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2};
 use pyo3::prelude::*;
 

@@ -1,6 +1,6 @@
 //! The native part of the Python package `baudbot`.
 //!
-//! It is glue: worlds are those of `baudbot_learn`, runs those of `baudbot_experiment`, and what is a decision is made there. The Python
+//! It is glue: worlds are those of `baudbot_run::learn`, runs those of `baudbot_experiment`, and what is a decision is made there. The Python
 //! modules in `python/package` are what users call; `_native.pyi` has the types of what is here. While a world is stepped the
 //! interpreter is free for other threads.
 

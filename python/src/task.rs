@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use baudbot_import::source::Source;
-use baudbot_learn::{self as learn, Draw, LearnError, Request, Reward, Tally, Varied};
+use baudbot_run::learn::{self, Draw, LearnError, Request, Reward, Tally, Varied};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -4,7 +4,7 @@
 pub mod narrow;
 pub mod system;
 
-pub use baudbot_experiment::in_process::InProcess;
+pub use baudbot_run::in_process::InProcess;
 
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;

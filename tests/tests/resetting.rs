@@ -5,10 +5,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use baudbot_client::{Action, Body, Brain, Client, EachRun, Robot, Signals, Turn, run_fleet};
-use baudbot_experiment::assignment::{Assignment, AttachedBrains};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_recording::{RecordedRun, Replay};
+use baudbot_run::assignment::{Assignment, AttachedBrains};
 use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
 use baudbot_tests::system::{client, operator, serve};
 use baudbot_tests::{WANDER, crowd, scenario};

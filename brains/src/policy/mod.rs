@@ -1,5 +1,5 @@
 //! A policy: a small network that turns readings into signals, as a program has learnt it in an environment (crate
-//! `baudbot-learn`, `baudbot.gym` in Python).
+//! `baudbot-run`, `baudbot.gym` in Python).
 //!
 //! It has what an environment observes, in the same order and as coarsely, and answers when an environment would: at each
 //! turn with a message, and after a second without any.

@@ -3,8 +3,8 @@
 use clap::ValueEnum;
 use serde::Serialize;
 
-use baudbot_experiment::assignment;
-use baudbot_launch::EXEC;
+use baudbot_run::assignment;
+use baudbot_run::programs::EXEC;
 
 use super::{PaceName, RunArgs};
 use crate::error::Refused;

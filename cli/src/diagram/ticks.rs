@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::anyhow;
-use baudbot_experiment::in_process::InProcess;
 use baudbot_experiment::served::Served;
 use baudbot_recording::{RecordedRun, Replay, Watched};
+use baudbot_run::in_process::InProcess;
 use baudbot_sim::chip::{News, Scope};
 use baudbot_sim::{Scenario, World};
 

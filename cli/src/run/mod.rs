@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow};
-use baudbot_launch::Output;
+use baudbot_run::programs::Output;
 use baudbot_scenario::Override;
 use baudbot_server::{OnTick, Pace, WorldConfig};
 use baudbot_sim::{Scenario, SimTime, World};

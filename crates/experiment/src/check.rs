@@ -13,14 +13,14 @@ use baudbot_fields::Cause;
 use baudbot_scenario::ScenarioError;
 use baudbot_sim::Scenario;
 
-use crate::assignment::{self, Assigned, AssignmentError};
 use crate::design::Cell;
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::factor::{Choice, Level, Setting};
 use crate::run_record::Task;
 use crate::setup::{self, Setup, SetupError};
-use crate::suggest::UnknownName;
+use baudbot_run::UnknownName;
+use baudbot_run::assignment::{self, Assigned, AssignmentError};
 
 /// Refuses an experiment whose scenario, brain or paths are not there, or whose runs would never end.
 ///
@@ -168,7 +168,7 @@ fn missing<'a>(
     let (path, problem, cause) = match error {
         SetupError::Scenario(ScenarioError::Field { path, problem, cause }) => (path, problem, cause),
         SetupError::Parameter(unknown) => {
-            return by(&|setting| name(setting) == unknown.name, unknown.to_string());
+            return by(&|setting| name(setting) == unknown.name(), unknown.to_string());
         }
         SetupError::Brain(AssignmentError::Brain(error)) => {
             let CatalogueError::Brain { name: unknown, .. } = error else { return None };

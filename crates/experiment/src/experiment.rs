@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use baudbot_launch::{EXEC, Lifetime};
+use baudbot_run::programs::{EXEC, Lifetime};
 use toml::Value;
 
-use crate::assignment;
 use crate::design::{Cell, Design};
 use crate::error::Error;
 use crate::factor::{Choice, Field, Setting};
@@ -15,8 +14,9 @@ use crate::raw::{self, ChartKind, Wants};
 use crate::run_record::{self, Row, Task};
 use crate::seeds::Seeds;
 use crate::success::Success;
-use crate::suggest::UnknownName;
 use crate::tuning::Tuning;
+use baudbot_run::UnknownName;
+use baudbot_run::assignment;
 
 /// An experiment. Made by parsing only; whether its paths exist is found by [`check`](crate::check()).
 #[derive(Clone, Debug, PartialEq)]

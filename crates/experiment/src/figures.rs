@@ -6,7 +6,7 @@
 use baudbot_sim::World;
 
 use crate::metrics::{Ages, Counted, RobotCounted};
-use crate::suggest::UnknownName;
+use baudbot_run::UnknownName;
 
 /// A figure of merit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,14 +3,14 @@
 use std::fmt::Write;
 
 use baudbot_brains::catalogue;
-use baudbot_launch::Lifetime;
+use baudbot_run::programs::Lifetime;
 
-use crate::assignment;
 use crate::experiment::Experiment;
 use crate::figures::INFOS;
-use crate::in_process::InProcess;
 use crate::metrics::Counted;
 use crate::run_record::Ran;
+use baudbot_run::assignment;
+use baudbot_run::in_process::InProcess;
 
 /// Equal for experiments whose runs are the same, run by run. Reports and charts make no difference.
 pub(crate) fn fingerprint(experiment: &Experiment) -> String {

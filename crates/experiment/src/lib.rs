@@ -4,9 +4,8 @@
 //!
 //! 1. An [`Experiment`] is what an experiment file says, checked; `raw` is what may stand in such a file, `factor` a
 //!    field with its values, `design` which of their combinations are run. [`check`] finds paths that lead nowhere.
-//! 2. [`assignment`] says which brain drives which robot. [`in_process`] is a world and its brains in one thread; `local_runner` makes a
-//!    [`Row`] of one run of it, `remote` of one on a server, with the [`figures`] of `metrics`. [`served`] is a run on a server that is watched tick
-//!    by tick.
+//! 2. `setup` is the scenario of a run, with the brain of each robot. `local_runner` makes a [`Row`] of a run in this process, `remote` of one
+//!    on a server, with the [`figures`] of `metrics`. [`served`] is a run on a server that is watched tick by tick.
 //! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
 //!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell. A [`Shard`] is the share of
 //!    one of many machines; [`merge()`] makes of their journals what one machine would have made.
@@ -14,7 +13,6 @@
 //! 5. [`chart`] says what charts show, and `baudbot_plot` draws them; `columnar` writes Parquet, if the feature `parquet` is
 //!    on. The optimizers of [`mod@tune`] need the feature `tune`.
 
-pub mod assignment;
 pub mod chart;
 mod check;
 #[cfg(feature = "parquet")]
@@ -30,7 +28,6 @@ pub mod find;
 mod fingerprint;
 mod goal;
 mod ids;
-pub mod in_process;
 mod journal;
 mod local_runner;
 mod merge;
@@ -53,7 +50,6 @@ mod setup;
 mod shard;
 pub mod statistics;
 mod success;
-mod suggest;
 pub mod summary;
 mod sweep;
 pub mod table;
@@ -79,7 +75,6 @@ pub use run_record::{Ran, Row, Task};
 pub use seeds::Seeds;
 pub use shard::{Shard, ShardError};
 pub use success::{Condition, Conditions, Quantity, Success};
-pub use suggest::UnknownName;
 pub use sweep::{Options, Swept, sweep};
 pub use told::Told;
 pub use tune::{Tuned, tune};

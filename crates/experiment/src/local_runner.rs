@@ -4,10 +4,10 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::experiment::Experiment;
-use crate::in_process;
 use crate::metrics::Counted;
 use crate::run_record::{Ran, Row, Task};
 use crate::setup::Setup;
+use baudbot_run::in_process;
 
 /// Does a run with brains of the catalogue; others need a server ([`Workers`](crate::Workers)). Whatever goes wrong in it, a panic too, is the row's error, and touches no other run: a run shares nothing
 /// with others but the experiment, which never changes.

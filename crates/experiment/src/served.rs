@@ -11,11 +11,11 @@ use baudbot_server::{Lockstep, Pace, WorldConfig};
 use baudbot_sim::{Scenario, World};
 use tokio::sync::oneshot;
 
-use crate::assignment::Assigned;
 use crate::error::Error;
 use crate::private_server::PrivateServer;
 use crate::remote::{Host, Remote};
 use crate::setup::Setup;
+use baudbot_run::assignment::Assigned;
 
 /// A run that is under way, in lockstep. It is given up when this is dropped: then its programs end, too.
 pub struct Served<T> {

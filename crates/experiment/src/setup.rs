@@ -3,11 +3,11 @@
 use baudbot_scenario::{Override, ScenarioError};
 use baudbot_sim::Scenario;
 
-use crate::assignment::{self, Assigned, AssignmentError};
 use crate::experiment::Experiment;
 use crate::factor::Setting;
 use crate::run_record::Task;
-use crate::suggest::UnknownName;
+use baudbot_run::UnknownName;
+use baudbot_run::assignment::{self, Assigned, AssignmentError};
 
 /// A run that can be done.
 pub(crate) struct Setup {

@@ -7,7 +7,7 @@ use toml::Table;
 use crate::error::Error;
 use crate::factor::number;
 use crate::figures::{Figure, Figures};
-use crate::suggest::UnknownName;
+use baudbot_run::UnknownName;
 
 /// Conditions on figures, of which there is at least one.
 pub type Success = Conditions<Figure>;

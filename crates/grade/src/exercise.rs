@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
-use baudbot_experiment::assignment::{self, NONE};
-use baudbot_experiment::{Conditions, Error, Seeds, UnknownName};
+use baudbot_experiment::{Conditions, Error, Seeds};
 use baudbot_geometry::Point;
+use baudbot_run::UnknownName;
+use baudbot_run::assignment::{self, NONE};
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
 

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use baudbot_experiment::Error;
-use baudbot_experiment::assignment::Assigned;
+use baudbot_run::assignment::Assigned;
 
 use crate::exercise::Exercise;
 use crate::grading::Grading;

@@ -1,7 +1,8 @@
 //! Measures: the numbers of a run that criteria and advice are about.
 
+use baudbot_experiment::Quantity;
 use baudbot_experiment::figures::{Figure, INFOS};
-use baudbot_experiment::{Quantity, UnknownName};
+use baudbot_run::UnknownName;
 
 /// A number of a run. A measure that does not apply to a run is missing, and keeps no limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

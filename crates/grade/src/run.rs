@@ -4,8 +4,8 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use baudbot_experiment::Error;
-use baudbot_experiment::assignment::{Assigned, START_PATIENCE};
 use baudbot_experiment::served::{Next, Served};
+use baudbot_run::assignment::{Assigned, START_PATIENCE};
 use baudbot_sim::{Ending, World};
 
 use crate::exercise::{Exercise, Limits};

@@ -5,8 +5,8 @@ use baudbot_sim::Scenario;
 use baudbot_sim::model::Writes;
 use baudbot_sim::robot::Exceptions;
 
-use crate::assignment::{Assigned, Assignment};
-use crate::in_process;
+use baudbot_run::assignment::{Assigned, Assignment};
+use baudbot_run::in_process;
 
 /// A robot that any brain of the catalogue can drive, on its cable.
 fn robot(cable: &str) -> String {

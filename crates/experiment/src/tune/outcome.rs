@@ -8,13 +8,13 @@ use baudbot_fields::printable::PrintableLines;
 use baudbot_plot::chart::progress::{self, Progress};
 use serde_json::{Value, json};
 
-use crate::assignment;
 use crate::chart;
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::factor::{Choice, Field, Setting};
 use crate::goal::Goal;
 use crate::outputs::{Content, Folder};
+use baudbot_run::assignment;
 
 use super::candidate::{Candidate, Outcome, levels};
 use super::plan::ranges;

@@ -3,7 +3,7 @@
 use baudbot_sim::Scenario;
 use serde::{Deserialize, Serialize};
 
-use crate::error::LearnError;
+use crate::learn::error::LearnError;
 
 /// What happened in a step: the truth, for rewards, never for brains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -9,8 +9,8 @@ use baudbot_sim::{Answer, SimTime, Turn, World, Written};
 use serde::{Deserialize, Serialize};
 use smallvec::{SmallVec, smallvec};
 
-use crate::error::LearnError;
-use crate::layout::Layout;
+use crate::learn::error::LearnError;
+use crate::learn::layout::Layout;
 
 /// An agent of an environment.
 ///

@@ -5,7 +5,7 @@
 
 use std::fs;
 
-use crate::error::LearnError;
+use crate::learn::error::LearnError;
 
 /// What so many worlds will need.
 #[derive(Clone, Copy, Debug)]

@@ -2,8 +2,8 @@
 
 use baudbot_sim::Ending;
 
-use crate::env::Env;
-use crate::error::LearnError;
+use crate::learn::env::Env;
+use crate::learn::error::LearnError;
 
 /// Which run an environment is in.
 #[derive(Clone, Debug, Default)]

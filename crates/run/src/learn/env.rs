@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use baudbot_experiment::in_process::{Driver, Output};
+use crate::in_process::{Driver, Output};
 use baudbot_sim::{Answer, Ending, Turn, World};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
-use crate::agent::{Agent, Choice, SavedAgent};
-use crate::error::LearnError;
-use crate::reward::Tally;
-use crate::task::Task;
+use crate::learn::agent::{Agent, Choice, SavedAgent};
+use crate::learn::error::LearnError;
+use crate::learn::reward::Tally;
+use crate::learn::task::Task;
 
 /// An environment.
 ///

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use baudbot_fields::printable::Printable;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt, stderr};
 
-use crate::task::Output;
+use crate::programs::task::Output;
 
 /// The end of what a program has printed to its standard output and its standard error.
 #[derive(Clone, Debug, Default)]

@@ -14,9 +14,9 @@ use tokio::process::{Child, ChildStdin, Command};
 use tokio::task::JoinHandle;
 use tokio::time::timeout;
 
-use crate::failure::{Failure, Problem};
-use crate::kept::{From, Kept};
-use crate::task::{Lifetime, Task};
+use crate::programs::failure::{Failure, Problem};
+use crate::programs::kept::{From, Kept};
+use crate::programs::task::{Lifetime, Task};
 
 /// A program that was started. When this is dropped, it and all its children are killed.
 #[derive(Debug)]

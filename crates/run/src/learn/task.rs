@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use baudbot_experiment::assignment::{self, Assignment};
-use baudbot_experiment::in_process::Driver;
+use crate::assignment::{self, Assignment};
+use crate::in_process::Driver;
 use baudbot_import::source::Source;
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 
-use crate::error::LearnError;
-use crate::layout::Layout;
-use crate::vary::Varied;
+use crate::learn::error::LearnError;
+use crate::learn::layout::Layout;
+use crate::learn::vary::Varied;
 
 /// What is asked for.
 #[derive(Clone, Debug, Default)]

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use baudbot_launch::{Crew, Failure, Held, Idle, Lifetime, Problem, Program, Task};
+use baudbot_run::programs::{Crew, Failure, Held, Idle, Lifetime, Problem, Program, Task};
 
 fn task(program: &str) -> Task {
     Task::new(Program::parse(program).unwrap(), vec!["alice".to_owned()])

@@ -8,16 +8,24 @@
 //!
 //! Only a command line and a file that the user names may start programs. Nothing that comes over a network does.
 
+#[cfg(feature = "programs")]
 mod crew;
+#[cfg(feature = "programs")]
 mod failure;
+#[cfg(feature = "programs")]
 mod kept;
+#[cfg(feature = "programs")]
 mod process;
+#[cfg(feature = "programs")]
 mod processor_clock;
 mod program;
 mod task;
 
+#[cfg(feature = "programs")]
 pub use crew::{Crew, Held, Idle};
+#[cfg(feature = "programs")]
 pub use failure::{Failure, Problem};
+#[cfg(feature = "programs")]
 pub use processor_clock::ProcessorClock;
 pub use program::{BadProgram, EXEC, Program};
 pub use task::{Lifetime, Output, Task};

@@ -89,8 +89,8 @@ mod tests {
         assert_eq!(words(" "), Err(BadProgram::Empty));
         assert_eq!(words("''"), Err(BadProgram::Empty));
         assert_eq!(words("a 'b"), Err(BadProgram::Quotes("a 'b".to_owned())));
-        let files = Program::parse("src/lib.rs -x src").unwrap().in_folder("../launch".into()).files();
-        assert_eq!(files, [Path::new("../launch/src/lib.rs")]);
+        let files = Program::parse("src/lib.rs -x src").unwrap().in_folder("../run".into()).files();
+        assert_eq!(files, [Path::new("../run/src/lib.rs")]);
         assert_eq!(Program::of_brain("avoid"), None);
         assert_eq!(Program::of_brain("exec:a b").unwrap().unwrap().to_string(), "a b");
     }

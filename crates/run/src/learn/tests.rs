@@ -1,13 +1,13 @@
 use std::sync::Arc;
 
 use baudbot_brain::{Action, Brain, Turn};
-use baudbot_experiment::in_process::InProcess;
 use baudbot_import::source::Source;
 
-use crate::run::episode_seed;
-use crate::{
+use super::run::episode_seed;
+use super::{
     Arrays, Autoreset, Draw, Env, Fleet, LearnError, Request, Reward, Rewards, Seeds, Tally, Task, Varied,
 };
+use crate::in_process::InProcess;
 
 /// On, more slowly the nearer something is, and to the left before what is too near.
 fn steer(nearest: f64) -> [f64; 2] {

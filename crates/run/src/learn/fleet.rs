@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::env::{Env, Stepped};
-use crate::error::LearnError;
-use crate::layout::Layout;
-use crate::memory::Need;
-use crate::reward::{Reward, Tally};
-use crate::run::{Info, Run, seed_of};
-use crate::task::Task;
-use crate::threads::Threads;
+use crate::learn::env::{Env, Stepped};
+use crate::learn::error::LearnError;
+use crate::learn::layout::Layout;
+use crate::learn::memory::Need;
+use crate::learn::reward::{Reward, Tally};
+use crate::learn::run::{Info, Run, seed_of};
+use crate::learn::task::Task;
+use crate::learn::threads::Threads;
 
 /// When an environment whose run is over begins another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::error::LearnError;
+use crate::learn::error::LearnError;
 
 /// The thread that calls, and others if there are to be more.
 pub(crate) struct Threads {

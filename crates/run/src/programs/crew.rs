@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use tokio::time::{Instant, sleep};
 
-use crate::failure::{Failure, Problem};
-use crate::process::Process;
-use crate::processor_clock::ProcessorClock;
-use crate::program::Program;
-use crate::task::{Lifetime, Task};
+use crate::programs::failure::{Failure, Problem};
+use crate::programs::process::Process;
+use crate::programs::processor_clock::ProcessorClock;
+use crate::programs::program::Program;
+use crate::programs::task::{Lifetime, Task};
 
 /// The programs that drive robots of a world.
 #[derive(Debug, Default)]

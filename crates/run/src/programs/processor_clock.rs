@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use rustix::process::Pid;
 
-/// The processor time that the programs of a run have used, each with its children. It knows none before a [`Crew`](crate::Crew)
+/// The processor time that the programs of a run have used, each with its children. It knows none before a [`Crew`](crate::programs::Crew)
 /// has told it.
 #[derive(Clone, Debug, Default)]
 pub struct ProcessorClock(Arc<Mutex<Vec<Program>>>);

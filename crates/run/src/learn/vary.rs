@@ -4,7 +4,7 @@ use baudbot_scenario::Override;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::error::LearnError;
+use crate::learn::error::LearnError;
 
 /// A field that is varied.
 #[derive(Clone, Debug, PartialEq)]

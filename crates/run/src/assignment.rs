@@ -6,12 +6,15 @@ use std::time::Duration;
 
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_client::{Brain, Client, Error, Fleet, Summary, run_fleet};
-use baudbot_launch::{BadProgram, EXEC, Held, Program, Task};
+#[cfg(feature = "programs")]
 use baudbot_proto::v1;
 use baudbot_sim::model::{RobotModel, RobotSpec, Writes};
 use baudbot_sim::sensor::Device;
 use wildmatch::WildMatch;
 
+#[cfg(feature = "programs")]
+use crate::programs::Held;
+use crate::programs::{BadProgram, EXEC, Program, Task};
 use crate::suggest::UnknownName;
 
 /// Who drives the robots of a scenario.
@@ -92,6 +95,7 @@ impl Assigned {
     }
 
     /// Which robots of a world are held, and whether they are to be.
+    #[cfg(feature = "programs")]
     pub fn held(&self, status: &v1::WorldStatus) -> Vec<Held> {
         let held = |robot: &v1::RobotStatus| Held {
             robot: robot.robot.clone(),

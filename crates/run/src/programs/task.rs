@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use crate::program::Program;
+use crate::programs::program::Program;
 
 /// A program, and the robots that it is to drive.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! What can be wrong with a task, an action or a reward.
 
-use baudbot_experiment::assignment::AssignmentError;
-use baudbot_experiment::in_process::InProcessError;
+use crate::assignment::AssignmentError;
+use crate::in_process::InProcessError;
 use baudbot_import::source::SourceError;
 use baudbot_scenario::ScenarioError;
 

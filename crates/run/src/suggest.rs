@@ -9,7 +9,7 @@ use baudbot_fields::Cause;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct UnknownName {
     kind: &'static str,
-    pub(crate) name: String,
+    name: String,
     known: Vec<String>,
 }
 
@@ -18,6 +18,11 @@ impl UnknownName {
     pub fn new(kind: &'static str, name: &str, known: &[&str]) -> Self {
         let known = known.iter().copied().map(str::to_owned).collect();
         Self { kind, name: name.to_owned(), known }
+    }
+
+    /// The name that is not there.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// The name that is not there, if that is what is wrong.
