@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context;
-use baudbot_grade::junit::{self, Pupil};
-use baudbot_grade::{Exercise, Grading, Options, Verdict, grade};
+use baudbot_experiment::grade::junit::{self, Pupil};
+use baudbot_experiment::grade::{Exercise, Grading, Options, Verdict, grade};
 use serde_json::{Value, json};
 
 use crate::args::GradeArgs;

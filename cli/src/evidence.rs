@@ -4,8 +4,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::Context;
-use baudbot_evidence::page::{File, page, short};
-use baudbot_evidence::{Compared, Comparison, comparisons};
+use baudbot_experiment::evidence::page::{File, page, short};
+use baudbot_experiment::evidence::{Compared, Comparison, comparisons};
 use serde_json::{Value, json};
 
 use crate::args::EvidenceArgs;

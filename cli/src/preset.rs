@@ -1,6 +1,6 @@
 //! `baudbot preset`: what robots and parts there are, and where their numbers are from.
 
-use baudbot_evidence::known;
+use baudbot_experiment::evidence::known;
 use baudbot_scenario::presets::{self, Fact, Preset, PresetKind, presets};
 use serde_json::{Value, json};
 

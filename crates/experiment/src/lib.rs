@@ -12,6 +12,8 @@
 //! 4. [`find`] looks for the value at which a brain just succeeds, [`mod@tune`] for the numbers with which it does best.
 //! 5. [`chart`] says what charts show, and `baudbot_plot` draws them; `columnar` writes Parquet, if the feature `parquet` is
 //!    on. The optimizers of [`mod@tune`] need the feature `tune`.
+//! 6. [`grade`] holds what a brain did in an exercise against criteria that are worth points, [`evidence`] presets against measurements
+//!    of real robots.
 
 pub mod chart;
 mod check;
@@ -21,12 +23,14 @@ mod csv_table;
 pub mod design;
 mod error;
 mod estimate;
+pub mod evidence;
 mod experiment;
 pub mod factor;
 pub mod figures;
 pub mod find;
 mod fingerprint;
 mod goal;
+pub mod grade;
 mod ids;
 mod journal;
 mod local_runner;

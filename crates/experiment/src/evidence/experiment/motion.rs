@@ -1,0 +1,158 @@
+//! Motion after a command.
+
+use std::f64::consts::TAU;
+
+use baudbot_brain::{Body, RawCommands};
+use baudbot_sim::drive::Wheels;
+use baudbot_sim::motor::Motors;
+use baudbot_sim::{Answer, World, Written};
+use serde::Deserialize;
+
+use super::{ExperimentError, lab};
+use crate::evidence::at::At;
+
+/// A robot that is told to turn on the spot.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TurnStep {
+    /// The preset of the robot.
+    pub preset: String,
+    /// The signal of the right wheel; the left one has its opposite.
+    pub signal: f64,
+    /// Number of specimens.
+    pub specimens: u64,
+}
+
+/// When a turn is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Instant {
+    /// It has begun: 2 % of the final rate.
+    Begin,
+    /// It has 1 − 1/e of the final rate.
+    TimeConstant,
+}
+
+/// A robot that drives from a standstill.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Speed {
+    /// The preset of the robot.
+    pub preset: String,
+    /// What full speed is in the units that the points are in.
+    pub full: f64,
+    /// Time after which the distance is taken, in seconds.
+    pub seconds: f64,
+}
+
+/// Steps of a stepper motor.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepRate {
+    /// The preset of the robot.
+    pub preset: String,
+}
+
+impl TurnStep {
+    /// Times from when the command is written until the robot does what `name` says, in milliseconds.
+    pub(super) fn run(&self, name: &str) -> Result<Vec<f64>, ExperimentError> {
+        let share = match instant(name)? {
+            Instant::Begin => 0.02,
+            Instant::TimeConstant => 1.0 - (-1.0_f64).exp(),
+        };
+        let worlds = lab::specimens(&empty(&self.preset, 1.0), self.specimens)?;
+        Ok(worlds.filter_map(|world| self.time_to(world, share)).collect())
+    }
+
+    fn time_to(&self, world: World, share: f64) -> Option<f64> {
+        let mut driven = Driven::new(world);
+        driven.run(1.0, None);
+        let start = driven.world.time();
+        let signals = Wheels { left: -self.signal, right: self.signal };
+        let mut rates = Vec::new();
+        for _ in 0..2000 {
+            driven.tick(rates.is_empty().then_some(signals));
+            let ms = driven.world.time().since(start) as f64 * 1e-6;
+            rates.push((ms, driven.world.robot(0).motion().turn_rate_rad_s));
+        }
+        let last = rates.last()?.1;
+        rates.into_iter().find(|(_, rate)| *rate >= share * last).map(|(ms, _)| ms)
+    }
+}
+
+fn instant(name: &str) -> Result<Instant, ExperimentError> {
+    match name {
+        "begins to turn" => Ok(Instant::Begin),
+        "has 63 % of its rate" => Ok(Instant::TimeConstant),
+        other => Err(ExperimentError::At {
+            expected: "`begins to turn` or `has 63 % of its rate`",
+            at: At::Name(other.into()),
+        }),
+    }
+}
+
+impl Speed {
+    /// The mean speed in mm/s at a command in the robot's own unit.
+    pub(super) fn run(&self, command: f64) -> Result<Vec<f64>, ExperimentError> {
+        let signal = command / self.full;
+        let worlds = lab::specimens(&empty(&self.preset, 10.0), 1)?;
+        let speed = |world| {
+            let mut driven = Driven::new(world);
+            driven.run(self.seconds, Some(Wheels { left: signal, right: signal }));
+            driven.world.robot(0).counters().distance_m / self.seconds * 1e3
+        };
+        Ok(worlds.map(speed).collect())
+    }
+}
+
+impl StepRate {
+    /// Steps a second of a wheel that was told to do so many.
+    pub(super) fn run(&self, rate: f64) -> Result<Vec<f64>, ExperimentError> {
+        let mut rates = Vec::new();
+        for world in lab::specimens(&empty(&self.preset, 10.0), 1)? {
+            let Motors::Stepper(stepper) = &world.robot(0).spec().drive.motor else { continue };
+            let (steps_per_turn, full) = (stepper.steps_per_turn, stepper.full_rate_steps_s);
+            let mut driven = Driven::new(world);
+            let signal = rate / full;
+            driven.run(2.0, Some(Wheels { left: signal, right: signal }));
+            rates.push(driven.world.robot(0).motion().wheel_speed_rad_s.left / TAU * steps_per_turn);
+        }
+        Ok(rates)
+    }
+}
+
+fn empty(preset: &str, step_ms: f64) -> String {
+    format!("step_ms = {step_ms:?}\n[[robots]]\nname = \"robot\"\npreset = \"{preset}\"\n")
+}
+
+/// A robot that is driven through its cable.
+struct Driven {
+    world: World,
+    commands: RawCommands,
+}
+
+impl Driven {
+    fn new(world: World) -> Self {
+        let body = Body::from(world.robot(0).spec());
+        let commands = RawCommands::new(&body).expect("the scenario was read, so its messages fit the wire");
+        Self { world, commands }
+    }
+
+    /// A tick, in whose turn the brain writes a command, if there is one.
+    fn tick(&mut self, wheels: Option<Wheels>) {
+        let turn = self.world.begin().first().copied();
+        let Some((turn, wheels)) = turn.zip(wheels) else {
+            return self.world.finish(&[]);
+        };
+        let sequence = self.commands.next_command(&[]);
+        let written = Written::Command { sequence, wheels, others: &[] };
+        self.world.finish_answers(&[Answer { robot: 0, at: turn.at, written }]);
+    }
+
+    /// So many seconds, with a command in each tick.
+    fn run(&mut self, seconds: f64, wheels: Option<Wheels>) {
+        let end_ns = (seconds * 1e9) as u64 + self.world.time().as_ns();
+        while self.world.time().as_ns() < end_ns {
+            self.tick(wheels);
+        }
+    }
+}
