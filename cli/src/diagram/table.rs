@@ -6,10 +6,10 @@ use std::fmt::Write;
 use baudbot_plot::quantity::count;
 use baudbot_plot::text::columns;
 use baudbot_plot::timing::{Shot, has_lane, is_in, ms, printable, pulses_in_words, turns_in_words, what};
+use baudbot_plot::trace::Lane;
 use baudbot_sim::chip::{Level, Line, Net, Pulses, Shown, Stretch};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::Event;
-use baudbot_trace::Lane;
 
 use super::parts::{self, Deed};
 use super::record::{Kept, Window};

@@ -3,12 +3,12 @@
 use std::io;
 use std::sync::Arc;
 
+use baudbot_plot::trace::{Lane, words};
 use baudbot_proto::v1::{RecordedEvent, ReplayEventKind};
 use baudbot_recording::RecordedRun;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
 use baudbot_sim::{SimTime, World};
-use baudbot_trace::{Lane, words};
 
 use super::Out;
 use super::pass::Sink;

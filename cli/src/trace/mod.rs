@@ -4,8 +4,8 @@ mod pins;
 
 use std::io::{self, BufWriter, Write};
 
+use baudbot_plot::trace::TraceWriter;
 use baudbot_sim::{SimTime, World};
-use baudbot_trace::TraceWriter;
 use tokio::sync::oneshot;
 
 use self::pins::Pins;

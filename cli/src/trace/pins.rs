@@ -4,10 +4,10 @@
 use std::io::{self, Write};
 
 use baudbot_plot::timing::{printable, pulses_in_words, turns_in_words};
+use baudbot_plot::trace::TraceWriter;
 use baudbot_sim::chip::{Board, Level, Line, News, Scope, Shown, Stretch};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{RobotView, SimTime};
-use baudbot_trace::TraceWriter;
 
 /// The pins of a robot.
 pub(super) struct Pins {

@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::trace::{Lane as Who, words};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
-use baudbot_trace::{Lane as Who, words};
 
 use super::axis::ms;
 use super::class::Class;

@@ -5,7 +5,7 @@ use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Sensor;
 use baudbot_sim::timeline::What;
 
-use crate::words;
+use super::words;
 
 /// A line of a timing diagram. The order is that in which a reading goes round: from the sensors to the brain and back
 /// to the motors. Sensors and faults go by their places on the robot.

@@ -7,8 +7,8 @@ use baudbot_sim::{Scenario, SimTime};
 use proptest::prelude::*;
 use prost::Message;
 
-use crate::TraceWriter;
-use crate::packet::{COUNTER, INSTANT, SLICE_BEGIN, SLICE_END, TracePacket};
+use super::TraceWriter;
+use super::packet::{COUNTER, INSTANT, SLICE_BEGIN, SLICE_END, TracePacket};
 
 /// `Trace` of the format.
 #[derive(Clone, PartialEq, Message)]
@@ -71,7 +71,7 @@ fn signals_of_a_chip_have_tracks_of_slices_and_of_numbers() {
 /// Names of the tracks by their numbers.
 fn tracks(trace: &Trace) -> BTreeMap<u64, String> {
     let descriptors = trace.packets.iter().filter_map(|packet| packet.track_descriptor.as_ref());
-    let name = |process: Option<&crate::packet::ProcessDescriptor>| process?.process_name.clone();
+    let name = |process: Option<&super::packet::ProcessDescriptor>| process?.process_name.clone();
     descriptors
         .map(|track| {
             let name = track.name.clone().or_else(|| name(track.process.as_ref()));

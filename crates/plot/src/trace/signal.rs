@@ -4,11 +4,11 @@ use std::io::{self, Write};
 
 use baudbot_sim::SimTime;
 
-use crate::packet::{
+use super::packet::{
     COUNTER, CounterDescriptor, NO_MERGE, SLICE_BEGIN, SLICE_END, TracePacket, TrackDescriptor, TrackEvent,
 };
-use crate::track::MOST;
-use crate::writer::{TraceWriter, named, packet, process};
+use super::track::MOST;
+use super::writer::{TraceWriter, named, packet, process};
 
 impl<W: Write> TraceWriter<W> {
     /// Something is on a signal of a robot's chip, which goes by its place among

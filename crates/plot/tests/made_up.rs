@@ -4,9 +4,9 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
+use baudbot_plot::trace::TraceWriter;
 use baudbot_sim::SimTime;
 use baudbot_sim::timeline::{Event, What};
-use baudbot_trace::TraceWriter;
 
 #[test]
 fn a_trace_for_perfettos_own_schema() {

@@ -11,12 +11,12 @@ use baudbot_sim::SimTime;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
 
-use crate::packet::{
+use super::packet::{
     DebugAnnotation, EXPLICIT, INCREMENTAL_STATE_CLEARED, INSTANT, NO_MERGE, ProcessDescriptor, SLICE_BEGIN,
     SLICE_END, TracePacket, TrackDescriptor, TrackEvent,
 };
-use crate::track::{MOST, Place, Tracks};
-use crate::{Lane, words};
+use super::track::{MOST, Place, Tracks};
+use super::{Lane, words};
 
 /// Writes a trace for Perfetto: each robot is a process there, each of its lanes a track. Times are simulated ones, in
 /// nanoseconds since the start of the run.
