@@ -1,6 +1,6 @@
 //! The gRPC contract of baudbot.
 //!
-//! [`v1`] is generated (`proto/generate`) from `baudbot/v1/*.proto`, which also holds its documentation. Any language's gRPC
+//! [`v1`] is generated (`proto/examples/generate.rs`) from `baudbot/v1/*.proto`, which also holds its documentation. Any language's gRPC
 //! tools can be given those files. The feature `services` (a default) adds the services' clients and servers to the messages,
 //! `brain` adds `convert`, between the contract and what a brain sees and does.
 

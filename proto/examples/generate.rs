@@ -1,8 +1,9 @@
-//! Makes `proto/src/generated` from `proto/baudbot/v1`, and what `bench` needs for its ping-pong: `cargo run -p
-//! baudbot-proto-generate`.
+//! Makes `proto/src/generated` from `proto/baudbot/v1`, and what `bench` needs for its ping-pong: `cargo run -p baudbot-proto
+//! --example generate`.
 //!
 //! What it makes is committed, so that a build of baudbot compiles no compilers. The contract is compiled by protox, which
-//! is Rust: no `protoc` is needed.
+//! is Rust: no `protoc` is needed. The example is linked with what was generated before: if that does not compile, as after a
+//! merge, `git checkout HEAD proto/src/generated` comes first.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -56,7 +57,7 @@ fn main() -> anyhow::Result<()> {
 
 /// The project's root.
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
 impl Contract {
@@ -95,7 +96,11 @@ mod tests {
                 let [made, committed] =
                     [folder.path(), &root().join(contract.generated)].map(|folder| folder.join(file));
                 let is_same = fs::read(&made).unwrap() == fs::read(&committed).unwrap_or_default();
-                assert!(is_same, "{} is old: cargo run -p baudbot-proto-generate", committed.display());
+                assert!(
+                    is_same,
+                    "{} is old: cargo run -p baudbot-proto --example generate",
+                    committed.display()
+                );
             }
         }
     }
