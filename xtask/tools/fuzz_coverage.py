@@ -77,8 +77,8 @@ def main() -> None:
     instrumented = {"RUSTFLAGS": "-C instrument-coverage", "CARGO_TARGET_DIR": str(BUILT)}
     # What runs while it is built counts nothing that anybody wants.
     building = instrumented | {"LLVM_PROFILE_FILE": "/dev/null"}
-    run("cargo", "build", "--locked", "-p", "baudbot-fuzz", **building)
-    program = str(BUILT / "debug" / "baudbot-fuzz")
+    run("cargo", "build", "--locked", "-p", "baudbot-tests", "--example", "fuzz", **building)
+    program = str(BUILT / "debug" / "examples" / "fuzz")
     quiet = {"LLVM_PROFILE_FILE": "/dev/null"}
     known = [line.split()[0] for line in run(program, "--list", **quiet).splitlines()]
     targets = sys.argv[2:] or known

@@ -90,7 +90,7 @@ pub(super) fn slow_tests(shell: &Shell) -> Result<(), Failure> {
 }
 
 pub(super) fn fuzz_briefly(shell: &Shell) -> Result<(), Failure> {
-    let mut command = of_all(shell, ["--quiet", "--bin", "baudbot-fuzz"]);
+    let mut command = of_all(shell, ["--quiet", "--example", "fuzz"]);
     command.env("BAUDBOT_FUZZ_SECONDS", "3");
     shell.run(command)
 }

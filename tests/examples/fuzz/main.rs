@@ -13,7 +13,7 @@
 //! xtask/tools/fuzz --coverage 20                 which lines are reached
 //! ```
 //!
-//! What it begins with is what the targets say, and what is in `crates/fuzz/corpus/TARGET/`. An input that fails is written into
+//! What it begins with is what the targets say, and what is in `tests/examples/fuzz/corpus/TARGET/`. An input that fails is written into
 //! that folder, so that it is tried first from then on, and the command is told that tries it alone. With `--keep` the shortest
 //! inputs that lead to something new are kept there, too.
 
@@ -44,7 +44,7 @@ struct Args {
     /// Try as many as are wanted before a release: 100 million of each protocol, a million of the others
     #[arg(long, conflicts_with_all = ["seconds", "executions"])]
     wanted: bool,
-    /// Keep the shortest inputs that led to something new in crates/fuzz/corpus/TARGET
+    /// Keep the shortest inputs that led to something new in tests/examples/fuzz/corpus/TARGET
     #[arg(long)]
     keep: bool,
     /// Seed of the random numbers; another one tries other inputs

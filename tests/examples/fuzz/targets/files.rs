@@ -33,7 +33,7 @@ pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
 
 /// Those that the project has, and are not long.
 fn scenarios() -> anyhow::Result<Vec<Vec<u8>>> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../catalogue/scenarios");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../catalogue/scenarios");
     let mut paths: Vec<PathBuf> = Vec::new();
     for folder in [root.clone(), root.join("devices")] {
         for entry in fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))? {

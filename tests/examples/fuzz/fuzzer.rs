@@ -49,7 +49,7 @@ struct Watch {
 
 impl Fuzzer {
     pub(crate) fn new(target: Target, seed: u64) -> anyhow::Result<Self> {
-        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target.name);
+        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("examples/fuzz/corpus").join(target.name);
         let mut files: Vec<_> = match fs::read_dir(&folder) {
             Ok(entries) => entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>()?,
             Err(_) => Vec::new(),
@@ -131,7 +131,7 @@ impl Fuzzer {
         fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
         fs::write(&file, &input).with_context(|| format!("cannot write {}", file.display()))?;
         println!("{name:12} FAILED at input {tried}, of {} bytes. To see it again:", input.len());
-        println!("    cargo run -p baudbot-fuzz -- {name} --input {}", file.display());
+        println!("    cargo run -p baudbot-tests --example fuzz -- {name} --input {}", file.display());
         Ok(true)
     }
 }
@@ -185,7 +185,10 @@ fn guard(name: &'static str, watch: &Arc<Watch>, folder: &Path) {
                 let file = folder.join(format!("hangs-{:016x}", fingerprint(&input)));
                 let _ = fs::create_dir_all(&folder).and_then(|()| fs::write(&file, &input));
                 println!("{name:12} HANGS. To see it again:");
-                println!("    cargo run -p baudbot-fuzz -- {name} --input {}", file.display());
+                println!(
+                    "    cargo run -p baudbot-tests --example fuzz -- {name} --input {}",
+                    file.display()
+                );
                 std::process::exit(1);
             }
             drop(watch);

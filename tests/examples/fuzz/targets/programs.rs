@@ -29,7 +29,7 @@ pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
 
 /// Those of the tests of the chip that are not long.
 fn files(end: &str) -> anyhow::Result<Vec<Vec<u8>>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../avr/tests/programs");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/avr/tests/programs");
     let entries = fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))?;
     let mut paths = entries.map(|entry| Ok(entry?.path())).collect::<anyhow::Result<Vec<_>>>()?;
     paths.retain(|path| path.extension().is_some_and(|own| own == end));
