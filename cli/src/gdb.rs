@@ -4,8 +4,8 @@ use std::io::ErrorKind;
 use std::sync::Arc;
 
 use anyhow::Context;
-use baudbot_debug::GdbServer;
 use baudbot_port::Reach;
+use baudbot_port::debug::GdbServer;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Scenario, World};
 

@@ -128,7 +128,7 @@ fn every_socket_that_the_program_opens_is_a_door_of_the_table() {
 /// The files of the program in which something listens: a new one is a new door, which belongs into the table.
 const LISTENERS: [&str; 5] = [
     "cli/src/foxglove/bridge.rs",
-    "crates/debug/src/server.rs",
+    "crates/port/src/debug/server.rs",
     "crates/port/src/socket.rs",
     "server/src/server/listeners.rs",
     "crates/bench/src/network/ping.rs",

@@ -1,4 +1,5 @@
-//! Serial ports that other people's programs open: the laptop's end of a simulated robot's cables.
+//! Serial ports that other people's programs open: the laptop's end of a simulated robot's cables. [`debug`] lets their debuggers
+//! in at a robot's chip.
 //!
 //! A program for a real robot opens a serial port, sets its UART, writes and reads bytes. Here that port is a pseudo-terminal or a
 //! socket ([`Endpoint`](baudbot_fields::endpoint::Endpoint)); to the world it is a brain in RAW mode ([`RobotPorts`]). Each byte from the robot is given to the program at
@@ -11,6 +12,7 @@ mod address;
 mod cable;
 mod claim;
 mod clock;
+pub mod debug;
 mod driver;
 mod error;
 mod happened;

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::thread;
 
 use baudbot_access::peer::Reach;
-use baudbot_debug::GdbServer;
+use baudbot_port::debug::GdbServer;
 use baudbot_sim::World;
 
-use crate::client::Client;
+use super::client::Client;
 
 /// A robot whose chip does what it is asked over the cable, and waits for that.
 fn world() -> World {

@@ -8,9 +8,9 @@ use gdbstub::conn::Connection;
 use gdbstub::stub::state_machine::GdbStubStateMachine;
 use gdbstub::stub::{GdbStubBuilder, GdbStubError};
 
-use crate::stops::Reason;
-use crate::target::ChipTarget;
-use crate::wire::Wire;
+use super::stops::Reason;
+use super::target::ChipTarget;
+use super::wire::Wire;
 
 type Machine = GdbStubStateMachine<'static, ChipTarget, Wire>;
 type Error = GdbStubError<Infallible, io::Error>;

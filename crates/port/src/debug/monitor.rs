@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use gdbstub::outputln;
 use gdbstub::target::ext::monitor_cmd::{ConsoleOutput, MonitorCmd};
 
-use crate::target::ChipTarget;
+use super::target::ChipTarget;
 
 impl MonitorCmd for ChipTarget {
     fn handle_monitor_cmd(&mut self, command: &[u8], mut out: ConsoleOutput<'_>) -> Result<(), Infallible> {

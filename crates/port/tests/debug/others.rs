@@ -4,8 +4,8 @@ use std::os::unix::fs::MetadataExt;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
-use crate::client::Client;
-use crate::running::Running;
+use super::client::Client;
+use super::running::Running;
 
 /// What a program of this user, `nobody` on all systems, is answered.
 const NOBODY: u32 = 65534;

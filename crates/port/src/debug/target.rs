@@ -17,9 +17,9 @@ use gdbstub::target::ext::breakpoints::{
 use gdbstub::target::ext::monitor_cmd::MonitorCmdOps;
 use gdbstub::target::{Target, TargetError, TargetResult};
 
-use crate::arch::{Avr, AvrRegister, AvrRegisters};
-use crate::memory;
-use crate::stops::{Run, Stops};
+use super::arch::{Avr, AvrRegister, AvrRegisters};
+use super::memory;
+use super::stops::{Run, Stops};
 
 /// The board that is looked at, and where its chip stops.
 pub(crate) struct ChipTarget {

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use baudbot_access::peer::Reach;
 use baudbot_avr::{Chip, Fuses, Part, Program, Supply};
 use baudbot_board::{Board, ChipClock, Physics, Wiring};
-use baudbot_debug::GdbServer;
+use baudbot_port::debug::GdbServer;
 use baudbot_sim::chip::Probe;
 
 /// A board that is given a millisecond after the other.

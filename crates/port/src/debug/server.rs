@@ -11,10 +11,10 @@ use baudbot_avr::{Chip, Stop};
 use baudbot_board::{Board, Debugger, Physics};
 use baudbot_sim::chip::Probe;
 
-use crate::session::Session;
-use crate::stops::{Reason, Stops};
-use crate::target::ChipTarget;
-use crate::wire::Wire;
+use super::session::Session;
+use super::stops::{Reason, Stops};
+use super::target::ChipTarget;
+use super::wire::Wire;
 
 /// Debuggers of a chip, one after the other. The first one is waited for.
 pub struct GdbServer {

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use crate::client::Client;
-use crate::running::Running;
+use super::client::Client;
+use super::running::Running;
 
 /// ldi r16, 0x12; ldi r17, 0x34; add r16, r17; sts 0x0100, r16; inc r18; sts 0x0101, r18; rjmp .-8
 const PROGRAM: [u16; 9] = [0xE102, 0xE314, 0x0F01, 0x9300, 0x0100, 0x9523, 0x9320, 0x0101, 0xCFFC];
