@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use baudbot_plot::arena;
-use baudbot_plot::quantity::duration;
 use baudbot_plot::timing::{self, Diagram};
 use baudbot_run::learn;
 use baudbot_run::learn::{Agent, Reward};
@@ -316,22 +315,9 @@ fn diagram(world: &World, label: &str, robot: usize, from_ns: u64, until_ns: u64
         return None;
     }
     let spec = view.spec();
-    let step_ns = world.scenario().step_ns;
-    let picture = Diagram {
-        title: format!("{} in {label}", spec.name),
-        subtitle: format!(
-            "What happened when, from the sensors to the brain and back. Δt = {}.",
-            duration(step_ns as f64)
-        ),
-        ran: Vec::new(),
-        lanes: timing::lanes(spec, &events, (from_ns, until_ns), None, &BTreeMap::new()),
-        from_ns,
-        until_ns,
-        step_ns,
-        marks: Vec::new(),
-        late_from_ns: None,
-    };
-    Some(picture.draw())
+    let span = (from_ns, until_ns);
+    let lanes = timing::lanes(spec, &events, span, None, &BTreeMap::new());
+    Some(Diagram::of_run(&spec.name, label, lanes, span, world.scenario().step_ns).draw())
 }
 
 /// So few readings need no memory of their own.

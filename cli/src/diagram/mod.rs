@@ -83,7 +83,7 @@ fn show(args: &DiagramArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
             picture.ran.extend(run.facts(robot));
             write(path, &picture.draw())
         }
-        (None, Some(path)) => write(path, &table::csv(&rows())),
+        (None, Some(path)) => write(path, &table::csv(&rows())?),
         (None, None) => text::print(&table::text(&rows())),
     };
     shown.map(|()| ExitCode::SUCCESS)
@@ -135,33 +135,25 @@ fn picture(
     let late_from_ns = cycle.as_ref().map(|cycle| cycle.late_from_ns(robot));
     let late_from_ns =
         late_from_ns.filter(|late| cycle.as_ref().is_some_and(|it| it.end(events).as_ns() > *late));
-    let step = duration(step_ns as f64);
-    let (subtitle, marks) = match cycle {
+    let span = (*from_ns, *until_ns);
+    let lanes = timing::lanes(robot, events, span, of_cycle, meanings);
+    let pins = timing::pin_lanes(&kept.pins.shots, span, chosen);
+    let lanes = if robot.chip.is_some() { with_pins(lanes, pins) } else { lanes };
+    let mut picture = Diagram::of_run(&robot.name, world, lanes, span, step_ns);
+    match cycle {
         None if robot.chip.is_some() => {
-            (format!("What happened when, on the pins of the chip and around it. Δt = {step}."), Vec::new())
+            let step = duration(step_ns as f64);
+            picture.subtitle =
+                format!("What happened when, on the pins of the chip and around it. Δt = {step}.");
         }
-        None => {
-            let told = format!("What happened when, from the sensors to the brain and back. Δt = {step}.");
-            (told, Vec::new())
+        None => {}
+        Some(cycle) => {
+            picture.title += &format!(": control cycle {}", cycle.number);
+            (picture.subtitle, picture.marks) = about(cycle, late_from_ns, robot);
+            picture.late_from_ns = late_from_ns;
         }
-        Some(cycle) => about(cycle, late_from_ns, robot),
-    };
-    let lanes = timing::lanes(robot, events, (*from_ns, *until_ns), of_cycle, meanings);
-    let pins = timing::pin_lanes(&kept.pins.shots, (*from_ns, *until_ns), chosen);
-    Diagram {
-        title: match cycle {
-            None => format!("{} in {world}", robot.name),
-            Some(cycle) => format!("{} in {world}: control cycle {}", robot.name, cycle.number),
-        },
-        subtitle,
-        ran: Vec::new(),
-        lanes: if robot.chip.is_some() { with_pins(lanes, pins) } else { lanes },
-        from_ns: *from_ns,
-        until_ns: *until_ns,
-        step_ns,
-        marks,
-        late_from_ns,
     }
+    picture
 }
 
 /// The lanes of a robot with a chip: those on which something is, and those of its pins behind the sensors'.

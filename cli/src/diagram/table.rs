@@ -1,12 +1,12 @@
 //! What is in a window as text.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 use baudbot_plot::quantity::count;
 use baudbot_plot::text::columns;
-use baudbot_plot::timing::{Shot, has_lane, is_in, ms, printable, pulses_in_words, turns_in_words, what};
-use baudbot_plot::trace::Lane;
+use baudbot_plot::timing::{
+    LaneId, Shot, has_lane, is_in, ms, printable, pulses_in_words, turns_in_words, what,
+};
 use baudbot_sim::chip::{Level, Line, Net, Pulses, Shown, Stretch};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::Event;
@@ -14,13 +14,9 @@ use baudbot_sim::timeline::Event;
 use super::parts::{self, Deed};
 use super::record::{Kept, Window};
 
-/// Something that happened.
+/// Something that happened, and what was said in it.
 pub(super) struct Row {
-    start_ns: u64,
-    end_ns: u64,
-    who: String,
-    what: String,
-    /// What was said in it.
+    deed: Deed,
     meaning: String,
 }
 
@@ -37,67 +33,62 @@ pub(super) fn rows(
     let events = kept.events.iter().enumerate().filter(in_window);
     let events = events.map(|(i, event)| row(robot, event, is_of_cycle(window, i), meanings.get(&i)));
     let shots = kept.pins.shots.iter().filter(|shot| has_lane(shot, &kept.pins.shots, span, chosen));
-    let of_shot = |shot| of_pin(shot, window).chain(of_parts(robot, shot, window));
-    let mut rows: Vec<_> = events.chain(shots.flat_map(of_shot)).collect();
-    rows.sort_by_key(|row| (row.start_ns, row.end_ns));
+    let chip = robot.chip.as_ref();
+    let of_shot = |shot| {
+        let parts = chip.into_iter().flat_map(move |chip| parts::deeds(chip, shot, window.until_ns));
+        of_pin(shot, window.until_ns).chain(parts).filter(|deed| window.has(deed.start_ns, deed.end_ns))
+    };
+    let on_pins = shots.flat_map(of_shot).map(|deed| Row { deed, meaning: String::new() });
+    let mut rows: Vec<_> = events.chain(on_pins).collect();
+    rows.sort_by_key(|row| (row.deed.start_ns, row.deed.end_ns));
     rows
 }
 
 /// A line for each: its beginning and its duration, in milliseconds, its lane, and what happened.
 pub(super) fn text(rows: &[Row]) -> String {
     let head = ["start ms", "duration ms", "who", "what"].map(str::to_owned);
-    let line = |row: &Row| {
-        let meaning =
-            if row.meaning.is_empty() { String::new() } else { format!(": {}", shortened(&row.meaning)) };
-        let what = row.what.clone() + &meaning;
-        [
-            ms(row.start_ns, DECIMALS),
-            ms(row.end_ns.saturating_sub(row.start_ns), DECIMALS),
-            row.who.clone(),
-            what,
-        ]
+    let line = |Row { deed, meaning }: &Row| {
+        let meaning = if meaning.is_empty() { String::new() } else { format!(": {}", shortened(meaning)) };
+        let [start, long] = deed.times(DECIMALS);
+        [start, long, deed.who.clone(), deed.what.clone() + &meaning]
     };
     let lines: Vec<_> = std::iter::once(head).chain(rows.iter().map(line)).collect();
     columns("", &lines, |i| i >= 2)
 }
 
 /// The same as comma-separated values, to the nanosecond.
-pub(super) fn csv(rows: &[Row]) -> String {
-    let mut csv = "start_ms,duration_ms,who,what,meaning\n".to_owned();
-    for row in rows {
-        let (start, long) = (ms(row.start_ns, 6), ms(row.end_ns.saturating_sub(row.start_ns), 6));
-        let [who, what, meaning] = [&row.who, &row.what, &row.meaning].map(|text| quoted(text));
-        let _ = writeln!(csv, "{start},{long},{who},{what},{meaning}");
+pub(super) fn csv(rows: &[Row]) -> anyhow::Result<String> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    csv.write_record(["start_ms", "duration_ms", "who", "what", "meaning"])?;
+    for Row { deed, meaning } in rows {
+        let [start, long] = deed.times(6);
+        csv.write_record([&start, &long, &deed.who, &deed.what, meaning])?;
     }
-    csv
+    Ok(String::from_utf8(csv.into_inner()?)?)
 }
 
-/// A cell of a table, in quotes if it needs them.
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
+impl Deed {
+    /// Its beginning and its duration, in milliseconds.
+    fn times(&self, decimals: usize) -> [String; 2] {
+        [self.start_ns, self.end_ns.saturating_sub(self.start_ns)].map(|ns| ms(ns, decimals))
     }
 }
 
 fn row(robot: &RobotSpec, event: &Event, is_of_cycle: bool, meaning: Option<&String>) -> Row {
-    let who = Lane::of(event.what, robot).next().map(|lane| lane.name(robot)).unwrap_or_default();
     let mark = if is_of_cycle { " *" } else { "" };
-    Row {
+    let deed = Deed {
         start_ns: event.start.as_ns(),
         end_ns: event.end.as_ns(),
-        who,
+        who: LaneId::of(event.what).name(robot),
         what: what(robot, event.what) + mark,
-        meaning: meaning.cloned().unwrap_or_default(),
-    }
+    };
+    Row { deed, meaning: meaning.cloned().unwrap_or_default() }
 }
 
 /// What is on a signal.
-fn of_pin(shot: &Shot, window: &Window) -> impl Iterator<Item = Row> {
+fn of_pin(shot: &Shot, until_ns: u64) -> impl Iterator<Item = Deed> {
     let who = shot.signal.label();
-    let until_ns = window.until_ns;
-    let row = move |(i, shown): (usize, &Shown)| {
+    let deed = move |(i, shown): (usize, &Shown)| {
         let next_ns = shot.shown.get(i + 1).map_or(until_ns, Shown::at_ns);
         let (end_ns, what) = match *shown {
             Shown::Stretch(Stretch::Level { level, .. }) => (next_ns, level_in_words(level).to_owned()),
@@ -109,30 +100,9 @@ fn of_pin(shot: &Shot, window: &Window) -> impl Iterator<Item = Row> {
             Shown::Number { number, .. } => (next_ns, format!("'{}'", printable(number))),
             Shown::Over { .. } => return None,
         };
-        let start_ns = shown.at_ns();
-        window.has(start_ns, end_ns).then(|| Row {
-            start_ns,
-            end_ns,
-            who: who.clone(),
-            what,
-            meaning: String::new(),
-        })
+        Some(Deed { start_ns: shown.at_ns(), end_ns, who: who.clone(), what })
     };
-    shot.shown.iter().enumerate().filter_map(row)
-}
-
-/// What lamps, buzzers and servos on a signal do.
-fn of_parts(robot: &RobotSpec, shot: &Shot, window: &Window) -> impl Iterator<Item = Row> {
-    let chip = robot.chip.iter();
-    let deeds = chip.flat_map(|chip| parts::deeds(chip, shot, window.until_ns));
-    let seen = deeds.filter(|deed| window.has(deed.start_ns, deed.end_ns));
-    seen.map(|Deed { start_ns, end_ns, who, what }| Row {
-        start_ns,
-        end_ns,
-        who,
-        what,
-        meaning: String::new(),
-    })
+    shot.shown.iter().enumerate().filter_map(deed)
 }
 
 fn pulses_of(pulses: &Pulses) -> String {

@@ -69,7 +69,7 @@ fn a_cycle_that_is_longer_than_a_step_is_red_beyond_it() {
     assert!(think.len() == 1 && think[0].2 == "#d0312d", "{think:?}");
     // The same of another cycle is what it always is.
     let other = rectangles(&svg, "think: 40.392 to 55.392 ms, 15 ms");
-    assert!(other.len() == 1 && other[0].2 == Class::Think.color(), "{other:?}");
+    assert!(other.len() == 1 && other[0].2 == Class::Think.style().color, "{other:?}");
 }
 
 #[test]

@@ -3,11 +3,11 @@
 use std::io;
 use std::sync::Arc;
 
-use baudbot_plot::trace::{Lane, words};
+use baudbot_plot::timing::{Class, LaneId, words};
 use baudbot_proto::v1::{RecordedEvent, ReplayEventKind};
 use baudbot_recording::RecordedRun;
 use baudbot_sim::model::RobotSpec;
-use baudbot_sim::timeline::{Event, What};
+use baudbot_sim::timeline::Event;
 use baudbot_sim::{SimTime, World};
 
 use super::Out;
@@ -80,31 +80,11 @@ impl Sink for Events {
 
 fn write(out: &mut csv::Writer<Out>, robot: &RobotSpec, event: &Event) -> io::Result<()> {
     let (start_ns, end_ns) = (event.start.as_ns().to_string(), event.end.as_ns().to_string());
-    let part = Lane::of(event.what, robot).next().map_or_else(String::new, |lane| lane.name(robot));
-    let bytes = words::bytes(event.what).map_or_else(String::new, |bytes| bytes.to_string());
+    let (kind, part) = (Class::of(event.what).style().name, LaneId::of(event.what).name(robot));
+    let (_, bytes) = words::sensor_and_bytes(event.what);
+    let bytes = bytes.map_or_else(String::new, |bytes| bytes.to_string());
     let text = words::what(event.what, robot);
-    Ok(out.write_record([&start_ns, &end_ns, &robot.name, kind(event.what), &part, &bytes, &text])?)
-}
-
-fn kind(what: What) -> &'static str {
-    match what {
-        What::Acquire { .. } => "acquire",
-        What::Measure { .. } => "measure",
-        What::Frame { .. } => "frame",
-        What::Block => "block",
-        What::Up { .. } => "up",
-        What::Adapter => "adapter",
-        What::Port { .. } => "port",
-        What::PortDown { .. } => "port_down",
-        What::Think { .. } => "think",
-        What::Down { .. } => "down",
-        What::Obey => "obey",
-        What::Act => "act",
-        What::Late => "late",
-        What::Missed { .. } => "missed",
-        What::Lost { .. } => "lost",
-        What::Fault { .. } => "fault",
-    }
+    Ok(out.write_record([&start_ns, &end_ns, &robot.name, kind, &part, &bytes, &text])?)
 }
 
 /// The kind of the event, in a word.

@@ -76,11 +76,11 @@ fn the_page_has_these_colors_for_sensors_and_zones() {
 fn the_page_has_these_colors_and_words_for_timing_diagrams() {
     let lines: Vec<_> = VIEWER_TIMING.lines().filter(|line| line.contains("[TimelineKind.")).collect();
     let of_chip: Vec<_> = between(VIEWER_TIMING, "export const LINES = {", "} satisfies").lines().collect();
-    for class in Class::ALL.into_iter().filter(|class| *class != Class::Act) {
-        let ink = if class.ink() == WHITE { "WHITE" } else { "DARK_INK" };
-        let trouble = if class.is_trouble() { ", trouble: true" } else { "" };
-        let row =
-            format!("color: \"{}\", ink: {ink}, words: \"{}\"{trouble} }},", class.color(), class.words());
+    for class in CLASSES {
+        let style = class.style();
+        let ink = if style.ink == WHITE { "WHITE" } else { "DARK_INK" };
+        let trouble = if style.is_trouble { ", trouble: true" } else { "" };
+        let row = format!("color: \"{}\", ink: {ink}, words: \"{}\"{trouble} }},", style.color, style.words);
         let words = format!("{class:?}").replace("Down", "_Down").trim_start_matches('_').to_uppercase();
         let is_of_chip = class >= Class::Round;
         let name = if is_of_chip { words.to_lowercase() } else { format!("[TimelineKind.{words}]") };
@@ -88,3 +88,27 @@ fn the_page_has_these_colors_and_words_for_timing_diagrams() {
         assert!(there.contains(&format!("  {name}: {{ {row}").as_str()), "{name}: {row}");
     }
 }
+
+/// All classes of bars but the motors'.
+const CLASSES: [Class; 20] = [
+    Class::Acquire,
+    Class::Measure,
+    Class::Frame,
+    Class::Block,
+    Class::Up,
+    Class::Adapter,
+    Class::Port,
+    Class::Think,
+    Class::Down,
+    Class::PortDown,
+    Class::Obey,
+    Class::Late,
+    Class::Missed,
+    Class::Lost,
+    Class::Fault,
+    Class::Round,
+    Class::Rounds,
+    Class::Convert,
+    Class::Sent,
+    Class::Received,
+];

@@ -22,7 +22,7 @@ pub(super) fn draw(canvas: &mut Canvas, axis: &Axis, row: &[&Bar], middle: f64, 
         let late_from = late_from_ns.filter(|from| bar.can_be_late() && *from < bar.end_ns.max(bar.start_ns));
         let late_from = late_from.map(|from| axis.x(from).clamp(span.left, span.right));
         if bar.is_mark() {
-            let color = if late_from.is_some() { LATE } else { bar.class.color() };
+            let color = if late_from.is_some() { LATE } else { bar.class.style().color };
             canvas.put(aside(diamond(span.left, middle, color), bar));
         } else {
             span.draw(canvas, bar, middle, late_from);
@@ -64,7 +64,7 @@ impl Span {
         // Lines of the axis do not show through what is pale.
         canvas.put(whole.clone().set("fill", WHITE));
         let is_late = late_from.is_some_and(|from| from <= self.left + LEAST);
-        let color = if is_late { LATE } else { bar.class.color() };
+        let color = if is_late { LATE } else { bar.class.style().color };
         let rim = if wide > 4.0 { "0.8" } else { "0" };
         let rimmed = |part: Element| part.set("stroke", WHITE).set("stroke-width", rim);
         canvas.put(aside(rimmed(whole.set("fill", color)), bar));
@@ -100,7 +100,7 @@ fn label(
         let ink = match (is_late, bar.is_aside) {
             (true, _) => WHITE,
             (false, true) => PALE_INK,
-            (false, false) => bar.class.ink(),
+            (false, false) => bar.class.style().ink,
         };
         let label = text((0.5 * (left + right), y), SIZE, ink, &bar.label);
         canvas.put(label.set("text-anchor", "middle"));

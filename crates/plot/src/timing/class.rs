@@ -1,4 +1,4 @@
-//! The classes of bars, with their colours and words.
+//! The classes of bars, and the table of what is shown of each.
 
 use baudbot_sim::timeline::What;
 
@@ -51,32 +51,24 @@ pub enum Class {
     Received,
 }
 
-impl Class {
-    /// All classes, in the order of the key.
-    pub const ALL: [Self; 21] = [
-        Self::Acquire,
-        Self::Measure,
-        Self::Frame,
-        Self::Block,
-        Self::Up,
-        Self::Adapter,
-        Self::Port,
-        Self::Think,
-        Self::Down,
-        Self::PortDown,
-        Self::Obey,
-        Self::Act,
-        Self::Late,
-        Self::Missed,
-        Self::Lost,
-        Self::Fault,
-        Self::Round,
-        Self::Rounds,
-        Self::Convert,
-        Self::Sent,
-        Self::Received,
-    ];
+/// What diagrams and tables show of a class.
+#[derive(Clone, Copy, Debug)]
+pub struct Style {
+    /// Its word in tables for other programs.
+    pub name: &'static str,
+    /// Its words in the key.
+    pub words: &'static str,
+    /// Its colour.
+    pub color: &'static str,
+    /// The colour of text on it.
+    pub ink: &'static str,
+    /// Whether its bars have no duration.
+    pub is_mark: bool,
+    /// Whether it stands for something that went wrong.
+    pub is_trouble: bool,
+}
 
+impl Class {
     /// The class of an event.
     pub fn of(what: What) -> Self {
         match what {
@@ -99,108 +91,47 @@ impl Class {
         }
     }
 
-    /// Whether it stands for something that went wrong.
-    pub fn is_trouble(self) -> bool {
+    /// Its row of the table.
+    pub const fn style(self) -> Style {
         match self {
-            Self::Late | Self::Missed | Self::Lost | Self::Fault => true,
-            Self::Acquire
-            | Self::Measure
-            | Self::Frame
-            | Self::Block
-            | Self::Up
-            | Self::Adapter
-            | Self::Port
-            | Self::Think
-            | Self::Down
-            | Self::PortDown
-            | Self::Obey
-            | Self::Act
-            | Self::Round
-            | Self::Rounds
-            | Self::Convert
-            | Self::Sent
-            | Self::Received => false,
-        }
-    }
-
-    /// Its words in the key.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Acquire => "a sensor is read",
-            Self::Measure => "a device measures",
-            Self::Frame => "readings are framed",
-            Self::Block => "waiting",
-            Self::Up => "readings on the wire",
-            Self::Adapter => "in the adapter",
-            Self::Port => "on a cable of its own",
-            Self::Think => "the brain thinks",
-            Self::Down => "a command on its way",
-            Self::PortDown => "to a device, on its own cable",
-            Self::Obey => "a command is taken",
-            Self::Act => "the motors obey",
-            Self::Late => "not in time",
-            Self::Missed => "skipped",
-            Self::Lost => "bytes lost",
-            Self::Fault => "a fault",
-            Self::Round => "a round of the main loop",
-            Self::Rounds => "short rounds",
-            Self::Convert => "the ADC holds a voltage",
-            Self::Sent => "the program sends",
-            Self::Received => "the program receives",
-        }
-    }
-
-    /// Its colour.
-    pub fn color(self) -> &'static str {
-        match self {
-            Self::Acquire => "#56b4e9",
-            Self::Measure => "#b5d9ee",
-            Self::Frame => "#0072b2",
-            Self::Block => "#bcc3cf",
-            Self::Up => "#009e73",
-            Self::Adapter => "#8fcfb8",
-            Self::Port => "#66b8ad",
-            Self::Think => "#e69f00",
-            Self::Down => "#cc79a7",
-            Self::PortDown => "#e3b7cf",
-            Self::Obey => "#8f4a86",
-            Self::Act => "#332288",
-            Self::Late => LATE,
-            Self::Missed => "#882255",
-            Self::Lost => "#b5651d",
-            Self::Fault => "#999933",
-            Self::Round => "#6a5acd",
-            Self::Rounds => "#d6d0ee",
-            Self::Convert => "#ddaa33",
-            Self::Sent => "#117733",
-            Self::Received => "#aa4499",
-        }
-    }
-
-    /// The colour of text on it.
-    pub fn ink(self) -> &'static str {
-        match self {
-            Self::Acquire
-            | Self::Measure
-            | Self::Block
-            | Self::Adapter
-            | Self::Port
-            | Self::Think
-            | Self::Down
-            | Self::PortDown
-            | Self::Rounds
-            | Self::Convert => "#10151f",
-            Self::Frame
-            | Self::Up
-            | Self::Obey
-            | Self::Act
-            | Self::Late
-            | Self::Missed
-            | Self::Lost
-            | Self::Fault
-            | Self::Round
-            | Self::Sent
-            | Self::Received => WHITE,
+            Self::Acquire => bar("acquire", "a sensor is read", "#56b4e9", DARK),
+            Self::Measure => bar("measure", "a device measures", "#b5d9ee", DARK),
+            Self::Frame => bar("frame", "readings are framed", "#0072b2", WHITE),
+            Self::Block => bar("block", "waiting", "#bcc3cf", DARK),
+            Self::Up => bar("up", "readings on the wire", "#009e73", WHITE),
+            Self::Adapter => bar("adapter", "in the adapter", "#8fcfb8", DARK),
+            Self::Port => bar("port", "on a cable of its own", "#66b8ad", DARK),
+            Self::Think => bar("think", "the brain thinks", "#e69f00", DARK),
+            Self::Down => bar("down", "a command on its way", "#cc79a7", DARK),
+            Self::PortDown => bar("port_down", "to a device, on its own cable", "#e3b7cf", DARK),
+            Self::Obey => bar("obey", "a command is taken", "#8f4a86", WHITE),
+            Self::Act => bar("act", "the motors obey", "#332288", WHITE).mark(),
+            Self::Late => bar("late", "not in time", LATE, WHITE).mark().trouble(),
+            Self::Missed => bar("missed", "skipped", "#882255", WHITE).mark().trouble(),
+            Self::Lost => bar("lost", "bytes lost", "#b5651d", WHITE).mark().trouble(),
+            Self::Fault => bar("fault", "a fault", "#999933", WHITE).trouble(),
+            Self::Round => bar("round", "a round of the main loop", "#6a5acd", WHITE),
+            Self::Rounds => bar("rounds", "short rounds", "#d6d0ee", DARK),
+            Self::Convert => bar("convert", "the ADC holds a voltage", "#ddaa33", DARK).mark(),
+            Self::Sent => bar("sent", "the program sends", "#117733", WHITE),
+            Self::Received => bar("received", "the program receives", "#aa4499", WHITE),
         }
     }
 }
+
+const fn bar(name: &'static str, words: &'static str, color: &'static str, ink: &'static str) -> Style {
+    Style { name, words, color, ink, is_mark: false, is_trouble: false }
+}
+
+impl Style {
+    const fn mark(self) -> Self {
+        Self { is_mark: true, ..self }
+    }
+
+    const fn trouble(self) -> Self {
+        Self { is_trouble: true, ..self }
+    }
+}
+
+/// The colour of text on pale bars.
+const DARK: &str = "#10151f";

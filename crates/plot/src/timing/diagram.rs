@@ -105,7 +105,7 @@ impl Bar {
 
     /// Whether it is red once it is late. Events of trouble have their own colours.
     pub(super) fn can_be_late(&self) -> bool {
-        !self.is_aside && !self.class.is_trouble()
+        !self.is_aside && !self.class.style().is_trouble
     }
 }
 
@@ -123,6 +123,28 @@ impl Placed<'_> {
 }
 
 impl Diagram {
+    /// The diagram of a part of a robot's run, from an instant to another.
+    pub fn of_run(
+        robot: &str,
+        world: &str,
+        lanes: Vec<Lane>,
+        (from_ns, until_ns): (u64, u64),
+        step_ns: u64,
+    ) -> Self {
+        let step = duration(step_ns as f64);
+        Self {
+            title: format!("{robot} in {world}"),
+            subtitle: format!("What happened when, from the sensors to the brain and back. Δt = {step}."),
+            ran: Vec::new(),
+            lanes,
+            from_ns,
+            until_ns,
+            step_ns,
+            marks: Vec::new(),
+            late_from_ns: None,
+        }
+    }
+
     /// The picture as SVG.
     pub fn draw(&self) -> String {
         let left = self.left();

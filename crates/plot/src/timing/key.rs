@@ -15,7 +15,8 @@ pub(super) fn draw(
     (left, top): (f64, f64),
     room: f64,
 ) -> f64 {
-    let bars = classes.iter().map(|class| (Sample::Bar(class.color(), is_mark(*class)), class.words()));
+    let styles = classes.iter().map(|class| class.style());
+    let bars = styles.map(|style| (Sample::Bar(style.color, style.is_mark), style.words));
     let late = is_late.then_some((Sample::Bar(LATE, false), "longer than Δt"));
     let waves = looks.iter().map(|look| (Sample::Wave(*look), look.words()));
     let (mut x, mut y) = (left, top);
@@ -39,29 +40,6 @@ enum Sample {
     /// A colour, and whether it is that of a mark.
     Bar(&'static str, bool),
     Wave(Look),
-}
-
-/// Whether bars of a class have no duration.
-fn is_mark(class: Class) -> bool {
-    match class {
-        Class::Act | Class::Late | Class::Missed | Class::Lost | Class::Convert => true,
-        Class::Acquire
-        | Class::Measure
-        | Class::Frame
-        | Class::Block
-        | Class::Up
-        | Class::Adapter
-        | Class::Port
-        | Class::Think
-        | Class::Down
-        | Class::PortDown
-        | Class::Obey
-        | Class::Fault
-        | Class::Round
-        | Class::Rounds
-        | Class::Sent
-        | Class::Received => false,
-    }
 }
 
 const SIZE: f64 = 11.0;

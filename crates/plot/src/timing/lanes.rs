@@ -2,13 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::trace::{Lane as Who, words};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
 
 use super::axis::ms;
 use super::class::Class;
-use super::diagram::{Bar, Group, Lane};
+use super::diagram::{Bar, Lane};
+use super::lane_id::LaneId;
+use super::words;
 use crate::quantity::{count, duration};
 
 /// The lanes of a robot with its events in a window, which ends before `until_ns`. If `of_cycle` has the places of events,
@@ -20,23 +21,23 @@ pub fn lanes(
     of_cycle: Option<&BTreeSet<usize>>,
     meanings: &BTreeMap<usize, String>,
 ) -> Vec<Lane> {
-    let mut lanes: BTreeMap<Who, Vec<Bar>> = BTreeMap::new();
+    let mut lanes: BTreeMap<LaneId, Vec<Bar>> = BTreeMap::new();
     for (i, event) in events.iter().enumerate().filter(|(_, event)| is_in(event, from_ns, until_ns)) {
         let is_aside =
-            of_cycle.is_some_and(|cycle| !cycle.contains(&i) && !Class::of(event.what).is_trouble());
-        for who in Who::of(event.what, robot) {
+            of_cycle.is_some_and(|cycle| !cycle.contains(&i) && !Class::of(event.what).style().is_trouble);
+        for who in LaneId::all_of(event.what, robot) {
             lanes.entry(who).or_default().push(bar(robot, (event, meanings.get(&i)), who, is_aside));
         }
     }
-    for who in Who::all(robot) {
-        let is_one_of_many = matches!(who, Who::Sensor(_)) && robot.sensors.len() > MOST_SENSORS;
+    for who in LaneId::always(robot) {
+        let is_one_of_many = matches!(who, LaneId::Sensor(_)) && robot.sensors.len() > MOST_SENSORS;
         if !is_one_of_many {
             lanes.entry(who).or_default();
         }
     }
-    let lane = |(who, bars): (Who, Vec<Bar>)| Lane {
+    let lane = |(who, bars): (LaneId, Vec<Bar>)| Lane {
         label: who.name(robot),
-        group: group(who),
+        group: who.group(),
         bars,
         wave: Vec::new(),
     };
@@ -66,13 +67,13 @@ fn title(robot: &RobotSpec, event: &Event) -> String {
 /// The event, with the number of bytes.
 pub fn what(robot: &RobotSpec, what: What) -> String {
     let text = words::what(what, robot);
-    match words::bytes(what) {
+    match words::sensor_and_bytes(what).1 {
         Some(bytes) => format!("{text}, {}", count(bytes as usize, "byte")),
         None => text,
     }
 }
 
-fn bar(robot: &RobotSpec, (event, meaning): (&Event, Option<&String>), who: Who, is_aside: bool) -> Bar {
+fn bar(robot: &RobotSpec, (event, meaning): (&Event, Option<&String>), who: LaneId, is_aside: bool) -> Bar {
     let mut title = title(robot, event);
     if let Some(meaning) = meaning {
         title += &format!("; {meaning}");
@@ -88,12 +89,12 @@ fn bar(robot: &RobotSpec, (event, meaning): (&Event, Option<&String>), who: Who,
 }
 
 /// The text on a bar: whatever its lane does not say.
-fn label(robot: &RobotSpec, event: &Event, who: Who) -> String {
+fn label(robot: &RobotSpec, event: &Event, who: LaneId) -> String {
     let bytes = |bytes: u32| count(bytes as usize, "byte");
     match event.what {
         // A chip's program reads sensors in no time of their own.
         What::Acquire { .. } if event.end == event.start => String::new(),
-        What::Acquire { .. } if matches!(who, Who::Sensor(_)) => {
+        What::Acquire { .. } if matches!(who, LaneId::Sensor(_)) => {
             duration(event.end.since(event.start) as f64)
         }
         What::Acquire { sensor } => words::sensor(robot, sensor),
@@ -108,18 +109,6 @@ fn label(robot: &RobotSpec, event: &Event, who: Who) -> String {
         What::Adapter | What::Missed { .. } | What::Obey | What::Act | What::Late | What::Fault { .. } => {
             words::what(event.what, robot)
         }
-    }
-}
-
-fn group(who: Who) -> Group {
-    match who {
-        Who::Sensor(_) => Group::Sensors,
-        Who::Microcontroller => Group::Microcontroller,
-        Who::CableUp | Who::Adapter | Who::Port(_) => Group::Up,
-        Who::Brain => Group::Brain,
-        Who::CableDown | Who::PortDown(_) => Group::Down,
-        Who::Motors => Group::Motors,
-        Who::Trouble | Who::Fault(_) => Group::Trouble,
     }
 }
 

@@ -4,11 +4,9 @@ use std::io::{self, Write};
 
 use baudbot_sim::SimTime;
 
-use super::packet::{
-    COUNTER, CounterDescriptor, NO_MERGE, SLICE_BEGIN, SLICE_END, TracePacket, TrackDescriptor, TrackEvent,
-};
-use super::track::MOST;
-use super::writer::{TraceWriter, named, packet, process};
+use super::packet::{COUNTER, TrackEvent};
+use super::writer::{TraceWriter, named};
+use crate::timing::{self, LaneId};
 
 impl<W: Write> TraceWriter<W> {
     /// Something is on a signal of a robot's chip, which goes by its place among
@@ -26,10 +24,8 @@ impl<W: Write> TraceWriter<W> {
         if end <= start {
             return Ok(());
         }
-        let uuid = self.signal(robot, signal, None)?;
-        let begin = named(name.to_owned(), "pin", Vec::new());
-        self.put_packet(start, TrackEvent { r#type: Some(SLICE_BEGIN), ..begin }, uuid)?;
-        self.put_packet(end, TrackEvent { r#type: Some(SLICE_END), ..TrackEvent::default() }, uuid)
+        let uuid = self.signal(robot, signal)?;
+        self.put_slice((start, end), named(name.to_owned(), "pin", Vec::new()), uuid)
     }
 
     /// A signal has this number from an instant on.
@@ -37,44 +33,23 @@ impl<W: Write> TraceWriter<W> {
     /// # Errors
     /// If it cannot be written, or there is no such signal.
     pub fn signal_value(&mut self, robot: usize, signal: usize, at: SimTime, value: u16) -> io::Result<()> {
-        let uuid = self.signal(robot, signal, Some(CounterDescriptor {}))?;
-        let counter_value = Some(value.into());
-        self.put_packet(
-            at,
-            TrackEvent { r#type: Some(COUNTER), counter_value, ..TrackEvent::default() },
-            uuid,
-        )
+        let uuid = self.signal(robot, signal)?;
+        let event = TrackEvent { counter_value: Some(value.into()), ..TrackEvent::default() };
+        self.put_packet(at, COUNTER, event, uuid)
     }
 
-    /// The track of a signal, which is described before it is used.
-    fn signal(&mut self, robot: usize, signal: usize, counter: Option<CounterDescriptor>) -> io::Result<u64> {
+    /// The track of a signal.
+    fn signal(&mut self, robot: usize, signal: usize) -> io::Result<u64> {
         let there_is_none = || {
             let text = format!("robot {robot} has no signal {signal}");
             io::Error::new(io::ErrorKind::InvalidInput, text)
         };
-        let code = u16::try_from(signal).map(|place| KIND << 16 | u64::from(place));
-        let code = code.map_err(|_| there_is_none())?;
-        let uuid = process(robot) | code << 8;
-        let this = self.robots.get_mut(robot).ok_or_else(there_is_none)?;
-        if this.signals.contains(&signal) {
-            return Ok(uuid);
+        let this = self.robots.get(robot).ok_or_else(there_is_none)?;
+        let place = u16::try_from(signal).map_err(|_| there_is_none())?;
+        let lane = LaneId::Signal(place);
+        if !this.described.contains_key(&lane) && timing::signal(&this.spec, place).is_none() {
+            return Err(there_is_none());
         }
-        let mut signals = this.spec.chip.iter().flat_map(|chip| chip.signals());
-        let name = signals.nth(signal).ok_or_else(there_is_none)?.label();
-        this.signals.insert(signal);
-        let descriptor = TrackDescriptor {
-            uuid: Some(uuid),
-            name: Some(name),
-            parent_uuid: Some(process(robot)),
-            counter,
-            sibling_order_rank: i32::try_from(code * MOST as u64).ok(),
-            sibling_merge_behavior: Some(NO_MERGE),
-            ..TrackDescriptor::default()
-        };
-        TracePacket { track_descriptor: Some(descriptor), ..packet() }.write(&mut self.out)?;
-        Ok(uuid)
+        self.track(robot, lane, 0)
     }
 }
-
-/// Behind those of all lanes.
-const KIND: u64 = 12;

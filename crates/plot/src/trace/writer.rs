@@ -4,19 +4,20 @@
 //! their times, and leaves those of one time in the order of the file. As a track's slices are written one after the
 //! other, an end is always before the begin that may have the same time.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use baudbot_sim::SimTime;
+use baudbot_sim::chip::Line;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
 
 use super::packet::{
-    DebugAnnotation, EXPLICIT, INCREMENTAL_STATE_CLEARED, INSTANT, NO_MERGE, ProcessDescriptor, SLICE_BEGIN,
-    SLICE_END, TracePacket, TrackDescriptor, TrackEvent,
+    CounterDescriptor, DebugAnnotation, EXPLICIT, INCREMENTAL_STATE_CLEARED, INSTANT, NO_MERGE,
+    ProcessDescriptor, SLICE_BEGIN, SLICE_END, TracePacket, TrackDescriptor, TrackEvent,
 };
 use super::track::{MOST, Place, Tracks};
-use super::{Lane, words};
+use crate::timing::{Group, LaneId, signal, words};
 
 /// Writes a trace for Perfetto: each robot is a process there, each of its lanes a track. Times are simulated ones, in
 /// nanoseconds since the start of the run.
@@ -29,11 +30,9 @@ pub struct TraceWriter<W: Write> {
 #[derive(Debug)]
 pub(crate) struct Robot {
     pub(crate) spec: RobotSpec,
-    lanes: BTreeMap<Lane, Tracks>,
+    lanes: BTreeMap<LaneId, Tracks>,
     /// How many tracks each lane has been given.
-    described: BTreeMap<Lane, usize>,
-    /// The signals of its chip that have a track.
-    pub(crate) signals: BTreeSet<usize>,
+    pub(crate) described: BTreeMap<LaneId, usize>,
     /// The end of the latest event.
     now: SimTime,
 }
@@ -48,7 +47,6 @@ impl<W: Write> TraceWriter<W> {
             spec: spec.clone(),
             lanes: BTreeMap::new(),
             described: BTreeMap::new(),
-            signals: BTreeSet::new(),
             now: SimTime::ZERO,
         };
         let mut writer = Self { out, robots: robots.iter().map(robot).collect() };
@@ -60,7 +58,7 @@ impl<W: Write> TraceWriter<W> {
         .write(&mut writer.out)?;
         for (i, spec) in robots.iter().enumerate() {
             writer.describe_robot(i, &format!("{} ({world_name})", spec.name))?;
-            for lane in Lane::all(spec) {
+            for lane in LaneId::always(spec) {
                 writer.describe(i, lane, 0)?;
             }
         }
@@ -76,7 +74,7 @@ impl<W: Write> TraceWriter<W> {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("there is no robot {robot}")));
         };
         this.now = this.now.max(event.end);
-        let lanes: Vec<_> = Lane::of(event.what, &this.spec).collect();
+        let lanes: Vec<_> = LaneId::all_of(event.what, &this.spec).collect();
         for lane in lanes {
             let next = self.robots[robot].lanes.entry(lane).or_default().push(*event);
             if let Some((event, place)) = next {
@@ -95,10 +93,10 @@ impl<W: Write> TraceWriter<W> {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("there is no robot {robot}")));
         };
         let at = this.now;
-        let uuid = self.track(robot, Lane::Trouble, 0)?;
+        let uuid = self.track(robot, LaneId::Trouble, 0)?;
         let annotations = vec![DebugAnnotation { uint_value: Some(count), ..annotation("events") }];
         let named = named("events not recorded".to_owned(), "trouble", annotations);
-        self.put_packet(at, TrackEvent { r#type: Some(INSTANT), ..named }, uuid)
+        self.put_packet(at, INSTANT, named, uuid)
     }
 
     /// The output.
@@ -122,17 +120,14 @@ impl<W: Write> TraceWriter<W> {
         Ok(self.out)
     }
 
-    fn put(&mut self, robot: usize, lane: Lane, event: &Event, place: Place) -> io::Result<()> {
+    fn put(&mut self, robot: usize, lane: LaneId, event: &Event, place: Place) -> io::Result<()> {
         let spec = &self.robots[robot].spec;
         let mut annotations = annotations(event.what, spec);
-        let name = words::what(event.what, spec);
+        let (name, category) = (words::what(event.what, spec), category(LaneId::of(event.what)));
         match place {
             Place::Slice(track) => {
                 let uuid = self.track(robot, lane, track)?;
-                let begin = named(name, category(event.what), annotations);
-                self.put_packet(event.start, TrackEvent { r#type: Some(SLICE_BEGIN), ..begin }, uuid)?;
-                let end = TrackEvent { r#type: Some(SLICE_END), ..TrackEvent::default() };
-                self.put_packet(event.end, end, uuid)
+                self.put_slice((event.start, event.end), named(name, category, annotations), uuid)
             }
             Place::Instant => {
                 let uuid = self.track(robot, lane, 0)?;
@@ -140,21 +135,36 @@ impl<W: Write> TraceWriter<W> {
                 if ns > 0 {
                     annotations.push(DebugAnnotation { uint_value: Some(ns), ..annotation("duration_ns") });
                 }
-                let mark = named(name, category(event.what), annotations);
-                self.put_packet(event.start, TrackEvent { r#type: Some(INSTANT), ..mark }, uuid)
+                self.put_packet(event.start, INSTANT, named(name, category, annotations), uuid)
             }
         }
     }
 
-    pub(crate) fn put_packet(&mut self, at: SimTime, event: TrackEvent, uuid: u64) -> io::Result<()> {
-        let track_event = Some(TrackEvent { track_uuid: Some(uuid), ..event });
+    pub(crate) fn put_slice(
+        &mut self,
+        (start, end): (SimTime, SimTime),
+        event: TrackEvent,
+        uuid: u64,
+    ) -> io::Result<()> {
+        self.put_packet(start, SLICE_BEGIN, event, uuid)?;
+        self.put_packet(end, SLICE_END, TrackEvent::default(), uuid)
+    }
+
+    pub(crate) fn put_packet(
+        &mut self,
+        at: SimTime,
+        kind: i32,
+        event: TrackEvent,
+        uuid: u64,
+    ) -> io::Result<()> {
+        let track_event = Some(TrackEvent { r#type: Some(kind), track_uuid: Some(uuid), ..event });
         // Perfetto reads times as signed numbers.
         let timestamp = at.as_ns().min(i64::MAX as u64);
         TracePacket { timestamp: Some(timestamp), track_event, ..packet() }.write(&mut self.out)
     }
 
     /// The track of a lane, which is described before it is used.
-    fn track(&mut self, robot: usize, lane: Lane, track: usize) -> io::Result<u64> {
+    pub(crate) fn track(&mut self, robot: usize, lane: LaneId, track: usize) -> io::Result<u64> {
         while self.robots[robot].described.get(&lane).is_none_or(|tracks| *tracks <= track) {
             let next = self.robots[robot].described.get(&lane).copied().unwrap_or(0);
             self.describe(robot, lane, next)?;
@@ -162,16 +172,19 @@ impl<W: Write> TraceWriter<W> {
         Ok(uuid(robot, lane, track))
     }
 
-    fn describe(&mut self, robot: usize, lane: Lane, track: usize) -> io::Result<()> {
+    fn describe(&mut self, robot: usize, lane: LaneId, track: usize) -> io::Result<()> {
         let this = &mut self.robots[robot];
         this.described.insert(lane, track + 1);
         let name = lane.name(&this.spec);
+        let counts = matches!(lane, LaneId::Signal(place)
+            if signal(&this.spec, place).is_some_and(|signal| matches!(signal.line, Line::Adc(_))));
         let name = if track == 0 { name } else { format!("{name} ({})", track + 1) };
         let rank = lane.code() * MOST as u64 + track as u64;
         let descriptor = TrackDescriptor {
             uuid: Some(uuid(robot, lane, track)),
             name: Some(name),
             parent_uuid: Some(process(robot)),
+            counter: counts.then_some(CounterDescriptor {}),
             sibling_order_rank: i32::try_from(rank).ok(),
             sibling_merge_behavior: Some(NO_MERGE),
             ..TrackDescriptor::default()
@@ -192,7 +205,7 @@ impl<W: Write> TraceWriter<W> {
 }
 
 /// A packet of the only sequence that there is. It says nothing of clocks: the default is one in nanoseconds.
-pub(crate) fn packet() -> TracePacket {
+fn packet() -> TracePacket {
     TracePacket { trusted_packet_sequence_id: Some(1), ..TracePacket::default() }
 }
 
@@ -202,10 +215,12 @@ pub(crate) fn named(name: String, category: &str, debug_annotations: Vec<DebugAn
 }
 
 fn annotations(what: What, robot: &RobotSpec) -> Vec<DebugAnnotation> {
-    let bytes = words::bytes(what).map(u64::from);
-    let bytes = bytes.map(|bytes| DebugAnnotation { uint_value: Some(bytes), ..annotation("bytes") });
-    let sensor = words::sensor_of(what, robot);
-    let sensor = sensor.map(|name| DebugAnnotation { string_value: Some(name), ..annotation("sensor") });
+    let (sensor, bytes) = words::sensor_and_bytes(what);
+    let bytes = bytes.map(|bytes| DebugAnnotation { uint_value: Some(bytes.into()), ..annotation("bytes") });
+    let sensor = sensor.map(|place| DebugAnnotation {
+        string_value: Some(words::sensor(robot, place)),
+        ..annotation("sensor")
+    });
     let informed = if let What::Think { informed } = what { Some(informed) } else { None };
     let informed = informed.map(|is| DebugAnnotation { bool_value: Some(is), ..annotation("informed") });
     bytes.into_iter().chain(sensor).chain(informed).collect()
@@ -215,25 +230,24 @@ fn annotation(name: &str) -> DebugAnnotation {
     DebugAnnotation { name: Some(name.to_owned()), ..DebugAnnotation::default() }
 }
 
-fn category(what: What) -> &'static str {
-    match what {
-        What::Acquire { .. } | What::Measure { .. } => "sensor",
-        What::Frame { .. } | What::Block | What::Obey => "microcontroller",
-        What::Up { .. } | What::Adapter | What::Port { .. } | What::PortDown { .. } | What::Down { .. } => {
-            "cable"
-        }
-        What::Think { .. } => "brain",
-        What::Act => "motors",
-        What::Late | What::Missed { .. } | What::Lost { .. } | What::Fault { .. } => "trouble",
+fn category(lane: LaneId) -> &'static str {
+    match lane.group() {
+        Group::Sensors => "sensor",
+        Group::Pins | Group::Chip => "pin",
+        Group::Microcontroller => "microcontroller",
+        Group::Up | Group::Down => "cable",
+        Group::Brain => "brain",
+        Group::Motors => "motors",
+        Group::Trouble => "trouble",
     }
 }
 
 /// The number of a robot's process among all tracks.
-pub(crate) fn process(robot: usize) -> u64 {
+fn process(robot: usize) -> u64 {
     (robot as u64 + 1) << 32
 }
 
 /// The number of a lane's track among all tracks: a lane's code has 20 bits.
-fn uuid(robot: usize, lane: Lane, track: usize) -> u64 {
+fn uuid(robot: usize, lane: LaneId, track: usize) -> u64 {
     process(robot) | lane.code() << 8 | track as u64
 }

@@ -27,47 +27,17 @@ pub fn what(what: What, robot: &RobotSpec) -> String {
     }
 }
 
-/// How many bytes it is about, if it is about bytes.
-pub fn bytes(what: What) -> Option<u32> {
+/// The sensor that an event is about, and how many bytes, if it is about them.
+pub fn sensor_and_bytes(what: What) -> (Option<u16>, Option<u32>) {
     match what {
-        What::Frame { bytes }
-        | What::Up { bytes }
-        | What::Port { bytes, .. }
-        | What::PortDown { bytes, .. }
-        | What::Down { bytes }
-        | What::Lost { bytes } => Some(bytes),
-        What::Acquire { .. }
-        | What::Measure { .. }
-        | What::Block
-        | What::Adapter
-        | What::Think { .. }
-        | What::Obey
-        | What::Act
-        | What::Late
-        | What::Missed { .. }
-        | What::Fault { .. } => None,
-    }
-}
-
-/// The name of the sensor that it is about, if it is about one.
-pub fn sensor_of(what: What, robot: &RobotSpec) -> Option<String> {
-    match what {
-        What::Acquire { sensor: i }
-        | What::Measure { sensor: i }
-        | What::Port { sensor: i, .. }
-        | What::PortDown { sensor: i, .. } => Some(sensor(robot, i)),
-        What::Missed { sensor: i } => (i != NO_SENSOR).then(|| sensor(robot, i)),
-        What::Frame { .. }
-        | What::Block
-        | What::Up { .. }
-        | What::Adapter
-        | What::Think { .. }
-        | What::Down { .. }
-        | What::Obey
-        | What::Act
-        | What::Late
-        | What::Lost { .. }
-        | What::Fault { .. } => None,
+        What::Acquire { sensor } | What::Measure { sensor } => (Some(sensor), None),
+        What::Missed { sensor } => ((sensor != NO_SENSOR).then_some(sensor), None),
+        What::Port { sensor, bytes } | What::PortDown { sensor, bytes } => (Some(sensor), Some(bytes)),
+        What::Frame { bytes } | What::Up { bytes } | What::Down { bytes } | What::Lost { bytes } => {
+            (None, Some(bytes))
+        }
+        What::Block | What::Adapter | What::Think { .. } | What::Obey | What::Act => (None, None),
+        What::Late | What::Fault { .. } => (None, None),
     }
 }
 
