@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::{self, Display, Formatter};
 
 use super::graph::{self, Graph};
+use super::prose::Prose;
 use super::sources::Sources;
 use super::text::{Word, apart, bare, code_lines, group_end, inside, outside, parts, words};
 
@@ -27,6 +28,8 @@ pub(super) struct Crate {
     pub(super) circles: Vec<Vec<String>>,
     /// Arms that match anything.
     pub(super) wildcards: usize,
+    /// The comments of all files, those of tests too.
+    pub(super) prose: Prose,
     pub(super) findings: Vec<Finding>,
 }
 
@@ -45,6 +48,7 @@ pub(super) enum Fault {
     LongFile { lines: usize },
     StringError,
     ReadError,
+    ParticipleType,
 }
 
 impl Fault {
@@ -55,6 +59,7 @@ impl Fault {
             Self::LongFile { .. } => "long_files",
             Self::StringError => "string_errors",
             Self::ReadError => "read_errors",
+            Self::ParticipleType => "participles",
         }
     }
 }
@@ -70,9 +75,14 @@ impl Display for Fault {
                 f,
                 "the file has {lines} lines without its tests, more than {LONGEST_FILE}; move its second idea into another"
             ),
-            Self::StringError => f.write_str("a public function's error is a String; give it an error type"),
+            Self::StringError => {
+                f.write_str("an error is a String; give it an error type that names the path")
+            }
             Self::ReadError => {
                 f.write_str("the words of an error are for people; give the error a kind, and match on that")
+            }
+            Self::ParticipleType => {
+                f.write_str("a type is a thing, and its name a noun, such as `Detection` in place of `Found`")
             }
         }
     }
@@ -88,6 +98,7 @@ pub(super) fn crates(files: &Sources) -> Vec<Crate> {
         } else {
             beside.files += 1;
             beside.tests += code_lines(&bare(text));
+            beside.prose.add(text);
         }
     }
     inside.iter().map(|(name, files)| Crate::measured(name, files)).chain([beside]).collect()
@@ -101,6 +112,7 @@ impl Crate {
             files.keys().filter(|path| !is_test(path)).map(|path| graph::module_of(path)).collect();
         let mut reaches = Graph::new();
         for (path, text) in files {
+            measured.prose.add(text);
             let code = bare(text);
             if is_test(path) {
                 measured.tests += code_lines(&code);
@@ -132,17 +144,29 @@ impl Crate {
         let functions = functions(code);
         for function in &functions {
             let place = format!("{path}: {}", function.name);
-            if function.is_public && fails_with_string(function.result) {
-                self.note(place.clone(), Fault::StringError);
+            if function.reads_error() {
+                self.note(place.clone(), Fault::ReadError);
             }
             if function.lines > LONGEST_FUNCTION {
                 self.note(place, Fault::LongFunction { lines: function.lines });
             }
         }
-        for at in words(code).filter(|word| is_read_error(code, *word)).map(|word| word.start) {
-            let name =
-                functions.iter().rfind(|function| function.start < at).map_or("?", |function| function.name);
-            self.note(format!("{path}: {name}"), Fault::ReadError);
+        let function_at = |at| functions.iter().rfind(|function| function.start < at);
+        let words: Vec<Word> = words(code).collect();
+        for (i, word) in words.iter().enumerate() {
+            let place = || {
+                let name = function_at(word.start).map_or("?", |function| function.name);
+                format!("{path}: {name}")
+            };
+            if is_string_error(code, &words[i..]) {
+                self.note(place(), Fault::StringError);
+            }
+            if is_read_error(code, *word) {
+                self.note(place(), Fault::ReadError);
+            }
+            if let Some(name) = participle_type(&words[i..]) {
+                self.note(format!("{path}: {name}"), Fault::ParticipleType);
+            }
         }
         let lines = code.matches('\n').count();
         if lines > LONGEST_FILE {
@@ -179,17 +203,32 @@ struct Function<'a> {
     /// Where its `fn` stands.
     start: usize,
     name: &'a str,
-    is_public: bool,
-    /// The type of its result and what stands before and behind that, from `->` on.
-    result: &'a str,
+    /// All between its name and its body.
+    signature: &'a str,
+    /// From the opening brace to the closing one; empty without a body.
+    body: &'a str,
     /// From the line of the opening brace to that of the closing one; none without a body.
     lines: usize,
+}
+
+impl Function<'_> {
+    /// Whether a parameter is an error's text, and a text is taken apart: that the error was made to words elsewhere
+    /// is no difference.
+    fn reads_error(&self) -> bool {
+        let is_text = |word: Word| {
+            let declared = self.signature[word.end..].trim_start().strip_prefix(':').map(str::trim_start);
+            declared.is_some_and(|kind| kind.starts_with("&str") || kind.starts_with("String"))
+        };
+        words(self.signature).any(|word| matches!(word.text, "error" | "problem") && is_text(word))
+            && words(self.body)
+                .any(|word| READS.contains(&word.text) && self.body[..word.start].ends_with('.'))
+    }
 }
 
 fn functions(code: &str) -> Vec<Function<'_>> {
     let words: Vec<Word> = words(code).collect();
     let mut found = Vec::new();
-    for (i, pair) in words.windows(2).enumerate() {
+    for pair in words.windows(2) {
         let [keyword, name] = pair else { continue };
         // The type `fn(Robot)` has no name.
         if keyword.text != "fn" || !code[keyword.end..name.start].trim().is_empty() {
@@ -201,48 +240,109 @@ fn functions(code: &str) -> Vec<Function<'_>> {
         found.push(Function {
             start: keyword.start,
             name: name.text,
-            is_public: is_public(code, &words[..i], keyword.start),
-            result: result(&code[name.end..stop]),
+            signature: &code[name.end..stop],
+            body,
             lines: if body.is_empty() { 0 } else { body.matches('\n').count() + 1 },
         });
     }
     found
 }
 
-/// Whether `pub` stands before the keywords that may stand before `fn`, to which these words lead; `pub(crate)` is not.
-fn is_public(code: &str, before: &[Word], start: usize) -> bool {
-    let qualifiers =
-        before.iter().rev().take_while(|word| matches!(word.text, "const" | "async" | "unsafe" | "extern"));
-    let count = qualifiers.count();
-    let first = before.len() - count;
-    let next = before.get(first).map_or(start, |word| word.start);
-    let public = before[..first].last().filter(|word| word.text == "pub");
-    public.is_some_and(|word| code[word.end..next].trim().is_empty())
+/// Participles that are no names of types when they stand alone: they say what happened to a thing, and not which.
+const PARTICIPLES: [&str; 60] = [
+    "Asked",
+    "Attached",
+    "Awaited",
+    "Awarded",
+    "Believed",
+    "Built",
+    "Carried",
+    "Changed",
+    "Checked",
+    "Chosen",
+    "Compared",
+    "Counted",
+    "Described",
+    "Detailed",
+    "Done",
+    "Drawn",
+    "Driven",
+    "Exceeded",
+    "Felt",
+    "Fitted",
+    "Found",
+    "Given",
+    "Heard",
+    "Held",
+    "Issued",
+    "Judged",
+    "Kept",
+    "Known",
+    "Listed",
+    "Loaded",
+    "Lost",
+    "Made",
+    "Mapped",
+    "Measured",
+    "Mounted",
+    "Named",
+    "Noted",
+    "Numbered",
+    "Owed",
+    "Paid",
+    "Picked",
+    "Placed",
+    "Read",
+    "Reached",
+    "Refused",
+    "Replaced",
+    "Restored",
+    "Said",
+    "Seen",
+    "Sensed",
+    "Sent",
+    "Served",
+    "Shown",
+    "Stepped",
+    "Swept",
+    "Taken",
+    "Told",
+    "Tried",
+    "Wanted",
+    "Written",
+];
+
+/// The name of the type that is declared here, if it is a mere participle.
+fn participle_type<'a>(words: &[Word<'a>]) -> Option<&'a str> {
+    let [keyword, name, ..] = words else { return None };
+    let declares = matches!(keyword.text, "struct" | "enum" | "type" | "trait");
+    (declares && PARTICIPLES.contains(&name.text)).then_some(name.text)
 }
 
-/// What comes behind the arrow of a signature, without its conditions.
-fn result(signature: &str) -> &str {
-    let arrow = outside(signature, 0, "()[]<>").find(|&(_, byte)| byte == b'>');
-    let result = arrow.map_or("", |(at, _)| &signature[at + 1..]);
-    let end = words(result).find(|word| word.text == "where").map_or(result.len(), |word| word.start);
-    &result[..end]
+/// Whether these words begin a type whose error is a text: `Result<…, String>`, or `type Err = String`.
+fn is_string_error(code: &str, words: &[Word]) -> bool {
+    let is_string = |path: &str| path.rsplit("::").next() == Some("String");
+    match words {
+        [keyword, name, text, ..] if keyword.text == "type" && matches!(name.text, "Err" | "Error") => {
+            is_string(text.text) && code[name.end..text.start].trim() == "="
+        }
+        [result, ..] if result.text == "Result" && code[result.end..].starts_with('<') => {
+            parts(inside(code, result.end)).get(1).is_some_and(|error| is_string(error))
+        }
+        _ => false,
+    }
 }
 
-/// Whether there is a `Result` in a type whose error is a text.
-fn fails_with_string(result: &str) -> bool {
-    result.match_indices("Result<").any(|(at, name)| {
-        let types = parts(inside(result, at + name.len() - 1));
-        types.get(1).is_some_and(|error| error.rsplit("::").next() == Some("String"))
-    })
-}
+/// The names under which an error or its text is known.
+const ERRORS: [&str; 4] = ["error", "problem", "message", "words"];
+/// The methods that search a text or take it apart.
+const READS: [&str; 7] =
+    ["contains", "starts_with", "ends_with", "split_once", "rsplit_once", "strip_prefix", "strip_suffix"];
 
 /// Whether this word is an error in whose text something is looked for.
 fn is_read_error(code: &str, word: Word) -> bool {
     let rest = code[word.end..].trim_start();
     let text = rest.strip_prefix(".to_string()").or_else(|| rest.strip_prefix("()")).unwrap_or(rest);
     let call = text.trim_start().strip_prefix('.').and_then(|call| call.split_once('('));
-    matches!(word.text, "error" | "problem" | "message" | "words")
-        && call.is_some_and(|(method, _)| {
-            matches!(method, "contains" | "starts_with" | "ends_with" | "split_once" | "strip_prefix")
-        })
+    ERRORS.contains(&word.text) && call.is_some_and(|(method, _)| READS.contains(&method))
 }

@@ -6,9 +6,13 @@
 //! A module is a file or folder right below a crate's `src`; it reaches another if its path stands in its code, tests
 //! left out. Lines of code are those that have more than a comment; the length of a file counts all lines but those of
 //! tests. What only tests use (`#[cfg(test)]`, `tests.rs`, `tests/`) is counted apart; generated code is not counted.
+//!
+//! A comment is a paragraph of `//`, `///` or `//!`, in tests too. It is a clause-comment if its first word is What, How,
+//! Where, Which, Who or Why and its first sentence is no question.
 
 mod graph;
 mod measure;
+mod prose;
 mod report;
 mod sources;
 mod text;

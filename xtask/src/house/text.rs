@@ -19,6 +19,43 @@ pub(super) fn bare(text: &str) -> String {
     kept
 }
 
+/// A comment of one line.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Comment<'a> {
+    line: usize,
+    /// Whether it stands on its line without code.
+    is_alone: bool,
+    /// `///`, `//!` or `//`.
+    marker: &'a str,
+    /// The words behind the marker.
+    pub(super) text: &'a str,
+}
+
+impl Comment<'_> {
+    /// Whether it goes on right below another, as a further line of the same kind.
+    pub(super) fn continues(self, above: Self) -> bool {
+        self.is_alone && above.is_alone && self.line == above.line + 1 && self.marker == above.marker
+    }
+}
+
+/// The comments that a line's end closes, in turn.
+pub(super) fn comments(text: &str) -> Vec<Comment<'_>> {
+    let (mut found, mut at, mut line) = (Vec::new(), 0, 0);
+    while at < text.len() {
+        let (end, _) = token(text, at);
+        let token = &text[at..end];
+        if token.starts_with("//") {
+            let marker = ["///", "//!"].into_iter().find(|marker| token.starts_with(marker)).unwrap_or("//");
+            let before = text[..at].rsplit('\n').next().unwrap_or_default();
+            let is_alone = before.trim().is_empty();
+            found.push(Comment { line, is_alone, marker, text: &token[marker.len()..] });
+        }
+        line += token.matches('\n').count();
+        at = end;
+    }
+    found
+}
+
 /// How many lines have more than blanks.
 pub(super) fn code_lines(code: &str) -> usize {
     code.lines().filter(|line| !line.trim().is_empty()).count()
