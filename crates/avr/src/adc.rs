@@ -33,7 +33,7 @@ const COMPARATOR: u8 = 1 << 6;
 const BANDGAP_UV: u32 = 1_100_000;
 const SYNCHRONISER_CYCLES: u64 = 3;
 
-/// What can start conversions: ADTS.
+/// An event that can start conversions: ADTS.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Trigger {
     FreeRunning,
@@ -46,7 +46,7 @@ pub(crate) enum Trigger {
     Timer1Capture,
 }
 
-/// What is measured.
+/// A source of the voltage that is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Input {
     Outside(AnalogInput),
@@ -54,7 +54,7 @@ pub(crate) enum Input {
     Reserved,
 }
 
-/// What an instant brings.
+/// A step of a conversion that falls on an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Event {
     Nothing,
@@ -134,7 +134,7 @@ impl Adc {
         }
     }
 
-    /// What starts conversions, if anything does.
+    /// The event that starts conversions; none without ADATE.
     pub(crate) const fn trigger(&self) -> Option<Trigger> {
         if self.control_a & (ENABLE | AUTO_TRIGGER) != ENABLE | AUTO_TRIGGER {
             return None;

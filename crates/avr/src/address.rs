@@ -1,4 +1,4 @@
-//! Which register is at which data address.
+//! The data addresses of the registers.
 //!
 //! Source: data sheet, chapter *Register Summary*.
 

@@ -7,7 +7,7 @@ use crate::rounds::Round;
 use crate::timer::Which;
 use crate::usart::Sent;
 
-/// What is around a chip. All instants are periods of its clock source since it was made.
+/// The surroundings of a chip. All instants are periods of its clock source since it was made.
 ///
 /// Each function has a default: nothing is connected.
 pub trait Board {
@@ -98,7 +98,7 @@ pub enum AnalogInput {
     Negative,
 }
 
-/// Which way bytes go on a TWI bus.
+/// The direction of bytes on a TWI bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Direction {
     /// From the master.
@@ -107,7 +107,7 @@ pub enum Direction {
     Read,
 }
 
-/// What a program hardly means, or what is not simulated.
+/// An act of a program that is hardly meant, or is not simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Warning {
     /// A word that is no instruction was executed; it did nothing. This and [`BeyondMemory`](Self::BeyondMemory) are said a
@@ -150,7 +150,7 @@ pub enum Warning {
     Overrun,
 }
 
-/// What is not simulated.
+/// A feature of the chip that is not simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Unsupported {
     /// Timer 2 with a crystal of its own (AS2), on a chip whose clock source takes the crystal's pins.
@@ -174,7 +174,7 @@ impl core::fmt::Display for Unsupported {
     }
 }
 
-/// How a chip is clocked and supplied.
+/// The clock source and the supply of a chip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Supply {
     /// The frequency of the clock source, in hertz; at least 1.

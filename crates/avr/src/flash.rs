@@ -47,7 +47,7 @@ impl Flash {
         &self.code.words
     }
 
-    /// What is executed, for a loop that does not write.
+    /// The instructions, for a loop that does not write.
     pub(crate) fn code(&self) -> Arc<Code> {
         Arc::clone(&self.code)
     }

@@ -19,16 +19,16 @@ pub struct Fuses {
     pub extended: u8,
 }
 
-/// How long the start of the clock delays the processor.
+/// The delay of the processor after the start of the clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StartUp {
     /// Cycles of the clock source, after a reset and after power-down.
     pub cycles: u32,
-    /// What a reset adds to them, in tenths of a millisecond.
+    /// The additional delay after a reset, in tenths of a millisecond.
     pub reset_100us: u32,
 }
 
-/// What takes a pin.
+/// The function that takes a pin from its port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
     /// The clock source: a crystal, a resonator or an external clock.
@@ -86,8 +86,9 @@ impl Fuses {
         matches!(self.low & 0x0F, 2 | 3)
     }
 
-    /// What takes a pin from its port for good: XTAL1 and XTAL2 belong to the clock source (CKSEL), PC6 is the reset unless
-    /// RSTDISBL is programmed. Data sheet, section *Alternate Functions of Port B* and *of Port C*.
+    /// The function that takes a pin from its port for good: XTAL1 and XTAL2 belong to the clock source (CKSEL), PC6
+    /// is the reset unless RSTDISBL is programmed. Data sheet, section *Alternate Functions of Port B* and *of Port
+    /// C*.
     pub const fn takes(self, pin: Pin) -> Option<Taken> {
         match (pin.port(), pin.bit(), self.low & 0x0F) {
             (Port::C, 6, _) if self.high & 0x80 != 0 => Some(Taken::Reset),

@@ -9,8 +9,7 @@
 //! through sleep and changes of the clock prescaler. The chip runs until an instant, and stops at the first boundary of an
 //! instruction at or after it.
 //!
-//! What comes from outside is given beforehand, with its instant: levels of pins ([`Chip::set_pin`]), characters at RXD
-//! ([`Chip::receive`]).
+//! Input comes beforehand, with its instant: levels of pins ([`Chip::set_pin`]), characters at RXD ([`Chip::receive`]).
 //!
 //! # How it works
 //!

@@ -26,7 +26,7 @@ pub enum Part {
     Atmega328P,
 }
 
-/// What differs between parts.
+/// The differences between parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Properties {
     /// The name in the data sheet and for `avr-gcc -mmcu`, in lower case.
@@ -71,7 +71,7 @@ impl Part {
         Self::ALL.into_iter().find(|part| part.properties().name.eq_ignore_ascii_case(name))
     }
 
-    /// What the data sheet says of this part.
+    /// This part's figures in the data sheet.
     pub const fn properties(self) -> &'static Properties {
         match self {
             Self::Atmega48A => &MEGA48A,

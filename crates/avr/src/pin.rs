@@ -69,7 +69,7 @@ impl core::fmt::Debug for Pin {
     }
 }
 
-/// What a pin does to the wire on it.
+/// The effect of a pin on its wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Drive {
     /// An output that is low.
@@ -92,7 +92,7 @@ impl Drive {
     }
 }
 
-/// What another part does to the wire on a pin.
+/// The effect of another part on a pin's wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum External {
     /// It pulls the wire to ground.
@@ -121,7 +121,7 @@ impl Pwm {
 
 checked!(Pwm, "a signal is high for a part of its period");
 
-/// How an output of a timer is reported.
+/// The kind of report for an output of a timer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PwmReport {
     /// Each edge, as a change of the pin: for servos and tones.

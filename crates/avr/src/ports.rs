@@ -36,14 +36,14 @@ struct State {
     external: u8,
     external_level: u8,
     level: u8,
-    /// What the level was before the cycle `changed_at`.
+    /// The level before the cycle `changed_at`.
     previous: u8,
     changed_at: u64,
     drives: Drives,
     floating_told: u8,
 }
 
-/// What the pins of a port do to their wires.
+/// The effects of a port's pins on their wires.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Drives {
     output: u8,
@@ -51,7 +51,7 @@ pub(crate) struct Drives {
     high: u8,
 }
 
-/// What an update of a port has changed.
+/// The pins that an update of a port has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Changed {
     /// Pins that do something else to their wires.
@@ -144,7 +144,7 @@ impl Ports {
         self.states[pin.port().index()].level & pin.mask() != 0
     }
 
-    /// What another part does to a pin.
+    /// Another part's effect on the wire.
     pub(crate) fn external(&self, pin: Pin) -> External {
         let state = &self.states[pin.port().index()];
         match (state.external & pin.mask() != 0, state.external_level & pin.mask() != 0) {
@@ -154,7 +154,7 @@ impl Ports {
         }
     }
 
-    /// What a pin does to its wire.
+    /// The pin's own effect on the wire.
     pub(crate) fn drive(&self, pin: Pin) -> Drive {
         let drives = self.states[pin.port().index()].drives;
         match (drives.output & pin.mask() != 0, drives.high & pin.mask() != 0) {

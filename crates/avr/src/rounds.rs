@@ -1,4 +1,4 @@
-//! How long the rounds of a program's main loop take.
+//! The durations of the rounds of a program's main loop.
 
 use alloc::vec::Vec;
 
@@ -20,7 +20,7 @@ pub struct Rounds {
 pub struct Round {
     /// The word address of the loop's first instruction.
     pub head: u32,
-    /// How long it was, in periods of the clock source.
+    /// The duration, in periods of the clock source.
     pub cycles: u64,
 }
 
@@ -63,7 +63,7 @@ impl Rounds {
         self.head
     }
 
-    /// How many rounds were completed.
+    /// The number of completed rounds.
     pub const fn count(&self) -> u64 {
         self.count
     }
@@ -94,7 +94,7 @@ impl Rounds {
     }
 }
 
-/// Where rounds of a length are counted: by the highest of its bits, and the five below that.
+/// The counter for rounds of a length: by the highest of its bits, and the five below that.
 const fn place(length: u64) -> u16 {
     match length.checked_ilog2() {
         Some(octave @ FINE..) => {

@@ -69,7 +69,7 @@ impl Spi {
         Some(self.sending)
     }
 
-    /// What came in during the transfer.
+    /// Takes the byte that came in during the transfer.
     pub(crate) fn receive(&mut self, byte: u8) {
         self.received = byte;
         self.status |= DONE;

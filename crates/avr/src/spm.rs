@@ -25,7 +25,7 @@ const SIGNATURE: u8 = 1 << 5;
 const BUSY_SECTION: u8 = 1 << 6;
 const INTERRUPT: u8 = 1 << 7;
 
-/// What an `SPM` does.
+/// The effect of an `SPM`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Action {
     Nothing,
@@ -36,7 +36,7 @@ pub(crate) enum Action {
     EnableReading,
 }
 
-/// What an `LPM` reads.
+/// The source of the byte that an `LPM` reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reading {
     Flash,
@@ -119,7 +119,7 @@ impl SelfProgramming {
         }
     }
 
-    /// What an `SPM` that begins at this cycle does.
+    /// The effect of an `SPM` that begins at this cycle.
     pub(crate) fn action(&mut self, now: u64) -> Action {
         if !self.window.is_open(now) || self.busy_until.is_some() {
             return Action::Nothing;
@@ -137,7 +137,7 @@ impl SelfProgramming {
         action
     }
 
-    /// What an `LPM` at this cycle reads.
+    /// The source for an `LPM` at this cycle.
     pub(crate) const fn reading(&self, now: u64) -> Reading {
         if !self.window.is_open(now) || self.busy_until.is_some() {
             return Reading::Flash;

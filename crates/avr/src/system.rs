@@ -23,7 +23,7 @@ pub(crate) enum Register {
     AsynchronousStatus,
 }
 
-/// Why a chip was reset: the bits of MCUSR.
+/// The cause of a reset: the bits of MCUSR.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ResetCause {
     /// PORF: the supply was switched on.
@@ -79,7 +79,7 @@ pub(crate) mod power {
     pub(crate) const TWI: u8 = 1 << 7;
 }
 
-/// What a write asks the chip to do.
+/// A write's request to the chip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effect {
     Nothing,

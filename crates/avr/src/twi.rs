@@ -46,7 +46,7 @@ mod status {
     pub(super) const READ: [u8; 2] = [0x58, 0x50];
 }
 
-/// What the bus does.
+/// The next action of the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Step {
     Start,
@@ -59,7 +59,7 @@ pub(crate) enum Step {
     },
 }
 
-/// What a write to a register wants of the bus at once.
+/// A write's immediate request to the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
     Nothing,
@@ -204,7 +204,7 @@ impl Twi {
         wanted
     }
 
-    /// What follows the status once TWINT is cleared.
+    /// The step behind the status once TWINT is cleared.
     const fn following(&self, acknowledge: bool) -> Option<Step> {
         Some(match self.status {
             status::START | status::REPEATED_START => Step::Address,

@@ -16,7 +16,7 @@ const PRESCALER: u8 = 0x27;
 const OSCILLATOR_HZ: u64 = 128_000;
 const SHORTEST_TIMEOUT: u64 = 2048;
 
-/// What the end of the watchdog's time means.
+/// The consequence of the end of the watchdog's time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Bite {
     Nothing,

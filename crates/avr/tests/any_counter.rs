@@ -95,7 +95,7 @@ fn work() -> impl Strategy<Value = Vec<u16>> {
     ]
 }
 
-/// What goes on elsewhere if a condition holds, and back to the start if not: a branch over a jump out, or a skip.
+/// A jump elsewhere if a condition holds, and back to the start if not: a branch over a jump out, or a skip.
 #[derive(Clone, Debug)]
 enum Decision {
     Flag(u16),

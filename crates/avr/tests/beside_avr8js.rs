@@ -40,7 +40,7 @@ const TOGGLE_CYCLES: u64 = 2;
 /// Cycles of the interrupt response that avr8js leaves out.
 const RESPONSE: u64 = 2;
 
-/// What a program has put into its buffer, and each edge of each pin.
+/// The bytes that a program has put into its buffer, and each edge of each pin.
 struct Run {
     results: Vec<u16>,
     edges: Vec<Edge>,
@@ -289,7 +289,7 @@ fn avr8js_shows_the_same_conversions() {
     assert!(waited > 3, "{waited}");
 }
 
-/// What the programs do here, as it was when it agreed with avr8js.
+/// The programs' results, as they were when they agreed with avr8js.
 #[test]
 fn the_ten_programs_do_what_they_did_when_they_were_compared() {
     let names = ["counters", "outputs", "interrupts"]

@@ -13,8 +13,8 @@ impl Board for HalfOfTheReference {
     }
 }
 
-/// What the program has put into its buffer: five modes of timer 1, with four pairs of TCNT1 and TIFR1 each, and three
-/// conversions with their duration and result.
+/// The bytes that the program has put into its buffer: five modes of timer 1, with four pairs of TCNT1 and TIFR1
+/// each, and three conversions with their duration and result.
 fn ours() -> Vec<u16> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/programs/peripherals.hex");
     let program = Program::parse(Part::Atmega328P, &std::fs::read(file).unwrap()).unwrap();

@@ -38,7 +38,7 @@ fn all() -> impl Iterator<Item = String> {
 #[derive(Default)]
 struct Notes {
     begins: Vec<u64>,
-    /// How long the rounds before these were.
+    /// The durations of the rounds before these.
     lengths: Vec<u64>,
     marks: Vec<u64>,
 }

@@ -1,4 +1,5 @@
-//! What starts conversions of the ADC, to the cycle. avr8js has none of this, so that the data sheet alone is the measure.
+//! The events that start conversions of the ADC, to the cycle. avr8js has none of this, so that the data sheet alone
+//! is the measure.
 //!
 //! Source: data sheet, section *Prescaling and Conversion Timing*: a conversion that is triggered samples its input two cycles of
 //! the ADC's clock after the trigger, and three cycles of the system clock go to the synchroniser.

@@ -40,8 +40,8 @@ impl Carried {
         carrier.compose(&self.sensor)
     }
 
-    /// How far at most the sensor goes, in metres, in so many seconds of the first `within_s`. Its robot goes ahead on a
-    /// straight line that turns with it.
+    /// The farthest that the sensor goes, in metres, in so many seconds of the first `within_s`. Its robot goes ahead
+    /// on a straight line that turns with it.
     fn way_m(&self, seconds: f64, within_s: f64) -> f64 {
         let (forward, turn) = (self.body.forward.abs(), self.body.turn.abs());
         let turret_m = self.turret.map_or(0.0, |turret| turret.position.coords.abs().sum());
@@ -56,7 +56,7 @@ impl Carried {
 pub struct Bundle<'a> {
     fan: &'a Fan,
     rays: Range<usize>,
-    /// Where the sensor is at an instant in the middle.
+    /// The sensor's pose at an instant in the middle.
     pose: Pose,
     /// No ray starts farther from there, in metres.
     pub(crate) stray_m: f64,
@@ -110,7 +110,7 @@ impl<'a> Bundle<'a> {
         bundle
     }
 
-    /// Where the sensor is at an instant in the middle.
+    /// The sensor's pose at an instant in the middle.
     #[must_use]
     pub fn pose(&self) -> Pose {
         self.pose
@@ -139,7 +139,7 @@ impl<'a> Bundle<'a> {
         Ray { origin: Point::new(self.x[i], self.y[i]), direction }
     }
 
-    /// Where the rays start, x and y, and where they go, cosines and sines.
+    /// The rays' origins, x and y, and their directions, cosines and sines.
     pub(crate) fn columns(&self) -> [&[f64]; 4] {
         let n = self.rays.len();
         [&self.x[..n], &self.y[..n], &self.cos[..n], &self.sin[..n]]

@@ -19,9 +19,9 @@ pub struct Crowd {
     cells_per_m: f64,
     /// The largest radius of the discs that are listed by cells.
     widest: f64,
-    /// How far down a cell's number is shifted to be that of its list.
+    /// The number of bits by which a cell's number is shifted down to be that of its list.
     shift: u32,
-    /// Where each list begins in `members`; one more at the end.
+    /// The beginning of each list in `members`; one more at the end.
     starts: Vec<u32>,
     members: Vec<u32>,
     /// Discs that are so large that every search looks at them.

@@ -64,7 +64,7 @@ pub fn round(x: f64) -> f64 {
     libm::round(x)
 }
 
-/// What remains of `x` after taking away the nearest multiple of `y`: in [-y/2, y/2], and exact.
+/// The remainder of `x` after taking away the nearest multiple of `y`: in [-y/2, y/2], and exact.
 #[must_use]
 pub fn remainder(x: f64, y: f64) -> f64 {
     libm::remainder(x, y)

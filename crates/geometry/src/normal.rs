@@ -102,7 +102,7 @@ impl<F: Fn(f64, f64) -> f64> Work for Disturb<'_, F> {
             for (((bits, radius), a), b) in angles.iter().zip(&radii).zip(&mut firsts).zip(&mut seconds) {
                 // Within an eighth of a turn of an axis.
                 let (sin, cos) = sin_cos_near_0(FRAC_PI_2 * (one_to_two(bits << 2) - 1.5));
-                // Which is one of two.
+                // The sign is a coin between the two.
                 let is_other = bits.cast_signed() < 0;
                 *a = radius * if is_other { sin } else { cos };
                 *b = radius * if is_other { cos } else { sin };
@@ -265,7 +265,7 @@ mod tests {
             let x = (1.0 - 0.5 * within) / (1_u64 << i) as f64;
             assert_eq!(ln(x).to_bits(), math::ln(x).to_bits(), "{x}");
         }
-        // Where the argument is halved.
+        // Arguments around the one that is halved.
         for i in 0..200_000_u64 {
             let x = f64::from_bits((0x3fe6_a09e_u64 << 32) - 100_000 + i);
             assert_eq!(ln(x).to_bits(), math::ln(x).to_bits(), "{x}");

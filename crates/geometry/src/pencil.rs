@@ -42,7 +42,7 @@ impl Pencil {
         Self { origin, cos, sin, range, distances: [f64::INFINITY; Self::RAYS] }
     }
 
-    /// How far each ray runs, in metres, or infinity; places that are left repeat the last one.
+    /// The length of each ray, in metres, or infinity; places that are left repeat the last one.
     #[inline]
     #[must_use]
     pub fn distances(&self) -> &[f64; Self::RAYS] {

@@ -41,7 +41,7 @@ impl Pose {
         Direction::from_angle(self.heading)
     }
 
-    /// Where a point of the inner frame lies in the outer one. Eq. (3.9), with the rotation (see above).
+    /// The position in the outer frame of a point of the inner one. Eq. (3.9), with the rotation (see above).
     #[must_use]
     pub fn transform(&self, point_in_robot: Point) -> Point {
         self.position + self.direction().apply(point_in_robot.coords)

@@ -1,4 +1,4 @@
-//! How far a ray runs before it meets a shape: Wahde, Eqs. (3.3) to (3.8).
+//! The distance that a ray runs before it meets a shape: Wahde, Eqs. (3.3) to (3.8).
 //!
 //! *Deviations.* The numbers are those of the equations, but they are found in another way.
 //!
@@ -24,9 +24,9 @@ use crate::segment::Segment;
 /// A half-line.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ray {
-    /// Where it starts, in metres.
+    /// The start, in metres.
     pub origin: Point,
-    /// Where it points.
+    /// The unit vector along the ray.
     pub direction: Direction,
 }
 
@@ -92,7 +92,7 @@ impl Ray {
     }
 }
 
-/// Where a segment on the ray's own line is met, given how far ahead its ends are.
+/// The distance to a segment on the ray's own line, given how far ahead its ends are.
 fn along(start: f64, end: f64) -> f64 {
     let (near, far) = if start <= end { (start, end) } else { (end, start) };
     if near < 0.0 && far >= 0.0 {
@@ -104,7 +104,7 @@ fn along(start: f64, end: f64) -> f64 {
     }
 }
 
-/// Where a segment with an end on either side crosses the ray's line.
+/// The point in which a segment with an end on either side crosses the ray's line.
 ///
 /// Interpolated from the end that is nearer to the line: if the line runs through a corner, the result is
 /// then how far ahead the corner is, with the same bits for all segments that share it.

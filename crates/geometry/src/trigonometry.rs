@@ -33,10 +33,10 @@ pub(crate) fn sin_cos_near_0(angle: f64) -> (f64, f64) {
 
 /// An angle as a number of quarters of a turn, of 0 to 4, and what is left of it.
 struct Reduced {
-    /// What is left, in [-π/4, π/4], as a sum.
+    /// The remainder, in [-π/4, π/4], as a sum.
     y0: f64,
     y1: f64,
-    /// What the quarters mean to the sine and the cosine.
+    /// The quarters' effect on the sine and the cosine.
     is_one_or_more: bool,
     is_odd: bool,
     is_sin_negative: bool,

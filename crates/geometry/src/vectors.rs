@@ -49,7 +49,7 @@ impl<F: Fn(f64, f64) -> f64> Work for EachWith<'_, F> {
 
 /// Something to do in a loop, or several.
 pub(crate) trait Work {
-    /// What comes of it.
+    /// The type of the result.
     type Output;
 
     /// Does it. Must be inlined, and all that it calls, to be built for wider vectors.

@@ -12,7 +12,7 @@
 use crate::math;
 use crate::pose::{Direction, Pose, Vector};
 
-/// How the middle between two wheels moves: as speeds (m/s, rad/s), or as ways (m, rad).
+/// The motion of the middle between two wheels: as speeds (m/s, rad/s), or as ways (m, rad).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Twist {
     /// Along the heading, in m/s or m.
@@ -62,7 +62,7 @@ pub fn arc(then_from_now: &Pose) -> Vector {
     Direction::from_angle(-0.5 * turn).apply(then_from_now.position.coords) / chord_of_arc(turn)
 }
 
-/// How long the chord of an arc is, as a part of the arc, by the angle of the arc.
+/// The length of an arc's chord, as a part of the arc, by the angle of the arc.
 fn chord_of_arc(turn_rad: f64) -> f64 {
     let half = 0.5 * turn_rad;
     // By its series, where the quotient has no digits.

@@ -1,4 +1,4 @@
-//! What a debugger sees and changes.
+//! The view of a debugger: it reads and changes the chip between two instructions.
 
 use super::Chip;
 use crate::board::Board;
@@ -86,7 +86,7 @@ impl Chip {
         self.eeprom.bytes_mut()
     }
 
-    /// What a pin does to its wire.
+    /// The pin's effect on its wire.
     pub fn drive(&self, pin: Pin) -> Drive {
         self.ports.drive(pin)
     }

@@ -1,4 +1,4 @@
-//! What each instruction does, and how long it takes.
+//! The effect of each instruction, and its duration.
 //!
 //! Source: *AVR Instruction Set Manual*, columns AVRe of the cycles. A register that is read in a peripheral is read at the
 //! beginning of the instruction's last cycle, one that is written is written at its end.

@@ -1,7 +1,8 @@
 //! Inputs that nothing drives, and a program that looks at them.
 //!
-//! Who reads a whole port means some of its pins, and the others may float. So a pin is told only if the program looks at it
-//! alone: by `SBIS` and `SBIC`, or by an instruction behind the one that reads the port, as Arduino's `digitalRead` does.
+//! A program that reads a whole port means some of its pins, and the others may float. So a pin is reported only if
+//! the program looks at it alone: by `SBIS` and `SBIC`, or by an instruction behind the one that reads the port, as
+//! Arduino's `digitalRead` does.
 
 use super::Chip;
 use crate::address::Place;

@@ -1,4 +1,4 @@
-//! What comes from outside.
+//! Levels, characters and voltages that come from outside.
 
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};

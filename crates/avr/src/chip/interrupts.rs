@@ -1,4 +1,4 @@
-//! Which interrupts are requested.
+//! The requested interrupts.
 
 use super::Chip;
 use crate::system::Sleep;
@@ -6,17 +6,17 @@ use crate::timer::{self, Which};
 use crate::usart;
 use crate::vector::Vector;
 
-/// What wakes from ADC noise reduction.
+/// The interrupts that wake from ADC noise reduction.
 const ADC_NOISE_REDUCTION: u32 = DEEP
     | Vector::Int0.bit()
     | Vector::Int1.bit()
     | Vector::Adc.bit()
     | Vector::EepromReady.bit()
     | Vector::SpmReady.bit();
-/// What wakes from deep sleep. Of INT0 and INT1 the low levels do, too.
+/// The interrupts that wake from deep sleep. Of INT0 and INT1 the low levels do, too.
 const DEEP: u32 =
     Vector::PinChange0.bit() | Vector::PinChange1.bit() | Vector::PinChange2.bit() | Vector::Watchdog.bit();
-/// What a timer 2 with its own crystal requests.
+/// The interrupts of a timer 2 with its own crystal.
 const TIMER2: u32 =
     Vector::Timer2CompareA.bit() | Vector::Timer2CompareB.bit() | Vector::Timer2Overflow.bit();
 

@@ -26,12 +26,12 @@ use crate::rounds::{Round, Rounds};
 
 /// Loops that are kept, and of those that were left.
 const MOST: usize = 16;
-/// How far below a loop's stack pointer the return address of a call is looked for: arguments may be above it.
+/// The search for the return address of a call goes so far below a loop's stack pointer: arguments may be above it.
 const MOST_ARGUMENTS: u16 = 32;
 /// Arrivals at heads that are kept to be repeated.
 const MOST_ARRIVALS: usize = 512;
 
-/// What is watched, if anything is. It is no part of the chip's state.
+/// The loops under watch, if any are. They are no part of the chip's state.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Watched(pub(super) Option<Box<Loops>>);
 
@@ -68,7 +68,7 @@ struct Loop {
     sp: u16,
     /// The last arrival at its head, in periods.
     since: u64,
-    /// Where the return address of its last call was on the stack.
+    /// The place on the stack of its last call's return address.
     called_at: u16,
     rounds: Rounds,
 }
@@ -91,7 +91,7 @@ struct Jump {
     at: u64,
 }
 
-/// What a return address on the stack is looked for in.
+/// The memory in which a return address on the stack is looked for.
 struct Memory<'a> {
     sram: &'a [u8],
     flash: &'a [u16],
@@ -131,7 +131,7 @@ impl Loops {
         }
         for place in 0..self.open.len() {
             let open = &mut self.open[place];
-            // What is not needed often may lie behind the loop, and jumps back into it.
+            // Code that is needed rarely may lie behind the loop, and jumps back into it.
             if open.sp == jump.sp && (open.head..=open.end).contains(&jump.to) && jump.from > open.end {
                 open.end = jump.from;
                 self.find_main();
@@ -200,7 +200,7 @@ impl Loops {
         main.into_iter().chain(before).max_by_key(|found| found.rounds.total())
     }
 
-    /// What has come since the arrivals began comes again so many times, each time after so many periods. Gives each round of
+    /// Repeats the arrivals since the beginning so many times, each time after so many periods. Gives each round of
     /// the main loop that begins to `begins`, with the one before it.
     fn repeat(&mut self, period: u64, times: u64, mut begins: impl FnMut(u64, Round)) {
         for (place, open) in self.open.iter_mut().enumerate() {
@@ -275,7 +275,7 @@ impl Memory<'_> {
     }
 }
 
-/// Where a jump at an address goes.
+/// The target of a jump at an address.
 #[expect(clippy::wildcard_enum_match_arm, reason = "of all instructions only jumps close a loop")]
 fn jumped_to(at: u32, op: Op) -> Option<u32> {
     match op {
@@ -352,14 +352,14 @@ impl Chip {
         }
     }
 
-    /// What is repeated from now on begins anew.
+    /// Arrivals that are repeated from now on begin anew.
     pub(super) fn forget_arrivals(&mut self) {
         if let Some(loops) = &mut self.watched.0 {
             loops.arrivals.clear();
         }
     }
 
-    /// What was done in the last cycles up to this one is done so many times more.
+    /// The work of the last cycles up to this one is done so many times more.
     pub(super) fn watch_repeats<B: Board>(&mut self, now: u64, cycles: u64, times: u64, board: &mut B) {
         let Some(loops) = &mut self.watched.0 else { return };
         let period = self.clock.period_of(now + cycles) - self.clock.period_of(now);

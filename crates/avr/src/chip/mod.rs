@@ -77,7 +77,7 @@ pub struct Chip {
     repeat: Repeat,
     #[serde(skip)]
     watched: Watched,
-    /// What follows the instruction that has just been executed.
+    /// The request that the loop has to meet before the next instruction.
     pending: Pending,
     watchdog_resets: u32,
     clock: Clock,
@@ -168,12 +168,12 @@ impl Chip {
         self.fuses
     }
 
-    /// How it is clocked and supplied.
+    /// Its clock source and supply.
     pub const fn supply(&self) -> Supply {
         self.supply
     }
 
-    /// How an output of a timer is reported from now on: OCnA is channel 0, OCnB 1. All begin with
+    /// Sets the kind of report for an output of a timer from now on: OCnA is channel 0, OCnB 1. All begin with
     /// [`PwmReport::Edges`].
     pub fn set_pwm_report(&mut self, timer: Which, channel: Channel, report: PwmReport) {
         let now = self.timer_time(timer, self.cycle);
@@ -189,7 +189,7 @@ impl Chip {
         self.stack.mark = mark;
     }
 
-    /// How often the watchdog has reset the chip since it was made, modulo 2³².
+    /// The number of resets by the watchdog since the chip was made, modulo 2³².
     pub const fn watchdog_resets(&self) -> u32 {
         self.watchdog_resets
     }
@@ -200,7 +200,7 @@ impl Chip {
     }
 }
 
-/// What the processor does.
+/// The processor's state: it runs, sleeps or has halted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum State {
     Awake,
@@ -209,7 +209,7 @@ enum State {
     Held(u64),
 }
 
-/// What an instruction or an event asks of the loop that executes instructions.
+/// A request of an instruction or an event to the loop that executes instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Pending {
     Nothing,
@@ -218,14 +218,14 @@ enum Pending {
     Reset(ResetCause),
 }
 
-/// How deep the stack has been.
+/// The greatest depth of the stack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct StackWatch {
     lowest: u16,
     mark: u16,
 }
 
-/// How the outputs of each timer are reported.
+/// The kinds of report for the outputs of each timer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Outputs {
     reports: [[PwmReport; 2]; 3],

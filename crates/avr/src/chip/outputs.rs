@@ -1,4 +1,4 @@
-//! What the pins do, and who is told.
+//! The outputs of pins, and the board that hears of their changes.
 
 use super::Chip;
 use crate::adc::Trigger;

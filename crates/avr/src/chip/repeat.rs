@@ -4,8 +4,8 @@
 //! If the registers and the memory are the same at two jumps back, if in between nothing was read that changes by itself, and
 //! nothing was written that a peripheral sees, then all goes on like that until the next event, and can be passed over.
 //!
-//! Which jumps to compare: R. P. Brent, *An Improved Monte Carlo Factorization Algorithm*, BIT 20, 1980, section 2. A state is
-//! marked, and each of the next 1, 2, 4, … jumps is compared with the last mark.
+//! The choice of jumps to compare: R. P. Brent, *An Improved Monte Carlo Factorization Algorithm*, BIT 20, 1980,
+//! section 2. A state is marked, and each of the next 1, 2, 4, … jumps is compared with the last mark.
 
 use alloc::vec::Vec;
 
@@ -22,7 +22,7 @@ pub(super) const JUMP: u64 = 2;
 /// With fewer cycles until the next event there is nothing to win.
 const WORTH_CYCLES: u64 = 256;
 
-/// What is looked for. It is no part of the chip's state: what a chip does depends in nothing on it.
+/// The search for a repeated state. It is no part of the chip's state: nothing in a chip's run depends on it.
 #[derive(Debug, Default)]
 pub(super) struct Repeat {
     phase: Phase,
@@ -38,7 +38,7 @@ pub(super) struct Repeat {
     sram: Vec<u8>,
     /// The same for the shortest loops, whose instructions are known to wait only.
     pub(super) waiting: Waiting,
-    /// How often a loop was passed over.
+    /// The number of times that a loop was passed over.
     #[cfg(test)]
     pub(super) passed: u64,
 }
@@ -55,7 +55,7 @@ enum Phase {
     Watched,
 }
 
-/// What a jump back is for when nothing is looked for: [`Phase::Over`] unless jumps are watched.
+/// The phase that a jump back ends when nothing is looked for: [`Phase::Over`] unless jumps are watched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Over(Phase);
 
@@ -65,7 +65,7 @@ impl Default for Over {
     }
 }
 
-/// What an instruction finds, but for the memory.
+/// The state that an instruction starts from, but for the memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Processor {
     pc: u32,
@@ -199,7 +199,7 @@ impl Chip {
         period * times
     }
 
-    /// How many cycles are repeated, and how often.
+    /// The number of cycles that are repeated, and of repetitions.
     fn look_for_repeat(&mut self, now: u64) -> Option<(u64, u64)> {
         let left = self.limit.saturating_sub(now);
         if left < WORTH_CYCLES {

@@ -6,7 +6,7 @@ use crate::clock::LATEST;
 use crate::flash::Code;
 use crate::vector::Vector;
 
-/// Why a run has stopped.
+/// The reason for the end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
     /// The instant has been reached.

@@ -19,7 +19,7 @@ impl<'de> Deserialize<'de> for Chip {
         if !chip.has_memories() || !chip.has_possible_times() || !chip.has_possible_peripherals() {
             return Err(D::Error::custom("no chip can be in this state"));
         }
-        // What follows from other fields is worked out again.
+        // These values follow from other fields.
         chip.watch_timers();
         chip.schedule();
         if chip.next_event < chip.cycle {

@@ -28,7 +28,7 @@ pub(super) fn step(chip: &mut Chip) -> u64 {
     chip.cycles() - before
 }
 
-/// What a board was told.
+/// A record of a board's notifications.
 #[derive(Default)]
 pub(super) struct Told {
     pub(super) pins: Vec<(Pin, Drive, u64)>,
@@ -531,7 +531,7 @@ fn two_outputs_on_one_wire_and_a_floating_input_are_told() {
     assert_eq!(told.warnings, [Warning::FloatingInput { pin }, Warning::Contention { pin }]);
 }
 
-/// What is told when this is executed, with registers 30 and 31 at PIND and 17 as given.
+/// The warnings when this is executed, with registers 30 and 31 at PIND and 17 as given.
 fn told_by(words: &[u16], mask: u8) -> Vec<Warning> {
     let [low, high] = [0xE010 | u16::from(mask & 0xF0) << 4 | u16::from(mask & 0xF), 0xE0F0];
     // ldi r17, mask; ldi r30, PIND; ldi r31, 0; …; rjmp .-2

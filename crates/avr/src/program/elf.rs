@@ -22,7 +22,7 @@ const LOAD: u32 = 1;
 const NOTE: u32 = 7;
 /// EF_AVR_MACH.
 const ARCHITECTURE: u32 = 0x7F;
-/// Where the name is in a note with one name.
+/// The offset of the name in a note with one name.
 const NOTED_NAME: usize = 0x31;
 const NO_BITS: u32 = 8;
 const SECTION_ALLOCATED: u32 = 2;
@@ -73,7 +73,7 @@ pub enum ElfError {
     NotLinked,
 }
 
-/// What is not an image.
+/// The content of a file besides its image.
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) fuses: Option<[u8; 3]>,

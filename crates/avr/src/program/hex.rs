@@ -107,7 +107,7 @@ pub(super) fn read(text: &[u8], flash: &mut Image) -> Result<(), ProgramError> {
             (1, []) => ended = true,
             (2, &[high, low]) => base = u32::from(u16::from_be_bytes([high, low])) << 4,
             (4, &[high, low]) => base = u32::from(u16::from_be_bytes([high, low])) << 16,
-            // Where the processor starts: of no use here.
+            // A start address has no use: the processor starts at its reset vector.
             (3 | 5, [_, _, _, _]) => {}
             (kind, _) => return Err(at_line(HexError::Kind { kind, count: record.count })),
         }

@@ -15,7 +15,7 @@ pub use hex::HexError;
 
 use crate::part::Part;
 
-/// What is written into a part before it starts.
+/// The content of a part's memories before it starts.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Program {
     part: Part,
@@ -34,7 +34,7 @@ pub enum ProgramError {
     Hex {
         /// The line, counted from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The fault in the record.
         error: HexError,
     },
     /// The bytes are no ELF file for an AVR.
@@ -43,7 +43,7 @@ pub enum ProgramError {
     /// There is more than the memory holds.
     #[error("byte {address:#x} is beyond the {memory} of an {part}, which has {bytes} bytes")]
     Beyond {
-        /// Which memory.
+        /// The memory that is too small.
         memory: Memory,
         /// The first address that does not exist.
         address: u32,
@@ -55,7 +55,7 @@ pub enum ProgramError {
     /// Two records say something about one byte.
     #[error("byte {address:#x} of the {memory} is given twice")]
     Overlap {
-        /// Which memory.
+        /// The memory that is written twice.
         memory: Memory,
         /// The address.
         address: u32,
@@ -88,7 +88,7 @@ impl Program {
     ///
     /// # Errors
     ///
-    /// What is wrong with the file; see [`ProgramError`].
+    /// A [`ProgramError`] names the line or section that is at fault.
     pub fn parse(part: Part, file: &[u8]) -> Result<Self, ProgramError> {
         if file.starts_with(&elf::MAGIC) { Self::from_elf(part, file) } else { Self::from_hex(part, file) }
     }

@@ -165,7 +165,7 @@ impl Timer {
         }
     }
 
-    /// What the tick that has left `count` does to a pin.
+    /// The effect on a pin of the tick that has left `count`.
     fn output_tick(&mut self, channel: usize, matched: bool, was_down: bool, count: u16, top: u16) {
         let output = self.output(channel);
         match self.mode().slope {
@@ -203,7 +203,7 @@ impl Timer {
     }
 }
 
-/// What happens at BOTTOM in fast PWM.
+/// The action at BOTTOM in fast PWM.
 const fn opposite(output: Output) -> Output {
     match output {
         Output::Disconnected | Output::Toggle => Output::Disconnected,
@@ -212,7 +212,7 @@ const fn opposite(output: Output) -> Output {
     }
 }
 
-/// What a match does on the way down.
+/// The effect of a match on the way down.
 const fn opposite_of_slope(output: Output) -> Output {
     match output {
         Output::Disconnected => Output::Disconnected,

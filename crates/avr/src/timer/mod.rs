@@ -76,7 +76,7 @@ impl Register {
     }
 }
 
-/// What drives a timer.
+/// The clock of a timer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Source {
     Stopped,
@@ -92,9 +92,9 @@ pub(crate) struct Timer {
     control: [u8; 2],
     count: u16,
     down: bool,
-    /// What is compared.
+    /// The values to compare the counter with.
     compare: [u16; 2],
-    /// What the program has written.
+    /// The values as the program has written them; modes with a double buffer take them over later.
     buffer: [u16; 2],
     capture: u16,
     temporary: u8,
@@ -201,7 +201,7 @@ impl Timer {
         self.off = off;
     }
 
-    /// Which outputs' edges are waited for, bit 0 is OCnA, and which flags start conversions.
+    /// Sets the outputs whose edges are waited for, bit 0 is OCnA, and the flags that start conversions.
     pub(crate) fn watch(&mut self, outputs: u8, triggers: u8) {
         self.watched = outputs;
         self.triggers = triggers;
@@ -378,7 +378,7 @@ impl Timer {
         }
     }
 
-    /// What a match does to the pin of a channel, 0 for A.
+    /// The effect of a match on the pin of a channel, 0 for A.
     fn output(&self, channel: usize) -> Output {
         let waveform = self.waveform();
         let toggles = match self.which {

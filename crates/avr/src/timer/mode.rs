@@ -2,7 +2,7 @@
 //!
 //! Source: data sheet, tables *Waveform Generation Mode Bit Description* of Timer/Counter0, 1 and 2.
 
-/// What the counter does.
+/// The course of the counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Mode {
     pub(super) slope: Slope,
@@ -74,7 +74,7 @@ impl Mode {
     }
 }
 
-/// What a compare match does to its pin: COMnx1:0 in the light of the mode.
+/// The effect of a compare match on its pin: COMnx1:0 in the light of the mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Output {
     Disconnected,

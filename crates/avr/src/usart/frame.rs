@@ -113,7 +113,7 @@ impl Frame {
     }
 }
 
-/// How long a bit is: a fraction, in periods of the clock source.
+/// The duration of a bit: a fraction, in periods of the clock source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(remote = "Self")]
 pub struct BitLength {

@@ -28,11 +28,11 @@ use crate::clock::Clock;
 /// A character on its way out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sent {
-    /// What is sent.
+    /// The frame on its way.
     pub frame: Frame,
     /// When its start bit begins, in periods of the clock source.
     pub start: u64,
-    /// How long each of its bits is, in periods of the clock source.
+    /// The duration of each of its bits, in periods of the clock source.
     pub bit: u64,
 }
 
@@ -255,7 +255,7 @@ impl Usart {
     }
 
     fn write_data(&mut self, value: u8, now: u64) {
-        // What is written while the buffer is full is ignored.
+        // A byte that is written while the buffer is full is ignored.
         if self.control_b & TRANSMITTER_ON == 0 || self.buffer.is_some() {
             return;
         }

@@ -22,7 +22,7 @@ struct Character {
     errors: u8,
 }
 
-/// What the receiver expects.
+/// The format of the frames that the receiver expects.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Format {
     pub(super) data_bits: u8,

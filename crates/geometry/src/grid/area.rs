@@ -89,8 +89,8 @@ fn places(low: f64, high: f64, first: i32, count: i32) -> Range<i32> {
     place(low).clamp(first, end)..place(high).saturating_add(1).clamp(first, end)
 }
 
-/// What is nearer than this, as a part of a cell's side, is taken to touch: far more than the rounding of any
-/// computation here.
+/// A part of a cell's side within which two things are taken to touch: far more than the rounding of any computation
+/// here.
 pub const MARGIN: f64 = 1e-6;
 
 #[cfg(test)]

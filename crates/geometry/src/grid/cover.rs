@@ -2,7 +2,7 @@
 
 use super::{Cell, Rectangle};
 
-/// How a rectangle grows from its first cell.
+/// The order in which a rectangle grows from its first cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Growth {
     /// Along its row as far as it can, then row by row.

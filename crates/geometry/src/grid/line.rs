@@ -140,7 +140,7 @@ impl<X: FnMut() -> f64, Y: FnMut() -> f64> Staircase<X, Y> {
         }
     }
 
-    /// What is added to the column, and what to the row.
+    /// The steps of the column and of the row.
     fn direction(&self) -> (i32, i32) {
         let towards = |first: i32, last: i32| if last > first { 1 } else { -1 };
         (towards(self.first.column, self.last.column), towards(self.first.row, self.last.row))

@@ -67,9 +67,9 @@ impl Cell {
 pub struct Rectangle {
     /// The cell with the least column and row.
     pub first: Cell,
-    /// How many columns it has, 0 or more.
+    /// The number of columns, 0 or more.
     pub columns: i32,
-    /// How many rows it has, 0 or more.
+    /// The number of rows, 0 or more.
     pub rows: i32,
 }
 
@@ -86,7 +86,7 @@ impl Rectangle {
         self.first.offset(self.columns - 1, self.rows - 1)
     }
 
-    /// How many cells there are.
+    /// The number of cells.
     #[must_use]
     pub fn count(&self) -> usize {
         self.columns as usize * self.rows as usize
@@ -126,7 +126,7 @@ impl Rectangle {
     }
 }
 
-/// Where the cells of a grid are, and which of them it has.
+/// The place of a grid's cells, and the range of them that it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// The lower left corner of the cell in column 0 and row 0, in metres.
@@ -146,9 +146,9 @@ impl Grid {
         Self { origin: bounds.min, cell_m, cells }
     }
 
-    /// How many columns and rows of cells of this side, in metres, cover a box: at least one each. A box of four cells
-    /// that is larger by less than `tolerance` cells has no fifth. Whole numbers, but they may be too large for an
-    /// integer.
+    /// The columns and rows of cells of this side, in metres, that cover a box: at least one each. A box of four
+    /// cells that is larger by less than `tolerance` cells has no fifth. Whole numbers, but they may be too large for
+    /// an integer.
     #[must_use]
     pub fn size(bounds: &Bounds, cell_m: f64, tolerance: f64) -> (f64, f64) {
         let along = |length: f64| math::ceil(length / cell_m - tolerance).max(1.0);
@@ -170,14 +170,14 @@ impl Grid {
         Cell::at(self.grid_from_world(point))
     }
 
-    /// Where the centre of a cell is, in metres.
+    /// The centre of a cell, in metres.
     #[must_use]
     pub fn center(&self, cell: Cell) -> Point {
         let along = |place: i32| (f64::from(place) + 0.5) * self.cell_m;
         Point::new(self.origin.x + along(cell.column), self.origin.y + along(cell.row))
     }
 
-    /// Where the lower left corner of a cell is, in metres.
+    /// The lower left corner of a cell, in metres.
     #[must_use]
     pub fn corner(&self, cell: Cell) -> Point {
         self.origin + Vector::new(f64::from(cell.column), f64::from(cell.row)) * self.cell_m

@@ -17,7 +17,7 @@ pub fn line_of_sight(from: Cell, to: Cell, is_free: impl Fn(Cell) -> bool) -> bo
             return true;
         }
         let (beside, above) = (cell.offset(right, 0), cell.offset(0, up));
-        // Where on the line the next border of each kind lies, both times 2 columns rows.
+        // Places on the line of the next border of each kind, both times 2 columns rows.
         let (next_column, next_row) = ((2 * across + 1) * rows, (2 * along + 1) * columns);
         if next_column == next_row {
             if !(is_free(beside) && is_free(above)) {

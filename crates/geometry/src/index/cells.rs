@@ -1,4 +1,4 @@
-//! Which shapes are in which cell.
+//! The shapes in each cell.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -11,7 +11,7 @@ use crate::segment::Segment;
 /// The lists of all cells, one behind the other in a single vector.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cells {
-    /// Where each cell's list starts; one more at the end.
+    /// The start of each cell's list; one more at the end.
     starts: Vec<u32>,
     /// Numbers of shapes, the circles counted on from the segments. In each cell they ascend.
     entries: Vec<u32>,

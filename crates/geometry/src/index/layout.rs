@@ -1,4 +1,4 @@
-//! How the grid divides the plane.
+//! The grid's division of the plane.
 //!
 //! All computations are in the *grid frame*: the origin is the grid's lower left corner, the axes are those
 //! of the world. There, rounding errors are proportional to the size of the arena, and not to its distance
@@ -98,7 +98,7 @@ impl Layout {
         }
     }
 
-    /// How many cells those are.
+    /// The number of cells that the circle's box touches.
     pub(super) fn cells_in_box(&self, circle: &Circle) -> usize {
         let (columns, rows) = self.cells_of_box(circle);
         columns.len() * rows.len()
@@ -116,7 +116,7 @@ impl Layout {
         (self.column(low.x)..self.column(high.x) + 1, self.row(low.y)..self.row(high.y) + 1)
     }
 
-    /// How many rings of cells, around any cell, cover the grid.
+    /// The number of rings of cells, around any cell, that cover the grid.
     pub(super) fn rings(&self) -> usize {
         self.columns.max(self.rows)
     }

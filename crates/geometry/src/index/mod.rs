@@ -1,4 +1,4 @@
-//! What a ray meets first among many shapes: a uniform grid.
+//! The first of many shapes on a ray: a uniform grid.
 //!
 //! Wahde mentions such a grid in a footnote to Section 3.2.3. Its results are those of trying every shape,
 //! to the last bit; only the time differs.
@@ -42,7 +42,7 @@ pub enum Shape {
     Circle(usize),
 }
 
-/// What a ray meets first.
+/// The first shape on a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The distance, in metres, from the ray's origin.

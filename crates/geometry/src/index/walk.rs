@@ -23,7 +23,7 @@ pub(super) struct Walk {
 pub(super) struct Step {
     /// Its number.
     pub(super) cell: usize,
-    /// How far, in metres along the ray, the ray leaves it.
+    /// The distance along the ray, in metres, at which it leaves the cell.
     pub(super) exit: f64,
 }
 
@@ -80,7 +80,7 @@ struct Axis {
     place: usize,
     count: usize,
     cell: f64,
-    /// How far along the ray the border to the next column or row is.
+    /// The distance along the ray to the border of the next column or row.
     exit: f64,
 }
 

@@ -6,7 +6,7 @@ use super::overlap::ROUNDING_M;
 use crate::pose::Point;
 use crate::segment::Segment;
 
-/// What keeps a chain of corners from bounding one region.
+/// A reason why a chain of corners does not bound one region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Defect {
     /// It has so many corners, and a region has at least three.
@@ -46,7 +46,7 @@ pub fn is_simple(points: &[Point]) -> bool {
     defect(points).is_none()
 }
 
-/// What keeps the chain from being [simple](is_simple), if anything. Straight corners do not.
+/// The defect that keeps the chain from being [simple](is_simple), if it has one. Straight corners do not.
 #[must_use]
 pub fn defect(points: &[Point]) -> Option<Defect> {
     let n = points.len();
@@ -71,7 +71,7 @@ pub fn defect(points: &[Point]) -> Option<Defect> {
     })
 }
 
-/// How two edges that are no neighbours meet.
+/// The kind of defect that two edges make that meet and are no neighbours.
 fn meeting(a: &Segment, b: &Segment) -> Defect {
     let ends = [(b, a.start), (b, a.end), (a, b.start), (a, b.end)];
     let touching = ends.into_iter().find(|(edge, end)| is_same_place(edge.nearest_point(*end), *end));

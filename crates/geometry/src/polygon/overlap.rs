@@ -21,8 +21,8 @@ pub fn overlaps_segment(points: &[Point], segment: &Segment) -> bool {
     if edges(points).any(|edge| crosses(&edge, segment)) {
         return true;
     }
-    // What is left can only touch the outline. Between two such places the segment is inside or it is not,
-    // and places where this may change are the polygon's corners.
+    // A segment that has come this far can only touch the outline. Between two such places the segment is inside or
+    // it is not, and places where this may change are the polygon's corners.
     let along = segment.end - segment.start;
     let length_squared = along.norm_squared();
     let corners = points.iter().filter(|&&corner| is_on(segment, corner));

@@ -1,4 +1,4 @@
-//! What is only about right: enough to leave out rays that a shape is far from.
+//! Approximate angles: good enough to leave out rays that a shape is far from.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use core::ops::Range;

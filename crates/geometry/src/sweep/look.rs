@@ -1,4 +1,4 @@
-//! Which of many segments a few rays may meet: told of several at once, since most are far from all of them.
+//! The segments that a few rays may meet: several are examined at once, since most are far from all rays.
 
 use super::about::Cone;
 use crate::circle::Circle;

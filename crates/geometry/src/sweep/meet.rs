@@ -22,7 +22,7 @@ pub(super) enum Relative {
 #[derive(Clone)]
 pub(super) struct Candidate {
     pub(super) shape: Relative,
-    /// Which rays may meet it.
+    /// The rays that may meet it.
     pub(super) spans: [Range<usize>; 2],
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Meet<'a> {
     pub(super) candidates: &'a [Candidate],
     pub(super) fan: &'a Fan,
     pub(super) first: usize,
-    /// Where the fan looks.
+    /// The direction of the fan's middle.
     pub(super) forward: Direction,
     /// The rays themselves, if each has its own origin.
     pub(super) bundle: Option<&'a Bundle<'a>>,
@@ -94,13 +94,13 @@ fn meet_all<O: Origins>(
 /// Rays side by side.
 #[derive(Clone, Copy)]
 struct Rays<'a, O> {
-    /// Where they start, from where shapes are seen.
+    /// The starts of the rays, from which shapes are seen.
     origins: O,
     cos: &'a [f64],
     sin: &'a [f64],
 }
 
-/// Where rays start.
+/// The starts of a fan's rays.
 trait Origins: Copy {
     /// Those of some of the rays.
     fn part(self, places: Range<usize>) -> Self;

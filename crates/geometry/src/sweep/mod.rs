@@ -1,4 +1,4 @@
-//! What each ray of a fan meets first: every shape is looked at once, for all the rays that it may cover.
+//! The first shape on each ray of a fan: every shape is looked at once, for all the rays that it may cover.
 //!
 //! A ray by itself goes through the cells of an [`Index`](crate::Index) and tries what it finds there; the rays of a
 //! fan would find the same shapes again and again. Here it is the other way round: of each shape near the fan the
@@ -122,7 +122,7 @@ impl<'a> Sweep<'a> {
         self.add_segment(segment, true);
     }
 
-    /// Which may wait already, if it is one of what comes more than once.
+    /// Takes a segment that may wait already, if it belongs to a shape that comes more than once.
     fn add_segment(&mut self, segment: &Segment, may_wait: bool) {
         let (a, b) = (segment.start - self.pose.position, segment.end - self.pose.position);
         if self.has_few_rays() {

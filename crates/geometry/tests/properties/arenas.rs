@@ -83,7 +83,7 @@ pub(crate) fn arena() -> impl Strategy<Value = Arena> {
     })
 }
 
-/// How to choose a ray once the arena is known.
+/// The choice of a ray once the arena is known.
 #[derive(Clone, Debug)]
 pub(crate) enum Aim {
     /// From a place, whatever comes.

@@ -16,7 +16,7 @@ proptest! {
         (near, aim) in (arenas::point(), arenas::aim()),
         opening_rad in prop_oneof![0.0..0.1, 0.0..2.0 * PI],
         rays in 1..=Pencil::RAYS,
-        // Which ray is the one that is aimed: through a corner, along a wall, past a rim.
+        // The ray that is aimed: through a corner, along a wall, past a rim.
         aimed in any::<prop::sample::Index>(),
         range in prop_oneof![0.0..8.0_f64, Just(f64::INFINITY), Just(0.5)],
     ) {

@@ -26,7 +26,7 @@ proptest! {
         away in prop_oneof![3 => Just(1.0), 1 => Just(30.0)],
         (opening_rad, rays) in (opening(), rays()),
         which in (any::<prop::sample::Index>(), any::<prop::sample::Index>()),
-        // Which ray is the one that is aimed: through a corner, along a wall, past a rim.
+        // The ray that is aimed: through a corner, along a wall, past a rim.
         aimed in any::<prop::sample::Index>(),
         range in prop_oneof![0.0..8.0_f64, Just(f64::INFINITY), Just(0.5)],
     ) {
