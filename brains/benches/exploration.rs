@@ -1,5 +1,5 @@
-//! How long the steps of exploration and SLAM take in an office that is nearly explored, with a laser of 682 rays. Run with
-//! `cargo bench -p baudbot-brains --bench exploration`.
+//! The duration of steps of exploration and SLAM in an office that is nearly explored, with a laser of 682 rays. Run
+//! with `cargo bench -p baudbot-brains --bench exploration`.
 
 use baudbot_brains::Chance;
 use baudbot_brains::estimate::Estimate;
@@ -52,7 +52,7 @@ fn scan(map: &Map, laser: &VirtualLaser, pose: &Pose, chance: &mut Chance) -> Sc
     scan
 }
 
-/// Where a robot is 0.1 s later that does as it is told.
+/// The pose, 0.1 s later, of a robot that obeys a command.
 fn moved(pose: &Pose, command: Command) -> Pose {
     let toward = |heading_rad: f64| {
         angle::wrap(pose.heading + angle::difference(heading_rad, pose.heading).clamp(-0.08, 0.08))
@@ -122,7 +122,7 @@ fn mapped() -> (Slam, Occupancy, Pose) {
     (Slam::new(slam::Parameters::default()), grid, Pose::new(6.0, 5.2, 0.4))
 }
 
-/// How far off the guess is: from afar the window is searched.
+/// The error of the guess decides how much is searched: from afar it is the window.
 #[divan::bench(args = [0.01, 0.3])]
 fn slam_with_a_guess_that_is_off_by_m(bencher: Bencher<'_, '_>, off_m: f64) {
     let (slam, mut grid, truth) = mapped();

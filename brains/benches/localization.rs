@@ -1,4 +1,4 @@
-//! How long it takes to find a robot in its map. Run with `cargo bench -p baudbot-brains --bench localization`.
+//! The duration of a search for a robot in its map. Run with `cargo bench -p baudbot-brains --bench localization`.
 
 use baudbot_brains::Chance;
 use baudbot_brains::estimate::Estimate;

@@ -40,7 +40,7 @@ const CELLS: usize = 100;
 /// A dish and its cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Parameters {
-    /// What each cell is.
+    /// The parameters of each cell.
     cell: CellParameters,
     /// The dish goes from minus this to plus this in x and y.
     half_side_m: f64,
@@ -48,7 +48,7 @@ struct Parameters {
     width_m: f64,
     /// Of a cell that swims, and of one that tumbles.
     speed_m_s: f64,
-    /// How often a cell that tumbles takes a new heading, per second.
+    /// The rate at which a cell that tumbles takes a new heading, per second.
     tumble_hz: f64,
 }
 
@@ -93,12 +93,12 @@ impl Colony {
         self.step_as(dt_s, |brain, concentration, _| brain.step(concentration, dt_s))
     }
 
-    /// Where the cells are.
+    /// The cells' positions.
     fn positions(&self) -> impl ExactSizeIterator<Item = Point> {
         self.cells.iter().map(|cell| cell.position)
     }
 
-    /// How far they are from the peak, in metres.
+    /// The cells' mean distance from the peak, in metres.
     fn mean_distance_m(&self) -> f64 {
         self.positions().map(|position| position.coords.norm()).sum::<f64>() / self.cells.len() as f64
     }
@@ -134,7 +134,7 @@ mod tests {
 
     const STEPS: usize = 1000;
 
-    /// What becomes of a colony in 10 s.
+    /// The state of a colony after 10 s.
     struct Outcome {
         /// Mean distance to the peak, after and before.
         ratio: f64,

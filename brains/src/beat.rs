@@ -13,7 +13,7 @@ pub(crate) struct Beat {
     command_ns: u64,
     /// When the last one came.
     heard_ns: Option<u64>,
-    /// How long after the one before it each of the last ones came, the newest first.
+    /// The intervals between the last ones, the newest first.
     intervals_ns: [Option<u64>; 4],
 }
 

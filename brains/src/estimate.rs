@@ -1,4 +1,4 @@
-//! Where a robot believes it is, and how sure it is of that.
+//! A robot's belief about its pose, with its uncertainty.
 
 use baudbot_brain::BelievedPose;
 use baudbot_geometry::{Pose, math};

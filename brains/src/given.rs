@@ -1,4 +1,4 @@
-//! What a program is started with, for its brain: a seed and parameters.
+//! The values that a program gets for its brain: a seed and parameters.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use crate::kinds::nearest_first;
 /// The variable with the parameters, an object of JSON. `baudbot sweep`, `tune` and `run --parameter` set it.
 const PARAMETERS: &str = "BAUDBOT_PARAMETERS";
 
-/// What a program was started with, for its brain.
+/// The values that a program was started with, for its brain.
 #[derive(Debug, Default)]
 pub struct Given {
     /// Chooses the brain's own random numbers.

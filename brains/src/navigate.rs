@@ -15,7 +15,7 @@ use crate::throttle::CommandThrottle;
 /// Listing 5.3's parameters; the defaults are its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// How far to go, D of (5.1), in metres.
+    /// The distance to go, D of (5.1), in metres.
     pub distance_m: f64,
     /// Signal of both motors at the start, a of (5.1).
     pub signal_constant: f64,

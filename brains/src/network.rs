@@ -9,7 +9,7 @@ pub struct Network {
     pub layers: Vec<Vec<Vec<f64>>>,
 }
 
-/// Where a network is not as it should be.
+/// A fault in a network's shape.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Misfit {
     /// The place among the layers, such as `[0][2]`; empty if it is all of them.
@@ -19,7 +19,7 @@ pub(crate) struct Misfit {
 }
 
 impl Network {
-    /// What the neurons of the last layer answer.
+    /// The answers of the last layer's neurons.
     pub fn answers(&self, inputs: Vec<f64>) -> Vec<f64> {
         let answers = |inputs: Vec<f64>, layer: &Vec<Vec<f64>>| {
             layer.iter().map(|weights| neuron(weights, &inputs)).collect()
@@ -27,12 +27,12 @@ impl Network {
         self.layers.iter().fold(inputs, answers)
     }
 
-    /// What the first neuron of the last layer answers.
+    /// The answer of the last layer's first neuron.
     pub fn answer(&self, inputs: Vec<f64>) -> f64 {
         self.answers(inputs).first().copied().unwrap_or(0.0)
     }
 
-    /// Why it is no network of so many inputs with one answer, if it is none.
+    /// The reason why it is no network of so many inputs with one answer, if it is none.
     pub fn problem(&self, inputs: usize) -> Option<String> {
         let said = |Misfit { place, problem }| format!("network{place}: {problem}");
         self.misfit(inputs).map(said).or_else(|| match self.layers.last()?.len() {
@@ -41,7 +41,7 @@ impl Network {
         })
     }
 
-    /// Where it is no network of so many inputs, if it is none.
+    /// The fault that makes it no network of so many inputs, if it is none.
     pub(crate) fn misfit(&self, inputs: usize) -> Option<Misfit> {
         let at = |place, problem| Some(Misfit { place, problem });
         if self.layers.is_empty() {

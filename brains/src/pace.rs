@@ -23,7 +23,7 @@ pub(crate) struct Pace {
     talk: Talk,
 }
 
-/// What brings the messages.
+/// The source of messages.
 #[derive(Clone, Debug, PartialEq)]
 enum Talk {
     /// They come by themselves.

@@ -27,13 +27,13 @@ pub(crate) const SIGNAL: RangeInclusive<f64> = -10.0..=10.0;
 /// Probabilities, and other parts of a whole.
 pub(crate) const PROBABILITY: RangeInclusive<f64> = 0.0..=1.0;
 
-/// Why parameters make no sense, or not for this robot.
+/// A reason why parameters make no sense, or not for this robot.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ParameterError {
     /// A number that the parameter cannot be.
     #[error("{parameter}: must be {allowed}, is {found}")]
     Range {
-        /// Which parameter.
+        /// The parameter.
         parameter: String,
         /// The permitted values.
         allowed: String,
@@ -43,7 +43,7 @@ pub enum ParameterError {
     /// Another value that makes no sense.
     #[error("{parameter}: {problem}")]
     Value {
-        /// Which parameter.
+        /// The parameter.
         parameter: String,
         /// The problem, or the remedy.
         problem: String,

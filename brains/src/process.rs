@@ -36,20 +36,21 @@ impl StepContext<'_> {
     }
 }
 
-/// What a brain believes, in a frame of its own in which it was at (0, 0, 0) at the start unless it knows better.
+/// The beliefs of a brain, in a frame of its own in which it was at (0, 0, 0) at the start unless it knows better.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Beliefs {
-    /// Where the robot is.
+    /// The robot's pose.
     pub pose: Option<Estimate>,
-    /// How it came there. Who knows better for an earlier instant, by a scan that came late, corrects this.
+    /// The robot's way there. A process that knows better for an earlier instant, by a scan that came late, corrects
+    /// this.
     pub odometry: Option<Odometry>,
-    /// What is where, as far as it has found out by itself.
+    /// The map that it has made by itself.
     pub grid: Option<Occupancy>,
     /// Something is close ahead.
     pub near: bool,
-    /// Where it means to go next, in metres.
+    /// The places on its way, in metres.
     pub path: Vec<Point>,
-    /// What a behaviour is about, in a few words, for observers.
+    /// The intention of a behaviour, in a few words, for observers.
     pub intention: String,
     /// The sensor that a process waits for in this step, if one does.
     pub awaited: Option<Awaited>,

@@ -4,9 +4,10 @@
 //! kinds of processes that the program adds to the [`Registry`]. Brains of the catalogue need no program of their own:
 //! `baudbot brain NAME` runs them.
 //!
-//! What the command line leaves out is taken from the environment, which `baudbot run --brain 'exec:…'` sets for the programs
-//! that it starts: `BAUDBOT_CONNECT`, `BAUDBOT_WORLD`, `BAUDBOT_ROBOT` (names with commas between them), `BAUDBOT_SEED`,
-//! `BAUDBOT_PARAMETERS` and `BAUDBOT_RECONNECT_S`. A program that loses its server tries to come back, and says so on stderr.
+//! Arguments that the command line leaves out are taken from the environment, which `baudbot run --brain 'exec:…'`
+//! sets for the programs that it starts: `BAUDBOT_CONNECT`, `BAUDBOT_WORLD`, `BAUDBOT_ROBOT` (names with commas
+//! between them), `BAUDBOT_SEED`, `BAUDBOT_PARAMETERS` and `BAUDBOT_RECONNECT_S`. A program that loses its server
+//! tries to come back, and says so on stderr.
 
 use std::ffi::OsStr;
 use std::fmt::Display;
@@ -171,7 +172,7 @@ fn command_for_files() -> Command {
     command("brain").about("A brain that a file describes").arg(file)
 }
 
-/// Where a brain attaches.
+/// The command with the arguments for attaching.
 fn command(name: &'static str) -> Command {
     let connect = option("connect", "ADDRESS", "The server: HOST:PORT, http://HOST:PORT or unix:/PATH");
     let world = option("world", "WORLD", "Name of the world");

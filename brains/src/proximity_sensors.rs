@@ -17,7 +17,7 @@ pub(crate) struct ProximitySensors {
 /// From where on something is near.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Near {
-    /// What a sonar finds this close on the robot's way, in metres.
+    /// The distance from a sonar within which an object on the robot's way is near, in metres.
     pub(crate) near_m: f64,
     /// An infra-red reading from which on something is near.
     pub(crate) near_reading: f64,
@@ -30,18 +30,18 @@ struct Feeler {
     is_sonar: bool,
     /// Half the opening angle of its cone, in radians.
     half_rad: f64,
-    /// What it read last; `None` if that does not count.
+    /// Its last reading; `None` if that does not count.
     value: Option<f64>,
 }
 
 /// The echo of a sonar: something is somewhere in its cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Echo {
-    /// Where the sonar sits.
+    /// The sonar's pose on the robot.
     pub(crate) robot_from_sensor: Pose,
     /// Half the opening angle of its cone, in radians.
     pub(crate) half_rad: f64,
-    /// How far away it is, in metres.
+    /// The distance to it, in metres.
     pub(crate) distance_m: f64,
 }
 
@@ -81,7 +81,7 @@ impl ProximitySensors {
         }
     }
 
-    /// What it felt does not count any more.
+    /// Earlier readings do not count any more.
     pub(crate) fn forget(&mut self) {
         self.proximity.iter_mut().for_each(|feeler| feeler.value = None);
     }
@@ -132,7 +132,8 @@ fn looks_ahead(robot_from_sensor: &Pose) -> bool {
     Direction::from_angle(robot_from_sensor.heading).cos > AHEAD_COS
 }
 
-/// How far ahead of a body with this radius something is near if nobody says so: three quarters of the radius, both in metres.
+/// The default of the distance ahead within which an object is near, for a body with this radius: three quarters of
+/// the radius, both in metres.
 pub(crate) fn near_m(radius_m: f64) -> f64 {
     for_body(0.15, radius_m)
 }

@@ -9,7 +9,7 @@ use baudbot_brain::Body;
 
 use crate::beat::REPEAT_NS;
 
-/// What has been asked, and when the answer is overdue.
+/// The open questions, and the instant at which the answer is overdue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Questions {
     /// Least time from a question to the end of its answer, in nanoseconds.
@@ -18,7 +18,7 @@ pub(crate) struct Questions {
     cable_ns: u64,
     /// The longest time that an answer took of late, in nanoseconds.
     slowest_ns: Option<u64>,
-    /// How many answers that is known of.
+    /// The number of answers behind that figure.
     known: u32,
     /// Answers have been given up that may only have been slow: so much longer they are waited for, in nanoseconds.
     more_ns: u64,
@@ -75,7 +75,7 @@ impl Questions {
             self.more_ns = 0;
         }
         if self.open > 1 {
-            // Which question it answers is not known, so how long it took is not.
+            // The question that it answers is unknown, and so is the time that it took.
             self.more_ns = self.more_ns.saturating_add(self.usual_ns() / 2);
             (self.given_up, self.forgotten_ns) = (self.open - 1, at_ns.saturating_add(FORGOTTEN_NS));
         }
@@ -97,7 +97,7 @@ impl Questions {
         self.asked_ns.saturating_add(waits_ns)
     }
 
-    /// How long an answer takes. Before the first nobody knows what is between brain and cable.
+    /// The usual time until an answer. Before the first nobody knows what is between brain and cable.
     fn usual_ns(&self) -> u64 {
         self.slowest_ns.unwrap_or(REPEAT_NS).max(self.cable_ns)
     }
@@ -106,7 +106,7 @@ impl Questions {
 /// So few answers may all have been quick by chance.
 const FEW: u32 = 4;
 
-/// What was given up so long ago does not come.
+/// The answer to a question that was given up so long ago does not come.
 const FORGOTTEN_NS: u64 = 1_000_000_000;
 
 #[cfg(test)]

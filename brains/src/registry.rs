@@ -128,7 +128,7 @@ impl Registry {
     }
 }
 
-/// Why there is no such process.
+/// A reason why there is no such process.
 pub(crate) enum Unmade {
     /// There is no such kind, but these.
     Kind(Vec<&'static str>),

@@ -10,11 +10,11 @@ use baudbot_geometry::Pose;
 /// The distances along equally spaced rays, from right to left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scan {
-    /// Where the laser sat on its robot.
+    /// The laser's pose on its robot.
     pub robot_from_laser: Pose,
     /// Angle from the first ray to the last, in radians.
     pub opening_rad: f64,
-    /// How far it sees, in metres.
+    /// Its range, in metres.
     pub range_m: f64,
     /// In metres: positive, infinite if nothing was within range, NaN if that is not known.
     pub distances_m: Vec<f64>,
@@ -73,7 +73,7 @@ impl Scan {
     }
 }
 
-/// What a value on the wire means. 0, which would be inside of the laser, is no distance to divide by.
+/// The meaning of a value on the wire. 0, which would be inside of the laser, is no distance to divide by.
 fn distance(value: f64, range_m: f64) -> f64 {
     if value.is_nan() {
         f64::NAN

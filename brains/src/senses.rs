@@ -5,7 +5,7 @@ use baudbot_brain::{Body, SensorKind, Turn};
 
 pub use crate::network::Network;
 
-/// How state variables are made of readings.
+/// The sources and mappings that make state variables of readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Senses {
     variables: Vec<StateVariable>,
@@ -19,9 +19,9 @@ pub struct Senses {
 pub struct StateVariable {
     /// Its name.
     pub name: String,
-    /// What it is made of.
+    /// The readings that it is made of.
     pub sources: Vec<Source>,
-    /// How.
+    /// The function of the readings.
     pub mapping: Mapping,
     /// A reading that is not renewed for longer than this, in seconds, counts as 0, as one does that never came.
     pub stale_s: Option<f64>,
@@ -32,7 +32,7 @@ pub struct StateVariable {
 pub struct Source {
     /// By its place in [`Body::sensors`].
     pub sensor: usize,
-    /// Which of its values.
+    /// The range of its values.
     pub values: std::ops::Range<usize>,
 }
 
@@ -49,7 +49,7 @@ pub enum Mapping {
     Network(Network),
 }
 
-/// Why something cannot be a source of a body's.
+/// A reason why something cannot be a source of a body's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SourceError {
     /// There is no such sensor.
@@ -110,7 +110,7 @@ impl Source {
         turn.readings.get(self.sensor)?.as_ref()?.values.get(self.values.start).copied()
     }
 
-    /// How many values it is.
+    /// The number of values.
     pub fn count(&self) -> usize {
         self.values.len()
     }

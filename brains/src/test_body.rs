@@ -65,7 +65,7 @@ pub(crate) fn turn(body: &Body, at_ns: u64, values: &[Option<&[f64]>]) -> Turn {
         at_ns,
         readings: values.iter().map(|values| values.map(reading)).collect(),
         body: Arc::new(body.clone()),
-        // What is readable says so.
+        // Tests give readings and no messages.
         has_message: false,
     }
 }

@@ -18,7 +18,7 @@ impl CommandThrottle {
         Self { limit: body.signal_limit, sent: None, pace: Pace::new(body) }
     }
 
-    /// What is done in a turn in which the motors are to have these signals.
+    /// The action of a turn in which the motors are to have these signals.
     pub(crate) fn send(&mut self, turn: &Turn, signals: Signals) -> Action {
         let signals = within(self.limit, signals);
         self.pace.hear(turn);
@@ -30,8 +30,8 @@ impl CommandThrottle {
         Action::drive(signals.left, signals.right)
     }
 
-    /// What is done in a turn in which nothing is known yet that signals could follow from: a firmware that answers only when
-    /// asked is asked.
+    /// The action of a turn in which nothing is known yet that signals could follow from: a firmware that answers
+    /// only when asked is asked.
     pub(crate) fn ask(&mut self, turn: &Turn) -> Action {
         let request = turn.body.request();
         self.pace.hear(turn);

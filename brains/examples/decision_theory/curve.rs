@@ -34,7 +34,7 @@ pub(crate) enum Curve {
     },
 }
 
-/// What somebody thinks of a risk.
+/// An opinion of a risk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Attitude {
     /// Prefers the expected payoff for certain: u'' < 0.
@@ -95,7 +95,7 @@ impl Curve {
         }
     }
 
-    /// What somebody with this curve thinks of risks: the sign of u''.
+    /// The opinion of risks that this curve stands for: the sign of u''.
     pub(crate) fn attitude(&self) -> Attitude {
         let bend = match *self {
             Self::Linear { .. } => 0.0,

@@ -14,7 +14,7 @@ pub(crate) struct Lottery {
     outcomes: Vec<(f64, f64)>,
 }
 
-/// Why there is no such lottery.
+/// A reason why there is no such lottery.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub(crate) enum LotteryError {
     /// A probability that is none.

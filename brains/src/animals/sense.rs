@@ -40,7 +40,7 @@ impl Sense {
         let sensors = body.sensors.iter().enumerate().filter(|(_, sensor)| sensor.kind == *kind);
         let receptors = sensors.map(|(sensor, described)| {
             let mount = described.mount.unwrap_or_default();
-            // Which way it looks says more than where it sits.
+            // The direction of a sensor says more about its side than its place does.
             let aside = if mount.heading_rad == 0.0 { mount.y_m } else { angle::wrap(mount.heading_rad) };
             Receptor { sensor, aside, felt: None }
         });
@@ -72,7 +72,7 @@ impl Sense {
         self.mean_of(|_| true).unwrap_or(0.0)
     }
 
-    /// What is felt left and right; `None` unless there are sensors on both sides.
+    /// The feeling on the left and on the right; `None` unless there are sensors on both sides.
     pub(super) fn sides(&self) -> Option<Sides> {
         Some(Sides { left: self.mean_of(|aside| aside > 0.0)?, right: self.mean_of(|aside| aside < 0.0)? })
     }

@@ -6,7 +6,7 @@ use baudbot_geometry::Twist;
 use crate::parameter::Parameter;
 use crate::throttle::CommandThrottle;
 
-/// How an animal moves.
+/// The motion of an animal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Forwards, in m/s.

@@ -13,7 +13,7 @@
 //! Whenever a sensor has had no new reading for too long (the cable is cut, or the run has just begun) the
 //! brain tells the motors to stand still.
 //!
-//! What no sensor sees is run into: ARSim's own pair, at 45° to the left and right, looks past a box that
+//! A robot runs into whatever no sensor sees: ARSim's own pair, at 45° to the left and right, looks past a box that
 //! stands straight ahead.
 //!
 //! It answers each message, with what it has decided or, if no sensor that counts is in it, with what it said before. When

@@ -1,21 +1,20 @@
-//! How careful the brain is.
+//! The caution of the brain.
 
 use crate::parameter::{PROBABILITY, Parameter, SIGNAL};
 
-/// How careful the brain is. The defaults are for ARSim's robot: a disc of 0.2 m that does 0.39 m/s at signal
-/// 0.5 with a time constant of 0.09 s, and spins at about 2 rad/s with the signals ±0.5.
+/// The caution of the brain. The defaults are for ARSim's robot: a disc of 0.2 m that does 0.39 m/s at signal 0.5
+/// with a time constant of 0.09 s, and spins at about 2 rad/s with the signals ±0.5.
 ///
 /// A sensor's reading is a nearness. With ARSim's parameters a sensor whose rays all meet a wall squarely
 /// reads about 0.13 at 1 m, 0.22 at 0.5 m, 0.27 at 0.42 m, 0.43 at 0.3 m and 1 below 0.18 m; with some of its rays
 /// past the wall, it reads less. The distance is that from the sensor, which sits on the rim: it is the room
 /// that the robot has.
 ///
-/// How much room it needs: its readings are up to 50 ms old, a command takes 8 ms on a cable of 9600 baud
-/// and may wait 10 ms for a step before that. So 0.07 s go by, which is 0.03 m at full speed, and the robot
-/// rolls on for 0.39 m/s × 0.09 s = 0.04 m: 0.07 m in all. A wall squarely ahead is noticed six times as far
-/// away. The rest is for what only one of five rays meets, a corner of a box: that reads a fifth, and is
-/// noticed only where that ray is near its limit of 1. In eight runs of an hour on the scenario `wander` the
-/// least room was 0.15 m.
+/// Room that the body needs: its readings are up to 50 ms old, a command takes 8 ms on a cable of 9600 baud and may
+/// wait 10 ms for a step before that. So 0.07 s go by, which is 0.03 m at full speed, and the robot rolls on for 0.39
+/// m/s × 0.09 s = 0.04 m: 0.07 m in all. A wall squarely ahead is noticed six times as far away. The rest is for what
+/// only one of five rays meets, a corner of a box: that reads a fifth, and is noticed only where that ray is near its
+/// limit of 1. In eight runs of an hour on the scenario `wander` the least room was 0.15 m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Signal of both motors when nothing is near.
@@ -35,9 +34,9 @@ pub struct Parameters {
     /// A sensor counts if it looks no further aside than this, in radians; 70° leaves out those that see only
     /// what the robot drives past.
     pub field_rad: f64,
-    /// How often it begins to turn at random, per second of driving.
+    /// The rate at which random turns begin, per second of driving.
     pub stroll_rate_hz: f64,
-    /// How often such a turn ends, per second of turning.
+    /// The rate at which such turns end, per second of turning.
     pub stop_stroll_rate_hz: f64,
     /// After so long without a new reading of a sensor it stands still, in seconds. In that time it goes 0.2 m
     /// at most, and less than the 0.41 m at which it would have turned away.

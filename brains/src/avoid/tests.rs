@@ -41,7 +41,7 @@ impl Bench {
         self.act(&turn(&self.body, self.now_ns, &readings))
     }
 
-    /// What it does now; what it waits for then has a test of its own.
+    /// Acts on its state; the transitions to the next one have a test of their own.
     fn act(&mut self, turn: &Turn) -> Action {
         Action { until: None, ..self.avoid.step(turn) }
     }
@@ -94,7 +94,7 @@ const ON: Action = Action::drive(0.5, 0.5);
 fn it_turns_away_from_the_nearer_side() {
     assert_eq!(Bench::new(&FIVE).see([0.4, 0.2, 0.0, 0.0, 0.0, 0.0]), RIGHT);
     assert_eq!(Bench::new(&FIVE).see([0.0, 0.0, 0.3, 0.1, 0.0, 0.0]), LEFT);
-    // What is behind does not matter, nor which way round a heading was written.
+    // Objects behind it do not matter, nor does the turn in which a heading is written.
     assert_eq!(Bench::new(&FIVE).see([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]), ON);
     let two = [("a", "ir", -0.785), ("b", "ir", 0.785 - std::f64::consts::TAU)];
     assert_eq!(Bench::new(&two).see([0.0, 0.5]), RIGHT);

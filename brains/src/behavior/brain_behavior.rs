@@ -8,7 +8,7 @@ use crate::process::{MotorBehavior, StepContext};
 /// and speakers is not passed on.
 pub struct BrainBehavior<B> {
     brain: B,
-    /// What it wanted last: it need not say it again when it is activated again.
+    /// Its last signals: it need not repeat them when it is activated again.
     signals: Option<Signals>,
 }
 

@@ -9,16 +9,16 @@ use crate::parameter::ParameterError;
 use crate::process::{MotorBehavior, StepContext};
 use crate::senses::Source;
 
-/// Where the charger is, and when it is enough.
+/// The place of the charger, and the charge that is enough.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
-    /// Where the charger is, `[x, y]` in metres, in the frame of the believed pose.
+    /// The charger's place, `[x, y]` in metres, in the frame of the believed pose.
     pub charger_m: [f64; 2],
     /// It stands within this distance, in metres.
     #[serde(default = "reached_m")]
     pub reached_m: f64,
-    /// What says how full the battery is, from 0 to 1: `SENSOR.PART`.
+    /// The reading that gives the charge of the battery, from 0 to 1: `SENSOR.PART`.
     #[serde(default = "battery")]
     pub battery: String,
     /// So full is enough.
@@ -27,7 +27,7 @@ pub struct Parameters {
     /// Γ of this behaviour until then, once it is there, so that the charger is not left half full.
     #[serde(default = "stay_gamma")]
     pub stay_gamma: f64,
-    /// How it steers.
+    /// The gains and speeds of its steering.
     #[serde(default)]
     pub steering: Steering,
 }

@@ -6,11 +6,11 @@ use serde::Deserialize;
 use crate::parameter::ParameterError;
 use crate::process::{MotorBehavior, StepContext};
 
-/// How it follows.
+/// The side, the distance and the gain.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
-    /// Which side the wall is on: `left` or `right`.
+    /// The side of the wall: `left` or `right`.
     pub side: Side,
     /// Name of a sensor that looks to that side.
     pub sensor: String,
@@ -18,7 +18,7 @@ pub struct Parameters {
     pub reading: f64,
     /// Signal of both motors on the way.
     pub forward: f64,
-    /// How much the signals differ for a reading that is off by 1.
+    /// The difference of the signals for a reading that is off by 1.
     pub gain: f64,
     /// They never differ by more than that.
     pub limit: f64,

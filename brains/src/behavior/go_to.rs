@@ -9,7 +9,7 @@ use crate::navigation::Goals;
 use crate::parameter::ParameterError;
 use crate::process::{MotorBehavior, StepContext};
 
-/// Where it goes.
+/// The goal.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
@@ -21,7 +21,7 @@ pub struct Parameters {
     /// After the last point comes the first again.
     #[serde(default)]
     pub again: bool,
-    /// How it steers.
+    /// The gains and speeds of its steering.
     #[serde(default)]
     pub steering: Steering,
 }

@@ -14,15 +14,15 @@ use crate::process::{MotorBehavior, StepContext};
 use crate::registry::BuildContext;
 use crate::senses::Source;
 
-/// How far it goes, and what it knows its home by.
+/// The extent of its foraging, and the sign of its home.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
     /// Length of the way out, in metres; 0 if something else has brought it out.
     pub out_m: f64,
-    /// How often it takes another rate of turning on its way out, per second; with 0 it goes straight on.
+    /// The rate at which it changes its rate of turning on its way out, per second; with 0 it goes straight on.
     pub meander_hz: f64,
-    /// What it senses at home: `SENSOR.PART`. Without it it stops where the vector home ends.
+    /// The reading that shows its home: `SENSOR.PART`. Without it it stops where the vector home ends.
     pub nest: Option<String>,
     /// It is at home if it senses more than that.
     pub nest_above: f64,
@@ -32,11 +32,11 @@ pub struct Parameters {
     pub pitch_m: f64,
     /// Its speed, in metres a second.
     pub speed_m_s: f64,
-    /// How fast it turns at most, in radians a second.
+    /// The highest rate of turning, in radians a second.
     pub turn_rad_s: f64,
-    /// How fast it turns for each radian that it should turn, per second.
+    /// The rate of turning for each radian that it should turn, per second.
     pub steering_hz: f64,
-    /// What the wheels make of a signal of 1, in metres a second.
+    /// The speed of a wheel at a signal of 1, in metres a second.
     pub full_speed_m_s: f64,
 }
 
@@ -64,7 +64,7 @@ pub struct Home {
     nest: Option<Source>,
     half_track_m: f64,
     ant: Ant,
-    /// Where it was last.
+    /// Its last pose.
     last: Option<Pose>,
     driven_m: f64,
 }
@@ -97,8 +97,8 @@ impl Home {
         self.ant.phase()
     }
 
-    /// What the ant senses of the way from one step to the next. Its compass is the believed heading, half-way between the
-    /// two, by which the way was driven.
+    /// The distance and the heading that the ant senses from one step to the next. Its compass is the believed
+    /// heading, half-way between the two, by which the way was driven.
     fn moved(&mut self, pose: Pose) -> (f64, f64) {
         let last = self.last.replace(pose).unwrap_or(pose);
         let half_way_rad = last.heading + 0.5 * angle::difference(pose.heading, last.heading);
@@ -112,11 +112,11 @@ impl Home {
     fn is_home(&self, context: &StepContext<'_>) -> bool {
         let above =
             |nest: &Source| nest.first(context.turn).is_some_and(|value| value > self.parameters.nest_above);
-        // Who cannot sense it takes the vector's word for it.
+        // An ant without such a sensor takes the vector's word for it.
         self.nest.as_ref().map_or_else(|| self.ant.phase() == Phase::Search, above)
     }
 
-    /// Where it believes home to be.
+    /// The believed place of its home.
     fn home(&self, here: Point) -> Point {
         here + self.ant.home()
     }

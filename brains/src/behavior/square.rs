@@ -25,7 +25,7 @@ pub struct Parameters {
     pub side_m: f64,
     /// Whether it turns right at the corners.
     pub clockwise: bool,
-    /// How it steers; K_p is of no use here.
+    /// The gains and speeds of its steering; K_p is of no use here.
     pub steering: Steering,
 }
 
@@ -44,7 +44,7 @@ pub struct Square {
     stage: Stage,
 }
 
-/// What it is at. Sides count from 0.
+/// The part of the square that it drives. Sides count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     Side(u8),
@@ -80,7 +80,7 @@ impl Square {
         if self.parameters.clockwise { -1.0 } else { 1.0 }
     }
 
-    /// Where this side begins. After the last one that is the start again.
+    /// The corner at which this side begins. After the last one that is the start again.
     fn corner(&self, side: u8) -> Point {
         let side_m = self.parameters.side_m;
         let [x, y] = [[0.0, 0.0], [side_m, 0.0], [side_m, side_m], [0.0, side_m]][usize::from(side % SIDES)];
@@ -142,7 +142,7 @@ impl MotorBehavior for Square {
 const SIDES: u8 = 4;
 /// A side ends so far before its corner, in metres: the robot rolls a little farther.
 const REACHED_M: f64 = 0.005;
-/// How far ahead it looks on a side, in metres.
+/// The distance on a side at which it aims, in metres.
 const LOOK_AHEAD_M: f64 = 0.3;
 /// A turn ends so far before its heading, in radians.
 const TURNED_RAD: f64 = 0.01;

@@ -20,8 +20,8 @@ pub struct Steering {
     pub rotate_above_rad: f64,
     /// ... until it is off by less than that.
     pub rotate_until_rad: f64,
-    /// What the wheels make of a signal of 1, in metres a second. No data sheet says it; a robot that is faster or slower
-    /// than that drives faster or slower than it is told to, and goes the same way.
+    /// The speed of a wheel at a signal of 1, in metres a second. No data sheet says it; a robot that is faster or
+    /// slower than that drives faster or slower than it is told to, and goes the same way.
     pub full_speed_m_s: f64,
 }
 

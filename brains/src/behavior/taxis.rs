@@ -7,7 +7,7 @@ use serde::Deserialize;
 use crate::parameter::ParameterError;
 use crate::process::{MotorBehavior, StepContext};
 
-/// How it goes.
+/// The source of the stimulus, and the response to it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
@@ -18,7 +18,7 @@ pub struct Parameters {
     /// Signal of both motors where both sense alike.
     #[serde(default = "forward")]
     pub forward: f64,
-    /// How much the signals differ where one side senses all and the other nothing. Negative: away.
+    /// The difference of the signals when one side senses all and the other nothing. Negative: away.
     #[serde(default = "gain")]
     pub gain: f64,
 }

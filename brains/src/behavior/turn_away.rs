@@ -7,7 +7,7 @@ use serde::Deserialize;
 use crate::parameter::ParameterError;
 use crate::process::{MotorBehavior, StepContext};
 
-/// How it turns.
+/// The speed of the turn.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
@@ -64,7 +64,7 @@ impl TurnAway {
         Ok(Self { turn: parameters.turn, eyes, leftwards: false })
     }
 
-    /// How near something is on a side: a number that is greater the nearer it is.
+    /// The nearness of things on a side: a number that is greater the nearer they are.
     fn nearness(&self, context: &StepContext<'_>, is_left: bool) -> f64 {
         let eyes = self.eyes.iter().filter(|eye| eye.is_left == is_left);
         let values = eyes.filter_map(|eye| {

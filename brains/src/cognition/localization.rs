@@ -29,7 +29,7 @@ pub struct Parameters {
     /// Time from one match to the next, in seconds.
     #[serde(default = "every_s")]
     pub every_s: f64,
-    /// How a match is searched.
+    /// The search for a match.
     #[serde(default)]
     pub method: Method,
     /// So many rays are matched at most.
@@ -42,7 +42,7 @@ pub struct Parameters {
     pub stop: Option<String>,
 }
 
-/// How a match is searched.
+/// The search for a match.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
@@ -113,7 +113,7 @@ impl Localize {
         self.scanner.take(context.beliefs.odometry.as_ref()?)
     }
 
-    /// Where the robot was when this scan was taken, if the map says so.
+    /// The robot's pose at this scan, by the map, if that gives one.
     fn locate(&mut self, scan: &Scan, guess: Estimate) -> Option<Estimate> {
         match self.parameters.method {
             Method::Search => {
@@ -164,7 +164,7 @@ impl CognitiveProcess for Localize {
             odometry.correct(taken_ns, estimate);
             context.beliefs.pose = Some(odometry.estimate());
         }
-        // Who has not found itself tries again with the next scan.
+        // A robot that has not found itself tries again with the next scan.
         let pause_s = if found.is_some() { self.parameters.every_s } else { 0.0 };
         self.next_ns = at_ns + (pause_s * 1e9) as u64;
         if pause_s > 0.0 {

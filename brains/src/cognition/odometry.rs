@@ -8,14 +8,14 @@ use crate::odometry::{self, Calibration, OVERDUE_NS, Odometry};
 use crate::parameter::{ParameterError, check_not_negative, check_positive};
 use crate::process::{Awaited, CognitiveProcess, StepContext};
 
-/// What it counts by.
+/// The sensors that it counts by.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
     /// Name of a sensor of kind `encoders` or `odometer`.
     pub sensor: String,
-    /// Where the robot starts, `[x in m, y in m, heading in rad]`. Without it encoders start at the origin, and an odometer
-    /// where it says.
+    /// The pose at the start, `[x in m, y in m, heading in rad]`. Without it encoders start at the origin, and an
+    /// odometer where it says.
     pub start: Option<[f64; 3]>,
     /// Variance of the error of a wheel's way, in square metres for each metre that it goes.
     pub variance_m2_per_m: f64,

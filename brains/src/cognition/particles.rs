@@ -109,7 +109,7 @@ impl Disperse {
         })
     }
 
-    /// Where they are at the beginning, or when it is not known any more how the robot has moved.
+    /// The particles at the beginning, or when it is not known any more how the robot has moved.
     fn disperse(&self, at: &Estimate) -> Particles {
         let Parameters { particles, beams, everywhere, .. } = self.parameters;
         let parameters = particles::Parameters { particles, beams, ..particles::Parameters::default() };
@@ -153,7 +153,7 @@ impl Disperse {
     }
 }
 
-/// Which part of a scan's beams ends where the map says that it should from this pose.
+/// The fraction of a scan's beams that end where the map says that they should from this pose.
 fn fit(map: &Map, scan: &Scan, world_from_robot: &Pose) -> f64 {
     let laser = VirtualLaser::like(scan);
     let mut virtual_m = vec![0.0; laser.rays()];
@@ -177,7 +177,7 @@ impl CognitiveProcess for Disperse {
         }
     }
 
-    /// What happened meanwhile it does not know.
+    /// It does not know of anything that happened meanwhile.
     fn enter(&mut self, _: &mut StepContext<'_>) {
         self.scanner.forget();
         self.last = None;

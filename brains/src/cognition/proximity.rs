@@ -16,7 +16,8 @@ use crate::registry::BuildContext;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
-    /// What a sonar finds this close on the robot's way is near, in metres; by default three quarters of the body's radius.
+    /// The distance from a sonar, in metres, within which an object on the robot's way is near; by default three
+    /// quarters of the body's radius.
     pub near_m: Option<f64>,
     /// An infra-red reading from which on something is near.
     #[serde(default = "near_reading")]

@@ -12,7 +12,7 @@ use crate::registry::BuildContext;
 use crate::scanner::Scanner;
 use crate::slam::{self, Slam};
 
-/// How a map is made.
+/// The making of a map.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {

@@ -35,7 +35,7 @@ pub struct Composed {
 pub struct Motor {
     /// Its name in the repertoire.
     pub name: String,
-    /// What it does.
+    /// The behaviour itself.
     pub behavior: Box<dyn MotorBehavior>,
     /// By which it is chosen, where utilities decide.
     pub utility: Utility,
@@ -45,7 +45,7 @@ pub struct Motor {
 pub struct Cognitive {
     /// Its name in the repertoire.
     pub name: String,
-    /// What it does.
+    /// The process itself.
     pub process: Box<dyn CognitiveProcess>,
     /// By which it is active, where utilities decide. Otherwise it always is.
     pub utility: Utility,
@@ -53,7 +53,7 @@ pub struct Cognitive {
     pub active: bool,
 }
 
-/// How the active behaviour is chosen.
+/// The choice of the active behaviour.
 #[derive(Clone, Debug)]
 pub enum Decision {
     /// By the greatest utility.
@@ -95,7 +95,7 @@ impl Composed {
         Some(self.motors.get(self.active?)?.name.as_str())
     }
 
-    /// What it believes.
+    /// The beliefs of the brain.
     pub fn beliefs(&self) -> &Beliefs {
         &self.beliefs
     }
@@ -110,7 +110,7 @@ impl Composed {
             .chain(cognitives.map(|process| (process.name.as_str(), process.utility.value(), process.active)))
     }
 
-    /// Which motor behaviour is to be active, after so many seconds with these state variables.
+    /// The motor behaviour that is to be active, after so many seconds with these state variables.
     fn decide(&mut self, state: &[f64], dt_s: f64) -> usize {
         for motor in &mut self.motors {
             motor.utility.step(state, dt_s);

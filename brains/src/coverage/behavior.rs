@@ -28,7 +28,7 @@ pub struct Parameters {
     pub clearance_m: Option<f64>,
     /// Side of the map's cells, in metres. By default an eighth of the body's radius.
     pub cell_m: Option<f64>,
-    /// How far ahead on a row it looks, in metres.
+    /// The distance on a row at which it aims, in metres.
     #[serde(default = "look_ahead_m")]
     pub look_ahead_m: f64,
     /// It turns at the end of a row within this distance, in metres.
@@ -37,7 +37,7 @@ pub struct Parameters {
     /// It finds its way back to its row if it is farther from it than this, in metres.
     #[serde(default = "stray_m")]
     pub stray_m: f64,
-    /// How it steers.
+    /// The gains and speeds of its steering.
     #[serde(default)]
     pub steering: Steering,
 }

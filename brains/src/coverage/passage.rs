@@ -1,4 +1,4 @@
-//! Which region comes next, and the way there and through it.
+//! The choice of the next region, and the way there and through it.
 //!
 //! Regions are taken as they come: the next one is that of which a corner is nearest along a path. That is not the shortest
 //! way through all of them, which would be a travelling salesman's.
@@ -18,7 +18,7 @@ use crate::planning::{Cell, ThetaStar};
 #[derive(Clone, Debug)]
 pub(super) struct Passage {
     from: Point,
-    /// Where the regions can be entered, the nearest first as the crow flies.
+    /// The places at which the regions can be entered, the nearest first as the crow flies.
     entries: Vec<Entry>,
     tried: usize,
     best: Option<Best>,

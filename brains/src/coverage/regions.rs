@@ -16,7 +16,7 @@ pub struct Region {
     stretches: Vec<Stretch>,
 }
 
-/// Which way rows run.
+/// The direction of rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rows {
     /// Along the x axis.

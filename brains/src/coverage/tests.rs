@@ -49,7 +49,8 @@ fn drive(cover: &mut CoverRows, mut pose: Pose) -> Vec<Point> {
     panic!("it does not end: at {pose:?}");
 }
 
-/// Which share of the points that a body of 0.2 m can cover it has covered, and the least room beside it, in metres.
+/// The fraction that it has covered of the points that a body of 0.2 m can cover, and the least room beside it, in
+/// metres.
 fn covered(cover: &CoverRows, places: &[Point]) -> (f64, f64) {
     let places: Vec<_> = places.iter().step_by(5).copied().collect();
     let grid = cover.floor.grid();
@@ -59,7 +60,8 @@ fn covered(cover: &CoverRows, places: &[Point]) -> (f64, f64) {
         (0..60).map(move |j| Point::new(0.025 + 0.05 * f64::from(i), 0.025 + 0.05 * f64::from(j)))
     });
     let is_within = |point: &Point, of: &[Point], m: f64| of.iter().any(|place| (place - point).norm() <= m);
-    // What a body can cover whose centre keeps to the free cells, without the inside of the table and what is outside.
+    // The points that a body can cover whose centre keeps to the free cells, without the inside of the table and the
+    // outside of the arena.
     let is_table = |p: &Point| (1.2..2.0).contains(&p.x) && (1.0..1.6).contains(&p.y);
     let is_outside = |p: &Point| p.x > 3.0 && p.y > 1.8;
     let is_floor = |p: &Point| !is_table(p) && !is_outside(p);
@@ -81,7 +83,7 @@ fn a_room_with_a_corner_and_a_table_is_covered() {
     let places = drive(&mut cover, Pose::new(0.5, 0.5, 0.3));
     let (share, room_m) = covered(&cover, &places);
     let length_m: f64 = places.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
-    // What is left is beside the walls, between the ends of rows. 10 m² with rows 0.3 m apart are some 34 m.
+    // The rest lies beside the walls, between the ends of rows. 10 m² with rows 0.3 m apart are some 34 m.
     assert!(share > 0.95 && room_m > 0.0 && length_m < 45.0, "{share} {room_m} m, {length_m} m");
 }
 

@@ -19,7 +19,7 @@ enum Comparison {
     GreaterOrEqual,
 }
 
-/// Why a text is no condition.
+/// A reason why a text is no condition.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ConditionError {
     /// It is not a name, a comparison and a number.
@@ -41,13 +41,13 @@ pub enum ConditionError {
     /// It does not compare.
     #[error("`{found}` is not a comparison; there are: <, <=, >, >=")]
     Comparison {
-        /// What stands there.
+        /// The text in that place.
         found: String,
     },
     /// It compares with no number.
     #[error("`{found}` is not a number")]
     Number {
-        /// What stands there.
+        /// The text in that place.
         found: String,
     },
 }

@@ -9,7 +9,7 @@ use super::condition::Condition;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layers {
     layers: Vec<(Vec<Condition>, usize)>,
-    /// What is active if no layer wants to be.
+    /// The behaviour that is active if no layer wants to be.
     base: usize,
 }
 

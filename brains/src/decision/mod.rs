@@ -1,4 +1,4 @@
-//! Which behaviour is to have the motors: decision-making, Wahde 2016, Chapter 8.
+//! The choice of the behaviour that has the motors: decision-making, Wahde 2016, Chapter 8.
 //!
 //! All methods here are of arbitration (Section 8.1.1): exactly one motor behaviour is active.
 //!

@@ -36,7 +36,7 @@ pub struct Utility {
 }
 
 impl UtilityFunction {
-    /// What the utility tends to: the right side of (8.4).
+    /// The value that the utility tends to: the right side of (8.4).
     ///
     /// State variables that are not there count as 0.
     pub fn target(&self, state: &[f64], gamma: f64) -> f64 {

@@ -90,7 +90,7 @@ fn utility(raw: &RawUtility, all: &Raw) -> Utility {
     })
 }
 
-/// What a decision may name, in order.
+/// The names that a decision may use, in order.
 struct Names<'a> {
     variables: Vec<&'a str>,
     behaviors: Vec<&'a str>,

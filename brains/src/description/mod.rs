@@ -45,7 +45,7 @@ pub struct Description {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{problem}", if path.is_empty() { String::new() } else { format!("{path}: ") })]
 pub struct DescriptionError {
-    /// Which field, such as `motor.charge.parameters`; empty if it is not one field's.
+    /// The path of the field, such as `motor.charge.parameters`; empty if it is not one field's.
     pub path: String,
     /// The problem, and the remedy.
     pub problem: String,

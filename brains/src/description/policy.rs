@@ -28,7 +28,7 @@ pub(super) struct RawPolicy {
 #[serde(deny_unknown_fields)]
 struct RawSensor {
     name: String,
-    /// How many it has.
+    /// The number of its values.
     values: usize,
 }
 
@@ -36,7 +36,7 @@ struct RawSensor {
 const VERSION: u32 = 1;
 
 impl RawPolicy {
-    /// What can be said without a robot.
+    /// Checks the parts that need no robot.
     pub(super) fn check(&self, whole: &Raw) -> Result<(), DescriptionError> {
         let others = [
             ("motor", whole.motor.is_empty()),
@@ -123,7 +123,7 @@ impl RawPolicy {
     }
 }
 
-/// How many inputs there are, and what they are: the first of many.
+/// The number of inputs, and the first of their names.
 fn inputs(body: &Body, names: &[String]) -> String {
     let (shown, count) = (names[..names.len().min(SHOWN)].join(", "), names.len());
     let more = if count > SHOWN { ", …" } else { "" };

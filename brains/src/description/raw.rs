@@ -117,7 +117,7 @@ pub(super) enum RawNode {
 }
 
 impl Raw {
-    /// What can be said without a robot.
+    /// Checks the parts that need no robot.
     pub(super) fn check(&self) -> Result<(), DescriptionError> {
         if let Some(policy) = &self.policy {
             return policy.check(self);

@@ -1,4 +1,4 @@
-//! What descriptions say, and what is wrong with some.
+//! Descriptions and their effects, and the errors of some.
 
 use baudbot_brain::{Body, Brain, Signals};
 use serde::Deserialize;

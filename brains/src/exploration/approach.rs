@@ -16,7 +16,7 @@ impl Approach {
         Self { to, facing: false }
     }
 
-    /// What to do next; `None` if the robot is within `reach_m` of the point.
+    /// The next command; `None` if the robot is within `reach_m` of the point.
     pub(super) fn step(&mut self, here: &Pose, reach_m: f64) -> Option<Command> {
         if (self.to - here.position).norm() <= reach_m {
             return None;

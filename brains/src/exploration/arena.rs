@@ -21,7 +21,7 @@ pub(crate) struct Arena {
     low: Vec<Vec<Point>>,
 }
 
-/// How a run went.
+/// The course of a run.
 #[derive(Debug)]
 pub(crate) struct Run {
     pub(crate) end: Command,
@@ -98,7 +98,7 @@ impl Arena {
         !self.boxes.iter().chain(&self.low).any(|points| polygon::contains(points, point))
     }
 
-    /// How far the disc at a point is from what it must not drive into.
+    /// The room between the disc at a point and anything that it must not drive into.
     fn room_m(&self, point: Point) -> f64 {
         self.solid.nearest_point(point).map_or(f64::INFINITY, |(_, distance)| distance - RADIUS_M)
     }
@@ -124,7 +124,7 @@ impl Arena {
         self.room_m(pose.position + pose.direction().vector() * NEAR_M) < ALMOST_M
     }
 
-    /// What can be seen from where the robot can get to from here, with a little room to spare.
+    /// The cells that are visible from all places that the robot can reach from here, with a little room to spare.
     pub(crate) fn visible_from(&self, here: Point) -> Sensed {
         let mut visible = Sensed::new(self);
         let cell = |point: Point| ((point.x / CELL_M) as usize, (point.y / CELL_M) as usize);
@@ -202,7 +202,7 @@ impl Arena {
     }
 }
 
-/// Where a robot is a step later.
+/// The pose of a robot a step later.
 fn moved(pose: &Pose, command: Command) -> Pose {
     let toward = |heading_rad: f64| {
         let most_rad = TURN_RATE_RAD_S * STEP_S;

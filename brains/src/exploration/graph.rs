@@ -21,7 +21,7 @@ pub enum Status {
 /// A node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
-    /// Where it is, in metres in the world.
+    /// Its place, in metres in the world.
     pub place: Point,
     /// Its state.
     pub status: Status,
@@ -62,7 +62,7 @@ impl Graph {
         &self.nodes
     }
 
-    /// Where a node is.
+    /// The place of a node.
     pub(super) fn place(&self, node: usize) -> Point {
         self.nodes[node].place
     }
@@ -77,7 +77,7 @@ impl Graph {
         self.nodes.len() - 1
     }
 
-    /// Where the robot is though no node was placed there.
+    /// Adds a place that the robot has come to though no node was placed there.
     pub(super) fn add_passed(&mut self, place: Point, status: Status) -> usize {
         let node = self.add(place, status);
         self.nodes[node].is_passed = true;

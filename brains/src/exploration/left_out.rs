@@ -9,12 +9,12 @@ use crate::mapping::disc::Disc;
 use crate::mapping::frontier::{Dark, groups};
 use crate::mapping::{Cell, Occupancy};
 
-/// What a robot that is done has not seen, though it knows of it.
+/// The areas that a finished robot knows of and has not seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LeftOut {
     /// Openings through which it saw a part of what is behind, and through which it does not fit.
     pub openings: usize,
-    /// How wide they would have to be, in metres.
+    /// The width that they would need, in metres.
     pub width_m: f64,
     /// Openings in which something is that the laser overlooks.
     pub barred: usize,
@@ -55,7 +55,7 @@ impl fmt::Display for LeftOut {
     }
 }
 
-/// What is known of the floor once there is nowhere to go any more.
+/// The knowledge of the floor once there is nowhere to go any more.
 pub(super) struct Rest<'a> {
     pub(super) grid: &'a Occupancy,
     pub(super) dark: &'a Dark<'a>,
@@ -71,7 +71,7 @@ pub(super) struct Rest<'a> {
 }
 
 impl Rest<'_> {
-    /// What is left out.
+    /// The areas that are left out.
     pub(super) fn left_out(&self) -> LeftOut {
         let [covered, covered_but] = [self.reached, self.reached_but].map(|reached| self.covered(reached));
         let is_in = |covered: &[bool], cell| self.grid.place(cell).is_some_and(|place| covered[place]);
@@ -86,7 +86,7 @@ impl Rest<'_> {
         let is_in_vain = |group: &&Vec<Cell>| group.iter().any(|cell| self.given_up.contains(cell));
         let near = near.iter().filter(|group| !is_missed(group));
         let unseen = near.filter(is_in_vain).filter(|group| self.is_wide(group)).count();
-        // What would be open if proximity had found nothing is barred; what would not is narrow.
+        // An area that would be open if proximity had found nothing is barred; any other is narrow.
         let could_reach = far.iter().filter(|group| touches(group, &covered_but)).flatten();
         let barred = self.beyond(could_reach, is_covered);
         let is_narrow = |cell: &&Cell| !cell.sides().any(|cell| barred.contains(&cell));
@@ -133,7 +133,7 @@ impl Rest<'_> {
         found
     }
 
-    /// How many openings there are from where the robot can be to these cells.
+    /// The number of openings to these cells from places where the robot can be.
     fn mouths(&self, cells: &BTreeSet<Cell>, is_covered: impl Fn(Cell) -> bool) -> usize {
         let is_mouth = |cell: &Cell| cell.sides().any(|beside| is_covered(beside) && self.is_clear(beside));
         groups(&cells.iter().copied().filter(is_mouth).collect::<Vec<_>>()).len()

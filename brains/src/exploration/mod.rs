@@ -47,7 +47,7 @@ pub use nodes::Nodes;
 /// The inputs of an explorer in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input<'a> {
-    /// Where it is believed to be.
+    /// The believed pose.
     pub world_from_robot: Pose,
     /// Its laser's last scan; `None` until there is one.
     pub scan: Option<&'a PlacedScan>,
@@ -76,7 +76,7 @@ pub enum Command {
     Failed(Failure),
 }
 
-/// Why an exploration has ended too early.
+/// A reason for an early end of an exploration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
     /// Whichever way it turns, something is in the way.
@@ -85,12 +85,12 @@ pub enum Failure {
     TooLarge,
 }
 
-/// Where an explorer goes.
+/// The present goal of an explorer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
-    /// What it wants to reach, or to see.
+    /// The place to reach, or to see.
     pub place: Point,
-    /// How much of the way there is left, in metres.
+    /// The length of the way that is left, in metres.
     pub left_m: f64,
 }
 
@@ -102,7 +102,7 @@ pub trait Explorer {
     /// Since the last step something else may have driven the robot.
     fn interrupt(&mut self);
 
-    /// Where it goes now, from here.
+    /// Its present goal, from here.
     fn goal(&self, here: &Pose) -> Option<Goal>;
 
     /// It does not get to its goal: it leaves that out.
@@ -111,6 +111,6 @@ pub trait Explorer {
     /// It does not get on at all: it ends, and leaves out all that is still to be seen.
     fn finish(&mut self, here: &Pose);
 
-    /// What it knows of the floor.
+    /// Its map of the floor.
     fn grid(&self) -> &Occupancy;
 }

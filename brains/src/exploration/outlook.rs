@@ -30,7 +30,7 @@ impl<'a> Outlook<'a> {
         Self { grid, wanted, seen }
     }
 
-    /// What can be seen from a cell.
+    /// The cells that can be seen from a cell.
     pub(super) fn from(&self, cell: Cell) -> Option<Cell> {
         let number = self.seen[self.grid.place(cell)?]?;
         Some(self.wanted[number as usize])

@@ -1,4 +1,4 @@
-//! Where new nodes go: Wahde 2016, §6.1, Fig. 6.1.
+//! The places of new nodes: Wahde 2016, §6.1, Fig. 6.1. 6.1.
 //!
 //! A scan's rays that run farther than D + Δ lie in feasible angular intervals. One whose width γ is at least
 //! `γ_min` gets a node in its middle, at the distance D. A wider one gets
@@ -21,14 +21,14 @@ use crate::scan::Scan;
 /// The lengths and the angle of Fig. 6.1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// How far from the robot nodes are placed, D, in metres.
+    /// The distance from the robot at which nodes are placed, D, in metres.
     pub distance_m: f64,
-    /// How much room there must at least be behind a node, Δ, in metres.
+    /// The least room behind a node, Δ, in metres.
     pub margin_m: f64,
     /// Width that a feasible interval must have, `γ_min`, in radians. The robot fits if 2 D sin(`γ_min` / 2) is wider
     /// than it.
     pub width_rad: f64,
-    /// How far apart nodes must be, d, in metres.
+    /// The least distance between nodes, d, in metres.
     pub separation_m: f64,
 }
 
@@ -47,7 +47,7 @@ pub(super) fn width_rad(passage_m: f64, distance_m: f64) -> f64 {
     2.0 * math::atan2(0.5 * passage_m, distance_m)
 }
 
-/// Where something is in the world that is there for the laser.
+/// The place in the world of an echo of the laser.
 fn place(scan: &PlacedScan, bearing_rad: f64, distance_m: f64) -> Point {
     let world_from_laser = scan.world_from_laser();
     let direction = world_from_laser.direction().rotate(Direction::from_angle(bearing_rad));
@@ -84,7 +84,7 @@ impl Placement {
         (0..=gaps as usize).map(|i| first_rad + i as f64 * spare_rad / gaps).collect()
     }
 
-    /// Where a scan allows nodes, in the world. Other nodes may be too near.
+    /// The places in the world at which a scan allows nodes. Other nodes may be too near.
     #[must_use]
     pub fn places(&self, scan: &PlacedScan) -> Vec<Point> {
         let intervals = self.intervals(scan.scan());

@@ -1,7 +1,7 @@
-//! Who walks in front of the robot.
+//! Walkers in front of the robot.
 //!
-//! What is met where the map knows the floor to be free, and nothing beside it, was not there a moment ago. What stays there for three
-//! scans is in the map, and no walker any more.
+//! An echo in a place that the map knows to be free, with nothing beside it, was not there a moment ago. What stays
+//! there for three scans is in the map, and no walker any more.
 
 use baudbot_geometry::{Point, Pose};
 

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::description::DescriptionError;
 
-/// Why a text describes no brain for a body.
+/// A reason why a text describes no brain for a body.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CatalogueError {
     /// There is no such brain.
@@ -75,7 +75,7 @@ pub enum CatalogueError {
     File {
         /// The file.
         file: PathBuf,
-        /// Why.
+        /// The reason.
         problem: String,
     },
     /// A description in TOML that is wrong, or wrong for this robot.
@@ -88,7 +88,7 @@ pub enum CatalogueError {
     },
 }
 
-/// What may have been meant by a command line, or by a name with a folder or an ending.
+/// A suggestion: a command line, or a name with a folder or an ending, may have been meant.
 fn hint(name: &str) -> String {
     if name.trim().contains(char::is_whitespace) {
         format!("; a program of your own is named as in 'exec:{name}'")

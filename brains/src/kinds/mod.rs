@@ -30,7 +30,7 @@ pub struct Entry {
     pub summary: String,
     /// When it writes, at most: what a budget takes for granted of it.
     pub writes: Writes,
-    /// What can be set; of a brain that is described in TOML any number can be, by its path.
+    /// The settings; a brain that is described in TOML has any number of them, by their paths.
     pub parameters: Vec<Setting>,
     /// Two kinds of sensors that it needs together: readings of the first are of no use before those of the second have come
     /// that cover their instants.

@@ -75,8 +75,8 @@ pub fn deskew(
     Some(Scan { distances_m, ..scan.clone() })
 }
 
-/// Where the ray's end is seen, if the laser then had this pose in its frame of the one instant. A ray that saw nothing
-/// is one that ends at the range, but has no distance.
+/// The end of the ray as it is seen if the laser then had this pose in its frame of the one instant. A ray that saw
+/// nothing is one that ends at the range, but has no distance.
 fn end(one_from_then: &Pose, kappa: f64, distance: f64, range_m: f64) -> End {
     let length = if distance.is_finite() { distance } else { range_m };
     let along = one_from_then.direction().rotate(Direction::from_angle(kappa));

@@ -39,11 +39,11 @@ pub struct Parameters {
     pub threshold: f64,
     /// Poses that are tried at most, N, besides the guess.
     pub iterations: usize,
-    /// How the box becomes smaller; `None` in the notes.
+    /// The reduction of the box; `None` in the notes.
     pub shrink: Option<Shrink>,
 }
 
-/// How the box becomes smaller when it fails.
+/// The reduction of the box when a search fails.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shrink {
     /// So many failures, one after the other, make it smaller.
@@ -66,7 +66,7 @@ impl Default for Shrink {
     }
 }
 
-/// Where a search has ended.
+/// The end of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Match {
     /// The best pose of the robot.

@@ -15,7 +15,7 @@ pub struct Map {
     index: Index,
 }
 
-/// Why shapes are no map.
+/// A reason why shapes are no map.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum MapError {
     /// The line of this place in its list.
@@ -64,7 +64,7 @@ pub struct VirtualLaser {
 /// The hit of a virtual ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Echo {
-    /// How far away it is, in metres.
+    /// The distance to it, in metres.
     pub distance_m: f64,
     /// The unit vector at right angles to the surface there, in the world. It may point either way.
     pub normal: Vector,
@@ -89,7 +89,7 @@ impl VirtualLaser {
         self.fan.len()
     }
 
-    /// Where the laser is if the robot is at this pose.
+    /// The pose of the laser if the robot has this pose.
     #[must_use]
     pub fn world_from_laser(&self, world_from_robot: &Pose) -> Pose {
         world_from_robot.compose(&self.robot_from_laser)

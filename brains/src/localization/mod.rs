@@ -1,4 +1,4 @@
-//! Where a robot is in a known map, by its laser. Wahde 2016, §6.3.
+//! The pose of a robot in a known map, by its laser. Wahde 2016, §6.3. Wahde 2016, §6.3.
 //!
 //! 1. [`Scan`](crate::scan::Scan) is what the laser saw, [`map`] what it would see from a pose.
 //! 2. [`laser`] is the notes' *Laser localization*: a random search around a guess.
@@ -29,10 +29,10 @@ pub use map::{Map, VirtualLaser};
 pub struct Tried {
     /// Robot in the world.
     pub world_from_robot: Pose,
-    /// What the search makes small: ε of (6.8), or the sum of [`refine`], which only compares with others of its phase.
+    /// The minimised error: ε of (6.8), or the sum of [`refine`], which only compares with others of its phase.
     pub error: f64,
     /// Whether the search went on from there.
     pub accepted: bool,
-    /// Which start it goes back to: 0 is the guess.
+    /// The start to which it goes back: 0 is the guess.
     pub start: usize,
 }

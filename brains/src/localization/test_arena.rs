@@ -91,7 +91,7 @@ pub(crate) fn free_pose(map: &Map, chance: &mut Chance) -> Pose {
     }
 }
 
-/// How far a pose is from the true one: in metres, and in radians.
+/// The distance of a pose from the true one: in metres, and in radians.
 pub(crate) fn error(found: &Pose, truth: &Pose) -> (f64, f64) {
     let off: Vector = found.position - truth.position;
     (off.norm(), baudbot_geometry::angle::difference(found.heading, truth.heading).abs())

@@ -42,7 +42,7 @@ const LEFT: f64 = 1.01;
 /// Takes a scan where the robot truly is.
 type Look<'a> = dyn FnMut(Taken) -> Scan + 'a;
 
-/// How a scan is taken.
+/// The motion of the laser during a scan.
 #[derive(Clone, Copy)]
 enum Taken {
     /// At once, and now.

@@ -1,4 +1,4 @@
-//! Where a robot fits, and the ways there.
+//! The places where a robot fits, and the ways there.
 //!
 //! The room at a cell is how far its centre is from the nearest thing that is known: not from the centre of an occupied
 //! cell but from where rays have [ended](Occupancy::surface) in it. A cell is open if it has as much room as half the width of a
@@ -22,7 +22,7 @@ use super::disc::Disc;
 use super::frontier::Dark;
 use super::occupancy::{Occupancy, Occupied};
 
-/// Which cells of a grid are open.
+/// The open cells of a grid.
 #[derive(Clone, Debug)]
 pub struct Floor<'a> {
     grid: &'a Occupancy,
@@ -42,8 +42,8 @@ enum Kind {
 }
 
 impl<'a> Floor<'a> {
-    /// Where a disc with this radius, in metres, fits that is now at `here`, and to which `ease_m` more room is as good as any. What
-    /// is at the points of `obstacles` counts as occupied, whatever the grid says.
+    /// The places for a disc with this radius, in metres, that is now at `here`, and to which `ease_m` more room is
+    /// as good as any. The points of `obstacles` count as occupied, whatever the grid says.
     #[must_use]
     pub(crate) fn new(
         dark: &Dark<'a>,
@@ -69,7 +69,7 @@ impl<'a> Floor<'a> {
         floor
     }
 
-    /// What is beside a robot that has come too near to something.
+    /// Frees the cells beside a robot that has come too near to something.
     fn free_around(&mut self, dark: &Dark<'_>, here: Point) {
         let own = self.grid.cell(here);
         let Some(room_m) = self.grid.place(own).map(|place| self.room_m[place]) else { return };
@@ -128,7 +128,7 @@ impl<'a> Floor<'a> {
         turns
     }
 
-    /// What a step into a cell counts; `None` if there is none.
+    /// The cost of a step into a cell; `None` if there is none.
     fn step(&self, place: usize, step: u32) -> Option<u32> {
         match self.kinds[place] {
             Kind::Open => {

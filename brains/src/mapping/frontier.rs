@@ -12,7 +12,7 @@ use baudbot_geometry::{Vector, math};
 
 use super::occupancy::{Occupancy, Occupied};
 
-/// What of a grid is dark.
+/// The dark areas of a grid.
 #[derive(Clone, Debug)]
 pub struct Dark<'a> {
     grid: &'a Occupancy,
@@ -23,7 +23,7 @@ pub struct Dark<'a> {
 }
 
 impl<'a> Dark<'a> {
-    /// What is dark in a grid: what is at least so wide, in metres, and unknown.
+    /// The dark areas of a grid: those that are at least so wide, in metres, and unknown.
     #[must_use]
     pub fn new(grid: &'a Occupancy, wide_m: f64) -> Self {
         let [columns, rows] = grid.size();
@@ -50,7 +50,7 @@ impl<'a> Dark<'a> {
         self.grid
     }
 
-    /// How many cells the grid has.
+    /// The number of cells of the grid.
     pub(crate) fn len(&self) -> usize {
         self.is_dark.len()
     }
@@ -119,7 +119,7 @@ pub fn groups(cells: &[Cell]) -> Vec<Vec<Cell>> {
     groups
 }
 
-/// How many cells of a rectangle are something.
+/// Sums that give the number of cells of a kind in any rectangle.
 struct Sums {
     wide: usize,
     high: usize,
@@ -158,7 +158,7 @@ mod tests {
     use crate::mapping::PlacedScan;
     use crate::scan::Scan;
 
-    /// What half a turn sees of a corridor of 2 m whose walls are to the left and to the right.
+    /// The map after half a turn in a corridor of 2 m whose walls are to the left and to the right.
     fn corridor(cell_m: f64) -> Occupancy {
         let mut grid = Occupancy::new(cell_m);
         let rays = 1000;

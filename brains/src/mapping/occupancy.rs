@@ -39,7 +39,7 @@ pub struct Occupancy {
     scans: u32,
 }
 
-/// Where rays have ended in a cell, in its last scans.
+/// The ends of rays in a cell, in its last scans.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Ends {
     count: f32,
@@ -129,7 +129,7 @@ impl Occupancy {
         self.grid.cells.cells()
     }
 
-    /// How many columns and rows it has.
+    /// The numbers of columns and rows.
     pub(crate) fn size(&self) -> [usize; 2] {
         [self.grid.cells.columns as usize, self.grid.cells.rows as usize]
     }
@@ -161,7 +161,7 @@ impl Occupancy {
         self.log_odds[place] < 0.0
     }
 
-    /// How much is known, in square metres.
+    /// The known area, in square metres.
     pub(crate) fn known_m2(&self) -> f64 {
         let known = self.log_odds.iter().filter(|log_odds| **log_odds != 0.0).count();
         known as f64 * self.grid.cell_m * self.grid.cell_m
@@ -230,8 +230,8 @@ impl Occupancy {
         self.ends[place].add([aside.x, aside.y]);
     }
 
-    /// Where in a cell that is occupied rays have ended on average, in metres in the world: nearer to what is there than
-    /// the cell's centre.
+    /// The mean end of the rays in an occupied cell, in metres in the world: nearer to the surface there than the
+    /// cell's centre.
     #[must_use]
     pub fn surface(&self, cell: Cell) -> Option<Point> {
         let place = self.place(cell).filter(|place| self.log_odds[*place] > 0.0)?;
@@ -284,9 +284,9 @@ impl Occupancy {
     }
 }
 
-/// What a ray adds that met something, `l_hit`: p = 0.7.
+/// The addition of a ray that met something, `l_hit`: p = 0.7.
 const HIT: f32 = 0.847;
-/// What rays add that only went through, −`l_miss`: p = 0.4.
+/// The addition of rays that only went through, −`l_miss`: p = 0.4.
 const MISS: f32 = -0.405;
 /// Cells are never surer than this, p = 0.97, so that what has moved is believed in a few scans.
 const MOST: f32 = 3.5;

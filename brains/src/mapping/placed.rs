@@ -11,7 +11,7 @@ use crate::scan::Scan;
 pub struct PlacedScan {
     world_from_robot: Pose,
     scan: Scan,
-    /// Where rays end, and whether they met something there.
+    /// The ends of rays, and whether they met something there.
     ends: Vec<(Point, bool)>,
 }
 
@@ -22,7 +22,7 @@ impl PartialEq for PlacedScan {
     }
 }
 
-/// What a scan says about a path.
+/// A scan's view of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum View {
     /// Nothing that was seen is in the way.

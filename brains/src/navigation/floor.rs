@@ -8,7 +8,7 @@ use serde::Deserialize;
 use crate::parameter::{ParameterError, check_positive};
 use crate::planning::{Cell, CellGrid, End, Grid, PlanError, ThetaStar, line_of_sight};
 
-/// Where the centre of a body may be, between walls, and ways for it.
+/// The places between walls that the centre of a body may take, and ways for it.
 #[derive(Clone, Debug)]
 pub struct Floor {
     walls: Vec<Segment>,
@@ -17,7 +17,7 @@ pub struct Floor {
     cells: Option<CellGrid>,
 }
 
-/// How a path is found.
+/// The method that finds a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {

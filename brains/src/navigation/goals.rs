@@ -51,7 +51,7 @@ impl Goals {
         self.points.get(self.next..).unwrap_or_default()
     }
 
-    /// Which one is next, by its place in the list.
+    /// The next goal, by its place in the list.
     pub(crate) fn next(&self) -> usize {
         self.next
     }

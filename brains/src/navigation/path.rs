@@ -22,12 +22,12 @@ impl Path {
         Self { points, along_m }
     }
 
-    /// Where it bends, and both its ends.
+    /// The bends, and both ends.
     pub fn points(&self) -> &[Point] {
         &self.points
     }
 
-    /// How long it is, in metres.
+    /// The length, in metres.
     pub fn length_m(&self) -> f64 {
         self.along_m.last().copied().unwrap_or(0.0)
     }
@@ -42,8 +42,8 @@ impl Path {
         Some(from + (to - from) * part.max(0.0))
     }
 
-    /// Which place from `from_m` to `until_m` is nearest to a point: how far along it is, and how far away. Of equally near
-    /// ones the first.
+    /// The nearest place to a point, from `from_m` to `until_m`: its distance along the path, and from the point. Of
+    /// equally near ones the first.
     pub fn nearest(&self, point: Point, from_m: f64, until_m: f64) -> (f64, f64) {
         let mut best = (from_m, f64::INFINITY);
         for (i, ends) in self.points.windows(2).enumerate() {

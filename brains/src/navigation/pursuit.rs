@@ -34,7 +34,7 @@ impl Pursuit {
         aside_m
     }
 
-    /// How much of the path is left, in metres.
+    /// The length of the path that is left, in metres.
     pub fn left_m(&self) -> f64 {
         self.path.length_m() - self.along_m
     }

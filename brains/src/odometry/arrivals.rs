@@ -1,4 +1,4 @@
-//! How late a sensor's readings come, and how often.
+//! The age of a sensor's readings on arrival, and their intervals.
 
 use crate::awaited::Awaited;
 
@@ -8,9 +8,9 @@ pub(super) struct Arrivals {
     sensor: String,
     /// When the last one came.
     heard_ns: Option<u64>,
-    /// How old it was then, as far as its protocol says.
+    /// The age on arrival, as far as its protocol says.
     age_ns: u64,
-    /// How long after the one before it the last came, and that one after its predecessor.
+    /// The intervals before the last, and before its predecessor.
     intervals_ns: [Option<u64>; 2],
 }
 
@@ -37,12 +37,12 @@ impl Arrivals {
         self.heard_ns.unwrap_or_default()
     }
 
-    /// How old the last one is when the next comes, in nanoseconds.
+    /// The age of the last one when the next comes, in nanoseconds.
     pub(super) fn lag_ns(&self) -> u64 {
         self.age_ns.saturating_add(self.interval_ns())
     }
 
-    /// How long after the last one the next is still not overdue, in nanoseconds.
+    /// The time after the last one, in nanoseconds, before which the next is not overdue.
     pub(super) fn patience_ns(&self) -> u64 {
         PATIENCE.saturating_mul(self.interval_ns())
     }

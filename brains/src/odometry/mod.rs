@@ -42,7 +42,7 @@ use arrivals::Arrivals;
 use step::Step;
 pub use track::Track;
 
-/// What must be known of the wheels, and how much is kept.
+/// The necessary knowledge of the wheels, and the length of the memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Half the distance between the wheels, R of (2.6), in metres.
@@ -53,13 +53,14 @@ pub struct Parameters {
     pub modulus: Option<f64>,
     /// Variance of the error of a wheel's way, in square metres, for each metre that it goes.
     pub variance_m2_per_m: f64,
-    /// How far back poses are kept, in nanoseconds: those of readings, and those that were corrected.
+    /// The length of the memory of poses, in nanoseconds: those of readings, and those that were corrected.
     pub past_ns: u64,
     /// By what this robot is known to differ from the above.
     pub calibration: Calibration,
 }
 
-/// What a calibration such as UMBmark (Borenstein & Feng 1996) has found: by which factors a robot differs from its data sheet.
+/// The result of a calibration such as UMBmark (Borenstein & Feng 1996): the factors by which a robot differs from
+/// its data sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
     /// c_l and c_r: diameters of the left and of the right wheel, as multiples of the data sheet's.
@@ -73,7 +74,7 @@ impl Calibration {
     pub const NONE: Self = Self { wheels: [1.0; 2], track: 1.0 };
 }
 
-/// Where the robot is by its wheels.
+/// The pose of the robot by its wheels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Odometry {
     parameters: Parameters,
@@ -185,7 +186,7 @@ impl Odometry {
         now_ns.saturating_sub(self.arrivals.heard_ns()) > least_ns.max(self.patience_ns())
     }
 
-    /// How long after its last reading the next is still not overdue, in nanoseconds: some times as long as usual.
+    /// The time after its last reading before which the next is not overdue, in nanoseconds: some times as long as usual.
     #[must_use]
     pub fn patience_ns(&self) -> u64 {
         self.arrivals.patience_ns()
@@ -226,7 +227,7 @@ impl Odometry {
         }
     }
 
-    /// Where the robot was at the last reading.
+    /// The pose at the last reading.
     #[must_use]
     pub fn estimate(&self) -> Estimate {
         self.newest().estimate
@@ -238,8 +239,9 @@ impl Odometry {
         self.newest().at_ns
     }
 
-    /// Where the robot was at an earlier instant; `None` if that is forgotten, or if it moved while no reading came for so long
-    /// that nobody knows when. It is taken to have gone evenly between readings, and to stand since the last one.
+    /// The pose at an earlier instant; `None` if that is forgotten, or if the robot moved while no reading came for
+    /// so long that the instants of its motion are unknown. It is taken to have gone evenly between readings, and to
+    /// stand since the last one.
     #[must_use]
     pub fn at(&self, at_ns: u64) -> Option<Estimate> {
         let (from, step) = self.step_to(at_ns)?;
@@ -262,7 +264,7 @@ impl Odometry {
         })
     }
 
-    /// Where an instant is in the past.
+    /// The place of an instant in the past.
     fn place(&self, at_ns: u64) -> Option<Place<'_>> {
         let after = self.past.partition_point(|past| past.at_ns < at_ns);
         let Some(next) = self.past.get(after) else { return Some(Place::At(&self.newest().estimate)) };
@@ -360,7 +362,7 @@ fn unwrapped(difference: f64, modulus: Option<f64>) -> f64 {
     modulus.map_or(difference, |modulus| math::remainder(difference, modulus))
 }
 
-/// Which part of the time between two instants has gone at a third.
+/// The fraction of the time between two instants that has gone at a third.
 fn fraction(from_ns: u64, at_ns: u64, to_ns: u64) -> f64 {
     at_ns.saturating_sub(from_ns) as f64 / to_ns.saturating_sub(from_ns).max(1) as f64
 }
@@ -373,8 +375,8 @@ const CALM_NS: f64 = 250e6;
 /// Between two readings that are farther apart, in nanoseconds, a robot has not gone evenly: it may have stopped when the cable
 /// was pulled.
 const EVEN_NS: u64 = 600_000_000;
-/// How far back poses are kept, in nanoseconds. A scan of a laser with a slow cable of its own is two seconds old when it comes,
-/// and odometry may be as late as that.
+/// The length of the memory of poses, in nanoseconds. A scan of a laser with a slow cable of its own is two seconds
+/// old when it comes, and odometry may be as late as that.
 const PAST_NS: u64 = 10_000_000_000;
 /// So many poses are kept at most: those of ten seconds at 500 Hz.
 const MOST_POSES: usize = 5_000;

@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2};
 
 use crate::estimate::Estimate;
 
-/// Where the robot went, and how far its wheels did.
+/// The robot's way, and those of its wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Step {
     /// The robot's new frame in its old one.
@@ -53,7 +53,7 @@ impl Step {
         Self { then_from_now, ways_m: self.ways_m.map(|way| way * fraction) }
     }
 
-    /// What is left after the [`part`](Self::part) up to a fraction.
+    /// The step behind the [`part`](Self::part) up to a fraction.
     pub(super) fn rest(&self, fraction: f64) -> Self {
         let then_from_now = self.part(fraction).then_from_now.inverse().compose(&self.then_from_now);
         Self { then_from_now, ways_m: self.ways_m.map(|way| way * (1.0 - fraction)) }

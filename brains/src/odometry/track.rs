@@ -9,11 +9,11 @@ use super::{Odometry, Place, fraction};
 #[derive(Clone, Debug)]
 pub struct Track<'a> {
     pub(super) odometry: &'a Odometry,
-    /// Where the last instant was.
+    /// The last instant.
     pub(super) leg: Option<Leg>,
 }
 
-/// What was between two readings.
+/// The way between two readings.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leg {
     from_ns: u64,

@@ -15,7 +15,7 @@ pub(super) trait Graph {
     /// An estimate of the cost from a node to the target.
     fn estimate(&self, node: usize) -> f64;
 
-    /// What the list is ordered by, of a node's cost from the start and its estimate. The least comes first.
+    /// The key of the list, by a node's cost from the start and its estimate. The least comes first.
     fn rank(&self, cost: f64, estimate: f64) -> f64 {
         cost + estimate
     }

@@ -13,7 +13,7 @@ pub struct Grid {
     blocked: Vec<bool>,
 }
 
-/// Why there is no such grid.
+/// A reason why there is no such grid.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GridError {
     /// None or too many cells.
@@ -27,7 +27,7 @@ pub enum GridError {
     /// A number that makes no sense.
     #[error("{name} must be {range}, not {found}")]
     Number {
-        /// What it is.
+        /// The name of the number.
         name: &'static str,
         /// The permitted values.
         range: &'static str,
@@ -62,7 +62,7 @@ pub enum GridError {
     Marks {
         /// `S` or `T`.
         mark: char,
-        /// How many there are.
+        /// The number of such letters.
         found: usize,
     },
 }
@@ -95,12 +95,12 @@ impl Grid {
         Self::new(columns as usize, rows as usize, cell_m, bounds.min)
     }
 
-    /// How many cells are in a row.
+    /// The number of cells in a row.
     pub fn columns(&self) -> usize {
         self.grid.cells.columns as usize
     }
 
-    /// How many rows there are.
+    /// The number of rows.
     pub fn rows(&self) -> usize {
         self.grid.cells.rows as usize
     }
@@ -162,17 +162,17 @@ impl Grid {
     /// greater coordinates.
     pub fn cell_at(&self, point: Point) -> Option<Cell> {
         let place = self.grid.grid_from_world(point);
-        // What is not a number would be in cell 0.
+        // NaN would be in cell 0.
         let is_somewhere = !place.x.is_nan() && !place.y.is_nan();
         Some(Cell::at(place)).filter(|&cell| is_somewhere && self.contains(cell))
     }
 
-    /// How many cells there are.
+    /// The number of cells.
     pub(crate) fn len(&self) -> usize {
         self.blocked.len()
     }
 
-    /// Which cell in order it is.
+    /// The number of a cell in order.
     pub(crate) fn number(&self, cell: Cell) -> usize {
         self.grid.cells.number(cell).expect("a cell of this grid")
     }

@@ -5,7 +5,7 @@ use std::f64::consts::SQRT_2;
 use baudbot_geometry::grid::Cell;
 use baudbot_geometry::math;
 
-/// How the path between two cells is estimated, in cells, as if there were no walls.
+/// The estimate of the path between two cells, in cells, as if there were no walls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heuristic {
     /// Steps along rows and columns: the true way of [`Moves::Four`](super::Moves::Four) in the open. With diagonal

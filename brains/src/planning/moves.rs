@@ -6,7 +6,7 @@ use baudbot_geometry::grid::Cell;
 
 use super::grid::Grid;
 
-/// Which steps lead from a cell to its neighbours. A straight step is 1 cell long, a diagonal one √2.
+/// The steps that lead from a cell to its neighbours. A straight step is 1 cell long, a diagonal one √2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moves {
     /// Along rows and columns.

@@ -29,15 +29,15 @@ impl Plan {
     }
 }
 
-/// Why there is no plan.
+/// A reason why there is no plan.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PlanError {
     /// An end that is not in the grid.
     #[error("the {end} ({}, {}) is outside the grid of {columns} columns by {rows} rows", cell.column, cell.row)]
     Outside {
-        /// Which end.
+        /// The end that is at fault.
         end: End,
-        /// Where it should be.
+        /// The cell that it should have.
         cell: Cell,
         /// Columns of the grid.
         columns: usize,
@@ -47,15 +47,15 @@ pub enum PlanError {
     /// An end, as a point, that is not in the grid.
     #[error("the {end} ({} m, {} m) is outside the map", point.x, point.y)]
     OffMap {
-        /// Which end.
+        /// The end that is at fault.
         end: End,
-        /// Where it should be.
+        /// The point that it should have.
         point: Point,
     },
     /// An end in a wall, or too near to one.
     #[error("the {end} is in the blocked cell ({}, {})", cell.column, cell.row)]
     Blocked {
-        /// Which end.
+        /// The end that is at fault.
         end: End,
         /// Its cell.
         cell: Cell,
@@ -63,17 +63,17 @@ pub enum PlanError {
     /// Walls part the ends.
     #[error("no path leads from cell ({}, {}) to cell ({}, {})", start.column, start.row, target.column, target.row)]
     Unreachable {
-        /// Where it should begin.
+        /// The cell at which it should begin.
         start: Cell,
-        /// Where it should end.
+        /// The cell at which it should end.
         target: Cell,
     },
     /// The walker of Fig. 6.7 has visited all neighbours. There may be a path.
     #[error("dead end in cell ({}, {}) after {moves} moves: all its neighbours were visited", cell.column, cell.row)]
     DeadEnd {
-        /// Where it stands.
+        /// The cell that it has reached.
         cell: Cell,
-        /// How many moves it made.
+        /// The number of moves.
         moves: usize,
         /// Its way until there, the start included.
         walked: Vec<Cell>,
@@ -85,9 +85,9 @@ pub enum PlanError {
 /// An end of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// Where it begins.
+    /// The beginning.
     Start,
-    /// Where it leads to.
+    /// The destination.
     Target,
 }
 

@@ -10,9 +10,9 @@ use super::grid::{Grid, GridError};
 pub struct Sketch {
     /// The grid, with cells of 1 m and its origin at (0, 0).
     pub grid: Grid,
-    /// Where the one `S` is.
+    /// The cell of the one `S`.
     pub start: Result<Cell, GridError>,
-    /// Where the one `T` is.
+    /// The cell of the one `T`.
     pub target: Result<Cell, GridError>,
 }
 

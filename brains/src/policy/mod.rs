@@ -28,10 +28,10 @@ pub struct Policy {
     stepped_ns: Option<u64>,
 }
 
-/// What is known of a sensor's last reading.
+/// The last reading of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Heard {
-    /// How many values it has.
+    /// The number of its values.
     count: usize,
     /// When it was sampled, if its message says so, and else when it came.
     sampled_ns: Option<u64>,
@@ -114,7 +114,8 @@ impl Brain for Policy {
     }
 }
 
-/// What the inputs of a policy for this robot are, in order: `odometer.x_m`, `laser.3`, `age of laser`, `laser is new`.
+/// The names of the inputs of a policy for this robot, in order: `odometer.x_m`, `laser.3`, `age of laser`, `laser is
+/// new`.
 pub fn input_names(body: &Body, with_ages: bool) -> Vec<String> {
     let mut names = Vec::new();
     for sensor in &body.sensors {

@@ -1,4 +1,4 @@
-//! What a policy observes, when it answers, and what is wrong with some.
+//! A policy's observations, the instants of its answers, and the errors of some.
 
 use baudbot_brain::{Actuator, ActuatorKind, Until};
 

@@ -41,7 +41,7 @@ impl Detour {
         &self.path.points[self.reached..]
     }
 
-    /// How far the robot is beside its path, in metres.
+    /// The distance of the robot from its path, in metres.
     pub(super) fn strayed_m(&self, here: Point) -> f64 {
         self.left().first().map_or(f64::INFINITY, |at| distance(*at, here))
     }
@@ -58,7 +58,7 @@ impl Detour {
     }
 }
 
-/// How far ahead on the way it looks, in radii of the body.
+/// The distance on the way at which it aims, in radii of the body.
 const LOOK_AHEAD: f64 = 0.75;
 /// Points of the path among which the nearest is looked for.
 const WINDOW: usize = 12;

@@ -47,7 +47,7 @@ impl Potential {
         )
     }
 
-    /// Where it is.
+    /// The centre of the hill.
     pub fn center(&self) -> Point {
         Point::new(self.x_m, self.y_m)
     }

@@ -11,7 +11,7 @@ pub(super) struct Lock {
 #[derive(Clone, Copy, Debug)]
 struct Low {
     height: f64,
-    /// Where the robot got lower last.
+    /// The place at which the robot got lower last.
     place: Point,
     /// When, in nanoseconds.
     at_ns: u64,

@@ -11,7 +11,7 @@ use baudbot_geometry::{Bounds, Point, Vector, math};
 use super::field::Potential;
 use crate::planning::{Cell, Grid, cheapest};
 
-/// What a path costs where.
+/// The cost of a path by its places.
 pub(super) struct Terrain {
     grid: Grid,
     costs: Vec<f64>,
@@ -84,12 +84,12 @@ impl Terrain {
         *known = known.max(cost);
     }
 
-    /// What a path costs a metre at a place; outside of the ground it is open.
+    /// The cost of a path a metre at a place; outside of the ground it is open.
     fn cost(&self, at: Point) -> f64 {
         self.grid.cell_at(at).map_or(1.0, |cell| self.costs[self.grid.number(cell)])
     }
 
-    /// What it costs to go along these points, in metres of open ground.
+    /// The cost of a way along these points, in metres of open ground.
     pub(super) fn price(&self, points: &[Point]) -> f64 {
         points.windows(2).map(|pair| (pair[1] - pair[0]).norm() * self.cost(pair[1])).sum()
     }
@@ -119,8 +119,8 @@ impl Terrain {
     }
 }
 
-/// How deep a place is in a hill, from 0 at the ellipse to 1 at its centre, and how far outside of it, in metres: 0 within, and
-/// of an ellipse that is no circle in the first order.
+/// The depth of a place in a hill, from 0 at the ellipse to 1 at its centre, and its distance outside of it, in
+/// metres: 0 within, and of an ellipse that is no circle in the first order.
 fn depth(hill: &Potential, at: Point) -> (f64, f64) {
     let offset = at - hill.center();
     let scaled = Vector::new(offset.x / hill.beta_m, offset.y / hill.gamma_m);
@@ -132,7 +132,7 @@ fn depth(hill: &Potential, at: Point) -> (f64, f64) {
     (0.0, (u - 1.0) / slope)
 }
 
-/// What it costs to be near something: `part` is 1 where it does not matter any more.
+/// The cost of nearness: `part` is 1 where it does not matter any more.
 fn near(part: f64) -> f64 {
     1.0 + NARROW * (1.0 - part).max(0.0)
 }
@@ -149,11 +149,11 @@ const HILL_SOFT: f64 = 1.5;
 const MARK_SOFT: f64 = 0.75;
 /// ... and in any case.
 const MARK_HARD: f64 = 0.15;
-/// What the narrowest place costs more than an open one.
+/// The additional cost of the narrowest place over an open one.
 const NARROW: f64 = 30.0;
-/// What it costs to go where no path is.
+/// The cost of going where no path is.
 const CLOSED: f64 = 1000.0;
-/// How much more that is in the middle of it.
+/// The additional cost in the middle of it.
 const DEEP: f64 = 3.0;
 /// Up to this cost there is room.
 const OPEN: f64 = 8.0;

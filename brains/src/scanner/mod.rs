@@ -104,7 +104,8 @@ impl Scanner {
         Some((begun_ns.saturating_add(self.sweep.duration_ns), scan))
     }
 
-    /// Which sensor the next scan waits for, and since when: that of this odometry, if readings wait for that, or else the laser.
+    /// The sensor that the next scan waits for, and since when: that of this odometry, if readings wait for that, or
+    /// else the laser.
     #[must_use]
     pub fn awaited(&self, odometry: Option<&Odometry>) -> Awaited {
         let odometry = odometry.filter(|_| !self.waiting.is_empty());

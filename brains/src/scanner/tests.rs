@@ -11,7 +11,7 @@ use baudbot_geometry::Pose;
 
 const MS: u64 = 1_000_000;
 
-/// What comes over a cable: samples of this period, each so much later.
+/// The samples that come over a cable: one a period, each so much later.
 #[derive(Clone, Copy, Debug)]
 struct Stream {
     period_ms: u64,

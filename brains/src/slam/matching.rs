@@ -57,7 +57,7 @@ pub fn find(grid: &Occupancy, scan: &Scan, guess: &Estimate, least_fit: f64) -> 
 
 struct Problem<'a> {
     grid: &'a Occupancy,
-    /// Where rays ended, in the robot's frame, in metres.
+    /// The ends of rays, in the robot's frame, in metres.
     ends: Vec<Vector>,
     guess: &'a Estimate,
     /// Σ₀⁻¹.
@@ -113,7 +113,7 @@ impl<'a> Problem<'a> {
         at
     }
 
-    /// How far a pose is from the guess.
+    /// The distance of a pose from the guess.
     fn off(&self, pose: &Pose) -> Vector3<f64> {
         let guess = &self.guess.world_from_robot;
         let moved = pose.position - guess.position;
@@ -203,7 +203,7 @@ fn wall(grid: &Occupancy, point: Point) -> f64 {
     f64::from(u8::from(grid.state(grid.cell(point)) == Occupied::Occupied))
 }
 
-/// What is there around a point: a point of it, and the unit vector across. `None` if that is nothing, or no line.
+/// The line around a point: a point of it, and the unit vector across. `None` if there is nothing, or no line.
 fn line(grid: &Occupancy, point: Point) -> Option<(Point, Vector)> {
     let cell = grid.cell(point);
     let around = AROUND.into_iter().filter_map(|(columns, rows)| grid.surface(cell.offset(columns, rows)));
@@ -256,7 +256,7 @@ const LEAST_KNOWN: f64 = 0.2;
 const MOST_PLACES: i32 = 5;
 const MOST_TURNS: i32 = 6;
 const TURN_RAD: f64 = 0.02;
-/// What a step away from the guess costs, in rays.
+/// The cost of a step away from the guess, in rays.
 const NEARER: f64 = 0.01;
 /// A cell, and those at its sides.
 const AROUND: [(i32, i32); 9] =

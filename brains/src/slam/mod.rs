@@ -29,7 +29,7 @@ use crate::mapping::{Occupancy, PlacedScan};
 use crate::scan::Scan;
 use matching::Match;
 
-/// How scans are matched, and when they are added.
+/// The matching of scans, and the distance between those that are added.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Side of the grid's cells, in metres.
@@ -54,7 +54,7 @@ impl Default for Parameters {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slam {
     parameters: Parameters,
-    /// Where the robot was when the last scan was added.
+    /// The pose at the last scan that was added.
     added: Option<Pose>,
 }
 
@@ -71,8 +71,8 @@ impl Slam {
         Occupancy::new(self.parameters.cell_m)
     }
 
-    /// Where the robot was when it took this scan, if the guess was that of its odometry; `None` if the scan is
-    /// rejected, or the grid would become too large. What it saw goes into the grid.
+    /// The robot's pose at this scan, if the guess was that of its odometry; `None` if the scan is rejected, or the
+    /// grid would become too large. The echoes go into the grid.
     pub fn see(&mut self, grid: &mut Occupancy, scan: &Scan, guess: &Estimate) -> Option<Estimate> {
         let thin = scan.thinned(self.parameters.rays);
         let estimate = match matching::find(grid, &thin, guess, self.parameters.least_fit) {

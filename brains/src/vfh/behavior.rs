@@ -15,7 +15,7 @@ use crate::odometry::Odometry;
 use crate::parameter::{ParameterError, check_not_negative, check_positive, for_body};
 use crate::process::{MotorBehavior, StepContext};
 
-/// Where it goes, and what it heeds on its way.
+/// The goals, and the sensors that it heeds on its way.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
@@ -32,12 +32,12 @@ pub struct Parameters {
     pub sight: sight::Parameters,
     /// Room to be kept beside the body, in metres: r_s. By default three quarters of its radius.
     pub clearance_m: Option<f64>,
-    /// What is farther away than this does not count, in metres.
+    /// The distance, in metres, beyond which objects do not count.
     #[serde(default = "window_m")]
     pub window_m: f64,
     /// Side of the cells in which obstacles are remembered, in metres. By default a quarter of the body's radius.
     pub cell_m: Option<f64>,
-    /// What it does not see for so long is forgotten, in seconds.
+    /// The time without sight, in seconds, after which an object is forgotten.
     #[serde(default = "forget_s")]
     pub forget_s: f64,
     /// Directions that it tells apart.
@@ -73,7 +73,7 @@ pub struct Parameters {
     /// It stands still if it has seen nothing for so long, in seconds.
     #[serde(default = "stale_s")]
     pub stale_s: f64,
-    /// How it steers.
+    /// The gains and speeds of its steering.
     #[serde(default)]
     pub steering: Steering,
 }
@@ -221,7 +221,7 @@ impl Vfh {
         let offset = goal - here;
         let (wide_m, slack_m) = (self.radius_m + self.lengths.clearance_m, self.lengths.cell_m);
         let window = Window { radius_m: p.window_m, wide_m, slack_m, low: p.low, high: p.high };
-        // What is farther away than the goal is not in the way.
+        // An object beyond the goal is not in the way.
         let near = |obstacle: &Point| (obstacle - here).norm() <= offset.norm();
         self.histogram.update(here, self.memory.obstacles().filter(near), &window);
         let obstacles = self.memory.obstacles().filter(near);
@@ -238,7 +238,7 @@ impl Vfh {
         chosen
     }
 
-    /// How far the body can go straight on before it meets something, in metres.
+    /// The distance that the body can go straight on before it meets something, in metres.
     fn room_m(&self, world_from_robot: &Pose) -> f64 {
         let ahead = Direction::from_angle(world_from_robot.heading).vector();
         let half_width_m = self.radius_m + 0.5 * self.lengths.clearance_m;
@@ -353,7 +353,7 @@ impl MotorBehavior for Vfh {
         let estimate = context.beliefs.pose?;
         let goal = self.goals.from(estimate.world_from_robot.position);
         context.beliefs.path = self.goals.left().to_vec();
-        // What is seen counts only once odometry says from where.
+        // A sight counts only once odometry gives its pose.
         let patience_ns = context.beliefs.odometry.as_ref().map_or(0, Odometry::patience_ns);
         let stale_ns = ((self.parameters.stale_s * 1e9) as u64).max(patience_ns);
         let is_blind =

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 use baudbot_geometry::angle;
 
-/// What a direction is compared with, in radians.
+/// The directions that a candidate is compared with, in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
     /// The direction to the goal.
@@ -56,7 +56,7 @@ pub fn candidates(masked: &[bool], wanted: &Wanted) -> Vec<f64> {
     offered
 }
 
-/// What an opening of this width offers whose right side is in this direction.
+/// The directions through an opening of this width whose right side is in this direction.
 fn of_opening(right_rad: f64, width_rad: f64, wanted: &Wanted) -> Vec<f64> {
     if width_rad <= wanted.wide_rad {
         return vec![right_rad + 0.5 * width_rad];

@@ -1,10 +1,10 @@
-//! How much is in which direction, and which directions are blocked.
+//! The density of obstacles by direction, and the blocked directions.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use baudbot_geometry::{Point, Pose, Vector, angle, math};
 
-/// What counts, and how much.
+/// The range of obstacles that count, and their weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// Cells that are farther away do not count, in metres.
@@ -60,7 +60,7 @@ impl Histogram {
             return self.blocked.clone();
         }
         let robot_from_world = world_from_robot.inverse();
-        // How far it can turn to the right and to the left.
+        // The limits of its turn to the right and to the left.
         let (mut right_rad, mut left_rad) = (-PI, PI);
         for obstacle in obstacles.map(|obstacle| robot_from_world.transform(obstacle)) {
             let bearing_rad = math::atan2(obstacle.y, obstacle.x);

@@ -76,7 +76,8 @@ impl Memory {
         self.cells.keys().map(|&cell| center(cell, self.cell_m))
     }
 
-    /// How fast somebody must walk to be told from what stands, in metres a second: two cells in half a second.
+    /// The least speed of a walker that is distinguished from standing objects, in metres a second: two cells in half
+    /// a second.
     pub fn slowest_m_s(cell_m: f64) -> f64 {
         2.0 * cell_m / (STOOD_NS as f64 * 1e-9)
     }
@@ -100,7 +101,7 @@ fn center((column, row): (i64, i64), cell_m: f64) -> Point {
     Point::new((column as f64 + 0.5) * cell_m, (row as f64 + 0.5) * cell_m)
 }
 
-/// What has been in its place for so long does not walk, in nanoseconds.
+/// An object that has been in its place for so long does not walk, in nanoseconds.
 const STOOD_NS: u64 = 500_000_000;
 
 /// Whether the ray towards a place, in the frame of the laser, goes on behind it.

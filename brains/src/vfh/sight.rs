@@ -1,4 +1,4 @@
-//! What a robot's sensors see, as scans.
+//! The view of a robot's sensors, as scans.
 
 use std::f64::consts::PI;
 
@@ -11,14 +11,14 @@ use crate::process::{Awaited, Beliefs};
 use crate::scan::Scan;
 use crate::scanner::Scanner;
 
-/// What no data sheet says.
+/// Figures that no data sheet gives.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
     /// Names of sensors of the kinds `laser`, `sonar` and `ir`. Without them it is all lasers, of a robot without a laser all
     /// sonars, and of one without these all infra-red sensors.
     pub names: Vec<String>,
-    /// How wide a sonar or an infra-red sensor opens, in radians, if it is not as its data sheet says.
+    /// The opening of a sonar or an infra-red sensor, in radians, if it is not as its data sheet says.
     pub cone_rad: Option<f64>,
     /// The constants of the infra-red sensors' readings c₁ / d² + c₂ (3.13).
     pub ir: Option<Infrared>,
@@ -47,9 +47,9 @@ pub struct Sight {
 pub struct Seen {
     /// When, in nanoseconds.
     pub at_ns: u64,
-    /// What: all of it at that instant.
+    /// The view: all of it at that instant.
     pub scan: Scan,
-    /// Where the robot was then.
+    /// The robot's pose then.
     pub world_from_robot: Pose,
 }
 
@@ -101,7 +101,7 @@ impl Sight {
         seen
     }
 
-    /// Which sensor it waits for if it has seen nothing since this instant, in nanoseconds, and since when.
+    /// The sensor that it waits for if it has seen nothing since this instant, in nanoseconds, and since when.
     pub fn awaited(&self, turn: &Turn, beliefs: &Beliefs, seen_ns: u64) -> Option<Awaited> {
         let laser = self.lasers.iter().map(|laser| laser.awaited(beliefs.odometry.as_ref()));
         let cone = || {
@@ -117,7 +117,7 @@ impl Sight {
         self.cones.is_empty()
     }
 
-    /// What still waits is not of interest any more.
+    /// Waiting scans are not of interest any more.
     pub fn forget(&mut self) {
         self.lasers.iter_mut().for_each(Scanner::forget);
     }
@@ -148,10 +148,10 @@ impl Cone {
 }
 
 impl Infrared {
-    /// How far away something is by a reading, in metres: (3.13) the other way round, for a ray straight ahead. Rays aside
-    /// reflect less, so the true distance is rather less than more. Where nothing is, it is infinite. The reading is the mean
-    /// of the sensor's rays (3.12): one that is less than that of a whole hit at the range, and more than nothing, is of
-    /// something that a few rays meet, and nobody knows how far away.
+    /// The distance of an object by a reading, in metres: (3.13) the other way round, for a ray straight ahead. Rays
+    /// aside reflect less, so the true distance is rather less than more. Where nothing is, it is infinite. The
+    /// reading is the mean of the sensor's rays (3.12): one that is less than that of a whole hit at the range, and
+    /// more than nothing, is of something that a few rays meet, and nobody knows how far away.
     fn distance_m(&self, reading: f64, range_m: f64) -> f64 {
         let least = self.c1_m2 / (range_m * range_m) + self.c2;
         if reading.is_nan() {
@@ -217,7 +217,7 @@ fn cone(parameters: &Parameters, sensor: &Sensor) -> Result<Cone, ParameterError
 
 /// From the one that sees best to the one that sees least.
 const KINDS: [SensorKind; 3] = [SensorKind::Laser, SensorKind::Sonar, SensorKind::Infrared];
-/// How wide a sonar or an infra-red sensor opens of which nobody says so, in radians.
+/// The opening of a sonar or an infra-red sensor without a figure for it, in radians.
 const CONE_RAD: f64 = 0.5;
 /// Less than this part of a whole hit at its range is what an infra-red sensor reads of nothing.
 const NOTHING: f64 = 0.1;

@@ -152,7 +152,7 @@ fn what_makes_no_sense_is_said() {
         "walker_m_s: must be 0, or at least 0.2, is 0.1: with cells of `cell_m` anything slower \
          cannot be told from what stands still"
     );
-    // Who cannot tell who walks may have cells of any size.
+    // A sensor that cannot distinguish walkers allows cells of any size.
     let sonar = body(&[("ping", "sonar", 0.0)]);
     let coarse = toml::from_str("goals_m = [[1, 1]]\ncell_m = 0.17").unwrap();
     assert!(Vfh::new(coarse, &sonar).is_ok());

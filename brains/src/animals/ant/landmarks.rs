@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 /// A thing that a scan shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Landmark {
-    /// Where its middle is, in radians to the left of the scan's middle.
+    /// The bearing of its middle, in radians to the left of the scan's middle.
     pub(super) bearing_rad: f64,
-    /// How near it is, in metres.
+    /// The least distance to it, in metres.
     pub(super) distance_m: f64,
 }
 
@@ -23,7 +23,8 @@ pub(super) fn find(scan: &[f64], opening_rad: f64, range_m: f64, jump_m: f64) ->
     let hit = |ray: usize| Some(scan[ray % rays]).filter(|&distance| distance > 0.0 && distance < range_m);
     let joins =
         |a: Option<f64>, b: Option<f64>| matches!((a, b), (Some(a), Some(b)) if (a - b).abs() <= jump_m);
-    // Where something begins, so that nothing is cut in two there; a ring that is one wall has no such place.
+    // The walk begins where an object begins, so that nothing is cut in two there; a ring that is one wall has no
+    // such place.
     let first = (0..rays).find(|&ray| !is_ring || !joins(hit(ray + rays - 1), hit(ray)));
     let Some(first) = first else { return Vec::new() };
     let mut found: Vec<(usize, usize, f64)> = Vec::new();

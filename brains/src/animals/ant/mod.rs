@@ -30,11 +30,11 @@ use crate::Chance;
 pub struct Parameters {
     /// Its speed, in m/s.
     pub speed_m_s: f64,
-    /// How fast it turns at most, in rad/s.
+    /// The highest rate of turning, in rad/s.
     pub turn_rad_s: f64,
-    /// How fast it turns for each radian that it should turn, per second.
+    /// The rate of turning for each radian that it should turn, per second.
     pub steering_hz: f64,
-    /// How often it takes another rate of turning while it forages, per second.
+    /// The rate at which it changes its rate of turning while it forages, per second.
     pub meander_hz: f64,
     /// It searches once the vector home is shorter than this, in metres.
     pub near_m: f64,
@@ -62,12 +62,11 @@ impl Default for Parameters {
 /// The perception of an ant in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensed<'a> {
-    /// How far it went since the last step, in metres.
+    /// The distance since the last step, in metres.
     pub distance_m: f64,
-    /// Where it looks, by its compass, in radians counter-clockwise.
+    /// Its heading by its compass, in radians counter-clockwise.
     pub heading_rad: f64,
-    /// Where it sees landmarks, in radians to the left of where it looks; in any order, the same ones as on
-    /// leaving.
+    /// The bearings of landmarks, in radians to the left of its heading; in any order, the same ones as on leaving.
     pub landmarks_rad: &'a [f64],
     /// It has found food.
     pub food: bool,
@@ -124,7 +123,7 @@ impl Ant {
         self.path.home()
     }
 
-    /// How it moves for `dt_s` seconds. With its first step it takes its snapshot.
+    /// Its motion for `dt_s` seconds. With its first step it takes its snapshot.
     pub fn step(&mut self, sensed: &Sensed<'_>, dt_s: f64) -> Motion {
         self.path.face(sensed.heading_rad);
         self.path.walk(sensed.distance_m);

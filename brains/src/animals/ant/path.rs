@@ -7,7 +7,7 @@
 
 use baudbot_geometry::{Direction, Vector, angle};
 
-/// Where an ant is, as it believes.
+/// An ant's belief about its position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathIntegrator {
     from_nest: Vector,
@@ -37,7 +37,7 @@ impl PathIntegrator {
         self.from_nest += Direction::from_angle(self.heading_rad).vector() * distance_m;
     }
 
-    /// Where it looks, in radians.
+    /// The heading, in radians.
     pub fn heading_rad(&self) -> f64 {
         self.heading_rad
     }

@@ -7,7 +7,7 @@
 
 use baudbot_geometry::{Direction, Vector};
 
-/// What is kept of a view: the mean of the unit vectors to all landmarks.
+/// A view in the memory of an ant: the mean of the unit vectors to all landmarks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snapshot {
     average: Vector,
@@ -28,7 +28,7 @@ impl Snapshot {
         self.average - other.average
     }
 
-    /// How different two views are, from 0 to 2.
+    /// The difference between two views, from 0 to 2.
     pub fn mismatch(&self, other: &Self) -> f64 {
         self.displacement_to(other).norm()
     }
@@ -47,7 +47,7 @@ mod tests {
         landmarks.iter().map(|&(x, y)| math::atan2(y - from.y, x - from.x)).collect()
     }
 
-    /// Where an ant ends that follows the difference from the view at the origin.
+    /// The end of the way of an ant that follows the difference from the view at the origin.
     fn end(start: Point, landmarks: &[(f64, f64)]) -> Point {
         let home = Snapshot::take(0.0, &bearings(Point::origin(), &LANDMARKS));
         let mut place = start;

@@ -7,7 +7,7 @@ use super::*;
 const DT_S: f64 = 0.05;
 const LANDMARKS: [(f64, f64); 3] = [(1.1, 0.3), (-0.7, 0.9), (-0.2, -1.2)];
 
-/// How a journey went.
+/// The course of a journey.
 struct Journey {
     /// Length of the way out, and distance of its end from the nest.
     out_m: f64,
@@ -15,7 +15,7 @@ struct Journey {
     /// Length of the way back by the vector, and how far from the nest it ended.
     return_m: f64,
     missed_m: f64,
-    /// Where the ant stood at last, if it says that it is home.
+    /// The ant's last position, if it says that it is home.
     home: Option<Point>,
 }
 

@@ -113,7 +113,7 @@ impl EColiBrain {
             cell: None,
             felt_ns: 0,
             wanted: Behaviour::Swim,
-            // Which is over at once, so that it begins with a run.
+            // This state is over at once, so that it begins with a run.
             state: State::Tumble { until_ns: 0, signals: Signals::default() },
         })
     }

@@ -117,7 +117,7 @@ impl LarvaBrain {
         }
     }
 
-    /// What the larva makes of what it sees.
+    /// The larva's motion, by its receptors.
     fn crawl(&mut self, dt_s: f64) -> Motion {
         if let Some(sides) = self.eyes.sides() {
             return self.larva.step(sides, dt_s);
@@ -157,7 +157,7 @@ mod tests {
         LarvaBrain::new(parameters, Chance::new(1, "alice/larva"), body).unwrap()
     }
 
-    /// Where a robot is after so long that started 2 m beside a lamp at the origin.
+    /// The position after so long of a robot that started 2 m beside a lamp at the origin.
     fn flees(sensors: &[(&str, &str, f64)], heading: f64, light: impl Fn(f64) -> f64) -> Point {
         let body = body(sensors);
         let mut brain = brain(&body);

@@ -43,9 +43,9 @@ pub struct Parameters {
     pub fatigue_s: f64,
     /// τ_recovery, in seconds.
     pub recovery_s: f64,
-    /// How far it swings its head to either side, in radians.
+    /// The swing of its head to either side, in radians.
     pub swing_rad: f64,
-    /// How often it swings its head to and fro, per second.
+    /// The frequency of the swings of its head, per second.
     pub swing_hz: f64,
 }
 
@@ -83,12 +83,12 @@ impl Larva {
         self.vigour
     }
 
-    /// Where its head points, in radians to the left of its body.
+    /// The direction of its head, in radians to the left of its body.
     pub fn head_rad(&self) -> f64 {
         self.swing.angle_rad()
     }
 
-    /// How it moves for `dt_s` seconds with so much light on its left and on its right.
+    /// Its motion for `dt_s` seconds with so much light on its left and on its right.
     pub fn step(&mut self, light: Sides, dt_s: f64) -> Motion {
         let p = self.parameters;
         let contrast = contrast(light);

@@ -25,12 +25,12 @@ impl Swing {
         Self { amplitude_rad, hz, phase: 0.0, light_s: 0.0, seconds: 0.0, sides: [None; 2] }
     }
 
-    /// Where the head points, to the left of the body.
+    /// The direction of the head, to the left of the body.
     pub(super) fn angle_rad(&self) -> f64 {
         self.amplitude_rad * math::sin(TAU * self.phase)
     }
 
-    /// How fast the head turns to the left.
+    /// The rate at which the head turns to the left.
     pub(super) fn rate_rad_s(&self) -> f64 {
         self.amplitude_rad * TAU * self.hz * math::cos(TAU * self.phase)
     }

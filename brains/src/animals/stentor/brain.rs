@@ -22,11 +22,11 @@ pub struct Parameters {
     pub cell: CellParameters,
     /// X for each unit of what the sensors feel. The model's constants suit an X up to 1 or so.
     pub sensitivity: f64,
-    /// How fast it turns away, in rad/s.
+    /// The rate of turning away, in rad/s.
     pub turn_rad_s: f64,
-    /// How fast it drives backwards, in m/s.
+    /// The speed backwards, in m/s.
     pub reverse_m_s: f64,
-    /// How fast it drives off, in m/s.
+    /// The speed at which it swims off, in m/s.
     pub detach_m_s: f64,
     /// Speed of the robot with the signal 1, in m/s; that of ARSim's robot by default.
     pub full_speed_m_s: f64,
@@ -189,7 +189,7 @@ impl Brain for StentorBrain {
     }
 }
 
-/// What may touch it, from what is like a particle most to what is so least.
+/// Sensors that may touch it, in order of their likeness to a particle.
 const FELT: [SensorKind; 5] = [
     SensorKind::Field,
     SensorKind::Light,
@@ -198,7 +198,7 @@ const FELT: [SensorKind; 5] = [
     SensorKind::Infrared,
 ];
 
-/// What people see of them.
+/// The words for observers.
 const NAMES: [(Behaviour, &str); 5] = [
     (Behaviour::Feed, "feed"),
     (Behaviour::TurnAway, "turn_away"),
@@ -223,7 +223,7 @@ mod tests {
         StentorBrain::new(parameters, Chance::new(1, "alice/stentor"), body).unwrap()
     }
 
-    /// What it does one after the other in so many seconds, from the middle of something noxious, and where it ends.
+    /// Its behaviours in turn for so many seconds, from the middle of something noxious, and its last distance.
     fn escapes(seconds: f64, strength: f64) -> (Vec<Behaviour>, f64) {
         let body = body(&[("skin", "field", 0.0)]);
         let mut brain = brain(&body);

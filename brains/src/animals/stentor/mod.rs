@@ -19,7 +19,7 @@ pub use brain::{Parameters as BrainParameters, StentorBrain};
 use super::leaky_integrator::LeakyIntegrator;
 use crate::decision::utility::greatest;
 
-/// What a Stentor does, in the order of what it costs.
+/// A behaviour of a Stentor, in the order of costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Behaviour {
     /// B₁.
@@ -76,7 +76,7 @@ impl Stentor {
         [self.feeding, u2, u3, u4, u5]
     }
 
-    /// What it does, (7.13); of equal utilities the cheapest behaviour. Then it feels a concentration for `dt_s`
+    /// Chooses a behaviour, (7.13); of equal utilities the cheapest. Then it feels a concentration for `dt_s`
     /// seconds, by Euler's method.
     pub fn step(&mut self, concentration: f64, dt_s: f64) -> Behaviour {
         let chosen = greatest(self.utilities()).unwrap_or(0);
@@ -113,7 +113,7 @@ impl Default for Water {
 }
 
 impl Water {
-    /// What becomes of it in `dt_s` seconds of a behaviour, by Euler's method.
+    /// Changes its state by `dt_s` seconds of a behaviour, by Euler's method.
     pub fn step(&mut self, behaviour: Behaviour, dt_s: f64) {
         let (decay_hz, inflow_hz) = match behaviour {
             Behaviour::Feed => (self.feeding_decay_hz, self.feeding_inflow_hz),

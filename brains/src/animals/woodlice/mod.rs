@@ -4,7 +4,7 @@
 //! where it is damp, and they do not turn to it. Yet most of them are found there, simply because they leave it
 //! slowly.
 //!
-//! How the activity depends on the humidity, the notes do not say; here the speed changes in a straight line
+//! The notes do not say in which way the activity depends on the humidity; here the speed changes in a straight line
 //! between two humidities. Turning is at random and the same everywhere. Then lice are exactly as dense as they are
 //! slow: with a density in proportion to 1/v(x) as many leave a place as come to it. The test compares with that.
 
@@ -15,7 +15,7 @@ pub use brain::{Parameters as BrainParameters, WoodlouseBrain};
 use super::wheel_commands::Motion;
 use crate::Chance;
 
-/// What a louse is like. The unit of humidity is that of the sensor; by default it is a part of 1.
+/// The properties of a louse. The unit of humidity is that of the sensor; by default it is a part of 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Humidity up to which it is as quick as it can be.
@@ -28,7 +28,7 @@ pub struct Parameters {
     pub damp_speed_m_s: f64,
     /// Largest rate of turning, either way, in rad/s.
     pub turn_rad_s: f64,
-    /// How often it takes another rate of turning, per second.
+    /// The rate at which it changes its rate of turning, per second.
     pub turn_hz: f64,
 }
 
@@ -51,7 +51,7 @@ impl Woodlouse {
         Self { parameters, turn_rate_rad_s: 0.0 }
     }
 
-    /// How fast it is where it is so humid, in m/s.
+    /// Its speed at a humidity, in m/s.
     pub fn speed_m_s(&self, humidity: f64) -> f64 {
         let p = self.parameters;
         // Never a division by 0: without a range it changes at a step.
@@ -60,7 +60,7 @@ impl Woodlouse {
         p.dry_speed_m_s + part * (p.damp_speed_m_s - p.dry_speed_m_s)
     }
 
-    /// How it moves for `dt_s` seconds.
+    /// Its motion for `dt_s` seconds.
     pub fn step(&mut self, humidity: f64, dt_s: f64, chance: &mut Chance) -> Motion {
         if chance.happens(self.parameters.turn_hz * dt_s) {
             self.turn_rate_rad_s = self.parameters.turn_rad_s * (2.0 * chance.uniform() - 1.0);
@@ -104,7 +104,7 @@ mod tests {
                     x = x.signum() * 2.0 - x;
                     heading = std::f64::consts::PI - heading;
                 }
-                // Where it began is forgotten by then.
+                // The start is forgotten by then.
                 if step > 4000 {
                     damp += f64::from(x > 0.0);
                     all += 1.0;

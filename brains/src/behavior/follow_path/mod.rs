@@ -17,7 +17,7 @@ use crate::parameter::{ParameterError, check_not_negative, check_positive, for_b
 use crate::planning::ThetaStar;
 use crate::process::{MotorBehavior, StepContext};
 
-/// Where it goes, and between which walls.
+/// The goals, and the walls between which it drives.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
@@ -29,10 +29,10 @@ pub struct Parameters {
     pub clearance_m: Option<f64>,
     /// Side of the map's cells, in metres. By default a quarter of the body's radius.
     pub cell_m: Option<f64>,
-    /// How a path is found.
+    /// The method that finds a path.
     #[serde(default)]
     pub method: Method,
-    /// How far ahead on its way it looks, in metres.
+    /// The distance on its way at which it aims, in metres.
     #[serde(default = "look_ahead_m")]
     pub look_ahead_m: f64,
     /// A goal is reached within this distance, in metres.
@@ -44,7 +44,7 @@ pub struct Parameters {
     /// After the last goal comes the first again.
     #[serde(default)]
     pub again: bool,
-    /// How it steers.
+    /// The gains and speeds of its steering.
     #[serde(default)]
     pub steering: Steering,
 }

@@ -1,4 +1,4 @@
-//! What the behaviour makes of beliefs; whole explorations are among the whole system's tests.
+//! The behaviour's answers to beliefs; whole explorations are among the whole system's tests.
 
 use baudbot_brain::Body;
 use baudbot_geometry::Pose;

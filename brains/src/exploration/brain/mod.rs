@@ -42,9 +42,9 @@ pub struct Explore {
     wheels: odometry::Parameters,
     /// `None` until the odometer has said where it is.
     odometry: Option<Odometry>,
-    /// What corrects the odometer, and its map; `None` if that is believed.
+    /// The corrections of the odometer, and its map; `None` if the odometer is believed.
     slam: Option<(Slam, Occupancy)>,
-    /// What was sent last.
+    /// The last signals.
     signals: Signals,
     /// The odometer has had news since.
     has_news: bool,
@@ -99,7 +99,7 @@ impl Explore {
         while let Some((at_ns, scan)) = self.scanner.take(odometry) {
             let Some(mut estimate) = odometry.correctable(at_ns) else { continue };
             if let Some((slam, grid)) = &mut self.slam {
-                // What fits nowhere is not explored by, either.
+                // A scan that fits nowhere is not used for exploring, either.
                 let Some(found) = slam.see(grid, &scan, &estimate) else { continue };
                 odometry.correct(at_ns, found);
                 estimate = found;

@@ -1,4 +1,4 @@
-//! How a robot explores.
+//! The parameters of exploration.
 
 use std::f64::consts::PI;
 
@@ -8,7 +8,7 @@ use crate::exploration::nodes;
 use crate::parameter::Parameter;
 use crate::proximity_sensors;
 
-/// How a robot explores. The lengths of the methods that are not here follow the body, as do those that are 0.
+/// The parameters of exploration. The lengths of the methods that are not here follow the body, as do those that are 0.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
@@ -16,15 +16,17 @@ pub struct Parameters {
     pub method: f64,
     /// 1: the odometer is corrected by scans, see [`slam`](crate::slam); 0: it is believed. What is in between is rounded.
     pub slam: f64,
-    /// How far away from the robot nodes are placed, D, in metres; 0: five radii of the body, and half a metre at least.
+    /// The distance from the robot at which nodes are placed, D, in metres; 0: five radii of the body, and half a
+    /// metre at least.
     pub distance_m: f64,
     /// Room behind a node, Δ, in metres; 0: six tenths of D.
     pub margin_m: f64,
     /// Width of a feasible angular interval, `γ_min`, in radians; 0: as wide as the robot needs at the distance D.
     pub width_rad: f64,
-    /// How far apart nodes are, d, in metres; 0: 0.95 D.
+    /// The least distance between nodes, d, in metres; 0: 0.95 D.
     pub separation_m: f64,
-    /// How far away a node may be that is gone to directly, L, in metres; 0: 3 D. If the laser's range is less, that counts.
+    /// The greatest distance of a node that is gone to directly, L, in metres; 0: 3 D. If the laser's range is less,
+    /// that counts.
     pub sight_m: f64,
     /// Side of the cells of the map in which frontiers are found, in metres; 0: an eighth of the body's radius.
     pub cell_m: f64,
@@ -34,7 +36,8 @@ pub struct Parameters {
     pub turn_rate_rad_s: f64,
     /// Speed of a wheel at signal 1, in m/s, about: what is wrong with it the odometer shows.
     pub full_speed_m_s: f64,
-    /// What a sonar or the laser finds this close to the robot on its way is near, in metres; 0: three quarters of the body's radius.
+    /// The distance within which an object on the robot's way is near to a sonar or the laser, in metres; 0: three
+    /// quarters of the body's radius.
     pub near_m: f64,
     /// An infra-red reading from which something is near.
     pub near_reading: f64,

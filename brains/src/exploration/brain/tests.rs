@@ -1,4 +1,4 @@
-//! What the brain makes of readings, one turn after the other.
+//! The brain's answers to readings, one turn after the other.
 
 use super::super::Command;
 use super::*;
@@ -9,7 +9,7 @@ const SENSORS: [(&str, &str, f64); 3] =
 
 const RAYS: usize = 101;
 
-/// What the brain sends for these readings of odometer, laser and sonar, 0.1 s after the last.
+/// A brain that gets readings of odometer, laser and sonar every 0.1 s.
 struct Robot {
     brain: Explore,
     body: Body,

@@ -6,7 +6,7 @@
 //! it a laser sees more than a metre. It is done when it can see no such cell from any place that it can reach, and reports
 //! [the places that it leaves out](super::LeftOut).
 //!
-//! Where proximity stops it, which the laser did not see coming, it remembers something in the way and plans again.
+//! At an object that proximity has found and the laser did not see coming, it remembers an obstacle and plans again.
 //!
 //! *The least width* of a passage is 2 `half_width_m` + `cell_m`, see [`Floor`].
 //!
@@ -42,16 +42,16 @@ pub struct Frontiers {
     parameters: Parameters,
     grid: Occupancy,
     last_scan: Option<PlacedScan>,
-    /// What proximity found, in the world.
+    /// The places, in the world, at which proximity found something.
     bumps: Vec<Point>,
-    /// How often the bumps were forgotten.
+    /// The number of times that the bumps were forgotten.
     forgotten: usize,
     given_up: BTreeSet<Cell>,
     /// To these it did not get.
     missed: BTreeSet<Cell>,
-    /// How often each cell to which a plan led was of the edge no more.
+    /// The number of times that each cell to which a plan led was no longer part of the edge.
     resolved: BTreeMap<Cell, usize>,
-    /// How many plans have come to an end.
+    /// The number of plans that have come to an end.
     ended: usize,
     state: State,
 }
@@ -130,7 +130,7 @@ impl Explorer for Frontiers {
         let dark = Dark::new(&self.grid, self.parameters.wide_m());
         let wanted = dark.edge(|cell| self.given_up.contains(cell));
         let reached: Vec<_> = self.floor(&dark, here, &self.bumps).search(here.position).collect();
-        // What can be reached, and was not.
+        // These cells can be reached, and were not.
         self.missed.extend(&wanted);
         let left_out = self.left_out(here, &dark, &wanted, &reached);
         self.state = State::Ended(Command::Done(left_out));
@@ -159,7 +159,7 @@ impl Frontiers {
         }
     }
 
-    /// How many of its plans have come to an end.
+    /// The number of its plans that have come to an end.
     pub(super) const fn ended(&self) -> usize {
         self.ended
     }
@@ -198,7 +198,7 @@ impl Frontiers {
         true
     }
 
-    /// What to do in this state; `None` if it has become another.
+    /// The next command in this state; `None` if it has become another.
     fn advance(&mut self, input: &Input<'_>) -> Option<Command> {
         let here = &input.world_from_robot;
         match std::mem::replace(&mut self.state, State::Plan) {
@@ -261,17 +261,18 @@ impl Frontiers {
             .left_out()
     }
 
-    /// Where it fits.
+    /// The floor on which the robot fits.
     fn floor<'a>(&self, dark: &Dark<'a>, here: &Pose, bumps: &[Point]) -> Floor<'a> {
         let ease_m = EASE * self.parameters.radius_m;
         Floor::new(dark, (self.parameters.half_width_m(), ease_m), here.position, bumps)
     }
 
-    /// How far to look, and for what, one after the other. Cells side by side are mostly seen from the same places.
+    /// The ranges of view to plan for, and the cells to see within each, in turn. Cells side by side are mostly seen
+    /// from the same places.
     fn views(&self, wanted: &[Cell]) -> [(f64, Vec<Cell>); 3] {
         let Parameters { view_m, cell_m, radius_m, .. } = self.parameters;
         let range_m = self.last_scan.as_ref().map_or(view_m, |scan| scan.scan().range_m);
-        // What is just at the end of the laser's range it may not see.
+        // The laser may miss an object just at the end of its range.
         let view_m = view_m.min(range_m - 2.0 * cell_m).max(cell_m);
         // No line is longer than what is known.
         let [columns, rows] = self.grid.size();
@@ -351,13 +352,13 @@ const HALF_DIAGONAL: f64 = 0.71;
 /// By so much less room a path is not closed that was open.
 const NOISE: f64 = 0.05;
 
-/// What is given up with a cell is so near to it.
+/// The radius, in metres, within which other cells are given up with a cell.
 const BESIDE: f64 = 0.25;
 
 /// One cell of the edge in a square of this side stands for the others.
 const SPARSE: f64 = 0.5;
 
-/// What was of the edge no more so often is noise.
+/// A cell that was no longer part of the edge so many times is noise.
 const MOST_TIMES: usize = 5;
 
 /// A robot that was stopped so often is in a place where it cannot move.

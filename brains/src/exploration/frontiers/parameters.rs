@@ -11,7 +11,7 @@ pub struct Parameters {
     pub radius_m: f64,
     /// The distance from which dark cells are viewed, in metres, as long as that is possible.
     pub view_m: f64,
-    /// How often all that proximity found is forgotten.
+    /// The number of times that the findings of proximity are all forgotten.
     pub attempts: usize,
 }
 
@@ -35,7 +35,7 @@ impl Parameters {
         (1.0 + ROOM) * self.radius_m
     }
 
-    /// What is narrower, and unknown, is no frontier, in metres.
+    /// The width, in metres, below which an unknown area is no frontier.
     #[must_use]
     pub fn wide_m(&self) -> f64 {
         (WIDE * self.radius_m).min(MOST_WIDE_M)
@@ -55,7 +55,7 @@ const VIEW: f64 = 5.0;
 /// Room beside the robot on its way: what it drives beside the straight line, a twentieth, and what the end of a wall may
 /// reach beyond where its last cell was met, half a cell.
 const ROOM: f64 = 0.125;
-/// What is narrower, and unknown, is no frontier ...
+/// The width below which an unknown area is no frontier ...
 const WIDE: f64 = 0.5;
 /// ... nor is what is narrower than so, in metres, however large the body is.
 const MOST_WIDE_M: f64 = 0.05;

@@ -25,8 +25,8 @@
 //! - A robot between two nodes that can go to none from which there is a path to its target goes back to where it came from.
 //!   There it looks all round, places nodes, and joins the node with all to which a path is clear. Where the pose is not
 //!   true, places of nodes are wrong by as much as the map has moved since, and ways of the past are no longer open.
-//! - Where something else has driven the robot in between, a node is placed, however near to others, and the robot looks all
-//!   round. If it sees none of the old ones the path is taken to be straight, until that proves wrong.
+//! - A node is placed wherever another behaviour has driven the robot in between, however near to others, and the
+//!   robot looks all round. If it sees none of the old ones the path is taken to be straight, until that proves wrong.
 
 use std::f64::consts::PI;
 
@@ -50,16 +50,16 @@ pub struct Nodes {
     parameters: Parameters,
     graph: Graph,
     map: Frontiers,
-    /// Where it was last.
+    /// The last node.
     active: usize,
     target: Option<usize>,
     /// From these nodes the direct way to the target was not to be gone.
     not_directly_from: Vec<usize>,
-    /// Where it could not go since it was at the active node.
+    /// The nodes that it could not reach since it was at the active node.
     tried: Vec<usize>,
     /// Nodes from which it has looked all round.
     looked_round: Vec<usize>,
-    /// Where it has turned aside since then, between nodes.
+    /// The places at which it has turned aside since then, between nodes.
     trail: Vec<Point>,
     /// There is a new scan.
     has_news: bool,
@@ -206,7 +206,7 @@ impl Nodes {
         self.target
     }
 
-    /// What to do in this state; `None` if it has become another.
+    /// The next command in this state; `None` if it has become another.
     fn advance(&mut self, input: &Input<'_>) -> Option<Command> {
         let here = &input.world_from_robot;
         match self.state {

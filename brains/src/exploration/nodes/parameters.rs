@@ -8,7 +8,7 @@ use crate::exploration::placement::{self, Placement};
 pub struct Parameters {
     /// D, Δ, `γ_min` and d.
     pub placement: Placement,
-    /// How far away a target may be that is gone to directly, L, in metres: at most the laser's range.
+    /// The greatest distance of a target that is gone to directly, L, in metres: at most the laser's range.
     pub sight_m: f64,
     /// Those of the map.
     pub map: frontiers::Parameters,
@@ -45,7 +45,7 @@ impl Parameters {
     }
 }
 
-/// How far away nodes are placed, D, in radii of the body, as are all lengths here that are not in metres.
+/// The distance at which nodes are placed, D, in radii of the body, as are all lengths here that are not in metres.
 const DISTANCE: f64 = 5.0;
 /// The least such distance, in metres.
 const LEAST_DISTANCE_M: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! Where a robot goes next: to which node, and by which way.
+//! The next node, and the way there.
 
 use baudbot_geometry::{Pose, angle};
 
@@ -7,7 +7,7 @@ use crate::exploration::approach::{Approach, heading_to};
 use crate::exploration::graph::{Paths, Status};
 
 impl Nodes {
-    /// Where to go next.
+    /// The state that leads to the next node.
     pub(super) fn decide(&mut self, here: &Pose) -> State {
         loop {
             let Some(target) = self.choose(here) else { return self.lead(here) };
@@ -97,6 +97,6 @@ impl Nodes {
     }
 }
 
-/// How much longer a path may be that spares a turn of 1 rad, in metres: so little that it decides only between nodes
-/// at the same distance.
+/// The additional length of a path that is worth sparing a turn of 1 rad, in metres: so little that it decides only
+/// between nodes at the same distance.
 const TURN_COSTS_M: f64 = 0.05;

@@ -209,7 +209,7 @@ fn who_was_carried_away_looks_round_there_and_drives_on_from_a_node() {
     let (_, active, lost) = carried_to(Pose::new(8.0, 6.0, 0.3), 1.0);
     assert_eq!(lost.graph.place(active), Point::new(8.0, 6.0));
     assert!(lost.graph.paths_to(active).length(0).is_finite(), "it came from somewhere");
-    // What is over stays so, but for who was stuck.
+    // An end is final, but for a robot that was stuck.
     let done = State::Ended(Command::Done(LeftOut::default()));
     explorer.state = done;
     explorer.interrupt();

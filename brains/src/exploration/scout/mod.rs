@@ -79,7 +79,7 @@ impl Scout {
     pub(super) fn step(&mut self, at_ns: u64, here: &Pose, scan: Option<&PlacedScan>, haste: f64) -> Signals {
         let is_stalled = self.is_stalled(at_ns, here.position, haste);
         let is_known = |echo: &Echo| scan.is_some_and(|scan| shows(scan, here, echo));
-        // What is behind the end of a way is not in it.
+        // The way does not go beyond its end.
         let way_m = self.path().map_or(f64::INFINITY, |to| (to - here.position).norm());
         let near = self.proximity.is_near_but(way_m, is_known)
             || scan.is_some_and(|scan| self.sees_near(here, scan, way_m));
@@ -119,7 +119,7 @@ impl Scout {
         }
     }
 
-    /// How fast it may be for who walks ahead of it.
+    /// Limits the speed by walkers ahead.
     fn look_for_walkers(&mut self, at_ns: u64, here: &Pose, scan: Option<&PlacedScan>) {
         let Some(scan) = scan else { return };
         if self.scan.as_ref().is_none_or(|(old, _)| old != scan) {
@@ -171,7 +171,7 @@ impl Scout {
         }
     }
 
-    /// Where it goes next, if it goes somewhere.
+    /// The next place on its way, if it has one.
     pub(super) fn path(&self) -> Option<Point> {
         match self.command {
             Command::Drive { to } => Some(to),
@@ -274,7 +274,7 @@ const BARELY_M: f64 = 0.005;
 const SAME_M: f64 = 0.05;
 /// ... and so, in radians, are of the same thing: at 0.3 m/s the robot goes 3 cm between them.
 const SAME_RAD: f64 = 0.1;
-/// What has been near for so many nanoseconds is: two scans, and two readings of a sonar.
+/// The time, in nanoseconds, after which a near object counts as sure: two scans, and two readings of a sonar.
 const SURE_NS: u64 = 250_000_000;
 /// Turn rate for each radian to be turned.
 const TURN_GAIN_HZ: f64 = 2.0;
@@ -290,7 +290,7 @@ const LEAST_SPEED_M_S: f64 = 0.08;
 const EASY_HZ: f64 = 1.5;
 /// Slower than that it does not drive for who walks, in m/s.
 const CRAWL_M_S: f64 = 0.02;
-/// How often it is seen whether it gets on, in nanoseconds.
+/// The interval, in nanoseconds, at which its progress is checked.
 const WATCH_NS: u64 = 500_000_000;
 /// A robot that moves goes so far, in metres, ...
 const MOVED_M: f64 = 0.02;

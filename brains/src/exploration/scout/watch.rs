@@ -10,7 +10,7 @@ use baudbot_geometry::math;
 
 use crate::exploration::Goal;
 
-/// What it has come to.
+/// The result of watching.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// It gets on, or there is time yet.
@@ -21,15 +21,15 @@ pub(super) enum Verdict {
     Ends,
 }
 
-/// What has been tried, and what has come of it.
+/// The attempts so far, and their results.
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
     /// Goals in the same square of this side are the same, in metres.
     side_m: f64,
-    /// How fast it goes if nothing is in its way, in metres a second.
+    /// The speed if nothing is in its way, in metres a second.
     speed_m_s: f64,
     tried: BTreeMap<(i64, i64), Tried>,
-    /// How much of the floor was known when it last got on, in square metres.
+    /// The area of the floor that was known when it last got on, in square metres.
     known_m2: f64,
     /// For how long it has not got on, in seconds.
     quiet_s: f64,
@@ -39,7 +39,7 @@ pub(super) struct Watch {
 struct Tried {
     /// The way that was left when it was last nearer than ever, in metres.
     least_m: f64,
-    /// How much time it has, in seconds ...
+    /// The time that it is allowed, in seconds ...
     allowed_s: f64,
     /// ... and has spent, ...
     spent_s: f64,
@@ -65,7 +65,7 @@ impl Watch {
         if self.quiet_s > PATIENCE_S { Verdict::Ends } else { verdict }
     }
 
-    /// What has been does not count.
+    /// Earlier standstill does not count.
     pub(super) fn rest(&mut self) {
         self.quiet_s = 0.0;
     }

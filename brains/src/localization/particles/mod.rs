@@ -22,7 +22,7 @@
 //!
 //! - Backwards is a way of less than nothing, not a turn about, a way and a turn back.
 //! - The beams of a scan are not independent, so `noise_m` is much more than the laser's noise.
-//! - How well a scan fits is the likelihood of one beam, in the geometric mean; the product over all of them falls so
+//! - The weight of a scan is the likelihood of one beam, in the geometric mean; the product over all of them falls so
 //!   deep that it would put all particles anywhere at once.
 //! - The mean of two places is neither of them. The estimate is the mean of the particles near the place with the most
 //!   weight.
@@ -38,10 +38,10 @@ use crate::Chance;
 use crate::estimate::Estimate;
 use crate::scan::Scan;
 
-/// How many particles there are, and what they expect.
+/// The number of particles, and their expectations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// How many there are, at least 1.
+    /// The number of particles, at least 1.
     pub particles: usize,
     /// Beams of a scan that are held against the map, about.
     pub beams: usize,
@@ -49,15 +49,15 @@ pub struct Parameters {
     pub alphas: [f64; 4],
     /// Standard deviation of a beam, in metres.
     pub noise_m: f64,
-    /// What is added to it for each metre of the distance.
+    /// The additional deviation for each metre of the distance.
     pub noise_ratio: f64,
     /// z: part of the beams that say nothing about the map, in (0, 1).
     pub outliers: f64,
     /// Particles are drawn again when the effective number falls below this part of them.
     pub resample_below: f64,
-    /// How quickly what scans used to fit is forgotten, in parts a scan. 0: no particle is ever put anywhere.
+    /// The rate at which earlier fits of scans are forgotten, in parts a scan. 0: no particle is ever put anywhere.
     pub slow: f64,
-    /// How quickly what they fitted of late is forgotten; larger.
+    /// The rate at which recent fits are forgotten; larger.
     pub fast: f64,
 }
 
@@ -82,16 +82,16 @@ impl Default for Parameters {
 pub struct Particle {
     /// Robot in the world.
     pub world_from_robot: Pose,
-    /// How likely it is; those of all particles add up to 1.
+    /// The probability; those of all particles add up to 1.
     pub weight: f64,
 }
 
-/// Where the robot may be.
+/// The poses at which the robot may be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Particles {
     parameters: Parameters,
     particles: Vec<Particle>,
-    /// How well scans used to fit, and of late; `None` before the first.
+    /// The fits of scans, in the long run and of late; `None` before the first.
     fits: Option<Fits>,
     chance: Chance,
 }
@@ -135,7 +135,7 @@ impl Particles {
         &self.particles
     }
 
-    /// How many particles of equal weight would be as good: (Σw)² / Σw².
+    /// The number of particles of equal weight that would be as good: (Σw)² / Σw².
     #[must_use]
     pub fn effective(&self) -> f64 {
         1.0 / self.particles.iter().map(|particle| particle.weight * particle.weight).sum::<f64>()
@@ -196,7 +196,7 @@ impl Particles {
         Estimate { world_from_robot, covariance }
     }
 
-    /// How much of all weight is near an estimate.
+    /// The fraction of all weight that is near an estimate.
     #[must_use]
     pub fn share(&self, estimate: &Estimate) -> f64 {
         let near = |particle: &&Particle| is_near(&estimate.world_from_robot, &particle.world_from_robot);
@@ -223,7 +223,7 @@ impl Particles {
         self.particles.iter().map(log).collect()
     }
 
-    /// Which part of the particles is to be put anywhere, after a scan with this fit.
+    /// The fraction of the particles that are to be put anywhere, after a scan with this fit.
     fn strangers(&mut self, fit: f64) -> f64 {
         let Parameters { slow, fast, .. } = self.parameters;
         let fits = self.fits.get_or_insert(Fits { slow: fit, fast: fit });
@@ -308,10 +308,10 @@ fn cell(pose: &Pose) -> [i64; 3] {
     [place(pose.position.x, NEAR_M), place(pose.position.y, NEAR_M), place(pose.heading, NEAR_RAD)]
 }
 
-/// What is nearer belongs together, in metres.
+/// The distance within which particles belong together, in metres.
 const NEAR_M: f64 = 0.5;
 
-/// What is nearer belongs together, in radians.
+/// The angle within which particles belong together, in radians.
 const NEAR_RAD: f64 = 0.5;
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ use crate::scan::Scan;
 pub struct Parameters {
     /// Standard deviation of each distance, in metres.
     pub noise_m: f64,
-    /// What is added to it for each metre of the distance.
+    /// The additional deviation for each metre of the distance.
     pub noise_ratio: f64,
     /// Starts besides the guess, at most, drawn from the guess's covariance.
     pub starts: usize,
@@ -57,7 +57,7 @@ impl Default for Parameters {
     }
 }
 
-/// Where a search has ended.
+/// The end of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refined {
     /// The best pose, and how sure it is if it is the right minimum.
@@ -138,7 +138,7 @@ struct Look {
     fitting: usize,
 }
 
-/// Where one start has led.
+/// The way down from one start.
 struct Descent {
     at: Look,
     scans: usize,
@@ -152,7 +152,7 @@ impl<'a> Problem<'a> {
         Self { map, scan, laser: VirtualLaser::like(scan), guess, certainty, parameters }
     }
 
-    /// Which part of the rays that are of use fits.
+    /// The fraction of the useful rays that fit.
     fn fit(&self, at: &Look) -> f64 {
         let known = self.scan.distances_m.iter().filter(|distance| !distance.is_nan()).count();
         at.fitting as f64 / known.max(1) as f64
@@ -236,8 +236,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// How the distance of an echo changes with the pose; `None` where the ray only grazes the surface, as there it may
-/// as well miss it.
+/// The derivative of an echo's distance by the pose; `None` where the ray only grazes the surface, as there it may as
+/// well miss it.
 fn slope(echo: &Echo, lever: &Vector) -> Option<Vector3<f64>> {
     let Echo { distance_m, normal, along } = echo;
     let facing = normal.dot(along);

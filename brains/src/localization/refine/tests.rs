@@ -15,7 +15,7 @@ fn guess_within(pose: Pose, most: f64) -> Estimate {
     Estimate::within(pose, most / 3.0_f64.sqrt(), most / 3.0_f64.sqrt())
 }
 
-/// How far the truth is away in standard deviations, squared: χ² of three degrees of freedom.
+/// The distance of the truth in standard deviations, squared: χ² of three degrees of freedom.
 fn surprise(found: &Estimate, truth: &Pose) -> f64 {
     let off = difference(truth, &found.world_from_robot);
     off.dot(&(found.covariance.try_inverse().unwrap() * off))
@@ -120,7 +120,7 @@ fn its_covariance_is_honest() {
     let surprises: Vec<_> = found.iter().map(|(found, truth)| surprise(&found.estimate, truth)).collect();
     let median = quantile(&surprises, 0.5);
     assert!((1.8..3.0).contains(&median), "of χ² it is 2.37: {median}");
-    // Where only one wall is in sight the pose stays as uncertain as it was, and that is said. Few are truly wrong.
+    // With only one wall in sight the pose stays as uncertain as it was, and that is said. Few are truly wrong.
     let wrong = surprises.iter().filter(|surprise| **surprise > 16.3).count();
     assert!(wrong <= 4, "{wrong} of 120, in place of 0.1 %");
 }

@@ -29,12 +29,12 @@ pub struct CellGrid {
     doors: Vec<Vec<Door>>,
 }
 
-/// Where one leaves a cell for another.
+/// A passage from a cell to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Door {
     /// The cell behind it, by its place in [`CellGrid::cells`].
     pub to: usize,
-    /// What both cells share, from its left end to its right one as one leaves.
+    /// The side that both cells share, from its left end to its right one as one leaves.
     pub side: Segment,
 }
 

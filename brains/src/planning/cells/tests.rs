@@ -18,7 +18,7 @@ fn along(points: &[Point]) -> impl Iterator<Item = Point> {
     })
 }
 
-/// What is true of every route.
+/// Checks the properties that all routes have.
 fn check(cells: &CellGrid, route: &Route, start: Point, target: Point) {
     for path in [&route.points, &route.by_centers] {
         assert_eq!((path[0], path[path.len() - 1]), (start, target));

@@ -1,4 +1,4 @@
-//! How it gets out of a place where it locks: by a detour.
+//! The way out of a place where it locks: a detour.
 
 use baudbot_brain::Signals;
 use baudbot_geometry::{Point, Pose, math};

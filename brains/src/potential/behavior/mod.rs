@@ -32,7 +32,7 @@ use crate::vfh::sight;
 pub struct Parameters {
     /// The navigation goal.
     pub goal: Potential,
-    /// What is to be kept clear of.
+    /// The potentials to keep clear of.
     #[serde(default)]
     pub obstacles: Vec<Potential>,
     /// Attracting potentials on the way, one after the other.
@@ -50,7 +50,7 @@ pub struct Parameters {
     /// By which sensors it feels what the field does not know.
     #[serde(default)]
     pub sight: sight::Parameters,
-    /// How it steers.
+    /// The gains and speeds of its steering.
     #[serde(default)]
     pub steering: Steering,
 }
@@ -76,7 +76,7 @@ pub struct PotentialField {
     lock: Lock,
     felt: Felt,
     detour: Option<Detour>,
-    /// Where the detour began, and how many there have been on the way to this target.
+    /// The start of the detour, and the number of detours on the way to this target.
     begun: (Point, u32),
     /// When the detour was thought over last, in nanoseconds.
     thought_ns: u64,
@@ -165,7 +165,7 @@ impl PotentialField {
         Field { potentials: all.collect() }
     }
 
-    /// Where it goes now.
+    /// The present target.
     fn target(&self) -> Point {
         self.waypoints.front().unwrap_or(&self.parameters.goal).center()
     }
@@ -194,7 +194,7 @@ impl PotentialField {
     }
 }
 
-/// What makes no sense among the potentials.
+/// Refuses potentials that make no sense.
 fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     let named = [("obstacles", &parameters.obstacles), ("waypoints", &parameters.waypoints)];
     let named = named
@@ -208,7 +208,7 @@ fn check(parameters: &Parameters) -> Result<(), ParameterError> {
 }
 
 impl PotentialField {
-    /// What it did before does not count: it may have been led elsewhere, also away from the goal. What it felt does.
+    /// Its earlier way does not count: it may have been led elsewhere, also away from the goal. Its feelings do.
     fn begin(&mut self) {
         self.arrived = false;
         self.lock.begin();

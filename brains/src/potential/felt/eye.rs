@@ -1,4 +1,4 @@
-//! What a reading of an infra-red sensor or a sonar says of what is before it.
+//! The meaning of a reading of an infra-red sensor or a sonar: the objects in front of it.
 //!
 //! A reading of an infra-red sensor is the mean of what its rays reflect (3.12), (3.13), so half of a cone near by reads as a
 //! whole one farther off.
@@ -81,14 +81,15 @@ impl Eye {
         }
     }
 
-    /// How far what it feels may be from where it is taken to be, in metres: nearer than where a whole cone reads 1 nothing tells
-    /// how near.
+    /// The possible error of a mark's place, in metres: nearer than where a whole cone reads 1 nothing tells the
+    /// distance.
     pub(super) fn blur_m(&self) -> f64 {
         let range_m = self.range_m;
         self.infrared.map_or(0.0, |constants| BLUR * constants.far_m(1.0, range_m).min(0.5 * range_m))
     }
 
-    /// How far away what must be is, in metres, and on which rays it is, if these marks do not explain the reading.
+    /// The distance of an object that must be there, in metres, and the rays that may have met it, if these marks do
+    /// not explain the reading.
     pub(super) fn unexplained(
         &self,
         value: f64,
@@ -114,12 +115,12 @@ impl Eye {
 }
 
 impl Infrared {
-    /// What a ray reads of something at a distance, in metres (3.13).
+    /// The reading of a ray that meets something at a distance, in metres (3.13).
     fn reading(&self, distance_m: f64) -> f64 {
         (self.c1_m2 / (distance_m * distance_m) + self.c2).min(1.0)
     }
 
-    /// How far away something is by the reading of a ray, in metres; infinitely where it is not within the range.
+    /// The distance of an object by the reading of a ray, in metres; infinite if it is not within the range.
     fn far_m(&self, reading: f64, range_m: f64) -> f64 {
         let least = self.reading(range_m).min(1.0);
         if reading < least {

@@ -1,8 +1,9 @@
-//! What infra-red sensors and sonars feel that the field does not know, kept as marks: cells of the believed pose's frame in
-//! which something is.
+//! The feelings of infra-red sensors and sonars that the field does not know, kept as marks: cells of the believed
+//! pose's frame in which something is.
 //!
-//! What marks explain of a reading is taken from it first (`eye` says why); the rest is put on the rays that no mark explains. A
-//! mark goes where a single ray of five would have read more than the sensor does, and where the body is.
+//! The part of a reading that marks explain is taken from it first (`eye` says why); the rest is put on the rays that
+//! no mark explains. A mark goes where a single ray of five would have read more than the sensor does, and where the
+//! body is.
 
 mod eye;
 
@@ -128,7 +129,7 @@ impl Felt {
         });
     }
 
-    /// How far a ray goes until it meets a mark, in metres, if it meets one so near.
+    /// The distance that a ray goes until it meets a mark, in metres, if it meets one so near.
     fn hit_m(&self, from: Point, ray: Vector, far_m: f64) -> Option<f64> {
         let steps = (far_m / (0.5 * self.cell_m)) as u32;
         let mut along = (0..=steps).map(|i| 0.5 * self.cell_m * f64::from(i));
@@ -144,7 +145,7 @@ impl Felt {
         self.marks.iter().map(|&mark| center(mark, self.cell_m))
     }
 
-    /// How far a mark may be beside what it is of, in metres.
+    /// The possible distance between a mark and the object, in metres.
     pub(super) fn blur_m(&self) -> f64 {
         self.eyes.iter().map(Eye::blur_m).fold(0.0, f64::max)
     }
@@ -160,8 +161,8 @@ impl Felt {
         self.has_news = true;
     }
 
-    /// How far the body can go straight on in a direction before it meets what is felt now, or a mark, in metres. Of what an
-    /// infra-red sensor feels now half of the cone is taken to be full.
+    /// The distance that the body can go straight on in a direction before it meets an object that is felt now, or a
+    /// mark, in metres. Of an object that an infra-red sensor feels now half of the cone is taken to be full.
     pub(super) fn room_m(&self, world_from_robot: &Pose, direction_rad: f64) -> f64 {
         let world_from_way = Pose { heading: direction_rad, ..*world_from_robot };
         let way_from_world = world_from_way.inverse();
@@ -171,7 +172,7 @@ impl Felt {
         marks.chain(felt).fold(f64::INFINITY, f64::min)
     }
 
-    /// Where something may be by what is felt now, at the nearest.
+    /// The nearest places of objects that are felt now.
     fn near_by(&self, world_from_robot: &Pose) -> impl Iterator<Item = Point> + use<'_> {
         let world_from_robot = *world_from_robot;
         self.eyes.iter().flat_map(move |eye| {
@@ -195,7 +196,8 @@ impl Felt {
     }
 }
 
-/// How far a disc of this radius, in metres, can go along x until a point is in it; without end if it passes the point.
+/// The distance that a disc of this radius, in metres, can go along x until a point is in it; without end if it
+/// passes the point.
 fn room_m(at: Point, radius_m: f64) -> f64 {
     if at.x <= 0.0 || at.y.abs() >= radius_m {
         return f64::INFINITY;
@@ -212,7 +214,7 @@ fn center((column, row): (i64, i64), cell_m: f64) -> Point {
 const ARSIM: Infrared = Infrared { c1_m2: 0.03, c2: 0.1 };
 /// Side of a mark, in radii of the body.
 const CELL: f64 = 0.2;
-/// What is farther off than this, in radii of the body and in metres, is not marked: nobody can say where it is.
+/// The distance, in radii of the body and in metres, beyond which no object is marked: its place is unknown.
 const FAR: f64 = 3.0;
 const LEAST_FAR_M: f64 = 0.3;
 const MOST_FAR_M: f64 = 0.6;

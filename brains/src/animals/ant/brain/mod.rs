@@ -104,13 +104,13 @@ pub struct AntBrain {
     odometer: Option<(Vector, f64)>,
     /// The same when it left: where its nest is.
     nest: Option<Vector>,
-    /// How it looked at past instants, by the compass, the newest last.
+    /// Its headings at past instants, by the compass, the newest last.
     headings: VecDeque<(u64, f64)>,
     /// Landmarks of the last scan, with bearings by the compass.
     landmarks: Option<Vec<Landmark>>,
     scanned_ns: u64,
     left_ns: Option<u64>,
-    /// Where to it turned aside last, 1 for left and -1 for right, and when.
+    /// The side to which it turned aside last, 1 for left and -1 for right, and the instant.
     aside: Option<(f64, u64)>,
 }
 
@@ -122,7 +122,7 @@ struct Places {
     /// From its first ray to its last, in radians, and whether the first is the leftmost.
     opening_rad: f64,
     clockwise: bool,
-    /// Where the laser looks, in radians to the left of the robot.
+    /// The laser's direction, in radians to the left of the robot.
     mount_rad: f64,
     odometer: usize,
     compass: Option<usize>,
@@ -205,7 +205,7 @@ impl AntBrain {
         self.headings.push_back((at_ns, heading_rad));
     }
 
-    /// How it looked last before an instant, or first if that is forgotten.
+    /// The last heading before an instant, or the first if that is forgotten.
     fn heading_at(&self, at_ns: u64) -> Option<f64> {
         let before = self.headings.iter().rev().find(|(then_ns, _)| *then_ns <= at_ns);
         before.or_else(|| self.headings.front()).map(|(_, heading_rad)| *heading_rad)
@@ -240,7 +240,7 @@ impl AntBrain {
         })
     }
 
-    /// Which way it turned aside, if that is not longer ago than this.
+    /// The side to which it turned aside, if that is not longer ago than this.
     fn turned_within(&self, past_ns: u64, at_ns: u64) -> Option<f64> {
         let (side, then_ns) = self.aside?;
         (at_ns.saturating_sub(then_ns) <= past_ns).then_some(side)
