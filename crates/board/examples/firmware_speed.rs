@@ -1,4 +1,5 @@
-//! How long programs take on a board without parts: `cargo run --release -p baudbot-board --example firmware_speed -- FILE…`.
+//! The processor time of programs on a board without parts: `cargo run --release -p baudbot-board --example
+//! firmware_speed -- FILE…`.
 //!
 //! For each program it tells the processor time of a simulated millisecond, of 20 seconds in steps of a millisecond.
 

@@ -107,8 +107,8 @@ impl ChipClock {
         saturate((ns as u128 * self.cycles_in_a_billion_seconds()).div_ceil(BILLION * BILLION))
     }
 
-    /// How long a bit is at the chip, if the other end sends at exactly this rate. None: shorter than a cycle, or longer
-    /// than four million of them.
+    /// The duration of a bit at the chip, if the other end sends at exactly this rate. None: shorter than a cycle, or
+    /// longer than four million of them.
     pub fn bit_of(self, baud: u32) -> Option<BitLength> {
         let cycles =
             (self.cycles_in_a_billion_seconds() * BIT_FRACTION).checked_div(BILLION * u128::from(baud))?;

@@ -1,4 +1,4 @@
-//! What a logic analyser on the pins of a chip would see.
+//! The record of a logic analyser on the pins of a chip.
 
 use alloc::collections::VecDeque;
 
@@ -10,11 +10,11 @@ use baudbot_avr::{Pin, Pwm};
 pub struct Edge {
     /// In nanoseconds, from the origin that was given to [`keep_edges`](crate::Board::keep_edges).
     pub at_ns: u64,
-    /// What is seen.
+    /// The record itself.
     pub seen: Seen,
 }
 
-/// What a logic analyser would see.
+/// A record of a logic analyser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seen {
     /// A pin has this level from now on.
@@ -23,7 +23,7 @@ pub enum Seen {
         pin: Pin,
         /// Its level.
         level: Level,
-        /// What changed it.
+        /// The cause of the change.
         by: By,
     },
     /// The ADC holds the voltage of a channel, and the conversion will have this result.
@@ -54,11 +54,11 @@ pub enum Seen {
 pub struct RoundsOver {
     /// The word address of the loop's first instruction.
     pub head: u32,
-    /// How many short rounds there were before the last one.
+    /// The number of short rounds before the last one.
     pub short: u32,
-    /// How long these were together, in periods of the clock source.
+    /// The sum of their durations, in periods of the clock source.
     pub short_cycles: u32,
-    /// How long the last one was, in periods of the clock source.
+    /// The duration of the last one, in periods of the clock source.
     pub cycles: u64,
     /// When it began, in nanoseconds as the edge's.
     pub since_ns: u64,
@@ -77,7 +77,7 @@ pub enum Level {
     Short,
 }
 
-/// Who changed the level of a wire.
+/// The cause of a change of a wire's level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum By {
     /// The chip. The first levels of all are counted as its own, too.
@@ -98,7 +98,7 @@ pub struct Edges {
 }
 
 impl Edges {
-    /// How many edges are kept: a hundredth of a second of six outputs at 500 kHz.
+    /// The number of edges that are kept: a hundredth of a second of six outputs at 500 kHz.
     pub const ROOM: usize = 1 << 16;
 
     /// Notes an edge, in place of the oldest one if there is no room.
@@ -110,7 +110,7 @@ impl Edges {
         self.total += 1;
     }
 
-    /// How many edges there were in all since they are kept.
+    /// The number of all edges since they are kept.
     pub const fn total(&self) -> u64 {
         self.total
     }

@@ -1,4 +1,4 @@
-//! What a UART reads from a line on which another one sends: bits sampled at the centres of its own characters.
+//! The view of a UART on a line on which another one sends: bits sampled at the centres of its own characters.
 //!
 //! The sender's line is a level over time: high while it is idle, then for each character a low start bit, the data bits with
 //! the least significant first, perhaps a parity bit, and one or two high stop bits. The receiver waits for the line to fall,
@@ -13,7 +13,7 @@ use alloc::collections::VecDeque;
 use baudbot_avr::usart::Frame;
 use serde::{Deserialize, Serialize};
 
-/// How a UART is set.
+/// The settings of a UART.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Settings {
     /// Bits a second; not 0.
@@ -48,11 +48,11 @@ pub struct Read {
     pub byte: u8,
     /// When its character was over, in nanoseconds.
     pub at_ns: u64,
-    /// What is wrong with it.
+    /// The error in it.
     pub error: Option<LineError>,
 }
 
-/// What a UART says of a character.
+/// A UART's complaint about a character.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineError {
     /// The stop bit was low.
@@ -95,7 +95,7 @@ impl Settings {
         1 + u64::from(self.data_bits) + u64::from(self.has_parity()) + u64::from(self.stop_bits)
     }
 
-    /// How long a character takes, in nanoseconds.
+    /// The duration of a character, in nanoseconds.
     pub fn character_ns(&self) -> u64 {
         (self.bits() * self.bit_ps()).div_ceil(PS_PER_NS)
     }
@@ -159,7 +159,7 @@ impl Receiver {
             && self.seen_ps <= before
     }
 
-    /// How it is set.
+    /// The settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }

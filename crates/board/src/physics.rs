@@ -1,4 +1,4 @@
-//! What the parts of a board feel.
+//! The feelings of the parts of a board.
 
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +35,7 @@ pub trait Physics {
         0.0
     }
 
-    /// How long a reflectance sensor takes to discharge its capacitor, in nanoseconds.
+    /// The time that a reflectance sensor takes to discharge its capacitor, in nanoseconds.
     fn discharge_ns(&mut self, part: PartId, at_ns: u64) -> u64 {
         let _ = (part, at_ns);
         u64::MAX
@@ -53,7 +53,7 @@ pub trait Physics {
         Wheel::default()
     }
 
-    /// How long a sound that an ultrasonic sensor sends now is on its way to the first echo and back, in nanoseconds. None:
+    /// The time of a sound that an ultrasonic sensor sends now to the first echo and back, in nanoseconds. None:
     /// there is no echo.
     fn echo_ns(&mut self, part: PartId, at_ns: u64) -> Option<u64> {
         let _ = (part, at_ns);

@@ -33,7 +33,7 @@ pub enum Role {
     Scl,
 }
 
-/// What a terminal does to its wire, or wants of it.
+/// The effect of a terminal on its wire, or its demand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Port {
     /// It is measured by the ADC.

@@ -10,7 +10,7 @@ const ROOM: usize = 256;
 /// A character on its way out of TXD.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sent {
-    /// What is sent.
+    /// The frame on its way.
     pub frame: Frame,
     /// When its start bit begins.
     pub start_ns: u64,

@@ -1,4 +1,4 @@
-//! What a program or a wiring hardly means.
+//! Acts of a program, and a wiring's faults, that are hardly meant.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -14,7 +14,7 @@ use crate::wiring::{Net, Terminal, Wiring};
 /// Warnings that differ.
 const ROOM: usize = 48;
 
-/// What is suspicious.
+/// A suspicious act or wiring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WarningKind {
     /// An input is read that nothing drives and that has no pull-up.
@@ -85,7 +85,7 @@ impl core::fmt::Display for WarningKind {
 /// Something suspicious, and how often it happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Warning {
-    /// What.
+    /// The kind of warning.
     pub kind: WarningKind,
     /// At which pin.
     pub pin: Option<Pin>,
@@ -93,7 +93,7 @@ pub struct Warning {
     pub part: Option<PartId>,
     /// When it happened first.
     pub first_ns: u64,
-    /// How often. Floating inputs are told once for each pin until a reset.
+    /// The number of times. Floating inputs are told once for each pin until a reset.
     pub count: u64,
 }
 
@@ -103,7 +103,7 @@ impl Warning {
         self.pin.map(|pin| Net::Pin(pin).printed()).unwrap_or_default()
     }
 
-    /// What it is to those who wired the board and wrote the program.
+    /// The warning in words for people who wired the board and wrote the program.
     pub fn explain(&self, wiring: &Wiring) -> String {
         let Some(terminal) = self.terminal(wiring) else { return self.kind.to_string() };
         let name = wiring.name(terminal.part);
@@ -145,7 +145,7 @@ impl Warnings {
         if let Some(known) = self.list.iter_mut().find(same) {
             known.count = known.count.saturating_add(count);
         } else {
-            // What differs from so many others is not kept.
+            // Warnings of more kinds than there is room for are dropped.
             let _ = self.list.try_push(Warning { kind, pin, part, first_ns: at_ns, count });
         }
     }

@@ -12,7 +12,7 @@ pub struct Action {
     /// empty sends again what was sent last. A command has the signals of all motors and actuators, so these
     /// count only beside [`signals`](Self::signals).
     pub others: Vec<f64>,
-    /// How long the brain says it thought, in simulated time; `None`: what the scenario says.
+    /// The brain's own figure for its thinking time, in simulated time; `None`: the scenario's.
     pub thinking: Option<Duration>,
     /// Instead of `thinking`, on a robot that is onboard: how many operations its program did.
     pub operations: Option<u64>,
@@ -92,7 +92,7 @@ pub struct Signals {
     pub right: f64,
 }
 
-/// What a brain waits for that wants no turn without news, as a program does that reads from its serial port with a
+/// The instant until which a brain wants no turn without news, as a program that reads from its serial port with a
 /// timeout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Until {

@@ -11,13 +11,13 @@ pub struct Belief {
     pub state: String,
     /// Utilities of behaviours.
     pub utilities: Vec<Utility>,
-    /// Where it believes that it is.
+    /// The pose at which it believes to be.
     pub pose: Option<BelievedPose>,
     /// Other poses that it thinks possible.
     pub particles: Vec<Particle>,
-    /// Where it means to go.
+    /// The places to which it means to go.
     pub path: Vec<Point>,
-    /// What it believes to be where.
+    /// Its map of the arena.
     pub map: Option<GridMap>,
 }
 

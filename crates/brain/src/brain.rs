@@ -12,8 +12,8 @@ pub trait Brain {
     /// One step. It is called once a turn, in order.
     fn step(&mut self, turn: &Turn) -> Action;
 
-    /// What it believes and does, for observers; `None`: nothing. The program that runs the brain asks for it after a step, some
-    /// 20 times a simulated second unless told otherwise, and publishes it.
+    /// The brain's beliefs and intentions, for observers; `None`: none. The program that runs the brain asks for it
+    /// after a step, some 20 times a simulated second unless told otherwise, and publishes it.
     fn belief(&mut self) -> Option<Belief> {
         None
     }

@@ -17,7 +17,7 @@ pub struct WireLayout {
     pub(crate) places: Vec<usize>,
     motors: Vec<Encoding>,
     ages: bool,
-    /// Where a Create tells each component.
+    /// The place of each component in a Create's packets.
     pub(crate) signals: Vec<Option<Signal>>,
     /// The packets that tell them.
     pub(crate) packets: Vec<u8>,
@@ -94,20 +94,20 @@ impl WireLayout {
 }
 
 impl Body {
-    /// What both ends of the cable have agreed on, to be used with `baudbot-wire`.
+    /// The layout that both ends of the cable have agreed on, to be used with `baudbot-wire`.
     pub fn layout(&self) -> WireLayout {
         WireLayout::new(self)
     }
 
-    /// How long a command is on the wire, in nanoseconds, rounded up; of lines of text the longest, with the poll
+    /// The time of a command on the wire, in nanoseconds, rounded up; of lines of text the longest, with the poll
     /// behind it; 0 on a cable without a baud rate. An adapter's or a radio's delay is not in it. A brain that
     /// commands more often than that fills the cable's buffer, and its commands come ever later.
     pub fn command_ns(&self) -> u64 {
         self.on_the_wire_ns(self.layout().command_wire_len(self.firmware.protocol))
     }
 
-    /// How long a message with all readings is on the wire, in nanoseconds, rounded up; 0 on a cable without a baud rate.
-    /// An adapter's or a radio's delay is not in it.
+    /// The time of a message with all readings on the wire, in nanoseconds, rounded up; 0 on a cable without a baud
+    /// rate. An adapter's or a radio's delay is not in it.
     pub fn message_ns(&self) -> u64 {
         self.on_the_wire_ns(self.layout().readings_wire_len(self.firmware.protocol))
     }
@@ -119,7 +119,8 @@ impl Body {
     }
 }
 
-/// Where these sensors' components are told, and in which packets. Of a sensor of which a part is not told, nothing is.
+/// The places of these sensors' components, and the packets that have them. A sensor of which a part is in no packet
+/// has none.
 fn told<'a>(version: Version, sensors: impl Iterator<Item = &'a Sensor>) -> (Vec<Option<Signal>>, Vec<u8>) {
     let mut signals = Vec::new();
     for sensor in sensors {

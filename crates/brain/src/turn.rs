@@ -60,8 +60,8 @@ impl Turn {
 }
 
 impl Reading {
-    /// How old the sample is at an instant of the laptop's clock, in nanoseconds; `None` if the protocol
-    /// does not say. The simulated clocks of laptop and microcontroller agree.
+    /// The age of the sample at an instant of the laptop's clock, in nanoseconds; `None` if the protocol does not
+    /// say. The simulated clocks of laptop and microcontroller agree.
     pub fn age_ns(&self, at_ns: u64) -> Option<u64> {
         Some(at_ns.saturating_sub(self.sampled_at_ns?))
     }

@@ -1,9 +1,10 @@
 //! A logic analyser on the pins: it makes [`Edges`] of what the chip and the parts do.
 //!
-//! What happens is told in any order, some of it ahead of time, and waits until the chip has come to its instant. Signals of
-//! timers that are told by their [shape](Pwm) are drawn from it: the first period begins, high, when the timer takes the
-//! pin or changes its period; a new duty holds from the next period on. So the frequency and the duty are the chip's, and the
-//! phase is not. The bits of characters are drawn, too, as the chip does not move TXD and RXD for them.
+//! Events are reported in any order, some of them ahead of time, and wait until the chip has come to their instants.
+//! Signals of timers that are told by their [shape](Pwm) are drawn from it: the first period begins, high, when the
+//! timer takes the pin or changes its period; a new duty holds from the next period on. So the frequency and the duty
+//! are the chip's, and the phase is not. The bits of characters are drawn, too, as the chip does not move TXD and RXD
+//! for them.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -32,7 +33,7 @@ pub(super) struct Analyser {
     pub(super) origin_ns: u64,
     edges: Edges,
     wires: Vec<Wire>,
-    /// What was told and has not come to its instant.
+    /// The reports whose instants are still to come.
     waiting: Vec<(u64, Told)>,
     waves: Vec<Wave>,
     /// The level that the cable gives RXD; the other end makes it high while nothing is sent.
@@ -57,7 +58,7 @@ const SHORTEST_ROUND: u64 = 1000;
 pub(super) struct Wire {
     pub(super) pin: Pin,
     pub(super) sides: Sides,
-    /// What yields to the chip.
+    /// The levels of the parts that yield to the chip.
     pub(super) yields: Yields,
     pub(super) shape: Option<Pwm>,
     /// As it was noted last.
@@ -75,7 +76,7 @@ pub(super) enum Yields {
     Always,
 }
 
-/// What was told.
+/// A report of an event.
 #[derive(Clone, Copy, Debug)]
 enum Told {
     Chip(Pin, Drive),
@@ -87,7 +88,7 @@ enum Told {
     Round(Short, u64),
 }
 
-/// What becomes of a character.
+/// The fate of a character.
 #[derive(Clone, Copy, Debug)]
 enum Character {
     Begins(Frame),

@@ -1,4 +1,4 @@
-//! What a debugger sees and changes, and where it stops the chip.
+//! The view of a debugger, which also changes the chip and says at which instructions it stops.
 
 use baudbot_avr::{Bare, Chip, Stop};
 
@@ -6,7 +6,7 @@ use super::{Board, Nothing, View};
 use crate::physics::Physics;
 use crate::warning::WarningKind;
 
-/// Who says where a chip stops, and looks at it there.
+/// A debugger: it says where a chip stops, and looks at it there.
 pub trait Debugger {
     /// Whether the chip is to stop before the instruction that comes next. It is asked before each one.
     fn stops(&mut self, chip: &Chip) -> bool;

@@ -25,7 +25,7 @@ use crate::warning::{Warning, WarningKind};
 use crate::wiring::{Terminal, Wiring};
 use surroundings::{Surroundings, View};
 
-/// What asks nothing of the world: a reset, a debugger.
+/// A world for acts that ask nothing of it: a reset, a debugger.
 struct Nothing;
 
 impl Physics for Nothing {}
@@ -226,7 +226,7 @@ fn slice_cycles(around: &Surroundings) -> u64 {
     around.clock.cycle(around.reaction_ns().min(SLICE_NS)).max(1)
 }
 
-/// Where all parts on the output of a timer are content with the shape of its signal, no edges are simulated.
+/// Edges of a timer's output are not simulated if all parts on it are content with the shape of its signal.
 fn report_shapes(chip: &mut Chip, wiring: &Wiring) {
     for (timer, channel, port, bit) in [
         (Timer::T0, Channel::A, Port::D, 6),

@@ -1,4 +1,4 @@
-//! What a board does to the world.
+//! The effects of a board on the world.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ use crate::sent::Sent;
 pub struct Motor {
     /// The channel.
     pub part: PartId,
-    /// What was done to it in the last step.
+    /// The drive of the motor in the last step.
     pub drive: MotorDrive,
     /// The voltage that the bridge takes from the motor while it drives it, in volts.
     pub drop_v: f64,
@@ -23,7 +23,7 @@ pub struct Motor {
 pub struct ServoOutput {
     /// The servo.
     pub part: PartId,
-    /// What its pulses mean.
+    /// The meaning of its pulses.
     pub kind: ServoKind,
     /// The last pulse that it obeys.
     pub pulse: Option<Pulse>,
@@ -48,7 +48,7 @@ pub struct Tone {
 }
 
 impl Board {
-    /// What the H-bridges did to their motors in the last step, in the order of the parts.
+    /// The drives of the motors by H-bridges in the last step, in the order of the parts.
     pub fn drives(&self) -> impl Iterator<Item = Motor> {
         self.parts().filter_map(|(part, state)| {
             let Part::Bridge(bridge) = state else { return None };
@@ -64,7 +64,7 @@ impl Board {
         })
     }
 
-    /// How bright the light-emitting diodes were in the last step, in the order of the parts.
+    /// The brightness of the light-emitting diodes in the last step, in the order of the parts.
     pub fn lights(&self) -> impl Iterator<Item = Light> {
         self.parts().filter_map(|(part, state)| {
             let Part::Led(led) = state else { return None };

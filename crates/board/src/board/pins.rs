@@ -1,4 +1,4 @@
-//! What chip and parts do to each pin.
+//! The effects of chip and parts on each pin.
 
 use baudbot_avr::{Drive, External, Pin, Port};
 use serde::{Deserialize, Serialize};

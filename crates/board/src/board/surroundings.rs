@@ -1,4 +1,4 @@
-//! What the chip is told by its parts and tells them.
+//! The reports between the chip and its parts.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -247,7 +247,7 @@ impl<P: Physics> avr::Board for View<'_, P> {
     }
 
     fn pwm_changed(&mut self, pin: Pin, pwm: Option<Pwm>, at: u64) {
-        // Where the signal ends, the steady level follows.
+        // The steady level follows at the end of the signal.
         if let Some(pwm) = pwm {
             if let Some(analyser) = &mut self.around.analyser.0 {
                 analyser.shape(pin, pwm, at);

@@ -18,9 +18,9 @@ impl Board {
     /// It begins with the levels of all pins. Nothing else changes by it: it is not in what is saved, and boards with and
     /// without it are equal and go on alike. A board that is loaded keeps nothing.
     ///
-    /// Where a timer's signal is simulated by its shape, its edges have the right distances but not the timer's phase: they
-    /// are drawn as if a period began when the timer took the pin. The wires of the I²C bus and of SPI do not move. With edges,
-    /// [rounds](Self::keep_rounds) are kept.
+    /// A timer's signal that is simulated by its shape has edges with the right distances but not the timer's phase:
+    /// they are drawn as if a period began when the timer took the pin. The wires of the I²C bus and of SPI do not
+    /// move. With edges, [rounds](Self::keep_rounds) are kept.
     pub fn keep_edges(&mut self, origin_ns: Option<u64>) {
         let Some(origin_ns) = origin_ns else {
             self.around.analyser.0 = None;
@@ -38,7 +38,7 @@ impl Board {
         self.around.analyser.0 = Some(Box::new(analyser));
     }
 
-    /// What is [kept](Self::keep_edges).
+    /// The edges that are [kept](Self::keep_edges).
     pub fn edges(&self) -> Option<&Edges> {
         self.around.analyser.0.as_deref().map(Analyser::edges)
     }

@@ -28,7 +28,7 @@ pub enum BridgeKind {
     },
     /// A driver with `pwm` and `direction`; a high direction is forwards.
     Directed {
-        /// What it does to the motor while `pwm` is low.
+        /// The motor's connection while `pwm` is low.
         decay: Decay,
         /// The voltage that it takes from the motor, in volts.
         drop_v: f64,
@@ -42,7 +42,7 @@ impl BridgeKind {
     pub const TB6612: Self = Self::Tb6612 { drop_v: 0.5 };
 }
 
-/// What happens to the motor's current while nothing drives it.
+/// The path of the motor's current while nothing drives it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -53,14 +53,14 @@ pub enum Decay {
     Coast,
 }
 
-/// What a channel does to its motor, as the mean over a step.
+/// The effect of a channel on its motor, as the mean over a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum MotorDrive {
     /// It is driven.
     Drive {
         /// The fraction of time in which it is driven forwards, less that backwards: −1 to 1.
         duty: f64,
-        /// What happens most of the rest of the time.
+        /// The connection during most of the rest of the time.
         decay: Decay,
     },
     /// It is shorted.
@@ -160,7 +160,7 @@ impl State {
         }
     }
 
-    /// What it did in the last step.
+    /// The drive in the last step.
     pub(crate) fn drive(&self) -> MotorDrive {
         let (forwards, backwards) = (self.forwards.mean(), self.backwards.mean());
         let brake = self.brake.mean();

@@ -55,7 +55,7 @@ enum Mode {
 pub(crate) struct State {
     /// Configuration A and B.
     configuration: [u8; 2],
-    /// What was written to the mode register.
+    /// The last value of the mode register.
     mode_bits: u8,
     mode: Mode,
     pointer: u8,

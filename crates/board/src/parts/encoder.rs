@@ -12,7 +12,7 @@ use crate::clock::ChipClock;
 use crate::physics::Wheel;
 use crate::role::Role;
 
-/// How many channels an encoder has.
+/// The number of an encoder's channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Channels {
     /// One: the direction is not seen.

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::role::{Port, Role};
 
-/// What a part is, with its numbers.
+/// The kind of a part, with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Kind {
     /// A voltage: an infrared or light sensor, a potentiometer, a battery behind a divider.
@@ -58,7 +58,7 @@ impl Kind {
         }
     }
 
-    /// What one of its terminals does to its wire.
+    /// The electrical port of one of its terminals.
     pub(crate) const fn port(&self, role: Role) -> Port {
         match self {
             Self::Voltage(_) => Port::Analog,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::Signal;
 use super::meter::Meter;
 
-/// Which level lights a diode.
+/// The level that lights a diode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -20,7 +20,7 @@ pub enum LitBy {
 /// A light-emitting diode with its resistor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Led {
-    /// Which level lights it.
+    /// The level that lights it.
     pub lit_by: LitBy,
 }
 

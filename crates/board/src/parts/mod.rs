@@ -34,7 +34,7 @@ use crate::clock::ChipClock;
 use crate::physics::{PartId, Physics};
 use crate::role::Role;
 
-/// What the chip does to a wire.
+/// The signal of the chip on a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Signal {
     Steady(Drive),
@@ -67,7 +67,7 @@ pub(crate) struct Change {
     pub(crate) external: External,
 }
 
-/// What a part has to say about a signal.
+/// A part's remark on a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Remark {
     /// A trigger pulse is too short for the sensor.
@@ -149,7 +149,7 @@ impl Part {
         }
     }
 
-    /// How soon it may do something to a wire after the chip has done something to one, in nanoseconds.
+    /// The shortest time between an act of the chip on a wire and the part's answer on one, in nanoseconds.
     pub(crate) fn reaction_ns(&self) -> u64 {
         match self {
             Self::Reflectance(_) => reflectance::REACTION_NS,
@@ -200,7 +200,7 @@ impl Part {
         }
     }
 
-    /// What it will do to a wire next, as far as it is known.
+    /// Its next change of a wire, as far as it is known.
     pub(crate) fn next_change(&self, clock: &ChipClock) -> Option<Change> {
         match self {
             Self::Reflectance(sensor) => sensor.next_change(),

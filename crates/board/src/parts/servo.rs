@@ -22,7 +22,7 @@ const WIDTHS_NS: core::ops::RangeInclusive<u64> = 500_000..=2_500_000;
 /// A pulse that a servo obeys: 500 µs to 2500 µs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Pulse {
-    /// How long it was high, in nanoseconds.
+    /// The duration of the pulse, in nanoseconds.
     pub width_ns: u64,
     /// When it ended.
     pub at_ns: u64,

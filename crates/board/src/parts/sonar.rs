@@ -4,9 +4,10 @@
 //! Ranging Module HC-SR04*, section *Timing diagram*. That the echo of an HC-SR04 begins about 460 µs after the trigger is
 //! known from measurements, not from its data sheet.
 //!
-//! How long a trigger pulse is at least is what a data sheet promises to be enough. Sensors take shorter ones, and programs rely on it:
-//! `delayMicroseconds(10)` between two writes to a port makes a pulse of 9.5 µs, `delayMicroseconds(2)` one of 1.5 µs. So what is
-//! shorter than promised is told, and obeyed down to a fifth of it, or a half. Where sensors do stop is not known.
+//! The shortest trigger pulse is the one that a data sheet promises to be enough. Sensors take shorter ones, and
+//! programs rely on it: `delayMicroseconds(10)` between two writes to a port makes a pulse of 9.5 µs,
+//! `delayMicroseconds(2)` one of 1.5 µs. So a pulse that is shorter than promised gives a warning, and is obeyed down
+//! to a fifth of it, or a half. The true limit of sensors is not known.
 
 use baudbot_avr::External;
 use serde::{Deserialize, Serialize};

@@ -12,7 +12,7 @@ use super::Change;
 use crate::clock::ChipClock;
 use crate::role::Role;
 
-/// What makes the wire of an open switch high.
+/// The resistor that makes the wire of an open switch high.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -26,11 +26,11 @@ pub enum Pull {
 /// A switch to ground: a whisker, a bumper, a button. Pressed is low.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Switch {
-    /// What makes it high.
+    /// The resistor that makes it high.
     pub pull: Pull,
     /// Its contact bounces for so long at most, in microseconds. 0: it does not.
     pub bounce_us: u32,
-    /// Which pattern of bounces.
+    /// The seed of the pattern of bounces.
     pub seed: u64,
 }
 

@@ -8,7 +8,7 @@ const MICROVOLTS: f64 = 1e6;
 /// A source of a voltage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Voltage {
-    /// What the pin gets of the voltage: 1, or the ratio of a divider, R2 / (R1 + R2).
+    /// The fraction of the voltage at the pin: 1, or the ratio of a divider, R2 / (R1 + R2).
     pub ratio: f64,
 }
 
@@ -18,7 +18,7 @@ impl Voltage {
 
     /// The voltage at the pin in microvolts. The protection diodes clip it to the supply.
     pub(crate) fn microvolts(self, volts: f64, supply_uv: u32) -> u32 {
-        // What is not a number becomes 0.
+        // NaN becomes 0.
         (libm::round(volts * self.ratio * MICROVOLTS) as u32).min(supply_uv)
     }
 }

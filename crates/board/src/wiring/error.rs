@@ -1,4 +1,4 @@
-//! What can be wrong with a wiring.
+//! The errors of a wiring.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -56,9 +56,9 @@ pub enum WiringError {
         part: String,
         /// The terminal.
         terminal: Role,
-        /// Where it was connected first.
+        /// Its first connection.
         first: Net,
-        /// Where it was connected again.
+        /// Its second connection.
         second: Net,
     },
     /// Two terminals would drive one wire.

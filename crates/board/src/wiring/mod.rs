@@ -1,4 +1,4 @@
-//! Which terminal of which part is on which pin.
+//! The terminals of parts on each pin.
 
 mod builder;
 mod error;
@@ -24,7 +24,7 @@ use crate::role::{Port, Role};
 pub struct Terminal {
     /// The part.
     pub part: PartId,
-    /// Which of its terminals.
+    /// The role of the terminal.
     pub role: Role,
 }
 
@@ -50,7 +50,7 @@ impl Placed {
         &self.name
     }
 
-    /// What it is.
+    /// The kind of the part.
     pub const fn kind(&self) -> &Kind {
         &self.kind
     }
@@ -91,7 +91,7 @@ impl Wiring {
         }
     }
 
-    /// What a terminal is connected to.
+    /// The net that a terminal is connected to.
     pub fn net(&self, terminal: Terminal) -> Option<Net> {
         self.wires().find(|(other, _)| *other == terminal).map(|(_, net)| net)
     }

@@ -6,7 +6,7 @@ use alloc::string::{String, ToString};
 use baudbot_avr::{Pin, Port};
 use serde::{Deserialize, Serialize};
 
-/// What a terminal can be connected to.
+/// A net that a terminal can be connected to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Net {
     /// A pin of a port.
@@ -92,7 +92,7 @@ impl Net {
         }
     }
 
-    /// Where it stands in a list of pins: those with a number first, then A6 and A7, the others, the supply and ground.
+    /// Its place in a list of pins: those with a number first, then A6 and A7, the others, the supply and ground.
     fn place(self) -> (u8, u8) {
         match self {
             Self::Pin(pin) => match (0..=19).find(|&number| Self::arduino(number) == Some(self)) {

@@ -1,4 +1,4 @@
-//! What a logic analyser on the pins would see.
+//! The record of a logic analyser on the pins.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! What the program does to its pins arrives at motors, servos, lamps and buzzers.
+//! A program's acts on its pins arrive at motors, servos, lamps and buzzers.
 
 use baudbot_board::{BridgeKind, Decay, Kind, Led, LitBy, MotorDrive, Piezo, ServoKind, WarningKind, Wiring};
 

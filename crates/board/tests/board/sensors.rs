@@ -1,4 +1,4 @@
-//! What sensors feel arrives in the program.
+//! The feelings of sensors arrive in the program.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! What is suspicious is told with its pin and its part.
+//! Warnings name the pin and the part.
 
 use baudbot_avr::usart::Frame;
 use baudbot_avr::{Pin, Port};
@@ -9,7 +9,7 @@ use crate::board::world::{MS, World, board, board_with_file};
 
 const BUTTON: Kind = Kind::Switch(Switch { pull: Pull::Internal, bounce_us: 0, seed: 0 });
 
-/// What was told: kind, pin, name of the part.
+/// The warnings: kind, pin, name of the part.
 fn told(board: &Board) -> Vec<(WarningKind, Option<Pin>, &str)> {
     let name = |part| board.wiring().name(part);
     board

@@ -7,7 +7,7 @@ use crate::board::asm::Asm;
 
 pub(crate) const MS: u64 = 1_000_000;
 
-/// What all parts feel, and for what the world was asked.
+/// A world that gives all parts their feelings, and notes for what it was asked.
 #[derive(Clone, Default)]
 pub(crate) struct World {
     pub(crate) volts: f64,

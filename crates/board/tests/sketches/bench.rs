@@ -11,7 +11,7 @@ pub(crate) const US: u64 = 1000;
 pub(crate) const MS: u64 = 1_000_000;
 const PARTS: usize = 16;
 
-/// What the parts feel, in the order of the parts.
+/// The feelings of the parts, in the order of the parts.
 #[derive(Clone, Default)]
 pub(crate) struct World {
     pub(crate) volts: [f64; PARTS],
@@ -125,7 +125,7 @@ impl Bench {
         }
     }
 
-    /// What came since it was last asked.
+    /// The bytes since the last call.
     pub(crate) fn bytes(&mut self) -> Vec<u8> {
         let new = &self.sent[self.read..];
         self.read = self.sent.len();

@@ -1,4 +1,4 @@
-//! What is passed over is the same as what is gone through.
+//! A stretch that is passed over is the same as one that is executed.
 
 use baudbot_avr::usart::{BitLength, Frame, Sent};
 use baudbot_avr::{AnalogInput, Board, Chip, Drive, External, Pin, Port, Pwm, Warning};

@@ -1,4 +1,4 @@
-//! What a program makes of time: delays, clocks, the watchdog, sleep.
+//! A program's view of time: delays, clocks, the watchdog, sleep.
 
 use baudbot_board::{Kind, Led, LitBy, Pull, Switch, WarningKind, Wiring};
 

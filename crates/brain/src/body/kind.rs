@@ -36,7 +36,7 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// What a sensor measures, and how; `docs/reference/sensors.md` has a section for each.
+    /// The quantity that a sensor measures, and its principle; `docs/reference/sensors.md` has a section for each.
     SensorKind {
         /// Nearness by infra-red light, in [0, 1].
         Infrared = "ir",
@@ -84,7 +84,7 @@ kinds! {
 }
 
 kinds! {
-    /// What an actuator besides the wheels does with its signal.
+    /// The effect of the signal of an actuator besides the wheels.
     ActuatorKind {
         /// Turns what is mounted on it to an angle.
         Turret = "turret",
@@ -110,7 +110,7 @@ kinds! {
 }
 
 kinds! {
-    /// What is said on a sensor's own cable. The modules of `baudbot-wire` read it.
+    /// The protocol on a sensor's own cable. The modules of `baudbot-wire` read it.
     PortFormat {
         /// A laser's scans, by SCIP 2.
         Scip2 = "scip2",

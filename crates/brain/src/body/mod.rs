@@ -25,7 +25,7 @@ pub struct Body {
     pub wheel_radius_m: f64,
     /// Largest size of a motor signal; `None` if there is no limit.
     pub signal_limit: Option<f64>,
-    /// How a motor signal crosses the wire.
+    /// The encoding of a motor signal on the wire.
     pub motor_encoding: Encoding,
     /// The motors of the wheels.
     pub motor_kind: MotorKind,
@@ -73,7 +73,7 @@ pub struct Sensor {
     pub period_ns: u64,
     /// Instant of the first sample, in nanoseconds.
     pub phase_ns: u64,
-    /// Where it sits and which way it looks, if that matters.
+    /// Its place and direction, if they matter.
     pub mount: Option<Mount>,
     /// Range in metres, if it has one.
     pub range_m: Option<f64>,
@@ -86,7 +86,7 @@ pub struct Sensor {
     /// The angle from the first of the rays that it looks along to the last, in radians, if it looks along rays; 0 if that
     /// is one ray.
     pub opening_rad: Option<f64>,
-    /// How a laser's mirror turns.
+    /// The turn of a laser's mirror.
     pub sweep: Option<Sweep>,
 }
 
@@ -119,9 +119,9 @@ pub struct Component {
     pub name: String,
     /// SI unit; `1` for a ratio.
     pub unit: String,
-    /// How each value crosses the wire; without meaning for a sensor with a port of its own.
+    /// The encoding of each value on the wire; without meaning for a sensor with a port of its own.
     pub encoding: Encoding,
-    /// How many values it has; at least 1.
+    /// The number of its values; at least 1.
     pub count: usize,
 }
 
@@ -177,7 +177,7 @@ impl Protocol {
 }
 
 impl Sensor {
-    /// How many values a reading has.
+    /// The number of values of a reading.
     pub fn values(&self) -> usize {
         self.components.iter().fold(0, |sum, component| sum.saturating_add(component.count))
     }
@@ -205,9 +205,9 @@ impl Body {
         self.sensors.iter().position(|sensor| sensor.name == name)
     }
 
-    /// What a brain does that wants readings and no motion: a firmware that talks of its own accord is
-    /// waited for, one that answers only when asked is asked. The bare protocol has no other question than
-    /// a command, so there the motors are told to stand still.
+    /// The action of a brain that wants readings and no motion: a firmware that talks of its own accord is waited
+    /// for, one that answers only when asked is asked. The bare protocol has no other question than a command, so
+    /// there the motors are told to stand still.
     pub fn request(&self) -> Action {
         match self.firmware {
             Firmware { period_ns: Some(_), .. } => Action::wait(),

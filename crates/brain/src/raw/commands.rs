@@ -126,7 +126,7 @@ impl RawCommands {
         }
     }
 
-    /// What a Create is told before anything else.
+    /// The bytes that a Create gets before anything else.
     fn opening(&self) -> Vec<u8> {
         let opening = Opening { ids: &self.layout.packets };
         let mut bytes = vec![0; opening.size()];

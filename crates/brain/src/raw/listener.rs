@@ -14,13 +14,13 @@ pub(crate) struct Listener {
     format: Format,
     /// Values of a reading.
     values: usize,
-    /// What has come of the message that is under way.
+    /// The bytes of the message that is under way.
     message: Vec<u8>,
     /// Readings so far.
     sequence: u8,
 }
 
-/// What a message says: its values, and when they were measured, in nanoseconds.
+/// The content of a message: its values, and the instant of their measurement, in nanoseconds.
 type Said = (Vec<f64>, Option<u64>);
 
 /// Bytes without an end of a message after which all is thrown away.
@@ -58,7 +58,7 @@ impl Listener {
         last
     }
 
-    /// What the message says that ends with the last byte.
+    /// The content of the message that ends with the last byte.
     fn end(&mut self, at_ns: u64) -> Option<Said> {
         let skip = match self.format.find(&self.message) {
             Found::Message { skip } => skip,

@@ -19,7 +19,7 @@ pub struct RawTurn {
     pub at_ns: u64,
     /// The bytes that arrived since the last step.
     pub bytes: Vec<u8>,
-    /// What arrived since the last step on the cables of sensors' own, with the sensor's place in
+    /// The bytes that arrived since the last step on the cables of sensors' own, with the sensor's place in
     /// [`Body::sensors`](crate::Body::sensors); ports on which nothing came are left out.
     pub ports: Vec<(usize, Vec<u8>)>,
 }

@@ -23,7 +23,7 @@ use crate::turn::{Reading, Turn};
 /// near to each other as their turns permit. So if bytes were lost, this decoder may take longer to
 /// recover than the server's.
 ///
-/// What comes over the cables of sensors' own is decoded, too, if its format is known here.
+/// Readings that come as bytes. Those on the cables of sensors' own are decoded, too, if their format is known here.
 #[derive(Clone, Debug)]
 pub struct RawReadings {
     body: Arc<Body>,
@@ -87,7 +87,7 @@ impl RawReadings {
         Turn { tick: raw.tick, at_ns: raw.at_ns, readings, body, has_message }
     }
 
-    /// What the microcontroller says; the answer is whether that was a whole message of readings.
+    /// Takes the bytes of the microcontroller; the answer is whether they were a whole message of readings.
     fn hear(&mut self, raw: &RawTurn) -> bool {
         let Self { layout, port, readings, messages, .. } = self;
         let mut has_message = false;
@@ -127,7 +127,7 @@ impl RawReadings {
     }
 }
 
-/// What a Khepera told: the positions of its wheels, if they came, and the values of all else.
+/// The answers of a Khepera: the positions of its wheels, if they came, and the values of all else.
 type Told<'a> = (Option<[i32; 2]>, Numbers<'a>);
 
 /// Notes the frames that these bytes complete. A damaged one is lost, and its readings stay what they were.
