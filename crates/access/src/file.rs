@@ -39,15 +39,15 @@ pub struct TokenFile {
 /// A grant that is to be made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NewGrant {
-    /// What people will call the token.
+    /// The token's name.
     pub name: GrantName,
-    /// What it will be good for.
+    /// The rights that it will give.
     pub rights: Vec<Right>,
     /// Until when; `None` for ever.
     pub expires_at: Option<SystemTime>,
 }
 
-/// Why a file of tokens cannot be read or changed.
+/// A reason why a file of tokens cannot be read or changed.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
     /// The file itself.
@@ -60,7 +60,7 @@ pub enum FileError {
         path: PathBuf,
         /// The line, from 1.
         line: usize,
-        /// What is wrong there.
+        /// The fault in that place.
         problem: String,
     },
     /// A field of it is wrong.
@@ -118,8 +118,8 @@ impl TokenFile {
         Self { path: path.into() }
     }
 
-    /// Where it is if nobody says otherwise: `$XDG_CONFIG_HOME/baudbot/tokens.toml`, or `~/.config/baudbot/tokens.toml`. `None`
-    /// for a user without a home.
+    /// The place by default: `$XDG_CONFIG_HOME/baudbot/tokens.toml`, or `~/.config/baudbot/tokens.toml`. `None` for a
+    /// user without a home.
     pub fn usual() -> Option<Self> {
         // Relative paths are to be ignored, says the specification of these folders.
         let folder = |name| env::var_os(name).map(PathBuf::from).filter(|folder| folder.is_absolute());

@@ -12,14 +12,14 @@ use crate::pattern::brief;
 use crate::right::Right;
 use crate::token::TokenHash;
 
-/// What the holder of a token may do.
+/// The rights of a token's holder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Grant {
-    /// What people call the token; logs have it.
+    /// The token's name in logs.
     pub name: GrantName,
     /// The token.
     pub hash: TokenHash,
-    /// What it is good for.
+    /// The rights that it gives.
     pub rights: Vec<Right>,
     /// When it was made.
     pub created_at: SystemTime,
@@ -44,9 +44,9 @@ pub enum Denied {
     Need {
         /// The token.
         name: GrantName,
-        /// What is needed.
+        /// The missing right.
         need: Need,
-        /// What there is.
+        /// The caller's rights.
         rights: Vec<Right>,
     },
     /// It may not drive this robot.
@@ -60,7 +60,7 @@ pub enum Denied {
         name: GrantName,
         /// The robot, as `WORLD/ROBOT`.
         robot: String,
-        /// What there is.
+        /// The caller's rights.
         rights: Vec<Right>,
     },
 }
@@ -71,7 +71,7 @@ const MAX_LENGTH: usize = 64;
 /// The name of the grant that is no file's.
 pub(crate) const LOCAL: &str = "local";
 
-/// What the logs call a caller without a valid token.
+/// The name in the logs of a caller without a valid token.
 const NOBODY: &str = "nobody";
 
 impl Grant {

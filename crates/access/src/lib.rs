@@ -1,4 +1,4 @@
-//! Who may do what on a server: tokens, what they are good for, and the files that they are kept in.
+//! The rights of a server's callers: tokens, and the files that they are kept in.
 //!
 //! There is no network here. A server asks, and the command line writes:
 //!

@@ -1,4 +1,4 @@
-//! How long something is valid, as people write it: `30d`.
+//! A period of validity in the form `30d`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -42,7 +42,7 @@ impl Lifetime {
         Self(Duration::from_secs(days * DAY_S))
     }
 
-    /// How long it is.
+    /// The period.
     pub fn duration(self) -> Duration {
         self.0
     }

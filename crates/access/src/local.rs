@@ -49,7 +49,7 @@ pub struct LocalFiles(Vec<LocalFile>);
 #[derive(Debug)]
 struct LocalFile {
     path: PathBuf,
-    /// What is in it, as long as it is this server's.
+    /// The server's token, or empty if another server has the file.
     text: String,
 }
 
@@ -128,7 +128,7 @@ fn find_in(folders: &[PathBuf], names: &[String]) -> Result<Option<Token>, Priva
         }
         for name in names {
             match private::read(&folder.join(name), MOST_BYTES) {
-                // What is no token is of a later version, or of nobody's use.
+                // Other text belongs to a later version.
                 Ok((text, _)) => match text.trim().parse() {
                     Ok(token) => return Ok(Some(token)),
                     Err(_) => continue,

@@ -14,7 +14,7 @@ pub(crate) struct Lock {
     _file: File,
 }
 
-/// How long a program waits for another one that changes the same file.
+/// The time for which a program waits for another one that changes the same file.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Between two attempts.

@@ -1,4 +1,4 @@
-//! What a call asks of its caller, and the table of all calls.
+//! The right that each call asks of its caller.
 //!
 //! This is the one place that decides what a right is good for: [`Right::gives`](crate::Right::gives) says which needs a right
 //! meets, and [`RPCS`] says what each call needs. A call that is not in the table is refused, so that one that is added to the
@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-/// What a caller must have.
+/// A demand on a caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Need {
     /// Nothing: whoever reaches the server may.
@@ -43,7 +43,7 @@ impl Door {
     pub const ALL: [Self; 5] =
         [Self::PageFiles, Self::PageSocket, Self::Film, Self::Metrics, Self::SerialPort];
 
-    /// What a caller must have who comes this way.
+    /// The demand on a caller who comes this way.
     pub fn needs(self) -> Need {
         match self {
             Self::PageFiles => Need::Nothing,
@@ -56,8 +56,8 @@ impl Door {
     }
 }
 
-/// What a call of this method needs; `None` if there is no such method, and then the call is to be refused. The service has its
-/// full name: `needs("baudbot.v1.ControlService", "ListWorlds")`.
+/// The demand of this method's calls; `None` if there is no such method, and then the call is to be refused. The
+/// service has its full name: `needs("baudbot.v1.ControlService", "ListWorlds")`.
 pub fn needs(service: &str, method: &str) -> Option<Need> {
     let (_, methods) = RPCS.iter().find(|(name, _)| *name == service)?;
     methods.iter().find(|(name, _)| *name == method).map(|(_, need)| *need)
@@ -83,7 +83,7 @@ pub const RPCS: &[Service] = &[
     ("grpc.reflection.v1alpha.ServerReflection", REFLECTION),
 ];
 
-/// Who only looks reads; whatever changes a world, or takes its whole state away, is the operator's.
+/// An observer reads; whatever changes a world, or takes its whole state away, is the operator's.
 const CONTROL: &[(&str, Need)] = &[
     ("CreateWorld", Need::Operate),
     ("ListWorlds", Need::Observe),

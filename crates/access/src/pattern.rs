@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use baudbot_fields::printable::Printable;
 
-/// Which robots may be driven: `wander/alice`, `class-*/robot1`, `*/*`.
+/// The robots that may be driven: `wander/alice`, `class-*/robot1`, `*/*`.
 ///
 /// A `*` stands for any characters of a name, also for none, and never for the slash between the parts.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -23,11 +23,11 @@ struct Part(String);
 #[error("`{}` is not a pattern of robots: {problem}", Printable(brief(text)))]
 pub struct BadPattern {
     text: String,
-    /// What is wrong with it.
+    /// The fault in it.
     pub problem: PatternProblem,
 }
 
-/// What is wrong with a pattern.
+/// A fault in a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PatternProblem {
     /// It does not have two parts.

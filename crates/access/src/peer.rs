@@ -36,7 +36,7 @@ fn user_of(stream: &TcpStream) -> Option<u32> {
     let list = fs::read_to_string(file).ok()?;
     let wanted = format!("{} {} ", hexadecimal(peer), hexadecimal(own));
     let line = list.lines().find_map(|line| line.split_once(": ")?.1.strip_prefix(&wanted))?;
-    // What follows: state, queues, timer, retransmits, and the user.
+    // The fields behind it: state, queues, timer, retransmits, and the user.
     line.split_whitespace().nth(4)?.parse().ok()
 }
 

@@ -9,17 +9,17 @@ use baudbot_fields::printable::Printable;
 use rustix::fs::OFlags;
 use tempfile::NamedTempFile;
 
-/// Why a private file cannot be used.
+/// A reason why a private file cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PrivateError {
     /// The system refuses something.
     #[error("cannot {action} {}: {source}", shown(path))]
     Io {
-        /// What.
+        /// The action that failed.
         action: &'static str,
         /// With which file or folder.
         path: PathBuf,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
     /// Others may read it or write to it.
@@ -64,7 +64,7 @@ pub enum PrivateError {
     Kind {
         /// It.
         path: PathBuf,
-        /// What it should be: `a file` or `a folder`.
+        /// The kind that it should have: `a file` or `a folder`.
         wanted: &'static str,
     },
     /// It is too long to be what it should be.
@@ -103,8 +103,8 @@ impl PrivateError {
     }
 }
 
-/// What tells one content of a file from the next without reading it: any change of it, of its mode or its owner, and another
-/// file in its place.
+/// A mark that tells one content of a file from the next without reading it: any change of it, of its mode or its
+/// owner, and another file in its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Stamp {
     device_and_inode: (u64, u64),
@@ -126,7 +126,7 @@ pub(crate) fn read(path: &Path, most: u64) -> Result<(String, Stamp), PrivateErr
 /// is the old file or the new one.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), PrivateError> {
     let failed = |source| PrivateError::Io { action: "write", path: path.to_owned(), source };
-    // Where a link leads, the link stays.
+    // A link stays, and the file at its end is replaced.
     let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let folder = folder_of(&real);
     // Its mode is 0600.

@@ -8,7 +8,7 @@ use baudbot_fields::printable::Printable;
 use crate::need::Need;
 use crate::pattern::{BadPattern, DrivePattern, brief};
 
-/// What the holder of a token may do.
+/// A right of a token's holder.
 ///
 /// In files it is `observe`, `operate`, `train` or `drive WORLD/ROBOT`.
 ///

@@ -7,7 +7,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use sha2::{Digest, Sha256};
 
-/// What every token begins with, so that people and scanners for leaked secrets recognise it.
+/// The beginning of every token, by which people and scanners for leaked secrets recognise it.
 pub const PREFIX: &str = "baudbot_";
 
 /// Characters after the prefix: 32 bytes in base64url.
@@ -68,7 +68,7 @@ impl Token {
         PREFIX.to_owned() + &URL_SAFE_NO_PAD.encode(self.0)
     }
 
-    /// What can be kept of it: `printf %s "$TOKEN" | sha256sum` prints the same.
+    /// The hash, which may be kept: `printf %s "$TOKEN" | sha256sum` prints the same.
     pub fn hash(&self) -> TokenHash {
         TokenHash(Sha256::digest(self.reveal()).into())
     }

@@ -61,7 +61,7 @@ impl Tokens {
         Self { is_unreadable: true, ..self }
     }
 
-    /// Why tokens are refused that are not among these.
+    /// The refusal of tokens that are not among these.
     fn unknown(&self) -> Refused {
         if self.is_unreadable { Refused::Unreadable } else { Refused::Unknown }
     }
@@ -76,7 +76,7 @@ impl Tokens {
         self.generation
     }
 
-    /// How many there are, whether they have expired or not.
+    /// The number of tokens, whether they have expired or not.
     pub fn len(&self) -> usize {
         self.grants.len()
     }

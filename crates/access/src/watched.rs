@@ -26,7 +26,7 @@ pub struct Watched {
     look: Mutex<Look>,
 }
 
-/// What was there when the file was last looked at.
+/// The state of the file at the last look.
 #[derive(Debug)]
 struct Look {
     at: Instant,
@@ -37,12 +37,12 @@ struct Look {
     spare: Option<File>,
 }
 
-/// What a look at the file has found; a line for the log.
+/// The result of a look at the file; a line for the log.
 #[derive(Debug)]
 pub enum News {
     /// It has changed, and these grants are in effect.
     Changed {
-        /// How many there are, with those that the server was started with.
+        /// The number of tokens, with those that the server was started with.
         tokens: usize,
     },
     /// It has changed, and cannot be read any more: what was in effect remains so for [two seconds](Watched). This is told once for

@@ -65,7 +65,7 @@ impl BareDecoder {
         is_same && other.collected.len() < other.length.max(1)
     }
 
-    /// How many incomplete messages have been discarded.
+    /// The number of incomplete messages that have been discarded.
     pub const fn discarded(&self) -> u64 {
         self.discarded
     }

@@ -1,4 +1,4 @@
-//! How one number crosses the wire.
+//! The encoding of one number on the wire.
 //!
 //! A microcontroller has no real numbers: its converter gives a level, its counter register wraps, its motor driver
 //! takes a signed step. An [`Encoding`] says which of these a value is, and so how many bytes it costs and how much
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::LayoutError;
 
-/// How one number crosses the wire.
+/// The encoding of one number on the wire.
 ///
 /// Every method is total: a number of bits outside the permitted range counts as the nearest permitted one
 /// ([`check`](Self::check) reports it). NaN becomes the code 0 of the integer encodings.

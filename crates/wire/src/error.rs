@@ -29,7 +29,7 @@ pub enum WriteError {
     /// A text cannot say the value, as its encoding has no codes.
     #[error("value {index} has no code that a text could say")]
     NoCode {
-        /// Which value, counted from 0.
+        /// The index of the value, counted from 0.
         index: usize,
     },
 }

@@ -69,7 +69,7 @@ pub fn encode(payload: &[u8], out: &mut [u8]) -> Result<usize, NoRoom> {
 pub struct Decoder {
     /// The bytes since the last delimiter, still stuffed.
     collected: Buffer<{ MAX_FRAME - 1 }>,
-    /// How many bytes have come since the buffer was full.
+    /// The number of bytes since the buffer was full.
     dropped: u32,
 }
 
@@ -106,7 +106,7 @@ impl Decoder {
     }
 }
 
-/// Why the bytes before a delimiter are no frame.
+/// A reason why the bytes before a delimiter are no frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum FrameError {
     /// More bytes than the longest frame has.
@@ -377,7 +377,7 @@ mod tests {
         assert!(serde_json::from_str::<Decoder>(&text).is_err());
     }
 
-    /// Where the bytes of a frame are data rather than stuffing.
+    /// The positions at which the bytes of a frame are data rather than stuffing.
     fn unstuffed_positions(frame: &[u8]) -> Vec<usize> {
         let mut code_at = 0;
         (0..frame.len() - 1)

@@ -15,7 +15,7 @@ use crate::frame::MAX_PAYLOAD;
 pub struct Layout<'a> {
     /// The encodings of all sensors' components, sensor by sensor.
     pub components: &'a [Encoding],
-    /// How many of `components` each sensor has, in the same order.
+    /// The number of `components` of each sensor, in the same order.
     pub counts: &'a [u8],
     /// The encodings of the motor signals.
     pub motors: &'a [Encoding],

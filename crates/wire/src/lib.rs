@@ -10,9 +10,9 @@
 //! 3. [`message`] gives a payload its **meaning**: readings, a command, or a request for readings.
 //! 4. [`encoding`] turns the bytes of each value into a number, and [`clock`] those of a time into an instant.
 //!
-//! What is in a message, in which order and in how many bytes, is a [`Layout`] that both ends have beforehand.
-//! [`bare`] is an alternative to all this: values and nothing else, as the lecture notes count them. [`khepera`] is
-//! another: lines of text, as a real robot speaks them.
+//! The content of a message, its order and its sizes are a [`Layout`] that both ends have beforehand. [`bare`] is an
+//! alternative to all this: values and nothing else, as the lecture notes count them. [`khepera`] is another: lines
+//! of text, as a real robot speaks them.
 //!
 //! Apart from these stand the formats of sensors that have a wire of their own: [`scip`], a laser range finder;
 //! [`nmea`], a satellite navigation receiver; [`line_image`], a line camera. Each message is written into the caller's

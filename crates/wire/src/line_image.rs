@@ -34,7 +34,7 @@ pub struct Column {
     pub depth_mm: u16,
 }
 
-/// How many bytes a message has; `usize::MAX` if that is beyond this machine.
+/// The number of bytes of a message; `usize::MAX` if that is beyond this machine.
 pub const fn encoded_len(columns: u16, rows: u16) -> usize {
     let column_len = 3 * rows as u64 + 2;
     let len = HEADER_LEN as u64 + columns as u64 * column_len + CRC_LEN as u64;
@@ -96,9 +96,9 @@ pub fn encode(
 pub struct LineImage<'a> {
     /// Counts the camera's frames; wraps after 65,535.
     pub sequence: u16,
-    /// How many columns it has.
+    /// The number of columns.
     pub columns: u16,
-    /// How many rows it has. They are alike if a simulated camera sent them.
+    /// The number of rows. They are alike if a simulated camera sent them.
     pub rows: u16,
     /// Row by row.
     pixels: &'a [[u8; 3]],
@@ -125,7 +125,7 @@ impl<'a> LineImage<'a> {
     }
 }
 
-/// Why bytes are not a frame.
+/// A reason why bytes are not a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ParseError {
     /// The first bytes are not those of a message.
@@ -152,7 +152,8 @@ pub enum ParseError {
     },
 }
 
-/// How many bytes the message has that begins at the front of `received`, or `None` if its header is not complete yet.
+/// The number of bytes of the message that begins at the front of `received`, or `None` if its header is not complete
+/// yet.
 ///
 /// The header has no checksum of its own. A receiver that knows the camera's columns and rows compares the length with
 /// [`encoded_len`] of them, and skips a byte if it is another; one that does not must at least have an upper bound, or

@@ -130,10 +130,10 @@ impl<'a> Readings<'a> {
 /// One sensor's part of a readings message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry<'a> {
-    /// Which sensor of the layout.
+    /// The index of the sensor in the layout.
     pub sensor: usize,
-    /// How long before the frame's time it was sampled, in units of 100 µs; 255 means that or longer. `None` if the
-    /// layout has no ages.
+    /// The age of the sample at the frame's time, in units of 100 µs; 255 means that or longer. `None` if the layout
+    /// has no ages.
     pub age_100us: Option<u8>,
     /// Its components. Those sent as `Float64` may be NaN or infinite.
     pub values: Values<'a>,
@@ -194,7 +194,7 @@ impl<'a> Command<'a> {
     }
 }
 
-/// Why a payload makes no sense under a layout.
+/// A reason why a payload makes no sense under a layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum MessageError {
     /// Another version of the protocol.
@@ -231,7 +231,7 @@ pub enum MessageError {
     /// A motor signal is NaN or infinite.
     #[error("motor signal {index} is not finite")]
     NotFinite {
-        /// Which motor, counted from 0.
+        /// The index of the motor, counted from 0.
         index: usize,
     },
 }
@@ -239,8 +239,8 @@ pub enum MessageError {
 /// One sensor's new sample, to be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<'a> {
-    /// How long before the frame's time it was sampled, in units of 100 µs; see [`age_100us`](crate::age_100us).
-    /// Not sent if the layout has no ages.
+    /// The age of the sample at the frame's time, in units of 100 µs; see [`age_100us`](crate::age_100us). Not sent
+    /// if the layout has no ages.
     pub age_100us: u8,
     /// One value for each component of the sensor.
     pub values: &'a [f64],
@@ -328,7 +328,7 @@ mod tests {
     use super::*;
     use crate::frame::MAX_PAYLOAD;
 
-    /// What an owner of a layout holds, with values to send.
+    /// A layout's data, owned, with values to send.
     #[derive(Clone, Debug)]
     struct Owner {
         components: Vec<Encoding>,

@@ -46,7 +46,7 @@ pub enum Found {
     Junk,
 }
 
-/// Why a message is no reading.
+/// A reason why a message is no reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ReadError {
     /// The scan did not arrive whole.

@@ -89,7 +89,7 @@ fn vectors() -> impl Iterator<Item = Vector> {
     })
 }
 
-/// What a reader finds in the vector's bytes, in the words of the file.
+/// The vector's bytes as a reader understands them, in the words of the file.
 fn read(vector: &Vector) -> String {
     let mut decoder = Decoder::new();
     let mut found = Vec::new();

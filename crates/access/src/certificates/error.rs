@@ -1,4 +1,4 @@
-//! Why there is no certificate.
+//! The reasons why there is no certificate.
 
 use std::path::PathBuf;
 use std::time::SystemTime;
@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use crate::date;
 use crate::private::{PrivateError, shown};
 
-/// Why there is no certificate, or no authority.
+/// A reason why there is no certificate, or no authority.
 #[derive(Debug, thiserror::Error)]
 pub enum CertificateError {
     /// A file cannot be read or written.
@@ -31,7 +31,7 @@ pub enum CertificateError {
         path: PathBuf,
         /// The file with the key.
         key: PathBuf,
-        /// What is wrong with it.
+        /// The defect of the certificate.
         problem: BadCertificate,
     },
     /// The certificate would be valid longer than the authority.
@@ -56,7 +56,7 @@ pub enum CertificateError {
     Make(#[from] rcgen::Error),
 }
 
-/// What is wrong with the certificate of an authority.
+/// A defect of an authority's certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BadCertificate {
     /// It is none.

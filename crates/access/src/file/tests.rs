@@ -35,7 +35,7 @@ fn at(seconds: u64) -> SystemTime {
     UNIX_EPOCH + Duration::from_secs(seconds)
 }
 
-/// What is said of a file with this text, without its path.
+/// The error of a file with this text, without its path.
 fn said(text: &str) -> String {
     let (_folder, file) = file(text);
     let error = file.read().unwrap_err().to_string();
@@ -270,7 +270,7 @@ proptest! {
         let _ = parse::grants(path, &text);
         let whole = format!("version = 1\n{}{tail}", entry("alice", HASH));
         if let Ok(grants) = parse::grants(path, &whole) {
-            // What can be read can be changed, and read again.
+            // A file that can be read can be changed, and read again.
             let less = edit::without(&whole, 0).unwrap();
             prop_assert_eq!(parse::grants(path, &less).unwrap().len() + 1, grants.len());
             let more = edit::with(&less, &grants[0]).unwrap();

@@ -1,4 +1,4 @@
-//! Where a command begins and ends in a stream of bytes, and what it means.
+//! The bounds of commands in a stream of bytes, and their meaning.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,13 +18,13 @@ const MOST_SCRIPT: usize = 100;
 pub const BAUDS: [u32; 12] =
     [300, 600, 1200, 2400, 4800, 9600, 14_400, 19_200, 28_800, 38_400, 57_600, 115_200];
 
-/// What the interface obeys.
+/// A mode of the interface, by the commands that it obeys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Mode {
     /// Nothing but Start and Reset.
     #[default]
     Off,
-    /// What does not move anything.
+    /// Commands that move nothing.
     Passive,
     /// Everything, until a cliff, a dropped wheel or a charger ends it.
     Safe,
@@ -172,13 +172,13 @@ pub enum Command<'a> {
     Stream(&'a [u8]),
     /// 150: a stream that was asked for goes on, or pauses.
     Resume(bool),
-    /// What has no effect here: digital outputs, the infra-red sender, scripts and waits of a Create 1, the schedule and the
-    /// buttons of a Create 2. Has the opcode.
+    /// A command that has no effect here: digital outputs, the infra-red sender, scripts and waits of a Create 1, the
+    /// schedule and the buttons of a Create 2. Has the opcode.
     Without(u8),
 }
 
 impl<'a> Command<'a> {
-    /// What bytes mean that [`Commands`] found; `None` if they are no command of this robot's.
+    /// The meaning of bytes that [`Commands`] found; `None` if they are no command of this robot's.
     pub fn parse(version: Version, bytes: &'a [u8]) -> Option<Self> {
         let (&opcode, data) = bytes.split_first()?;
         if bytes.len() != len(version, bytes) {

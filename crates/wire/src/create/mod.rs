@@ -39,7 +39,7 @@ pub use stream::{
 
 use serde::{Deserialize, Serialize};
 
-/// Which robot speaks.
+/// The model of the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Version {
     /// The Create of 2007: 57,600 baud, packets 0 to 42.
@@ -66,7 +66,7 @@ impl Version {
         }
     }
 
-    /// How many songs it keeps: 16, or 5 of a Create 2 (recalled; pycreate2 uses four).
+    /// The number of songs that it keeps: 16, or 5 of a Create 2 (recalled; pycreate2 uses four).
     pub const fn songs(self) -> u8 {
         match self {
             Self::One => 16,

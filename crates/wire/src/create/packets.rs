@@ -44,7 +44,7 @@ packets! {
     VirtualWall = 13, 1;
     /// Bits of motors that take too much current.
     Overcurrents = 14, 1;
-    /// How much dirt is heard; 0 of a Create 1.
+    /// The amount of dirt that is heard; 0 of a Create 1.
     Dirt = 15, 1;
     /// Always 0.
     Unused16 = 16, 1;
@@ -86,11 +86,11 @@ packets! {
     ChargingSources = 34, 1;
     /// The [`Mode`](super::Mode).
     OiMode = 35, 1;
-    /// Which song was last played.
+    /// The number of the last song.
     SongNumber = 36, 1;
     /// 1 while a song is played.
     SongPlaying = 37, 1;
-    /// How many packets are in the stream.
+    /// The number of packets in the stream.
     StreamPackets = 38, 1;
     /// Signed: of the last [`Drive`](super::Command::Drive), in mm/s.
     RequestedVelocity = 39, 2;

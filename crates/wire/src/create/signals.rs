@@ -1,18 +1,18 @@
-//! Which sensor of ours is in which packet.
+//! The packets of our sensors.
 
 use super::{Packet, Version};
 use crate::encoding::Encoding;
 use crate::error::LayoutError;
 use crate::layout::Layout;
 
-/// Where a component of a sensor stands: in a packet, or in one bit of it.
+/// The place of a sensor's component: in a packet, or in one bit of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Signal {
     /// The packet.
     pub packet: Packet,
-    /// Which bit of it, from the least, if it is only one.
+    /// The bit, from the least, if it is only one.
     pub bit: Option<u8>,
-    /// How many bits its encoding must have.
+    /// The number of bits that its encoding must have.
     pub bits: u8,
 }
 
@@ -20,7 +20,7 @@ pub struct Signal {
 const SIGNAL_BITS: u8 = 12;
 
 impl Signal {
-    /// Where this component, counted from 0, of the sensor of this name stands; `None` if the robot tells nothing of it.
+    /// The place of this component, counted from 0, of the sensor of this name; `None` if the robot has no such packet.
     pub fn of(version: Version, sensor: &str, component: usize) -> Option<Self> {
         let whole = |packet, bits| Self { packet, bit: None, bits };
         let one = |packet, bit| Self { packet, bit: Some(bit), bits: 1 };

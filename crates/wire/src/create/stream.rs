@@ -45,7 +45,7 @@ pub fn write_stream(
     len
 }
 
-/// What a program writes before it is told and obeyed: Start, Full, and the stream that it wants.
+/// The bytes that a program writes before all else: Start, Full, and the stream that it wants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Opening<'a> {
     /// The packets of the stream.
@@ -53,7 +53,7 @@ pub struct Opening<'a> {
 }
 
 impl Opening<'_> {
-    /// How many bytes that are.
+    /// The number of those bytes.
     pub const fn size(self) -> usize {
         4 + self.ids.len()
     }
@@ -77,13 +77,13 @@ pub struct Stream {
     collected: Buffer<{ MOST_STREAMED + 3 }>,
 }
 
-/// Why a message of a stream is lost.
+/// A reason why a message of a stream is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum StreamError {
     /// Its bytes do not add up to 0.
     #[error("the bytes of a message add up to {found}, not to 0")]
     Sum {
-        /// What they add up to, modulo 256.
+        /// Their sum, modulo 256.
         found: u8,
     },
 }
@@ -128,10 +128,10 @@ impl Stream {
     }
 }
 
-/// What is in a message of a stream.
+/// The content of a message of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Payload<'a> {
-    /// Which robot speaks.
+    /// The model of the robot.
     pub version: Version,
     /// Numbers and data, as [`Stream::push`] gives them.
     pub bytes: &'a [u8],

@@ -10,7 +10,7 @@ use super::*;
 use crate::encoding::Encoding;
 use crate::layout::Layout;
 
-/// What the bytes mean, command by command; `None` is a byte that is passed over.
+/// The meaning of the bytes, command by command; `None` is a byte that is passed over.
 fn meanings(version: Version, bytes: &[u8]) -> Vec<Option<std::string::String>> {
     let mut commands = Commands::new(version);
     let mut found = Vec::new();
@@ -92,7 +92,7 @@ fn commands_of_one_robot_alone_are_understood_by_that_one() {
     ] {
         assert_eq!(one(Version::One, bytes), command);
     }
-    // What the other has is no opcode, and its data are none either.
+    // The other model's opcodes are none here, and neither are their data.
     assert_eq!(meanings(Version::One, &[7, 146, 173]), [None, None, None]);
     assert_eq!(meanings(Version::Two, &[152, 1, 2]), [None, None, None]);
     assert_eq!(meanings(Version::Two, &[167; 16]).len(), 1);
@@ -269,7 +269,7 @@ proptest! {
             let _ = stream.push(byte);
         }
         prop_assert!(Stream::new(Version::Two, &ids).may_become(&stream));
-        // What looks like the beginning of one may cost the next.
+        // Bytes that look like the beginning of a message may cost the next one.
         let found = message[..len].repeat(3).iter().filter(|&&byte| matches!(stream.push(byte), Some(Ok(_)))).count();
         prop_assert!(found >= 1, "{found}");
     }

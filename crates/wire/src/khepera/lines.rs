@@ -1,4 +1,4 @@
-//! Where a line begins and ends in a stream of bytes.
+//! The bounds of lines in a stream of bytes.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -12,7 +12,7 @@ pub struct Lines {
     ends: Ends,
     /// The bytes since the last end of a line.
     collected: Buffer<MAX_LINE>,
-    /// How many bytes have come since the buffer was full.
+    /// The number of bytes since the buffer was full.
     dropped: u32,
 }
 
@@ -64,7 +64,7 @@ enum Ends {
     Feed,
 }
 
-/// Why a line makes no sense.
+/// A reason why a line makes no sense.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum LineError {
     /// More characters than any line has.
@@ -72,7 +72,7 @@ pub enum LineError {
     TooLong {
         /// The most that there may be.
         limit: usize,
-        /// How many there were.
+        /// The number of values in the line.
         found: usize,
     },
     /// Nothing stands in it.
@@ -95,13 +95,13 @@ pub enum LineError {
     /// A number is none.
     #[error("number {index} is not a whole number of at most {MAX_DIGITS} digits")]
     Number {
-        /// Which one, counted from 0.
+        /// The index of the value, counted from 0.
         index: usize,
     },
     /// A number is no code of its encoding.
     #[error("number {index} is beyond its encoding")]
     Range {
-        /// Which one, counted from 0.
+        /// The index of the value, counted from 0.
         index: usize,
     },
 }

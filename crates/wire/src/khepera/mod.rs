@@ -263,7 +263,7 @@ pub struct Numbers<'a> {
 }
 
 impl<'a> Numbers<'a> {
-    /// What stands behind the letter, if it is a number for each encoding.
+    /// Reads the values behind the letter, a number for each encoding.
     fn parse(text: &'a [u8], encodings: &'a [Encoding]) -> Result<Self, LineError> {
         let told = || encodings.iter().filter(|encoding| !is_counter(encoding));
         let expected = told().count();
@@ -297,7 +297,7 @@ impl Iterator for Numbers<'_> {
     }
 }
 
-/// What stands between the comma at the front of `text` and the next one, and all from that on.
+/// The text between the comma at the front of `text` and the next one, and the rest from that on.
 fn field(text: &[u8]) -> Option<(&[u8], &[u8])> {
     let text = text.strip_prefix(b",")?;
     text.split_at_checked(text.iter().position(|&byte| byte == b',').unwrap_or(text.len()))

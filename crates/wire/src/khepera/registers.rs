@@ -46,7 +46,7 @@ pub enum Register {
     Speed(Side),
     /// Position counter of a wheel, in pulses.
     Position(Side),
-    /// Which analog input is asked for.
+    /// The number of the analog input.
     InputNumber,
     /// The reading of the analog input, 10 bits.
     Input,
@@ -60,9 +60,9 @@ pub enum Register {
     Mode(Side),
     /// The error to the target in pulses, or to the speed in pulses per 10 ms.
     Error(Side),
-    /// Which LED is meant.
+    /// The number of the LED.
     LedNumber,
-    /// What is done to it: 0 off, 1 on, 2 the other.
+    /// The action: 0 off, 1 on, 2 the other.
     LedAction,
     /// Ambient light at the n-th infra-red sensor, 10 bits, lower where it is brighter.
     Ambient(u8),
@@ -72,7 +72,7 @@ pub enum Register {
     BusAddress,
     /// The byte on the extension bus.
     BusByte,
-    /// Which turret is spoken to.
+    /// The turret.
     Turret,
 }
 

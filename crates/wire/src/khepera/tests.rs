@@ -283,7 +283,7 @@ fn a_layout_that_lines_cannot_say_is_named() {
     assert_eq!(error, "a line of 600 characters, but the longest has 511");
 }
 
-/// What a line sets, and what is answered if every register holds 7.
+/// The registers that a line sets, and the answer to it if every register holds 7.
 fn exchange(line: &[u8]) -> Result<(Vec<i32>, String), LineError> {
     let access = Access::parse(line)?;
     let answer = written(|out| write_answer(access.command, |_| Some(7), out));

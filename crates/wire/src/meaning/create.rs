@@ -12,7 +12,7 @@ pub const PATIENCE_NS: u64 = 500_000_000;
 /// Most bytes of questions that wait for their answers. Of what is asked beyond them the answers are not understood.
 const MOST_ASKED: usize = 512;
 
-/// What has been asked, and the stream that is under way.
+/// The last requests, and the stream that is under way.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Conversation {
     /// Finds the commands of the robot that was last listened to.
@@ -29,7 +29,7 @@ impl Conversation {
         self.commands = None;
     }
 
-    /// Where the bytes to the robot are cut, the last of which is this.
+    /// Cuts the bytes to the robot, the last of which is this.
     pub(super) fn cut_command(&mut self, version: Version, byte: u8) -> Cut {
         let fits = self.commands.as_ref().is_some_and(|(of, _)| *of == version);
         if !fits {
@@ -57,7 +57,7 @@ impl Conversation {
         commands::read(version, bytes)
     }
 
-    /// Where the bytes of the robot's are cut, the last of which came at `at_ns`.
+    /// Cuts the robot's bytes, the last of which came at `at_ns`.
     pub(super) fn cut_answer(&mut self, version: Version, at_ns: u64, bytes: &[u8]) -> Cut {
         let is_complete = |len: usize| if bytes.len() >= len { Cut::After } else { Cut::Wait };
         if bytes.len() == 1 {
@@ -74,7 +74,7 @@ impl Conversation {
         }
     }
 
-    /// What the bytes belong to that begin so.
+    /// The kind of message that begins with these bytes.
     fn kind(&self, version: Version, bytes: &[u8]) -> Kind {
         let answer = self.asked.first().map(|ids| listed_len(version, ids));
         let streamed = if self.is_streaming() { self.streamed.used() } else { &[] };
@@ -108,7 +108,7 @@ impl Conversation {
     }
 }
 
-/// What bytes of the robot's belong to.
+/// A kind of message of the robot's.
 enum Kind {
     /// The next byte tells.
     Undecided,

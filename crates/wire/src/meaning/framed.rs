@@ -78,7 +78,7 @@ pub(super) fn add_signals(meaning: &mut Meaning, signals: impl Iterator<Item = f
     }
 }
 
-/// What a message says of itself to those who have no layout.
+/// The part of a message's meaning that needs no layout.
 fn without_layout(payload: &[u8], at_ns: u64) -> Meaning {
     let len = Count(payload.len(), "byte");
     match *payload {

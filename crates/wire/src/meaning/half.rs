@@ -5,7 +5,7 @@ use super::{Direction, Item, Meaning};
 #[derive(Clone, Debug)]
 pub(super) struct Half<B> {
     memory: B,
-    /// How many bytes of the memory are used.
+    /// The number of bytes of the memory that are used.
     len: usize,
     /// The instant of the first of them.
     from_ns: u64,
@@ -18,7 +18,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Half<B> {
         Self { memory, len: 0, from_ns: 0, last_ns: [0; 2] }
     }
 
-    /// How many bytes a message may have.
+    /// The number of bytes that a message may have.
     pub(super) fn room(&self) -> usize {
         self.memory.as_ref().len()
     }

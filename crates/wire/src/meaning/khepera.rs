@@ -5,7 +5,7 @@
 use super::Meaning;
 use super::text::Ascii;
 
-/// What the letter of a command means.
+/// The meaning of a command's letter.
 struct Word {
     letter: u8,
     asks: &'static str,
@@ -104,7 +104,7 @@ pub(super) fn read_answer(bytes: &[u8]) -> Meaning {
     meaning
 }
 
-/// What stands behind the commas.
+/// The texts behind the commas.
 fn fields(rest: &[u8]) -> impl Iterator<Item = &[u8]> {
     rest.split(|&byte| byte == b',').skip(1)
 }

@@ -60,7 +60,7 @@ use crate::create::Version;
 use crate::frame::DELIMITER;
 use crate::layout::Layout;
 
-/// Which way a byte goes.
+/// The direction of a byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Direction {
     /// From the robot or the device to the laptop.
@@ -69,17 +69,17 @@ pub enum Direction {
     Down,
 }
 
-/// What is said on a cable.
+/// The protocol of a cable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Protocol<'a> {
     /// Frames with a CRC.
     Framed {
-        /// What is in the messages; without it only their kinds are told.
+        /// The content of the messages; without it only their kinds are known.
         layout: Option<Layout<'a>>,
     },
     /// Values and nothing else.
     Bare {
-        /// What is in the messages.
+        /// The content of the messages.
         layout: Layout<'a>,
         /// The longest pause within a message, in nanoseconds.
         gap_ns: u64,
@@ -110,7 +110,7 @@ impl Protocol<'_> {
 /// A cable, as far as its two ends have agreed on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cable<'a> {
-    /// What is said on it.
+    /// The cable's protocol.
     pub protocol: Protocol<'a>,
     /// The names of the layout's sensors, in its order. One that is missing goes by its number.
     pub names: &'a [&'a str],
@@ -119,7 +119,7 @@ pub struct Cable<'a> {
 /// A byte on a cable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Heard {
-    /// Which way it goes.
+    /// The direction.
     pub direction: Direction,
     /// When it is at the end of its way, in nanoseconds. Instants of a direction do not go back.
     pub at_ns: u64,
@@ -130,7 +130,7 @@ pub struct Heard {
 /// A part of what is said on a cable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Item<'a> {
-    /// Which way it goes.
+    /// The direction.
     pub direction: Direction,
     /// The instant of its first byte, in nanoseconds.
     pub from_ns: u64,
@@ -138,11 +138,12 @@ pub struct Item<'a> {
     pub to_ns: u64,
     /// Its bytes, at least one.
     pub bytes: &'a [u8],
-    /// What it means, in the words of the protocol; at most [`MAX_TEXT`] bytes.
+    /// The meaning, in the words of the protocol; at most [`MAX_TEXT`] bytes.
     pub text: &'a str,
     /// Whether the bytes are a whole and sound message of the protocol.
     pub is_understood: bool,
-    /// How old its oldest reading was when the last byte came, in nanoseconds; `None` if it has no reading or does not say it.
+    /// The age of its oldest reading when the last byte came, in nanoseconds; `None` if it has no reading or its
+    /// protocol has no ages.
     pub age_ns: Option<u64>,
 }
 
@@ -155,7 +156,7 @@ pub struct Analyser<B> {
     interface: Conversation,
 }
 
-/// What the last byte of those that are held means for them.
+/// The bound that the last byte makes for the bytes in hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Cut {
     /// They may be the beginning of a message.
@@ -218,7 +219,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Analyser<B> {
         }
     }
 
-    /// What is held is no whole message.
+    /// The bytes in hand are no whole message.
     fn end(&mut self, direction: Direction, why: &str, each: &mut impl FnMut(Item<'_>)) {
         self.half(direction).tell(direction, |bytes, _| Meaning::not_understood(bytes, why), each);
         if direction == Direction::Down {
@@ -233,7 +234,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Analyser<B> {
         }
     }
 
-    /// Where the bytes are cut that end with this one.
+    /// The bound that the newest byte makes.
     fn cut(&mut self, cable: &Cable<'_>, heard: Heard) -> Cut {
         let half = match heard.direction {
             Direction::Up => &self.up,
@@ -257,7 +258,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Analyser<B> {
         }
     }
 
-    /// What is held is an item.
+    /// The bytes in hand are an item.
     fn tell(&mut self, cable: &Cable<'_>, direction: Direction, each: &mut impl FnMut(Item<'_>)) {
         let Self { up, down, interface } = self;
         let half = match direction {
@@ -280,7 +281,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Analyser<B> {
     }
 }
 
-/// What was read from the bytes of an item.
+/// The meaning of an item's bytes.
 struct Meaning {
     text: Text,
     is_understood: bool,
@@ -304,7 +305,7 @@ impl Meaning {
 
     /// Writes more of the text.
     fn add(&mut self, text: impl Display) {
-        // What does not fit is cut, and that is no error.
+        // Text that does not fit is cut, and that is no error.
         let _ = write!(self.text, "{text}");
     }
 }

@@ -76,7 +76,7 @@ fn add_position(meaning: &mut Meaning, position: Option<Position>) {
     meaning.add(format_args!(", {north:.6}° {ns} {east:.6}° {ew}"));
 }
 
-/// How old a fix is at `at_ns`, if it is no older than a day.
+/// The age of a fix at `at_ns`, if it is no older than a day.
 fn age_ns(time_utc_ms: u32, at_ns: u64) -> u64 {
     let now_ms = at_ns / 1_000_000 % DAY_MS;
     (now_ms + DAY_MS).saturating_sub(time_utc_ms.into()) % DAY_MS * 1_000_000 + at_ns % 1_000_000

@@ -66,7 +66,7 @@ impl Display for Name {
     }
 }
 
-/// What a number asks for.
+/// The name of the packet or the group with a number.
 pub(super) struct PacketName {
     pub(super) version: Version,
     pub(super) id: u8,

@@ -1,4 +1,4 @@
-//! What the letters and statuses of SCIP 2.0 mean.
+//! The meaning of the letters and statuses of SCIP 2.0.
 //!
 //! Sources: Hokuyo, SCIP 2.0, C-42-03320B; of `GE`, `ME`, `RT`, `RB`, `%ST` and `%SL` hokuyolx 0.9.0.
 
@@ -7,11 +7,11 @@ pub(super) struct Kind {
     pub(super) letters: &'static [u8],
     pub(super) asks: &'static str,
     pub(super) parameters: Parameters,
-    /// What a scan has, and how many characters each has.
+    /// The values of a scan, and the number of characters of each.
     pub(super) values: Option<(&'static str, usize)>,
 }
 
-/// What stands behind the letters.
+/// The parameters behind the letters.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Parameters {
     None,
@@ -64,7 +64,7 @@ pub(super) const KINDS: [Kind; 21] = [
     kind(b"%SL", "sleep", Parameters::None),
 ];
 
-/// What a status means, where that is known.
+/// The meaning of a status, if it is known.
 pub(super) fn status_word(kind: &Kind, status: [u8; 2]) -> Option<&'static str> {
     Some(match (&status, kind.parameters) {
         (b"00", _) => "accepted",

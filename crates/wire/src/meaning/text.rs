@@ -19,7 +19,7 @@ impl Text {
         Self { bytes: [0; MAX_TEXT], len: 0, is_cut: false }
     }
 
-    /// What was written.
+    /// The text so far.
     pub fn as_str(&self) -> &str {
         // Only whole characters are written.
         core::str::from_utf8(self.bytes.get(..self.len).unwrap_or_default()).unwrap_or_default()

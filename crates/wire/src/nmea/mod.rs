@@ -48,7 +48,7 @@ pub struct Fix {
     pub course_deg: f64,
     /// Height above mean sea level in metres, at most 99,999.9 up or down.
     pub altitude_m: f64,
-    /// How many satellites are in use, 0 to 99.
+    /// The number of satellites in use, 0 to 99.
     pub satellites: u8,
     /// Horizontal dilution of precision, 0 to 99.99.
     pub hdop: f64,

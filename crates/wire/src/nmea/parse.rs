@@ -46,9 +46,9 @@ pub struct Gga {
     pub time_utc_ms: Option<u32>,
     /// `None` if the receiver has no fix, whatever else it says.
     pub position: Option<Position>,
-    /// How the fix was made: 0 not at all, 1 from satellites alone, 2 with corrections from the ground.
+    /// The kind of fix: 0 none, 1 from satellites alone, 2 with corrections from the ground.
     pub quality: u8,
-    /// How many satellites are in use.
+    /// The number of satellites in use.
     pub satellites: Option<u8>,
     /// Horizontal dilution of precision.
     pub hdop: Option<f64>,
@@ -56,7 +56,7 @@ pub struct Gga {
     pub altitude_m: Option<f64>,
 }
 
-/// Why a line is not a sentence, or not a sensible one.
+/// A reason why a line is not a sentence, or not a sensible one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ParseError {
     /// The first character, or the last three, are not those of a sentence.
@@ -73,7 +73,7 @@ pub enum ParseError {
     /// The sentence ends too early.
     #[error("there must be a field {index}, {name}, but the sentence ends before it")]
     Missing {
-        /// Which field, the sentence's name being 0.
+        /// The index of the field, the sentence's name being 0.
         index: usize,
         /// The expected content.
         name: &'static str,
@@ -81,7 +81,7 @@ pub enum ParseError {
     /// A field makes no sense.
     #[error("field {index} must be {name}, and is not")]
     Field {
-        /// Which field, the sentence's name being 0.
+        /// The index of the field, the sentence's name being 0.
         index: usize,
         /// The expected content.
         name: &'static str,
@@ -151,9 +151,9 @@ fn of_fix(position: Option<Position>, fix: bool, index: usize) -> Result<Option<
 }
 
 struct Fields<'a> {
-    /// What comes behind the last comma, if there was one.
+    /// The text behind the last comma, if there was one.
     rest: Option<&'a [u8]>,
-    /// Which field comes next.
+    /// The index of the next field.
     index: usize,
 }
 

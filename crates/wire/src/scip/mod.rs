@@ -35,7 +35,7 @@ pub use write::{EncodeError, encode};
 /// Values below this, in millimetres, are error codes: there was no measurement.
 pub const LEAST_RANGE_MM: u32 = 20;
 
-/// How many characters a value has.
+/// The number of characters of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Characters {
     /// `MS`: 12 bits, at most 4095 mm.
@@ -75,12 +75,12 @@ pub struct Format {
     pub first_step: u16,
     /// The last direction, included, `first_step` to 9999.
     pub last_step: u16,
-    /// How many neighbouring steps give one value, the least of theirs, 0 to 99; 0 means 1.
+    /// The number of neighbouring steps that give one value, the least of theirs, 0 to 99; 0 means 1.
     pub cluster: u8,
 }
 
 impl Format {
-    /// How many values a scan has. The last cluster may be of fewer steps.
+    /// The number of values of a scan. The last cluster may be of fewer steps.
     pub const fn points(&self) -> usize {
         if self.last_step < self.first_step {
             return 0;
@@ -89,16 +89,17 @@ impl Format {
         ((self.last_step - self.first_step) as usize + 1).div_ceil(cluster)
     }
 
-    /// How many bytes a scan has.
+    /// The number of bytes of a scan.
     pub const fn message_len(&self) -> usize {
         let characters = self.points() * self.characters.count();
         HEAD_LEN + characters + LINE_END_LEN * characters.div_ceil(BLOCK_LEN) + 1
     }
 
-    /// How many bytes a command has that asks for the newest scan (`GD` or `GS`), its end included.
+    /// The number of bytes of a command that asks for the newest scan (`GD` or `GS`), its end included.
     pub const QUESTION_LEN: usize = 13;
 
-    /// How many bytes the answer to such a command has: those of a scan, without the interval and the number of scans.
+    /// The number of bytes of the answer to such a command: those of a scan, without the interval and the number of
+    /// scans.
     pub const fn answer_len(&self) -> usize {
         self.message_len() - 3
     }
@@ -138,7 +139,7 @@ pub enum FormatError {
     },
 }
 
-/// Where the first message in `stream` ends: how many bytes it has, or `None` if its end has not come yet.
+/// The end of the first message in `stream`: its number of bytes, or `None` if its end has not come yet.
 ///
 /// Every message of the protocol, also one with another status, ends with the first two line feeds in a row. After a
 /// disturbance the remainder of the message goes with them, and the next one is whole.

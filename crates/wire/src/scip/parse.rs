@@ -14,9 +14,9 @@ pub struct Scan<'a> {
     pub time_ms: u32,
     /// The contents of the scan.
     pub format: Format,
-    /// How many scans are left out between two that are sent, 0 to 9.
+    /// The number of scans left out between two that are sent, 0 to 9.
     pub interval: u8,
-    /// How many scans still come, 0 to 99. 0 also if they come without an end.
+    /// The number of scans that still come, 0 to 99. 0 also if they come without an end.
     pub remaining: u8,
     /// The blocks with their checksums and line feeds.
     blocks: &'a [u8],
@@ -41,7 +41,7 @@ impl<'a> Scan<'a> {
     }
 }
 
-/// Why bytes are not a scan.
+/// A reason why bytes are not a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ParseError {
     /// The message is too short, or continues behind its end.
@@ -55,7 +55,7 @@ pub enum ParseError {
     /// A byte that cannot be in its place.
     #[error("byte {at} is {found:#04x}, where {expected} should be")]
     Byte {
-        /// Which byte, counted from 0.
+        /// The index of the byte, counted from 0.
         at: usize,
         /// The expected content.
         expected: &'static str,
@@ -65,7 +65,7 @@ pub enum ParseError {
     /// A line is not the one that was sent.
     #[error("the checksum in byte {at} is {found:#04x}, but its line has {expected:#04x}")]
     Checksum {
-        /// Which byte, counted from 0.
+        /// The index of the byte, counted from 0.
         at: usize,
         /// The checksum of the line that arrived.
         expected: u8,

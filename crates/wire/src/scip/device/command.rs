@@ -72,7 +72,7 @@ fn check_text(text: &[u8], model: Model) -> Result<(), Status> {
     }
 }
 
-/// Which command it is.
+/// The kind of command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs, reason = "they are the letters of the protocol, explained at the head of the module")]
 pub enum Kind {
@@ -94,7 +94,7 @@ pub enum Kind {
     Measure(Scans),
 }
 
-/// What of a scan is sent.
+/// The values of the scans to send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Scans {
     /// Distances in three characters.
@@ -163,11 +163,11 @@ pub(super) struct Command {
     pub(super) steps: Steps,
     /// Scans that are left out between two; of `SS` the rate; of `TM` the digit.
     pub(super) number: u32,
-    /// How many scans, 0 without an end.
+    /// The number of scans, 0 without an end.
     pub(super) scans: u8,
 }
 
-/// Which part of a scan is sent.
+/// The part of a scan that is sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Steps {
     pub(super) first: u16,

@@ -1,4 +1,4 @@
-//! What a device remembers, and what a command does to it.
+//! The memory of a device, and the effect of commands on it.
 
 use serde::{Deserialize, Serialize};
 
@@ -49,7 +49,7 @@ struct Measuring {
     head: Buffer<MAX_LINE>,
 }
 
-/// What a command came to.
+/// The answer to a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
     /// No command waits for an answer.
@@ -60,7 +60,7 @@ pub enum Answer {
     Written(Effect),
 }
 
-/// What follows an answer.
+/// The effect behind an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// Nothing outside of the device.

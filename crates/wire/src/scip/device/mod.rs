@@ -45,7 +45,7 @@ pub enum Model {
     Ust10lx,
 }
 
-/// What a device says of itself.
+/// A device's description of itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Description {
     /// Its family.

@@ -10,7 +10,7 @@ use crate::scip::{BLOCK_LEN, Characters, FIRST_CHARACTER, LEAST_RANGE_MM, LINE_F
 /// An answer on its way.
 pub(super) struct Reply<'a, E> {
     out: &'a mut E,
-    /// What of the line is not in `out` yet: a line at a time is quicker than a character.
+    /// The bytes of the line that are not in `out` yet: a line at a time is quicker than a character.
     line: [u8; BLOCK_LEN + 2],
     held: usize,
     /// The sum of the line's characters.
@@ -19,7 +19,7 @@ pub(super) struct Reply<'a, E> {
     len: usize,
 }
 
-/// What of a scan is sent, and which part.
+/// The content of a scan, and its part.
 #[derive(Clone, Copy)]
 pub(super) struct ScanLayout {
     pub(super) scans: Scans,
