@@ -1,4 +1,5 @@
-//! Where programs find a serial port: `pty:khepera.tty`, `tcp:10940`. Command lines and scenarios have the same grammar.
+//! The place at which programs find a serial port: `pty:khepera.tty`, `tcp:10940`. Command lines and scenarios have
+//! the same grammar.
 
 use alloc::borrow::ToOwned;
 use alloc::string::String;
@@ -10,7 +11,7 @@ use thiserror::Error;
 
 use crate::printable::Printable;
 
-/// Where programs find a serial port. Paths are relative to the folder of the program that opens it.
+/// The place at which programs find a serial port. Paths are relative to the folder of the program that opens it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Endpoint {
     /// A pseudo-terminal, of which this path is a symbolic link.
@@ -38,7 +39,7 @@ pub enum BadEndpoint {
     /// The kind is not known.
     #[error("`{}` is not a kind of port; there are pty, tcp, rfc2217 and unix", Printable(.kind))]
     Kind {
-        /// What stands there.
+        /// The word in that place.
         kind: String,
     },
     /// No address.
@@ -47,7 +48,7 @@ pub enum BadEndpoint {
         Printable(.address)
     )]
     Address {
-        /// What stands there.
+        /// The address that was given.
         address: String,
     },
     /// No path.

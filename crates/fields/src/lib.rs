@@ -41,7 +41,7 @@ pub use writes::{Frequency, NoWrites, Writes};
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{path}: {problem}")]
 pub struct FieldError {
-    /// Where, for instance `robots[2].sensors.front.range_m`.
+    /// The path of the field, for instance `robots[2].sensors.front.range_m`.
     pub path: String,
     /// The problem and its remedy.
     pub problem: String,

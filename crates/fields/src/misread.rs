@@ -1,4 +1,4 @@
-//! Why a value of TOML cannot be read: where in it, in words, and the cause.
+//! The reason why a value of TOML cannot be read: the place in it, words, and the cause.
 
 use alloc::boxed::Box;
 use alloc::string::{String, ToString};
@@ -9,11 +9,11 @@ use toml::Value;
 
 use crate::{Cause, words};
 
-/// Why a value of TOML is not of a type.
+/// A reason why a value of TOML is not of a type.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{problem}", if path.is_empty() { String::new() } else { alloc::format!("{path}: ") })]
 pub struct Misread {
-    /// Where in the value, such as `start.x_m`; empty for the value itself.
+    /// The path in the value, such as `start.x_m`; empty for the value itself.
     pub path: String,
     /// The problem.
     pub problem: String,
@@ -21,8 +21,8 @@ pub struct Misread {
     pub cause: Cause,
 }
 
-/// What is wrong, and where below the value that is read: each part of a value adds its place on the way out. In a box, as code for
-/// values that fit passes it on everywhere.
+/// A fault, with its place below the value that is read: each part of a value adds its place on the way out. In a
+/// box, as code for values that fit passes it on everywhere.
 #[derive(Debug)]
 pub(crate) struct Problem(pub(crate) Box<Misread>);
 

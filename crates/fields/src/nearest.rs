@@ -24,7 +24,7 @@ pub fn nearest<T>(name: &str, all: impl Iterator<Item = T>, name_of: impl Fn(&T)
     those.take(MAX_NAMES).collect()
 }
 
-/// How far a name is from another: not at all if it contains that, else Levenshtein's distance.
+/// The distance of a name from another: 0 if it contains that, else Levenshtein's.
 fn distance(name: &[char], other: &str) -> usize {
     if name.len() >= 3 && other.chars().collect::<Vec<_>>().windows(name.len()).any(|part| part == name) {
         return 0;

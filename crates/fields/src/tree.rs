@@ -121,7 +121,7 @@ impl<'de> Deserializer<'de> for Tree {
 /// The elements of a list.
 pub(crate) struct Elements {
     rest: vec::IntoIter<Value>,
-    /// How many were taken.
+    /// The number of values that were taken.
     taken: usize,
 }
 

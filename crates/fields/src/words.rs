@@ -1,4 +1,4 @@
-//! What is wrong with a value, in words of TOML and not of Rust: serde says `expected u64`, a file has whole numbers.
+//! The fault of a value, in words of TOML and not of Rust: serde says `expected u64`, a file has whole numbers.
 
 use alloc::borrow::{Cow, ToOwned};
 use alloc::format;
@@ -31,7 +31,7 @@ pub(crate) fn unknown(name: &str, known: &[&str]) -> String {
     }
 }
 
-/// Which of several names is likely to be meant by one that is none of them.
+/// A suggestion for a name that is none of the known ones.
 pub(crate) fn meant(name: &str, known: &[&str]) -> String {
     match nearest(name, known.iter(), |known| known).as_slice() {
         [one] if known.len() > 2 && is_near(name, one) => format!("; did you mean `{one}`?"),
@@ -45,7 +45,7 @@ fn is_near(name: &str, other: &str) -> bool {
     other.contains(name) || edits(&letters, other) <= letters.len().div_ceil(3)
 }
 
-/// What a type is called in a file.
+/// The name of a type in a file.
 fn wanted(expected: &str) -> Cow<'_, str> {
     let text = match expected {
         "f64" | "f32" => "a number",

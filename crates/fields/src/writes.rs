@@ -19,7 +19,7 @@ pub enum Writes {
     AtMost(Frequency),
 }
 
-/// How often something happens at most. A period of less than a tick means several times in a tick.
+/// The highest rate of an event. A period of less than a tick means several times in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Frequency(NonZeroU64);
 
@@ -37,7 +37,7 @@ impl Frequency {
 }
 
 impl Writes {
-    /// How many commands it writes in a turn at most, if a tick is so long.
+    /// The most commands that it writes in a turn, if a tick is so long.
     pub const fn in_a_turn(self, step_ns: u64) -> u64 {
         match self {
             Self::OnMessage | Self::WhenFree | Self::EveryTick => 1,
@@ -128,7 +128,7 @@ impl serde::Serialize for Writes {
     }
 }
 
-/// What stands behind the number.
+/// The unit behind the number.
 const PER_S: &str = "-per-s";
 
 const LEAST_PER_S: f64 = 1e-3;

@@ -1,4 +1,4 @@
-//! Which fields are wanted: patterns with `*` over the paths of a robot's fields.
+//! The choice of fields: patterns with `*` over the paths of a robot's fields.
 //!
 //! A pattern stands for the fields that it matches, and for all below a table that it matches: `sensors.*.noise`.
 

@@ -1,4 +1,4 @@
-//! What a fit finds: numbers with intervals, or why the log cannot tell them.
+//! The result of a fit: numbers with intervals, or reasons why the log cannot tell them.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use baudbot_fields::printable::Printable;
 
 use crate::search::{Best, Interval, Scale, Search, Unknown};
 
-/// What is known of one number after a fit.
+/// The result for one number of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The field, as a path below the robot: `link.adapter.jitter_us`. What is no field has a space in its name.
@@ -53,7 +53,7 @@ pub struct Estimate {
     pub whole: bool,
 }
 
-/// Why a log cannot tell a number.
+/// A reason why a log cannot tell a number.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the messages say it")]
 pub enum Reason {
@@ -113,7 +113,7 @@ impl fmt::Display for Reason {
     }
 }
 
-/// What is said besides of a fit.
+/// A remark on a fit.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the messages say it")]
 pub enum Remark {
@@ -129,11 +129,11 @@ pub enum Remark {
     Wanders { by_us: f64 },
     /// Echoes that nothing explains.
     Strays { echoes: usize, of: usize },
-    /// What is behind the boundaries is not uniform.
+    /// The jitter behind the boundaries is not uniform.
     Shape,
     /// Of two numbers that make up for each other one is that of the scenario.
     Kept { field: &'static str, value: f64, tells: &'static str },
-    /// What is left between log and model.
+    /// A difference remains between log and model.
     Rest { of: &'static str, rms: f64, unit: &'static str, explained: f64 },
     /// The curve of a sensor as the log has it, which the scenario may have another one of.
     Curve { sensor: String, points: Vec<[f64; 2]> },
@@ -203,7 +203,7 @@ pub fn digits(number: f64, digits: usize) -> String {
 /// Differences between a log and the numbers that were fitted to it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Residuals {
-    /// What they are differences of.
+    /// The name of the differences.
     pub title: String,
     /// The quantity along x, with its unit.
     pub x: String,
@@ -213,14 +213,14 @@ pub struct Residuals {
     pub points: Vec<(f64, f64)>,
 }
 
-/// What a model found in a log.
+/// The results of a model for a log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fitted {
     /// The numbers, in the order of the fields.
     pub findings: Vec<Finding>,
     /// The differences that are left.
     pub residuals: Vec<Residuals>,
-    /// What is said besides.
+    /// The remarks on it.
     pub remarks: Vec<Remark>,
 }
 

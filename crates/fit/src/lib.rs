@@ -82,7 +82,7 @@ enum Part {
     Response,
 }
 
-/// Which fields go to which model.
+/// Distributes the fields over the models.
 fn parts(robot: &Robot<'_>, log: &Log, wanted: &[Field]) -> Vec<(Part, Vec<Field>)> {
     let mut parts: Vec<(Part, Vec<Field>)> = Vec::new();
     for &field in wanted {

@@ -18,7 +18,7 @@ pub const REGULAR: f64 = 1.920_729;
 /// quantiles of χ² with 2, 4 and 6 degrees of freedom.
 pub const EDGES: [f64; 3] = [2.995_732, 4.743_865, 6.295_794];
 
-/// How a number is searched.
+/// The scale on which a number is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Evenly.
@@ -36,7 +36,7 @@ pub struct Unknown {
     pub from: f64,
     /// The greatest.
     pub to: f64,
-    /// How it is searched.
+    /// The scale of the search.
     pub scale: Scale,
     /// The rise of the cost at the ends of its interval.
     pub rise: f64,
@@ -93,7 +93,7 @@ pub struct Best {
     pub cost: f64,
 }
 
-/// How far a number can go.
+/// The interval of a number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interval {
     /// The lower end.
@@ -134,7 +134,7 @@ impl Search<'_> {
         Best { values: self.values(&shares), cost }
     }
 
-    /// How far a number can go from the best. If better numbers are found on the way, they replace the best.
+    /// The interval around the best value of a number. If better numbers are found on the way, they replace the best.
     pub fn interval(&self, best: &mut Best, of: usize) -> Interval {
         for _ in 0..RETRIES {
             match self.walk(best, of, SLACK) {
@@ -252,7 +252,7 @@ impl Search<'_> {
     }
 }
 
-/// Where the other numbers probably are at a distance from the best, by where they are at a smaller one.
+/// The probable values of the other numbers at a distance from the best, by those at a smaller one.
 fn ahead(best: &[f64], inside: &[f64], near: f64, distance: f64) -> Vec<f64> {
     if near <= 0.0 {
         return best.to_vec();
@@ -261,7 +261,7 @@ fn ahead(best: &[f64], inside: &[f64], near: f64, distance: f64) -> Vec<f64> {
     best.iter().zip(inside).map(|(best, inside)| (best + ratio * (inside - best)).clamp(0.0, 1.0)).collect()
 }
 
-/// Where the rise is probably reached, by what is known on this side of it, and beyond it.
+/// The distance at which the rise is probably reached, by the values on this side of it, and beyond it.
 fn next_distance(near: (f64, f64), far: Option<(f64, f64)>, rise: f64) -> f64 {
     match far {
         None => near.0 * (rise / near.1.max(1e-9)).sqrt().clamp(1.3, 30.0),
@@ -331,7 +331,7 @@ const FIRST_STEP: f64 = 1e-5;
 /// By so much a cost may be below the best before it counts as better.
 const SLACK: f64 = 0.01;
 
-/// How often a better best is taken.
+/// The number of times that a better best is taken.
 const RETRIES: usize = 12;
 
 const MOST_STEPS: usize = 40;

@@ -2,7 +2,7 @@
 
 use libm::erf;
 
-/// What is added to a reading: normal and uniform noise.
+/// The noise on a reading: normal and uniform.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Noise {
     /// Standard deviation of the normal part.
@@ -34,7 +34,7 @@ impl Noise {
         -(likelihood + LEAST).ln()
     }
 
-    /// How probable a smaller difference is.
+    /// The probability of a smaller difference.
     pub(crate) fn distribution(&self, x: f64) -> f64 {
         let (w, s) = (self.half_width, self.sigma.max(1e-12));
         if w < NEGLIGIBLE * s {
@@ -48,7 +48,7 @@ impl Noise {
 /// A uniform part that is narrower than this share of the normal one does not matter.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// What is less likely is as unlikely as this.
+/// A smaller likelihood counts as this one.
 const LEAST: f64 = 1e-12;
 
 /// The normal distribution's function.
@@ -66,7 +66,7 @@ pub(crate) struct Walk {
     log_half: f64,
     /// The sum of squares of innovations over their relative variances.
     squares: f64,
-    /// How many innovations there are.
+    /// The number of innovations.
     count: usize,
 }
 

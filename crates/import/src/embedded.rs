@@ -45,7 +45,7 @@ fn found(all: &[(&'static str, &'static str)], name: &str) -> Option<&'static st
     all.iter().find(|(other, _)| *other == name).map(|(_, text)| *text)
 }
 
-/// What it is, in one line, for lists: its description, or else the first sentence of its first comment.
+/// The summary in one line, for lists: its description, or else the first sentence of its first comment.
 pub fn summary(text: &str) -> String {
     let described = text.lines().find_map(|line| line.strip_prefix("description = \"")?.strip_suffix('"'));
     if let Some(description) = described {

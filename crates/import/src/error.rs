@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Why a scenario could not be completed. The message says where, what and how to fix it, on one line.
+/// A reason why a scenario could not be completed. The message says where, what and how to fix it, on one line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
@@ -10,7 +10,7 @@ pub enum ImportError {
     /// value that makes no sense.
     #[error("{path}: {problem}")]
     Field {
-        /// Where in the scenario, for instance `arena.maps[0].m_per_unit`.
+        /// The path in the scenario, for instance `arena.maps[0].m_per_unit`.
         path: String,
         /// The problem.
         problem: String,
@@ -18,7 +18,7 @@ pub enum ImportError {
     /// A file cannot be read, or what is in it makes no sense.
     #[error("{path}: {file}: {problem}")]
     File {
-        /// Where in the scenario, for instance `arena.maps[0].ros`.
+        /// The path in the scenario, for instance `arena.maps[0].ros`.
         path: String,
         /// The file. It is not always the one that the scenario names: a map has an image.
         file: String,
@@ -51,7 +51,7 @@ impl FileError {
     }
 }
 
-/// What other crates say goes over several lines at times.
+/// The messages of other crates go over several lines at times.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

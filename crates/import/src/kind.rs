@@ -63,7 +63,7 @@ impl Kind {
         }
     }
 
-    /// What is built in of this kind, and may be meant by a wrong name.
+    /// The built-in names of this kind that may be meant by a wrong one.
     pub(crate) fn nearest(self, wrong: &str) -> Vec<&'static str> {
         match self {
             Self::Scenario => embedded::nearest(wrong),

@@ -8,8 +8,8 @@
 //! - `[robots.sensors.NAME] lookup = "samples.csv"`: a table of measurements. It becomes a table in the text.
 //! - `[robots.microcontroller] program = "wander.hex"`: a program, as Intel HEX or ELF. It becomes a table with Intel HEX.
 //!
-//! What is read is checked as far as it must be to become shapes and numbers. Whether these make sense in
-//! the scenario, its parser says afterwards, as if they had been written by hand.
+//! A file is checked as far as it must be to become shapes and numbers. The scenario's parser then finds out whether
+//! these make sense, as if they had been written by hand.
 //!
 //! Equal files give equal text on every machine as far as maps and measurements go. Curves and turned parts
 //! of an SVG are computed in single precision by another crate, and are rounded to a micrometre.

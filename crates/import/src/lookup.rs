@@ -124,7 +124,7 @@ impl Samples {
     }
 }
 
-/// Where the columns are.
+/// The places of the columns.
 struct Columns {
     distance: usize,
     angle: Option<usize>,

@@ -1,4 +1,4 @@
-//! What there is to say about files that are sound.
+//! The notes on files that are sound.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use std::fmt;
 pub struct Note {
     /// Whether it is hardly what is wanted.
     pub weight: Weight,
-    /// Where in the scenario, for instance `arena.maps[0].unknown`.
+    /// The path in the scenario, for instance `arena.maps[0].unknown`.
     pub path: String,
     /// The file, as the scenario's folder has it.
     pub file: String,
@@ -15,7 +15,7 @@ pub struct Note {
     pub text: String,
 }
 
-/// How much a note matters.
+/// The importance of a note.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
     /// It is allowed, and hardly what is wanted.

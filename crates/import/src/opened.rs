@@ -50,7 +50,7 @@ fn first_byte(pipe: &mut File) -> io::Result<Vec<u8>> {
     }
 }
 
-/// How long a pipe may have no writer: a program that was started beside this one may take a moment.
+/// The time for which a pipe may have no writer: a program that was started beside this one may take a moment.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 const INTERVAL: Duration = Duration::from_millis(10);

@@ -8,7 +8,7 @@ use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value};
 use crate::error::{FileError, ImportError};
 use crate::{file, tables};
 
-/// Where the files are that a scenario refers to.
+/// The files that a scenario refers to.
 #[derive(Clone, Copy)]
 pub(crate) enum Files<'a> {
     /// In this folder.

@@ -1,4 +1,4 @@
-//! Where the text of a scenario is from: a file, or the program itself.
+//! The source of a scenario's text: a file, or the program itself.
 
 use std::borrow::Cow;
 use std::fs;
@@ -18,11 +18,11 @@ pub struct Source {
     pub label: String,
     /// TOML.
     pub text: String,
-    /// What there is to say about the files that are in it.
+    /// The notes on the files that are in it.
     pub notes: Vec<Note>,
 }
 
-/// Why there is no such text, on one line that begins with its name.
+/// The reason why there is no such text, on one line that begins with its name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct SourceError(String);
@@ -96,14 +96,14 @@ pub fn read(path: &str, wanted: Kind) -> Result<String, SourceError> {
     String::from_utf8(bytes).map_err(|_| unreadable(io::ErrorKind::InvalidData.into()))
 }
 
-/// What is wrong with a text that makes no sense as this kind, if it is of another.
+/// The error for a text that makes no sense as this kind, if it is of another.
 pub fn mistaken(name: &str, text: &str, wanted: Kind) -> Option<SourceError> {
     let found = Kind::of_text(text).filter(|found| *found != wanted)?;
     let (is, not, command) = (found.one(), wanted.one(), found.command(name, text));
     Some(SourceError(format!("{name}: is {is}, not {not}; run it with `{command}`")))
 }
 
-/// What is wrong with a path that has no recording, if a file of another kind is there, or it is a name that is built in.
+/// The error for a path without a recording, if a file of another kind is there, or it is a name that is built in.
 pub fn no_recording(path: &Path) -> Option<SourceError> {
     let name = path.display().to_string();
     if !path.exists() {
@@ -114,7 +114,7 @@ pub fn no_recording(path: &Path) -> Option<SourceError> {
     mistaken(&name, &text, Kind::Recording)
 }
 
-/// What each file in MCAP begins with.
+/// The first bytes of a file in MCAP.
 const RECORDING: &[u8] = b"\x89MCAP0\r\n";
 
 /// Puts the maps and tables that a scenario refers to into their places.

@@ -1,4 +1,4 @@
-//! What becomes of a scenario's text: the maps, plans and measurements that it refers to.
+//! The completion of a scenario's text: the maps, plans and measurements that it refers to.
 
 mod common;
 mod lookups;

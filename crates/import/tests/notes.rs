@@ -1,4 +1,4 @@
-//! What is said of files that are sound.
+//! The notes on files that are sound.
 
 use baudbot_import::{Note, Weight};
 

@@ -1,4 +1,4 @@
-//! What becomes of the elements of an SVG.
+//! The shapes that the elements of an SVG become.
 
 use baudbot_import::Weight;
 

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 const YAML: &str = "image: map.pgm\nresolution: 1.0\norigin: [0, 0, 0]\nnegate: 0\n";
 const SCENARIO: &str = "[[arena.maps]]\nname = \"map\"\nros = \"map.yaml\"\n";
 
-/// How often the rectangles cover each cell, by rows from the top.
+/// The number of rectangles that cover each cell, by rows from the top.
 fn covered(width: usize, cells: &[bool]) -> Vec<usize> {
     let height = cells.len() / width;
     let samples: Vec<u8> = cells.iter().map(|&is_occupied| if is_occupied { 0 } else { 255 }).collect();

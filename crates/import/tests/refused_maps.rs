@@ -1,4 +1,4 @@
-//! What is wrong with a map, and what is said about it.
+//! The errors of a map, and the words for them.
 
 use crate::common::{Folder, pgm, png};
 
@@ -123,7 +123,7 @@ fn descriptions_that_make_no_sense() {
     }
 }
 
-/// What a user of Rust or of a crate would know, and nobody else.
+/// Words that only a user of Rust or of a crate would know.
 const FOREIGN: [&str; 14] = [
     "untagged",
     "variant",

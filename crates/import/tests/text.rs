@@ -1,4 +1,4 @@
-//! What becomes of the rest of the text.
+//! The treatment of the rest of the text.
 
 use std::borrow::Cow;
 

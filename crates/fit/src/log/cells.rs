@@ -34,7 +34,7 @@ pub(super) fn text(line: &[u8]) -> Result<&str, Problem> {
     std::str::from_utf8(line).map_err(|error| Problem::Binary { byte: line[error.valid_up_to()] })
 }
 
-/// What stands between the cells of a line of names: a comma, a semicolon or a tab, whichever is there.
+/// The separator between the cells of a line of names: a comma, a semicolon or a tab, whichever is there.
 pub(super) fn separator(names: &str) -> char {
     [',', ';', '\t'].into_iter().find(|separator| names.contains(*separator)).unwrap_or(',')
 }

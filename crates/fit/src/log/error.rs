@@ -1,4 +1,4 @@
-//! What is wrong with a log, by file, line and column.
+//! The errors of a log, by file, line and column.
 
 use std::fmt;
 

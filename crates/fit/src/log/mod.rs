@@ -31,13 +31,13 @@ pub struct Log {
     pub notes: Vec<Note>,
     /// The columns of numbers that were kept.
     pub columns: Vec<Column>,
-    /// What the rows are of (a column `sensor` or `specimen`), by row.
+    /// The sensor or specimen of each row (a column `sensor` or `specimen`).
     pub labels: Option<Labels>,
     /// The line of each row in the file.
     pub lines: Vec<u64>,
     /// Rows between which the clock makes no leap: more than [`GAP`] times the median period. One if there are no times.
     pub segments: Vec<Range<usize>>,
-    /// What is odd about the log, but no error.
+    /// Oddities of the log that are no errors.
     pub warnings: Vec<Warning>,
 }
 
@@ -58,7 +58,7 @@ pub struct Note {
 /// A column of numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// What the numbers are.
+    /// The meaning of the numbers.
     pub name: Name,
     /// Its name in the file.
     pub header: String,
@@ -101,7 +101,7 @@ impl Log {
         })
     }
 
-    /// How many rows it has.
+    /// The number of rows.
     pub fn len(&self) -> usize {
         self.lines.len()
     }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::error::Problem;
 
-/// What a column of numbers is.
+/// The meaning of a column of numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Name {
     /// A quantity that every log may have.
@@ -13,7 +13,7 @@ pub enum Name {
     Reading(String),
 }
 
-/// What a log may tell, whatever the robot.
+/// A quantity that a log may have, whatever the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The time of the row.
@@ -46,7 +46,7 @@ pub enum Quantity {
     TurnRate,
 }
 
-/// What a quantity is measured in.
+/// The dimension of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum Dimension {
@@ -66,7 +66,7 @@ pub enum Dimension {
 pub struct Unit {
     /// The end of the column's name, without `_`; empty for signals.
     pub suffix: &'static str,
-    /// How much of the SI unit it is.
+    /// The unit, in SI units.
     pub si: f64,
 }
 
@@ -111,7 +111,7 @@ impl Quantity {
         }
     }
 
-    /// What it is measured in.
+    /// The dimension.
     pub const fn dimension(self) -> Dimension {
         match self {
             Self::Time | Self::Sent | Self::Received => Dimension::Time,
@@ -160,7 +160,7 @@ impl Dimension {
     }
 }
 
-/// What the name of a column means; nothing if it is not understood.
+/// The meaning of a column's name; nothing if it is not understood.
 ///
 /// # Errors
 /// If it is a quantity without a unit, or with one that is not known.

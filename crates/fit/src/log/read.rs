@@ -7,7 +7,7 @@ use super::error::{LogError, Problem, Warning};
 use super::names::{Name, Quantity, meaning};
 use super::{Column, Labels, Log, Note, times};
 
-/// How a log is to be read.
+/// The options for reading a log.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Of which robot; needed if the log has rows of several.
@@ -244,7 +244,7 @@ impl Reader<'_> {
             segments: Vec::new(),
             warnings,
         };
-        // What models read is sound.
+        // The columns that models read are sound.
         for key in NUMBERS {
             log.note(key)?;
         }
@@ -268,7 +268,7 @@ fn is_carmen(line: &str) -> bool {
     first && words.next().is_some()
 }
 
-/// What lines of CARMEN begin with.
+/// The first words of the lines of CARMEN.
 const CARMEN: [&str; 14] = [
     "ODOM",
     "FLASER",

@@ -12,7 +12,7 @@ use crate::estimate::{Reason, Remark};
 
 /// The frames of a log.
 pub(super) struct Bus {
-    /// How much faster than the log's clock the frames are.
+    /// The frames' rate by the log's clock, less 1.
     rate: f64,
     pieces: Vec<Piece>,
     pub(super) remarks: Vec<Remark>,
@@ -35,7 +35,7 @@ struct Block {
     /// The middle of its residues, and their scatter.
     phase: f64,
     scatter: f64,
-    /// How well the residues agree: 1 if all are the same, about 0 if they may be anything.
+    /// The agreement of the residues: 1 if all are the same, about 0 if they may be anything.
     agreement: f64,
 }
 
@@ -79,12 +79,12 @@ impl Bus {
         Some(time * (1.0 - self.rate) - piece.phase(time))
     }
 
-    /// Which of the pieces an echo is in.
+    /// The piece that an echo is in.
     pub(super) fn piece(&self, echo: usize) -> Option<usize> {
         self.pieces.iter().position(|piece| piece.echoes.contains(&echo))
     }
 
-    /// Where one piece ends and the next begins, by what fits the echoes between their blocks.
+    /// Settles the borders between pieces, by the piece that fits the echoes between their blocks better.
     fn settle_borders(&mut self, received: &[f64]) {
         for next in 1..self.pieces.len() {
             let (a, b) = (self.pieces[next - 1].clone(), self.pieces[next].clone());
@@ -278,7 +278,7 @@ fn groups(blocks: Vec<Block>) -> Groups {
         let span = block.at - last.at;
         let expected = last.phase + slope * span;
         let step = wrapped(block.phase - expected);
-        // What the rate is not known by; over a long gap that may be anything.
+        // The uncertainty of the rate; over a long gap that may be anything.
         let unknown = span * UNKNOWN_RATE;
         let most = LEAP + 5.0 * last.error().hypot(block.error()) + unknown;
         if step.abs() < most && unknown < 0.2 {

@@ -38,7 +38,7 @@ pub(crate) struct Echoes {
     lines: Vec<u64>,
     /// All stamps are multiples of this, in seconds.
     step_s: f64,
-    /// What was taken to be so.
+    /// The assumptions.
     pub(crate) remarks: Vec<Remark>,
 }
 

@@ -1,4 +1,4 @@
-//! What is behind the boundaries of frames: a uniform jitter, the clock's noise, and strays.
+//! The jitter behind the boundaries of frames: a uniform part, the clock's noise, and strays.
 //!
 //! A residue is uniform in a width behind the edge, with normal noise, and with a small probability it is anything within the
 //! frame: an echo that was held up. Its likelihood is the probability of the cell of its stamp. Where the uniform number does
@@ -10,7 +10,7 @@ use crate::estimate::{Estimate, Outcome, Reason, found};
 use crate::search::{Best, EDGES, Search, Unknown};
 use crate::statistics::Noise;
 
-/// What was found, in frames.
+/// The result, in frames.
 pub(super) struct Jitter {
     /// The edge, the ends of its interval, and how much it moves over the log.
     pub(super) edge: [f64; 3],
@@ -76,7 +76,7 @@ impl Residues {
         likelihoods.iter().map(|likelihood| -((1.0 - share) * likelihood + share).ln()).sum()
     }
 
-    /// How likely each residue is, and the share of strays, by a few steps of expectation and maximisation.
+    /// The probability of each residue, and the fraction of strays, by a few steps of expectation and maximisation.
     fn mixture(&self, numbers: &[f64], span: f64) -> (Vec<f64>, f64) {
         let [edge, width, sigma, rate] = numbers else { return (Vec::new(), 1.0) };
         let noise = Noise { sigma: *sigma, half_width: 0.5 * width, step: self.step };
@@ -116,7 +116,7 @@ impl Residues {
         starts.into_iter().step_by(2).take(4).map(|(_, start)| start).collect()
     }
 
-    /// How residues near the middle drift over the log, by least squares.
+    /// The drift over the log of residues near the middle, by least squares.
     fn slope(&self, span: f64, middle: f64, width: f64) -> f64 {
         let near = self.points.iter().filter(|point| (point.1 - middle).abs() < width);
         let (mut n, mut time, mut residue) = (0.0, 0.0, 0.0);
@@ -246,7 +246,7 @@ fn nothing() -> Reason {
 /// A jitter that fills more of a frame may come from times without frames.
 const MOST_FILLED: f64 = 0.75;
 
-/// How much more likely an echo must be than one that may come at any time, as a logarithm.
+/// The gain in likelihood over an echo that may come at any time that one must have, as a logarithm.
 const LEAST_GAIN: f64 = 0.25;
 
 /// With more strays there are no frames.

@@ -1,4 +1,4 @@
-//! How well a response fits its log: what it explains, and whether both motions ask for the same lag.
+//! The judgement of a response by its log: the fraction that it explains, and whether both motions ask for the same lag.
 
 use super::motion::{Kind, Segment};
 use super::response::Response;
@@ -6,7 +6,7 @@ use crate::estimate::{Estimate, Outcome, Reason, Remark, digits};
 use crate::fields::{Field, MotorField};
 use crate::search::{Best, Search};
 
-/// What is said of a fit, and why nothing is told if it is too bad.
+/// The remarks on a fit, and the reason for telling nothing if it is too bad.
 pub(super) struct Judged {
     pub(super) remarks: Vec<Remark>,
     pub(super) reason: Option<Reason>,
@@ -20,7 +20,7 @@ pub(super) struct Apart {
 }
 
 impl Response<'_> {
-    /// How much of the motion the model explains, by speeds over [`WINDOW_S`].
+    /// The fraction of the motion that the model explains, by speeds over [`WINDOW_S`].
     pub(super) fn judge(&self, values: &[f64]) -> Judged {
         let modelled = self.modelled(values);
         let mut judged = Judged { remarks: Vec::new(), reason: None };
@@ -35,7 +35,7 @@ impl Response<'_> {
                 continue;
             }
             let n = speeds.len() as f64;
-            // Where the command hardly changes, all the motion is to be explained; else what differs from its mean.
+            // If the command hardly changes, all the motion is to be explained; else its difference from its mean.
             let varies = asked == Some(true);
             let mean = if varies { speeds.iter().map(|speed| speed[0]).sum::<f64>() / n } else { 0.0 };
             let all = speeds.iter().map(|speed| (speed[0] - mean).powi(2)).sum::<f64>();
@@ -142,7 +142,7 @@ impl Apart {
     }
 }
 
-/// Where a cost is least between two numbers, by golden sections, and the least cost.
+/// The place between two numbers at which a cost is least, by golden sections, and the least cost.
 fn least(cost: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> (f64, f64) {
     let golden = 0.618_033_988_749_895;
     let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
@@ -172,7 +172,7 @@ const LEAST_ASKED: f64 = 0.01;
 /// A model must explain so much of a motion.
 const LEAST_EXPLAINED: f64 = 0.5;
 
-/// How far, as a share of the range, a motion's own lag is looked for.
+/// The reach, as a fraction of the range, of the search for a motion's own lag.
 const REACH: f64 = 0.3;
 
 /// Lags disagree if they are so many times apart, …

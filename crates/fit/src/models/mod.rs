@@ -32,7 +32,7 @@ pub struct Robot<'a> {
     pub substep_s: f64,
 }
 
-/// What a model is asked.
+/// The task of a model.
 #[derive(Clone, Copy)]
 pub(crate) struct Case<'a> {
     pub(crate) robot: Robot<'a>,
@@ -100,7 +100,7 @@ fn chosen<const N: usize>(free: &[usize], starts: &[[f64; N]]) -> Vec<Vec<f64>> 
     starts.iter().map(|start| free.iter().map(|i| start[*i]).collect()).collect()
 }
 
-/// Where a column is from that people do not have by themselves.
+/// The origin of a column that people do not have by themselves.
 fn what_for(quantity: Quantity) -> &'static str {
     if matches!(quantity, Quantity::X | Quantity::Y | Quantity::Heading) {
         ": the true pose, as from a camera above the robot or a laser's map; the odometer's own pose tells nothing of its errors"

@@ -17,7 +17,7 @@ pub(crate) struct Motion {
     pub(crate) kind: Kind,
 }
 
-/// What was measured of a motion.
+/// The kind of a motion's measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// Forward speed and turn rate.
@@ -32,7 +32,7 @@ pub(crate) struct Segment {
     pub(crate) times_s: Vec<f64>,
     /// Signals of the left and the right motor.
     pub(crate) signals: Vec<[f64; 2]>,
-    /// What was measured of the forward motion and of the turning; NaN where nothing was.
+    /// The measured forward motion and turning; NaN in place of a missing value.
     pub(crate) measured: Vec<[f64; 2]>,
 }
 
@@ -60,7 +60,7 @@ impl Motion {
         Ok(Self { segments, kind })
     }
 
-    /// How often a command changes.
+    /// The number of changes of the command.
     pub(crate) fn changes(&self) -> usize {
         let changes =
             |segment: &Segment| segment.signals.windows(2).filter(|pair| pair[0] != pair[1]).count();
@@ -165,7 +165,7 @@ pub(crate) fn along(x: &[f64], y: &[f64], heading: &[f64]) -> Vec<[f64; 2]> {
     ways
 }
 
-/// How far counted wheels have turned.
+/// The turns of counted wheels.
 pub(crate) struct Wheels {
     /// The place of the encoders among the robot's sensors.
     pub(crate) sensor: usize,

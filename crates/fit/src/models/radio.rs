@@ -28,7 +28,7 @@ const FIELDS: [AdapterField; 4] =
 struct Radio {
     echoes: Echoes,
     radio: Bluetooth,
-    /// How often an echo passes the radio.
+    /// The number of times that an echo passes the radio.
     passes: u32,
 }
 

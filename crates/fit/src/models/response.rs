@@ -1,4 +1,4 @@
-//! How a robot follows its commands: dead time, lag and full speed.
+//! A robot's response to its commands: dead time, lag and full speed.
 //!
 //! The motion is that of the simulator's own drive ([`Drive::step`]), in its Euler steps, with each command obeyed the dead
 //! time after its row. Within a step the signals are the mean of those that are in force. Left and right motor may differ by
@@ -91,7 +91,7 @@ impl<'a> Response<'a> {
         drive
     }
 
-    /// What the model has in place of what was measured, segment by segment.
+    /// The model's motion in place of the measured one, segment by segment.
     pub(super) fn modelled(&self, values: &[f64]) -> Vec<Vec<[f64; 2]>> {
         let drive = self.drive(values);
         let dead_s = self.value(values, Number::DeadTime).unwrap_or_default();
@@ -270,7 +270,7 @@ impl<'a> Response<'a> {
         }
     }
 
-    /// How many times the gain may be the scenario's before Euler's steps swing: 2 A K Δt / M < 1.
+    /// The largest factor on the scenario's gain before Euler's steps swing: 2 A K Δt / M < 1.
     fn most_gain(&self) -> f64 {
         let drive = &self.robot.model.drive;
         let share = |gain: f64| 2.0 * drive.forward_gain * gain * self.robot.substep_s / drive.mass_kg;

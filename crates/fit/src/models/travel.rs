@@ -29,7 +29,7 @@ pub(crate) fn odometer(case: &Case<'_>, sensor: usize) -> Fitted {
     }
 }
 
-/// What an odometer told less the truth, at each of its reads that the log has.
+/// The reading of an odometer less the truth, at each of its reads that the log has.
 struct Odometry {
     name: String,
     times_s: Vec<f64>,
@@ -196,7 +196,7 @@ impl Rolled {
         Ok(())
     }
 
-    /// How far the wheels turned together, or against each other, in radians.
+    /// The angle by which the wheels turned together, or against each other, in radians.
     fn turned(&self, i: usize) -> f64 {
         let steps =
             |segment: &RolledSegment| segment.turned[i].windows(2).map(|p| (p[1] - p[0]).abs()).sum::<f64>();

@@ -1,4 +1,4 @@
-//! How unevenly motors run: the factor on each wheel's signal that is drawn once a tick.
+//! The unevenness of motors: the factor on each wheel's signal that is drawn once a tick.
 //!
 //! A wheel that gets the signal s for a tick Δt rolls V s Δt (1 + σ ε). Over a window of many lags the ways of the two wheels
 //! differ from those of the model by independent normal numbers with the variance (V Δt σ)² (1 − τ / T) Σ s² + 2 r², where r is
@@ -79,7 +79,7 @@ fn windows(response: &Response<'_>, values: &[f64], full_speed_m_s: f64, gain_n_
     windows
 }
 
-/// How far the measured place is from the model's at each row.
+/// The distance of the measured place from the model's at each row.
 fn places(kind: Kind, segment: &Segment, modelled: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut place = [0.0; 2];
     let of = |row: usize| {

@@ -17,7 +17,7 @@ pub(super) struct Placed {
     pub(super) before: Option<f64>,
 }
 
-/// What explanations are searched for.
+/// The limits of the search for explanations.
 pub(super) struct Frames {
     pub(super) placed: Vec<Placed>,
     pub(super) wires: f64,
@@ -26,9 +26,9 @@ pub(super) struct Frames {
     pub(super) has_timer: bool,
     /// Whether the way down is searched; else bytes wait for the next frame downwards.
     pub(super) searches_down: bool,
-    /// How far the boundaries may be off: to earlier and to later times.
+    /// The allowance for boundaries: to earlier and to later times.
     pub(super) slack: [f64; 2],
-    /// What the scenario has.
+    /// The number in the scenario.
     pub(super) scenario_extra: u32,
 }
 
@@ -39,7 +39,7 @@ struct Explanation {
     extra: u32,
     down: f64,
     cost: f64,
-    /// How many echoes it explains.
+    /// The number of echoes that it explains.
     explained: f64,
 }
 
@@ -118,8 +118,9 @@ impl Frames {
         Explanation { period, extra, down, cost: each.sum::<f64>() + silent, explained }
     }
 
-    /// How probably an echo is received at its boundary. The packet of the echo before closed the extra frames before its boundary,
-    /// and this one's closes at the first expiry, whole periods later, at which the bytes are in the chip.
+    /// The probability that an echo is received at its boundary. The packet of the echo before closed the extra
+    /// frames before its boundary, and this one's closes at the first expiry, whole periods later, at which the bytes
+    /// are in the chip.
     fn chance(&self, echo: &Placed, period: u32, down: f64, extra: u32) -> f64 {
         let (period, extra) = (f64::from(period), f64::from(extra));
         // Without a timer any boundary may be counted from.
@@ -180,14 +181,14 @@ impl Whole {
         })
     }
 
-    /// Why nothing is told at all, if so.
+    /// The reason for telling nothing at all, if there is one.
     fn misfit(&self) -> Option<Reason> {
         let Some(best) = self.best else {
             let what = "the echoes are no whole number of any timer's periods apart".into();
             return Some(Reason::Excitation { what });
         };
         let share = best.explained / self.echoes.max(1.0);
-        // Where the way down is not searched many a chip's echoes take a frame less.
+        // Without a search for the way down, many of a chip's echoes take a frame less.
         let least = if best.down.is_nan() { 0.5 } else { LEAST_EXPLAINED };
         (share < least).then(|| Reason::Misfit {
             what: format!("no number of frames explains more than {:.0} % of the echoes", 100.0 * share),
@@ -310,7 +311,7 @@ const LEAST_EXPLAINED: f64 = 0.8;
 /// A way down that may be anything within this share of a frame is not told.
 const WIDE: f64 = 0.5;
 
-/// How early, in frames, an echo may seem to be.
+/// The lead, in frames, that an echo may seem to have.
 const EARLY: f64 = 0.02;
 
 /// Echoes sent within this share of a frame are locked to it.

@@ -17,12 +17,12 @@ pub fn scenario(toml: &str, overrides: &[&str]) -> Scenario {
     baudbot_scenario::parse_with(toml, &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What a fit finds in a log, as of the robot of a scenario.
+/// The findings of a fit of a log, as of the robot of a scenario.
 pub fn findings(scenario: &Scenario, log: &str, fields: &[&str]) -> Vec<Finding> {
     fitted(scenario, log, fields).findings
 }
 
-/// What is said besides.
+/// The remarks of the fit.
 pub fn remarks(scenario: &Scenario, log: &str, fields: &[&str]) -> Vec<Remark> {
     fitted(scenario, log, fields).remarks
 }
@@ -47,7 +47,7 @@ pub fn of<'a>(findings: &'a [Finding], path: &str) -> &'a Outcome {
     &found.unwrap_or_else(|| panic!("no {path} in {findings:?}")).outcome
 }
 
-/// How often each hidden number is within its interval.
+/// A count of the fits whose interval contains each hidden number.
 #[derive(Default)]
 pub struct Tally(Vec<(String, u32, Vec<String>)>);
 

@@ -33,7 +33,7 @@ fn table() -> String {
     )
 }
 
-/// What a specimen, which is a seed, reads at some distances.
+/// The readings at some distances of a specimen, which is a seed.
 fn log(changes: &[String], specimens: std::ops::Range<u64>, readings: usize) -> String {
     log_of(IR, changes, specimens, readings)
 }

@@ -6,13 +6,13 @@ use usvg::{ClipPath, Group, Transform};
 use super::outlines::{self, Outline, Placement};
 use super::shape::ON_EDGE_M;
 
-/// What a clip path leaves of a shape.
+/// The part of a shape that a clip path leaves.
 pub(crate) enum Clipped {
     Whole,
     Away,
 }
 
-/// What is left of a shape with these outlines.
+/// The part that is left of a shape with these outlines.
 pub(crate) fn clipped(
     outlines: &[Outline],
     clips: &[(&ClipPath, Transform)],

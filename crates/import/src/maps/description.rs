@@ -12,7 +12,7 @@ use serde_saphyr::options::{DuplicateKeyPolicy, NonFiniteFloatPolicy};
 /// The names and values of the file, in its order. Map servers and their friends may have more than we know.
 pub(crate) struct Description(Vec<(String, Value)>);
 
-/// What stands behind a name.
+/// The value behind a name.
 #[derive(Clone, Debug)]
 enum Value {
     Nothing,
@@ -38,7 +38,7 @@ impl Description {
         Ok(Self(entries))
     }
 
-    /// What stands behind this name, unless that is nothing.
+    /// The value behind this name, unless that is nothing.
     fn value(&self, name: &str) -> Option<&Value> {
         let value = self.0.iter().find(|(other, _)| other == name).map(|(_, value)| value);
         value.filter(|value| !matches!(value, Value::Nothing))
@@ -121,7 +121,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// What is wrong with the file, without words of the crate that reads it or of Rust's.
+/// The fault of the file, without words of the crate that reads it or of Rust's.
 #[expect(clippy::wildcard_enum_match_arm, reason = "the enum is not exhaustive, and has what no map has")]
 fn in_words(error: &Error) -> String {
     let line = error.location().map_or_else(String::new, |location| format!("line {}: ", location.line()));

@@ -15,7 +15,7 @@ pub(crate) struct Drawing {
     text: String,
 }
 
-/// What is known of the elements by their ids.
+/// The attributes of elements by their ids.
 #[derive(Default)]
 pub(crate) struct Elements(HashMap<String, Element>);
 
@@ -38,7 +38,7 @@ impl Drawing {
         Ok(Self { text: rewritten(text, &document) })
     }
 
-    /// What `usvg` makes of it with a style sheet of ours.
+    /// The tree that `usvg` makes of it with a style sheet of ours.
     pub(crate) fn tree(&self, style: Option<&str>) -> Result<Tree, String> {
         let options = Options {
             style_sheet: style.map(str::to_owned),
@@ -71,7 +71,7 @@ impl Drawing {
         Ok(elements)
     }
 
-    /// How many images and texts there are, which are passed over.
+    /// The number of images and of texts, which are passed over.
     pub(crate) fn passed_over(&self) -> Result<[usize; 2], String> {
         let document = document(&self.text)?;
         let count = |name| document.descendants().filter(|node| node.tag_name().name() == name).count();

@@ -23,7 +23,7 @@ pub(crate) enum Source {
     Svg { file: String, plan: Plan },
 }
 
-/// What is made of a drawing.
+/// The use of a drawing.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) scale: Scale,
@@ -38,7 +38,7 @@ pub(crate) struct Wanted {
     pub(crate) purpose: Purpose,
 }
 
-/// What a place is for.
+/// The purpose of a place.
 #[derive(Clone, Debug)]
 pub(crate) enum Purpose {
     /// This robot starts there.
@@ -56,7 +56,7 @@ impl fmt::Display for Purpose {
     }
 }
 
-/// Which shapes of a drawing are walls.
+/// The choice of the shapes of a drawing that are walls.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Choice {
     /// Those that one of these chooses; all if there are none.
@@ -74,13 +74,13 @@ pub(crate) enum Unknown {
     Occupied,
 }
 
-/// How a drawing lies in the arena.
+/// The placement of a drawing in the arena.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale {
     pub(crate) m_per_unit: f64,
-    /// Where the drawing's lower left corner lies, in metres.
+    /// The place of the drawing's lower left corner, in metres.
     pub(crate) origin: [f64; 2],
-    /// How far, in metres, a chord may be from its curve.
+    /// The greatest distance, in metres, of a chord from its curve.
     pub(crate) tolerance: f64,
 }
 
@@ -155,7 +155,7 @@ impl Raw {
         Ok(Source::Svg { file, plan })
     }
 
-    /// How the drawing lies in the arena, with what is usual where nothing is said.
+    /// The placement of the drawing in the arena, with defaults for missing fields.
     fn scale(&self, path: &str) -> Result<Scale, ImportError> {
         let wrong = |field: &str, problem: String| ImportError::field(format!("{path}.{field}"), problem);
         let Some(m_per_unit) = self.m_per_unit else {
@@ -182,7 +182,7 @@ impl Raw {
         Ok(Scale { m_per_unit, origin, tolerance })
     }
 
-    /// Which shapes of the drawing are walls.
+    /// The choice of the shapes of the drawing that are walls.
     fn choice(&self, path: &str) -> Result<Choice, ImportError> {
         let selectors = |field: &str, texts: &Option<Vec<String>>| {
             let texts = texts.iter().flatten().enumerate();

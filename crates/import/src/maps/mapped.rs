@@ -1,9 +1,9 @@
-//! What becomes of a map's file.
+//! The results of reading a map's file.
 
 use super::marks::Mark;
 use super::shape::{FileNote, Shape};
 
-/// What a map becomes.
+/// The result of reading a map.
 #[derive(Debug)]
 pub(crate) struct Mapped {
     pub(crate) shapes: Vec<Shape>,

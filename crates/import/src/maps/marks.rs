@@ -19,7 +19,7 @@ pub(crate) struct Mark {
 }
 
 impl Wanted {
-    /// Where its shape lies in the drawing.
+    /// The place of its shape in the drawing.
     pub(crate) fn find(&self, tree: &Tree, placement: &Placement) -> Result<Mark, String> {
         let id = &self.id;
         let node = tree.node_by_id(id);

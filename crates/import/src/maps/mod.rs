@@ -62,7 +62,7 @@ fn entries(maps: Item) -> Result<Vec<Entry>, ImportError> {
     Ok(entries)
 }
 
-/// What becomes of the entry at `path`.
+/// The tables that replace the entry at `path`.
 fn tables(
     entry: &Entry,
     path: &str,

@@ -50,7 +50,7 @@ pub(crate) fn of_path_at(
     Ok(pen.outlines)
 }
 
-/// What an outline of a filled path bounds.
+/// The side of a filled path's outline that is solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rim {
     /// Something filled without a hole: a solid shape.
@@ -59,7 +59,7 @@ pub(crate) enum Rim {
     Hollow,
 }
 
-/// What each of the closed outlines of a filled path bounds.
+/// The rim that each of the closed outlines of a filled path is.
 pub(crate) fn rims(outlines: &[&Outline], rule: FillRule) -> Result<Vec<Rim>, String> {
     if outlines.len() > MAX_COMPARED {
         return Err(format!(
@@ -84,7 +84,7 @@ pub(crate) fn rims(outlines: &[&Outline], rule: FillRule) -> Result<Vec<Rim>, St
         let is_hole = is_filled(outer.len(), winding) && !is_filled(outer.len() + 1, winding + turns[i]);
         if is_hole {
             rims[i] = Rim::Hollow;
-            // What it is a hole of: the innermost around it. If that bounds nothing itself, those around it do.
+            // A hole belongs to the innermost outline around it. If that bounds nothing itself, those around it do.
             for j in outer {
                 rims[j] = Rim::Hollow;
             }
@@ -94,14 +94,14 @@ pub(crate) fn rims(outlines: &[&Outline], rule: FillRule) -> Result<Vec<Rim>, St
 }
 
 impl Placement {
-    /// Where a point of the drawing lies, in metres.
+    /// The place of a point of the drawing, in metres.
     pub(crate) fn of_drawing(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], String> {
         let point = usvg::tiny_skia_path::Point::from_xy(x as f32, y as f32);
         self.place(usvg::Transform::identity(), point).map(|placed| [tidy(placed.x), tidy(placed.y)])
     }
 
-    /// Where the point lies, in metres. One that is too far out is refused here: along a curve that ends
-    /// nowhere there would be no end of chords.
+    /// The place of the point, in metres. One that is too far out is refused here: along a curve that ends nowhere
+    /// there would be no end of chords.
     fn place(
         &self,
         transform: usvg::Transform,
@@ -131,7 +131,7 @@ impl Placement {
 struct Pen {
     outlines: Vec<Outline>,
     current: Outline,
-    /// Where the outline began, and where the pen is: as they were before they were rounded.
+    /// The start of the outline, and the place of the pen: as they were before they were rounded.
     start: kurbo::Point,
     at: kurbo::Point,
     tolerance: f64,

@@ -11,7 +11,7 @@ use image::{ImageDecoder, ImageError, ImageResult};
 use crate::error::FileError;
 use crate::file;
 
-/// Which cells of a map are occupied, by rows from the top.
+/// The occupied cells of a map, by rows from the top.
 #[derive(Debug)]
 pub(crate) struct Bitmap {
     pub(crate) width: usize,
@@ -47,7 +47,7 @@ pub(crate) fn read(
     Ok(Bitmap { width: pixels.width, height: pixels.height, cells })
 }
 
-/// What the header says is checked before anything is decoded: a small file can claim to be a huge image.
+/// The header's claims are checked before anything is decoded: a small file can claim to be a huge image.
 fn check_size(path: &Path, decoder: &impl ImageDecoder) -> Result<(), FileError> {
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
@@ -65,7 +65,7 @@ fn check_size(path: &Path, decoder: &impl ImageDecoder) -> Result<(), FileError>
     Err(FileError::new(path, problem))
 }
 
-/// Why an image cannot be decoded. The crate's own words name it, and Rust's library.
+/// The reason why an image cannot be decoded. The crate's own words name it, and Rust's library.
 #[expect(clippy::wildcard_enum_match_arm, reason = "the enum is not exhaustive")]
 fn in_words(error: &ImageError) -> String {
     let why = match error {

@@ -45,7 +45,7 @@ pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Mapped, FileError>
     Ok(Mapped { shapes, notes: note.into_iter().collect(), marks: Vec::new() })
 }
 
-/// What the description says, as the map server and its friends understand it.
+/// Reads the description, as the map server and its friends understand it.
 fn map(text: &str) -> Result<Map, String> {
     let description = Description::parse(text)?;
     let Some(image) = description.text("image")?.filter(|image| !image.is_empty()) else {
@@ -163,7 +163,7 @@ impl Map {
     }
 }
 
-/// What a map says of a cell.
+/// The state of a cell.
 #[derive(Clone, Copy, PartialEq)]
 enum State {
     Free,
@@ -183,7 +183,7 @@ impl State {
 
 /// The cells of an image, by their brightness.
 struct Seen {
-    /// How many are of each grey, from black to white.
+    /// The number of cells of each grey, from black to white.
     greys: [u64; 256],
     has_unknown: bool,
 }

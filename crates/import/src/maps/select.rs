@@ -1,4 +1,4 @@
-//! Which shapes of a drawing are walls: by layer, id, class, and the colours of stroke and fill.
+//! The choice of the shapes of a drawing that are walls: by layer, id, class, and the colours of stroke and fill.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -23,7 +23,7 @@ enum By {
     Stroke(Paint),
 }
 
-/// What a shape is painted with.
+/// The paint of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Paint {
     Nothing,
@@ -32,7 +32,7 @@ pub(crate) enum Paint {
     Other,
 }
 
-/// What is known of a shape.
+/// The traits by which a shape is chosen.
 #[derive(Debug, Default)]
 pub(crate) struct Traits {
     /// Those of the element, and of all that it is in.

@@ -75,17 +75,17 @@ fn drawing(text: &str, plan: &Plan) -> Result<Mapped, String> {
     Ok(Mapped { shapes: walls.shapes, notes, marks })
 }
 
-/// What somebody calls the shape.
+/// The name of the shape for people.
 fn name(path: &usvg::Path, i: usize) -> String {
     let id = Some(path.id()).filter(|id| drawing::is_given(id));
     id.map_or_else(|| format!("shape {i}, counted from 0,"), |id| format!("the shape `{id}`"))
 }
 
-/// What becomes of a drawing.
+/// The walls of a drawing.
 #[derive(Default)]
 struct Walls {
     shapes: Vec<Shape>,
-    /// What the first of some shapes is called, for those that are solid.
+    /// The number of the shapes that are solid, and the name of the first.
     solid: Vec<(usize, String)>,
     corners: usize,
     left_out: Vec<String>,
@@ -130,7 +130,7 @@ struct FoundPath<'a> {
     path: &'a usvg::Path,
     /// The ids of the groups and references that it is in.
     groups: Vec<&'a str>,
-    /// What cuts it, each with the place of the group that has it.
+    /// The paths that clip it, each with the place of the group that has it.
     clips: Vec<(&'a usvg::ClipPath, usvg::Transform)>,
 }
 
@@ -149,7 +149,7 @@ struct Found<'a> {
     clipped: usize,
 }
 
-/// What is around a node of the tree.
+/// The surroundings of a node of the tree.
 #[derive(Default)]
 struct Above<'a> {
     groups: Vec<&'a str>,
@@ -178,7 +178,7 @@ fn collect<'a>(group: &'a Group, above: &mut Above<'a>, found: &mut Found<'a>) {
     above.is_transparent = was_transparent;
 }
 
-/// What the shapes can be chosen by; nothing is known of them if nobody chooses.
+/// The traits by which shapes can be chosen; none are collected without a choice.
 fn traits(drawing: &Drawing, paths: &[FoundPath<'_>], choice: &Choice) -> Result<Vec<Traits>, String> {
     if choice.selectors().next().is_none() {
         return Ok(paths.iter().map(|_| Traits::default()).collect());
@@ -229,7 +229,7 @@ fn paint(paint: &usvg::Paint) -> Paint {
     }
 }
 
-/// What there is to say about the drawing.
+/// The notes on the drawing.
 fn notes(
     drawing: &Drawing,
     tree: &Tree,
@@ -268,7 +268,7 @@ fn notes(
     Ok(notes)
 }
 
-/// What is no wall and no place, each kind with its number.
+/// The kinds of elements that are no wall and no place, each with its number.
 fn left_out(drawing: &Drawing, found: &Found<'_>, walls: &Walls) -> Result<Vec<String>, String> {
     let [images, texts] = drawing.passed_over()?;
     let mut left_out = Vec::new();

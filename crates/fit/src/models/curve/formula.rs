@@ -101,7 +101,7 @@ impl Rows<'_> {
         [c1_m2, c2, noise.multiplicative, noise.additive, noise.uniform, gain, offset]
     }
 
-    /// Which numbers are searched: the curve always, noise and spread where they are wanted, and some noise always.
+    /// The numbers to search: the curve always, noise and spread where they are wanted, and some noise always.
     fn free(&self, case: &Case<'_>, preset: &[f64; 7]) -> Vec<usize> {
         let wanted = |i: &usize| case.wanted_of(FIELDS[*i]);
         let mut free: Vec<usize> = (0..2).collect();

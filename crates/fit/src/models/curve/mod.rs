@@ -44,7 +44,7 @@ pub(crate) fn same_kind(one: &Sensor, other: &Sensor) -> bool {
     is_same && one.encodings == other.encodings
 }
 
-/// What measures a distance by how much light comes back.
+/// A sensor that measures a distance by the light that comes back.
 #[derive(Clone, Copy)]
 enum Ranger<'a> {
     /// Its values are shares of full scale.
@@ -200,7 +200,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// What a value of the log has to be divided by, and the step of the converter after that.
+/// The divisor of the log's values, and the step of the converter after that.
 fn full_scale(
     case: &Case<'_>,
     value: &Column,

@@ -37,7 +37,7 @@ struct Group {
     greatest: f64,
     /// The different readings, and how many of each there are.
     readings: Vec<(f64, f64)>,
-    /// How many readings there are.
+    /// The number of readings.
     count: f64,
 }
 
@@ -144,7 +144,7 @@ impl Rows<'_> {
         [noise.multiplicative, noise.additive, noise.uniform, spread.gain, spread.offset, 0.0]
     }
 
-    /// Which numbers are searched: noise where it is wanted, and some noise always; the spread of specimens that are enough.
+    /// The numbers to search: noise where it is wanted, and some noise always; the spread of specimens that are enough.
     fn free_of_table(&self, case: &Case<'_>, fixed: &[f64; 6]) -> Vec<usize> {
         let is_wanted = |i: &usize| case.wanted_of(FIELDS[*i]);
         let mut free: Vec<usize> = (0..3).filter(is_wanted).collect();
