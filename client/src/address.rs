@@ -71,10 +71,10 @@ fn place(address: &str) -> Option<(Place, Endpoint)> {
     Some((place, endpoint))
 }
 
-/// How long a server may take to be reached, and then to say the first word.
+/// The time in which a server must be reached, and then say the first word.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// How long a server that says nothing is left in peace, and then how long it has for an answer.
+/// The time for which a silent server is left in peace, and then the time it has for an answer.
 const KEEPALIVE: Duration = Duration::from_secs(20);
 
 #[cfg(test)]

@@ -15,12 +15,12 @@ use crate::fleet::Fleet;
 use crate::reconnect::{Hope, Reconnect};
 use crate::run::{Summary, run_fleet};
 
-/// Where a program attaches, as what, and what it does when it loses its server.
+/// The address, the world and the robots of a program, and its conduct when it loses its server.
 #[derive(Clone, Debug)]
 pub struct Attachment {
     /// The server, as [`connect()`] takes it.
     pub connect: String,
-    /// What is shown to it; `None` for the [credentials of the environment](Credentials::from_environment).
+    /// The credentials to show; `None` for the [credentials of the environment](Credentials::from_environment).
     pub credentials: Option<Credentials>,
     /// Name of the world.
     pub world: String,
@@ -34,7 +34,7 @@ pub struct Attachment {
     pub reconnect: Reconnect,
 }
 
-/// Why a program no longer drives its robots. `E` is the error of making a brain.
+/// A reason why a program no longer drives its robots. `E` is the error of making a brain.
 #[derive(Debug, ThisError)]
 pub enum AttachmentError<E> {
     /// The server cannot be reached, has refused, or has ended the stream with an error.
@@ -48,7 +48,7 @@ pub enum AttachmentError<E> {
     NotBack {
         /// Names of the robots.
         robots: String,
-        /// Why the last attempt failed.
+        /// The error of the last attempt.
         error: Error,
     },
     /// A brain cannot be made for a robot.

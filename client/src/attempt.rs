@@ -1,4 +1,4 @@
-//! Why a connection fails, in words that name the remedy.
+//! The reasons why a connection fails, in words that name the remedy.
 
 use std::error::Error as StdError;
 use std::io;
@@ -49,7 +49,7 @@ impl Attempt<'_> {
         Error::Connect { address: self.address.to_owned(), cause }
     }
 
-    /// What is wrong with the server's certificate.
+    /// The words for a defect of the server's certificate.
     fn of_server(&self, problem: &CertificateError) -> String {
         // Another authority of the same name has another key.
         if matches!(problem, CertificateError::UnknownIssuer | CertificateError::BadSignature) {
@@ -80,7 +80,7 @@ impl Attempt<'_> {
         }
     }
 
-    /// What a server wants that does not take the client certificate which it was shown.
+    /// The demand of a server that does not take the client certificate which it was shown.
     fn of_client(&self) -> String {
         match self.credentials.certificate_file() {
             None => "asks for a client certificate: set BAUDBOT_CERTIFICATE and BAUDBOT_KEY".to_owned(),
@@ -90,7 +90,7 @@ impl Attempt<'_> {
         }
     }
 
-    /// What may be the reason why a server says nothing.
+    /// A possible reason for a server's silence.
     fn perhaps(&self) -> String {
         if !self.place.is_encrypted() {
             return String::new();

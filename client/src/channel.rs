@@ -24,7 +24,7 @@ enum Way {
     #[cfg(feature = "network")]
     Network {
         channel: transport::Channel,
-        /// What is shown with each call.
+        /// The header that goes with each call.
         authorization: Option<HeaderValue>,
     },
     Here(BoxCloneSyncService<Request<Body>, Response<Body>, StdError>),

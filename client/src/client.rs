@@ -23,7 +23,7 @@ pub struct Client {
 }
 
 impl Client {
-    /// How often brains publish what they believe unless told otherwise: people see no more than some 20 pictures a second
+    /// The default interval at which brains publish their beliefs: people see no more than some 20 pictures a second
     /// as such.
     pub const LOOKS_EVERY: Duration = Duration::from_millis(50);
 
@@ -67,8 +67,9 @@ impl Client {
         Self { thinks_as_scenario: true, ..self }
     }
 
-    /// How often, in simulated time, [`run`](crate::run) and [`run_fleet`](crate::run_fleet) publish what brains believe
-    /// that attach from now on; [`LOOKS_EVERY`](Self::LOOKS_EVERY) unless told otherwise. A recording that is to show each step needs more.
+    /// Sets the interval, in simulated time, at which [`run`](crate::run) and [`run_fleet`](crate::run_fleet) publish
+    /// the beliefs of brains that attach from now on; [`LOOKS_EVERY`](Self::LOOKS_EVERY) by default. A recording that
+    /// is to show each step needs more.
     #[must_use]
     pub fn publishes_every(self, every: Duration) -> Self {
         Self { publishes_every: every, ..self }

@@ -1,4 +1,4 @@
-//! What a client shows a server, and by what it knows the server.
+//! The secrets that a client shows a server, and the certificates by which it knows the server.
 
 use std::ffi::OsString;
 use std::io::Read;
@@ -14,7 +14,7 @@ use tokio_rustls::rustls::{ClientConfig, RootCertStore, crypto};
 
 use crate::error::Error;
 
-/// What a client shows a server, and by what it knows the server.
+/// The secrets that a client shows a server, and the certificates by which it knows the server.
 ///
 /// [`connect`](crate::connect) takes it from the environment: the token from `BAUDBOT_TOKEN` or, in a file, `BAUDBOT_TOKEN_FILE`;
 /// certificates of the authorities that it trusts, in PEM, from `BAUDBOT_CA`, in place of those of the system; a certificate of its
@@ -111,7 +111,7 @@ impl Credentials {
         self.own.as_ref().map(|(certificate, _)| certificate.shown())
     }
 
-    /// What a connection by TLS needs.
+    /// The configuration of a connection by TLS.
     pub(crate) fn tls(&self) -> Result<Arc<ClientConfig>, Error> {
         let builder = ClientConfig::builder_with_provider(Arc::new(crypto::ring::default_provider()))
             .with_safe_default_protocol_versions()
@@ -160,7 +160,7 @@ impl Named {
         Ok(all)
     }
 
-    /// What is in it, unless that is more than `most` bytes.
+    /// The content of the file, unless that is more than `most` bytes.
     fn read(&self, most: u64) -> Result<Vec<u8>, Error> {
         let mut bytes = Vec::new();
         let read = fs::File::open(&self.path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));

@@ -42,7 +42,7 @@ pub enum Error {
     ServerCertificate {
         /// As it was given.
         address: String,
-        /// What is wrong with it, as the end of a sentence.
+        /// The problem, as the end of a sentence.
         problem: String,
     },
     /// The server asks for a client certificate, and does not accept what it was shown.
@@ -50,7 +50,7 @@ pub enum Error {
     ClientCertificate {
         /// As it was given.
         address: String,
-        /// What it wants, as the end of a sentence.
+        /// The demand, as the end of a sentence.
         problem: String,
     },
     /// A token, a certificate or a key is unsound.
@@ -58,7 +58,7 @@ pub enum Error {
     Credentials {
         /// The file or the variable.
         place: String,
-        /// What is wrong with it.
+        /// The fault in it.
         problem: String,
     },
     /// The server refused, or ended the stream with an error.
@@ -106,7 +106,7 @@ impl From<tonic::Status> for Error {
             return Self::Restart;
         }
         let words = match (status.code(), status.message()) {
-            // What a server answers for a service that it does not have.
+            // A server answers so for a service that it does not have.
             (Code::Unimplemented, "") => OTHER_ADDRESS,
             (_, words) => words,
         };
@@ -140,7 +140,7 @@ impl Error {
     }
 }
 
-/// What TLS says about a connection, if this is from there.
+/// The error of TLS in a connection's error, if it is one.
 #[cfg(feature = "network")]
 pub(crate) fn tls_error(error: &io::Error) -> Option<&rustls::Error> {
     error.get_ref().and_then(|inner| inner.downcast_ref())

@@ -19,7 +19,7 @@ impl Fleet {
         Self { session }
     }
 
-    /// How often what their brains believe is published.
+    /// The interval at which their brains' beliefs are published.
     pub(crate) fn publishes_every_ns(&self) -> u64 {
         self.session.publishes_every_ns
     }

@@ -12,12 +12,12 @@
 //! 5. [`Robot::drive`] answers it with [`Signals`] for the motors; [`run`] does 4 and 5 with a [`Brain`]
 //!    until the run is over.
 //!
-//! What a brain believes and does, [`Robot::publish`] shows to people: a [`Belief`]. An [`Attachment`] is all of this for a
-//! program that drives until the run is over; it comes back to a server that it has lost, as other programs
-//! [can](come_back()).
+//! [`Robot::publish`] shows people the beliefs and intentions of a brain: a [`Belief`]. An [`Attachment`] is all of
+//! this for a program that drives until the run is over; it comes back to a server that it has lost, as other
+//! programs [can](come_back()).
 //!
-//! What a brain sees and does is the crate `baudbot-brain`, all of which is here, too. A brain that is to run without a
-//! server, such as in a browser, needs that crate alone.
+//! The types that a brain sees and answers with are the crate `baudbot-brain`, all of which is here, too. A brain
+//! that is to run without a server, such as in a browser, needs that crate alone.
 //!
 //! A raw brain brings its own codec, or takes [`RawReadings`] and [`RawCommands`], with which it sees and
 //! does what a brain of messages does.

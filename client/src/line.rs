@@ -12,7 +12,7 @@ use tokio::sync::SetOnce;
 use crate::error::tls_error;
 use crate::place::Pipe;
 
-/// What comes first from a server.
+/// The first bytes from a server.
 #[derive(Debug)]
 pub(crate) enum First {
     /// Bytes, as they come from a server.
@@ -77,7 +77,7 @@ fn copy(error: &io::Error) -> io::Error {
     }
 }
 
-/// What an answer of HTTP/1 says for people, if this is one.
+/// The words for people in an answer of HTTP/1, if this is one.
 fn words_of_http_1(bytes: &[u8]) -> Option<String> {
     let answer = bytes.starts_with(b"HTTP/1.").then(|| String::from_utf8_lossy(bytes))?;
     let words =

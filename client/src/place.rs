@@ -1,4 +1,4 @@
-//! Where a server listens: an address, and a connection to it.
+//! The place at which a server listens: an address, and a connection to it.
 
 use std::io;
 use std::net::IpAddr;
@@ -11,7 +11,7 @@ use tokio::time::timeout;
 use tokio_rustls::TlsConnector;
 use tokio_rustls::rustls::pki_types::ServerName;
 
-/// Where a server listens.
+/// The place at which a server listens.
 #[derive(Clone, Debug)]
 pub(crate) enum Place {
     /// `HOST:PORT`.
@@ -102,7 +102,7 @@ fn is_localhost(host: &str) -> bool {
 /// Connects to the first of a host's addresses that answers: one at which nobody says anything does not use up the time of the
 /// others.
 async fn connect_to_any(authority: &str) -> io::Result<TcpStream> {
-    // Who answers for names does not choose where tokens go that are not encrypted.
+    // A resolver of names does not choose the destination of tokens that are not encrypted.
     let is_localhost = is_localhost(host(authority));
     let fits = |ip: IpAddr| !is_localhost || ip.is_loopback();
     let mut addresses = lookup_host(authority).await?.filter(|address| fits(address.ip()));

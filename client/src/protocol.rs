@@ -10,7 +10,7 @@ use baudbot_proto::v1::attach_request::Request;
 use baudbot_proto::v1::attach_response::Response;
 use baudbot_proto::v1::robot_step::Output;
 
-/// What the server says of the world and the bodies.
+/// The server's description of the world and the bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Welcome {
     pub(crate) step_ns: u64,
@@ -18,7 +18,7 @@ pub(crate) struct Welcome {
     pub(crate) bodies: Vec<Arc<Body>>,
 }
 
-/// What the server says after that.
+/// A later message of the server.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Event {
     Turn { number: u64, tick: u64, parts: Vec<Part> },
@@ -69,7 +69,7 @@ pub(crate) fn annotate(robot: usize, belief: Belief) -> v1::AttachRequest {
     request(Request::Annotate(v1::Annotate { robot: robot as u32, belief: Some(belief.into()) }))
 }
 
-/// What came in answer to the Hello for `robots`.
+/// Reads the answer to the Hello for `robots`.
 pub(crate) fn welcome(response: Option<v1::AttachResponse>, robots: &[String]) -> Result<Welcome, Breach> {
     let found = match response {
         None => "the end of the stream",
@@ -81,7 +81,7 @@ pub(crate) fn welcome(response: Option<v1::AttachResponse>, robots: &[String]) -
     Err(Breach::Expected { expected: "a Welcome", found })
 }
 
-/// What came after the Welcome with these `bodies`.
+/// Reads an answer after the Welcome with these `bodies`.
 pub(crate) fn event(response: v1::AttachResponse, bodies: &[Arc<Body>]) -> Result<Event, Breach> {
     match response.response {
         Some(Response::Ended(_)) => Ok(Event::Ended),
@@ -116,7 +116,7 @@ impl Part {
         self.has_message || has_bytes || self.readings.iter().any(is_new)
     }
 
-    /// What the robot's brain is given, which has this body.
+    /// The turn for the brain of the robot, which has this body.
     pub(crate) fn turn(self, tick: u64, body: Arc<Body>) -> Turn {
         Turn { tick, at_ns: self.at_ns, readings: self.readings, body, has_message: self.has_message }
     }

@@ -56,8 +56,9 @@ impl FromStr for Reconnect {
     }
 }
 
-/// Which failed attempts to come back are worth another. A robot that is held may be held by the program's own lost connection,
-/// but not for longer than the server takes to notice the loss: from then on it is another brain.
+/// The rule for attempts to come back: which failure is worth another. A robot that is held may be held by the
+/// program's own lost connection, but not for longer than the server takes to notice the loss: from then on it is
+/// another brain.
 #[derive(Debug, Default)]
 pub(crate) struct Hope {
     held_since: Option<Instant>,

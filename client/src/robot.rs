@@ -20,7 +20,7 @@ impl Robot {
         Self { session }
     }
 
-    /// How often what its brain believes is published.
+    /// The interval at which its brain's beliefs are published.
     pub(crate) fn publishes_every_ns(&self) -> u64 {
         self.session.publishes_every_ns
     }

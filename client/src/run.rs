@@ -9,7 +9,7 @@ use crate::fleet::Fleet;
 use crate::protocol::nanoseconds;
 use crate::robot::Robot;
 
-/// How a run went.
+/// The course of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
     /// Turns that the brain, or all brains of a fleet together, had.
@@ -30,9 +30,9 @@ pub async fn run(robot: &mut Robot, brain: &mut (impl Brain + ?Sized)) -> Result
         summary.last_tick = turn.tick;
         let action = brain.step(&turn);
         let is_due = looks.is_due(turn.at_ns);
-        // Where the world waits for its brains, what is said before the answer is there at the next tick, on any machine.
-        // By the wall clock no command waits for what people see. Which it is the Welcome says, once; a pace that is changed
-        // later makes a belief late at worst.
+        // In a world that waits for its brains, a belief that is published before the answer is there at the next
+        // tick, on any machine. By the wall clock no command waits for what people see. The Welcome says once which
+        // of the two holds; a pace that is changed later makes a belief late at worst.
         if is_due && robot.lockstep() {
             publish(robot, brain).await?;
         }

@@ -27,7 +27,7 @@ pub(crate) struct Session {
     asked: Vec<usize>,
     /// The server was promised an answer for each robot that has a part in a turn.
     answers_all: bool,
-    /// How often its brains publish what they believe, in nanoseconds of simulated time.
+    /// The interval at which its brains publish their beliefs, in nanoseconds of simulated time.
     pub(crate) publishes_every_ns: u64,
 }
 

@@ -57,7 +57,7 @@ impl Lab {
 
 const WEEK: Duration = Duration::from_secs(7 * 24 * 60 * 60);
 
-/// What a server does after the handshake.
+/// A server's acts after the handshake.
 #[derive(Clone, Copy)]
 enum Then {
     /// It says the first word of HTTP/2, and listens to the end.
@@ -111,7 +111,7 @@ fn trusting(ca: PathBuf) -> Credentials {
     Credentials::default().authorities(ca)
 }
 
-/// What a client says that does not get in, without the address; it does not try again.
+/// The error of a client that is refused, without the address; it does not try again.
 async fn refusal(address: &str, credentials: &Credentials) -> String {
     let result: Result<Client, Error> = connect_with(address, credentials).await;
     let error = result.expect_err("it is refused");

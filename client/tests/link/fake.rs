@@ -12,7 +12,7 @@ use tonic::transport::server::Connected;
 use tonic::transport::{Endpoint, Server};
 use tonic::{Request, Response, Status, Streaming};
 
-/// What the server does next.
+/// The server's next act.
 #[derive(Clone, Debug)]
 pub(crate) enum Act {
     /// Waits for a request and lets the test have it.

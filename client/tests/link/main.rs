@@ -137,7 +137,7 @@ impl Brain for Believer {
     }
 }
 
-/// Where the world waits it is there at the next tick, and by the wall clock no command waits for it.
+/// In a world that waits it is there at the next tick, and by the wall clock no command waits for it.
 #[tokio::test]
 async fn a_belief_is_published_before_the_answer_in_lockstep_only() {
     for (lockstep, fleet) in [(true, false), (false, false), (true, true), (false, true)] {

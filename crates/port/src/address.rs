@@ -1,4 +1,4 @@
-//! Which port is to be opened, and where: what `--port` takes.
+//! The port that is to be opened, and its place: the value of `--port`.
 
 use std::str::FromStr;
 
@@ -12,7 +12,7 @@ pub struct PortAddress {
     pub robot: Option<String>,
     /// The sensor whose own cable it is; none for the microcontroller's.
     pub device: Option<String>,
-    /// Where it is.
+    /// The place.
     pub endpoint: Endpoint,
 }
 
@@ -27,7 +27,7 @@ pub enum BadPort {
         /// The text.
         text: String,
     },
-    /// What stands behind the `=` is no endpoint.
+    /// The text behind the `=` is no endpoint.
     #[error("{0}")]
     Endpoint(BadEndpoint),
 }

@@ -1,7 +1,8 @@
 //! The cable between a robot's UART and a program's: what each reads of what the other sends.
 //!
-//! Where both are set alike, bytes pass as they are. Where they differ, each end reads what its UART makes of the line
-//! ([`uart`](crate::uart)). A cable that has no UART at the robot's end (USB, or an ideal link) has no settings that matter.
+//! Bytes pass as they are if both ends have the same settings. If they differ, each end reads the line as its UART
+//! does ([`uart`](crate::uart)). A cable that has no UART at the robot's end (USB, or an ideal link) has no settings
+//! that matter.
 
 use std::collections::VecDeque;
 
@@ -10,11 +11,11 @@ use baudbot_board::far_end::{Read, Receiver, Settings};
 /// Both directions of a cable. Instants are those of simulated time, in nanoseconds.
 #[derive(Debug)]
 pub(crate) struct Cable {
-    /// How the robot's UART is set; none where there is none.
+    /// The settings of the robot's UART; none without a UART.
     robot: Option<Settings>,
-    /// What the program's UART reads, while it is set differently.
+    /// The receiver of the program's UART, while its settings differ.
     up: Option<Receiver>,
-    /// What the robot's UART reads.
+    /// The receiver of the robot's UART.
     down: Option<Receiver>,
     /// Until when the program's bytes take the line.
     busy_until_ns: u64,
@@ -30,7 +31,7 @@ impl Cable {
         (self.up, self.down, self.busy_until_ns) = (None, None, 0);
     }
 
-    /// What the program has sent is gone, also what its UART has not sent yet.
+    /// The bytes that the program has sent are gone, also those that its UART has not sent yet.
     pub(crate) fn forget_sent(&mut self) {
         (self.down, self.busy_until_ns) = (None, 0);
     }
@@ -95,8 +96,8 @@ impl Cable {
         self.hand_down(out);
     }
 
-    /// What the robot's UART reads. The world's cable carries each character once more, so it gets it when that begins on the line: the
-    /// robot then has it when it has been sent, and not before.
+    /// The bytes that the robot's UART has read. The world's cable carries each character once more, so it gets it
+    /// when that begins on the line: the robot then has it when it has been sent, and not before.
     fn hand_down(&mut self, out: &mut VecDeque<Read>) {
         let character_ns = self.robot.map_or(0, |robot| robot.character_ns());
         let Some(receiver) = &mut self.down else { return };
@@ -130,8 +131,8 @@ impl Cable {
         self.up.is_some() || self.down.is_some()
     }
 
-    /// How many bytes the program may write at `now_ns`, so that they keep the line busy for no longer than `window_ns` and a few
-    /// characters.
+    /// The number of bytes that the program may write at `now_ns`, so that they keep the line busy for no longer than
+    /// `window_ns` and a few characters.
     pub(crate) fn room(&self, program: Option<Settings>, now_ns: u64, window_ns: u64) -> usize {
         let Some(robot) = self.robot else { return CHUNK };
         let character_ns = program.unwrap_or(robot).character_ns().max(robot.character_ns()).max(1);

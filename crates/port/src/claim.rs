@@ -110,7 +110,7 @@ fn lock(path: &Path) -> io::Result<Option<File>> {
     Ok(None)
 }
 
-/// What the last server's link led to, empty if there was none; nothing if the file is not a lock.
+/// The target of the last server's link, empty if there was none; nothing if the file is not a lock.
 fn target(lock: &mut File) -> io::Result<Option<PathBuf>> {
     let mut text = String::new();
     lock.rewind()?;
@@ -123,8 +123,8 @@ fn target(lock: &mut File) -> io::Result<Option<PathBuf>> {
     Ok(Some(PathBuf::from(text)).filter(|_| is_ours))
 }
 
-/// What is in the way of a link, unless it is free: nothing is there, or a link that leads nowhere, or one that leads to what
-/// the last server's did.
+/// The obstacle to a link, unless its place is free: nothing is there, or a link that leads nowhere, or one that
+/// leads to what the last server's did.
 fn is_free(link: &Path, last: Option<&Path>) -> Result<(), &'static str> {
     match fs::symlink_metadata(link) {
         Err(_) => Ok(()),
@@ -139,7 +139,7 @@ fn is_free(link: &Path, last: Option<&Path>) -> Result<(), &'static str> {
 mod tests {
     use super::*;
 
-    /// What a server leaves that is killed: nothing of it runs, but its files stay.
+    /// Leaves the files of a killed server: nothing of it runs, but its files stay.
     fn left_by_a_killed_server(link: &Path, target: &str) {
         symlink(target, link).unwrap();
         fs::write(link.with_extension("tty.lock"), target).unwrap();

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// Which instant of the wall clock an instant of simulated time is.
+/// The relation of simulated time to the wall clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Clock {
     /// Simulated time, in nanoseconds, and the instant that it is, in nanoseconds since 1970.
@@ -21,15 +21,15 @@ impl Clock {
         self.unix_ns.saturating_add_signed(wall)
     }
 
-    /// What time it is.
+    /// The simulated time at an instant.
     pub(crate) fn sim_ns(&self, unix_ns: u64) -> u64 {
         let ahead = i128::from(unix_ns) - i128::from(self.unix_ns);
         self.sim_ns.saturating_add_signed((ahead as f64 * self.factor) as i64)
     }
 }
 
-/// How far the clock of this machine is ahead of the server's: the least that Turns seem to be late. Where both are the same, or
-/// nearly, nothing is made of it, since that is how long a Turn takes.
+/// The lead of this machine's clock over the server's: the least that Turns seem to be late. A small lead is ignored,
+/// since a Turn takes as long.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Ahead {
     /// Of the last stretch of Turns, and of this one.

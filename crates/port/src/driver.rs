@@ -19,12 +19,12 @@ use crate::medium::Medium;
 use crate::report::Report;
 use baudbot_board::far_end::{Read, Settings};
 
-/// What the thread is told.
+/// An order to the thread.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Order {
-    /// What arrives at the laptop in a tick.
+    /// Bytes that arrive at the laptop in a tick.
     Bytes {
-        /// How simulated time follows the wall clock.
+        /// The relation of simulated time to the wall clock.
         clock: Clock,
         /// The baud rate of the robot's UART, if it has one.
         baud: Option<u32>,
@@ -35,7 +35,7 @@ pub(crate) enum Order {
     Close,
 }
 
-/// What the thread tells.
+/// A report of the thread.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Told {
     Opened,
@@ -56,16 +56,16 @@ pub(crate) struct Driver {
     pub(crate) orders: Receiver<Order>,
     /// Something is to be read there when an order has come.
     pub(crate) wake: OwnedFd,
-    /// Which port it is, and what it tells.
+    /// The number of the port, and the channel for its reports.
     pub(crate) told: (usize, UnboundedSender<(usize, Told)>),
     /// None before the first Turn.
     pub(crate) clock: Option<Clock>,
-    /// What is still to be given to the program.
+    /// The bytes that are still to be given to the program.
     pub(crate) waiting: VecDeque<Read>,
-    /// What the program's UART has still to send before the robot's end may get it.
+    /// The bytes that the program's UART has still to send before the robot's end may get them.
     pub(crate) sending: VecDeque<Read>,
     pub(crate) report: Report,
-    /// How many bytes have been told that the server has not been sent yet.
+    /// The number of reported bytes that the server has not been sent yet.
     pub(crate) held: Arc<AtomicUsize>,
     /// Since when the program sends a break, by simulated time.
     pub(crate) break_since_ns: Option<u64>,
@@ -77,10 +77,10 @@ const MOST_WAITING: usize = 16 << 20;
 /// Most bytes of a program that wait for a world that stands still, as in a driver's buffer. The program then blocks.
 const MOST_HELD: usize = 4096;
 
-/// What the driver of a world's laptop can hold, unless the scenario says otherwise (`laptop_buffer_bytes`).
+/// The room in the driver of a world's laptop, unless the scenario has another number (`laptop_buffer_bytes`).
 const DRIVER_BYTES: usize = 4096;
 
-/// How often it is looked whether a program has opened a pty.
+/// The interval at which it is checked whether a program has opened a pty.
 const LOOKS_NS: u64 = 2_000_000;
 
 impl Driver {
@@ -160,7 +160,7 @@ impl Driver {
                 Happened::Refused => self.tell(Told::Refused),
                 Happened::Break(true) => self.break_since_ns = Some(self.now_ns()),
                 Happened::Break(false) => self.end_break(),
-                // What has not arrived yet is still on the cable.
+                // Bytes that have not arrived yet are still on the cable.
                 Happened::PurgeReceived => {
                     let now = self.now_ns();
                     self.waiting.retain(|read| read.at_ns > now);
@@ -230,7 +230,7 @@ impl Driver {
         self.cable.down(program, now, &bytes, &mut self.sending);
     }
 
-    /// What has been read although nobody sends any more.
+    /// Reads on although nobody sends any more.
     fn listen_on(&mut self) {
         if self.cable.is_listening() {
             let now = self.now_ns();
@@ -238,8 +238,8 @@ impl Driver {
         }
     }
 
-    /// How many bytes may be taken from the program. What the world may not have carried since its last Turn is in its laptop's driver,
-    /// which refuses more than it can hold.
+    /// The number of bytes that may be taken from the program. Bytes that the world may not have carried since its
+    /// last Turn are in its laptop's driver, which refuses more than it can hold.
     fn room(&self) -> usize {
         let on_cable = self.cable.room(self.settings(), self.now_ns(), self.window_ns());
         let in_driver = self.clock.map_or(0, |clock| self.cable.unsent(clock.sim_ns));
@@ -247,7 +247,7 @@ impl Driver {
         on_cable.min(MOST_HELD.saturating_sub(held)).min(DRIVER_BYTES.saturating_sub(in_driver))
     }
 
-    /// What is written is sent when the tick is over; so that the line is never idle, two ticks are kept filled.
+    /// Bytes that are written are sent when the tick is over; so that the line is never idle, two ticks are kept filled.
     fn window_ns(&self) -> u64 {
         2 * self.step_ns
     }

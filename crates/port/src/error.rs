@@ -1,4 +1,4 @@
-//! Why a port cannot be opened, or is open no longer.
+//! The reasons why a port cannot be opened, or is open no longer.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,23 +6,23 @@ use std::path::PathBuf;
 use baudbot_fields::endpoint::Endpoint;
 use thiserror::Error;
 
-/// Why a port cannot be opened, or is open no longer.
+/// A reason why a port cannot be opened, or is open no longer.
 #[derive(Debug, Error)]
 pub enum PortError {
     /// Something stands where the symbolic link is to be.
     #[error("{}: {what} is there already; remove it, or choose another name", .path.display())]
     InTheWay {
-        /// Where.
+        /// The path.
         path: PathBuf,
-        /// What it is.
+        /// The kind of file there.
         what: &'static str,
     },
     /// The operating system has none, or refuses it.
     #[error("{place}: cannot be opened: {source}")]
     Open {
-        /// Which port.
+        /// The port's place.
         place: Endpoint,
-        /// Why not.
+        /// The system's error.
         source: io::Error,
     },
     /// Other machines could reach it.
@@ -30,7 +30,7 @@ pub enum PortError {
         "{place}: other machines could reach this port and drive the robot; use an address of this machine, or `baudbot port open --open`"
     )]
     NotLocal {
-        /// Which port.
+        /// The port's place.
         place: Endpoint,
     },
     /// The robot has no such device, or that has no cable of its own.
@@ -38,7 +38,7 @@ pub enum PortError {
     NoDevice {
         /// Name of the robot.
         robot: String,
-        /// What was asked for.
+        /// The device that was asked for.
         device: String,
         /// Those that there are.
         there_are: String,

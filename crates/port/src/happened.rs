@@ -1,6 +1,6 @@
-//! What happens at the program's end of a port, besides data.
+//! The events at the program's end of a port, besides data.
 
-/// What has happened at the program's end.
+/// An event at the program's end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Happened {
     /// A program has opened the port, or has set DTR on it.

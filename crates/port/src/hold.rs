@@ -1,9 +1,9 @@
-//! Who holds a cable: one program at a time, whichever of the cable's ports it has opened.
+//! The claim on a cable: one program at a time has it, whichever of the cable's ports it has opened.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What a port knows of the cable that it may share with other ports.
+/// A port's view of the cable that it may share with other ports.
 #[derive(Clone, Debug)]
 pub(crate) struct Hold {
     /// The number of the port whose program has the cable, or [`NOBODY`].

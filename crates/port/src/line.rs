@@ -26,7 +26,7 @@ use baudbot_board::far_end::Settings;
 pub(crate) struct Line {
     /// The sensor's place in the robot's description whose own cable it is; none for the microcontroller's.
     pub(crate) sensor: Option<u32>,
-    /// Where programs find it.
+    /// The place at which programs find it.
     pub(crate) place: String,
     orders: Sender<Order>,
     wake: OwnedFd,

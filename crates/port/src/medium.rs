@@ -1,4 +1,4 @@
-//! What a program opens: one interface to ptys and sockets.
+//! The medium that a program opens: one interface to ptys and sockets.
 
 use std::os::fd::BorrowedFd;
 use std::path::Path;
@@ -24,7 +24,7 @@ pub(crate) enum Medium {
     Socket {
         listener: Listener,
         program: Option<Program>,
-        /// Where each program's UART begins, if the port speaks RFC 2217.
+        /// The first settings of each program's UART, if the port speaks RFC 2217.
         telnet: Option<Settings>,
     },
 }
@@ -57,7 +57,7 @@ impl Medium {
         })
     }
 
-    /// What there is to be said of where it is.
+    /// A description of its place.
     pub(crate) fn where_it_is(&self, place: &Endpoint) -> String {
         match (self, place) {
             (Self::Pty { pty, .. }, _) => format!("{} ({})", pty.link().display(), pty.slave().display()),
@@ -100,7 +100,7 @@ impl Medium {
         }
     }
 
-    /// How the program has set its UART; `None` where it cannot, so that it is as the robot's.
+    /// The program's settings of its UART; `None` if it cannot set it, so that it is as the robot's.
     pub(crate) fn settings(&self) -> Option<Settings> {
         match self {
             Self::Pty { pty, .. } => pty.settings(),

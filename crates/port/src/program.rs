@@ -16,16 +16,16 @@ use baudbot_board::far_end::{Read, Settings};
 pub(crate) struct Program {
     connection: Connection,
     telnet: Option<Telnet>,
-    /// What is to be sent before anything else: answers, and the rest of an escape that its machine has not taken.
+    /// The bytes that are sent before anything else: answers, and the rest of an escape that its machine has not taken.
     owed: Vec<u8>,
-    /// What the program has sent that the cable has no room for yet.
+    /// The bytes of the program that the cable has no room for yet.
     unsent: VecDeque<u8>,
     /// It has closed its end: nothing more comes.
     has_ended: bool,
 }
 
-/// What a terminal server keeps of a program's data while the cable is busy, so that commands behind it come through. A program
-/// that sends more waits.
+/// The room for a program's data while the cable is busy, so that commands behind it come through, as in a terminal
+/// server. A program that sends more waits.
 const MOST_UNSENT: usize = 64 << 10;
 
 /// Most bytes of answers that a program has not taken; one that takes none has no use for more.
@@ -38,12 +38,12 @@ impl Program {
         Self { connection, telnet, owed: Vec::new(), unsent: VecDeque::new(), has_ended: false }
     }
 
-    /// How it has set its UART, if it can.
+    /// Its settings of its UART, if it can set it.
     pub(crate) fn settings(&self) -> Option<Settings> {
         self.telnet.as_ref().map(Telnet::settings)
     }
 
-    /// Where to wait for what it sends, if any of that is to be taken now.
+    /// The descriptor to wait at for its bytes, if any of them are to be taken now.
     pub(crate) fn fd(&self, has_room: bool) -> Option<BorrowedFd<'_>> {
         let is_wanted = if self.telnet.is_some() { self.unsent.len() < MOST_UNSENT } else { has_room };
         (is_wanted && !self.has_ended).then(|| self.connection.fd())
@@ -66,7 +66,7 @@ impl Program {
         self.has_ended && self.unsent.is_empty()
     }
 
-    /// What it has sent, as far as there is room for. Commands are obeyed whether there is room or not.
+    /// Its bytes, as far as there is room for them. Commands are obeyed whether there is room or not.
     pub(crate) fn read(&mut self, buffer: &mut [u8], room: usize, happened: &mut Vec<Happened>) -> Vec<u8> {
         let most = if self.telnet.is_some() { MOST_UNSENT } else { room };
         while !self.has_ended && self.unsent.len() < most {
@@ -226,7 +226,7 @@ mod tests {
         while found < received.len() {
             match theirs.read(&mut received[found..]) {
                 Ok(n) => found += n,
-                // What is owed goes first.
+                // Owed bytes go first.
                 Err(_) => drop(program.write(&[])),
             }
         }

@@ -31,9 +31,9 @@ const NOCTTY: i32 = OFlags::NOCTTY.bits() as i32;
 pub(crate) struct Pty {
     master: OwnedFd,
     slave: PathBuf,
-    /// Who opens the slave; none if the system has no watch left (fs.inotify.max_user_instances).
+    /// The watch for programs that open the slave; none if the system has no watch left (fs.inotify.max_user_instances).
     watch: Option<Watch>,
-    /// How the slave is set before a program does.
+    /// The settings of the slave before a program changes them.
     settings: Option<Settings>,
     claim: Claim,
 }
@@ -68,7 +68,7 @@ impl Pty {
         self.master.as_fd()
     }
 
-    /// What its name stands for.
+    /// The device that its name stands for.
     pub(crate) fn slave(&self) -> &Path {
         &self.slave
     }
@@ -80,7 +80,7 @@ impl Pty {
         poll(&mut fds, Some(&at_once)).is_ok() && !fds[0].revents().contains(PollFlags::HUP)
     }
 
-    /// Where to wait until a program opens it, if the system tells that.
+    /// The descriptor to wait at until a program opens it, if the system tells that.
     pub(crate) fn watch_fd(&self) -> Option<BorrowedFd<'_>> {
         self.watch.as_ref().map(Watch::fd)
     }
@@ -104,7 +104,7 @@ impl Pty {
         was_opened || seen.opened > 1 || seen.writer_gone
     }
 
-    /// How the program has set its end.
+    /// The program's settings of its end.
     pub(crate) fn settings(&self) -> Option<Settings> {
         let termios = tcgetattr(&self.master).ok()?;
         Some(settings(&termios)).filter(|settings| settings.baud > 0)

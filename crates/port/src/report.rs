@@ -1,12 +1,12 @@
-//! What a port has done, and how late it was.
+//! The record of a port: its acts, and their lateness.
 
 use std::fmt;
 use std::time::Duration;
 
-/// What a port has done.
+/// The record of a port.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
-    /// How often a program has opened it.
+    /// The number of times that a program has opened it.
     pub opened: u64,
     /// Bytes that a program was given.
     pub given: u64,
@@ -18,7 +18,8 @@ pub struct Report {
     pub taken: u64,
     /// Characters that a UART could not read as they were sent, since the ends are set differently.
     pub line_errors: u64,
-    /// How late bytes were given to the program: how many less than 2^i microseconds, by i.
+    /// The lateness of bytes that were given to the program: the number of those that were less than 2^i microseconds
+    /// late, by i.
     pub lateness_us_log2: [u64; 32],
     /// The latest byte.
     pub latest: Duration,

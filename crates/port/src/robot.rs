@@ -30,14 +30,14 @@ pub struct RobotPorts {
     robot: v1::RobotDescription,
     step_ns: u64,
     lines: Vec<Line>,
-    /// How far this machine's clock is ahead of the server's.
+    /// The lead of this machine's clock over the server's.
     ahead: Ahead,
     told: UnboundedReceiver<(usize, Told)>,
     requests: Sender<v1::AttachRequest>,
     responses: Streaming<v1::AttachResponse>,
 }
 
-/// What has happened at a port, for people.
+/// An event at a port, for people.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum News {
     /// A program has opened the port at this place.
@@ -113,7 +113,7 @@ impl RobotPorts {
         self.step_ns
     }
 
-    /// Where programs find the ports, in their order.
+    /// The places at which programs find the ports, in their order.
     pub fn places(&self) -> impl Iterator<Item = &str> {
         self.lines.iter().map(|line| line.place.as_str())
     }
@@ -159,7 +159,7 @@ impl RobotPorts {
         error.map_or(Ok(reports), Err)
     }
 
-    /// What has been told up to now; bytes of a port that follow each other are put together.
+    /// The reports up to now; bytes of a port that follow each other are put together.
     fn together(&mut self, first: (usize, Told)) -> Vec<(usize, Told)> {
         let mut all = vec![first];
         while let Ok((number, told)) = self.told.try_recv() {

@@ -51,7 +51,7 @@ impl Listener {
         bound.map_err(|source| PortError::Open { place: place.clone(), source })
     }
 
-    /// Where it listens: port 0 has become another.
+    /// Its address: port 0 has become another.
     pub(crate) fn local_addr(&self) -> Option<SocketAddr> {
         match self {
             Self::Tcp(listener, _) => listener.local_addr().ok(),

@@ -4,7 +4,7 @@
 //! acknowledged as it is asked for, and does nothing. The state of the modem lines is always that of a cable that is plugged in: CTS,
 //! DSR and CD. It is told as soon as the option is agreed to, as clients wait for it, and when it is asked for.
 //!
-//! What a program asks for is done when it comes, also if data before it have not gone yet, as terminal servers do.
+//! A program's request is obeyed when it comes, also if data before it have not gone yet, as terminal servers do.
 
 use baudbot_board::far_end::{LineError, Parity, Read, Settings};
 
@@ -38,16 +38,16 @@ const NO_FLOW_IN: u8 = 14;
 /// CTS, DSR and CD are on.
 const MODEM_LINES: u8 = 0x10 | 0x20 | 0x80;
 
-/// What a program asks for besides data.
+/// A program's request besides data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Event {
     /// DTR is switched.
     Dtr(bool),
     /// A break begins or ends.
     Break(bool),
-    /// What waits to be given to the program is thrown away.
+    /// Bytes that wait to be given to the program are thrown away.
     PurgeReceived,
-    /// What the program has sent before and is not on the cable yet is thrown away.
+    /// Bytes that the program has sent before and that are not on the cable yet are thrown away.
     PurgeSent,
 }
 
@@ -60,9 +60,10 @@ pub(crate) struct Telnet {
     dtr: bool,
     rts: bool,
     breaks: bool,
-    /// How flow control is set, outbound and inbound, by its numbers in SET-CONTROL. It does nothing.
+    /// The settings of flow control, outbound and inbound, by their numbers in SET-CONTROL. They do nothing. It does
+    /// nothing.
     flow: [u8; 2],
-    /// Which states of the line are told.
+    /// The states of the line to report.
     line_mask: u8,
     /// Options that were agreed to, so that nobody answers an answer: ours, then the program's.
     agreed: [Vec<u8>; 2],
@@ -77,7 +78,7 @@ enum State {
     SubCommand,
 }
 
-/// What came out of some bytes.
+/// The result of reading some bytes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Heard {
     /// Bytes for the robot, those behind the last [`Event::PurgeSent`].
@@ -103,7 +104,7 @@ impl Telnet {
         }
     }
 
-    /// How the program has set the UART.
+    /// The program's settings of the UART.
     pub(crate) fn settings(&self) -> Settings {
         self.settings
     }

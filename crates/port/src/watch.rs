@@ -11,10 +11,10 @@ use rustix::fs::inotify::{CreateFlags, ReadFlags, Reader, WatchFlags, add_watch,
 #[derive(Debug)]
 pub(crate) struct Watch(OwnedFd);
 
-/// What has happened since the last look.
+/// The events since the last look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Seen {
-    /// How often it was opened; several times in a row may count as one.
+    /// The number of times that it was opened; several times in a row may count as one.
     pub(crate) opened: u32,
     /// Whether somebody has closed it who could write to it.
     pub(crate) writer_gone: bool,
@@ -28,12 +28,12 @@ impl Watch {
         Ok(Self(inotify))
     }
 
-    /// Where to wait until somebody opens it.
+    /// The descriptor to wait at until somebody opens it.
     pub(crate) fn fd(&self) -> BorrowedFd<'_> {
         self.0.as_fd()
     }
 
-    /// What has happened since the last look.
+    /// The events since the last look.
     pub(crate) fn look(&self) -> Seen {
         let (mut seen, mut buffer) = (Seen::default(), [MaybeUninit::uninit(); 1024]);
         let mut events = Reader::new(self.fd(), &mut buffer);
