@@ -183,7 +183,7 @@ impl Env {
         of(py, &env, agent).map(|_| env.tally(agent).numbers())
     }
 
-    /// What that is worth.
+    /// The reward of that state.
     fn reward(&self, py: Python<'_>, agent: usize) -> PyResult<f64> {
         let env = locked(py, &self.env)?;
         of(py, &env, agent).map(|_| self.reward.of(env.tally(agent)))
@@ -210,7 +210,7 @@ impl Env {
         Ok(locked(py, &self.env)?.world().scenario().seed)
     }
 
-    /// Why the run ended, in words.
+    /// The reason for the end of the run, in words.
     #[getter]
     fn ending(&self, py: Python<'_>) -> PyResult<Option<String>> {
         Ok(locked(py, &self.env)?.world().ending().map(ToString::to_string))
@@ -264,7 +264,7 @@ impl Env {
         Ok(())
     }
 
-    /// What happened when in a robot, as far as it is kept, up to now: a timing diagram in SVG.
+    /// The timing diagram of a robot in SVG, up to now, as far as its events are kept.
     fn diagram(&self, py: Python<'_>, robot: usize, span_ns: u64) -> PyResult<String> {
         let env = &mut *locked(py, &self.env)?;
         let until_ns = env.world().time().as_ns();

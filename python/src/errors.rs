@@ -29,11 +29,11 @@ pub(crate) fn failed(py: Python<'_>, text: &str) -> PyErr {
     }
 }
 
-/// What a world is locked for. Another thread that is in it meanwhile is `baudbot.Busy`.
+/// The value behind a world's lock. Another thread that is in it meanwhile is `baudbot.Busy`.
 pub(crate) fn locked<'a, T>(py: Python<'_>, lock: &'a Mutex<T>) -> PyResult<MutexGuard<'a, T>> {
     match lock.try_lock() {
         Ok(guard) => Ok(guard),
-        // What panicked has said so.
+        // The thread that panicked has said so.
         Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
         Err(TryLockError::WouldBlock) => {
             let text = "another thread is stepping this world; a world is for one thread at a time, make one for each";

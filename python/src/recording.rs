@@ -75,7 +75,7 @@ fn meet(first: &mut (Replay, World), second: &mut (Replay, World)) -> Result<boo
     Ok(true)
 }
 
-/// What is missing of a recording, in the words of the command.
+/// The parts that a recording lacks, in the words of the command.
 fn missing(replay: &Replay) -> Option<String> {
     let recorded = replay.recorded();
     let problem = recorded.problem()?;

@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 
 use crate::errors::{apart, failed, invalid};
 
-/// How a sweep or a tuning went: what it told, as JSON, the files, whether it was stopped, and its warnings.
+/// The result of a sweep or a tuning: its report, as JSON, the files, whether it was stopped, and its warnings.
 type Done = (String, Vec<String>, bool, Vec<String>);
 
 /// An experiment without files: the text of its file, the name that it has without one of its own, the text of its scenario, and programs
@@ -30,7 +30,7 @@ pub(crate) enum Given {
     File(PathBuf),
 }
 
-/// What is asked for.
+/// The request for an experiment.
 struct Asked {
     experiment: Given,
     out: PathBuf,
@@ -127,12 +127,12 @@ pub(crate) fn pack(py: Python<'_>, file: PathBuf, seeds: Option<&str>) -> PyResu
     Ok(((text, name, scenario, programs), runs))
 }
 
-/// What an experiment told, as JSON, its files, and whether it was stopped.
+/// The report of an experiment, as JSON, its files, and whether it was stopped.
 type Told = (String, Vec<PathBuf>, bool);
 
 type Outcome = Result<Told, Error>;
 
-/// What a worker and the thread that called it know of each other.
+/// The state that a worker shares with the thread that called it.
 #[derive(Default)]
 struct Watched {
     stop: AtomicBool,
@@ -141,7 +141,7 @@ struct Watched {
     warnings: Mutex<Vec<String>>,
 }
 
-/// What is wrong, and the path of the field that is, if it is one.
+/// A fault, and the path of the field that has it, if it is one.
 type Problem = (String, Option<String>);
 
 /// Does it, and tells how far it is.
@@ -252,12 +252,12 @@ fn of_reading(error: ReadError) -> Problem {
     (error.to_string(), path)
 }
 
-/// What panicked meanwhile has said so.
+/// The value behind a lock. A thread that panicked meanwhile has said so.
 fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// How errors name an experiment.
+/// The name of an experiment in errors.
 fn name(given: &Given) -> String {
     match given {
         Given::File(path) => path.display().to_string(),

@@ -98,7 +98,7 @@ impl Task {
         parts.map(|part| (part.name.clone(), part.kind, part.values.start, part.values.end)).collect()
     }
 
-    /// What each value of an agent's is.
+    /// The names of an agent's values.
     fn columns(&self, agent: usize) -> Vec<String> {
         self.0.layouts()[agent].columns.clone()
     }
@@ -108,7 +108,7 @@ impl Task {
         self.0.layouts()[agent].bounds.clone()
     }
 
-    /// What each number of an agent's actions is for.
+    /// The names of the numbers of an agent's actions.
     fn actions(&self, agent: usize) -> Vec<String> {
         self.0.layouts()[agent].actions.clone()
     }

@@ -1,4 +1,5 @@
-//! What a step of each brain takes, in the runs for which it is made: `cargo bench -p baudbot-tests --bench brain_steps`.
+//! The processor time of a step of each brain, in the runs for which it is made: `cargo bench -p baudbot-tests
+//! --bench brain_steps`.
 //!
 //! Each brain drives through its scenario for two simulated minutes, or for as many as are given behind `--`. What counts is the
 //! time that the processor spends on a step, so that a machine may do other things, too. A step that only waits is counted as

@@ -1,5 +1,5 @@
-//! How fast a world goes: in process, in process with a brain, and in lockstep over pipe, Unix socket and TCP.
-//! Run with `cargo bench -p baudbot-tests`. An item is a tick; compare the ratios, machines differ.
+//! The speed of a world: in process, in process with a brain, and in lockstep over pipe, Unix socket and TCP. Run
+//! with `cargo bench -p baudbot-tests`. An item is a tick; compare the ratios, machines differ.
 
 use baudbot_client::{Client, Signals, connect};
 use baudbot_server::Server;

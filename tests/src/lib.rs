@@ -1,4 +1,4 @@
-//! What the whole-system tests share: scenarios, a world with its brains in one thread ([`InProcess`]), and a
+//! The shared parts of whole-system tests: scenarios, a world with its brains in one thread ([`InProcess`]), and a
 //! server with its brains over real gRPC ([`system`]).
 
 pub mod narrow;

@@ -64,7 +64,7 @@ pub async fn operator(server: &Server) -> ControlServiceClient<Channel> {
     ControlServiceClient::new(server.channel().await.expect("a pipe"))
 }
 
-/// How world `w` stands.
+/// The status of world `w`.
 ///
 /// # Panics
 /// If there is none.

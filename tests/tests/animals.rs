@@ -28,7 +28,7 @@ fn a_hundred_robots_gather_at_a_scent_as_e_coli_does() {
 
 const STENTOR: &str = include_str!("../../catalogue/scenarios/stentor.toml");
 
-/// What a Stentor does one after the other, each with when it began, and how far it is from the poison's source in the end.
+/// The behaviours of a Stentor in turn, each with its beginning, and the distance from the poison's source in the end.
 fn stentor(brain: &str) -> (Vec<(String, f64)>, f64) {
     let mut local = InProcess::new(scenario(STENTOR, &[]), brain).unwrap();
     let mut states: Vec<(String, f64)> = Vec::new();
@@ -63,7 +63,8 @@ fn a_robot_escalates_as_stentor_does() {
 
 const ANT: &str = include_str!("../../catalogue/scenarios/ant.toml");
 
-/// How far from its nest an ant is where its vector is at an end, and at its own end; and whether it knows that it is home.
+/// The distance of an ant from its nest when its vector is at an end, and at its own end; and whether it knows that
+/// it is home.
 fn ant(seed: u64) -> (f64, f64, bool) {
     let mut local =
         InProcess::new(scenario(ANT, &[&format!("seed={seed}"), "end.after_s=120.0"]), "ant").unwrap();

@@ -1,4 +1,4 @@
-//! Who did what: the audit log of a server, and what recordings have of it.
+//! The audit log of a server, and its entries in recordings.
 
 use std::path::Path;
 use std::time::SystemTime;
@@ -19,7 +19,7 @@ fn lines(file: &Path) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
-/// What a line says, without its instant and its duration.
+/// The content of a line, without its instant and its duration.
 fn brief(line: &Value) -> String {
     let text = |field: &str| line[field].as_str().unwrap_or("-").to_owned();
     let about =
@@ -119,7 +119,7 @@ async fn a_flood_of_refusals_has_few_lines() {
         control.list_worlds(v1::ListWorldsRequest {}).await.unwrap_err();
     }
     let seconds = begun.elapsed().as_secs() + 2;
-    // What was left out is told with the next line.
+    // The next line counts the lines that were left out.
     let mut teacher = ControlServiceClient::new(class.client(&class.teacher).await.channel());
     teacher.pause_world(v1::PauseWorldRequest { world: "w".to_owned() }).await.unwrap();
     class.server.shutdown().await;

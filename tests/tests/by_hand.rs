@@ -1,4 +1,4 @@
-//! What an operator changes by hand in a world of a server.
+//! Changes that an operator makes by hand in a world of a server.
 
 use std::time::Duration;
 
@@ -162,7 +162,7 @@ async fn a_pulled_cable_shows_in_the_losses_and_a_reset_plugs_it_in() {
     server.shutdown().await;
 }
 
-/// Why a robot's stream ends.
+/// The reason for the end of a robot's stream.
 async fn ending(robot: &mut Robot) -> Error {
     loop {
         match robot.turn().await {

@@ -49,7 +49,7 @@ async fn closed(mut io: impl AsyncRead + Unpin, started: Instant) -> Duration {
     started.elapsed()
 }
 
-/// What a client of HTTP/2 says first, and its empty settings.
+/// The first bytes of a client of HTTP/2, and its empty settings.
 const PREFACE: &[u8] = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
 const SETTINGS: &[u8] = &[0, 0, 0, 4, 0, 0, 0, 0, 0];
 /// HEADERS of 100 bytes on stream 1, of which none comes.

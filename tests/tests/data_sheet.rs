@@ -1,4 +1,4 @@
-//! What a brain learns of its robot, for all scenarios of devices.
+//! A brain's knowledge of its robot, for all scenarios of devices.
 
 use std::collections::BTreeSet;
 use std::fs;

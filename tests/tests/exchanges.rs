@@ -43,14 +43,14 @@ pub(crate) const HOMES: &[Home] = &[
     home!("tour", "tour", false),
     home!("wander", "wander", false),
     home!("wedge", "wedge", false),
-    // How far it drives depends on where it finds the damp.
+    // Its distance depends on the place where it finds the damp.
     home!("woodlouse", "ecoli-one", false),
 ];
 
 /// Brains of the catalogue without a home, each with the reason.
 const LEFT_OUT: &[(&str, &str)] = &[];
 
-/// What is reached of the exchanges that are foretold, where that is less than nine tenths.
+/// The part of the foretold exchanges that is reached, if it is less than nine tenths.
 const FEWER: &[(&str, Mode, &str, f64)] = &[
     // It swings its head all the time, and the times of a radio's messages hide when its commands are in their way.
     ("larva", Mode::Streamed, "radio", 0.85),
@@ -165,7 +165,7 @@ fn each_brain_of_the_catalogue_has_a_home_or_a_reason() {
     assert_eq!(known, all);
 }
 
-/// What is wrong with these runs, which are in the order of their cables.
+/// The faults of these runs, which are in the order of their cables.
 fn faults(home: &Home, mode: Mode, runs: &[(&str, Run)], is_ladder: bool) -> Vec<String> {
     let mut faults = Vec::new();
     for (cable, run) in runs {

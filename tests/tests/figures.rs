@@ -226,8 +226,8 @@ fn a_photoresistor_in_the_dark_blocks_a_bs2_for_131_ms() {
     assert!((37..=77).contains(&whisker), "between two of them, or after each other one: {whisker}");
 }
 
-/// What the utility of waiting is before the signal is lost at 5 s, how deep it falls, for how many steps it falls, and how
-/// far the robot drives meanwhile.
+/// The utility of waiting before the signal is lost at 5 s, its depth, the number of steps for which it falls, and
+/// the distance that the robot drives meanwhile.
 fn dip(brain: &str) -> (f64, f64, usize, f64) {
     const PATIENT: &str = include_str!("../../catalogue/scenarios/patient.toml");
     let mut local = InProcess::new(scenario(PATIENT, &["noise=false"]), brain).unwrap();

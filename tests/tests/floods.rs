@@ -162,7 +162,7 @@ async fn ten_minutes_of_a_thousand_steps_a_second_to_a_world_that_stands_are_rea
     talk_to_a_world_that_stands(600_000, Some(Duration::from_millis(1))).await;
 }
 
-/// What this process holds: descriptors, and bytes of memory.
+/// The resources of this process: descriptors, and bytes of memory.
 fn held() -> [usize; 2] {
     let pages = std::fs::read_to_string("/proc/self/statm").unwrap();
     let resident: usize = pages.split(' ').nth(1).unwrap().parse().unwrap();

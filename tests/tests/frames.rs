@@ -22,14 +22,14 @@ use prost::Message;
 use prost_types::FileDescriptorSet;
 use tonic::Streaming;
 
-/// What a frame can be made of, and the oracle has no values of here.
+/// The parts of a frame for which the oracle has no values here.
 const ELSEWHERE: [(&str, &str); 4] = [
     ("Annotation", "what brains say is no number of the world's"),
     ("Belief", "as Annotation"),
     ("Collision", "events are told once, to each observer: tests/tests/services.rs"),
     ("PinEvent", "tests/tests/pins.rs"),
 ];
-/// What it has values of.
+/// The parts for which it has values.
 const HERE: [&str; 14] = [
     "ActuatorTruth",
     "BatteryStatus",
@@ -47,7 +47,7 @@ const HERE: [&str; 14] = [
     "ZoneStatus",
 ];
 
-/// What `wander` lacks: a frame with a number of each kind.
+/// The parts that `wander` lacks: a frame with a number of each kind.
 const MORE: &str = r#"
     [robots.battery]
     nominal_v = 4.8
@@ -92,7 +92,7 @@ fn all_that_a_frame_is_made_of_has_an_oracle() {
         let messages = files.file.iter().flat_map(|file| &file.message_type);
         let short = name.trim_start_matches(".baudbot.v1.").to_owned();
         let Some(message) = messages.into_iter().find(|message| message.name() == short) else { continue };
-        // What is left out is left out with all that it is made of.
+        // A part that is left out takes its own parts with it.
         if found.insert(short.clone()) && HERE.contains(&&*short) {
             open.extend(message.field.iter().filter_map(|field| field.type_name.clone()));
         }
@@ -153,7 +153,7 @@ impl Oracle {
         self.events_before.push(self.events.len());
     }
 
-    /// Which readings have come, from what was on the microcontroller and on the wire.
+    /// Finds the readings that have come, by the entries on the microcontroller and on the wire.
     fn read_timeline(&mut self) {
         let robot = self.world.robot(0);
         let (missed, events) = robot.timeline().since(self.events.len() as u64);
@@ -176,7 +176,7 @@ impl Oracle {
         }
     }
 
-    /// How old the reading of a sensor was at most and at least since an instant, at both ends and as readings came.
+    /// The greatest and the least age of a sensor's reading since an instant, at both ends and as readings came.
     fn ages(&self, sensor: usize, since: u64, now: u64) -> Option<(u64, u64)> {
         let at = |instant: u64, including: bool| {
             let came = |&&(_, at): &&Arrival| at < instant || including && at == instant;
@@ -377,7 +377,7 @@ impl Observer {
 
 const TICKS: u64 = 150;
 
-/// What is seen of a run, which is recorded.
+/// The frames of a run, which is recorded.
 async fn seen_live(folder: &std::path::Path) -> Vec<Seen> {
     let world = scenario(&format!("{WANDER}{MORE}"), &["end.after_s=1.5"]);
     let world = WorldConfig::new("w", world).pace(Pace::Stepped(Lockstep::default()));
@@ -410,7 +410,7 @@ async fn seen_live(folder: &std::path::Path) -> Vec<Seen> {
     seen
 }
 
-/// What is seen of its replay, forwards and backwards.
+/// The frames of its replay, forwards and backwards.
 async fn seen_again(folder: &std::path::Path) -> Vec<Seen> {
     let server = Server::builder().recordings(folder.to_owned()).in_process().await.unwrap();
     let mut operator = operator(&server).await;

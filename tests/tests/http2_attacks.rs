@@ -39,7 +39,7 @@ mod frame {
     pub(super) const ACK: u8 = 1;
     pub(super) const END_HEADERS: u8 = 4;
 
-    /// What a client says first.
+    /// The first bytes of a client.
     pub(super) const PREFACE: &[u8] = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
 
     pub(super) fn of(kind: u8, flags: u8, stream: u32, payload: &[u8]) -> Vec<u8> {
@@ -73,7 +73,7 @@ const REFLECT: &str = "/grpc.reflection.v1.ServerReflection/ServerReflectionInfo
 /// An empty message of gRPC.
 const EMPTY: &[u8] = &[0; 5];
 
-/// What is asked of the servers here.
+/// The time within which the servers here must answer.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// The end of the run of the world beside.
@@ -93,7 +93,7 @@ struct Beside {
     _alone: MutexGuard<'static, ()>,
 }
 
-/// What this process holds.
+/// The resources of this process.
 #[derive(Clone, Copy, Debug)]
 struct Held {
     descriptors: usize,
@@ -157,7 +157,7 @@ impl Beside {
         self.server.shutdown().await;
     }
 
-    /// What the server holds has not grown by more than some megabytes.
+    /// The server's resources have not grown by more than some megabytes.
     fn check_held(&self, megabytes: usize) {
         let (before, now) = (self.before, Held::now());
         assert!(now.bytes < before.bytes + (megabytes << 20), "{before:?}, {now:?}");
@@ -478,7 +478,7 @@ async fn serve_unread(robots: usize, limits: Limits) -> (Server, SocketAddr, tem
     (server, address, folder)
 }
 
-/// What each method is asked here, in an order in which all have an answer.
+/// The request of each method here, in an order in which all have an answer.
 fn asked() -> Vec<(&'static str, Vec<u8>)> {
     fn of(message: &impl prost::Message) -> Vec<u8> {
         message.encode_to_vec()
@@ -791,7 +791,8 @@ async fn count_turns(address: SocketAddr, token: String, turns: Arc<AtomicU64>) 
     }
 }
 
-/// What a brain and a newcomer notice of an observer who asks a thousand times and reads nothing, and what the server holds then:
+/// The experience of a brain and a newcomer beside an observer who asks a thousand times and reads nothing, and the
+/// server's resources then:
 ///
 /// ```sh
 /// cargo test --release -p baudbot-tests --test http2_attacks -- --ignored --nocapture a_thousand_unread

@@ -577,8 +577,8 @@ async fn all_limits_are_told_with_their_values() {
     server.shutdown().await;
 }
 
-/// What operators and a world in real time notice of so many worlds in free pace: the median and the longest time of GetWorld, and the
-/// share of the real-time world's ticks that ended late by a tick or more.
+/// The experience of operators and a world in real time beside so many worlds in free pace: the median and the
+/// longest time of GetWorld, and the fraction of the real-time world's ticks that ended late by a tick or more.
 async fn beside_free_worlds(count: usize) -> (Duration, Duration, f64) {
     let free = (0..count).fold(Server::builder(), |builder, i| {
         builder.world(WorldConfig::new(format!("free-{i}"), scenario(WANDER, &[])).pace(Pace::Free))
@@ -644,7 +644,7 @@ async fn the_slowest_streams_of_a_caller_who_does_not_read_end_by_name_and_no_mo
         }
     }
     let ended = refusals(&server, "unread_bytes_per_caller").await;
-    // What the world has for a stream, and what the network has, are ended one by one.
+    // The world's and the network's parts of a stream are ended one by one.
     assert!((1.0..=80.0).contains(&ended), "{ended}");
     let mut by_name = 0.0;
     for mut stream in streams {

@@ -27,7 +27,7 @@ impl Brain for Witness {
     }
 }
 
-/// How a tour of 48 m went.
+/// The course of a tour of 48 m.
 #[derive(Debug)]
 struct Tour {
     /// Root of the mean square distance of what is believed from what is, in metres.

@@ -250,7 +250,7 @@ async fn a_brain_that_goes_while_the_world_is_ahead_leaves_its_robots_to_another
         for _ in 0..5 {
             let mut fleet = attach_patiently(&server).await;
             for _ in 0..3 {
-                // Where nobody waits for a brain that is gone, the run may be over.
+                // The run may be over if nobody waits for a brain that is gone.
                 let Some(turns) = fleet.turns().await.unwrap() else { break };
                 let actions: Vec<_> = turns.iter().map(|(robot, _)| (*robot, Action::wait())).collect();
                 fleet.act(&actions).await.unwrap();

@@ -32,7 +32,7 @@ async fn ask(server: &Server, headers: &str) -> (String, String) {
     (head.to_owned(), body.to_owned())
 }
 
-/// What was scraped.
+/// The result of a scrape.
 struct Metrics(Scrape);
 
 impl Metrics {
@@ -331,7 +331,7 @@ async fn all_metrics_are_explained() {
     let docs = include_str!("../../docs/reference/metrics.md");
     let rows: String = docs.lines().filter(|line| line.starts_with("| `")).collect();
     assert_eq!(names(&rows), typed.iter().map(String::as_str).collect());
-    // What the examples use is there.
+    // The metrics of the examples are there.
     let suffixes = ["", "_bucket", "_sum", "_count"];
     let (docs, _) = docs.split_once("## The log").unwrap();
     for name in names(docs) {

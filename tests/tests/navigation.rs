@@ -4,7 +4,7 @@ use baudbot_tests::{InProcess, WANDER, scenario};
 
 const WEDGE: &str = include_str!("../../catalogue/scenarios/wedge.toml");
 
-/// Where the wedge's robot is after so many seconds, and why its run ended, if it did.
+/// The place of the wedge's robot after so many seconds, and the reason for the end of its run, if it ended.
 fn wedge(brain: &str, y_m: f64, seconds: u64) -> ([f64; 2], Option<String>) {
     let start = format!("robots.robot.start.y_m={y_m}");
     let mut local = InProcess::new(scenario(WEDGE, &[&start]), brain).unwrap();

@@ -158,7 +158,7 @@ async fn real_time_keeps_to_the_wall_clock_and_scaled_time_to_its_multiple() {
     // The long run of 60 s is `baudbot run --pace real-time`; the drift is the same over any span, because
     // every tick's instant is computed from the start.
     for (factor, seconds) in [(1.0, 3.0), (10.0, 10.0)] {
-        // What a machine does that is busy elsewhere it does now and then; a clock that is wrong is so each time.
+        // A busy machine is late now and then; a wrong clock is wrong each time.
         let mut found = Vec::new();
         while let Err(late) = keeps_to_the_wall_clock(factor, seconds).await {
             found.push(late);

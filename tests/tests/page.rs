@@ -28,7 +28,7 @@ async fn serve(pace: Pace) -> Server {
 /// A page without a browser.
 pub(super) struct Page {
     socket: WebSocketStream<MaybeTlsStream<TcpStream>>,
-    /// What came while something else was waited for.
+    /// Responses that came while another one was waited for.
     kept: VecDeque<v1::PageResponse>,
 }
 
@@ -73,7 +73,7 @@ impl Page {
         self.message(call).await
     }
 
-    /// What the stream of a brain says next; that its requests are taken goes without saying.
+    /// The next response of a brain's stream; that its requests are taken goes without saying.
     async fn attached(&mut self, call: u32) -> v1::attach_response::Response {
         loop {
             match self.answer(call).await {
@@ -295,7 +295,7 @@ async fn calls_that_fail_say_why_and_the_page_goes_on() {
     assert_eq!(code, "ALREADY_EXISTS");
     page.ask(5, get_world("w")).await;
     page.message::<v1::GetWorldResponse>(5).await;
-    // What is no request ends the socket, and nothing else.
+    // A message that is no request ends the socket, and nothing else.
     page.socket.send(Message::Binary(vec![0xff; 100].into())).await.unwrap();
     while let Some(Ok(_)) = page.socket.next().await {}
     let mut other = Page::open(&server).await;

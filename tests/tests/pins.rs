@@ -1,4 +1,4 @@
-//! What is on the pins of a robot's chip, for observers.
+//! The pins of a robot's chip, for observers.
 
 use std::path::{Path, PathBuf};
 

@@ -12,14 +12,14 @@ use baudbot_tests::{InProcess, scenario};
 const WEDGE: &str = include_str!("../../catalogue/scenarios/wedge.toml");
 const WANDER: &str = include_str!("../../catalogue/scenarios/wander.toml");
 
-/// Where pillars stand, and the goal.
+/// The places of the pillars, and the goal.
 struct Trap {
     name: &'static str,
     pillars: Vec<[f64; 2]>,
     goal: [f64; 2],
 }
 
-/// What the robot has to go by.
+/// The sources of the robot's knowledge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Knows {
     /// The field has a hill for each pillar, and the robot no sensor for anything else.
@@ -32,7 +32,7 @@ enum Knows {
     Half,
 }
 
-/// How a run went.
+/// The course of a run.
 #[derive(Debug)]
 struct Run {
     /// It said that it has arrived, and was so far from the goal then.

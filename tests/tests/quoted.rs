@@ -1,4 +1,4 @@
-//! What a client writes comes back in errors as text: nothing in it is obeyed by the terminal that shows them.
+//! A client's text comes back in errors as text: nothing in it is obeyed by the terminal that shows them.
 
 use std::collections::BTreeSet;
 use std::time::Duration;

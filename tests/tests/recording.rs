@@ -401,7 +401,7 @@ async fn a_state_by_value_goes_on_in_another_server() {
     let made = other.create_world(request.clone()).await.unwrap().into_inner().status.unwrap();
     assert_eq!((made.world.as_str(), made.tick, made.state_hash), ("w", here.tick, here.state_hash));
     for server in [&first, &second] {
-        // Who starts a world in lockstep without a brain lets it go on without.
+        // A world in lockstep that is started without a brain goes on without.
         let mut robot = client(server).await.attach("w", "robot").await.unwrap();
         operator(server).await.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
         let mut brain = baudbot_brains::catalogue::brain("avoid", 1, robot.body()).unwrap();

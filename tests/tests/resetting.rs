@@ -101,7 +101,7 @@ async fn a_reset_makes_the_state_that_create_world_makes_and_brains_stay() {
     assert_eq!(hash, run(&mut operator, "made", &mut other, 100).await);
     assert_ne!(hash, first);
 
-    // What is not given is as it was when the world was made, and not as at the last reset.
+    // A missing field is as it was when the world was made, and not as at the last reset.
     reset(&mut operator, with(&[])).await.unwrap();
     assert_eq!(run(&mut operator, "w", &mut robot, 100).await, first);
     server.shutdown().await;

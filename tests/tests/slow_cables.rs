@@ -8,7 +8,7 @@ const TOUR: &str = include_str!("../../catalogue/scenarios/tour.toml");
 const ERRANDS: &str = include_str!("../../catalogue/scenarios/errands.toml");
 const ROOM: &str = include_str!("../../catalogue/scenarios/explore-room.toml");
 
-/// How a run went.
+/// The course of a run.
 #[derive(Debug)]
 struct Run {
     seconds: f64,

@@ -35,7 +35,8 @@ fn it_never_runs_empty_in_an_hour() {
     never_runs_empty(1..=10, 60);
 }
 
-/// What `baudbot tune catalogue/experiments/tune-sweeper.toml` found with seeds 1 to 3 (docs/reference/experiments.md).
+/// The result of `baudbot tune catalogue/experiments/tune-sweeper.toml` with seeds 1 to 3
+/// (docs/reference/experiments.md).
 const TUNED: &str = "sweeper:motor.sweep.parameters.forward=0.72126,motor.sweep.parameters.turn_probability=0.006575,\
                      motor.turn_away.utility.weights.near=2.289,motor.turn_away.parameters.turn=0.50381,\
                      motor.charge.utility.bias=1.0386,motor.charge.parameters.full=0.6871";

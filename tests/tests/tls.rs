@@ -116,7 +116,7 @@ async fn who_speaks_without_tls_where_it_is_wanted_is_told() {
         plain.write_all(says.as_bytes()).await.unwrap();
         let mut answer = Vec::new();
         let read = tokio::time::timeout(Duration::from_secs(20), plain.read_to_end(&mut answer)).await;
-        // What was not read makes the end a reset.
+        // Unread bytes make the end a reset.
         let _ = read.expect("the server closes the connection");
         let answer = String::from_utf8_lossy(&answer);
         assert!(answer.contains("this server speaks TLS: use https://"), "{answer}");

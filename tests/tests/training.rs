@@ -69,7 +69,7 @@ impl Trainer {
         self.response().await
     }
 
-    /// What a stateless brain does, until all runs have ended. Gives the truths of all worlds, cycle by cycle.
+    /// Drives by a stateless brain, until all runs have ended. Gives the truths of all worlds, cycle by cycle.
     async fn drive(&mut self, mut results: Vec<v1::WorldResult>) -> Vec<Vec<v1::WorldResult>> {
         let mut places: Vec<_> = (0..results.len() as u32).collect();
         let mut seen = Vec::new();
@@ -454,7 +454,7 @@ async fn what_happens_to_one_world_is_told_in_its_place_and_the_others_go_on() {
     assert_eq!(results[4].tick, 1);
     released(&server, "timed").await;
 
-    // What is closed stays so; what was refused stands as before; the others go on.
+    // A closed world stays so; a refused one stands as before; the others go on.
     let actions = vec![
         (0, reset(1)),
         (1, reset(1)),

@@ -1,4 +1,4 @@
-//! Who may do what: each call of each service with each kind of token, robots of others, and tokens that end.
+//! The rights: each call of each service with each kind of token, robots of others, and tokens that end.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -78,7 +78,7 @@ impl Class {
     }
 }
 
-/// What each call may be made with, besides `-`, which needs no token, and `any`, which needs one.
+/// The tokens with which each call may be made, besides `-`, which needs no token, and `any`, which needs one.
 const CALLS: &[(&str, &[(&str, &str)])] = &[
     (
         "baudbot.v1.ControlService",
@@ -137,7 +137,7 @@ fn services(descriptors: &[u8]) -> Vec<(String, Vec<String>)> {
     set.file.iter().flat_map(of_file).collect()
 }
 
-/// How a call without content ends, or with its first answer.
+/// The end of a call without content, or its first answer.
 async fn call(channel: Channel, path: &str) -> Result<(), Status> {
     let mut client = Grpc::new(channel);
     client.ready().await.map_err(|error| Status::unknown(error.to_string()))?;
@@ -233,7 +233,7 @@ async fn a_driver_learns_nothing_of_other_robots() {
     assert_eq!(refusal(&alice, "w", "bob").await, words("w/bob"), "there is one");
     assert_eq!(refusal(&alice, "w", "eve").await, words("w/eve"), "there is none");
     assert_eq!(refusal(&alice, "other", "alice").await, words("other/alice"), "there is no such world");
-    // What it may drive and is not there is named without what is.
+    // A robot that it may drive and that is not there is named without the others.
     let stranger = class.client("stranger").await;
     let text = refusal(&stranger, "elsewhere", "alice").await;
     assert_eq!(text, "NotFound: hello: there is no robot `alice` in a world `elsewhere`");

@@ -53,7 +53,7 @@ async fn worlds_that_never_rest_leave_time_to_each_other_to_the_clock_and_to_tho
     let worlds = list(&mut operator).await;
     let names: Vec<_> = worlds.iter().map(|world| world.world.clone()).collect();
     assert!(names.len() == MANY + 2 && names.is_sorted(), "{names:?}");
-    // What one has asked for, one sees, however many others run.
+    // An operator sees the effect of a request, however many other worlds run.
     let request = v1::PauseWorldRequest { world: "free-07".to_owned() };
     let paused = operator.pause_world(request).await.unwrap().into_inner().status.unwrap();
     let listed = list(&mut operator).await;

@@ -1,4 +1,4 @@
-//! What `./test` is asked for.
+//! The request in the arguments of `./test`.
 
 use std::ffi::OsString;
 
@@ -6,7 +6,7 @@ use lexopt::{Arg, Parser};
 
 use crate::sections::{self, Rung, Section};
 
-/// What is to be done.
+/// A request.
 pub(crate) enum Request {
     /// The text of `--help`.
     Help,
@@ -44,7 +44,7 @@ pub(crate) struct Plan {
     pub(crate) whole: bool,
 }
 
-/// Why arguments are refused.
+/// A reason why arguments are refused.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
     /// It is not an option, or has no value.
@@ -70,7 +70,7 @@ pub(crate) enum Error {
 }
 
 impl Request {
-    /// What the command line asks for.
+    /// The request of the command line.
     ///
     /// # Errors
     ///

@@ -1,11 +1,11 @@
-//! What `./test --help` and `./test --list` print.
+//! The texts of `./test --help` and `./test --list`.
 
 use crate::ladder::in_words;
 use crate::place::Place;
 use crate::records::{self, Error};
 use crate::sections::{self, Rung, SECTIONS};
 
-/// How it is called.
+/// The usage.
 pub(crate) const HELP: &str = "\
 usage: ./test                     what a contributor runs
        ./test all                 everything that a change must pass, as continuous integration runs it

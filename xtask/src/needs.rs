@@ -1,4 +1,4 @@
-//! What sections need of a machine, and how it is had.
+//! The needs of sections of a machine, and the way to meet each.
 
 use std::path::Path;
 use std::process::Command;
@@ -16,7 +16,7 @@ pub(crate) enum Need {
     Component(Component),
     /// A target of Rust.
     Target(&'static str),
-    /// What the `package.json` of a folder names.
+    /// The packages that the `package.json` of a folder names.
     NodePackages(NodeFolder),
     /// Python 3.11 or newer, with its module for environments.
     Python,
@@ -44,7 +44,7 @@ impl Component {
         }
     }
 
-    /// What it installs.
+    /// The program that it installs.
     const fn program(self) -> &'static str {
         match self {
             Self::Clippy => "clippy-driver",
@@ -102,17 +102,17 @@ impl Need {
                     && on_path("npm")
             }
             Self::Root => rustix::process::geteuid().is_root(),
-            // Who has none finds out from the section: its registries are its own.
+            // A machine without a network finds out from the section: its registries are its own.
             Self::Network => true,
         }
     }
 }
 
-/// What is missing on this machine.
+/// The needs that this machine does not meet.
 pub(crate) struct Missing(Vec<Need>);
 
 impl Missing {
-    /// What of some needs is not there.
+    /// The needs that are not met.
     pub(crate) fn of<'a>(needs: impl IntoIterator<Item = &'a Need>, root: &Path) -> Self {
         let mut needs: Vec<_> = needs.into_iter().copied().collect();
         needs.sort_unstable();
@@ -126,7 +126,7 @@ impl Missing {
         self.0.is_empty()
     }
 
-    /// What is missing, in words.
+    /// The missing things, in words.
     pub(crate) fn words(&self) -> String {
         self.0.iter().map(|need| need.word()).collect::<Vec<_>>().join(", ")
     }
@@ -136,7 +136,7 @@ impl Missing {
         !self.is_empty() && self.by_hand().is_empty()
     }
 
-    /// What no command of ours installs, in words.
+    /// The missing things that no command of ours installs, in words.
     fn by_hand(&self) -> Vec<&'static str> {
         let words = self.0.iter().filter_map(|need| match need {
             Need::Python => Some(

@@ -1,4 +1,4 @@
-//! Where things lie: the root of the repository, what cargo has built.
+//! The places of things: the root of the repository, the results of cargo.
 
 use std::path::{Path, PathBuf};
 

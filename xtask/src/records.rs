@@ -1,5 +1,5 @@
-//! What is kept of runs: how long sections take and when release checks were last green (committed), and which sections have
-//! passed on this state of the tree (in the target folder).
+//! The records of runs: the durations of sections and the last green release checks (committed), and the sections
+//! that have passed on this state of the tree (in the target folder).
 
 use std::collections::BTreeMap;
 use std::collections::hash_map::DefaultHasher;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::place::Place;
 
-/// Why records cannot be read or written.
+/// A reason why records cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
     /// The file system says no.
@@ -19,7 +19,7 @@ pub(crate) enum Error {
     File {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// The operating system's error.
         error: std::io::Error,
     },
     /// The file is no such record.
@@ -27,7 +27,7 @@ pub(crate) enum Error {
     Text {
         /// The file.
         path: PathBuf,
-        /// Where, and what is wrong.
+        /// The place and the fault.
         error: toml::de::Error,
     },
     /// A question to git has no answer.
@@ -35,12 +35,12 @@ pub(crate) enum Error {
     Git {
         /// Its words.
         question: String,
-        /// What git says instead.
+        /// The answer of git.
         answer: String,
     },
 }
 
-/// How long a section took.
+/// The duration of a section.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Duration {
@@ -62,7 +62,7 @@ pub(crate) struct Green {
     pub(crate) commit: String,
     /// The day, in UTC.
     pub(crate) date: String,
-    /// What git calls the contents of its log (`git hash-object`).
+    /// The hash of its log in git (`git hash-object`).
     pub(crate) log: String,
     /// By the wall clock, in whole seconds.
     pub(crate) wall_s: u64,
@@ -161,12 +161,12 @@ pub(crate) fn commit(root: &Path) -> Result<String, Error> {
     git(root, &["rev-parse", "--short=12", "HEAD"])
 }
 
-/// How many commits have come since one; `None` if it is not known here.
+/// The number of commits since one; `None` if it is not known here.
 pub(crate) fn commits_since(root: &Path, commit: &str) -> Option<u64> {
     git(root, &["rev-list", "--count", &format!("{commit}..HEAD")]).ok()?.parse().ok()
 }
 
-/// How many commits lead to this one; 0 if that is not known.
+/// The number of commits that lead to this one; 0 if that is not known.
 pub(crate) fn commits(root: &Path) -> u64 {
     git(root, &["rev-list", "--count", "HEAD"]).ok().and_then(|count| count.parse().ok()).unwrap_or(0)
 }
@@ -176,7 +176,7 @@ pub(crate) fn has_its_past(root: &Path) -> bool {
     git(root, &["rev-parse", "--is-shallow-repository"]).is_ok_and(|answer| answer == "false")
 }
 
-/// What git calls the contents of a file.
+/// The hash of a file's content in git.
 ///
 /// # Errors
 ///
@@ -227,7 +227,7 @@ fn git(root: &Path, words: &[&str]) -> Result<String, Error> {
     }
 }
 
-/// Which sections have passed, by keys of the tree's state and the section.
+/// The sections that have passed, by keys of the tree's state and the section.
 pub(crate) struct Passed {
     path: PathBuf,
 }
@@ -291,7 +291,7 @@ impl Repeats {
         append(&self.path, &format!("{state} {section} {how} {seconds}\n"))
     }
 
-    /// How often a section has passed and failed on a state of the tree.
+    /// The number of times that a section has passed and failed on a state of the tree.
     pub(crate) fn counts(&self, state: &str, section: &str) -> (usize, usize) {
         let text = std::fs::read_to_string(&self.path).unwrap_or_default();
         let count = |how: &str| {

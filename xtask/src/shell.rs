@@ -16,10 +16,10 @@ use rustix::process::{Pid, Signal, kill_process_group};
 
 use crate::place::Place;
 
-/// How long a program may take to end after Ctrl-C.
+/// The time in which a program has to end after Ctrl-C.
 const GRACE: Duration = Duration::from_secs(5);
 
-/// Why a section fails.
+/// A reason why a section fails.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     /// A program could not be started.
@@ -27,7 +27,7 @@ pub(crate) enum Failure {
     Start {
         /// Its command line.
         program: String,
-        /// What the operating system says.
+        /// The operating system's error.
         error: std::io::Error,
     },
     /// A program ended otherwise than it should.
@@ -35,7 +35,7 @@ pub(crate) enum Failure {
     Ended {
         /// Its command line.
         program: String,
-        /// How it ended.
+        /// The status of its end.
         status: ExitStatus,
     },
     /// A file cannot be read or written.
@@ -43,10 +43,10 @@ pub(crate) enum Failure {
     File {
         /// Its path.
         path: PathBuf,
-        /// What the operating system says.
+        /// The operating system's error.
         error: std::io::Error,
     },
-    /// What a section looked at is not as it should be.
+    /// The section has found a fault.
     #[error("{0}")]
     Wrong(String),
     /// The structure of the code could not be measured.
@@ -67,21 +67,21 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    /// What became of a file.
+    /// The error of a file.
     pub(crate) fn file(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |error| Self::File { path: path.to_owned(), error }
     }
 }
 
-/// What a program printed.
+/// The output of a program.
 pub(crate) struct Printed {
-    /// How it ended.
+    /// The status of its end.
     pub(crate) status: ExitStatus,
     /// Its output, with its errors if that was asked for.
     pub(crate) text: String,
 }
 
-/// Where the programs of a section run.
+/// The surroundings of a section's programs.
 pub(crate) struct Shell {
     /// The folders.
     pub(crate) place: Place,
@@ -116,7 +116,7 @@ impl Shell {
         Ok(self.log_path.clone())
     }
 
-    /// What the section has printed so far.
+    /// The output of the section so far.
     ///
     /// # Errors
     ///
@@ -317,7 +317,7 @@ impl Running {
         let _ = self.0.wait(); // Only so that no zombie is left.
     }
 
-    /// How it ended, once it has.
+    /// The status of its end, once it has one.
     ///
     /// # Errors
     ///

@@ -7,7 +7,7 @@ use baudbot_client::{Action, Brain, Turn};
 pub struct Follow {
     /// Signal of the wheels when driving straight, 0 to 1.
     pub speed: f64,
-    /// How strongly it turns for an error in the nearness of the wall.
+    /// The gain on an error in the nearness of the wall.
     pub gain: f64,
     /// The nearness of the wall that it keeps: 0 is out of range, 1 is very near.
     pub wanted: f64,

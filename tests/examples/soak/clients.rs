@@ -23,7 +23,7 @@ const VIEWERS: usize = 49;
 /// The world that the stalled viewer watches, and its likes.
 const STALLED: &str = "w0";
 
-/// What has been done so far.
+/// The deeds so far.
 #[derive(Default)]
 pub(crate) struct Done {
     attaches: AtomicU64,
@@ -43,7 +43,7 @@ pub(crate) struct Crowd {
     _clients: JoinSet<()>,
 }
 
-/// Where the server is, and what is shown there.
+/// The server's address, and the credentials that it wants.
 #[derive(Clone)]
 struct Door {
     address: Arc<str>,
@@ -80,7 +80,7 @@ impl Crowd {
         [attaches, frames, worlds, recordings, failures].map(|count| count.load(Ordering::Relaxed))
     }
 
-    /// How late ticks are.
+    /// The lateness of ticks.
     pub(crate) async fn lag(&self) -> Lag {
         let channel = self.door.enter("operator").await.expect("the server answers").channel();
         let mut operator = ControlServiceClient::new(channel);

@@ -1,11 +1,11 @@
-//! What a process holds, over time.
+//! The resources of a process, over time.
 
 use std::fs;
 use std::time::Duration;
 
 use super::clients::Counts;
 
-/// What the server holds at an instant, and what its clients have done by then.
+/// The server's resources at an instant, and the deeds of its clients by then.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     at: Duration,
@@ -48,7 +48,7 @@ impl Sample {
     }
 }
 
-/// What is taken of a sample.
+/// A figure of a sample.
 type Value = fn(&Sample) -> f64;
 
 /// All samples of a run.

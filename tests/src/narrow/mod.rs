@@ -11,7 +11,7 @@ use baudbot_sim::Scenario;
 use crate::InProcess;
 pub use truth::Truth;
 
-/// How an arena is laid out.
+/// The layout of an arena.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// A corridor, straight on.
@@ -105,7 +105,7 @@ pub struct Case {
     pub shape: Shape,
     /// Width of the body, in metres.
     pub body_m: f64,
-    /// How many times as wide passages are.
+    /// The width of passages, in widths of the robot.
     pub times: f64,
     /// Chooses the start, and the noise.
     pub seed: u64,
@@ -113,20 +113,20 @@ pub struct Case {
     pub by_frontiers: bool,
 }
 
-/// How a run went.
+/// The course of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// Share of what the body can see from where it can be that was sensed.
     pub share: f64,
     /// Contacts.
     pub collisions: u64,
-    /// How long it took until the brain said that it is over, or the time was.
+    /// The time until the brain said that it is over, or the limit.
     pub seconds: f64,
-    /// How long ago something new was sensed then, in seconds.
+    /// The time since something new was sensed, in seconds.
     pub stale_s: f64,
-    /// How far it drove, in metres.
+    /// The distance that it drove, in metres.
     pub distance_m: f64,
-    /// What the brain said last.
+    /// The last words of the brain.
     pub said: String,
 }
 
@@ -195,7 +195,7 @@ impl Case {
 }
 
 impl Outcome {
-    /// What is wrong with it, if something is.
+    /// The fault in it, if there is one.
     pub fn problem(&self) -> Option<&'static str> {
         if self.collisions > 0 {
             return Some("collided");

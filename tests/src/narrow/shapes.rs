@@ -76,7 +76,7 @@ fn along(line_m: &[[f64; 2]], width_m: f64) -> Arena {
         let place = |i: usize| {
             let before = unit(line_m[i.max(1) - 1], line_m[i.max(1)]);
             let behind = unit(line_m[i.min(last - 1)], line_m[i.min(last - 1) + 1]);
-            // Where the two sides' lines meet.
+            // The point in which the two sides' lines meet.
             let (x, y) = (before[0] + behind[0], before[1] + behind[1]);
             let reach = half / (0.5 * x.hypot(y));
             let aside = [-y / x.hypot(y) * left * reach, x / x.hypot(y) * left * reach];

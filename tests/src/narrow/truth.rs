@@ -1,4 +1,4 @@
-//! What could be sensed of a floor, from the arena itself: all that can be seen from where a disc can be.
+//! The part of a floor that can be sensed, from the arena itself: all that can be seen from places where a disc can be.
 
 use std::collections::BTreeSet;
 
@@ -60,7 +60,7 @@ impl Truth {
         f64::from(sensed) / f64::from(sensable)
     }
 
-    /// Where the disc can be that begins here.
+    /// The places that the disc can reach from here.
     fn reached(&self, [x, y]: [f64; 2]) -> BTreeSet<Place> {
         let start = ((x / self.step_m).round() as i32, (y / self.step_m).round() as i32);
         // The start itself may be between places with room.

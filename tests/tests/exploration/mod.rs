@@ -22,17 +22,17 @@ const OFFICE: &str = include_str!("../../../catalogue/scenarios/explore-office.t
 const NODES: &str = "explore";
 const FRONTIERS: &str = "explore:method=1";
 
-/// How a run went.
+/// The course of a run.
 #[derive(Debug)]
 #[expect(dead_code, reason = "some are only printed")]
 struct Explored {
-    /// Which of the starts, or of the generated arenas, it was.
+    /// The number of the start, or of the generated arena.
     number: u64,
     sensed: f64,
     distance_m: f64,
     seconds: f64,
     collisions: u64,
-    /// How wrong the odometer is in the end, in metres.
+    /// The error of the odometer in the end, in metres.
     drift_m: f64,
 }
 
@@ -167,7 +167,7 @@ variance_m2_per_m = 1e-3
 kind = "slam"
 "#;
 
-/// How far it believes to be from where it is, in metres, when it has seen the office that way.
+/// The error of its believed place, in metres, when it has seen the office that way.
 fn off_after_exploring_by(brain: &str) -> f64 {
     let (_, scenario) = starts(OFFICE, &[ERRING], [12.0, 9.0], 7, 1).remove(0);
     let (mut local, believed_m) = witnessed(scenario, brain);

@@ -15,7 +15,7 @@ fn explore(shape: Shape, body_m: f64, times: f64, by_frontiers: bool) {
     assert_eq!(run.problem(), None, "{}: {run:?}", case.name());
 }
 
-/// What is near followed no body, and so a small one never entered a corridor of less than twice its width.
+/// Near objects followed no body, and so a small one never entered a corridor of less than twice its width.
 #[test]
 fn a_robot_of_0_2_m_gets_through_corridors_and_doors_of_one_and_a_half_times_its_width() {
     explore(Shape::Straight, 0.2, 1.7, false);

@@ -16,7 +16,7 @@ const START: [f64; 3] = [1.0, 0.45, 0.3];
 
 /// Lets the brain explore until it says that it is done; nothing may be touched, and all must be sensed that can be. Returns what it says.
 fn explore(plan: &Plan, brain: &str, seed: u64) -> String {
-    // What is sensed does not end the run.
+    // The sensed area does not end the run.
     let toml = toml_of(plan).replace("sensed = 0.995\n", "");
     let mut local =
         InProcess::new(started(&toml, &[&format!("seed={seed}")], START).expect("a start"), brain).unwrap();
@@ -93,7 +93,7 @@ fn a_room_behind_a_door_of_half_a_metre_is_explored() {
 #[test]
 fn a_door_that_is_too_narrow_is_looked_through_and_named() {
     for brain in [NODES, FRONTIERS] {
-        // How much is seen through the door depends on the noise: with seeds 1 to 8 from 0.977 to 1.000 of what can be seen.
+        // The view through the door depends on the noise: with seeds 1 to 8 from 0.977 to 1.000 of the visible part.
         let said = explore(&Plan::rooms_with(0.38), brain, 1);
         assert_eq!(said, "has seen all but 1 opening narrower than 0.48 m", "{brain}");
     }

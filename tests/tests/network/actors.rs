@@ -1,4 +1,4 @@
-//! Who is at the network: brains, observers, an operator, strangers, and what befalls them.
+//! The parties at the network: brains, observers, an operator, strangers, and the faults that befall them.
 
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ use super::chance::Chance;
 use super::judge::{Judge, TICKS, act};
 use super::link::{Loss, Network};
 
-/// What all of them have.
+/// The state that all of them share.
 #[derive(Clone)]
 pub(crate) struct Stage {
     pub(crate) seed: u64,
@@ -28,7 +28,7 @@ pub(crate) struct Stage {
     pub(crate) over: watch::Receiver<bool>,
 }
 
-/// What a run is like.
+/// The kind of a run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kind {
     /// Brains lose their connections, and others take their place. The operator then does not start the world, as that means not to
@@ -173,7 +173,7 @@ pub(crate) async fn stranger(stage: Stage) {
     }
 }
 
-/// What befalls the connections of these hosts, for some minutes.
+/// The faults of the connections of these hosts, for some minutes.
 pub(crate) async fn faults(stage: Stage, brains: &[&str], others: &[&str]) {
     let mut chance = stage.chance("faults");
     for _ in 0..chance.below(40) {
@@ -201,7 +201,7 @@ type Control = ControlServiceClient<Channel>;
 pub(crate) struct Operator {
     stage: Stage,
     chance: Chance,
-    /// What is done before the world is only run to its end.
+    /// The number of deeds before the world is only run to its end.
     deeds: u64,
     resets: u64,
     snapshot: Option<u64>,
@@ -292,7 +292,7 @@ impl Operator {
     }
 }
 
-/// What an operator does.
+/// A deed of an operator.
 #[derive(Clone, Copy)]
 enum Deed {
     Pause,

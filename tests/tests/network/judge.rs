@@ -1,4 +1,4 @@
-//! What a run must be: the undisturbed one, which is simulated here without a network, tick by tick.
+//! The expected run: the undisturbed one, which is simulated here without a network, tick by tick.
 
 use std::collections::BTreeSet;
 use std::ops::AddAssign;
@@ -17,7 +17,7 @@ pub(crate) const ROBOTS: [&str; 4] = ["r0", "r1", "r2", "r3"];
 /// Ticks of a run.
 pub(crate) const TICKS: u64 = 120;
 
-/// What all brains do: it depends on the Turn only, so a brain that is started again does the same.
+/// The action of all brains: it depends on the Turn only, so a brain that is started again does the same.
 pub(crate) fn act(turn: &Turn) -> Action {
     let near = ["ir_left", "ir_front", "ir_right"].map(|name| turn.value(name).unwrap_or(0.0));
     Action::drive(0.5 - 0.4 * near[2] - 0.3 * near[1], 0.5 - 0.4 * near[0])
@@ -42,13 +42,13 @@ pub(crate) struct Judge(Arc<Known>);
 struct Known {
     /// The hashes that the world has at each tick: before its sensors are read, and after that.
     hashes: Vec<BTreeSet<u64>>,
-    /// Where each robot is at each tick.
+    /// The pose of each robot at each tick.
     places: Vec<Vec<[u64; 3]>>,
     seen: Mutex<Seen>,
     is_forgiven: AtomicBool,
 }
 
-/// What was compared.
+/// The number of comparisons.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Seen {
     pub(crate) statuses: u64,

@@ -1,8 +1,9 @@
 //! A network that is simulated: bytes take time, arrive in parts, and connections break in all ways that TCP knows.
 //!
-//! What TCP hides is hidden here, too: no byte is lost, doubled or overtaken on a connection that lives. While a host is cut
-//! off its bytes wait, as they would be sent again and again. A connection may end in good order, or be reset at both ends; it may
-//! also be *lost*: then one end, or neither, is told, and what is written is never heard of again.
+//! The faults that TCP hides are hidden here, too: no byte is lost, doubled or overtaken on a connection that lives.
+//! While a host is cut off its bytes wait, as they would be sent again and again. A connection may end in good order,
+//! or be reset at both ends; it may also be *lost*: then one end, or neither, is told, and what is written is never
+//! heard of again.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
@@ -40,7 +41,7 @@ struct Host {
     connections: Vec<Weak<Mutex<Connection>>>,
 }
 
-/// How a connection is lost.
+/// The kind of a connection's loss.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Loss {
     /// Both ends are told at once.
@@ -59,13 +60,13 @@ const SERVER: usize = 1;
 struct Connection {
     name: String,
     host: String,
-    /// What each end writes.
+    /// The bytes of each end.
     pipes: [Pipe; 2],
     /// Whether an end has been told that the connection is reset.
     is_reset: [bool; 2],
     /// From when on an end knows that the other one is gone, and takes nothing.
     is_refused: [Option<Instant>; 2],
-    /// What is written from now on is lost.
+    /// Bytes that are written from now on are lost.
     is_lost: bool,
 }
 
@@ -217,7 +218,7 @@ impl Connection {
         }
     }
 
-    /// What is on its way arrives after this.
+    /// Bytes on their way arrive after this.
     fn delay(&mut self, until: Instant) {
         for pipe in &mut self.pipes {
             for at in pipe.pieces.iter_mut().map(|(at, _)| at).chain(&mut pipe.end) {

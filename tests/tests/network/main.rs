@@ -29,7 +29,7 @@ use actors::{Kind, Operator, Stage, brain, faults, observer, stranger};
 use judge::{Judge, ROBOTS, Seen, room};
 use link::Network;
 
-/// What is left of a run.
+/// The result of a run.
 #[derive(Clone, Copy, Debug)]
 struct Report {
     trace: u64,

@@ -20,7 +20,7 @@ const MOWER: &str = include_str!("../../../catalogue/scenarios/mower.toml");
 const FORAGER: &str = include_str!("../../../catalogue/scenarios/forager.toml");
 const SWEEPER: &str = include_str!("../../../catalogue/scenarios/sweeper.toml");
 
-/// How a run went.
+/// The course of a run.
 #[derive(Debug)]
 #[expect(dead_code, reason = "the time is printed")]
 struct Run {

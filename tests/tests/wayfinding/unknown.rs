@@ -10,7 +10,7 @@ use super::{HALL, Run, STEERING, SWEEPER, described, of, reaches};
 const PERSON: &str = "[[arena.movers]]\nname = \"person\"\nradius_m = 0.2\nx_m = 5.5\ny_m = 1.0\nheight_m = 1.7\n\
                       wander = { speed_m_s = 0.5, turn_s = 4.0 }";
 
-/// How many were not done in time, and how many collided.
+/// The number of runs that were not done in time, and of those that collided.
 fn lost_among_obstacles(seeds: std::ops::Range<u64>) -> [usize; 2] {
     let (mut lost, mut collided) = (0, 0);
     for seed in seeds {

@@ -1,4 +1,4 @@
-//! Which modules of a crate reach which, and the circles that they make.
+//! The references between modules of a crate, and the circles that they make.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,7 +12,7 @@ pub(super) fn module_of(path: &str) -> &str {
     path.split('/').next().unwrap_or(path).trim_end_matches(".rs")
 }
 
-/// What a file names of its crate: modules, and items of its root.
+/// The names of a file's crate in it: modules, and items of its root.
 pub(super) fn named(path: &str, code: &str) -> BTreeSet<String> {
     // `super` of a module right below the crate is the crate itself.
     let depth = path.split('/').count() - usize::from(path.ends_with("/mod.rs"));
@@ -48,7 +48,7 @@ pub(super) fn circles(graph: &Graph) -> Vec<Vec<String>> {
     circles
 }
 
-/// What comes behind `::`, if that comes next.
+/// The path behind `::`, if that comes next.
 fn below(code: &str) -> Option<&str> {
     code.trim_start().strip_prefix("::")
 }

@@ -1,4 +1,4 @@
-//! What there is to tell of each crate.
+//! The figures and findings of each crate.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::{self, Display, Formatter};
@@ -41,7 +41,7 @@ pub(super) struct Finding {
     pub(super) fault: Fault,
 }
 
-/// How a place breaks a rule.
+/// The rule that a place breaks.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Fault {
     LongFunction { lines: usize },
@@ -189,7 +189,7 @@ fn is_test(path: &str) -> bool {
     path.split('/').any(|part| matches!(part, "tests" | "tests.rs"))
 }
 
-/// How many arms match anything, whether on a condition or not.
+/// The number of arms that match anything, whether on a condition or not.
 fn wildcards(code: &str) -> usize {
     let is_arm = |word: &Word| {
         let rest = code[word.end..].trim_start();
@@ -200,7 +200,7 @@ fn wildcards(code: &str) -> usize {
 
 /// A function, or one that a trait only declares.
 struct Function<'a> {
-    /// Where its `fn` stands.
+    /// The place of its `fn`.
     start: usize,
     name: &'a str,
     /// All between its name and its body.

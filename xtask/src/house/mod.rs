@@ -48,13 +48,13 @@ pub(crate) fn run(arguments: &[String]) -> Result<bool, Error> {
     Ok(found.is_empty())
 }
 
-/// What a check of the working tree below `root` lists, a line for each thing that is amiss.
+/// The findings of a check of the working tree below `root`, a line for each.
 pub(crate) fn findings(root: &Path) -> Result<Vec<String>, Error> {
     let crates = measure::crates(&sources::in_folder(root)?);
     Ok(report::amiss(&crates, &report::Exceptions::read(root)?))
 }
 
-/// Why the code could not be measured.
+/// A reason why the code could not be measured.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
     /// An argument that is not known, or lacks what belongs to it.
@@ -83,7 +83,7 @@ pub(crate) enum Error {
     Output { source: io::Error },
 }
 
-/// What the arguments ask for.
+/// The request in the arguments.
 struct Request {
     /// The working tree, if there is none.
     commit: Option<String>,

@@ -9,13 +9,13 @@ use super::measure::{Crate, Fault};
 use super::prose::Prose;
 use super::{EXCEPTIONS, Error};
 
-/// What a check says that finds nothing.
+/// The line of a check that finds nothing.
 pub(super) const NOTHING_AMISS: &str = "no circle of modules, nothing too long, no error that is a text, none whose text is read, no type that is a participle";
 
 /// The most clause-comments among a thousand comments.
 const CLAUSES_IN_1000: usize = 20;
 
-/// What a check lets pass.
+/// The exceptions of a check.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct Exceptions {
@@ -92,7 +92,7 @@ impl Exceptions {
     }
 }
 
-/// What the house rules forbid and no exception lets pass, and exceptions that nothing needs any more.
+/// The findings that no exception lets pass, and exceptions that nothing needs any more.
 pub(super) fn amiss(crates: &[Crate], exceptions: &Exceptions) -> Vec<String> {
     let mut wrong = Vec::new();
     for measured in crates {
@@ -253,7 +253,7 @@ fn places(measured: &Crate, table: &str) -> impl Iterator<Item = String> {
     findings.map(|finding| format!("  {}: {}{}\n", measured.name, finding.place, lines(finding.fault)))
 }
 
-/// How many lines what is too long has, behind a blank.
+/// The number of lines of a place that is too long, behind a blank.
 fn lines(fault: Fault) -> String {
     match fault {
         Fault::LongFunction { lines } | Fault::LongFile { lines } => format!(" {lines}"),

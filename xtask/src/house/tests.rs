@@ -43,7 +43,7 @@ impl Drop for Folder {
     }
 }
 
-/// What is found in a crate `robot` with one file.
+/// The findings in a crate `robot` with one file.
 fn found_in(code: &str) -> Vec<String> {
     Folder::with(&[("robot/src/lib.rs", code)]).findings()
 }

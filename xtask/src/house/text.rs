@@ -56,7 +56,7 @@ pub(super) fn comments(text: &str) -> Vec<Comment<'_>> {
     found
 }
 
-/// How many lines have more than blanks.
+/// The number of lines that have more than blanks.
 pub(super) fn code_lines(code: &str) -> usize {
     code.lines().filter(|line| !line.trim().is_empty()).count()
 }
@@ -147,13 +147,13 @@ pub(super) fn group_end(code: &str, at: usize) -> usize {
     closing.map_or(code.len(), |(at, _)| at + 1)
 }
 
-/// What the bracket at this place encloses.
+/// The text between the bracket at this place and the one that closes it.
 pub(super) fn inside(code: &str, at: usize) -> &str {
     let group = &code[at + 1..group_end(code, at)];
     group.strip_suffix([')', ']', '>', '}']).unwrap_or(group)
 }
 
-/// Where the token ends that begins here, and what stands for it if it is a comment or has text in it.
+/// The end of the token that begins here, and its replacement if it is a comment or has text in it.
 fn token(text: &str, at: usize) -> (usize, Option<&'static str>) {
     let bytes = text.as_bytes();
     let rest = &text[at..];
@@ -197,7 +197,7 @@ fn block_comment_end(bytes: &[u8], start: usize) -> usize {
     bytes.len()
 }
 
-/// Where a string ends whose quote is right before this place.
+/// The end of the string whose quote is right before this place.
 fn string_end(bytes: &[u8], mut at: usize) -> usize {
     while at < bytes.len() {
         match bytes[at] {
@@ -209,7 +209,7 @@ fn string_end(bytes: &[u8], mut at: usize) -> usize {
     bytes.len()
 }
 
-/// Where the raw string ends whose hashes and quote begin here, right behind its `r`; `r#type` is a name.
+/// The end of the raw string whose hashes and quote begin here, right behind its `r`; `r#type` is a name.
 fn raw_string_end(text: &str, at: usize) -> Option<usize> {
     let opening = &text[at..];
     let behind = opening.trim_start_matches('#');
@@ -220,7 +220,7 @@ fn raw_string_end(text: &str, at: usize) -> Option<usize> {
     Some(length.map_or(text.len(), |length| start + length + 1 + hashes.len()))
 }
 
-/// Where a character ends whose quote is at this place, unless it is a lifetime.
+/// The end of the character whose quote is at this place, unless it is a lifetime.
 fn char_end(text: &str, quote: usize) -> Option<usize> {
     let start = quote + 1;
     let first = text[start..].chars().next()?;
@@ -250,7 +250,7 @@ fn is_for_tests(attribute: &str) -> bool {
     attribute == "cfg(test)" || all.is_some_and(|all| parts(all).contains(&"test"))
 }
 
-/// Where the attributes end the first of which begins here.
+/// The end of the attributes the first of which begins here.
 fn attributes_end(code: &str, mut at: usize) -> usize {
     while code[at..].starts_with("#[") {
         let end = group_end(code, at + 1);
@@ -259,7 +259,7 @@ fn attributes_end(code: &str, mut at: usize) -> usize {
     at
 }
 
-/// What an item ends with.
+/// The token that ends an item.
 enum Ending {
     /// With a semicolon; braces may come before it.
     Semicolon,
@@ -269,7 +269,7 @@ enum Ending {
     Comma,
 }
 
-/// Where the item ends that begins here.
+/// The end of the item that begins here.
 fn item_end(code: &str, at: usize) -> usize {
     let found = match ending(&code[at..]) {
         Ending::Semicolon => outside(code, at, "()[]{}").find(|&(_, byte)| byte == b';'),

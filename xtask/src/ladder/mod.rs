@@ -18,7 +18,7 @@ use crate::shell::{Failure, Shell};
 
 pub(crate) use summary::in_words;
 
-/// What became of a section.
+/// The result of a section.
 enum End {
     /// It passed.
     Passed(Duration),
@@ -39,7 +39,7 @@ struct Run<'a> {
     passed: Passed,
     times: Table<Duration>,
     ends: Vec<(&'static Section, End)>,
-    /// What programs within sections said that they could not check.
+    /// The checks that programs within sections could not do, in their words.
     not_checked: Vec<String>,
     begin: Instant,
 }
@@ -159,7 +159,8 @@ impl Run<'_> {
         section.is_optional && self.plan.asked.is_empty() && !self.shell.place.ci
     }
 
-    /// What programs could not check they print. Under continuous integration that is a failure, elsewhere the last line tells.
+    /// Programs print the checks that they could not do. Under continuous integration that is a failure, elsewhere
+    /// the last line tells.
     fn is_whole(&mut self, section: &Section) -> Result<(), Failure> {
         let log = self.shell.log_text()?;
         let not_checked = log.lines().filter(|line| line.contains("NOT CHECKED"));

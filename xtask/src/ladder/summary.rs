@@ -1,4 +1,4 @@
-//! What is said of a run: how long it will take, and at the end what became of its sections.
+//! The report of a run: its expected duration, and at the end the results of its sections.
 
 use std::io::IsTerminal as _;
 use std::process::ExitCode;
@@ -9,7 +9,7 @@ use crate::sections::Section;
 use crate::shell::Failure;
 
 impl Run<'_> {
-    /// How long sections take, in words.
+    /// The expected duration of sections, in words.
     pub(super) fn expected(&self, sections: &[&'static Section]) -> String {
         let times: Vec<_> = sections
             .iter()

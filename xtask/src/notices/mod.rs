@@ -16,7 +16,7 @@ use crate::shell::{Failure, Shell};
 
 /// The packages that are given away; what they depend on is in them.
 const GIVEN_AWAY: [&str; 3] = ["baudbot", "baudbot-python", "baudbot-page"];
-/// What they are built for.
+/// The targets of released programs.
 const TARGETS: [&str; 5] = [
     "x86_64-unknown-linux-gnu",
     "x86_64-unknown-linux-musl",
@@ -24,9 +24,9 @@ const TARGETS: [&str; 5] = [
     "aarch64-unknown-linux-musl",
     "wasm32-wasip1",
 ];
-/// What is in programs, and no crate.
+/// The notices of parts of programs that are no crates.
 const TOOLCHAIN: &str = "deploy/release/toolchain-notices.txt";
-/// What the pages have from npm.
+/// The notices of the pages' packages from npm.
 const SCRIPTS: &str = "viewer/LICENSES.md";
 const RULE: &str =
     "================================================================================================";
@@ -107,7 +107,7 @@ mod tests {
         let crates: BTreeSet<_> = tree
             .lines()
             .filter_map(|line| line.split_once('|'))
-            // What has a path is of this repository.
+            // A crate with a path is of this repository.
             .filter(|(name, _)| !name.contains(" (/"))
             .map(|(name, licence)| {
                 let name = name.trim_end_matches(" (proc-macro)").replacen(" v", " ", 1);
@@ -154,7 +154,7 @@ mod tests {
         packages
     }
 
-    /// What is bundled into `viewer/dist`, and into the page that needs no installation, with what it depends on.
+    /// The bundles are `viewer/dist`, and the page that needs no installation, with all that they depend on.
     #[test]
     fn each_package_that_the_pages_import_is_among_their_licences_in_its_version() {
         #[derive(serde::Deserialize)]

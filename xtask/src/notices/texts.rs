@@ -1,11 +1,11 @@
-//! What a crate's package says of its licence.
+//! The texts on its licence in a crate's package.
 
 use std::path::{Path, PathBuf};
 
 use super::crates::Crate;
 use crate::shell::Failure;
 
-/// How the names of files begin that a notice is made of, in lower case.
+/// The beginnings of the names of files that a notice is made of, in lower case.
 const NAMES: [&str; 6] = ["license", "licence", "copying", "copyright", "notice", "unlicense"];
 /// The licence whose text is shortest is enough where there is a choice.
 const SHORTEST: &str = "mit";

@@ -22,7 +22,7 @@ pub(super) fn ports(shell: &Shell) -> Result<(), Failure> {
     shell.run(script(shell, &python, &["tests/ports/try.py", &program.to_string_lossy()]))
 }
 
-/// What of them needs an idle machine.
+/// The part of them that needs an idle machine.
 pub(super) fn ports_in_time(shell: &Shell) -> Result<(), Failure> {
     let python = python_of_ports(shell)?;
     shell.run(shell.cargo(["build", "--release"]))?;

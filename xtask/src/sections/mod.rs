@@ -45,11 +45,11 @@ pub(crate) struct Section {
     pub(crate) name: &'static str,
     /// When it runs.
     pub(crate) rung: Rung,
-    /// What it protects, in a few words.
+    /// The protected property, in a few words.
     pub(crate) protects: &'static str,
     /// The arguments that it takes, as the list shows them; none if empty.
     pub(crate) arguments: &'static str,
-    /// What it needs of the machine.
+    /// The needs of the machine.
     pub(crate) needs: &'static [Need],
     /// Whether `./test` without words passes over it where its tools are missing, and says so.
     pub(crate) is_optional: bool,
@@ -212,12 +212,13 @@ pub(crate) fn next_release_check(
     oldest.get(place).map(|(_, section)| *section)
 }
 
-/// How many commits ago a check was green. A commit that is not known here, as in a clone without its past, counts as none.
+/// The number of commits since a check was green. A commit that is not known here, as in a clone without its past,
+/// counts as none.
 fn age_of(section: &Section, greens: &Table<Green>, age: impl Fn(&str) -> Option<u64>) -> u64 {
     age(greens.get(section.name).map_or(FIRST, |green| &green.commit)).unwrap_or(0)
 }
 
-/// What is wrong with the tables of the ladder: each section of it has a time, and all of them together are short enough.
+/// The faults of the tables of the ladder: each section of it has a time, and all of them together are short enough.
 pub(crate) fn faults(times: &Table<Duration>, greens: &Table<Green>) -> Vec<String> {
     let mut faults = Vec::new();
     for section in up_to(Rung::All).filter(|section| !times.contains_key(section.name)) {

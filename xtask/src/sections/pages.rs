@@ -70,7 +70,7 @@ fn found(shell: &Shell, program: &str) -> Result<String, Failure> {
     Ok(shell.text(command)?.trim().to_owned())
 }
 
-/// What the page does in a browser beside the program.
+/// The page in a browser beside the program.
 pub(super) fn page(shell: &Shell) -> Result<(), Failure> {
     let program = built(shell)?;
     let page = build_page(shell)?;

@@ -1,4 +1,4 @@
-//! What several sections need: environments of Python, servers.
+//! The shared parts of several sections: environments of Python, servers.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -112,7 +112,7 @@ pub(super) fn has_driven(said: &str) -> Result<(), Failure> {
     }
 }
 
-/// What stands behind a key of the program's JSON, up to a comma or a quotation mark.
+/// The text behind a key of the program's JSON, up to a comma or a quotation mark.
 pub(super) fn json_word<'a>(json: &'a str, key: &str) -> Option<&'a str> {
     let rest = json.split(&format!("\"{key}\": ")).nth(1)?;
     rest.trim_start_matches('"').split([',', '"', '\n']).next()

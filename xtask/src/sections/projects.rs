@@ -7,7 +7,7 @@ use super::parts::{TEN_SECONDS, has_driven, json_word, python, serve};
 use super::rust::built;
 use crate::shell::{Failure, Shell};
 
-/// What the projects of others build goes here: they share what they have in common, and nothing with this workspace.
+/// The folder for builds of others' projects: they share their dependencies, and nothing with this workspace.
 fn target(shell: &Shell) -> std::path::PathBuf {
     shell.place.target.join("projects")
 }

@@ -102,7 +102,7 @@ pub(super) fn worlds(shell: &Shell) -> Result<(), Failure> {
     shell.run(script(shell, &python, &["crates/bench/python/vector.py", "--seconds", "0.2"]))
 }
 
-/// What builds the package, and what its checks need; it brings itself what it asks for.
+/// The packages that build ours and that its checks need; it brings its own dependencies itself.
 const WORLDS: [&str; 5] =
     ["-r", "python/requirements.txt", "maturin>=1.16,<2", "hatchling>=1.27", "wheel>=0.45"];
 

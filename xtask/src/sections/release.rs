@@ -3,7 +3,7 @@
 use super::rust::of_all;
 use crate::shell::{Failure, Shell};
 
-/// What could differ once it is optimised: numbers, and the order of what happens at once.
+/// Optimisation could change numbers, and the order of simultaneous events.
 pub(super) fn optimised(shell: &Shell) -> Result<(), Failure> {
     let packages = ["geometry", "wire", "avr", "sim", "scenario", "budget", "tests"]
         .map(|name| format!("baudbot-{name}"));
@@ -38,7 +38,7 @@ pub(super) fn aarch64(shell: &Shell) -> Result<(), Failure> {
     shell.run(command)
 }
 
-/// What was told before a kill is held against what is there after it.
+/// The answers before a kill are held against the state after it.
 pub(super) fn kills(shell: &Shell, arguments: &[String]) -> Result<(), Failure> {
     let mut command =
         of_all(shell, ["--quiet", "--test", "cli", "--", "--ignored", "--nocapture", "many_kills"]);

@@ -1,8 +1,9 @@
 //! A disk that is simulated. It has what programs see, and what would be there if the power failed now.
 //!
-//! What a program is promised is promised here, and no more: names are on the disk with their folder's sync, bytes with their file's. After
-//! a power cut each change of a name is there or not, and blocks that were not forced onto the disk are there or not, each by itself, as
-//! zeros or as what another block had. A sync that fails has lost what it should have written: the next one does not write it, as on Linux.
+//! A disk keeps the promises that an operating system makes, and no more: names are on the disk with their folder's
+//! sync, bytes with their file's. After a power cut each change of a name is there or not, and blocks that were not
+//! forced onto the disk are there or not, each by itself, as zeros or as what another block had. A sync that fails
+//! has lost what it should have written: the next one does not write it, as on Linux.
 
 use std::collections::BTreeMap;
 use std::io::{self, ErrorKind};
@@ -26,7 +27,7 @@ struct State {
     trace: Trace,
     nodes: BTreeMap<u64, Node>,
     last_node: u64,
-    /// Which program may write. One that was killed cannot.
+    /// The number of the program that may write. One that was killed cannot.
     living: u64,
     /// The program dies so many changes from now on, if it does.
     dies_in: Option<u64>,
@@ -58,7 +59,7 @@ struct Open {
     name: String,
 }
 
-/// What becomes of a change.
+/// The fate of a change.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Fate {
     Done,
@@ -199,7 +200,7 @@ impl State {
         Ok(number)
     }
 
-    /// What becomes of the next change, which takes its time.
+    /// The fate of the next change, which takes its time.
     fn fate(&mut self, what: &str, needs_space: bool) -> Fate {
         if self.stalls {
             self.stalled += self.chance.ms(0, 4000);

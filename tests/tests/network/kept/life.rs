@@ -20,7 +20,7 @@ use super::trace::Trace;
 use crate::chance::Chance;
 use crate::link::{Loss, Network};
 
-/// What runs have seen.
+/// The coverage of runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Seen {
     /// Requests that were answered.
@@ -57,7 +57,7 @@ pub(crate) struct Life {
     pub(crate) control: Option<ControlServiceClient<Channel>>,
 }
 
-/// What stops a server's life.
+/// The end of a server's life.
 pub(crate) struct Dead;
 
 impl Run {
@@ -77,7 +77,7 @@ impl Run {
         }
     }
 
-    /// How many servers there are to be.
+    /// The number of servers to come.
     pub(crate) fn lives(&mut self) -> u64 {
         2 + self.chance.below(3)
     }
@@ -156,7 +156,7 @@ impl Run {
         self.trace.note(format!("  set aside: {what}"));
         let is_begun = ["first state", "first line", "beginning", "no journal"];
         assert!(is_begun.iter().any(|words| problem.contains(words)), "{what}");
-        // Who is killed while a world begins to be kept again has written its snapshots, and no journal yet.
+        // A server that is killed while a world begins to be kept again has written its snapshots, and no journal yet.
         assert!(self.model.has_lost_power() || problem.contains("no journal"), "{what}");
     }
 
@@ -199,7 +199,7 @@ impl Run {
         self.model.ended(self.began, died, end);
     }
 
-    /// What a server has that has started again is compared.
+    /// Compares the worlds of a server that has started again.
     async fn compare(&mut self, life: &mut Life) -> Result<(), Dead> {
         let answer = loop {
             let request = self.request(v1::ListWorldsRequest {});
@@ -236,7 +236,7 @@ impl Run {
         Ok(())
     }
 
-    /// What befalls the network, the disk and the clock.
+    /// The faults of the network, the disk and the clock.
     async fn befall(&mut self, life: &Life) {
         self.catch_up().await;
         match self.chance.below(26) {

@@ -1,4 +1,4 @@
-//! What an operator has been told, and what a server that starts again may therefore have.
+//! The answers that an operator got, and the state that a server which starts again may therefore have.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use baudbot_proto::v1;
 
-/// How long the power has to be on until what was told is there after it fails: files are forced onto the disk once a second.
+/// The time that the power has to be on until an answer's effect is there after it fails: files are forced onto the
+/// disk once a second.
 const ON_DISK_AFTER: Duration = Duration::from_millis(2500);
 
 /// After a fault of the disk, it takes so long until what there is is kept again.
@@ -28,7 +29,7 @@ pub(crate) struct Model {
     untold: BTreeSet<u64>,
     /// The servers that there have been.
     lives: Vec<Life>,
-    /// How many of them had ended when somebody compared what was there.
+    /// The number of ended worlds at the last comparison.
     compared: usize,
 }
 
@@ -68,7 +69,7 @@ pub(crate) struct Snapshot {
     is_doubtful: bool,
 }
 
-/// How a server ended.
+/// The kind of a server's end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum End {
     Killed,
@@ -191,7 +192,7 @@ impl Model {
         within
     }
 
-    /// What a server may have that starts again, in words.
+    /// The possible states of a server that starts again, in words.
     pub(crate) fn expected(&self) -> String {
         let mut text = String::new();
         for (name, world) in &self.worlds {
@@ -250,7 +251,7 @@ impl Model {
         )
     }
 
-    /// What was not certain may be lost. After a power cut all that is there is there for good.
+    /// Uncertain changes may be lost. After a power cut all that is there is there for good.
     fn restarted(&mut self, found: &BTreeMap<String, v1::WorldStatus>, now: Duration) {
         let loses_power = self.has_lost_power();
         let mut worlds = std::mem::take(&mut self.worlds);
@@ -354,7 +355,7 @@ impl Model {
     }
 }
 
-/// What may have come of a request.
+/// A possible effect of a request.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Unsure {
     Ticks(u64),

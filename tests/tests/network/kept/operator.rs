@@ -1,4 +1,4 @@
-//! What an operator does, and how it is told of it.
+//! The deeds of an operator, and the answers to them.
 
 use std::fs;
 use std::time::Duration;
@@ -53,7 +53,7 @@ impl Run {
         );
         assert!(is_network, "{status:?}");
         life.control = None;
-        // What was on its way has arrived by then, or never will.
+        // Bytes that were on their way have arrived by then, or never will.
         sleep(Duration::from_secs(10)).await;
     }
 

@@ -1,4 +1,4 @@
-//! What is in files and folders, and what a power cut leaves of it.
+//! The content of files and folders, and the part of it that a power cut leaves.
 
 use std::collections::BTreeMap;
 
@@ -40,7 +40,7 @@ enum Change {
 
 const BLOCK: usize = 512;
 
-/// What a power cut leaves of what was not forced onto the disk.
+/// A power cut's choice of the blocks that were not forced onto the disk.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Tear {
     Nothing,
@@ -116,7 +116,7 @@ impl File {
         self.now.iter().zip(&self.on_disk).take_while(|(a, b)| a == b).count()
     }
 
-    /// What is on the disk if all is that still can be.
+    /// The content of the disk if all that still can be there is there.
     fn written(&self) -> Vec<u8> {
         let mut written = self.now.clone();
         written[self.lost.0..self.lost.1].fill(0);

@@ -1,4 +1,4 @@
-//! What happened in a run, line by line: printed if it fails, and the same each time.
+//! The events of a run, line by line: printed if it fails, and the same each time.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
-/// What happened. Clones are the same.
+/// The events. Clones are the same.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trace(Arc<Mutex<Lines>>);
 
