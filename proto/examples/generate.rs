@@ -1,7 +1,7 @@
 //! Makes `proto/src/generated` from `proto/baudbot/v1`, and what `bench` needs for its ping-pong: `cargo run -p baudbot-proto
 //! --example generate`.
 //!
-//! What it makes is committed, so that a build of baudbot compiles no compilers. The contract is compiled by protox, which
+//! The generated code is committed, so that a build of baudbot compiles no compilers. The contract is compiled by protox, which
 //! is Rust: no `protoc` is needed. The example is linked with what was generated before: if that does not compile, as after a
 //! merge, `git checkout HEAD proto/src/generated` comes first.
 
@@ -11,14 +11,14 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use prost::Message;
 
-/// What is made of which files.
+/// A set of files and the code that is made of them.
 struct Contract {
-    /// Where the files are, from the project's root.
+    /// The folder of the files, from the project's root.
     protos: &'static str,
     files: &'static [&'static str],
-    /// Where the code goes, from the project's root.
+    /// The folder of the code, from the project's root.
     generated: &'static str,
-    /// What is written there.
+    /// The names of the files that are written there.
     made: &'static [&'static str],
 }
 

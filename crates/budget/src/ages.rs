@@ -1,4 +1,4 @@
-//! How old readings are at the brain's step in which they are readable.
+//! The age of readings at the brain's step in which they are readable.
 
 use alloc::string::ToString;
 use alloc::vec::Vec;

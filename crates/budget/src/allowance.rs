@@ -2,8 +2,8 @@
 
 use super::plan::Plan;
 
-/// How much may be computed until the search for remedies stops. It counts how often a sensor is evaluated in an
-/// event of a dry run, so it does not depend on how fast the machine is.
+/// The amount of computation after which the search for remedies stops. It counts how often a sensor is evaluated in
+/// an event of a dry run, so it does not depend on how fast the machine is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Allowance {
     left: u64,

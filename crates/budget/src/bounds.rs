@@ -1,4 +1,4 @@
-//! How long each part of a cycle takes at least and at most, whatever happens.
+//! The least and the greatest duration of each part of a cycle, whatever happens.
 //!
 //! Queues feed each other: a late frame makes a late command, which makes the microcontroller late. So the bounds are
 //! computed again and again from one another, from the bottom up, until they stay as they are; then they hold by
@@ -31,7 +31,7 @@ pub(super) struct Bounds {
     pub(super) wire_up: Range,
     /// Most work of the microcontroller that is there at an instant, what is looked at included.
     pub(super) backlog: Option<u64>,
-    /// How late the last byte of a command is taken at most.
+    /// The greatest lateness at which the last byte of a command is taken.
     pub(super) obeyed_late: Option<u64>,
     /// Besides the wire.
     pub(super) wait_up: Option<u64>,
@@ -40,11 +40,11 @@ pub(super) struct Bounds {
     pub(super) down: Option<u64>,
     /// Whether a message comes only when the brain has answered the one before.
     pub(super) takes_turns: bool,
-    /// Why something has no end.
+    /// The reason why something has no end.
     pub(super) reason: Option<&'static str>,
 }
 
-/// What is known so far of what depends on itself.
+/// The present estimate of quantities that depend on each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Estimate {
     pub(super) backlog: Option<u64>,
@@ -52,7 +52,7 @@ pub(super) struct Estimate {
     pub(super) down: Option<u64>,
 }
 
-/// What stays the same meanwhile.
+/// The quantities that stay the same meanwhile.
 pub(super) struct Fixed<'a> {
     pub(super) plan: &'a Plan<'a>,
     pub(super) bytes: Range,
@@ -106,7 +106,7 @@ impl Bounds {
         }
     }
 
-    /// How late something is served at most that takes so long itself.
+    /// The greatest lateness at which a task is served that takes so long itself.
     pub(super) fn late_ns(&self, own_ns: u64) -> Option<u64> {
         self.backlog.map(|backlog| backlog.saturating_sub(own_ns))
     }
@@ -182,7 +182,7 @@ impl Fixed<'_> {
         }
     }
 
-    /// How often commands are written, in all the ways in which it is known; each is true.
+    /// The curves of commands, in all the ways in which they are known; each is true.
     pub(super) fn commands(&self, estimate: &Estimate) -> Vec<Vec<Curve>> {
         let Plan { spec, step_ns, .. } = *self.plan;
         let thinking = self.plan.thinking();
@@ -205,7 +205,7 @@ impl Fixed<'_> {
         ways
     }
 
-    /// How often messages come that a brain answers, if that is known.
+    /// The curves of messages that a brain answers, if they are known.
     fn answers(&self, estimate: &Estimate) -> Option<Vec<Curve>> {
         let Plan { spec, noise, .. } = *self.plan;
         let Mode::Stream(frame) = spec.firmware.mode else { return None };
@@ -225,8 +225,8 @@ impl Fixed<'_> {
         Some(curves)
     }
 
-    /// How long a message waits at most for the brain's step: until the next tick begins, or the brain is done. If no
-    /// two messages can come in one tick, only a brain that thinks keeps them waiting.
+    /// The longest time for which a message waits for the brain's step: until the next tick begins, or the brain is
+    /// done. If no two messages can come in one tick, only a brain that thinks keeps them waiting.
     fn step_ns(&self, estimate: &Estimate) -> u64 {
         let Plan { spec, step_ns, .. } = *self.plan;
         let task_ns = if spec.is_onboard() { longest_task_ns(self.plan, 0) } else { 0 };

@@ -106,7 +106,7 @@ impl Robot {
 
     fn fewer_bits(&self) -> Vec<Change> {
         let any = self.spec.sensors.iter().any(has_many_bits) || has_many_signal_bits(&self.spec);
-        // What a Create tells has its bits.
+        // A Create's packets have their bits.
         let can = !matches!(self.spec.firmware.protocol, Protocol::Create(_));
         if any && can && self.has_wire() { alloc::vec![Change::FewerBits] } else { Vec::new() }
     }
@@ -373,7 +373,7 @@ pub(super) fn chip(preset: &Preset) -> Option<Processor> {
 
 pub(super) const MS: u64 = 1_000_000;
 
-/// What a scenario may have at most: a period, Euler steps in a tick, and rays in a tick.
+/// The most that a scenario may have: a period, Euler steps in a tick, and rays in a tick.
 const MOST_PERIOD_NS: u64 = 10_000_000 * MS;
 const MOST_SUBSTEPS: u64 = 10_000;
 const MOST_RAYS_A_TICK: u64 = 100_000;

@@ -1,20 +1,20 @@
-//! How much work can come within a time, and how long a queue it can make.
+//! The work that can come within a time, and the queue that it can make.
 //!
-//! What falls due every P, and up to J late, comes at most ⌊(x + J) / P⌋ + 1 times in any x. A server that takes
-//! one thing after the other and never rests while there is work has, at any instant, at most
-//! max over x of Σ work(x) − x to do: the *backlog*; and is busy at a stretch no longer than the first x at which
-//! Σ work(x) ≤ x. (Network calculus; Le Boudec and Thiran, 2001.)
+//! A task that falls due every P, and up to J late, comes at most ⌊(x + J) / P⌋ + 1 times in any x. A server that
+//! takes one thing after the other and never rests while there is work has, at any instant, at most max over x of Σ
+//! work(x) − x to do: the *backlog*; and is busy at a stretch no longer than the first x at which Σ work(x) ≤ x.
+//! (Network calculus; Le Boudec and Thiran, 2001.)
 
-/// How often something comes.
+/// The rate at which something comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Curve {
     /// The time between two, on average at least, in nanoseconds.
     pub(super) period_ns: u64,
-    /// How late each may be, in nanoseconds.
+    /// The possible lateness of each, in nanoseconds.
     pub(super) jitter_ns: u64,
 }
 
-/// What makes work, and how much each time, in nanoseconds.
+/// A source of work, and the work of each time, in nanoseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Source {
     pub(super) curve: Curve,
@@ -41,7 +41,7 @@ impl Curve {
         Self { jitter_ns: self.jitter_ns.saturating_add(ns), ..self }
     }
 
-    /// How often it comes at most in a time, both its ends included.
+    /// The most times that it comes in a time, both its ends included.
     pub(super) const fn count(&self, within_ns: u64) -> u64 {
         within_ns.saturating_add(self.jitter_ns) / self.period_ns + 1
     }

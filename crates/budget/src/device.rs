@@ -66,7 +66,7 @@ impl Ear {
         self.under_way.1
     }
 
-    /// What arrives at an instant, if something does: the sensor, and when it measured.
+    /// The sensor whose measurement arrives at an instant, if one does, and the instant of the measurement.
     pub(super) fn take(&mut self, now: SimTime) -> Option<(usize, SimTime)> {
         let (measured, arrival) = self.under_way;
         (arrival <= now).then(|| {
@@ -88,7 +88,7 @@ impl Ear {
         self.under_way = (SimTime::from_ns(measured), self.through_adapter(out, landed));
     }
 
-    /// What arrives usually when at the laptop.
+    /// The usual instant of arrival at the laptop.
     fn through_adapter(&self, out: SimTime, landed: SimTime) -> SimTime {
         match adapter(&self.link) {
             Adapter::None => landed,

@@ -1,4 +1,4 @@
-//! How late the microcontroller is at most.
+//! The greatest lateness of the microcontroller.
 
 use alloc::vec::Vec;
 
@@ -32,8 +32,8 @@ impl Fixed<'_> {
         self.plan.on_wire().iter().map(|sensor| self.plan.read_ns(sensor).most).collect()
     }
 
-    /// How late the last byte of a command is taken at most. What fell due before the message that it answers is done, unless
-    /// the processor has not rested since.
+    /// The greatest lateness at which the last byte of a command is taken. Work that fell due before the message that
+    /// it answers is done, unless the processor has not rested since.
     pub(super) fn obeyed_late(&self, estimate: &Estimate) -> Option<u64> {
         let own_ns = self.plan.receiving_ns() + self.plan.spec.processor.obeying_ns;
         let most = estimate.backlog?;
@@ -53,7 +53,7 @@ impl Fixed<'_> {
         Some(backlogs.chain([most]).min()?.saturating_sub(own_ns))
     }
 
-    /// What arrives from the laptop, in all the ways in which it is known; each is true.
+    /// The arrivals from the laptop, in all the ways in which they are known; each is true.
     fn arrivals(&self, estimate: &Estimate) -> Vec<Arrivals> {
         let plan = self.plan;
         let late = estimate.down.map(|down| down + plan.spec.link.burst_ns(plan.command_bytes().most));
@@ -79,8 +79,8 @@ impl Fixed<'_> {
         })
     }
 
-    /// What fell due earlier comes first.
-    /// A frame makes so much work, and is asked for so late.
+    /// The work that comes before a frame: earlier tasks come first. A frame makes so much work, and is asked for so
+    /// late.
     fn in_order(&self, reads: &[u64], frame: Option<(u64, u64)>, arrivals: &Arrivals) -> Vec<Source> {
         let source = |curve, work_ns| Source { curve, work_ns };
         let sensors = self.plan.on_wire().iter().zip(reads);
@@ -101,7 +101,7 @@ impl Fixed<'_> {
         sources
     }
 
-    /// What is under way, and each other task once; commands as many as can have come meanwhile.
+    /// The work under way, and each other task once; commands as many as can have come meanwhile.
     fn once_each(&self, reads: &[u64], frame_ns: u64, arrivals: &Arrivals) -> Option<u64> {
         let tasks = reads.iter().sum::<u64>() + frame_ns;
         let command_ns = self.plan.command_ns();
@@ -160,7 +160,7 @@ impl Fixed<'_> {
     }
 }
 
-/// What the laptop sends to the microcontroller, as it arrives there.
+/// The bytes of the laptop as they arrive at the microcontroller.
 struct Arrivals {
     /// Work besides that of a whole command.
     pieces: Vec<Source>,

@@ -62,7 +62,7 @@ use bounds::Bounds;
 use plan::Plan;
 use timeline::{Outcome, Timeline};
 
-/// How thoroughly what is typical is looked for.
+/// The thoroughness of the search for typical values.
 #[derive(Clone, Copy, Debug)]
 struct Effort {
     cycles: usize,

@@ -1,4 +1,4 @@
-//! How much of each resource is used by what is typical.
+//! The typical use of each resource.
 
 use alloc::format;
 use alloc::string::ToString;
@@ -15,7 +15,7 @@ use baudbot_sim::model::Writes;
 use baudbot_sim::sensor::{OwnClock, Sensor};
 use baudbot_sim::time::SECOND_NS;
 
-/// What comes in a nanosecond.
+/// The amounts that come in a nanosecond.
 struct Rates {
     messages: f64,
     bytes_up: f64,
@@ -48,7 +48,7 @@ pub(super) fn loads(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Vec<
     loads
 }
 
-/// How much a sensor's own cable has to do that carries each measurement.
+/// The load of a sensor's own cable that carries each measurement.
 pub(super) fn port_share(sensor: &Sensor, clock: &OwnClock, link: &Link) -> f64 {
     let bytes = sensor.port.as_ref().map_or(0, |port| port.format.message_len(&sensor.device));
     byte_ns(link) * bytes as f64 / clock.period_ns as f64
@@ -101,7 +101,7 @@ fn processor(plan: &Plan<'_>, rates: &Rates) -> f64 {
     reads.sum::<f64>() + rates.bytes_up * framing_ns + rates.commands * plan.command_ns() as f64 + thinking
 }
 
-/// What the brain's program has of its chip.
+/// The chip's share for the brain's program.
 pub(super) fn chip(plan: &Plan<'_>) -> Chip {
     let Plan { spec, step_ns, .. } = *plan;
     let operations = |ns: u64| Some(spec.processor.operations_per_s? * ns as f64 / SECOND_NS as f64);

@@ -1,4 +1,4 @@
-//! Which sensors are new in which message of a stream, and how long their samples wait for it.
+//! The sensors that are new in each message of a stream, and the time for which their samples wait for it.
 //!
 //! The microcontroller serves what fell due first, so as long as nothing is late by a whole period, its order is that
 //! in which things fall due, however late they are: which sample is in which message follows from the schedules
@@ -10,7 +10,7 @@ use super::plan::{Plan, Range};
 use baudbot_sim::firmware::Mode;
 use baudbot_sim::schedule::Schedule;
 
-/// What the messages of a stream are made of.
+/// The parts of a stream's messages.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Pattern {
     /// Sum of the times of all reads that are new in a message, in nanoseconds.
@@ -79,12 +79,12 @@ impl Pattern {
     }
 }
 
-/// How long before `due` a sensor fell due last, if ever.
+/// The time between a sensor's last due instant before `due` and that, if there is one.
 fn wait_ns(schedule: &Schedule, due: u64) -> Option<u64> {
     due.checked_sub(schedule.phase_ns()).map(|since| since % schedule.period_ns())
 }
 
-/// How many messages there are until all has been seen.
+/// The number of messages until all has been seen.
 fn messages(plan: &Plan<'_>, frame: &Schedule) -> Option<u64> {
     let period = u128::from(frame.period_ns());
     let sensors = || plan.on_wire().iter().map(|sensor| &sensor.schedule);

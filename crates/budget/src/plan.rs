@@ -1,5 +1,5 @@
-//! What a robot's scenario says about time, in the form in which the rest of the budget needs it: what each task of
-//! the microcontroller costs, and how long each message is.
+//! The timing of a robot's scenario, in the form in which the rest of the budget needs it: the cost of each task of
+//! the microcontroller, and the length of each message.
 
 use alloc::vec::Vec;
 
@@ -43,7 +43,7 @@ pub(super) struct Plan<'a> {
     pub(super) step_ns: u64,
     /// Whether chance decides when devices with clocks of their own begin.
     pub(super) noise: bool,
-    /// How long its brain was measured to think.
+    /// The measured thinking time of its brain.
     pub(super) measured: Option<Thinking>,
 }
 
@@ -58,7 +58,7 @@ impl<'a> Plan<'a> {
         self.spec.writes.unwrap_or_default()
     }
 
-    /// How many commands its brain writes in a turn at most.
+    /// The most commands that its brain writes in a turn.
     pub(super) fn commands_in_a_turn(&self) -> u64 {
         self.writes().in_a_turn(self.step_ns)
     }
@@ -73,8 +73,8 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// How long its brain thinks: as was measured, or as the scenario says. On board it takes the processor as long as the
-    /// scenario says.
+    /// The thinking time of its brain: as measured, or as the scenario has it. On board it takes the processor as
+    /// long as the scenario says.
     pub(super) fn thinking(&self) -> Thinking {
         let measured = self.measured.filter(|_| !self.spec.is_onboard());
         measured.unwrap_or_else(|| Thinking::exactly(self.spec.thinking_ns))
@@ -157,7 +157,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// How long a message usually is: stuffing is counted as if it were needed, and of digits there are not often as
+    /// The usual length of a message: stuffing is counted as if it were needed, and of digits there are not often as
     /// many as there can be.
     pub(super) fn usual(&self, bytes: Range) -> u64 {
         match self.spec.firmware.protocol {
@@ -192,7 +192,7 @@ impl<'a> Plan<'a> {
         Range { least: least as u64, most: khepera::readings_len_max(&layout) as u64 }
     }
 
-    /// What framing takes: it is counted for the longest that a frame of so much payload can be.
+    /// The time of framing: it is counted for the longest frame that so much payload can have.
     pub(super) fn framing_ns(&self, message: Range) -> u64 {
         if self.spec.is_onboard() { 0 } else { message.most * self.spec.processor.framing_ns_per_byte }
     }
@@ -220,7 +220,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// How old a device's value can be when it is read, if it has a clock of its own.
+    /// The possible age of a device's value when it is read, if it has a clock of its own.
     pub(super) fn held_ns(&self, sensor: &Sensor) -> Range {
         let Some(clock) = &sensor.own_clock else { return Range::default() };
         let least = settling_ns(sensor, clock);

@@ -1,4 +1,4 @@
-//! How often things can be done at most, and what limits the exchanges.
+//! The highest rates of things, and the limit of the exchanges.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -41,7 +41,8 @@ pub(super) fn rates(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Vec<
     rates
 }
 
-/// How often a Khepera can be asked by a program that says nothing else. It depends on how many digits the numbers have.
+/// The highest rate of polls of a Khepera by a program that says nothing else. It depends on how many digits the
+/// numbers have.
 fn polls(plan: &Plan<'_>) -> Vec<Rate> {
     if plan.spec.firmware.protocol != Protocol::Khepera {
         return Vec::new();
@@ -69,8 +70,8 @@ fn polls(plan: &Plan<'_>) -> Vec<Rate> {
     rates
 }
 
-/// How often a laser can be asked for its newest scan by a program that asks again when it has the answer, and that thinks
-/// as long as the scenario says.
+/// The highest rate of scans of a laser for a program that asks again when it has the answer, and that thinks as long
+/// as the scenario says.
 fn scans<'a>(plan: &'a Plan<'_>) -> impl Iterator<Item = Rate> + 'a {
     plan.spec.sensors.iter().filter_map(move |sensor| {
         let port = sensor.port.as_ref()?;
@@ -95,8 +96,8 @@ fn asking_ns(link: &Link, asked: u64, answered: u64) -> u64 {
     holds + turns + wire::least_ns(link, asked) + wire::least_ns(link, answered)
 }
 
-/// How often a Create can be asked for the largest group of packets by a program that asks again when it has the answer, and
-/// that thinks as long as the scenario says. It sends no commands.
+/// The highest rate of answers of a Create to a program that asks for the largest group of packets again when it has
+/// the answer, and that thinks as long as the scenario says. It sends no commands.
 fn queries(plan: &Plan<'_>) -> Option<Rate> {
     let Protocol::Create(version) = plan.spec.firmware.protocol else { return None };
     let group = match version {
@@ -150,8 +151,8 @@ fn most_messages(link: &Link, bytes: u64) -> Option<f64> {
     .filter(|per_s| per_s.is_finite())
 }
 
-/// What reading the sensors leaves of the processor, for framing and obeying. If reads are left out, nobody knows how
-/// many.
+/// The part of the processor that reading the sensors leaves for framing and obeying. If reads are left out, nobody
+/// knows how many.
 fn processor(plan: &Plan<'_>, bounds: &Bounds) -> Option<f64> {
     let reads = plan
         .on_wire()
@@ -189,7 +190,7 @@ fn has_rest(bounds: &Bounds, packet_bytes: u32) -> bool {
     (bytes.least..=bytes.most).all(|bytes| bytes % u64::from(packet_bytes.max(1)) != 0)
 }
 
-/// How often each sensor has something new.
+/// The rate of new readings of each sensor.
 fn sensors(plan: &Plan<'_>) -> impl Iterator<Item = Rate> {
     let spread = plan.noise;
     plan.spec.sensors.iter().map(move |sensor| {

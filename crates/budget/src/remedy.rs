@@ -150,7 +150,7 @@ impl Search<'_> {
     }
 }
 
-/// How bad a budget is: what is overloaded and by how much, and how long the cycle takes.
+/// The badness of a budget: the overloaded resources and the excess, and the duration of the cycle.
 type Badness = (Verdict, u64, u64);
 
 fn keeps(badness: Badness) -> bool {

@@ -11,14 +11,14 @@ use serde::Serialize;
 pub struct Span {
     /// It never takes less.
     pub best_ns: u64,
-    /// What is to be expected; `None` if nothing is, because nothing gets through.
+    /// The expected time; `None` if there is none, because nothing gets through.
     pub typical_ns: Option<u64>,
     /// It never takes more; `None` if it has no bound.
     pub worst_ns: Option<u64>,
 }
 
-/// How long a brain was measured to think over, in nanoseconds: with that a budget is computed in place of the time that the
-/// scenario states.
+/// The measured thinking time of a brain, in nanoseconds: with that a budget is computed in place of the time that
+/// the scenario states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Thinking {
     /// The shortest that was measured.
@@ -86,9 +86,9 @@ impl Part {
 /// A row of the cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Row {
-    /// Which part.
+    /// The part of the cycle.
     pub part: Part,
-    /// How long it takes.
+    /// Its duration.
     #[serde(flatten)]
     pub span: Span,
 }
@@ -100,24 +100,24 @@ pub struct Cycle {
     pub rows: Vec<Row>,
     /// All of it.
     pub total: Span,
-    /// Why there is no worst case, if there is none.
+    /// The reason why there is no worst case, if there is none.
     pub unbounded: Option<String>,
 }
 
-/// How often something can be done at most.
+/// The highest rate of something.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rate {
-    /// What: `exchanges`, `messages up`, `sensor front`, …
+    /// The name: `exchanges`, `messages up`, `sensor front`, …
     pub what: String,
-    /// How often a second at most; `None` if nothing limits it.
+    /// The highest rate a second; `None` if nothing limits it.
     pub most_per_s: Option<f64>,
-    /// How often a second it will be; `None` if that is not foretold.
+    /// The expected rate a second; `None` if that is not foretold.
     pub typical_per_s: Option<f64>,
     /// Whether this is what limits the exchanges.
     pub limits: bool,
 }
 
-/// How old a sensor's readings are at the brain's step in which they are readable, from the true instant of the
+/// The age of a sensor's readings at the brain's step in which they are readable, from the true instant of the
 /// measurement.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Age {
@@ -126,14 +126,14 @@ pub struct Age {
     /// Its age.
     #[serde(flatten)]
     pub span: Span,
-    /// Why there is no worst case, if there is none.
+    /// The reason why there is no worst case, if there is none.
     pub unbounded: Option<String>,
 }
 
-/// How much of something is used.
+/// The load of a resource.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Load {
-    /// What: `uplink`, `downlink`, `wire`, `processor`, `radio up`, `radio down`, `port urg`.
+    /// The name: `uplink`, `downlink`, `wire`, `processor`, `radio up`, `radio down`, `port urg`.
     pub what: String,
     /// 1 is all of it.
     pub share: f64,
@@ -218,13 +218,13 @@ pub struct RobotBudget {
     pub starts_after_ns: u64,
     /// The cycle.
     pub cycle: Cycle,
-    /// How much later than the end of the cycle a command reaches the motors, in nanoseconds: it is no part of the cycle.
+    /// The time from the end of the cycle until a command reaches the motors, in nanoseconds: it is no part of the cycle.
     pub dead_time_ns: u64,
-    /// How often things can be done; the exchanges first.
+    /// The rates of things; the exchanges first.
     pub rates: Vec<Rate>,
-    /// How old readings are, in the order of the robot's sensors.
+    /// The ages of readings, in the order of the robot's sensors.
     pub ages: Vec<Age>,
-    /// How much of what there is is used.
+    /// The loads of the resources.
     pub loads: Vec<Load>,
     /// Memory and operations of the chip.
     pub chip: Chip,
@@ -246,7 +246,7 @@ pub struct Budget {
 }
 
 impl Thinking {
-    /// How much longer the longest takes than the shortest.
+    /// The difference between the longest and the shortest.
     pub(super) const fn width_ns(self) -> u64 {
         self.most_ns.saturating_sub(self.least_ns)
     }

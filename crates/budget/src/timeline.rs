@@ -27,7 +27,7 @@ pub(super) struct Outcome {
     pub(super) messages: u64,
     pub(super) commands: u64,
     pub(super) steps: u64,
-    /// How long it was carried out, in nanoseconds, and bytes that were sent up.
+    /// The duration of its execution, in nanoseconds, and bytes that were sent up.
     pub(super) ran_ns: u64,
     pub(super) bytes_up: u64,
     /// Events that were carried out.

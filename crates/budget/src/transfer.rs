@@ -1,4 +1,4 @@
-//! How long bytes are on their way at most, besides being on the wire.
+//! The longest time that bytes are on their way, besides being on the wire.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -10,7 +10,7 @@ use super::wire;
 use baudbot_sim::link::Link;
 
 impl Fixed<'_> {
-    /// How long the microcontroller waits for its transmitter at most, if messages wait so long for the wire.
+    /// The longest time for which the microcontroller waits for its transmitter, if messages wait so long for the wire.
     pub(super) fn blocked_ns(&self, wait_up: u64) -> Option<u64> {
         let link = &self.plan.spec.link;
         let (bytes, burst) = (self.bytes.most, link.burst_ns(self.bytes.most));
@@ -34,7 +34,7 @@ impl Fixed<'_> {
         }
     }
 
-    /// How long a message waits besides being on the wire.
+    /// The time for which a message waits besides being on the wire.
     pub(super) fn wait_up(&self, estimate: &Estimate) -> Option<u64> {
         let link = &self.plan.spec.link;
         if self.plan.acknowledgement_bytes() > 0 {
@@ -79,7 +79,7 @@ impl Fixed<'_> {
             None => u64::MAX,
         };
         let fits = at_once.saturating_mul(self.bytes.most) <= u64::from(bytes_per_frame);
-        // What fits into no frame alone begins with one, and nothing comes before it is over.
+        // A message that fits into no frame alone begins with one, and nothing comes before it is over.
         let alone = self.takes_turns()
             || closings.is_some_and(|curve| curve.count(self.plan.spec.link.burst_ns(self.bytes.most)) == 1);
         if fits || alone { frame_ns } else { 2 * frame_ns }
@@ -97,7 +97,7 @@ impl Fixed<'_> {
         queue.map_or(held, |queue| held.min(queue.backlog_ns - burst)) + 1
     }
 
-    /// Where both share the wire: the longest time that it is not idle.
+    /// The longest time for which a wire that both share is not idle.
     fn shared_ns(&self, turn: u64, estimate: &Estimate) -> Option<u64> {
         let link = &self.plan.spec.link;
         if self.takes_turns() {
@@ -115,7 +115,7 @@ impl Fixed<'_> {
             sources.extend(commands);
             queue(&sources).map(|queue| queue.busy_ns)
         });
-        // Where the robot speaks again before its last message is over, nobody has worked it out.
+        // The case in which the robot speaks again before its last message is over has not been worked out.
         busy.min().filter(|busy| period.saturating_sub(late) > busy + turn)
     }
 

@@ -6,7 +6,7 @@ use baudbot_sim::sensor::Sensor;
 use baudbot_sim::sensor::port::Format;
 use baudbot_sim::time::SimTime;
 
-/// How long so many characters take of the wire, cut off: no message of them takes less.
+/// The time of so many characters on the wire, cut off: no message of them takes less.
 pub(super) fn least_ns(link: &Link, bytes: u64) -> u64 {
     match link {
         Link::Uart(_) => link.burst_ns(bytes).saturating_sub(1),
@@ -33,8 +33,8 @@ pub(super) fn packet_ns(radio: &Bluetooth) -> Range {
     Range { least: radio.latency_ns - radio.spread_ns, most: radio.latency_ns + radio.spread_ns + held_ns }
 }
 
-/// What an adapter holds a byte back that comes from the cable. That a radio does so no longer than two packets is
-/// asked elsewhere.
+/// The time for which an adapter holds back a byte that comes from the cable. That a radio does so no longer than two
+/// packets is asked elsewhere.
 pub(super) fn hold_up_ns(link: &Link) -> Range {
     match adapter(link) {
         Adapter::None => Range::default(),

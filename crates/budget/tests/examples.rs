@@ -77,8 +77,8 @@ fn asked_laser(baud: u32) -> String {
     )
 }
 
-/// How often such a laser answers a program that lights it, and then asks for all of the newest scan as soon as it has the
-/// one before.
+/// The rate at which such a laser answers a program that lights it, and then asks for all of the newest scan as soon
+/// as it has the one before.
 fn scans_per_s(toml: &str) -> f64 {
     let scenario = baudbot_scenario::parse(toml).unwrap();
     let Some(Format::Scip(format)) =
@@ -127,7 +127,7 @@ fn polls_per_s(toml: &str) -> f64 {
     per_s(&arrivals)
 }
 
-/// How often a Khepera answers a program that says this line as soon as it has the answer to the one before.
+/// The rate at which a Khepera answers a program that says this line as soon as it has the answer to the one before.
 fn lines_per_s(toml: &str, line: &[u8]) -> f64 {
     let mut world = World::new(baudbot_scenario::parse(toml).unwrap().into());
     let (mut asks, mut arrivals) = (true, Vec::new());
@@ -143,7 +143,7 @@ fn lines_per_s(toml: &str, line: &[u8]) -> f64 {
     per_s(&arrivals)
 }
 
-/// How often a Create answers a program that asks for this group as soon as it has the answer, of so many bytes.
+/// The rate at which a Create answers a program that asks for this group as soon as it has the answer, of so many bytes.
 fn queries_per_s(toml: &str, group: u8, len: usize) -> f64 {
     let mut world = World::new(baudbot_scenario::parse(toml).unwrap().into());
     let (mut asks, mut heard, mut answers, mut starts) = (true, 0, Vec::new(), true);

@@ -14,7 +14,7 @@ fn one_of(values: &'static [&'static str]) -> impl Strategy<Value = &'static str
     prop::sample::select(values)
 }
 
-/// What a chip adds to the frames of the bus, with a jitter of more than a frame, too.
+/// The chip's additions to the frames of the bus, with a jitter of more than a frame, too.
 fn frames() -> impl Strategy<Value = String> {
     let jitter_us = prop_oneof![2 => 1_u32..200, 1 => 500_u32..4000];
     let jitter = prop_oneof![Just(String::new()), jitter_us.prop_map(|us| format!(", jitter_us = {us}"))];
@@ -217,7 +217,7 @@ fn check(budget: &RobotBudget, measured: &Measured) -> Result<(), String> {
     total.typical_ns.map_or(Ok(()), |ns| within("cycle", ns, total))?;
     let robot = measured.world.robot(0);
     let durations = &robot.cycles().durations;
-    // Where bytes were refused or lost, pieces of two commands may make one, which came with the second.
+    // Pieces of two commands may make one if bytes were refused or lost, and then it came with the second.
     let whole = robot.downlink().lost() == 0;
     for ns in [durations.min_ns(), durations.max_ns()].into_iter().flatten().filter(|_| whole) {
         within("measured cycle", ns, total)?;

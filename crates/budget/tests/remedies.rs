@@ -1,4 +1,4 @@
-//! What would fix a robot: the scenario with a remedy's overrides has the budget that the remedy foretells.
+//! The remedies of a robot: the scenario with a remedy's overrides has the budget that the remedy foretells.
 
 use baudbot_budget::{Budget, Cost, Remedy, RobotBudget, Verdict};
 use baudbot_scenario::Override;
@@ -97,7 +97,7 @@ fn a_brain_on_board_gets_another_chip_or_a_laptop() {
     has(&remedies, "a laptop on the robot, at 115200 baud");
 }
 
-/// What makes a robot slow, so that there is something to fix.
+/// Changes that make a robot slow, so that there is something to fix.
 const SQUEEZES: [&str; 9] = [
     "link={ kind = \"uart\", baud = 1200 }",
     "link={ kind = \"uart\", baud = 9600, adapter = { kind = \"ftdi\" } }",

@@ -43,7 +43,7 @@ impl Writer {
     pub(crate) const ALL: [Self; 6] =
         [Self::OnMessage, Self::EveryTick, Self::Twice, Self::Blind, Self::WhenFree, Self::Never];
 
-    /// What a budget is told of it.
+    /// The writes that a budget is told of it.
     pub(crate) fn writes(self, step_ns: u64) -> Writes {
         let at_most = |per_s: f64| Writes::AtMost(Frequency::new(per_s).unwrap());
         match self {
@@ -59,14 +59,14 @@ impl Writer {
 /// A brain at work.
 struct Hand {
     writer: Writer,
-    /// How long a command is on the cable.
+    /// The time of a command on the cable.
     command_ns: u64,
     wrote: Option<SimTime>,
     owes: bool,
 }
 
 impl Hand {
-    /// How many commands it writes in its step.
+    /// The number of commands that it writes in its step.
     fn commands(&mut self, at: SimTime, speaks: bool) -> usize {
         let since = self.wrote.map(|wrote| at.since(wrote));
         let has_paused = |ns: u64| since.is_none_or(|since| since >= ns);
@@ -149,8 +149,8 @@ fn run_as(
         }
         let news = last.replace(heard + ports).is_some_and(|last| heard + ports > last);
         let first = heard + ports > 0 && tick == 0;
-        // Who is polled speaks when asked; who streams needs no first word, which would delay the answer to it. Before its
-        // firmware starts nobody hears.
+        // A polled robot speaks when asked; a streaming one needs no first word, which would delay the answer to it.
+        // Before its firmware starts nobody hears.
         let is_first = !has_started && turn.at.as_ns() >= bootloader_ns;
         has_started |= is_first;
         let asks = is_first && world.robot(0).spec().firmware.mode == Mode::Poll;
@@ -189,7 +189,7 @@ impl Measured {
     }
 }
 
-/// How often a second, from the first of these instants to the last.
+/// The rate a second, from the first of these instants to the last.
 pub(crate) fn per_s(at: &[f64]) -> f64 {
     match at {
         [first, .., last] => (at.len() - 1) as f64 / (last - first),

@@ -34,14 +34,14 @@ fn has_median(toml: &str, budget: &RobotBudget) -> bool {
     !depends && !is_overloaded && budget.cycle.total.worst_ns.is_some()
 }
 
-/// What is wrong with a run, and how near its longest cycle is to the bound.
+/// The fault of a run, and the distance of its longest cycle from the bound.
 fn held(toml: &str, budget: &RobotBudget, measured: &Measured) -> Result<Option<f64>, String> {
     let robot = measured.world.robot(0);
     let cycles = robot.cycles();
     if cycles.exceptions.writes > 0 {
         return Err(format!("wrote what is not stated: {:?}", cycles.exceptions));
     }
-    // Where bytes were refused or lost, pieces of two commands may make one, which came with the second.
+    // Pieces of two commands may make one if bytes were refused or lost, and then it came with the second.
     let Some(longest) = cycles.durations.max_ns().filter(|_| robot.downlink().lost() == 0) else {
         return Ok(None);
     };
@@ -51,7 +51,7 @@ fn held(toml: &str, budget: &RobotBudget, measured: &Measured) -> Result<Option<
     }
     let quantile = |q: f64| cycles.durations.quantile_ns(q).unwrap_or(0) as f64;
     let typical = total.typical_ns.map_or(f64::NAN, |ns| ns as f64);
-    // Where the two halves meet between different durations, the first cycles decide for which of these.
+    // The first cycles decide between the durations in which the two halves meet.
     let is_foretold = 0.98 * quantile(0.45) <= typical && typical <= 1.02 * quantile(0.55);
     if !is_foretold && cycles.durations.count() >= 30 && has_median(toml, budget) {
         return Err(format!("typical {typical}, measured {}", quantile(0.5)));
@@ -105,8 +105,8 @@ fn no_cycle_is_longer_than_the_bound_for_a_brain_that_writes_as_stated() {
     assert!(wrong.is_empty(), "{} are wrong; the first: {}", wrong.len(), wrong[0]);
 }
 
-/// What review found: `wander` writes in ticks without news, and its next command waits behind those. A budget for a brain that
-/// answers messages says that 13 ms are met; one for this brain must not.
+/// A finding of a review: `wander` writes in ticks without news, and its next command waits behind those. A budget
+/// for a brain that answers messages says that 13 ms are met; one for this brain must not.
 #[test]
 fn a_brain_that_writes_every_tick_does_not_meet_what_one_that_answers_meets() {
     let toml = include_str!("every_tick.toml");

@@ -3,7 +3,7 @@
 use baudbot_experiment::evidence::{Comparison, comparisons};
 use baudbot_scenario::presets::preset;
 
-/// What of a comparison is not as it says.
+/// The parts of a comparison that are not as it says.
 fn surprises(comparison: &Comparison) -> Vec<String> {
     let points = comparison.run().unwrap_or_else(|error| panic!("{}: {error}", comparison.name));
     let is_surprise = |point: &&baudbot_experiment::evidence::Compared<'_>| {

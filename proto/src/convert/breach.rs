@@ -3,7 +3,7 @@
 use baudbot_brain::LayoutError;
 use thiserror::Error;
 
-/// How a server breaks the contract.
+/// A server's breach of the contract.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Breach {
     /// Another message than the expected one.

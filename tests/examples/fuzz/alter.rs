@@ -1,4 +1,4 @@
-//! How inputs are altered.
+//! The alterations of inputs.
 
 use crate::chance::Chance;
 

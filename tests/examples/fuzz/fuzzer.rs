@@ -26,11 +26,11 @@ pub(crate) struct Fuzzer {
     target: Target,
     chance: Chance,
     folder: PathBuf,
-    /// What is altered.
+    /// The inputs to alter.
     inputs: Vec<Vec<u8>>,
     /// Those of them that have been found in this run.
     new: Vec<Vec<u8>>,
-    /// What has come of inputs so far.
+    /// The outcomes of inputs so far.
     outcomes: HashSet<u64>,
     tried: u64,
     bytes: u64,
@@ -39,7 +39,7 @@ pub(crate) struct Fuzzer {
     watch: Arc<Watch>,
 }
 
-/// Which input is being tried, and since when, for the thread that notices if it does not end.
+/// The input that is being tried, and since when, for the thread that notices if it does not end.
 #[derive(Default)]
 struct Watch {
     input: Mutex<Vec<u8>>,

@@ -13,7 +13,7 @@
 //! xtask/tools/fuzz --coverage 20                 which lines are reached
 //! ```
 //!
-//! What it begins with is what the targets say, and what is in `tests/examples/fuzz/corpus/TARGET/`. An input that fails is written into
+//! It begins with the inputs of the targets, and those in `tests/examples/fuzz/corpus/TARGET/`. An input that fails is written into
 //! that folder, so that it is tried first from then on, and the command is told that tries it alone. With `--keep` the shortest
 //! inputs that lead to something new are kept there, too.
 
@@ -35,7 +35,7 @@ use fuzzer::{Fuzzer, Until};
 struct Args {
     /// The targets; all of them if none is named
     targets: Vec<String>,
-    /// How long each is tried, in seconds
+    /// Time for each target, in seconds
     #[arg(long, default_value_t = 5.0, value_parser = seconds)]
     seconds: f64,
     /// Try this many altered inputs of each instead

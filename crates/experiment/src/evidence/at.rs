@@ -1,10 +1,10 @@
-//! Where a point of a comparison is.
+//! The place of a point of a comparison.
 
 use std::fmt;
 
 use serde::Deserialize;
 
-/// What was varied, at one point.
+/// The varied quantity, at one point.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum At {

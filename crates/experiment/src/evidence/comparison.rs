@@ -1,4 +1,4 @@
-//! What was measured on a real robot, and whether a world of ours gives the same.
+//! The comparison of measurements on a real robot with a world of ours.
 
 use serde::Deserialize;
 
@@ -17,17 +17,17 @@ pub struct Comparison {
     pub title: String,
     /// The presets that it is about.
     pub presets: Vec<String>,
-    /// How it was measured on the real robot, in sentences.
+    /// The measurement on the real robot, in sentences.
     pub measured: String,
-    /// What is done here, in sentences.
+    /// The simulation, in sentences.
     pub simulated: String,
-    /// Who measured it, and where it is published.
+    /// The people who measured it, and the publication.
     pub source: String,
-    /// How sure the measured values are.
+    /// The reliability of the measured values.
     pub reliability: Reliability,
-    /// What is varied, with its unit.
+    /// The varied quantity, with its unit.
     pub x: String,
-    /// What is measured, with its unit.
+    /// The measured quantity, with its unit.
     pub y: String,
     /// The experiment.
     pub experiment: Experiment,
@@ -37,7 +37,7 @@ pub struct Comparison {
     pub points: Vec<Point>,
 }
 
-/// How a figure became known to us.
+/// The way in which a figure became known to us.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reliability {
@@ -55,7 +55,7 @@ pub enum Reliability {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Point {
-    /// Where.
+    /// The place of the point.
     pub at: At,
     /// Number of measurements, if that is known.
     pub n: Option<usize>,
@@ -65,7 +65,7 @@ pub struct Point {
     pub sd: Option<f64>,
     /// The least and the largest that was measured, or that those who measured it differ by.
     pub range: Option<[f64; 2]>,
-    /// Why the simulation is known to differ here.
+    /// The reason why the simulation is known to differ here.
     pub disagrees: Option<String>,
 }
 
@@ -92,9 +92,9 @@ pub enum Bound {
 /// A point of a real robot and of ours.
 #[derive(Clone, Debug)]
 pub struct Compared<'a> {
-    /// What was measured.
+    /// The measurement.
     pub measured: &'a Point,
-    /// What the world gave.
+    /// The world's values.
     pub simulated: Sample,
     /// Whether they agree.
     pub agrees: bool,

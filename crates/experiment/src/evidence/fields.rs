@@ -13,15 +13,15 @@ pub struct Field {
     pub preset: String,
     /// The path in its file, such as `robot.body.wheel_radius_m`.
     pub path: String,
-    /// What is known, in words.
+    /// The known facts, in words.
     pub measured: String,
     /// The least and the largest value that agree with it, in the field's unit.
     pub range: [f64; 2],
     /// The source.
     pub source: String,
-    /// How sure it is.
+    /// The reliability of the measurement.
     pub reliability: Reliability,
-    /// Why the preset differs.
+    /// The reason why the preset differs.
     pub disagrees: Option<String>,
 }
 

@@ -9,11 +9,11 @@ pub struct Guess {
     pub preset: &'static Preset,
     /// The number, and why it was chosen.
     pub fact: Fact,
-    /// What would settle it.
+    /// The means to settle it.
     pub settled_by: SettledBy,
 }
 
-/// What would settle a guess.
+/// The means to settle a guess.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SettledBy {
     /// A ruler and a scale.
@@ -85,7 +85,7 @@ impl SettledBy {
         }
     }
 
-    /// What settles a field, by its name.
+    /// The means to settle a field, by its name.
     fn of(field: &str) -> Option<Self> {
         let settled_by =
             |(names, settled_by): &(&[&str], Self)| names.contains(&field).then_some(*settled_by);
@@ -228,7 +228,7 @@ pub fn guesses() -> Vec<Guess> {
 }
 
 fn settled_by(preset: &Preset, fact: &Fact) -> SettledBy {
-    // Which wire is where.
+    // These facts say which wire is on which pin.
     if fact.path.contains(".pins.") {
         return SettledBy::Choice;
     }

@@ -1,4 +1,4 @@
-//! How well a preset is known, in a line.
+//! The summary of a preset's sources, in a line.
 
 use baudbot_plot::quantity::count;
 use baudbot_scenario::presets::{Preset, Standing};
@@ -6,8 +6,8 @@ use baudbot_scenario::presets::{Preset, Standing};
 use crate::evidence::comparison::comparisons;
 use crate::evidence::fields::fields;
 
-/// How well the numbers of a preset are known: how many have a source, and what was compared with a real one. Parts that
-/// are presets of their own have a line of their own.
+/// The sources of a preset's numbers: how many have one, and the comparisons with a real robot. Parts that are
+/// presets of their own have a line of their own.
 pub fn known(preset: &Preset) -> String {
     let standings: Vec<_> = preset.facts().into_iter().filter_map(|fact| fact.standing).collect();
     let guesses = standings.iter().filter(|standing| **standing == Standing::Guess).count();

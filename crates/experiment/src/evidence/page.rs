@@ -13,9 +13,9 @@ use crate::evidence::picture::picture;
 /// A file of the page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct File {
-    /// Where it belongs, from the folder `docs`.
+    /// The path of the page, from the folder `docs`.
     pub path: String,
-    /// What is in it.
+    /// The page's text.
     pub text: String,
 }
 
@@ -59,7 +59,7 @@ fn entry(comparison: &Comparison, points: &[Compared<'_>]) -> String {
     format!("| [{title}](#{}) | {presets} | {mark}{agree} of {} |\n", anchor(title), points.len())
 }
 
-/// What disagrees.
+/// The mark of a point that disagrees.
 const RED: &str = "🔴 ";
 
 fn section(comparison: &Comparison, points: &[Compared<'_>], picture: &str) -> String {
@@ -83,7 +83,7 @@ fn section(comparison: &Comparison, points: &[Compared<'_>], picture: &str) -> S
     text
 }
 
-/// How many there are at each point, if that is the same for all and known.
+/// The number of values at each point, if that is the same for all and known.
 fn common(points: &[Compared<'_>], n: impl Fn(&Compared<'_>) -> Option<usize>) -> Option<usize> {
     let first = n(points.first()?);
     first.filter(|_| points.iter().all(|point| n(point) == first))

@@ -1,9 +1,9 @@
 //! Numbers of a sample.
 
-/// What many values come to.
+/// The summary of many values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// How many there are.
+    /// The number of values.
     pub n: usize,
     /// Their mean.
     pub mean: f64,

@@ -10,7 +10,7 @@ use crate::grade::watch::Measures;
 /// Words for a mistake. They are said only if an exercise is not passed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
-    /// What a run keeps in which the mistake was made.
+    /// The conditions of a run in which the mistake was made.
     pub when: Conditions<Measure>,
     /// The words, with names of measures in braces for their values.
     parts: Vec<Part>,

@@ -19,13 +19,13 @@ use crate::grade::watch::Target;
 /// An exercise. Made by parsing only; its scenario, its robot and its measures exist.
 #[derive(Clone, Debug)]
 pub struct Exercise {
-    /// What it is called: its file's name without `.toml`.
+    /// The name: its file's name without `.toml`.
     pub name: String,
-    /// What it is about, in one line.
+    /// The subject, in one line.
     pub title: String,
     /// The section of the notes, such as `5.3.2`; may be empty.
     pub section: String,
-    /// What the brain is to do, for whoever writes it.
+    /// The brain's task, for whoever writes it.
     pub task: String,
     /// The name of the scenario: a file, or one that is part of the program.
     pub scenario: String,
@@ -42,15 +42,15 @@ pub struct Exercise {
     /// The share of the points that is enough, above 0 and at most 1.
     pub pass: f64,
     pub(crate) target: Option<Target>,
-    /// How long is waited for a brain.
+    /// The time limits for a brain.
     pub limits: Limits,
-    /// What is worth points; at least one.
+    /// The criteria that give points; at least one.
     pub criteria: Vec<Criterion>,
     /// Words for typical mistakes.
     pub advice: Vec<Advice>,
 }
 
-/// How long is waited for a brain, by the wall clock.
+/// The time limits for a brain, by the wall clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// For its next answer.
@@ -62,11 +62,11 @@ pub struct Limits {
 /// Something that is worth points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Criterion {
-    /// What it is, in words.
+    /// The criterion in words.
     pub name: String,
     /// Points if all runs fulfil it; a share of them if some do. Positive.
     pub points: f64,
-    /// What a run must keep to fulfil it.
+    /// The conditions of a run that fulfils it.
     pub needs: Conditions<Measure>,
 }
 
@@ -163,7 +163,7 @@ fn overrides(raw: &raw::Exercise) -> Result<Vec<Override>, Error> {
     Ok(all)
 }
 
-/// Where a fault of the scenario is told: with changes it may be one of them.
+/// The field that is named for a fault of the scenario: with changes it may be one of them.
 fn in_scenario(raw: &raw::Exercise) -> &'static str {
     if raw.set.is_empty() { "scenario" } else { "scenario, or set" }
 }
@@ -234,7 +234,7 @@ fn within(path: &str, value: f64, most: f64) -> Result<f64, Error> {
     Err(Error::field(path, format!("must be above 0 and at most {most}, is {value}")))
 }
 
-/// How many seeds there are if the file does not say.
+/// The number of seeds if the file has none.
 const DEFAULT_SEEDS: i64 = 5;
 
 #[cfg(test)]

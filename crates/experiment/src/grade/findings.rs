@@ -1,4 +1,4 @@
-//! What went wrong, in words: what the exercise has for typical mistakes, and what is seen of any brain.
+//! The faults, in words: the exercise's advice for typical mistakes, and observations of any brain.
 
 use std::collections::BTreeMap;
 
@@ -34,7 +34,7 @@ fn told(runs: &[Run], words: &dyn Fn(&Run) -> Option<String>) -> Option<String> 
     Some(format!("{first} ({})", in_seeds(&seeds, runs.len())))
 }
 
-/// What was wrong with brains, the same words once.
+/// The faults of brains, the same words once.
 fn problems(runs: &[Run]) -> Vec<String> {
     let mut by_words: BTreeMap<String, Vec<&Run>> = BTreeMap::new();
     for run in runs {
@@ -76,7 +76,7 @@ fn collisions(runs: &[Run]) -> Option<String> {
     ))
 }
 
-/// What is suspicious of any brain.
+/// The suspicious signs of any brain.
 const SUSPICIONS: [fn(&Run) -> Option<String>; 3] = [no_commands, queue, old_readings];
 
 fn no_commands(run: &Run) -> Option<String> {

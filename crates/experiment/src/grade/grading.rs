@@ -1,4 +1,4 @@
-//! What came of the runs of an exercise: points, and a verdict.
+//! The result of an exercise's runs: points, and a verdict.
 
 use crate::grade::exercise::Exercise;
 use crate::grade::findings;
@@ -14,13 +14,13 @@ pub struct Grading {
     pub awarded: Vec<Awarded>,
     /// Points earned.
     pub points: f64,
-    /// What it is.
+    /// The verdict.
     pub verdict: Verdict,
-    /// What went wrong, the most telling first; empty if the exercise is passed.
+    /// The faults, the most telling first; empty if the exercise is passed.
     pub findings: Vec<String>,
 }
 
-/// What a grading says.
+/// The verdict of a grading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// There are enough points.

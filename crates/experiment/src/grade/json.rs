@@ -40,7 +40,7 @@ impl Exercise {
 }
 
 impl Grading {
-    /// What came of it.
+    /// The result as JSON.
     pub fn json(&self, exercise: &Exercise) -> Value {
         let criteria = exercise.criteria.iter().zip(&self.awarded).map(|(criterion, awarded)| {
             json!({

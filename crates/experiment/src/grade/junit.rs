@@ -7,9 +7,9 @@ use crate::grade::grading::{Grading, Verdict};
 
 /// One of those whose brains are graded on an exercise.
 pub struct Pupil<'a> {
-    /// Who it is.
+    /// The name of the brain's author.
     pub name: &'a str,
-    /// What came of the brain, or why it could not be graded.
+    /// The grading of the brain, or the reason why it could not be graded.
     pub outcome: Result<&'a Grading, &'a str>,
 }
 

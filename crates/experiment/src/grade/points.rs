@@ -23,7 +23,7 @@ impl Awarded {
         Self { points: share * criterion.points, fulfilled }
     }
 
-    /// How many runs fulfil the criterion.
+    /// The number of runs that fulfil the criterion.
     pub fn count(&self) -> usize {
         self.fulfilled.iter().filter(|&&fulfilled| fulfilled).count()
     }

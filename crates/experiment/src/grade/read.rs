@@ -9,13 +9,13 @@ use baudbot_import::source::{self, Source, SourceError};
 
 use crate::grade::exercise::Exercise;
 
-/// Why an exercise cannot be read.
+/// A reason why an exercise cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// Its file cannot be.
     #[error(transparent)]
     File(#[from] SourceError),
-    /// What is in it makes no sense.
+    /// Its content makes no sense.
     #[error("{path}: {error}")]
     Exercise {
         /// The file.

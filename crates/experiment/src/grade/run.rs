@@ -18,7 +18,7 @@ pub struct Run {
     pub seed: u64,
     /// Simulated time at its end, in seconds.
     pub time_s: f64,
-    /// How it went, or what was wrong with its brain.
+    /// The course of the run, or the fault of its brain.
     pub outcome: Result<Ended, Problem>,
     /// The first of its collisions.
     pub hits: Vec<Hit>,
@@ -27,15 +27,15 @@ pub struct Run {
 /// A run that was done to its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ended {
-    /// Why it ended.
+    /// The reason for its end.
     pub ending: String,
-    /// What was measured.
+    /// The measured values.
     pub measures: Measures,
     /// Fingerprint of the world's state at its end.
     pub hash: u64,
 }
 
-/// What was wrong with a brain.
+/// A fault of a brain.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// It never drove the robot.
@@ -58,7 +58,7 @@ pub enum Problem {
     TooLong(Duration),
 }
 
-/// What is seen of a tick.
+/// The observations of a tick.
 struct Sight {
     time_s: f64,
     /// New collisions.
@@ -127,7 +127,7 @@ fn follow(
             Ok(Next::Late) if left < patience => Problem::TooLong(limits.run),
             Ok(Next::Late) => Problem::Silent(limits.answer),
             Err(error) if !error.is_refusal() => return Err(error),
-            // What a program prints at its end, after its run, is no fault.
+            // A program's failure at its end, after its run, is no fault.
             Err(_) if run.is_over() => return Ok(Some(run)),
             Err(error) if begun.is_none() => Problem::NotStarted(error.to_string()),
             Err(error) => Problem::Failed(error.to_string()),

@@ -11,9 +11,9 @@ use crate::grade::exercise::Exercise;
 use crate::grade::grading::Grading;
 use crate::grade::run::Run;
 
-/// How an exercise is graded.
+/// The options of a grading.
 pub struct Options<'a> {
-    /// How many runs at a time; at least 1.
+    /// The number of simultaneous runs; at least 1.
     pub jobs: usize,
     /// Once it is set the runs end, and there is no grading.
     pub stop: &'a AtomicBool,

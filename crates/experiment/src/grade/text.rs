@@ -41,7 +41,7 @@ impl Exercise {
 }
 
 impl Grading {
-    /// What came of it, in words.
+    /// The result in words.
     pub fn text(&self, exercise: &Exercise) -> String {
         let mut text = format!("{}\n\n", exercise.headline());
         if self.verdict != Verdict::NotGraded {

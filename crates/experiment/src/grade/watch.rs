@@ -1,4 +1,4 @@
-//! What is measured of a run, from the world at the beginning of each tick. None of it reaches a brain.
+//! The measures of a run, from the world at the beginning of each tick. None of it reaches a brain.
 
 use crate::figures::Figures;
 use crate::served::Believed;
@@ -20,20 +20,20 @@ pub struct Measures {
 pub struct Hit {
     /// When, in simulated seconds.
     pub at_s: f64,
-    /// Which robot.
+    /// The robot.
     pub robot: String,
-    /// What it ran into.
+    /// The obstacle.
     pub with: String,
 }
 
-/// Where the robot is to be at the end.
+/// The place of the robot at the end that is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Target {
     pub(crate) position: Point,
     pub(crate) heading_rad: Option<f64>,
 }
 
-/// What is known of a run so far.
+/// The measures of a run so far.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch {
     /// The robot's place.

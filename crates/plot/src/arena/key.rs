@@ -199,7 +199,7 @@ fn sensor_row(canvas: &mut Canvas, y: f64, kind: &Kind<'_>, sensors: &[&Sensor])
     let titles: Vec<_> = sensors.iter().take(16).map(|sensor| senses::title(kind.robot, sensor)).collect();
     canvas.open(Element::group().titled(&titles.join("; ")));
     let color = first.device.sensor_kind().style().color;
-    // What looks somewhere has a wedge, all else a dot.
+    // A sensor with a direction has a wedge, all else a dot.
     canvas.put(match first.device.fan() {
         Some(_) => drawn(&format!("M1 {}L14 {}V{}Z", y - 4.0, y - 9.5, y + 1.5)).set("fill", color),
         None => {

@@ -9,7 +9,7 @@ pub(super) struct Kind<'a> {
     pub(super) robot: &'a RobotSpec,
     /// Its place among the scenario's robots.
     pub(super) first: usize,
-    /// How many there are.
+    /// Their number.
     pub(super) count: usize,
 }
 

@@ -13,9 +13,9 @@ pub(super) struct Labels {
     frame: Area,
     taken: Vec<Area>,
     discs: Vec<(Place, f64)>,
-    /// How many more labels there may be.
+    /// The number of labels that may follow.
     left: usize,
-    /// How many more comparisons the search for places may take.
+    /// The number of comparisons that the search for places may still take.
     effort: usize,
 }
 

@@ -113,7 +113,7 @@ fn picture(scenario: &Scenario, label: &str, shown: Shown<'_>) -> String {
     document(scenario, label, shown, size, &canvas)
 }
 
-/// Which kinds of robots are enlarged, and how high the windows on them are.
+/// The kinds of robots that are enlarged, and the height of the windows on them.
 struct Lenses<'a> {
     kinds: Vec<&'a Kind<'a>>,
     height: f64,
@@ -184,7 +184,7 @@ fn head(scenario: &Scenario, label: &str, shown: Shown<'_>, room: f64) -> Block 
     Block { canvas, height: y + 16.0 }
 }
 
-/// Where columns begin: one beside a plan that leaves room there, and as many below it as are not wider.
+/// The beginnings of columns: one beside a plan that leaves room there, and as many below it as are not wider.
 fn columns(plan: &View, is_wide: bool) -> Vec<Place> {
     let beside = (!is_wide).then_some((plan.left + plan.width() + GAP, plan.top));
     let fit = ((plan.width() + GAP + 4.0) / (WIDTH + GAP)).floor() as usize;

@@ -71,7 +71,7 @@ fn row(i: usize) -> f64 {
 
 /// Height of a row, in pixels.
 const ROW: f64 = 15.0;
-/// Where the chip begins below its name.
+/// The chip's top below its name.
 const HEAD: f64 = 22.0;
 /// Width of the chip.
 const CHIP: f64 = 64.0;

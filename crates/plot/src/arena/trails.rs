@@ -33,9 +33,9 @@ pub struct Trails {
 pub struct Trail {
     /// Points in the world. Between two pieces the robot was put elsewhere by hand.
     pub pieces: Vec<Vec<Point>>,
-    /// Where it began.
+    /// The first pose.
     pub start: Pose,
-    /// Where it ended.
+    /// The last pose.
     pub end: Pose,
     /// Driven distance, in metres.
     pub distance_m: f64,

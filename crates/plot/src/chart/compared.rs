@@ -28,9 +28,9 @@ pub struct Point {
     pub name: String,
     /// Its place on the axis; without one for each point they stand side by side.
     pub x: Option<f64>,
-    /// What was measured.
+    /// The measured value.
     pub measured: Value,
-    /// What was simulated.
+    /// The simulated value.
     pub simulated: Value,
     /// Whether these agree.
     pub agrees: bool,
@@ -116,11 +116,11 @@ impl Chart {
     }
 }
 
-/// How one of the two is drawn.
+/// The drawing of one of the two.
 struct Series {
     name: &'static str,
     color: &'static str,
-    /// How far beside the point's place, in pixels, so that neither covers the other.
+    /// The distance from the point's place, in pixels, so that neither covers the other.
     beside: f64,
 }
 

@@ -82,7 +82,8 @@ fn heights(lines: &[Line]) -> Vec<f64> {
     let spots = || lines.iter().flat_map(|line| &line.points);
     let most = spots().map(|spot| spot.y).fold(0.0, f64::max);
     let ends = spots().flat_map(|spot| spot.band.map_or([spot.y; 2], |(low, high)| [low, high]));
-    // What cannot be below nothing is not drawn there, and a band of two seeds does not flatten all others.
+    // A quantity that cannot be negative has no negative part of the axis, and a band of two seeds does not flatten
+    // all others.
     let least = if spots().all(|spot| spot.y >= 0.0) { 0.0 } else { f64::NEG_INFINITY };
     ends.map(|end| end.max(least).min(2.0 * most.max(f64::MIN_POSITIVE))).collect()
 }

@@ -29,7 +29,8 @@ pub struct Chart {
     pub by: Option<Field>,
     /// The quantity that was measured.
     pub figure: Figure,
-    /// What came of each pair of values, by their places in [`x`](Self::x) and [`by`](Self::by), which is 0 without the latter.
+    /// The point of each pair of values, by their places in [`x`](Self::x) and [`by`](Self::by), which is 0 without
+    /// the latter.
     pub points: BTreeMap<(usize, usize), Point>,
 }
 

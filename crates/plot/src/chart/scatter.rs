@@ -135,7 +135,7 @@ fn ring((x, y): (f64, f64), color: &str) -> Element {
 
 const CENTER: &str = "centre of gravity";
 
-/// How much more than the places the frame spans.
+/// The factor by which the frame is larger than the places.
 const MARGIN: f64 = 1.16;
 
 /// Side of the frame, in pixels.

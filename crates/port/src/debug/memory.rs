@@ -5,9 +5,9 @@ use std::ops::Range;
 use baudbot_avr::part::SRAM_START;
 use baudbot_board::Board;
 
-/// Where the data space begins.
+/// The beginning of the data space.
 const DATA: u32 = 0x80_0000;
-/// Where the EEPROM begins.
+/// The beginning of the EEPROM.
 const EEPROM: u32 = 0x81_0000;
 /// Fuses, lock bits and the signature, which are not there, begin here.
 const BEYOND: u32 = 0x82_0000;
@@ -88,7 +88,7 @@ fn write_flash(board: &mut Board, at: usize, bytes: &[u8]) -> Option<()> {
     Some(())
 }
 
-/// Where the data space of the chip ends.
+/// The end of the chip's data space.
 fn data_end(board: &Board) -> usize {
     usize::from(SRAM_START) + board.chip().sram().len()
 }

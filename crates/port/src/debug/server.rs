@@ -59,7 +59,7 @@ impl GdbServer {
         Ok(Self { listener, address, reach, gives_up: Box::new(gives_up), state: state.into() })
     }
 
-    /// Where it listens.
+    /// The address at which it listens.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
@@ -172,8 +172,8 @@ impl Debugger for Holder<'_> {
     }
 }
 
-/// How often a debugger is listened to while the chip runs.
+/// The interval at which a debugger is listened to while the chip runs.
 const EVERY: Duration = Duration::from_millis(2);
 
-/// How often it is looked whether somebody connects.
+/// The interval at which it is checked whether somebody connects.
 const PAUSE: Duration = Duration::from_millis(10);

@@ -1,4 +1,4 @@
-//! Where the chip stops.
+//! The places at which the chip stops.
 
 use std::ops::Range;
 
@@ -7,10 +7,10 @@ use gdbstub::common::Signal;
 use gdbstub::stub::SingleThreadStopReason;
 use gdbstub::target::ext::breakpoints::WatchKind;
 
-/// Why the chip has stopped, as GDB is told.
+/// The reason of a stop, as GDB knows it.
 pub(crate) type Reason = SingleThreadStopReason<u32>;
 
-/// How the chip is to run on.
+/// The way in which the chip is to run on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) enum Run {
     /// Until something stops it.
@@ -55,7 +55,7 @@ impl Stops {
         self.watches.push(Watch { address, places, value: Vec::new() });
     }
 
-    /// How many watchpoints there are.
+    /// The number of watchpoints.
     pub(crate) fn watches(&self) -> usize {
         self.watches.len()
     }
@@ -103,7 +103,7 @@ impl Stops {
         }
     }
 
-    /// Why the chip has stopped: a `BREAK` if nothing else is known.
+    /// The reason of the stop: a `BREAK` if nothing else is known.
     pub(crate) fn reason(&mut self) -> Reason {
         self.reason.take().unwrap_or(Reason::Signal(Signal::SIGTRAP))
     }

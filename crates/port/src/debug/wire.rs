@@ -73,7 +73,7 @@ impl Connection for Wire {
     }
 }
 
-/// How long a look at the connection waits.
+/// The time for which a look at the connection waits.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// A debugger that takes nothing for so long is gone.

@@ -1,4 +1,4 @@
-//! What a debugger can do with a chip.
+//! The commands of a debugger for a chip.
 
 use std::time::{Duration, Instant};
 

@@ -60,7 +60,7 @@ impl Client {
         self.0.write_all(&[3]).unwrap();
     }
 
-    /// What a command behind `monitor` prints.
+    /// The output of a command behind `monitor`.
     pub(crate) fn monitor(&mut self, command: &str) -> String {
         let hex: String = command.bytes().map(|byte| format!("{byte:02x}")).collect();
         let mut printed = Vec::new();

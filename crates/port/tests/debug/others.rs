@@ -7,7 +7,7 @@ use std::process::Command;
 use super::client::Client;
 use super::running::Running;
 
-/// What a program of this user, `nobody` on all systems, is answered.
+/// Another user, `nobody` on all systems, whose programs are refused.
 const NOBODY: u32 = 65534;
 
 #[test]

@@ -53,7 +53,7 @@ impl Running {
         Self { address, milliseconds, is_over, gives_up, thread: Some(thread) }
     }
 
-    /// How many milliseconds are over.
+    /// The number of milliseconds that are over.
     pub(crate) fn now_ms(&self) -> u64 {
         self.milliseconds.load(Ordering::SeqCst)
     }

@@ -26,7 +26,7 @@ pub struct Agent {
     pending: Option<Wheels>,
     others: SmallVec<[f64; 2]>,
     sequence: u8,
-    /// What it writes that is no command.
+    /// The bytes of its choice, if that is no command.
     bytes: Vec<u8>,
     values: SmallVec<[f64; FEW]>,
     /// When each reading was sampled, as its message says, or else when it came; `NEVER` if none has.
@@ -65,7 +65,7 @@ impl Agent {
         }
     }
 
-    /// What its numbers are.
+    /// The layout of its numbers.
     pub fn layout(&self) -> &Arc<Layout> {
         &self.layout
     }
@@ -80,8 +80,8 @@ impl Agent {
         &self.readable
     }
 
-    /// How old each reading is by the brain's clock, in seconds: since it was sampled, if its message says when that was, and since
-    /// it came otherwise. Infinite if none has come.
+    /// The age of each reading by the brain's clock, in seconds: since it was sampled, if its message has that
+    /// instant, and since it came otherwise. Infinite if none has come.
     pub fn ages_s(&self) -> impl Iterator<Item = f64> {
         let age_s = |at: &SimTime| {
             if *at == SimTime::NEVER { f64::INFINITY } else { self.now.since(*at) as f64 * 1e-9 }
@@ -167,7 +167,7 @@ impl Agent {
         }
     }
 
-    /// What a copy elsewhere must know.
+    /// The state for a copy elsewhere.
     pub(crate) fn save(&self) -> SavedAgent {
         SavedAgent {
             sequence: self.commands.sequence(),
@@ -242,7 +242,7 @@ pub(crate) struct SavedAgent {
     now: SimTime,
 }
 
-/// What an agent writes at a turn.
+/// The choice of an agent at a turn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Choice {
     Bytes,

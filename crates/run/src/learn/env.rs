@@ -30,7 +30,7 @@ pub struct Env {
     patience_ticks: u64,
 }
 
-/// How a step went.
+/// The result of a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stepped {
     /// The run ended, and not since its time was over.
@@ -39,7 +39,7 @@ pub struct Stepped {
     pub is_truncated: bool,
 }
 
-/// What a tally is the difference to: how it was at the end of the last step.
+/// The values at the end of the last step, to which a tally is the difference.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Before {
     ns: u64,
@@ -48,7 +48,7 @@ struct Before {
     tallies: SmallVec<[Tally; 1]>,
 }
 
-/// What is counted of all robots together.
+/// The counts of all robots together.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Score {
     covered: f64,
@@ -235,7 +235,7 @@ impl Env {
         world.finish_answers(&answers);
     }
 
-    /// What happened in the last step, for the trainer of this agent.
+    /// The events of the last step, for the trainer of this agent.
     ///
     /// # Panics
     /// If there is no such agent.

@@ -1,11 +1,11 @@
-//! What can be wrong with a task, an action or a reward.
+//! The errors of a task, an action or a reward.
 
 use crate::assignment::AssignmentError;
 use crate::in_process::InProcessError;
 use baudbot_import::source::SourceError;
 use baudbot_scenario::ScenarioError;
 
-/// Why an environment cannot be made, or cannot do what it is asked to, on one line.
+/// A reason why an environment cannot be made, or cannot meet a request, on one line.
 #[derive(Debug, thiserror::Error)]
 pub enum LearnError {
     /// The scenario cannot be read.
@@ -16,7 +16,7 @@ pub enum LearnError {
     Scenario {
         /// The name that the scenario was asked for by.
         label: String,
-        /// Which field is wrong, and how.
+        /// The error, with the path of its field.
         error: ScenarioError,
     },
     /// A brain does not fit its robot.
@@ -28,7 +28,7 @@ pub enum LearnError {
     /// An option, an action or a reward is wrong.
     #[error("{path}: {problem}")]
     Value {
-        /// Which, such as `action[3]` or `reward.distance_m`.
+        /// The path, such as `action[3]` or `reward.distance_m`.
         path: String,
         /// The problem, and what would be right.
         problem: String,

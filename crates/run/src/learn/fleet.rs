@@ -41,7 +41,7 @@ pub struct Arrays<'a> {
     pub readable: &'a mut [i8],
 }
 
-/// What came of a step, with a row for each environment.
+/// The result of a step, with a row for each environment.
 #[derive(Debug)]
 pub struct Rewards<'a> {
     /// Shape (environments).
@@ -134,7 +134,7 @@ impl Fleet {
         &self.envs
     }
 
-    /// What is told of an environment's run; of the one before it if `of_last`, which ended in the last step of
+    /// The description of an environment's run; of the one before it if `of_last`, which ended in the last step of
     /// [`Autoreset::SameStep`].
     ///
     /// # Panics
@@ -283,8 +283,8 @@ impl Row<'_> {
     }
 }
 
-/// What the arrays of an environment need, in bytes: those of readings, ages and readability, of observations that are kept and of
-/// their bounds.
+/// The size of an environment's arrays, in bytes: those of readings, ages and readability, of observations that are
+/// kept and of their bounds.
 fn row_bytes(layout: &Layout) -> u64 {
     (ROWS * (4 * layout.bounds.len() + 5 * layout.sensors.len())) as u64
 }

@@ -1,4 +1,4 @@
-//! Which number of an agent's readings and actions is what.
+//! The meaning of each number of an agent's readings and actions.
 
 use std::ops::Range;
 
@@ -19,9 +19,9 @@ pub struct Layout {
     pub sensors: Vec<Part>,
     /// The least and the greatest of each value that the wire can carry; infinite if there is no such limit.
     pub bounds: Vec<[f64; 2]>,
-    /// What each value is: `ir_front`, `odometer.x_m`, `laser.3`, as in tables of recordings.
+    /// The names of the values: `ir_front`, `odometer.x_m`, `laser.3`, as in tables of recordings.
     pub columns: Vec<String>,
-    /// What each number of an action is for, such as `left`, `right`, `turret`.
+    /// The names of the numbers of an action, such as `left`, `right`, `turret`.
     pub actions: Vec<String>,
 }
 
@@ -62,7 +62,7 @@ impl Layout {
     }
 }
 
-/// What a value can be that crosses the wire so.
+/// The limits of a value that crosses the wire so.
 fn limits(encoding: Encoding) -> [f64; 2] {
     match encoding {
         Encoding::Float64 => [f64::NEG_INFINITY, f64::INFINITY],

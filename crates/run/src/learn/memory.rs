@@ -7,13 +7,13 @@ use std::fs;
 
 use crate::learn::error::LearnError;
 
-/// What so many worlds will need.
+/// The memory that so many worlds will need.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Need {
     worlds: usize,
-    /// What each needs besides, in bytes.
+    /// The additional memory of each, in bytes.
     more: u64,
-    /// How many there are already, which have made what is made only once, and what the process has.
+    /// The number of worlds that exist already and have made all that is made only once, and the memory of the process.
     first: usize,
     before: Option<u64>,
 }
@@ -51,12 +51,12 @@ impl Need {
     }
 }
 
-/// What this process has of the memory, in bytes.
+/// The memory of this process, in bytes.
 fn resident() -> Option<u64> {
     kilobytes(&fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
 }
 
-/// How much there is without taking it from others, in bytes: in the machine, and in the container if it is one.
+/// The memory that is free without taking it from others, in bytes: in the machine, and in the container if it is one.
 fn free() -> Option<u64> {
     let machine = kilobytes(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
     Some(free_in_container().map_or(machine, |free| free.min(machine)))

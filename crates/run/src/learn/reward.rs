@@ -1,11 +1,11 @@
-//! What a trainer may know of a step, and what it is worth.
+//! The truth of a step for a trainer, and its reward.
 
 use baudbot_sim::Scenario;
 use serde::{Deserialize, Serialize};
 
 use crate::learn::error::LearnError;
 
-/// What happened in a step: the truth, for rewards, never for brains.
+/// The events of a step: the truth, for rewards, never for brains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
     /// Simulated time, in seconds.
@@ -14,7 +14,7 @@ pub struct Tally {
     pub distance_m: f64,
     /// Times that it ran into something.
     pub collisions: f64,
-    /// How much nearer it came to the scenario's goal, in metres; 0 if there is none.
+    /// The distance by which it came nearer to the scenario's goal, in metres; 0 if there is none.
     pub progress_m: f64,
     /// Share of the free floor that was covered, by any robot; 0 if the scenario does not count it.
     pub covered: f64,
@@ -65,7 +65,7 @@ impl Reward {
         Ok(Self(all))
     }
 
-    /// What each number of a tally is worth, by its name.
+    /// The weight of each number of a tally, by its name.
     pub fn weights(&self) -> impl Iterator<Item = (&'static str, f64)> {
         Tally::NAMES.into_iter().zip(self.0)
     }
@@ -95,7 +95,7 @@ impl Reward {
         Ok(())
     }
 
-    /// What a step is worth.
+    /// The reward of a step.
     pub fn of(&self, tally: &Tally) -> f64 {
         self.0.iter().zip(tally.numbers()).map(|(weight, number)| weight * number).sum()
     }

@@ -5,7 +5,7 @@ use baudbot_sim::Ending;
 use crate::learn::env::Env;
 use crate::learn::error::LearnError;
 
-/// Which run an environment is in.
+/// The run that an environment is in.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Run {
     /// The seed that the first one was given.
@@ -17,14 +17,14 @@ pub(crate) struct Run {
     pub(crate) last: Option<Info>,
 }
 
-/// What is told of a run when it begins and when it ends.
+/// The description of a run at its beginning and its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Info {
     /// Simulated time since its start, in nanoseconds.
     pub time_ns: u64,
     /// Its seed.
     pub seed: u64,
-    /// Why it ended.
+    /// The reason for its end.
     pub ending: Option<Ending>,
 }
 

@@ -13,14 +13,14 @@ use crate::learn::error::LearnError;
 use crate::learn::layout::Layout;
 use crate::learn::vary::Varied;
 
-/// What is asked for.
+/// The request for an environment.
 #[derive(Clone, Debug, Default)]
 pub struct Request {
     /// Changes of the scenario, as `--set` has them.
     pub overrides: Vec<String>,
     /// Brains of the catalogue for some robots, as `--brain` has them. The robots without one are the agents.
     pub brains: Vec<String>,
-    /// Which of these are: all if there are none here. The others stand.
+    /// The robots among these that are agents: all if there are none here. The others stand.
     pub agents: Vec<String>,
     /// Fields that are drawn anew for each run.
     pub randomize: Vec<Varied>,
@@ -73,7 +73,7 @@ impl Task {
         &self.text
     }
 
-    /// What was asked for.
+    /// The request itself.
     pub fn request(&self) -> &Request {
         &self.request
     }
@@ -83,7 +83,7 @@ impl Task {
         &self.scenario
     }
 
-    /// What the agents' numbers are, agent by agent.
+    /// The layouts of the agents' numbers, agent by agent.
     pub fn layouts(&self) -> &[Arc<Layout>] {
         &self.layouts
     }

@@ -77,7 +77,7 @@ impl Threads {
             }
             run();
             linger(|| done.load(Ordering::Acquire) == others);
-            // What the last one does behind that takes less than a sleep.
+            // Work behind the last one that takes less than a sleep.
             (0..SPINS).for_each(|_| hint::spin_loop());
         });
         failed.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), |(_, error)| Err(error))
@@ -108,7 +108,7 @@ fn linger(has_happened: impl Fn() -> bool) {
     }
 }
 
-/// What another thread panicked with is told by the scope.
+/// The scope reports the panic of another thread.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -11,11 +11,11 @@ use crate::learn::error::LearnError;
 pub struct Varied {
     /// Its path, as `--set` has it.
     pub path: String,
-    /// How it is drawn.
+    /// The draw of its values.
     pub draw: Draw,
 }
 
-/// How a value is drawn.
+/// The distribution of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Draw {
     /// A number of [low, high), each as likely.

@@ -96,7 +96,7 @@ impl Crew {
         clock.set(self.members.iter().map(of));
     }
 
-    /// How many runs that process has done before this one which has done the most.
+    /// The number of earlier runs of the process that has done the most.
     pub fn earlier_runs(&self) -> u64 {
         self.members.iter().map(|member| member.runs).max().unwrap_or(0)
     }
@@ -226,11 +226,11 @@ impl Member {
     }
 }
 
-/// How often is looked whether programs hold their robots, and whether they are still there.
+/// The interval at which it is checked whether programs hold their robots, and whether they are still there.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// How often is looked which children programs have, if their processor time is wanted.
+/// The interval at which the children of programs are looked for, if their processor time is wanted.
 const CHILDREN: Duration = Duration::from_secs(1);
 
-/// How long a program has to end by itself once its run is over.
+/// The time in which a program has to end by itself once its run is over.
 const PATIENCE: Duration = Duration::from_secs(2);

@@ -1,4 +1,4 @@
-//! How a program can fail.
+//! The failures of a program.
 
 use std::fmt;
 use std::process::ExitStatus;
@@ -11,13 +11,13 @@ use baudbot_fields::printable::Printable;
 pub struct Failure {
     /// The program's text.
     pub program: String,
-    /// What happened.
+    /// The event.
     pub problem: Problem,
     /// The last lines that it printed.
     pub said: Vec<String>,
 }
 
-/// What happened to a program.
+/// A program's failure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Problem {
     /// There is no such program.
@@ -32,7 +32,7 @@ pub enum Problem {
     NotAttached {
         /// Robots that it does not hold.
         robots: Vec<String>,
-        /// How long it had.
+        /// The time that it had.
         patience: Duration,
     },
     /// It ended before it held its robots.
@@ -123,7 +123,7 @@ impl fmt::Display for Problem {
     }
 }
 
-/// How a process ended.
+/// The end of a process.
 struct Ended(ExitStatus);
 
 impl fmt::Display for Ended {

@@ -1,4 +1,4 @@
-//! What a program prints: the end of it is kept, whatever its length.
+//! The output of a program: the end of it is kept, whatever its length.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -65,7 +65,7 @@ impl Kept {
         }
     }
 
-    /// How many lines it has printed to its standard output, without those with which baudbot's own packages end a run.
+    /// The number of lines of its standard output, without those with which baudbot's own packages end a run.
     pub(crate) fn printed(&self) -> u64 {
         self.text().printed
     }
@@ -96,7 +96,7 @@ impl Kept {
 
 const TRACEBACK: &[u8] = b"Traceback (most recent call last):";
 
-/// How the last line of a program begins that uses one of baudbot's packages.
+/// The beginning of the last line of a program that uses one of baudbot's packages.
 const END_OF_A_RUN: &[u8] = b"the run is over";
 
 /// Of a program's output so much is kept.

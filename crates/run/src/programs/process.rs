@@ -22,7 +22,7 @@ use crate::programs::task::{Lifetime, Task};
 #[derive(Debug)]
 pub(crate) struct Process {
     child: Child,
-    /// Where it reads its next run, if it does more than one.
+    /// The pipe from which it reads its next run, if it does more than one.
     runs: Option<ChildStdin>,
     /// Its process group, which is its children's, too, unless they leave it.
     group: Option<Pid>,
@@ -86,7 +86,7 @@ impl Process {
         }
     }
 
-    /// How the program itself has ended, if it has.
+    /// The status of the program's own end, if it has ended.
     pub(crate) fn exited(&mut self) -> std::io::Result<Option<ExitStatus>> {
         self.child.try_wait()
     }
@@ -97,7 +97,7 @@ impl Process {
         Failure { program: self.text.clone(), problem, said: self.kept.last_lines() }
     }
 
-    /// What an ended program printed last may still be in its pipes; a child of it may keep those open.
+    /// The last output of an ended program may still be in its pipes; a child of it may keep those open.
     async fn settle(&mut self) {
         for reader in &mut self.readers {
             if !reader.is_finished() {
@@ -185,10 +185,10 @@ fn marked(mark: &str) -> Vec<Pid> {
 
 const MARK: &str = "BAUDBOT_STARTED";
 
-/// How long a program has after a signal.
+/// The time that a program has after a signal.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// How long the end of what a program printed may need through its pipe.
+/// The time that the end of a program's output may need through its pipe.
 const SETTLE: Duration = Duration::from_millis(100);
 
 const MOST_ROUNDS: usize = 100;

@@ -1,4 +1,4 @@
-//! How much processor time programs have used.
+//! The processor time of programs.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -15,7 +15,7 @@ pub struct ProcessorClock(Arc<Mutex<Vec<Program>>>);
 struct Program {
     robots: Vec<String>,
     processes: Vec<Process>,
-    /// What those had used that have ended.
+    /// The time of programs that have ended.
     ended: Duration,
 }
 
@@ -23,9 +23,9 @@ struct Program {
 #[derive(Debug)]
 struct Process {
     id: Pid,
-    /// What it had used when it was found: it was loaded then, and did not think.
+    /// The time that it had used when it was found: it was loaded then, and did not think.
     before: Duration,
-    /// What it has used since, when it was read last.
+    /// The time that it has used since, at the last look.
     used: Duration,
 }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// What stands before the words of a program, where a brain is named.
+/// The prefix of a program's words in the place of a brain's name.
 pub const EXEC: &str = "exec:";
 
 /// A brain that is a program of its own.

@@ -1,4 +1,4 @@
-//! What a program is started for.
+//! The task for which a program is started.
 
 use std::collections::BTreeMap;
 
@@ -15,13 +15,13 @@ pub struct Task {
     pub robots: Vec<String>,
     /// Its parameters by name, beside those among its arguments.
     pub parameters: BTreeMap<String, Value>,
-    /// How long a process of it lives.
+    /// The lifetime of a process of it.
     pub lifetime: Lifetime,
-    /// What becomes of its output.
+    /// The destination of its output.
     pub output: Output,
 }
 
-/// What becomes of what a program prints. Its end is always kept, and shown if the program fails.
+/// The destination of a program's output. Its end is always kept, and shown if the program fails.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Output {
     /// It is only kept.
@@ -31,7 +31,7 @@ pub enum Output {
     Shown,
 }
 
-/// How long the process of a program lives.
+/// The lifetime of a program's process.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lifetime {
     /// For one run.

@@ -1,4 +1,4 @@
-//! What is read before it is known who sends it, and the files that say so.
+//! The bytes that are read before their sender is known, and the files on senders.
 
 use std::time::{Duration, UNIX_EPOCH};
 

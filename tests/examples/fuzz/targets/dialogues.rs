@@ -1,4 +1,4 @@
-//! What robots and their devices are told by programs that speak to them: any bytes, while the world runs.
+//! The input of robots and their devices from programs that speak to them: any bytes, while the world runs.
 
 use std::sync::Arc;
 

@@ -10,7 +10,7 @@ use super::{Target, outcome};
 pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
     let folder = std::env::temp_dir().join(format!("baudbot-fuzz-{}", process::id()));
     fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    // What goes with an altered picture, and with an altered description: they are sound.
+    // An altered picture has a sound description, and an altered description a sound picture.
     fs::write(folder.join("sound.yaml"), YAML.replace("map.pgm", "picture.pgm"))?;
     fs::write(folder.join("map.pgm"), PICTURE)?;
     let mut targets = vec![Target {
@@ -69,7 +69,7 @@ const LOGS: [&str; 3] = [
     "distance_mm\tvalue_raw\tsensor\n10\t1000\tir_0\n20\t300\tir_1\n",
 ];
 
-/// What stands in logs.
+/// The words of logs.
 const LOG_WORDS: &[&[u8]] = &[
     b"time_s",
     b"t_ms",

@@ -1,4 +1,4 @@
-//! What is tried.
+//! The targets.
 
 mod access;
 mod dialogues;
@@ -16,13 +16,13 @@ pub(crate) struct Target {
     pub(crate) what: &'static str,
     /// Sound inputs to begin with.
     pub(crate) seeds: Vec<Vec<u8>>,
-    /// What stands in such inputs.
+    /// The words of such inputs.
     pub(crate) words: &'static [&'static [u8]],
     pub(crate) run: Run,
 }
 
 impl Target {
-    /// How many inputs are to be tried before a release: a protocol's are short, and each of the others is a file or a run.
+    /// The number of inputs to try before a release: a protocol's are short, and each of the others is a file or a run.
     pub(crate) fn wanted(&self) -> u64 {
         if wire::NAMES.contains(&self.name) { 100_000_000 } else { 1_000_000 }
     }
@@ -39,7 +39,7 @@ pub(crate) fn all() -> anyhow::Result<Vec<Target>> {
     Ok(targets)
 }
 
-/// What came of something, by its words: numbers in them make no difference.
+/// The outcome of something, by its words: numbers in them make no difference.
 fn outcome(words: &str) -> u64 {
     let plain = words.bytes().filter(|byte| !byte.is_ascii_digit());
     plain.fold(7, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))

@@ -50,7 +50,8 @@ fn run(read: fn(Part, &[u8]) -> Result<Program, ProgramError>, bytes: &[u8]) -> 
     }
 }
 
-/// What a chip with a program is after some cycles, roughly. The program is the same when it is written and read again.
+/// The state of a chip with a program after some cycles, roughly. The program is the same when it is written and read
+/// again.
 fn execute(program: &Program) -> u64 {
     let part = program.part();
     let again = Program::from_hex(part, program.flash_hex().as_bytes());

@@ -1,4 +1,4 @@
-//! What worlds are kept as: recordings, states and journals.
+//! The files in which worlds are kept: recordings, states and journals.
 
 use std::io::Cursor;
 use std::sync::Arc;
@@ -52,7 +52,7 @@ pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
 /// With a device with its own clock, one with its own cable, an adapter, things that move and a floor that is counted.
 const SCENARIO: &str = include_str!("world.toml");
 
-/// What is not restored is salvaged.
+/// Worlds that are not restored are salvaged.
 fn journals(bytes: &[u8]) -> u64 {
     match Journal::read(bytes).and_then(|journal| journal.restore()) {
         Ok(restored) => restored.world.tick(),
@@ -147,7 +147,7 @@ fn record(world: &mut World) -> anyhow::Result<Vec<u8>> {
     Ok(file.finish()?.into_inner())
 }
 
-/// What a brain writes.
+/// The command of a brain.
 const COMMAND: &[u8] = &[0x03, 0x10, 0x07, 0x40, 0x20, 0x11, 0x00];
 
 const RECORDS: &[&[u8]] =

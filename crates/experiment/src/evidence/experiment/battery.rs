@@ -15,11 +15,11 @@ pub struct Discharge {
     pub capacity_mah: f64,
     /// Number of cells in series.
     pub cells: f64,
-    /// What is compared.
+    /// The quantity that is compared.
     pub of: Quantity,
 }
 
-/// What is compared of a discharge.
+/// A quantity of a discharge that is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
@@ -30,7 +30,7 @@ pub enum Quantity {
 }
 
 impl Discharge {
-    /// What came of a discharge at so many amperes.
+    /// The values of a discharge at so many amperes.
     pub(super) fn run(&self, current_a: f64) -> Result<Vec<f64>, ExperimentError> {
         let toml = format!(
             "[[robots]]\nname = \"robot\"\nbattery = {{ preset = \"{}\", capacity_mah = {:?} }}\n{}\n",

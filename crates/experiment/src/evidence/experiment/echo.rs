@@ -1,4 +1,4 @@
-//! How long an echo takes: the brain sends the next command when the answer to the last one is there.
+//! The time of an echo: the brain sends the next command when the answer to the last one is there.
 
 use baudbot_brain::{Body, RawCommands};
 use baudbot_sim::drive::Wheels;

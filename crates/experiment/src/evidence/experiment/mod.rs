@@ -25,7 +25,7 @@ pub use one_way::OneWay;
 pub use sampling::{Instants, Sampling};
 pub use sonar::{Cone, Farthest, Form, Target};
 
-/// What is done in a world. Each experiment takes what is varied from the measured points.
+/// An experiment in a world. Each experiment takes what is varied from the measured points.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Experiment {
@@ -55,7 +55,7 @@ pub enum Experiment {
     OneWay(OneWay),
 }
 
-/// Why an experiment was not done.
+/// A reason why an experiment was not done.
 #[derive(Debug, thiserror::Error)]
 pub enum ExperimentError {
     /// No scenario came of it.
@@ -64,15 +64,15 @@ pub enum ExperimentError {
     /// A point has a name where the experiment needs a number, or the other way round.
     #[error("a point must be at {expected}, is at {at:?}")]
     At {
-        /// What was expected.
+        /// The expected thing.
         expected: &'static str,
-        /// Where the point is.
+        /// The place of the point.
         at: At,
     },
     /// Nothing was read.
     #[error("nothing was measured in the world at {at:?}")]
     Nothing {
-        /// Where the point is.
+        /// The place of the point.
         at: At,
     },
 }

@@ -38,7 +38,7 @@ enum Instant {
 pub struct Speed {
     /// The preset of the robot.
     pub preset: String,
-    /// What full speed is in the units that the points are in.
+    /// The full speed, in the units that the points are in.
     pub full: f64,
     /// Time after which the distance is taken, in seconds.
     pub seconds: f64,

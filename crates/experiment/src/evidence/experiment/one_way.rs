@@ -1,4 +1,4 @@
-//! How long commands take to a robot.
+//! The time of commands on their way to a robot.
 
 use baudbot_brain::{Body, RawCommands};
 use baudbot_sim::drive::Wheels;

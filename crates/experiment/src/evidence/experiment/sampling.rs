@@ -13,11 +13,11 @@ pub struct Sampling {
     pub preset: String,
     /// The first part of the sensors' names; the rest is where the points are.
     pub sensor: String,
-    /// What is compared.
+    /// The quantity that is compared.
     pub of: Instants,
 }
 
-/// What is compared of the instants at which a sensor is read.
+/// A quantity of the instants at which a sensor is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Instants {

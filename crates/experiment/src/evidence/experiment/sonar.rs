@@ -1,4 +1,4 @@
-//! What an ultrasonic sensor hears.
+//! The echoes that an ultrasonic sensor hears.
 
 use baudbot_geometry::math;
 use baudbot_sim::World;
