@@ -61,7 +61,7 @@ pub(crate) fn is_for_all(brain: &str) -> bool {
 /// An assignment that is being carried out.
 pub(crate) struct AttachedBrains {
     brains: assignment::AttachedBrains,
-    /// What it is made from, again if the operator wants that.
+    /// The client that it is made from, again if the operator wants that.
     client: Client,
     world: String,
     assignment: Assignment,

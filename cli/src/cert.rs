@@ -57,7 +57,7 @@ mod with {
         Ok((issued.write(folder, role)?, issued.ends_at))
     }
 
-    /// What is asked for, or what is in a file, has to be changed; what the system refuses has not.
+    /// A request or a file has to be changed, a system's refusal is a failure.
     fn refused(error: CertificateError) -> anyhow::Error {
         match error {
             CertificateError::File(PrivateError::Io { .. } | PrivateError::Locked { .. })

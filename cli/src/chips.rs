@@ -8,17 +8,17 @@ use crate::error::Refused;
 /// An option that is about the chips of robots.
 pub(crate) struct ChipOption {
     name: &'static str,
-    /// What a robot without a program has not.
+    /// The thing that a robot without a program lacks.
     nothing: &'static str,
 }
 
-/// What a logic analyser on the pins sees.
+/// The record of a logic analyser on the pins.
 pub(crate) const VCD: ChipOption = ChipOption { name: "--vcd", nothing: "it has no pins to look at" };
 
 /// The same in a diagram.
 pub(crate) const PINS: ChipOption = ChipOption { name: "--pins", ..VCD };
 
-/// What the program sends.
+/// The bytes that the program sends.
 pub(crate) const SERIAL: ChipOption =
     ChipOption { name: "--serial", nothing: "nothing is on its cable but messages to and from a brain" };
 
@@ -45,7 +45,7 @@ impl ChipOption {
         Ok(place)
     }
 
-    /// Why there is nothing to be told of this robot.
+    /// The error for a robot without a program.
     pub(crate) fn without_program(&self, robot: &str) -> anyhow::Error {
         let Self { name, nothing } = self;
         Refused::error(format!(

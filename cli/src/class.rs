@@ -60,7 +60,7 @@ impl Class {
                                        brain.toml or brain.py",
             ));
         }
-        // Where all files are called the same, each is in a folder of its author's.
+        // Files that are all called the same are each in a folder of its author's.
         let names: Vec<_> = entries.iter().map(|(path, _)| name(path)).collect();
         let is_shared = |own: &String| names.iter().filter(|name| *name == own).count() > 1;
         let named = entries.iter().zip(&names).map(|((path, brain), own)| {
@@ -71,7 +71,7 @@ impl Class {
     }
 }
 
-/// How the brain in this file, or in this folder of somebody's own, is named on a command line.
+/// The words on a command line for the brain in this file, or in this folder of somebody's own.
 fn brain_in(path: &Path, with: Option<&str>) -> Option<String> {
     if path.is_dir() {
         let inside = ["brain.toml", "brain.py"].map(|name| path.join(name));
@@ -113,7 +113,7 @@ fn sorted(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// What came of one: a grading, or why there is none.
+/// The result of one: a grading, or the reason why there is none.
 type Outcome = Result<Grading, String>;
 
 /// Gives brains that are named as `--brain` has them to robots.

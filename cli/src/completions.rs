@@ -40,7 +40,7 @@ fn with_names(command: Command) -> Command {
     })
 }
 
-/// What is built in and can stand as this argument of a command.
+/// The built-in names that can stand as this argument of a command.
 fn names(command: &str, argument: &Arg) -> Option<Vec<&'static str>> {
     let first = |(name, _): (&'static str, &'static str)| name;
     match (command, argument.get_id().as_str()) {

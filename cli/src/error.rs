@@ -59,7 +59,7 @@ pub(crate) fn text(error: &anyhow::Error) -> String {
     text.trim_end().to_owned()
 }
 
-/// Why a server did not start: what the command asks for cannot be, or something went wrong.
+/// The error of a server that did not start: the command asks for something impossible, or something went wrong.
 pub(crate) fn from_builder(error: ServerError) -> anyhow::Error {
     let refused = match &error {
         ServerError::NotLoopback { .. } | ServerError::TrainerNotLocal { .. } | ServerError::Tokens(_) => {
@@ -89,7 +89,7 @@ pub(crate) fn from_builder(error: ServerError) -> anyhow::Error {
     if refused { Refused::error(error.to_string()) } else { error.into() }
 }
 
-/// What the server refused, in its own words, or that there was no answer of its own.
+/// The error of a server's refusal, in its own words, or of a missing answer.
 pub(crate) fn from_server(status: &tonic::Status) -> anyhow::Error {
     // A status that the server sent has no cause here; one that stands for a broken connection has.
     match status.source() {

@@ -1,4 +1,4 @@
-//! How a command that has failed ends: a line on stderr, and an exit code.
+//! The end of a command that has failed: a line on stderr, and an exit code.
 
 use std::process::ExitCode;
 

@@ -22,8 +22,7 @@ pub(crate) fn bytes_per_second(link: &Link) -> Option<f64> {
     }
 }
 
-/// How long so many bytes are on the wire, in nanoseconds, without waiting for a frame to begin; `None` if it is
-/// ideal.
+/// The time of so many bytes on the wire, in nanoseconds, without waiting for a frame to begin; `None` if it is ideal.
 pub(crate) fn transfer_ns(link: &Link, bytes: usize) -> Option<f64> {
     match link {
         Link::Ideal | Link::Onboard | Link::Uart(_) => {
@@ -33,7 +32,7 @@ pub(crate) fn transfer_ns(link: &Link, bytes: usize) -> Option<f64> {
     }
 }
 
-/// What it is.
+/// The link in words.
 pub(crate) fn text(link: &Link) -> String {
     match link {
         Link::Ideal => "ideal: no time, no loss".to_owned(),
@@ -97,7 +96,7 @@ fn adapter(adapter: &Adapter) -> Option<String> {
     }
 }
 
-/// What a chip adds to the frames of the bus.
+/// The chip's additions to the frames of the bus.
 fn on_usb(frames: &Frames) -> String {
     let parts = [
         (frames.extra > 0).then(|| format!("{} more up", count(frames.extra as usize, "frame"))),

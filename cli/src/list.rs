@@ -20,7 +20,7 @@ use crate::text::{self, pairs, print, print_json};
 /// A section of the list: its title, what to do with its entries, and these.
 type Section = (&'static str, &'static str, Vec<Entry>);
 
-/// What can be named.
+/// An item that can be named.
 #[derive(Serialize)]
 struct Entry {
     name: &'static str,

@@ -1,4 +1,4 @@
-//! What this program has taken of the processors while it did not come to its end: whether it waits, or has too much to do.
+//! The use of the processors by this program while it did not come to its end: whether it waits, or has too much to do.
 
 use std::time::{Duration, Instant};
 
@@ -17,7 +17,7 @@ impl Load {
         Self { since: Instant::now(), processor: processor() }
     }
 
-    /// Why something takes so long, as a clause for the end of an error.
+    /// The reason for the delay, as a clause for the end of an error.
     pub(crate) fn cause(&self) -> String {
         cause(self.since.elapsed(), processor().saturating_sub(self.processor))
     }

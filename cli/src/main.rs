@@ -120,7 +120,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
     done
 }
 
-/// How long background work may continue at the end.
+/// The time for which background work may continue at the end.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {

@@ -16,7 +16,7 @@ use tokio::task::JoinSet;
 use crate::args::ChangeArgs;
 use crate::error::{self, Refused};
 
-/// How it goes with the files that are being written.
+/// The progress of the files that are being written.
 #[derive(Default)]
 pub(crate) struct Files(JoinSet<anyhow::Result<()>>);
 
@@ -62,7 +62,7 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Write + Send>> {
     let (file, state) = match File::create_new(path) {
         Ok(file) => (file, State::New(path.to_owned())),
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-            // What is no regular file, such as a FIFO, has nothing to be replaced.
+            // A file that is not regular, such as a FIFO, has nothing to be replaced.
             let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
             let state = if file.metadata()?.is_file() { State::Old } else { State::Written };
             (file, state)
@@ -177,7 +177,7 @@ fn references(word: &str, path: &Path) -> Vec<(&'static str, PathBuf)> {
     found
 }
 
-/// What a string in TOML refers to by file, as the key before it says.
+/// The kind of file that a string in TOML refers to, as the key before it says.
 fn referred(before: &str) -> Option<&'static str> {
     let key = before.trim_end().strip_suffix('=')?.trim_end();
     let key = key.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next()?;
@@ -205,13 +205,13 @@ struct Replaced {
     state: State,
 }
 
-/// What is in a file that is written.
+/// The content of a file that is written.
 enum State {
     /// Nothing, and it is here for this only.
     New(PathBuf),
-    /// What was in it before.
+    /// The content from before.
     Old,
-    /// What was written.
+    /// The new content.
     Written,
 }
 

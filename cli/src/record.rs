@@ -15,8 +15,8 @@ pub(crate) fn add(world: WorldConfig, args: &RecordArgs) -> WorldConfig {
     }
 }
 
-/// How long a frame of the recording is, if it has more frames than brains publish for people. A frame has whole steps, as
-/// the recorder rounds them.
+/// The length of a frame of the recording, if it has more frames than brains publish for people. A frame has whole
+/// steps, as the recorder rounds them.
 pub(crate) fn short_frame(args: &RecordArgs, step_ns: u64) -> Option<Duration> {
     args.record.as_ref().filter(|_| args.record_hz > 0.0)?;
     let steps = (1e9 / args.record_hz / step_ns as f64).round().max(1.0) as u64;

@@ -36,7 +36,7 @@ struct Finding {
     /// Nothing that was recorded is missing before the last tick.
     complete: bool,
     compared_ticks: u64,
-    /// How many there were; `None` if the end is missing and nothing tells where it was.
+    /// The number of ticks; `None` if the end is missing and nothing tells where it was.
     #[serde(skip_serializing_if = "Option::is_none")]
     recorded_ticks: Option<u64>,
     /// The first tick that differs, and what of it.
@@ -44,7 +44,7 @@ struct Finding {
     differs_at_tick: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     differs: Option<String>,
-    /// Why the file ends too early.
+    /// The reason why the file ends too early.
     #[serde(skip_serializing_if = "Option::is_none")]
     cut_off: Option<String>,
     /// Hexadecimal, as JSON's numbers have too few bits.
@@ -178,7 +178,7 @@ pub(crate) fn refused(path: &Path, error: &RecordingError) -> anyhow::Error {
 fn to(args: &ReplayArgs, replay: &mut Replay, world: &mut World) -> anyhow::Result<()> {
     let recorded = Arc::clone(replay.recorded());
     let Some(to_s) = args.to else {
-        // Who forks without a place goes on where the recording ends.
+        // A fork without a place goes on where the recording ends.
         return if args.fork { go_on(replay, world, recorded.last_tick(), args.quiet) } else { Ok(()) };
     };
     let tick = tick(to_s, recorded.scenario());
@@ -283,5 +283,5 @@ fn progress(first: u64, last: u64, quiet: bool) -> ProgressBar {
 /// The exit code if nothing differs, but not all could be compared.
 const INCOMPLETE: u8 = 3;
 
-/// How often the bar is looked after.
+/// The number of ticks between two looks at the bar.
 const REDRAW_TICKS: u64 = 256;

@@ -51,7 +51,7 @@ impl Source {
         &self.0.label
     }
 
-    /// What there is to say about the files that it refers to.
+    /// The notes on the files that it refers to.
     pub(crate) fn notes(&self, weight: Weight) -> impl Iterator<Item = &Note> {
         self.0.notes.iter().filter(move |note| note.weight == weight)
     }
@@ -76,7 +76,7 @@ pub(crate) fn brain_or_preset(name: &str) -> Option<String> {
     is_brain.then(|| format!("`{name}` is a brain: `baudbot run --brain {name}`"))
 }
 
-/// What is allowed and yet hardly meant: in the files that the scenario refers to, and in itself.
+/// The warnings: permitted and yet hardly meant values, in the files that the scenario refers to, and in itself.
 pub(crate) fn warnings(source: &Source, scenario: &Scenario) -> Vec<String> {
     let of_files = source.notes(Weight::Warning).map(ToString::to_string);
     let of_scenario = baudbot_scenario::warnings(scenario).into_iter().map(|warning| warning.to_string());

@@ -46,7 +46,7 @@ pub(crate) struct Serving<'a> {
     runs: Vec<(String, Arc<Progress>)>,
     /// The serial ports of each of these.
     ports: Vec<(String, PortsByRobot)>,
-    /// How long worlds have to end in good order.
+    /// The time that worlds have to end in good order.
     stop_within: Duration,
 }
 
@@ -91,7 +91,7 @@ impl<'a> Serving<'a> {
 
     /// A world that brains can come to.
     pub(crate) fn add(&mut self, name: &str, scenario: &Arc<Scenario>, world: WorldConfig) {
-        // What a robot says whose program has a language of its own, no brain of the catalogue understands.
+        // No brain of the catalogue understands a robot whose program has a language of its own.
         let is_understood = |spec: &&RobotSpec| spec.chip.as_ref().is_none_or(|chip| !chip.is_opaque());
         let robots = scenario.robots.iter().filter(is_understood);
         let robots = robots.map(|spec| (spec.name.clone(), assignment::fitting_brain(spec).to_owned()));
@@ -181,7 +181,7 @@ impl<'a> Serving<'a> {
     }
 }
 
-/// What these scenarios say of a port that the contract does not.
+/// The properties of a port in these scenarios that the contract lacks.
 fn of_port(live: &[(String, Arc<Scenario>)], world: &str, robot: &str, device: Option<&str>) -> Known {
     let scenario = live.iter().find(|(name, _)| name == world).map(|(_, scenario)| scenario);
     let spec = scenario.and_then(|scenario| scenario.robots.iter().find(|spec| spec.name == robot));
@@ -243,7 +243,7 @@ fn tell_ends(control: &ControlServiceClient<Channel>, runs: Vec<(String, Arc<Pro
 /// Worlds of which a whole summary is told at the end; of each of more, a line.
 const MOST_IN_FULL: usize = 4;
 
-/// What has happened in the worlds that are still there and have begun.
+/// The summaries of the worlds that are still there and have begun.
 async fn summaries(server: &Server, worlds: &[(String, Arc<Scenario>)]) -> anyhow::Result<String> {
     let mut control = connect::control(server.channel().await?.into());
     let mut text = String::new();
@@ -317,11 +317,11 @@ fn describe(world: &str, scenario: &Scenario) -> String {
     format!("world {world}: {robots}\n")
 }
 
-/// How long worlds have to end in good order, unless the command line says otherwise.
+/// The time that worlds have to end in good order, unless the command line says otherwise.
 const STOP_WITHIN: Duration = Duration::from_secs(10);
 
-/// How long the server may take beyond that: connections are closed, and what the system does at an end.
+/// The time that the server may take beyond that: connections are closed, and the system has work to do at an end.
 const LAST_RESORT: Duration = Duration::from_secs(5);
 
-/// How long connections have to close.
+/// The time that connections have to close.
 const PATIENCE: Duration = Duration::from_secs(3);

@@ -57,7 +57,7 @@ pub(crate) fn show(args: &SweepArgs, shard: Shard, out: &Path, swept: &Swept) ->
     Ok(ExitCode::SUCCESS)
 }
 
-/// What is missing, and the commands that do it.
+/// Reports the missing shards, and the commands that run them.
 pub(crate) fn tell_missing(
     experiment: &Experiment,
     args: &SweepArgs,
@@ -78,7 +78,7 @@ pub(crate) fn tell_missing(
     Ok(ExitCode::FAILURE)
 }
 
-/// What a command does.
+/// The effect of a command.
 fn what(missing: &MissingShard) -> String {
     let runs: Vec<_> = missing.first.iter().map(u64::to_string).collect();
     let more = if missing.runs > runs.len() as u64 { ", …" } else { "" };

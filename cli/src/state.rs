@@ -84,7 +84,7 @@ fn refused(error: StateError) -> anyhow::Error {
     refused_folder("--state ", error)
 }
 
-/// Why a folder cannot be used, after the name of the option that it was given by.
+/// The reason why a folder cannot be used, after the name of the option that it was given by.
 pub(crate) fn refused_folder(option: &str, error: StateError) -> anyhow::Error {
     match error {
         StateError::InUse(_) | StateError::Absent(_) | StateError::Foreign(_) | StateError::Layout { .. } => {

@@ -46,7 +46,7 @@ fn run(experiment: &Experiment, args: &SweepArgs, stop: &AtomicBool) -> anyhow::
     }
 }
 
-/// What came of it, and the exit code.
+/// Reports the result, and gives the exit code.
 fn report(experiment: &Experiment, args: &SweepArgs, out: &Path, swept: &Swept) -> anyhow::Result<ExitCode> {
     if swept.interrupted {
         tell!(

@@ -15,7 +15,7 @@ use crate::robot_groups;
 /// The warnings for the robots of a scenario: the name of each with a sentence.
 pub(crate) fn all_warnings(scenario: &Scenario) -> Vec<(&str, String)> {
     let robots = robot_groups::first_of_each(&scenario.robots).into_iter().map(|(robot, _)| robot);
-    // What a program of the user's own sends, nobody knows beforehand.
+    // The bytes of a program of the user's own are not known beforehand.
     let robots = robots.filter(|robot| robot.chip.is_none());
     // A budget takes a while: only of those with sensors that some brain needs together.
     let robots: Vec<_> = robots.filter(|robot| wanted().any(|kinds| has_both(robot, kinds))).collect();

@@ -121,7 +121,7 @@ fn file(args: &TokenFileArgs) -> anyhow::Result<TokenFile> {
     file.ok_or_else(|| Refused::error("there is no home folder to keep tokens in; name a file with --file"))
 }
 
-/// What is wrong with the file or the name has to be changed; what the system refuses has not.
+/// A wrong file or name has to be changed, a system's refusal is a failure.
 fn refused(error: FileError) -> anyhow::Error {
     match error {
         FileError::File(PrivateError::Io { .. } | PrivateError::Locked { .. }) | FileError::Random(_) => {

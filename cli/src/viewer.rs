@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use baudbot_server::{Address, Builder, Server};
 
-/// Where `--viewer` puts it.
+/// The place of the page for `--viewer`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Viewer {
     /// Nowhere.

@@ -94,7 +94,7 @@ async fn next(
     }
 }
 
-/// Why a world stands still, if it does.
+/// The reason why a world stands still, if it does.
 fn standstill(status: &v1::WorldStatus) -> Option<String> {
     match status.state() {
         v1::WorldState::WaitingForBrains => {

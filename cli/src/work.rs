@@ -42,7 +42,7 @@ pub(crate) fn read(args: &WorkArgs) -> anyhow::Result<Experiment> {
     Ok(experiment)
 }
 
-/// Where it is done, and how.
+/// The options of the place and the means.
 pub(crate) fn options<'a>(
     args: &WorkArgs,
     out: &'a Path,
@@ -125,7 +125,7 @@ fn style() -> ProgressStyle {
 }
 
 fn to_go(state: &ProgressState, out: &mut dyn fmt::Write) {
-    // What cannot be drawn is left out.
+    // A bar that cannot be drawn is left out.
     let _ = out.write_str(&left(state.eta()));
 }
 

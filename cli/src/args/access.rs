@@ -1,4 +1,4 @@
-//! Who may reach the server of a command, and with which token.
+//! The callers that may reach the server of a command, and their tokens.
 
 use std::net::IpAddr;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! What a run shows of chips: `--gdb ROBOT=PORT`, `--vcd ROBOT=FILE` and `--serial ROBOT=FILE`.
+//! The views of chips in a run: `--gdb ROBOT=PORT`, `--vcd ROBOT=FILE` and `--serial ROBOT=FILE`.
 
 use std::path::PathBuf;
 

@@ -131,7 +131,7 @@ impl ExportArgs {
     }
 }
 
-/// What is not written beside a summary.
+/// The outputs that are not written beside a summary.
 const OUTPUTS: [&str; 12] = [
     "csv",
     "parquet",

@@ -1,4 +1,4 @@
-//! Where a debugger connects, as `--gdb` names it.
+//! The place at which a debugger connects, as `--gdb` names it.
 
 use std::fmt;
 use std::str::FromStr;

@@ -13,7 +13,7 @@ use crate::error;
 use crate::failure;
 use crate::text::tell;
 
-/// What somebody wants to do, with the commands for it. `help` is clap's own.
+/// The intentions of users, with the commands for each. `help` is clap's own.
 const GROUPS: &[(&str, &[&str])] = &[
     ("Run", &["run", "grade", "diagram", "sweep", "tune", "replay", "export"]),
     ("Serve and connect", &["serve", "brain", "watch", "port", "token", "state", "cert"]),
@@ -72,7 +72,7 @@ fn told(error: &clap::Error) -> ExitCode {
     }
 }
 
-/// What is wrong with a number, in words for people who do not know Rust's.
+/// The fault of a number, in words for people who do not know Rust's.
 fn rephrased(error: &str) -> String {
     let mut text = error.to_owned();
     for words in ["invalid digit found in string", "cannot parse integer from empty string"] {

@@ -1,4 +1,4 @@
-//! What `baudbot help COMMAND` says besides the options.
+//! The text of `baudbot help COMMAND` besides the options.
 
 pub(super) const PACE_HELP: &str = "\
 When a tick ends:

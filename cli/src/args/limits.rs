@@ -1,4 +1,4 @@
-//! How much of a server one client, one address, one caller, and all of them together may have.
+//! The part of a server that one client, one address, one caller, and all of them together may have.
 
 use std::str::FromStr;
 

@@ -44,7 +44,7 @@ pub(crate) struct LocateArgs {
     pub(crate) changes: ChangeArgs,
 }
 
-/// How a pose is searched.
+/// The method by which a pose is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Search {
     /// As in the lecture notes: random poses in a box around the best pose so far
@@ -100,7 +100,7 @@ impl SearchArgs {
         all.into_iter().filter(|(_, is)| *is).map(|(option, _)| option)
     }
 
-    /// What the library is asked for, or which option cannot be so.
+    /// The parameters for the library, or the option that cannot be so.
     pub(crate) fn parameters(&self) -> Result<laser::Parameters, String> {
         let default = laser::Parameters::default();
         Ok(laser::Parameters {
@@ -129,13 +129,13 @@ impl RefineArgs {
         all.into_iter().filter(|(_, is)| *is).map(|(option, _)| option)
     }
 
-    /// What the library is asked for.
+    /// The parameters for the library.
     pub(crate) fn parameters(&self) -> refine::Parameters {
         let default = refine::Parameters::default();
         refine::Parameters { starts: self.starts.map_or(default.starts, |n| n as usize), ..default }
     }
 
-    /// How sure the guess is, in metres and radians, or which option cannot be so.
+    /// The uncertainty of the guess, in metres and radians, or the option that cannot be so.
     pub(crate) fn deviations(&self) -> Result<(f64, f64), String> {
         let sd_m = positive("--sd-m", self.sd_m.unwrap_or(UNSURE))?;
         Ok((sd_m, positive("--sd-rad", self.sd_rad.unwrap_or(UNSURE))?))
@@ -160,7 +160,7 @@ fn pose(text: &str) -> Result<Pose, String> {
     }
 }
 
-/// How sure a guess is that does not say it, in metres and radians.
+/// The default uncertainty of a guess, in metres and radians.
 const UNSURE: f64 = 0.2;
 
 /// No box is wider, and no guess less sure, in metres and radians.

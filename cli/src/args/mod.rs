@@ -369,7 +369,7 @@ pub(crate) struct ChangeArgs {
 }
 
 impl Cli {
-    /// What `baudbot` alone does: what `baudbot run` does.
+    /// The command that `baudbot` alone stands for: `baudbot run`.
     pub(crate) fn into_command(self) -> Command {
         self.command.unwrap_or_else(|| {
             let run = Self::parse_from(["baudbot", "run"]).command;

@@ -35,7 +35,7 @@ pub(crate) struct NewFirmwareArgs {
     pub(crate) lang: FirmwareLanguage,
 }
 
-/// What a program for a microcontroller can be written in.
+/// The language of a program for a microcontroller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FirmwareLanguage {
     /// A sketch in Arduino's C++, with Arduino's core
@@ -44,7 +44,7 @@ pub(crate) enum FirmwareLanguage {
     C,
 }
 
-/// What a project can be written in.
+/// The language of a project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Language {
     /// With behaviours of baudbot, and one of its own

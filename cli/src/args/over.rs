@@ -1,4 +1,4 @@
-//! How the brains of `baudbot run` are joined to their world.
+//! The connection of the brains of `baudbot run` with their world.
 
 use clap::ValueEnum;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use super::{PaceName, RunArgs};
 use crate::error::Refused;
 use crate::logs;
 
-/// How brains are joined to their world.
+/// The connection of brains with their world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Over {
@@ -21,7 +21,7 @@ pub(crate) enum Over {
 }
 
 impl RunArgs {
-    /// How the brains are joined to their world: as asked for, or else directly, unless something needs the server.
+    /// The connection of the brains with their world: as asked for, or else directly, unless something needs the server.
     pub(crate) fn over(&self) -> anyhow::Result<Over> {
         self.over_if(logs::exports())
     }
@@ -38,7 +38,7 @@ impl RunArgs {
         }
     }
 
-    /// What is asked for that only a server can do.
+    /// The option that only a server can serve.
     fn needs_server(&self, exports: bool) -> Option<&'static str> {
         let (listen, watchdog) = (&self.listen, &self.watchdog);
         let pace = match self.pace {

@@ -1,4 +1,4 @@
-//! Where servers listen, and where they are looked for.
+//! The addresses at which servers listen, and at which they are looked for.
 
 use std::path::PathBuf;
 
@@ -87,5 +87,5 @@ impl CredentialArgs {
     }
 }
 
-/// Where a server listens, and where one is looked for.
+/// The default address of a server, and of its clients.
 pub(crate) const DEFAULT_ADDRESS: &str = "127.0.0.1:7400";

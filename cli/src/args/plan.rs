@@ -46,7 +46,7 @@ pub(crate) struct PlanArgs {
     pub(crate) changes: ChangeArgs,
 }
 
-/// How a path is planned.
+/// The method by which a path is planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Method {
     /// Always the neighbour nearest to the goal, and never back: Fig. 6.7 of the lecture notes, as printed

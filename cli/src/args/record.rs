@@ -1,4 +1,4 @@
-//! What is recorded, and what is done with recordings.
+//! The options of recording, and of work with recordings.
 
 use std::path::PathBuf;
 

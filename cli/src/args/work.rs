@@ -1,4 +1,4 @@
-//! What an experiment's runs are done with.
+//! The means with which an experiment's runs are done.
 
 use std::path::PathBuf;
 

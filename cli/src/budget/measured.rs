@@ -11,7 +11,7 @@ use baudbot_sim::model::RobotSpec;
 use crate::error::Refused;
 use crate::replay;
 
-/// How long the brains of a recording took to answer, by their robots.
+/// The answering times of the brains of a recording, by their robots.
 #[derive(Default)]
 pub(super) struct Measured(BTreeMap<String, (v1::Durations, &'static str)>);
 
@@ -19,7 +19,7 @@ impl Measured {
     pub(super) fn of_recording(path: &Path) -> anyhow::Result<Self> {
         let recorded = replay::recorded_run(path).map_err(|error| replay::refused(path, &error))?;
         let of = |robot: &v1::RobotThinking| {
-            // What follows the wall clock is measured by that.
+            // Brains that follow the wall clock are measured by that.
             let wall = robot.wall.map(|durations| (durations, "by the wall clock"));
             let processor = || robot.processor.map(|durations| (durations, "by the processor time"));
             Some((robot.robot.clone(), wall.or_else(processor)?))

@@ -38,7 +38,7 @@ pub(super) fn describe(robot: &RobotSpec, chip: &ChipSpec) -> Vec<(&'static str,
     ]
 }
 
-/// What is on each pin, in the pins' order.
+/// The connections of each pin, in the pins' order.
 pub(super) fn pins(chip: &ChipSpec) -> Vec<[String; 3]> {
     let wiring = chip.board().wiring();
     let mut wires: Vec<(Terminal, Net)> = wiring.wires().collect();

@@ -1,4 +1,4 @@
-//! What `check --json` writes.
+//! The output of `check --json`.
 
 use baudbot_geometry::Pose;
 use baudbot_import::Weight;

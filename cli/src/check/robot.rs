@@ -44,7 +44,7 @@ pub(super) fn describe(robot: &RobotSpec) -> String {
     text
 }
 
-/// Where it stands, and what it has besides sensors.
+/// Its pose, and its equipment besides sensors.
 fn equipment(robot: &RobotSpec) -> Vec<(&'static str, String)> {
     let Pose { position, heading } = robot.start.pose;
     let encoding = encoding(robot.firmware.motor_encoding());
@@ -66,7 +66,7 @@ fn equipment(robot: &RobotSpec) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// How it speaks, and how long its messages are.
+/// The protocol, and the length of its messages.
 fn messages(robot: &RobotSpec) -> [(&'static str, String); 4] {
     [
         ("firmware", firmware(robot)),
@@ -91,7 +91,7 @@ fn body(robot: &RobotSpec) -> String {
     )
 }
 
-/// How one robot differs from its data sheet.
+/// The deviations of one robot from its data sheet.
 fn specimen(drive: &Drive, deviation: &Deviation) -> String {
     let Wheels { left, right } = deviation.wheels;
     format!(
@@ -187,7 +187,7 @@ fn sensors(robot: &RobotSpec) -> Vec<[String; 6]> {
     rows
 }
 
-/// How often, and from when on, it is read; or, with a port of its own, it speaks.
+/// The times at which it is read, with the first; or, with a port of its own, those at which it speaks.
 fn times(sensor: &Sensor) -> (String, String) {
     let show = |ns: u64| duration(ns as f64);
     let phase = match sensor.own_clock {

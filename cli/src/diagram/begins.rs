@@ -1,6 +1,6 @@
-//! Where a diagram of a program of the user's own begins, if nobody says: where the program first reads a sensor and then makes a
-//! wheel do otherwise, both in one round of its main loop. It is found in a run of its own, edge by edge, so that it does not
-//! depend on what is drawn.
+//! The default beginning of a diagram of a program of the user's own: the program first reads a sensor and then makes
+//! a wheel do otherwise, both in one round of its main loop. It is found in a run of its own, edge by edge, so that
+//! it does not depend on the drawing.
 
 use baudbot_plot::quantity::handy;
 use baudbot_plot::timing::ms;
@@ -11,7 +11,7 @@ use baudbot_sim::timeline::{Event, What};
 use super::record::Recorded;
 use super::ticks::Tick;
 
-/// What the diagram begins with.
+/// The event with which the diagram begins.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Begins {
     /// A round of the main loop in which the program reacts to a reading.
@@ -20,7 +20,7 @@ pub(super) enum Begins {
         round_ns: u64,
         read_ns: u64,
         change_ns: u64,
-        /// What is read and what is changed, as the end of a sentence.
+        /// The sensor and the wheel, as the end of a sentence.
         what: String,
     },
     /// The first thing that the program does, as the end of a sentence.
@@ -56,7 +56,7 @@ impl Begins {
         at_ns.saturating_sub(lead_ns)
     }
 
-    /// What the picture says about it.
+    /// The words for it in the picture.
     pub(super) fn in_words(&self) -> String {
         match self {
             Self::Reacts { round_ns, what, .. } => {
@@ -79,7 +79,7 @@ pub(super) fn span_ns(step_ns: u64) -> u64 {
     step_ns.saturating_mul(3).max(LEAST_NS)
 }
 
-/// What was seen by now.
+/// The events by now.
 struct Search<'a> {
     robot: &'a RobotSpec,
     chip: &'a ChipSpec,

@@ -76,7 +76,7 @@ impl Cycle {
         let Some(thought) = self.take(events, think) else { return };
         let down = |event: &Event| matches!(event.what, What::Down { .. }) && event.start >= thought;
         let Some(down) = self.take(events, down) else { return };
-        // Who asks for readings besides is obeyed before all that was written has come.
+        // A program that asks for readings besides is obeyed before all that was written has come.
         let least = if robot.firmware.protocol == Protocol::Khepera { thought + 1 } else { down };
         let Some(obeyed) = self.take(events, |event| event.what == What::Obey && event.end >= least) else {
             return;

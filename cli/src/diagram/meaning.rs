@@ -1,4 +1,4 @@
-//! What was said in the messages on a robot's cables.
+//! The meaning of the messages on a robot's cables.
 
 use std::collections::BTreeMap;
 
@@ -34,7 +34,7 @@ impl Listeners {
         Self { robot, all: Cable::all(spec).filter_map(listener).collect() }
     }
 
-    /// What was said since the last call.
+    /// Collects the messages since the last call.
     pub(super) fn look(&mut self, world: &World, said: &mut Vec<Said>) {
         let robot = world.robot(self.robot);
         for (cable, listener) in &mut self.all {

@@ -1,5 +1,5 @@
-//! What lamps, buzzers and servos do, from the signals of their wires: how bright a lamp is, a tone's frequency, how long a servo's
-//! pulses are.
+//! The behaviour of lamps, buzzers and servos, from the signals of their wires: the brightness of a lamp, a tone's
+//! frequency, the length of a servo's pulses.
 
 use baudbot_plot::quantity::{count, handy};
 use baudbot_plot::timing::{Shot, hz_in_words, percent};
@@ -15,7 +15,7 @@ pub(super) struct Deed {
     pub(super) what: String,
 }
 
-/// What the parts on a signal's wire do until an instant.
+/// The behaviour of the parts on a signal's wire until an instant.
 pub(super) fn deeds(chip: &ChipSpec, shot: &Shot, until_ns: u64) -> Vec<Deed> {
     let Line::Wire(net) = shot.signal.line else { return Vec::new() };
     let wiring = chip.board().wiring();
@@ -47,7 +47,7 @@ pub(super) fn deeds(chip: &ChipSpec, shot: &Shot, until_ns: u64) -> Vec<Deed> {
     deeds
 }
 
-/// What a part does from an instant to another.
+/// The state of a part from an instant to another.
 type Span = (u64, u64, String);
 
 /// The stretches of a wire, pulses with a period below a limit together.
@@ -67,7 +67,7 @@ fn condensed(shot: &Shot, finest_ns: u64) -> Vec<Stretch> {
     out
 }
 
-/// How bright a lamp is.
+/// The brightness of a lamp.
 fn lights(wave: &[Stretch], lit_by: LitBy, until_ns: u64) -> Vec<Span> {
     let mut spans: Vec<Span> = Vec::new();
     for (i, stretch) in wave.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What is on the pins of a robot's chip: which of it is wanted, and what has been seen.
+//! The pins of a robot's chip: the signals that are wanted, and those that have been seen.
 
 use baudbot_plot::timing::Shot;
 use baudbot_sim::chip::{ChipSpec, Line, Net, Scope, Shown};
@@ -7,7 +7,7 @@ use baudbot_sim::model::RobotSpec;
 use crate::chips;
 use crate::error::Refused;
 
-/// What has been seen of each signal since an instant, and of the time before it what holds there.
+/// The record of each signal since an instant, and of the time before it the part that holds there.
 #[derive(Debug, Default)]
 pub(super) struct Pins {
     pub(super) shots: Vec<Shot>,
@@ -34,7 +34,7 @@ impl Pins {
         }
     }
 
-    /// How much is kept.
+    /// The number of entries.
     pub(super) fn count(&self) -> usize {
         self.shots.iter().map(|shot| shot.shown.len()).sum()
     }

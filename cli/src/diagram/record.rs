@@ -1,4 +1,4 @@
-//! Which part of a run is shown, and how far the world runs for it.
+//! The part of a run that is shown, and the time that the world runs for it.
 
 use std::collections::VecDeque;
 
@@ -27,22 +27,22 @@ pub(super) enum Place {
     At(u64),
     /// This control cycle, from 1 on, before all others.
     Cycle(u32),
-    /// What goes on about an early cycle.
+    /// The events around an early cycle.
     Usual,
 }
 
-/// What is new in a run.
+/// The new events of a run.
 #[derive(Debug, Default)]
 pub(super) struct Recorded {
     pub(super) events: Vec<Event>,
     pub(super) said: Vec<Said>,
-    /// What is new on the pins of its chip, each with the place of its signal.
+    /// The changes on the pins of its chip, each with the place of its signal.
     pub(super) shown: Vec<(usize, Shown)>,
     /// Each new edge there, if it is asked for.
     pub(super) edges: Vec<Edge>,
 }
 
-/// What may be wanted of a run.
+/// The events of a run that may be wanted.
 #[derive(Debug)]
 pub(super) struct Kept {
     pub(super) events: Vec<Event>,
@@ -101,7 +101,7 @@ impl Wanted {
         Ok(Kept { events, said: said.into(), pins })
     }
 
-    /// How long the run goes on at most, in nanoseconds, unless what is wanted comes.
+    /// The time for which the run goes on at most, in nanoseconds, unless the wanted events come.
     fn patience(&self, step_ns: u64) -> u64 {
         match self.place {
             Place::At(from_ns) => from_ns.saturating_add(self.span(step_ns)).saturating_add(SLACK_NS),
@@ -174,7 +174,7 @@ impl Wanted {
         }
     }
 
-    /// What is said arrives later than its message was sent, but not before.
+    /// A meaning arrives later than its message was sent, but not before.
     fn may_tell(&self, said: &Said) -> bool {
         match self.place {
             Place::At(from_ns) => said.at.as_ns() >= from_ns,
@@ -240,7 +240,7 @@ mod tests {
         Wanted { place, span_ns: None }
     }
 
-    /// What is recorded of a run of so many cycles of 20 ms, and when that stopped, in ms.
+    /// The record of a run of so many cycles of 20 ms, and the instant at which that stopped, in ms.
     fn recorded(wanted: Wanted, cycles: u64) -> (anyhow::Result<Vec<Event>>, u64) {
         let (scenario, events) = demo::wander(0, cycles);
         let mut events = events.into_iter().peekable();

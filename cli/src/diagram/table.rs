@@ -1,4 +1,4 @@
-//! What is in a window as text.
+//! The events of a window as text.
 
 use std::collections::BTreeMap;
 
@@ -20,8 +20,8 @@ pub(super) struct Row {
     meaning: String,
 }
 
-/// What happened in a window, by its beginning: the lane, and what it was. What is of the cycle that the window is about has a `*`.
-/// With those of `meanings` is what was said in them; of the pins, those that have lanes are there.
+/// The events of a window, by their beginnings: the lane, and the event. What is of the cycle that the window is
+/// about has a `*`. With those of `meanings` is what was said in them; of the pins, those that have lanes are there.
 pub(super) fn rows(
     robot: &RobotSpec,
     (kept, chosen): (&Kept, Option<&[Net]>),
@@ -85,7 +85,7 @@ fn row(robot: &RobotSpec, event: &Event, is_of_cycle: bool, meaning: Option<&Str
     Row { deed, meaning: meaning.cloned().unwrap_or_default() }
 }
 
-/// What is on a signal.
+/// The events on a signal.
 fn of_pin(shot: &Shot, until_ns: u64) -> impl Iterator<Item = Deed> {
     let who = shot.signal.label();
     let deed = move |(i, shown): (usize, &Shown)| {

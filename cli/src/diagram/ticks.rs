@@ -21,10 +21,10 @@ use crate::trace::unseen;
 /// run is over.
 pub(super) type Tick<'a> = Box<dyn FnMut(&mut Recorded) -> anyhow::Result<Option<u64>> + 'a>;
 
-/// What is looked at on the pins of the robot's chip, if it has one.
+/// The view of the pins of the robot's chip, if it has one.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum View {
-    /// What is on its signals; pulses with a period below this, in nanoseconds, are told together.
+    /// Its signals; pulses with a period below this, in nanoseconds, are summed up.
     Signals(u64),
     /// Each edge.
     Edges,
@@ -83,12 +83,12 @@ fn from_run(error: baudbot_experiment::Error) -> anyhow::Error {
 /// Looks at a robot's events.
 struct Look {
     place: usize,
-    /// How many of them have been seen.
+    /// The number of events that have been seen.
     seen: u64,
     listeners: Listeners,
     /// None: each edge is wanted.
     scope: Option<Scope>,
-    /// How many edges have been seen, if each is wanted.
+    /// The number of edges that have been seen, if each is wanted.
     edges: u64,
 }
 
@@ -124,7 +124,7 @@ impl Look {
         Ok(Seen { fresh, time_ns: world.time().as_ns() })
     }
 
-    /// What is new on the pins.
+    /// The news of the pins.
     fn pins(&mut self, world: &World, fresh: &mut Recorded) -> anyhow::Result<()> {
         let Some(board) = world.robot(self.place).board() else { return Ok(()) };
         let lost = match (&mut self.scope, board.edges()) {

@@ -18,7 +18,7 @@ pub(super) struct Browser {
     child: Child,
     /// All processes that it starts are in one group, which has this number.
     group: Option<Pid>,
-    /// What it says.
+    /// The output of the browser.
     log: File,
     /// Dropped last: it is where the browser writes.
     _profile: TempDir,

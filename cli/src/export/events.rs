@@ -23,7 +23,7 @@ pub(super) struct Events {
     next: usize,
     /// Events that were over before are left out.
     from: SimTime,
-    /// How many events of each robot have been told or left out.
+    /// The number of events of each robot that have been reported or left out.
     seen: Vec<u64>,
     is_begun: bool,
 }

@@ -50,7 +50,7 @@ impl Kind {
         }
     }
 
-    /// How such a file begins.
+    /// The first bytes of such a file.
     fn magic(self) -> &'static [u8] {
         match self {
             Self::Gif => b"GIF8",
@@ -181,5 +181,5 @@ const MOST_PICTURES: f64 = 20_000.0;
 /// A browser that has made no film by then makes none.
 const LEAST_LIMIT: Duration = Duration::from_secs(120);
 const LIMIT_A_PICTURE: Duration = Duration::from_secs(1);
-/// How long connections have to close.
+/// The time that connections have to close.
 const PATIENCE: Duration = Duration::from_secs(3);

@@ -53,7 +53,7 @@ pub(super) fn run(
 ) -> anyhow::Result<bool> {
     let bar = run::progress(Some(window.to_tick - window.from_tick), quiet);
     replay.seek(&mut world, window.from_tick).context("the recording")?;
-    // Where the window begins something may be missing.
+    // The beginning of the window may lack something.
     while world.tick() < window.from_tick && replay.step(&mut world).context("the recording")? {}
     let mut is_whole = true;
     loop {

@@ -52,7 +52,7 @@ impl Ran {
         &self.about
     }
 
-    /// Which brains drove, over which links, with which seed.
+    /// The brains that drove, their links, and the seed.
     pub(super) fn facts(&self) -> String {
         caption::facts(&self.brains, &self.links, self.seed)
     }

@@ -27,7 +27,7 @@ pub(super) struct Picture {
     /// Ticks within the span that the recording lost.
     missing: u64,
     builders: Vec<TrailBuilder>,
-    /// How many points of each robot's are kept.
+    /// The number of points of each robot that are kept.
     room: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Which part of a recording is wanted.
+//! The part of a recording that is wanted.
 
 use baudbot_plot::quantity::handy;
 use baudbot_recording::RecordedRun;

@@ -57,7 +57,7 @@ pub(crate) fn fit(args: &FitArgs) -> anyhow::Result<ExitCode> {
     Ok(code)
 }
 
-/// What is left between log and model.
+/// The difference between log and model.
 fn picture(subject: &Subject, log: &Log, fitted: &Fitted) -> String {
     let panel = |residuals: &baudbot_fit::estimate::Residuals| Panel {
         title: residuals.title.clone(),

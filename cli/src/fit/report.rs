@@ -1,4 +1,4 @@
-//! What was found, as TOML for a scenario and as JSON.
+//! The results, as TOML for a scenario and as JSON.
 
 use baudbot_fit::estimate::{Estimate, Finding, Fitted, Outcome, Remark, digits};
 use baudbot_fit::fields::catalogue;
@@ -123,7 +123,7 @@ fn value(estimate: &Estimate) -> String {
     if text.contains(['.', 'e']) { text } else { text + ".0" }
 }
 
-/// How many digits tell the interval's ends apart.
+/// The number of digits that tell the interval's ends apart.
 fn needed(Estimate { value, low, high, .. }: &Estimate) -> usize {
     let width = (high - low).max(value.abs() * 1e-9);
     let needed = if *value == 0.0 { 1.0 } else { (value.abs() / width).log10().ceil() + 2.0 };

@@ -12,7 +12,7 @@ use crate::scenarios::{Source, parse_sets};
 
 /// The robot, and how its fields are written.
 pub(super) struct Subject {
-    /// What it is, for titles.
+    /// The name for titles.
     pub(super) label: String,
     text: String,
     sets: Vec<Override>,

@@ -32,7 +32,7 @@ pub(super) async fn serve(server: &ConnectArgs, at: SocketAddr) -> anyhow::Resul
     show.open(time_ns);
     loop {
         tokio::select! {
-            // Who has just subscribed gets the next frame anyway: the last one goes before it, or would come twice.
+            // A new subscriber gets the next frame anyway: the last one goes before it, or would come twice.
             biased;
             Some((who, topic)) = subscriptions.recv() => show.again(who, &topic),
             frame = frames.message() => match frame.map_err(|status| from_server(&status))? {

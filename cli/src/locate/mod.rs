@@ -58,7 +58,7 @@ pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
     Ok(code)
 }
 
-/// What there is to tell.
+/// The result of a search.
 struct Told<'a> {
     args: &'a LocateArgs,
     scan_source: ScanSource<'a>,
@@ -233,7 +233,7 @@ impl<'a> Told<'a> {
     }
 }
 
-/// Where what was measured would be if the robot were there.
+/// The measured points as they would be if the robot were there.
 fn seen_from(scan: &Scan, world_from_robot: &Pose) -> Vec<Point> {
     let world_from_laser = world_from_robot.compose(&scan.robot_from_laser);
     let hits = scan.distances_m.iter().enumerate().filter(|(_, distance)| distance.is_finite());

@@ -9,10 +9,10 @@ use baudbot_geometry::{Pose, angle};
 use crate::args::{LocateArgs, Search};
 use crate::error::Refused;
 
-/// How a search went.
+/// The course of a search.
 #[derive(Debug)]
 pub(super) struct SearchResult {
-    /// Where it ended.
+    /// The last pose.
     pub(super) found: Pose,
     /// All poses in the order in which they were tried, the guess first.
     pub(super) steps: Vec<Step>,
@@ -27,11 +27,11 @@ pub(super) struct Step {
     /// ε of (6.8), whatever the method goes by.
     pub(super) error: f64,
     pub(super) accepted: bool,
-    /// Which start it goes back to: 0 is the guess.
+    /// The start to which it goes back: 0 is the guess.
     pub(super) start: usize,
 }
 
-/// How a method is asked to search.
+/// The plan of a method's search.
 enum Plan {
     Search(laser::Parameters),
     Refine { parameters: refine::Parameters, sd_m: f64, sd_rad: f64 },
@@ -68,7 +68,7 @@ impl SearchResult {
         self.steps.iter().enumerate().filter(move |(_, step)| step.accepted && step.start == start)
     }
 
-    /// How many starts there were, the guess included.
+    /// The number of starts, the guess included.
     pub(super) fn starts(&self) -> usize {
         self.steps.last().map_or(0, |step| step.start + 1)
     }
@@ -111,7 +111,7 @@ pub(super) fn error_at(map: &Map, scan: &Scan, pose: &Pose) -> f64 {
     laser::matching_error(&scan.distances_m, &seen.distances_m)
 }
 
-/// How far a pose is from another, in metres and radians.
+/// The distance of a pose from another, in metres and radians.
 pub(super) fn off(pose: &Pose, truth: &Pose) -> (f64, f64) {
     let m = (pose.position - truth.position).norm();
     (m, angle::difference(pose.heading, truth.heading).abs())

@@ -15,7 +15,7 @@ use baudbot_sim::{Intervention, InterventionError, Scenario, SimTime, World};
 use crate::args::LocateArgs;
 use crate::error::Refused;
 
-/// Who looks, and with what.
+/// The robot that looks, and its sensor.
 #[derive(Clone, Copy)]
 pub(super) struct ScanSource<'a> {
     /// The robot's place among all.

@@ -17,7 +17,7 @@ use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{Layer, Registry, fmt};
 
-/// Which events are logged.
+/// The filter of logged events.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LogFilter(Targets);
 
@@ -25,7 +25,7 @@ impl FromStr for LogFilter {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        // What has no level would be the name of a part of the program, and a slip of the pen pass for one.
+        // A word without a level would be the name of a part of the program, and a slip of the pen pass for one.
         for part in text.split(',') {
             let level = part.rsplit_once('=').map_or(part, |(_, level)| level);
             if level.is_empty() || level.parse::<LevelFilter>().is_err() {
@@ -37,7 +37,7 @@ impl FromStr for LogFilter {
     }
 }
 
-/// How events are logged.
+/// The format of logged events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum LogFormat {
     /// A line of text for each event
@@ -58,7 +58,7 @@ pub(crate) type Listener = Box<dyn Layer<Registry> + Send + Sync>;
 
 /// Begins to log. A program that `serves` worlds also exports, if a collector is named.
 pub(crate) fn start(LogFilter(filter): LogFilter, format: LogFormat, serves: bool) -> Logs {
-    // What h2 warns of is what strangers send, as often as they like: it is told to those who want to know all.
+    // Strangers can cause the warnings of h2 as often as they like: only a filter that wants all has them.
     let least = if tells_all(&filter, "h2") { LevelFilter::TRACE } else { LevelFilter::ERROR };
     let strangers =
         filter_fn(move |metadata| !metadata.target().starts_with("h2") || *metadata.level() <= least);

@@ -21,7 +21,7 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use super::Listener;
 use crate::text::tell;
 
-/// What sends. It ends with what is still to be sent.
+/// The exporter. It ends with the events that are still to be sent.
 pub(crate) struct Export {
     traces: SdkTracerProvider,
     logs: SdkLoggerProvider,
@@ -61,7 +61,7 @@ impl Drop for Export {
     }
 }
 
-/// Who exports. `OTEL_SERVICE_NAME` may say otherwise.
+/// The name of the exporter. `OTEL_SERVICE_NAME` may say otherwise.
 fn resource() -> Resource {
     let resource = Resource::builder();
     match std::env::var_os("OTEL_SERVICE_NAME") {
@@ -70,5 +70,5 @@ fn resource() -> Resource {
     }
 }
 
-/// How long a collector has to take what is left.
+/// The time that a collector has to take the remaining events.
 const PATIENCE: Duration = Duration::from_secs(3);

@@ -39,7 +39,7 @@ pub(super) fn curve(args: &CurveArgs) -> anyhow::Result<ExitCode> {
     Ok(if is_stopped { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
-/// Where readings come from.
+/// The source of readings.
 enum Source {
     Device { port: Port, ask: Bytes },
     Person,

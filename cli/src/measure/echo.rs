@@ -48,7 +48,7 @@ pub(super) fn echo(args: &EchoArgs) -> anyhow::Result<ExitCode> {
     Ok(if outcome.is_stopped { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
-/// How the echoes went.
+/// The result of the echoes.
 struct Outcome {
     /// In milliseconds.
     times_ms: Vec<f64>,
@@ -135,7 +135,7 @@ const GIVES_UP_AFTER: u32 = 5;
 /// After a message that was lost it must be quiet for so long, or for the time-out if that is less.
 const LONGEST_QUIET_MS: u32 = 200;
 
-/// What a board needs to send all bytes back.
+/// The sketch that makes a board send all bytes back.
 const SKETCH: &str = "\
 // Echo for `baudbot measure echo`: each byte goes back at once.
 void setup() {

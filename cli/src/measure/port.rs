@@ -155,7 +155,7 @@ impl Drop for Port {
     }
 }
 
-/// What the system knows of a port that matters to its timing: names and values.
+/// The properties of a port that matter to its timing, as the system has them: names and values.
 pub(super) fn about(device: &Path) -> Vec<(&'static str, String)> {
     let real = fs::canonicalize(device).unwrap_or_else(|_| device.to_owned());
     let Some(name) = real.file_name() else { return Vec::new() };
@@ -211,7 +211,7 @@ fn connected() -> String {
     }
 }
 
-/// How names of serial ports of USB begin, on Linux and macOS.
+/// The beginnings of the names of serial ports of USB, on Linux and macOS.
 const PORTS: [&str; 3] = ["ttyUSB", "ttyACM", "cu.usb"];
 /// A port that takes nothing for so long is stuck.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(2);

@@ -59,7 +59,7 @@ fn is_allowed(args: &StepArgs, stop: &Stop) -> anyhow::Result<bool> {
     Ok(matches!(ask("Enter starts it, Ctrl-C does not: ", stop)?, Typed::Line(_)))
 }
 
-/// What is above the table.
+/// The text above the table.
 fn head(args: &StepArgs) -> String {
     let mut notes = vec![
         ("experiment", "step".to_owned()),

@@ -69,7 +69,7 @@ impl Table {
         Ok(Some((last, same)))
     }
 
-    /// How much there is of it.
+    /// The amount in words.
     pub(super) fn words(&self) -> String {
         format!("{} in {}", count(self.rows.len(), "row"), self.path.display())
     }

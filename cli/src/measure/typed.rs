@@ -9,7 +9,7 @@ use rustix::io::Errno;
 use crate::signals::Stop;
 use crate::text;
 
-/// What came of a prompt.
+/// The result of a prompt.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Typed {
     /// A line, without blanks around it.
@@ -46,5 +46,5 @@ pub(super) fn ask(prompt: &str, stop: &Stop) -> io::Result<Typed> {
     }
 }
 
-/// How long Ctrl-C may go unheard.
+/// The time for which Ctrl-C may go unheard.
 const INTERVAL: Duration = Duration::from_millis(100);

@@ -129,7 +129,7 @@ fn python(name: &str) -> anyhow::Result<Vec<File>> {
     Ok(files)
 }
 
-/// What the program carries for projects in a language.
+/// The files that the program carries for projects in a language.
 fn carried(language: &str) -> anyhow::Result<impl Iterator<Item = File>> {
     Ok(sources::of(language)?.into_iter().map(|(path, text)| (path, text, false)))
 }

@@ -1,5 +1,5 @@
-//! What the program carries for projects: the crates that a brain in Rust needs, and the package for Python. The build script
-//! (`build/main.rs`) packs them.
+//! The sources that the program carries for projects: the crates that a brain in Rust needs, and the package for
+//! Python. The build script (`build/main.rs`) packs them.
 
 use std::io::Read;
 

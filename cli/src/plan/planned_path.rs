@@ -10,7 +10,7 @@ use crate::args::{Method, PlanArgs};
 /// The result of a method.
 #[derive(Debug)]
 pub(super) struct PlannedPath {
-    /// Where it bends, and its ends; of a walker that got stuck, the last is where it stands.
+    /// The bends, and both ends; of a walker that got stuck, the last is its place.
     pub(super) points: Vec<Point>,
     pub(super) length_m: f64,
     /// Cells whose neighbours were examined.

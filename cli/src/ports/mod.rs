@@ -46,7 +46,7 @@ pub(crate) async fn open(args: &OpenPortArgs) -> anyhow::Result<()> {
 /// Ports by the names of their robots.
 pub(crate) type PortsByRobot = BTreeMap<String, Vec<(Option<String>, Endpoint)>>;
 
-/// Which ports are to be opened at which of these robots.
+/// The ports that are to be opened at each of these robots.
 pub(crate) fn by_robot(ports: &[PortAddress], robots: &[String], open: bool) -> anyhow::Result<PortsByRobot> {
     let mut by_robot = PortsByRobot::new();
     for PortAddress { robot, device, endpoint: place } in ports {
@@ -158,7 +158,7 @@ impl OpenPorts {
         }
     }
 
-    /// Where the ports are.
+    /// The line that lists the ports' places.
     pub(crate) fn greeting(&self) -> String {
         self.greeting.clone()
     }

@@ -1,9 +1,10 @@
-//! What is spoken at a serial port, where a driver of the real robot or sensor would hear what it does not understand.
+//! The language at a serial port, if a driver of the real robot or sensor would hear something that it does not
+//! understand.
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::firmware::Protocol;
 
-/// What the contract's description of a robot does not say of a port.
+/// The properties of a port that the contract's description of a robot lacks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Known {
     /// A program of the user's own speaks for the robot, and its users know what.
@@ -12,7 +13,7 @@ pub(crate) struct Known {
     pub(crate) answers: Option<bool>,
 }
 
-/// What people are told of the port of a robot, or of its device, at which drivers of the real thing do not understand what is spoken.
+/// The note on the port of a robot, or of its device, at which drivers of the real thing do not understand the language.
 pub(crate) fn note(robot: &v1::RobotDescription, device: Option<&str>, known: Known) -> Option<String> {
     let name = &robot.robot;
     match device {

@@ -84,7 +84,7 @@ fn has_brains(summary: &Summary) -> bool {
     summary.robots.is_empty() || !summary.robots.iter().all(Robot::has_program_only)
 }
 
-/// How well the pace was kept.
+/// The quality of the pace.
 fn pacing(summary: &Summary) -> Vec<(&'static str, String)> {
     let mut facts = Vec::new();
     if let Some(lockstep) = summary.lockstep.as_ref().filter(|_| has_brains(summary)) {

@@ -1,4 +1,4 @@
-//! What a summary says of a robot: facts about its brain, its chip and its body, and tables of its cables and sensors.
+//! A robot's part of a summary: facts about its brain, its chip and its body, and tables of its cables and sensors.
 
 use std::fmt::Write;
 
@@ -71,7 +71,7 @@ fn facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// What is odd about how often a brain wrote.
+/// An oddity of the rate at which a brain wrote.
 fn habit(robot: &Robot, simulated_s: f64) -> Option<String> {
     if robot.brain.is_empty() || robot.turns == 0 {
         return None;
@@ -86,8 +86,8 @@ fn habit(robot: &Robot, simulated_s: f64) -> Option<String> {
     Some(format!("the brain wrote {times} times as often as a message came: one command for each is enough"))
 }
 
-/// How many commands there were for each message, if there were too many: each takes the cable from the next. Where little is
-/// heard it is right to repeat oneself.
+/// The number of commands for each message, if there were too many: each takes the cable from the next. Where little
+/// is heard it is right to repeat oneself.
 fn times_too_often(commands: u64, messages: u64, simulated_s: f64) -> Option<String> {
     let enough = (messages as f64).max(REPEATS_PER_S * simulated_s);
     (messages > 0 && commands as f64 > OFTEN * enough)
@@ -100,7 +100,7 @@ const REPEATS_PER_S: f64 = 10.0;
 /// So many times as many commands as are enough are too many.
 const OFTEN: f64 = 1.5;
 
-/// What a chip did, what it sent, and what its program or its wiring hardly means.
+/// The events of a chip, the bytes that it sent, and the acts of its program or its wiring that are hardly meant.
 fn chip(chip: &Chip, sent_bytes: u64) -> impl Iterator<Item = (&'static str, String)> {
     let mhz = f64::from(chip.clock_hz) / 1e6;
     let resets = match chip.watchdog_resets {
@@ -132,7 +132,7 @@ fn chip(chip: &Chip, sent_bytes: u64) -> impl Iterator<Item = (&'static str, Str
         .chain(chip.warnings.iter().map(warning).collect::<Vec<_>>())
 }
 
-/// How long the rounds of a main loop took.
+/// The durations of a main loop's rounds.
 fn rounds(rounds: &Rounds, asleep_percent: Option<f64>) -> String {
     let Rounds { count, least_cycles, mean_cycles, most_cycles, least_ms, mean_ms, most_ms } = *rounds;
     let [least, mean, most] = [least_ms, mean_ms, most_ms].map(|ms| duration(ms * 1e6));
@@ -145,7 +145,7 @@ fn rounds(rounds: &Rounds, asleep_percent: Option<f64>) -> String {
     )
 }
 
-/// What was left out as there was too much of it: of turns, of steps and of frames.
+/// The turns, steps and frames that were left out as there were too many.
 fn overload(robot: &Robot) -> impl Iterator<Item = (&'static str, String)> {
     let Robot { lost_deliveries, lost_steps, frames_missed, .. } = robot;
     let turns = format!("{lost_deliveries} turns were not delivered, as the brain did not read");
@@ -188,7 +188,7 @@ fn cycles(cycles: &Cycles) -> String {
     text + &format!("; {} exchanges a second", handy(about(cycles.exchanges_per_s)))
 }
 
-/// How long a brain took to answer.
+/// The answering time of a brain.
 fn thinking(Thinking { turns, durations }: &Thinking, clock: &str) -> String {
     let Durations { min_ms, p50_ms, p95_ms, p99_ms, max_ms, .. } = *durations;
     let [median, p95, p99] = [p50_ms, p95_ms, p99_ms].map(|ms| duration(about(ms) * 1e6));

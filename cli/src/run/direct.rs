@@ -117,5 +117,5 @@ impl Running {
     }
 }
 
-/// How long a signal waits at most, and a full disk, until they are noticed, where ticks are short.
+/// The longest time for which a signal, or a full disk, waits until it is noticed, if ticks are short.
 const SLICE: Duration = Duration::from_millis(10);

@@ -36,7 +36,7 @@ use crate::trace::Trace;
 use crate::vcd::Dump;
 use crate::{ports, record, report, text};
 
-/// What is going to be run.
+/// The plan of a run.
 struct Plan {
     world: String,
     scenario: Arc<Scenario>,
@@ -45,18 +45,18 @@ struct Plan {
     over: Over,
     /// Seed of the brains.
     seed: u64,
-    /// How long a frame of the recording is, if brains are to publish as often.
+    /// The length of a frame of the recording, if brains are to publish as often.
     frame: Option<Duration>,
     note: Option<String>,
     /// The robots of `--vcd`.
     analysed: Vec<usize>,
     /// Those of `--serial`.
     heard: Vec<usize>,
-    /// What the chips have sent last.
+    /// The last bytes of the chips.
     tails: Tails,
 }
 
-/// What a run writes and hears while it goes on.
+/// The files that a run writes, and the signals that it hears.
 struct Outside<'a> {
     args: &'a RunArgs,
     files: Files,
@@ -186,14 +186,14 @@ impl Plan {
         }
     }
 
-    /// How many ticks the run has, if its time is limited.
+    /// The number of ticks of the run, if its time is limited.
     fn ticks(&self) -> Option<u64> {
         let after = self.scenario.end.after?;
         Some(after.as_ns().div_ceil(self.scenario.step_ns).max(1))
     }
 }
 
-/// Who drives the robots; with `--external` those that no brain is named for are left to others.
+/// The assignment of the robots; with `--external` those that no brain is named for are left to others.
 fn assigned(args: &RunArgs, scenario: &Scenario, shown: &[&str]) -> anyhow::Result<Assigned> {
     let Some(external) = args.external else {
         return assignment::assign(&args.brains, &scenario.robots, shown);
@@ -267,7 +267,7 @@ fn after_s(ticks: u64, step_ns: u64) -> f64 {
     (ticks as f64 - 0.5) * step_ns as f64 * 1e-9
 }
 
-/// What writes the files at each tick, if any are asked for, and how that goes.
+/// The hook that writes the files at each tick, if any are asked for, and its progress.
 fn hook(args: &RunArgs, plan: &Plan) -> anyhow::Result<(Option<OnTick>, Files)> {
     let mut files = Files::default();
     let robots = &plan.scenario.robots;
@@ -308,7 +308,7 @@ fn hook(args: &RunArgs, plan: &Plan) -> anyhow::Result<(Option<OnTick>, Files)> 
     Ok((Some(Box::new(on_tick)), files))
 }
 
-/// What is written of the pins of chips.
+/// The dumps of the pins of chips.
 fn dumps(args: &RunArgs, plan: &Plan, files: &mut Files) -> anyhow::Result<Vec<Dump>> {
     let mut dumps = Vec::new();
     for (ChipOutput { file: path, .. }, &robot) in args.chips.vcd.iter().zip(&plan.analysed) {
@@ -320,7 +320,7 @@ fn dumps(args: &RunArgs, plan: &Plan, files: &mut Files) -> anyhow::Result<Vec<D
     Ok(dumps)
 }
 
-/// What is written of that which chips send.
+/// The transcripts of chips' bytes.
 fn transcripts(args: &RunArgs, plan: &Plan, files: &mut Files) -> anyhow::Result<Vec<Transcript>> {
     let mut transcripts = Vec::new();
     for (ChipOutput { file: path, .. }, &robot) in args.chips.serial.iter().zip(&plan.heard) {
@@ -346,7 +346,7 @@ pub(crate) fn progress(ticks: Option<u64>, quiet: bool) -> ProgressBar {
     bar.with_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-/// How long a run is whose scenario does not say.
+/// The length of a run whose scenario does not say.
 const DEFAULT_SECONDS: f64 = 60.0;
 
 #[cfg(test)]

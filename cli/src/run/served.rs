@@ -59,7 +59,7 @@ async fn serve(
     if let Some(private) = private {
         builder = builder.brains(private.address.clone());
     }
-    // What is over in a moment nobody can look at.
+    // A run that is over in a moment has no time for a viewer.
     builder = viewer::add(builder, args.listen.viewer, matches!(plan.pace, Pace::Timed(_)));
     let server = builder.serve().await.map_err(from_builder)?;
     if !args.quiet {
@@ -69,10 +69,11 @@ async fn serve(
     Ok(server)
 }
 
-/// Where the programs of a run attach, and can do nothing else: a socket in a folder that only this user may enter.
+/// The socket at which the programs of a run attach, and can do nothing else: it is in a folder that only this user
+/// may enter.
 struct Private {
     address: Address,
-    /// What they use of the processor.
+    /// Their processor time.
     clock: ProcessorClock,
     _folder: TempDir,
 }
@@ -124,7 +125,7 @@ impl Running<'_, '_> {
             control.start_world(request).await.map_err(|status| from_server(&status))?;
         }
         let bar = progress(self.plan.ticks(), self.outside.args.quiet || self.outside.args.show_output);
-        // Who is done holds its robots, too, until the status is there: what it said goes with it.
+        // A finished brain holds its robots, too, until the status is there: its last words go with it.
         let mut done = Vec::new();
         let waited = self.wait(&mut brains, &mut done, &mut crew, &bar).await;
         bar.finish_and_clear();
@@ -235,7 +236,7 @@ impl Running<'_, '_> {
     }
 }
 
-/// What is wrong if nothing goes on. Grading says it in the same words.
+/// The fault if nothing goes on. Grading says it in the same words.
 const SILENT: &str =
     "no answer of a brain has come; look for an endless loop, or for a wait for something that does not come";
 
@@ -250,7 +251,7 @@ struct Silence {
     tells: bool,
 }
 
-/// What there is to do about brains that do not answer, with the time of the world.
+/// The case of brains that do not answer, with the time of the world.
 #[derive(Debug, PartialEq)]
 enum Silent {
     No,
@@ -292,15 +293,15 @@ impl Silence {
 /// As long as the watchdog waits before it says so in the log.
 const TOLD_AFTER: Duration = Duration::from_secs(10);
 
-/// How often is looked who holds the robots.
+/// The interval at which the holders of robots are looked up.
 const LOOK: Duration = Duration::from_millis(20);
 
 const REDRAW: Duration = Duration::from_millis(100);
 
-/// How long the news of a run's end may take within this process.
+/// The time that the news of a run's end may take within this process.
 const NEWS: Duration = Duration::from_millis(200);
 
-/// How long connections have to close.
+/// The time that connections have to close.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What chips send on their UARTs, byte by byte as it comes to the laptop's end of the cable.
+//! The bytes of chips on their UARTs, one by one as they come to the laptop's end of the cable.
 //!
 //! A [`Transcript`] writes all of it; [`tails`] keep its end for the summary.
 
@@ -17,7 +17,7 @@ use crate::trace::unseen;
 /// Bytes of a tick that are kept until they are written.
 pub(crate) const MOST_BYTES: usize = 1 << 16;
 
-/// What has come over a robot's cable to the laptop since the last look.
+/// The bytes that have come over a robot's cable to the laptop since the last look.
 #[derive(Default)]
 struct Listener {
     seen: u64,

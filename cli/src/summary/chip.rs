@@ -1,4 +1,4 @@
-//! What is to be said of a chip that ran a program of the user's own.
+//! The summary of a chip that ran a program of the user's own.
 
 use baudbot_proto::v1;
 use baudbot_sim::model::RobotSpec;

@@ -20,14 +20,14 @@ pub(crate) struct Summary {
     pub(crate) scenario: String,
     pub(crate) world: String,
     pub(crate) pace: String,
-    /// How the brains were joined to their world.
+    /// The connection of the brains with their world.
     pub(crate) over: Over,
     pub(crate) seed: u64,
     pub(crate) ticks: u64,
     pub(crate) step_ns: u64,
     pub(crate) simulated_s: f64,
     pub(crate) wall_s: f64,
-    /// How many times as fast as real time it was.
+    /// The ratio of simulated time to real time.
     pub(crate) simulated_per_wall: f64,
     pub(crate) ending: String,
     /// Somebody ended it before its end.
@@ -44,7 +44,7 @@ pub(crate) struct Summary {
     /// Those of the things that move by themselves that something was in the way of.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) blocked: Vec<Blocked>,
-    /// Where it was recorded.
+    /// The recording's place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) recording: Option<Recording>,
     /// Lines that the programs of brains have printed, and nobody has seen.
@@ -59,7 +59,7 @@ pub(crate) struct Recording {
     pub(crate) file: String,
     pub(crate) bytes: u64,
     pub(crate) ticks: u64,
-    /// Why it ended before the run.
+    /// The reason why it ended before the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) problem: Option<String>,
 }
@@ -91,7 +91,7 @@ pub(crate) struct Blocked {
     pub(crate) blocked_s: f64,
 }
 
-/// How well simulated time followed the wall clock.
+/// The quality with which simulated time followed the wall clock.
 #[derive(Debug, Serialize)]
 pub(crate) struct Clock {
     pub(crate) overruns: u64,
@@ -111,7 +111,7 @@ pub(crate) struct Lateness {
     pub(crate) ticks: u64,
 }
 
-/// How long the world waited.
+/// The time for which the world waited.
 #[derive(Debug, Serialize)]
 pub(crate) struct Lockstep {
     pub(crate) waiting_s: f64,

@@ -19,7 +19,7 @@ pub(crate) struct Robot {
     pub(crate) brain: String,
     pub(crate) distance_m: f64,
     pub(crate) collisions: u64,
-    /// How long something has kept it from moving.
+    /// The time for which something has kept it from moving.
     pub(crate) stood_in_contact_s: f64,
     pub(crate) turns: u64,
     pub(crate) commands: u64,
@@ -43,7 +43,7 @@ pub(crate) struct Robot {
     pub(crate) uplink: Line,
     pub(crate) downlink: Line,
     pub(crate) cycles: Cycles,
-    /// How long its brain took to answer, by the wall clock; absent if that was not measured.
+    /// The answering time of its brain, by the wall clock; absent if that was not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) thinking_wall: Option<Thinking>,
     /// The same by the processor time of the brain's process.
@@ -78,7 +78,7 @@ pub(crate) struct Cycles {
     pub(crate) duration: Option<Durations>,
 }
 
-/// How durations are spread.
+/// The distribution of durations.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Durations {
     pub(crate) mean_ms: f64,
@@ -89,7 +89,7 @@ pub(crate) struct Durations {
     pub(crate) max_ms: f64,
 }
 
-/// How long a brain took to answer.
+/// The answering time of a brain.
 #[derive(Debug, Serialize)]
 pub(crate) struct Thinking {
     /// Turns that were measured.
@@ -138,7 +138,7 @@ pub(crate) struct Sensor {
     pub(crate) missed: u64,
     /// Turns in which it was readable.
     pub(crate) readable: u64,
-    /// How old it was then; absent if that is not known of any.
+    /// The age then; absent if that is not known of any.
     pub(crate) age: Option<Durations>,
     /// The cable of its own, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]

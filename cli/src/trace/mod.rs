@@ -18,7 +18,7 @@ pub(crate) struct Trace {
     /// Until the first tick.
     out: Option<Out>,
     writer: Option<TraceWriter<Out>>,
-    /// How many events of each robot have been written or were lost.
+    /// The number of events of each robot that have been written or were lost.
     seen: Vec<u64>,
     /// Those of robots with programs of their own.
     pins: Vec<Pins>,

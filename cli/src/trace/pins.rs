@@ -1,5 +1,5 @@
-//! What is on the pins of a robot's chip, in a trace: slices where a wire is high or pulses, where a character is on the cable and of
-//! rounds of the main loop; the results of the ADC as a counter.
+//! The pins of a robot's chip in a trace: slices where a wire is high or pulses, where a character is on the cable
+//! and of rounds of the main loop; the results of the ADC as a counter.
 
 use std::io::{self, Write};
 
@@ -15,7 +15,7 @@ pub(super) struct Pins {
     scope: Scope,
     /// Of each signal the last that is on it, until what follows is known.
     last: Vec<Option<Shown>>,
-    /// What is over before this is not written.
+    /// Events that are over before this are not written.
     from: SimTime,
     now_ns: u64,
 }
@@ -32,7 +32,7 @@ impl Pins {
         self.robot
     }
 
-    /// What is new. The world must [keep the edges](baudbot_sim::World::keep_edges).
+    /// Writes the new events. The world must [keep the edges](baudbot_sim::World::keep_edges).
     pub(super) fn write<W: Write>(
         &mut self,
         out: &mut TraceWriter<W>,
@@ -47,7 +47,7 @@ impl Pins {
         shown.into_iter().try_for_each(|(signal, shown)| self.take(out, signal, shown))
     }
 
-    /// What is left, at the end.
+    /// Writes the remaining events, at the end.
     pub(super) fn finish<W: Write>(&mut self, out: &mut TraceWriter<W>) -> io::Result<()> {
         for (signal, shown) in self.scope.finish().shown {
             self.take(out, signal, shown)?;

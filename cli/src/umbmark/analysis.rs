@@ -20,7 +20,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use baudbot_brains::odometry::Calibration;
 
-/// Where a run ended: the true pose less the pose by odometry.
+/// The end of a run: the true pose less the pose by odometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EndError {
     pub(super) x_m: f64,
@@ -38,7 +38,7 @@ pub(super) struct Group {
     pub(super) sd_m: f64,
 }
 
-/// What both directions say.
+/// The errors in both directions.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Analysis {
     pub(super) cw: Group,
@@ -108,7 +108,7 @@ mod tests {
     const TRACK_M: f64 = 0.34;
     const SIDE_M: f64 = 4.0;
 
-    /// Where a robot with these errors ends that drives a square which is perfect by a calibrated odometry.
+    /// The end of a robot with these errors that drives a square which is perfect by a calibrated odometry.
     fn end(wheel_ratio: f64, track_ratio: f64, clockwise: bool, calibration: Calibration) -> EndError {
         let sign = if clockwise { -1.0 } else { 1.0 };
         let left = 2.0 / (wheel_ratio + 1.0);

@@ -23,7 +23,7 @@ use super::analysis::EndError;
 use crate::args::UmbmarkArgs;
 use crate::error::Refused;
 
-/// Where and how the robot drives.
+/// The square, and the way in which the robot drives it.
 pub(super) struct Course {
     /// The robot alone, on an empty floor without end.
     scenario: Scenario,
@@ -31,7 +31,7 @@ pub(super) struct Course {
     pub(super) sensor: String,
     side_m: f64,
     pub(super) speed_m_s: f64,
-    /// What the wheels make of a signal of 1.
+    /// The speed of a wheel at a signal of 1.
     full_speed_m_s: f64,
     rotation_m_s: f64,
 }
@@ -230,11 +230,11 @@ const LEAST_SIGNAL: f64 = 0.05;
 const SLOWEST: f64 = 0.25;
 /// A robot that is slower does not move.
 const LEAST_M_S: f64 = 1e-3;
-/// How long a robot drives to show how fast it is.
+/// The time for which a robot drives to show its speed.
 const TRIAL_NS: u64 = 5_000_000_000;
 /// Until a robot that has arrived stands still, and has said so.
 const REST_NS: u64 = 2_000_000_000;
-/// How many times as long as a square should take a robot may take.
+/// The factor on the time that a square should take.
 const PATIENCE: f64 = 10.0;
 /// Ticks from one look at the brain to the next.
 const LOOK_EVERY: u64 = 10;

@@ -64,7 +64,7 @@ fn measure(
     Ok(Analysis::new(cw, ccw, args.side_m, course.track_m(), calibration))
 }
 
-/// Where the runs ended, in millimetres.
+/// The ends of the runs, in millimetres.
 fn picture(told: &Told<'_>) -> Scatter {
     let group = |name: &str, group: &Group| scatter::Group {
         name: name.to_owned(),

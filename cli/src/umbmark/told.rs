@@ -1,4 +1,4 @@
-//! What UMBmark has found, for people and for programs.
+//! The result of UMBmark, for people and for programs.
 
 use baudbot_brains::odometry::Calibration;
 use baudbot_plot::quantity::{count, handy};
@@ -12,7 +12,7 @@ use super::mm;
 use crate::args::UmbmarkArgs;
 use crate::text::{pairs, table};
 
-/// What there is to tell.
+/// The result to report.
 pub(super) struct Told<'a> {
     pub(super) args: &'a UmbmarkArgs,
     pub(super) robot: &'a RobotSpec,
@@ -32,7 +32,7 @@ pub(super) struct Found {
     arena: &'static str,
     measurements: Vec<Measurement>,
     corrected: Corrected,
-    /// What the scenario says, which the robot's brain does not know.
+    /// The scenario's values, which the robot's brain does not know.
     truth: Factors,
 }
 
@@ -67,7 +67,7 @@ struct End {
     heading_rad: f64,
 }
 
-/// What to reckon with from now on.
+/// The values to reckon with from now on.
 #[derive(Serialize)]
 struct Corrected {
     wheel_ratio: f64,
@@ -141,7 +141,7 @@ impl Told<'_> {
         format!("{side} m a side at {speed} m/s, {runs} in each direction")
     }
 
-    /// What the first measurement says of the wheels.
+    /// The errors of the wheels by the first measurement.
     fn errors(&self) -> [(&'static str, String); 5] {
         let Analysis { type_a_rad, type_b_rad, wheel_ratio, track_ratio, .. } = self.first;
         [
@@ -153,7 +153,7 @@ impl Told<'_> {
         ]
     }
 
-    /// What to write into a brain, and what the scenario says of it.
+    /// The values to write into a brain, and the scenario's.
     fn corrections(&self) -> Vec<(&'static str, String)> {
         let Corrected { wheel_factors: [c_l, c_r], wheel_radii_m: [left, right], track_m, .. } =
             self.corrected();
@@ -216,7 +216,7 @@ impl Told<'_> {
     }
 }
 
-/// Where the runs of both directions ended.
+/// The ends of the runs of both directions.
 fn ends(analysis: &Analysis) -> String {
     let head = ["ends, truth − odometry", "x, mm", "y, mm", "θ, °", "r, mm", "σ, mm"].map(str::to_owned);
     let mut rows = vec![head];
@@ -239,7 +239,7 @@ fn ends(analysis: &Analysis) -> String {
     table("", &rows)
 }
 
-/// What the correction was worth.
+/// The effect of the correction.
 fn after(first: &Analysis, second: &Analysis) -> [(&'static str, String); 1] {
     let (before_m, after_m) = (first.e_max_syst_m(), second.e_max_syst_m());
     let better = format!("{} times better", handy((before_m / after_m * 10.0).round() / 10.0));

@@ -1,4 +1,4 @@
-//! What a logic analyser on the pins of a chip sees, as a VCD file (IEEE 1364, *Value change dump files*).
+//! The record of a logic analyser on the pins of a chip, as a VCD file (IEEE 1364, *Value change dump files*).
 //!
 //! [`signals`] says which there are, and what they are called.
 
@@ -25,7 +25,7 @@ pub(crate) struct Dump {
     /// Until the first tick.
     out: Option<Out>,
     body: Option<Body>,
-    /// How many edges have been written or were lost.
+    /// The number of edges that have been written or were lost.
     seen: u64,
     lost: u64,
     from_ns: u64,

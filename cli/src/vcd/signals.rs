@@ -1,6 +1,7 @@
 //! The signals of a chip in a VCD file, and which values they have.
 //!
-//! What they are called is in [`Signal`](baudbot_sim::chip::Signal). Besides, `loop` changes when a round of the program's main loop begins.
+//! The signals are named as in [`Signal`](baudbot_sim::chip::Signal). Besides, `loop` changes when a round of the
+//! program's main loop begins.
 
 use std::io::{self, Write};
 

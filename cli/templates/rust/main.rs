@@ -9,7 +9,7 @@ use baudbot_brains::registry::Registry;
 use baudbot_client::Signals;
 use serde::Deserialize;
 
-/// What `brain.toml` says under `parameters`.
+/// The `parameters` of `brain.toml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Parameters {

@@ -11,7 +11,7 @@ fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// What `replay` finds of a file, and its exit code.
+/// The report of `replay` on a file, and its exit code.
 fn replay(file: &Path) -> (i32, Value) {
     let (code, out, err) = baudbot(&["replay", text(file), "--json"]);
     let found = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{code}: {err}"));
@@ -123,7 +123,7 @@ fn of_a_damaged_recording_all_is_compared_that_is_left_and_what_is_missing_is_to
                 let [compared, all] = ["compared_ticks", "recorded_ticks"].map(|name| found[name].as_u64());
                 assert!(all == Some(13_000) && compared < all, "byte {place}: {found}");
                 assert_eq!(found["identical"], true, "byte {place}: {found}");
-                // What is behind the next state is compared, too.
+                // The bytes behind the next state are compared, too.
                 if found["last_tick"] == 13_000 {
                     to_the_end += 1;
                     // From the first state on there is a gap within, and a picture does not draw across it.

@@ -1,4 +1,4 @@
-//! What is told of batteries, ports, zones and things that move; and that nothing is where there are none.
+//! The report of batteries, ports, zones and things that move; there is nothing of those that are missing.
 
 use serde_json::Value;
 

@@ -4,7 +4,7 @@ use crate::cli::{baudbot, good, place};
 
 const FIRMWARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/firmware.toml");
 
-/// What a diagram that cannot be says on stderr; nothing else may be said.
+/// The error of an impossible diagram on stderr; no other line may be there.
 fn refusal(args: &[&str]) -> String {
     let (code, out, err) = baudbot(&[&["diagram"], args].concat());
     assert_eq!((code, out.as_str()), (2, ""), "{err}");

@@ -149,7 +149,7 @@ fn nothing_listens_in_the_sources_but_the_doors_of_the_table() {
     assert_eq!(found, expected);
 }
 
-/// What makes something listen.
+/// The calls that make a program listen.
 const LISTEN: [&str; 3] = ["TcpListener::bind(", "UnixListener::bind(", "server.bind("];
 
 fn look(root: &Path, folder: &Path, found: &mut Vec<String>) {

@@ -323,7 +323,7 @@ fn browser(name: &str, bash: &str) -> (PathBuf, PathBuf) {
     (program, told)
 }
 
-/// What a browser in Bash has: `ask METHOD PATH BODY` prints the server's answer.
+/// A browser in Bash: `ask METHOD PATH BODY` prints the server's answer.
 const ASKS: &str = r#"
 server=${url#http://} server=${server%%/*}
 ask() {

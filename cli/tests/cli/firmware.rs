@@ -43,7 +43,7 @@ fn hex(words: &[u16]) -> Vec<u8> {
     (text + ":00000001FF\n").into_bytes()
 }
 
-/// What is said of a run that is refused.
+/// The error of a run that is refused.
 fn refused(scenario: &Path, firmware: &str) -> String {
     let (code, _, err) = baudbot(&["run", scenario.to_str().unwrap(), "--firmware", firmware]);
     assert_eq!(code, 2, "{err}");
@@ -51,7 +51,7 @@ fn refused(scenario: &Path, firmware: &str) -> String {
     err
 }
 
-/// What a run with these instructions says of its robot.
+/// The report of a run with these instructions on its robot.
 fn ran(name: &str, words: &[u16], seconds: &str) -> Value {
     let robot = scenario(name, &format!("{ROBOT}{CABLE}pins.13 = \"leds.builtin\"\n"));
     let program = file(&format!("{name}.hex"), &hex(words));

@@ -1,4 +1,4 @@
-//! What others do to the program: connections without end, and files at which it could wait for ever.
+//! The attacks of others on the program: connections without end, and files at which it could wait for ever.
 
 use std::net::TcpStream;
 use std::process::{Command, Stdio};

@@ -1,4 +1,4 @@
-//! What an installed program has in it: `list`, `init`, `schema`, `completions`, `man`.
+//! The content of an installed program: `list`, `init`, `schema`, `completions`, `man`.
 
 use std::path::PathBuf;
 
@@ -38,7 +38,7 @@ fn the_list_has_all_that_can_be_named() {
     }
 }
 
-/// What is built in is what the file is, to the bit.
+/// A built-in file is the same as the source's, to the bit.
 #[test]
 fn an_example_is_written_where_one_is_and_runs_as_the_one_that_is_built_in() {
     let folder = folder("init");

@@ -9,7 +9,7 @@ use crate::cli::{baudbot, good, place};
 
 const OFFICE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/tour.toml");
 
-/// What is found in the office, as programs are told it.
+/// The pose in the office, as programs get it.
 fn found(more: &[&str]) -> Value {
     serde_json::from_str(&good(&[&["locate", OFFICE, "--json"], more].concat())).unwrap()
 }

@@ -1,4 +1,4 @@
-//! What is logged to stderr.
+//! The events that are logged to stderr.
 
 use std::time::Duration;
 

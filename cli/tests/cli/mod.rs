@@ -52,7 +52,7 @@ fn command(args: &[&str]) -> Command {
     command
 }
 
-/// What it says, and its exit code.
+/// Its output, and its exit code.
 fn said(output: Output) -> (i32, String, String) {
     let text = |bytes| String::from_utf8(bytes).unwrap();
     (output.status.code().expect("an exit code"), text(output.stdout), text(output.stderr))

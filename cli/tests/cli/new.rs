@@ -11,7 +11,7 @@ fn folder(name: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// What Cargo resolves for a project, without a network: its packages, and the lockfile.
+/// The packages that Cargo resolves for a project, without a network, and the lockfile.
 fn resolved(project: &Path) -> (String, String) {
     let mut cargo = Command::new(env!("CARGO"));
     cargo.args(["tree", "--offline", "--prefix", "none", "--format", "{p}"]).current_dir(project);

@@ -1,4 +1,4 @@
-//! What a collector of traces gets.
+//! The traces that a collector gets.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;

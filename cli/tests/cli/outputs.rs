@@ -1,4 +1,4 @@
-//! What is written does not go over what is read, and files that are begun by `init`.
+//! Outputs do not overwrite inputs, and files that are begun by `init`.
 
 use std::fs;
 use std::path::Path;
@@ -105,7 +105,7 @@ fn a_scenario_from_a_pipe_is_still_run() {
     assert!(fs::read_to_string(folder.path().join("a.csv")).unwrap().starts_with("t_s,"));
 }
 
-/// What is said of a bag of this scenario, which is not begun.
+/// The error of a bag of this scenario, which is not begun.
 fn no_bag(toml: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("s.toml"), toml).unwrap();

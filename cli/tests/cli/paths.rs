@@ -9,7 +9,7 @@ use crate::cli::{Running, baudbot, command, good, place, said};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
-/// What is told of a run that goes this way, as JSON. Warnings are no matter.
+/// The report of a run that goes this way, as JSON. Warnings are no matter.
 fn run(over: &str, args: &[&str]) -> Value {
     let all = [&["run", "--over", over, "--json", "--quiet"], args].concat();
     let (code, out, err) = said(command(&all).current_dir(ROOT).output().unwrap());

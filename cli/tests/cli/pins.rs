@@ -62,7 +62,7 @@ impl Seen {
         self.wires[name].iter().take_while(|(from_ns, _)| *from_ns <= at_ns).last().unwrap().1
     }
 
-    /// What the bits on a wire say, read as a UART does.
+    /// The bits on a wire, read as a UART does.
     fn text(&self, name: &str, bit_ns: u64) -> String {
         let (mut text, mut now) = (String::new(), 0);
         let falls =
@@ -115,7 +115,7 @@ fn a_run_shows_pwm_the_uart_the_adc_and_the_lamp() {
     let bits: Vec<u64> = levels.map(|pair| pair[1].0 - pair[0].0).filter(|ns| *ns < 1_040_000).collect();
     assert!(bits.len() > 1000 && bits.iter().all(|ns| ns % 104_000 == 0), "{bits:?}");
 
-    // What is told was measured: one of the results before the line.
+    // A reported value was measured: it is one of the results before the line.
     for (place, name) in [(0, "adc0_sensors_ir_left"), (2, "adc2_sensors_ir_front")] {
         let results: Vec<_> = seen.numbers[name].iter().filter_map(|(_, result)| *result).collect();
         assert!((90..=101).contains(&results.len()), "every 20 ms: {}", results.len());

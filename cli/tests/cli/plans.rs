@@ -7,7 +7,7 @@ use crate::cli::{baudbot, good, place};
 const WALL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/grid-wall.toml");
 const TRAP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/grid-trap.toml");
 
-/// What is said of a way across one of the two grids, after its arguments.
+/// The report of a way across one of the two grids, after its arguments.
 fn across(grid: &str, more: &[&str]) -> String {
     let args = [&["plan", grid, "--to", "17.5,10.5", "--cell-m", "1"], more].concat();
     good(&args)

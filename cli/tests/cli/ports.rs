@@ -25,9 +25,9 @@ const KHEPERA: &str = "name = \"ports\"\nstep_ms = 1.0\n\
 /// A server in a folder of its own.
 struct Served {
     server: Running,
-    /// Where its ports are, as it says.
+    /// The places of its ports, by its own words.
     places: Vec<String>,
-    /// What it has said by then.
+    /// Its output by then.
     greeting: String,
     folder: PathBuf,
 }
@@ -98,7 +98,7 @@ impl Served {
     }
 }
 
-/// What comes up to the end of a line.
+/// The bytes that come up to the end of a line.
 fn line_of(port: &mut impl Read) -> String {
     let (mut line, deadline) = (Vec::new(), Instant::now() + Duration::from_secs(120));
     while !line.ends_with(b"\n") {
@@ -127,7 +127,7 @@ fn refusal(folder: &TempDir, scenario: &str, args: &[&str]) -> (i32, String) {
     (code, err)
 }
 
-/// Who starts the real robot's driver at such a port would only hear nothing.
+/// The real robot's driver at such a port would hear nothing that it understands.
 #[test]
 fn what_no_driver_of_the_real_thing_understands_is_told_at_the_start() {
     let folder = tempfile::tempdir().unwrap();

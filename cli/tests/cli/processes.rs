@@ -130,7 +130,7 @@ fn a_brain_comes_back_to_a_server_that_is_started_again_and_goes_when_its_robot_
     server.signal("-TERM");
     assert_eq!(server.end().0, 0);
     assert!(brain.first_complaint().ends_with("trying to reconnect for 600 s\n"));
-    // What will not change ends it: there is no such robot any more.
+    // A lasting failure ends it: there is no such robot any more.
     let socket = format!("unix:{}", place("back.sock").display());
     let mut server = Running::start(&["serve", "--listen", &socket, "khepera"]);
     server.lines_until("Ctrl-C");

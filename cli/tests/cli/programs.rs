@@ -55,7 +55,7 @@ fn a_drive_of_a_test_is_the_run_of_the_command() {
     }
 }
 
-/// What a program finds in its environment is good for driving, and tells no truth.
+/// The address in a program's environment is good for driving, and tells no truth.
 #[test]
 fn a_program_cannot_observe_by_the_address_that_it_is_given() {
     let folder = tempfile::tempdir().unwrap();

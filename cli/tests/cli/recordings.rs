@@ -188,7 +188,7 @@ fn a_full_disk_ends_the_recording_and_not_the_run() {
     assert_eq!(summary["ticks"], 6000);
     let problem = summary["recording"]["problem"].as_str().unwrap();
     assert!(problem.contains("File too large"), "{problem}");
-    // What is there can be replayed, and is whole.
+    // The ticks that are there can be replayed, and are whole.
     let (code, out, err) = baudbot(&["replay", text(&file), "--json"]);
     assert!(code == 3 && err.contains("it is replayed as far as it goes"), "{code}: {err}");
     let found: Value = serde_json::from_str(&out).unwrap();
@@ -330,7 +330,7 @@ fn kill_and_resume(number: u64) {
     server.lines_until("world wander");
     server.signal("-INT");
     assert_eq!(server.end().0, 0);
-    // What goes on is at the same tick, in the same state.
+    // The run that goes on is at the same tick, in the same state.
     let out = good(&["replay", text(&next), "--json"]);
     let again: Value = serde_json::from_str(&out).unwrap();
     assert_eq!(

@@ -1,4 +1,4 @@
-//! What is refused, in which words, with which exit code.
+//! The refusals, with their words and exit codes.
 
 use std::fs::{self, File};
 

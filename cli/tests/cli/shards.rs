@@ -46,7 +46,7 @@ fn eight_shards_one_of_which_is_killed_make_the_files_of_one_process() {
     let (code, stdout, err) = baudbot(&merge);
     assert_eq!((code, stdout.as_str()), (1, ""), "{err}");
     assert!(!Path::new(&merged).exists());
-    // What it says is to be done is all that has to be done.
+    // The commands that it lists are all that has to be done.
     let lines: Vec<_> = err.lines().filter(|line| !line.starts_with("warning: ")).collect();
     assert!(
         lines[0].ends_with(" of 72 runs are missing, so nothing was written; these commands do them:"),

@@ -1,4 +1,4 @@
-//! What others wrote is shown on a terminal, and never obeyed by it.
+//! The text of others is shown on a terminal, and never obeyed by it.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
@@ -7,7 +7,7 @@ use crate::cli::{baudbot, good, place};
 
 const WANDER: &str = include_str!("../../../catalogue/scenarios/wander.toml");
 
-/// What clears a screen, names a window, turns writing around and goes back in a line, as TOML writes it.
+/// Sequences that clear a screen, name a window, turn writing around and go back in a line, as TOML writes them.
 const HOSTILE: &str = r"\u001b[2J\u001b]0;owned\u0007\u009b31m\u202egnp\u2066\r\b";
 
 /// Whether a terminal only shows it.

@@ -2,7 +2,7 @@
 
 use crate::cli::{baudbot, command, good, place};
 
-/// What a run that is refused says.
+/// The error of a run that is refused.
 fn refusal(code: i32, args: &[&str]) -> String {
     let (found, _, err) = baudbot(args);
     assert_eq!(found, code, "{err}");

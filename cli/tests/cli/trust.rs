@@ -1,4 +1,4 @@
-//! Who may connect to a `baudbot serve`: programs of its user by themselves, others with a token.
+//! The callers that may connect to a `baudbot serve`: programs of its user by themselves, others with a token.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;

@@ -21,7 +21,7 @@ fn a_server_with_few_files_lets_everybody_in_and_keeps_all_worlds() {
         operator.start(&name).unwrap();
         seen.push(operator.step(&name, 3).unwrap());
     }
-    // Who comes now finds a place, and the journals of all worlds can be written.
+    // A new client finds a place, and the journals of all worlds can be written.
     for (before, number) in seen.iter_mut().zip(0..120) {
         let mut late = server.operator();
         *before = late.step(&format!("w{number}"), 2).unwrap();

@@ -31,7 +31,7 @@ fn a_world_is_there_again_with_all_that_an_operator_has_done() {
     operator.set_pace("clone", real_time()).unwrap();
     operator.start("clone").unwrap();
     operator.pause("clone").unwrap();
-    // What is changed in a world that follows the clock is on its way to the disk.
+    // A change in a world that follows the clock is on its way to the disk.
     std::thread::sleep(Duration::from_secs(1));
     let before = ["clone", "made", "wander"].map(|name| operator.status(name).unwrap());
     server.kill();
@@ -189,7 +189,7 @@ fn what_is_sound_of_a_damaged_world_is_recovered() {
     let seen = operator.step("w", 1).unwrap();
     let early = fs::metadata(folder.join("worlds/w/journal-1")).unwrap().len() as usize;
     operator.step("w", 10).unwrap();
-    // What is behind is known to be on the disk.
+    // The changes before are known to be on the disk.
     std::thread::sleep(Duration::from_millis(2500));
     operator.step("w", 10).unwrap();
     server.kill();

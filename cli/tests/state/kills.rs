@@ -83,10 +83,10 @@ impl Killer {
     }
 }
 
-/// What the worlds on the server are, as far as this process knows.
+/// The worlds on the server, as far as this process knows.
 #[derive(Default)]
 struct Worlds {
-    /// What `stepped` and `paused` may be: more than one if a call was not answered.
+    /// The worlds that `stepped` and `paused` may be: more than one if a call was not answered.
     stepped: Vec<World>,
     paused: Vec<World>,
     /// Snapshots of `paused`, by their numbers.

@@ -17,14 +17,14 @@ use serde::Serialize;
 pub(super) use told::told;
 use watch::{Watch, measure};
 
-/// What a program costs, as it was measured.
+/// The measured timing of a program.
 #[derive(Debug, Serialize)]
 pub(super) struct ProgramBudget {
     pub(super) robot: String,
     /// Such as ATmega328P.
     part: String,
     clock_hz: u32,
-    /// How long it was watched, in nanoseconds: since its bootloader was over.
+    /// The time for which it was watched, in nanoseconds: since its bootloader was over.
     watched_ns: u64,
     starts_after_ns: u64,
     deadline_ns: u64,
@@ -38,7 +38,7 @@ pub(super) struct ProgramBudget {
     #[serde(skip_serializing_if = "Option::is_none")]
     readings_to_motors: Option<Span>,
     rates: Vec<Rate>,
-    /// How long ago each sensor was read when the program changed what the motors do.
+    /// The age of each sensor's last reading when the program changed the motors' signals.
     ages: Vec<Age>,
     loads: Vec<Load>,
     /// The most bytes that the stack has had.

@@ -12,11 +12,11 @@ use baudbot_sim::{RobotView, Scenario, World};
 use super::{Age, Load, ProgramBudget, Rate, Rounds, verdict};
 use crate::trace::unseen;
 
-/// What was seen of a robot's program.
+/// The observations of a robot's program.
 pub(super) struct Watch {
     robot: usize,
     wheels: WheelPins,
-    /// How many edges and events were seen.
+    /// The number of edges and events.
     edges: u64,
     events: u64,
     conversions: u64,
@@ -138,7 +138,7 @@ impl Watch {
         asked.map(|(_, (sensor, reads))| (sensor.name.as_str(), reads.as_slice()))
     }
 
-    /// How old the newest reading of each sensor was when the motors were made to do otherwise, and the oldest of these.
+    /// The age of each sensor's newest reading when the motors' signals changed, and the oldest of these.
     fn ages(&self, spec: &RobotSpec) -> (Vec<Age>, Option<Span>) {
         let mut oldest = vec![None; self.changes.len()];
         let mut ages = Vec::new();
@@ -157,7 +157,7 @@ impl Watch {
     }
 }
 
-/// What is in use: the cable each way, and the processor.
+/// The loads: of the cable each way, and of the processor.
 fn loads(robot: &RobotView<'_>, board: &Board, per_s: impl Fn(u64) -> f64) -> Vec<Load> {
     let most = 1e9 / robot.spec().link.burst_ns(1).max(1) as f64;
     let cable = |what, line: &LineCounters| {

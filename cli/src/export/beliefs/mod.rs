@@ -28,7 +28,7 @@ pub(super) struct Beliefs {
     processes: Vec<String>,
     /// One for each robot of the scenario.
     robots: Vec<Robot>,
-    /// What all of it takes, about.
+    /// The memory for all of it, about.
     bytes: usize,
 }
 
@@ -148,8 +148,8 @@ pub(super) fn columns(names: &[String], robots: &[RobotSpec]) -> anyhow::Result<
     names.iter().map(find).collect()
 }
 
-/// What a program may take for beliefs, which a small file can have many of: hours of a brain that says all that it may, at
-/// 10 Hz.
+/// The memory that a program may take for beliefs, of which a small file can have many: hours of a brain that says
+/// all that it may, at 10 Hz.
 const MOST_BYTES: usize = 1 << 30;
 
 /// More than any brain has.

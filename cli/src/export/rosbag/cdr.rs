@@ -36,7 +36,7 @@ impl Cdr {
 
     pub(super) fn f32(mut self, number: f64) -> Self {
         self.align(4);
-        // What ROS has of a range is a single.
+        // ROS has ranges in single precision.
         self.0.extend((number as f32).to_le_bytes());
         self
     }

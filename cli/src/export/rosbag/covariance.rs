@@ -1,4 +1,4 @@
-//! How well what is written is known. A covariance of 0 means to ROS that nobody knows it, and filters fail on it.
+//! The certainty of the values. A covariance of 0 means to ROS that nobody knows it, and filters fail on it.
 
 use baudbot_sim::sensor::Sensor;
 use baudbot_wire::Encoding;
@@ -61,7 +61,7 @@ impl Planar {
     /// of which goes along the new heading, as the odometer has it.
     pub(super) fn after(self, heading_rad: f64, way_m: f64, variances: [f64; 2]) -> Self {
         let (sin, cos) = heading_rad.sin_cos();
-        // What a wrong heading does to the new place.
+        // The effect of a wrong heading on the new place.
         let turned = [[1.0, 0.0, -way_m * sin], [0.0, 1.0, way_m * cos], [0.0, 0.0, 1.0]];
         let drawn = [[cos, -way_m * sin], [sin, way_m * cos], [0.0, 1.0]];
         let mut sum = [[0.0; 3]; 3];

@@ -102,9 +102,9 @@ pub(super) struct Stamp<'a> {
     pub(super) frame: &'a str,
 }
 
-/// What a laser found.
+/// The echoes of a laser.
 pub(super) struct Scan<'a> {
-    /// Where the first ray stands, and the last.
+    /// The angles of the first ray, and of the last.
     pub(super) ends_rad: [f64; 2],
     /// From the first ray to the last; 0 if all were at once.
     pub(super) sweep_s: f64,
@@ -117,14 +117,14 @@ pub(super) struct Scan<'a> {
     pub(super) ends_meet: bool,
 }
 
-/// What a sensor of one distance sends out.
+/// The radiation of a sensor of one distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Radiation {
     Ultrasound,
     Infrared,
 }
 
-/// What a sensor of one distance found.
+/// The reading of a sensor of one distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RangeReading {
     pub(super) radiation: Radiation,
@@ -138,7 +138,7 @@ pub(super) struct RangeReading {
 /// A value with its variance.
 pub(super) type Measured = (f64, f64);
 
-/// What inertial sensors measured; `None` where there is no such sensor.
+/// The measurements of inertial sensors; `None` without such a sensor.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Inertia {
     pub(super) heading_rad: Option<Measured>,
@@ -209,8 +209,8 @@ pub(super) fn range(stamp: Stamp<'_>, reading: &RangeReading) -> Vec<u8> {
     numbers.into_iter().fold(header(stamp).u8(radiation), Cdr::f32).bytes()
 }
 
-/// What is not measured has -1 in the first place of its covariances. The axes that lie in the floor do not turn, and nothing
-/// falls: that is as good as certain.
+/// A quantity that is not measured has -1 in the first place of its covariances. The axes that lie in the floor do
+/// not turn, and nothing falls: that is as good as certain.
 pub(super) fn imu(stamp: Stamp<'_>, inertia: Inertia) -> Vec<u8> {
     let covariance = |variances: Option<[f64; 3]>| {
         let Some([x, y, z]) = variances else { return [-1.0, 0., 0., 0., 0., 0., 0., 0., 0.] };

@@ -1,4 +1,5 @@
-//! How publishers offer their topics, as the recorder of ROS 2 notes it: for `ros2 bag play`, which offers them so again.
+//! The offer of a topic by its publisher, as the recorder of ROS 2 notes it: for `ros2 bag play`, which offers it so
+//! again.
 
 /// Whether somebody who comes later is given the last message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

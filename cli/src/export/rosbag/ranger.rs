@@ -17,7 +17,7 @@ pub(super) struct Ranger {
     curve: Curve,
 }
 
-/// How a reading becomes a distance.
+/// The function from a reading to a distance.
 enum Curve {
     /// It is one.
     Distance,
@@ -26,7 +26,7 @@ enum Curve {
 }
 
 impl Ranger {
-    /// What measures one distance, and sits at a place of the body that does not change.
+    /// The ranger of a sensor that measures one distance, and sits at a place of the body that does not change.
     pub(super) fn of(device: &Device) -> Option<Self> {
         is_fixed(device.mount()?).then_some(())?;
         match device {
@@ -127,7 +127,7 @@ fn farthest(points: &[(f64, f64)], value: f64) -> Option<f64> {
     Some(near_m + (far_m - near_m) * (more - value) / (more - less))
 }
 
-/// What an IR sensor reads on average of a wide wall straight ahead; nothing if it measures the light around it.
+/// The mean reading of an IR sensor for a wide wall straight ahead; nothing if it measures the light around it.
 fn reading(infrared: &Infrared) -> Option<impl Fn(f64) -> f64> {
     let is_lit = !matches!(infrared.model, InfraredModel::Ambient { .. });
     is_lit.then_some(|distance_m: f64| match &infrared.model {

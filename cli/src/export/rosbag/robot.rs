@@ -1,4 +1,4 @@
-//! What a robot says on its topics.
+//! The messages of a robot on its topics.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -20,15 +20,15 @@ pub(super) type Said = (String, &'static Kind, Vec<u8>);
 
 /// A robot, and what it has said.
 pub(super) struct Robot {
-    /// What topics and frames begin with; empty if it is alone.
+    /// The prefix of topics and frames; empty if it is alone.
     prefix: String,
     /// Of each sensor, when it was read last.
     sampled_at: Vec<Option<SimTime>>,
     /// Topics and frames of those that have them, by the place among the sensors.
     placed: Vec<Option<Placed>>,
-    /// What the odometer says, and when it said so.
+    /// The pose by the odometer, and its instant.
     believed: Option<(u64, Pose)>,
-    /// How well that is known.
+    /// The certainty of that.
     certainty: Planar,
     has_noise: bool,
     inertia: Inertia,
@@ -39,7 +39,7 @@ pub(super) struct Robot {
 struct Placed {
     topic: String,
     frame: String,
-    /// What it is if it is no laser.
+    /// The sensor, if it is no laser.
     ranger: Option<Ranger>,
 }
 
@@ -70,7 +70,8 @@ impl Robot {
         }
     }
 
-    /// What it says at the start of a tick; in the first one also what stays, and of what comes with ticks only what is due.
+    /// The messages at the start of a tick; the first one also has those that stay, and of those that come with ticks
+    /// only the ones that are due.
     pub(super) fn say(
         &mut self,
         robot: &RobotView<'_>,
@@ -127,7 +128,7 @@ impl Robot {
         (!all.is_empty()).then(said)
     }
 
-    /// What the motors are told, if it is speeds: those of DC motors are told voltages.
+    /// The command of the motors, if it is speeds: those of DC motors are voltages.
     fn command(&mut self, robot: &RobotView<'_>) -> Option<Said> {
         let signals = robot.signals();
         if self.signals.replace(signals) == Some(signals) {
