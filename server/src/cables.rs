@@ -3,12 +3,13 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
+use baudbot_proto::v1;
 use baudbot_sim::World;
 use baudbot_sim::cable::Listener;
 use baudbot_wire::meaning::Item;
+use prost::Message as _;
 
 use crate::convert;
-use crate::frame::{CableItem, CableNews};
 use crate::limits::{Outbox, Parts};
 use crate::message::WatchCable;
 
@@ -33,7 +34,7 @@ struct Watcher {
     robot: usize,
     listener: Listener,
     news: Outbox,
-    waiting: VecDeque<CableItem>,
+    waiting: VecDeque<v1::CableItem>,
     missed: u64,
     /// What it has been told of the bytes that the world did not keep.
     missed_bytes: u64,
@@ -46,7 +47,7 @@ impl Cables {
         let WatchCable { robot, cable, news } = watch;
         let listener = world.scenario().robots.get(robot).and_then(|spec| Listener::new(spec, cable));
         let Some(listener) = listener else { return };
-        if push(&news, CableNews::default()) {
+        if push(&news, &v1::WatchCableResponse::default()) {
             let (waiting, missed, missed_bytes, has_restarted) = (VecDeque::new(), 0, 0, false);
             self.present.push(Watcher {
                 robot,
@@ -121,7 +122,7 @@ impl Watcher {
                 waiting.pop_front();
                 *missed += 1;
             }
-            waiting.push_back(kept(&item));
+            waiting.push_back(convert::cable_item(&item, MOST_TOLD));
         });
         // Bytes that the world did not keep are at least one item.
         if listener.missed_bytes() > self.missed_bytes {
@@ -135,25 +136,18 @@ impl Watcher {
             return !self.news.is_closed();
         }
         let items = self.waiting.drain(..).collect();
-        let has_restarted = std::mem::take(&mut self.has_restarted);
-        push(&self.news, CableNews { items, missed: self.missed, has_restarted })
+        let restarted = std::mem::take(&mut self.has_restarted);
+        push(&self.news, &v1::WatchCableResponse { items, missed_items: self.missed, restarted })
     }
 }
 
 /// Tells these news; `false` if the watcher is gone.
-fn push(to: &Outbox, news: CableNews) -> bool {
-    to.push(Parts(vec![convert::cable_news(news)]))
-}
-
-fn kept(item: &Item<'_>) -> CableItem {
-    let Item { direction, from_ns, to_ns, bytes, text, is_understood, age_ns } = *item;
-    let (size, bytes) = (bytes.len(), bytes.iter().copied().take(MOST_TOLD).collect());
-    CableItem { direction, from_ns, to_ns, bytes, size, text: text.to_owned(), is_understood, age_ns }
+fn push(to: &Outbox, news: &v1::WatchCableResponse) -> bool {
+    to.push(Parts(vec![news.encode_to_vec().into()]))
 }
 
 #[cfg(test)]
 mod tests {
-    use baudbot_proto::v1::WatchCableResponse;
     use baudbot_sim::Input;
     use baudbot_sim::cable::Cable;
     use futures_util::{FutureExt as _, StreamExt as _};
@@ -167,7 +161,7 @@ mod tests {
     }
 
     /// The news that are there.
-    fn told(inbox: &mut Inbox) -> Option<WatchCableResponse> {
+    fn told(inbox: &mut Inbox) -> Option<v1::WatchCableResponse> {
         Some(inbox.next().now_or_never()??.unwrap().decode().unwrap())
     }
 

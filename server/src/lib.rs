@@ -129,7 +129,6 @@ mod convert;
 mod drive;
 mod embedded;
 mod endpoint;
-mod frame;
 #[cfg(feature = "network")]
 mod gate;
 mod in_bytes;
@@ -167,7 +166,7 @@ pub use actor::{DirectWorld, OnBelief, OnTick, Progress};
 pub use address::{Address, BadAddress};
 pub use audit::AuditLog;
 pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, state_values};
-pub use convert::pace_of;
+pub use convert::{pace_of, world_status};
 #[cfg(feature = "network")]
 pub use drive::{Drive, DriveCollision, DriveError, PathPoint, drive, drive_each};
 pub use embedded::{Embedded, Services};

@@ -9,6 +9,98 @@ use baudbot_sim::{RobotView, Scenario, SimTime};
 use crate::pace::Pacing;
 use crate::report::{Activity, Keeping};
 
+/// The name of a metric, its help, and its value. Counters end in `_total`, all others are gauges.
+pub(crate) type Metric<Value> = (&'static str, &'static str, Value);
+
+/// The metrics of a robot.
+pub(crate) const OF_ROBOTS: [Metric<fn(&RobotView<'_>, &SlotMeasures) -> f64>; 14] = [
+    ("baudbot_robot_turns_total", "Steps of the robot's brain, answered or not.", |robot, _| {
+        robot.counters().turns as f64
+    }),
+    ("baudbot_robot_commands_total", "Commands that the microcontroller obeyed.", |robot, _| {
+        robot.commands() as f64
+    }),
+    ("baudbot_robot_collisions_total", "Collisions.", |robot, _| robot.counters().collisions as f64),
+    ("baudbot_robot_distance_meters_total", "Distance driven.", |robot, _| robot.counters().distance_m),
+    (
+        "baudbot_robot_reading_frames_missed_total",
+        "Frames of readings skipped because the microcontroller was busy.",
+        |robot, _| robot.frames_missed() as f64,
+    ),
+    ("baudbot_brain_attached", "1 if a brain holds the robot, 0 if none does.", |_, slot| {
+        f64::from(u8::from(slot.attached))
+    }),
+    (
+        "baudbot_brain_deliveries_lost_total",
+        "Turns that were not delivered to the brain because it did not read.",
+        |_, slot| slot.lost_deliveries as f64,
+    ),
+    (
+        "baudbot_brain_steps_lost_total",
+        "Steps that the brain sent beyond those that the world takes in a tick.",
+        |_, slot| slot.lost_steps as f64,
+    ),
+    ("baudbot_brain_queued_turns", "Turns in the server that wait until the brain reads.", |_, slot| {
+        slot.queued_turns as f64
+    }),
+    ("baudbot_brain_open_turns", "Turns that the brain has not answered, in lockstep.", |_, slot| {
+        slot.open_turns as f64
+    }),
+    (
+        "baudbot_brain_oldest_open_turn_seconds",
+        "Wall-clock time since the oldest open Turn, 0 if there is none.",
+        |_, slot| slot.oldest_open.as_secs_f64(),
+    ),
+    ("baudbot_brain_answers_total", "Turns that were answered, in lockstep.", |_, slot| {
+        slot.answering.answers as f64
+    }),
+    (
+        "baudbot_brain_answer_seconds_total",
+        "Wall-clock time from Turns to their answers, the network's included.",
+        |_, slot| slot.answering.took.as_secs_f64(),
+    ),
+    (
+        "baudbot_brain_cycles_open",
+        "Control cycles that are neither kept nor late nor unanswered yet.",
+        |robot, _| robot.cycles().under_way() as f64,
+    ),
+];
+
+/// The metrics of one direction of a cable, with the bytes that wait for it or are on it.
+pub(crate) const OF_LINES: [Metric<fn(&LineCounters, u64) -> f64>; 9] = [
+    ("baudbot_link_bytes_total", "Bytes that went over the line, lost ones included.", |line, _| {
+        line.bytes as f64
+    }),
+    ("baudbot_link_messages_total", "Complete messages that arrived.", |line, _| line.messages as f64),
+    (
+        "baudbot_link_lost_bytes_total",
+        "Bytes lost because the cable was out, or the bootloader still waited.",
+        |line, _| line.lost_bytes as f64,
+    ),
+    ("baudbot_link_overrun_bytes_total", "Bytes lost because the receiver had no room.", |line, _| {
+        line.overrun_bytes as f64
+    }),
+    (
+        "baudbot_link_refused_bytes_total",
+        "Bytes not accepted because the sender's buffer was full.",
+        |line, _| line.refused_bytes as f64,
+    ),
+    ("baudbot_link_corrupted_bytes_total", "Bytes that arrived with a wrong bit.", |line, _| {
+        line.corrupted_bytes as f64
+    }),
+    (
+        "baudbot_link_bad_frames_total",
+        "Frames discarded because of their checksum, encoding or length.",
+        |line, _| line.bad_frames as f64,
+    ),
+    (
+        "baudbot_link_bad_messages_total",
+        "Sound frames whose content made no sense, and messages cut short by silence.",
+        |line, _| line.bad_messages as f64,
+    ),
+    ("baudbot_link_waiting_bytes", "Bytes that wait for the line or are on it.", |_, waiting| waiting as f64),
+];
+
 /// Quantiles of the durations of control cycles.
 pub(crate) const QUANTILES: [f64; 3] = [0.5, 0.95, 0.99];
 
@@ -35,22 +127,11 @@ pub(crate) struct Measures {
 
 /// The numbers of a robot.
 pub(crate) struct RobotMeasures {
-    /// Up to the laptop, and down to the microcontroller.
-    pub(crate) lines: [LineMeasures; 2],
+    /// In the order of [`OF_ROBOTS`].
+    pub(crate) values: [f64; OF_ROBOTS.len()],
+    /// In the order of [`OF_LINES`]: up to the laptop, and down to the microcontroller.
+    pub(crate) lines: [[f64; OF_LINES.len()]; 2],
     pub(crate) cycles: CycleMeasures,
-    pub(crate) turns: u64,
-    pub(crate) commands: u64,
-    pub(crate) collisions: u64,
-    pub(crate) distance_m: f64,
-    pub(crate) frames_missed: u64,
-    pub(crate) slot: SlotMeasures,
-}
-
-/// The numbers of one direction of a cable.
-pub(crate) struct LineMeasures {
-    pub(crate) counters: LineCounters,
-    /// Bytes that wait for the line or are on it.
-    pub(crate) waiting_bytes: u64,
 }
 
 /// The outcomes of a robot's control cycles.
@@ -58,8 +139,6 @@ pub(crate) struct CycleMeasures {
     pub(crate) kept: u64,
     pub(crate) late: u64,
     pub(crate) unanswered: u64,
-    /// Cycles without an outcome yet.
-    pub(crate) open: u64,
     pub(crate) count: u64,
     pub(crate) sum_ns: u64,
     /// `None` before the first cycle is over.
@@ -103,30 +182,21 @@ impl Answering {
 
 impl RobotMeasures {
     /// The numbers of a robot with this slot.
-    pub(crate) fn of(robot: &RobotView<'_>, slot: SlotMeasures) -> Self {
-        let (counters, cycles) = (robot.counters(), robot.cycles());
-        let [up, down] = robot.under_way();
+    pub(crate) fn of(robot: &RobotView<'_>, slot: &SlotMeasures) -> Self {
+        let ([up, down], cycles) = (robot.under_way(), robot.cycles());
         let durations = &cycles.durations;
+        let line = |counters, waiting| OF_LINES.map(|(_, _, value)| value(counters, waiting));
         Self {
-            lines: [
-                LineMeasures { counters: *robot.uplink(), waiting_bytes: up },
-                LineMeasures { counters: *robot.downlink(), waiting_bytes: down },
-            ],
+            values: OF_ROBOTS.map(|(_, _, value)| value(robot, slot)),
+            lines: [line(robot.uplink(), up), line(robot.downlink(), down)],
             cycles: CycleMeasures {
                 kept: cycles.kept,
                 late: cycles.late,
                 unanswered: cycles.unanswered,
-                open: cycles.under_way(),
                 count: durations.count(),
                 sum_ns: durations.sum_ns(),
                 quantiles_ns: QUANTILES.map(|q| durations.quantile_ns(q)),
             },
-            turns: counters.turns,
-            commands: robot.commands(),
-            collisions: counters.collisions,
-            distance_m: counters.distance_m,
-            frames_missed: robot.frames_missed(),
-            slot,
         }
     }
 }

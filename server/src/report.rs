@@ -3,35 +3,46 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use baudbot_proto::v1;
 use baudbot_sim::coverage::Coverage;
 use baudbot_sim::{Scenario, World};
+use tokio::sync::oneshot;
+use tonic::Status;
 
 use crate::limits::Held;
-use crate::pace::{Pace, Pacing};
+use crate::pace::Pace;
 use crate::thinking::Thought;
 
 /// A world as it stands.
 pub(crate) struct Report {
-    pub(crate) name: Arc<str>,
-    /// A copy of its state: a status is made of it where no world waits for that.
+    /// A copy of its state: the rest of its status is made of it where no world waits for that.
     pub(crate) world: World,
     /// The memory of the copy.
     pub(crate) held: Option<Held>,
     pub(crate) pace: Pace,
-    pub(crate) activity: Activity,
-    pub(crate) pacing: Pacing,
-    /// Wall-clock time during which the world was running.
-    pub(crate) running: Duration,
+    /// The rest of its status that is not in its state.
+    pub(crate) beside: v1::WorldStatus,
     /// One for each robot.
     pub(crate) slots: Vec<SlotReport>,
     /// The number of the snapshot that was just taken; 0 if none was.
     pub(crate) snapshot: u64,
     /// Counts resets, restored states and changes of pace.
     pub(crate) era: u64,
-    /// `None` if the world is live.
-    pub(crate) replay: Option<ReplayReport>,
-    /// `None` if the world is not being recorded.
-    pub(crate) recording: Option<RecordingReport>,
+}
+
+impl Report {
+    /// Adds how the world's recording has ended, once its file is closed.
+    ///
+    /// # Errors
+    /// If the thread that writes it is gone.
+    pub(crate) async fn end_recording(
+        &mut self,
+        file: oneshot::Receiver<v1::RecordingStatus>,
+    ) -> Result<(), Status> {
+        let gone = |_| Status::internal("the recording's thread is gone");
+        self.beside.recording = Some(file.await.map_err(gone)?);
+        Ok(())
+    }
 }
 
 /// What has to be the same for the status of a world to be the same, but for the time for which it has been running.
@@ -62,24 +73,6 @@ pub(crate) enum Activity {
     Running,
     Paused,
     Ended,
-}
-
-/// A replay as it stands.
-pub(crate) struct ReplayReport {
-    pub(crate) first_tick: u64,
-    pub(crate) last_tick: u64,
-    /// How the replay differs from its recording, if it does.
-    pub(crate) differs: Option<String>,
-}
-
-/// A recording as it stands.
-#[derive(Clone, Debug)]
-pub(crate) struct RecordingReport {
-    pub(crate) name: String,
-    pub(crate) bytes: u64,
-    pub(crate) ticks: u64,
-    /// Why the recording ended too early, if it did.
-    pub(crate) problem: Option<String>,
 }
 
 /// Whether the state of a world is kept, for monitoring.

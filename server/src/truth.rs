@@ -1,9 +1,9 @@
 //! What trainers are told: the truth about robots that they drive, which brains never get.
 
-use baudbot_sim::drive::Motion;
-use baudbot_sim::{Ending, SimTime, World};
+use baudbot_proto::v1;
+use baudbot_sim::{Ending, World};
 
-use crate::frame::{Charge, Score};
+use crate::convert;
 
 /// The truth at the start of a tick, for the trainer that holds some of the robots.
 ///
@@ -14,26 +14,11 @@ pub(crate) struct Truth {
     pub(crate) era: u64,
     /// Whether the world is in lockstep, and waits for an answer.
     pub(crate) lockstep: bool,
-    pub(crate) tick: u64,
-    pub(crate) time: SimTime,
+    /// The world and the robots, in the order in which the trainer has asked for them; without an outcome.
+    pub(crate) standing: v1::WorldResult,
     pub(crate) ending: Option<Ending>,
-    /// In the order in which the trainer has asked for them.
-    pub(crate) robots: Vec<RobotFacts>,
-    /// `None` if the scenario counts nothing.
-    pub(crate) score: Option<Score>,
-}
-
-/// The truth about one robot.
-pub(crate) struct RobotFacts {
-    pub(crate) motion: Motion,
-    /// Since the start of the run.
-    pub(crate) collisions: u64,
-    /// How many of them were before the era: none after a reset, some after a state was restored.
-    pub(crate) collisions_before: u64,
-    pub(crate) distance_m: f64,
-    pub(crate) battery: Option<Charge>,
-    /// Time in each zone of the scenario.
-    pub(crate) in_zone_ns: Vec<u64>,
+    /// How often each robot had collided before the era: never before a reset, and maybe before a state was restored.
+    pub(crate) collisions_before: Vec<u64>,
 }
 
 impl Truth {
@@ -44,27 +29,8 @@ impl Truth {
         era: u64,
         lockstep: bool,
     ) -> Self {
-        Self {
-            era,
-            lockstep,
-            tick: world.tick(),
-            time: world.time(),
-            ending: world.ending().cloned(),
-            robots: robots.map(|robot| facts(world, robot)).collect(),
-            score: Score::of(world),
-        }
-    }
-}
-
-fn facts(world: &World, (index, collisions_before): (usize, u64)) -> RobotFacts {
-    let robot = world.robot(index);
-    let counters = robot.counters();
-    RobotFacts {
-        motion: *robot.motion(),
-        collisions: counters.collisions,
-        collisions_before,
-        distance_m: counters.distance_m,
-        battery: Charge::of(&robot),
-        in_zone_ns: world.score().in_zone_ns(index).to_vec(),
+        let (robots, collisions_before): (Vec<_>, _) = robots.unzip();
+        let standing = convert::standing(world, &robots);
+        Self { era, lockstep, standing, ending: world.ending().cloned(), collisions_before }
     }
 }

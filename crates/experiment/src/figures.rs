@@ -1,11 +1,12 @@
 //! Figures of merit: the results of a run as numbers. A figure that does not apply to a run is missing.
 //!
 //! More figures go in three places of this file: a variant of [`Figure`], a line of [`INFOS`] in the same place, and
-//! `Figures::of`. What they are made of is in `metrics`, which takes it from a world here or from a server's status.
+//! `Figures::of`. They are made of the status of a world, which is on a server or here.
 
+use baudbot_proto::v1::{Durations, EndingKind, LineStatus, RobotStatus, WorldStatus};
+use baudbot_server::world_status;
 use baudbot_sim::World;
 
-use crate::metrics::{Ages, Counted, RobotCounted};
 use baudbot_run::UnknownName;
 
 /// A figure of merit.
@@ -180,43 +181,60 @@ impl Figures {
 
     /// Those of a run so far.
     pub fn of_world(world: &World) -> Self {
-        Self::of(&Counted::of_world(world))
+        Self::of(&world_status(world))
     }
 
-    pub(crate) fn of(run: &Counted) -> Self {
+    pub(crate) fn of(run: &WorldStatus) -> Self {
         let time_s = run.time_ns as f64 / 1e9;
-        let sum = |count: fn(&RobotCounted) -> u64| Some(run.robots.iter().map(count).sum::<u64>() as f64);
-        let ages = || run.robots.iter().flat_map(|robot| &robot.ages);
-        let aged: u64 = ages().map(|ages| ages.readings).sum();
-        let age_ns: f64 = ages().map(|ages| ages.mean_ns as f64 * ages.readings as f64).sum();
-        let energy = run.robots.iter().filter_map(|robot| robot.used_j).reduce(|a, b| a + b);
-        let exchanges = run.robots.iter().map(|robot| robot.answered).min();
-        let oldest = |of: fn(&Ages) -> u64| ages().map(of).max().map(|ns| ns as f64 / 1e6);
-        let cycle = run.robots.iter().filter_map(|robot| robot.cycle_p95_ns).max();
-        let kept: u64 = run.robots.iter().map(|robot| robot.kept).sum();
-        let cycles: u64 = run.robots.iter().map(|robot| robot.kept + robot.late).sum();
+        let score = run.score.clone().unwrap_or_default();
+        // The one goal of a scenario that has no zones for goals is in no score.
+        let is_the_goal = run.ending_kind() == EndingKind::GoalReached;
+        let is_goal = is_the_goal || run.ending_kind() == EndingKind::AllGoals;
+        let robots = &run.robots;
+        let sum = |count: fn(&RobotStatus) -> u64| Some(robots.iter().map(count).sum::<u64>() as f64);
+        let ages =
+            || robots.iter().flat_map(|robot| &robot.sensors).filter_map(|sensor| sensor.ages.as_ref());
+        let aged: u64 = ages().map(|ages| ages.count).sum();
+        let age_ns: f64 = ages().map(|ages| ages.mean_ns as f64 * ages.count as f64).sum();
+        let batteries = robots.iter().filter_map(|robot| robot.battery.as_ref());
+        let energy = batteries.map(|battery| battery.used_j).reduce(|a, b| a + b);
+        let cycles = || robots.iter().map(|robot| robot.cycles.unwrap_or_default());
+        let exchanges = cycles().map(|cycles| cycles.durations.map_or(0, |answered| answered.count)).min();
+        let oldest = |of: fn(&Durations) -> u64| ages().map(of).max().map(|ns| ns as f64 / 1e6);
+        let cycle = cycles().filter_map(|cycles| Some(cycles.durations?.p95_ns)).max();
+        let kept: u64 = cycles().map(|cycles| cycles.kept).sum();
+        let over = kept + cycles().map(|cycles| cycles.late).sum::<u64>();
         let mut figures = Self::default();
         figures.set(Figure::TimeS, Some(time_s));
         figures.set(Figure::Collisions, sum(|robot| robot.collisions));
-        figures
-            .set(Figure::DistanceM, Some(run.robots.iter().fold(0.0, |sum, robot| sum + robot.distance_m)));
-        figures.set(Figure::Covered, run.covered);
-        figures.set(Figure::Sensed, run.sensed);
-        figures.set(Figure::GoalsReached, Some(run.goals_reached as f64));
-        figures.set(Figure::GoalTimeS, run.is_goal.then_some(time_s));
+        figures.set(Figure::DistanceM, Some(robots.iter().fold(0.0, |sum, robot| sum + robot.distance_m)));
+        figures.set(Figure::Covered, score.covered);
+        figures.set(Figure::Sensed, score.sensed);
+        figures.set(
+            Figure::GoalsReached,
+            Some((u64::from(score.goals_reached) + u64::from(is_the_goal)) as f64),
+        );
+        figures.set(Figure::GoalTimeS, is_goal.then_some(time_s));
         figures.set(Figure::EnergyJ, energy);
         figures.set(Figure::StalenessMeanMs, (aged > 0).then(|| age_ns / aged as f64 / 1e6));
         figures.set(Figure::StalenessP50Ms, oldest(|ages| ages.p50_ns));
         figures.set(Figure::StalenessP95Ms, oldest(|ages| ages.p95_ns));
         figures.set(Figure::StalenessMaxMs, oldest(|ages| ages.max_ns));
-        figures.set(Figure::StepKept, (cycles > 0).then(|| kept as f64 / cycles as f64));
+        figures.set(Figure::StepKept, (over > 0).then(|| kept as f64 / over as f64));
         figures.set(Figure::CycleP95Ms, cycle.map(|ns| ns as f64 / 1e6));
         figures.set(Figure::ExchangesPerS, exchanges.map(|count| count as f64 / time_s));
-        figures.set(Figure::BytesLost, sum(|robot| robot.bytes_lost));
+        figures.set(Figure::BytesLost, sum(bytes_lost));
         figures.set(Figure::FramesMissed, sum(|robot| robot.frames_missed));
-        figures.set(Figure::ReadsMissed, sum(|robot| robot.reads_missed));
+        figures.set(Figure::ReadsMissed, sum(|robot| robot.sensors.iter().map(|sensor| sensor.missed).sum()));
         figures
     }
+}
+
+/// Bytes lost on all cables of a robot.
+fn bytes_lost(robot: &RobotStatus) -> u64 {
+    let ports = robot.sensors.iter().filter_map(|sensor| sensor.port);
+    let lines = robot.uplink.into_iter().chain(robot.downlink).chain(ports);
+    lines.map(|line: LineStatus| line.overrun_bytes + line.refused_bytes + line.lost_bytes).sum()
 }
 
 #[cfg(test)]

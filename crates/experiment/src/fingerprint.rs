@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use baudbot_brains::catalogue;
 use baudbot_run::programs::Lifetime;
+use baudbot_server::world_status;
 
 use crate::experiment::Experiment;
 use crate::figures::INFOS;
-use crate::metrics::Counted;
 use crate::run_record::Ran;
 use baudbot_run::assignment;
 use baudbot_run::in_process::InProcess;
@@ -46,7 +46,7 @@ pub(crate) fn build() -> String {
             baudbot_scenario::parse(text).expect("it is part of the program, and its tests read it");
         let mut local = InProcess::new(scenario, assignment::DEFAULT).expect("its only robot has IR sensors");
         local.run(PROBE_TICKS);
-        let _ = write!(hash, "{:?}", Ran::of(&Counted::of_world(&local.world)));
+        let _ = write!(hash, "{:?}", Ran::of(&world_status(&local.world)));
     }
     format!("{} {:016x}", env!("CARGO_PKG_VERSION"), hash.0 as u64)
 }

@@ -5,7 +5,7 @@
 //! 1. An [`Experiment`] is what an experiment file says, checked; `raw` is what may stand in such a file, `factor` a
 //!    field with its values, `design` which of their combinations are run. [`check`] finds paths that lead nowhere.
 //! 2. `setup` is the scenario of a run, with the brain of each robot. `local_runner` makes a [`Row`] of a run in this process, `remote` of one
-//!    on a server, with the [`figures`] of `metrics`. [`served`] is a run on a server that is watched tick by tick.
+//!    on a server, with its [`figures`]. [`served`] is a run on a server that is watched tick by tick.
 //! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
 //!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell. A [`Shard`] is the share of
 //!    one of many machines; [`merge()`] makes of their journals what one machine would have made.
@@ -35,7 +35,6 @@ mod ids;
 mod journal;
 mod local_runner;
 mod merge;
-mod metrics;
 mod outputs;
 mod packed;
 #[cfg(feature = "parquet")]

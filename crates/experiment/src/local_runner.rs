@@ -3,8 +3,9 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use baudbot_server::world_status;
+
 use crate::experiment::Experiment;
-use crate::metrics::Counted;
 use crate::run_record::{Ran, Row, Task};
 use crate::setup::Setup;
 use baudbot_run::in_process;
@@ -18,7 +19,7 @@ pub fn run(experiment: &Experiment, task: &Task) -> Row {
             return Err(format!("`{}` is a program, which needs a server to attach to", task.program));
         }
         let world = in_process::run(scenario, &assigned.brains).map_err(|error| error.to_string())?;
-        Ok(Ran::of(&Counted::of_world(&world)))
+        Ok(Ran::of(&world_status(&world)))
     };
     let outcome = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| Err(panicked(&*panic)));
     Row { run: task.run, outcome }

@@ -12,7 +12,6 @@ use tonic::{Code, Status};
 
 use crate::error::Error;
 use crate::experiment::Experiment;
-use crate::metrics::Counted;
 use crate::private_server::PrivateServer;
 use crate::run_record::{Ran, Row, Task};
 use crate::setup::{self, Setup};
@@ -213,7 +212,7 @@ impl Remote {
         };
         let earlier_runs = crew.earlier_runs();
         self.with_idle(async |idle| crew.release(idle).await).await?;
-        Ok(Done { ran: Ran::of(&Counted::of_status(&status)), earlier_runs })
+        Ok(Done { ran: Ran::of(&status), earlier_runs })
     }
 
     async fn attach(

@@ -1,10 +1,10 @@
 //! A run that is to be done, and its record: what came of it, a row of the table.
 
+use baudbot_proto::v1::WorldStatus;
 use serde::{Deserialize, Serialize};
 
 use crate::design::Cell;
 use crate::figures::{Figures, INFOS};
-use crate::metrics::Counted;
 
 /// A run and what came of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,8 +45,8 @@ impl Row {
 }
 
 impl Ran {
-    pub(crate) fn of(run: &Counted) -> Self {
-        Self { ending: run.ending.clone(), figures: Figures::of(run), hash: run.hash }
+    pub(crate) fn of(run: &WorldStatus) -> Self {
+        Self { ending: run.ending.clone(), figures: Figures::of(run), hash: run.state_hash }
     }
 }
 

@@ -19,7 +19,6 @@ use crate::endpoint::Endpoint;
 use crate::endpoint::Mode;
 use crate::limits::{InForce, Limits};
 use crate::log::event;
-use crate::report::Report;
 
 /// A world in lockstep that has no thread of its own: its owner makes its ticks, one half after the other, and has the brains
 /// step in between. Robots that no brain was given keep still.
@@ -133,10 +132,9 @@ impl DirectWorld {
         if !self.actor.recording.is_on() {
             return Ok(convert::status(&self.actor.report(0)));
         }
-        let (closed, report_of_file) = oneshot::channel();
-        let report = self.actor.stop_recording(closed)?;
-        let recording = report_of_file.await;
-        let recording = recording.map_err(|_| Status::internal("the recording's thread is gone"))?;
-        Ok(convert::status(&Report { recording: Some(recording), ..report }))
+        let (closed, file) = oneshot::channel();
+        let mut report = self.actor.stop_recording(closed)?;
+        report.end_recording(file).await?;
+        Ok(convert::status(&report))
     }
 }

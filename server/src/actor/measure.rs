@@ -20,7 +20,7 @@ impl WorldActor {
             observers: self.observers.count(),
             frames_missed: self.observers.missed_frames(),
             keeping: self.state.keeping(),
-            robots: robots.take(MAX_ROBOTS).map(|(robot, slot)| RobotMeasures::of(&robot, slot)).collect(),
+            robots: robots.take(MAX_ROBOTS).map(|(robot, slot)| RobotMeasures::of(&robot, &slot)).collect(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The recording of a world: what of it goes into the file.
 
-use baudbot_proto::v1::{RecordedInputs, ReplayEventKind};
+use baudbot_proto::v1::{RecordedInputs, RecordingStatus, ReplayEventKind};
 use baudbot_sim::{Intervention, SimTime, World};
 use tokio::sync::oneshot;
 use tonic::Status;
@@ -11,7 +11,7 @@ use crate::log::event;
 use crate::message::{Order, RecordConfig};
 use crate::pace::Pace;
 use crate::recording::{Input, Recorder, recorded_inputs};
-use crate::report::{RecordingReport, Report};
+use crate::report::Report;
 
 /// Robots that an event names, at most.
 const MAX_NAMES: usize = 20;
@@ -66,8 +66,8 @@ impl Recording {
         self.recorder.as_ref().and_then(Recorder::config)
     }
 
-    pub(super) fn report(&self) -> Option<RecordingReport> {
-        self.recorder.as_ref().map(Recorder::report)
+    pub(super) fn status(&self) -> Option<RecordingStatus> {
+        self.recorder.as_ref().map(Recorder::status)
     }
 }
 
@@ -75,7 +75,8 @@ impl WorldActor {
     /// Begins to record.
     pub(super) fn record(&mut self, config: RecordConfig) -> Result<(), Status> {
         if let Some(recorder) = &self.recording.recorder {
-            let text = format!("world: `{}` is being recorded as `{}`", self.name, recorder.report().name);
+            let text =
+                format!("world: `{}` is being recorded as `{}`", self.name, recorder.status().recording);
             return Err(Status::failed_precondition(text));
         }
         self.recording.recorder = Some(Recorder::start(config, &self.name, self.pacer.pace, view!(self))?);
@@ -93,11 +94,11 @@ impl WorldActor {
         self.fit_timeline();
     }
 
-    /// Ends the recording; `closed` gets its report once the file is closed. Reports the world as the file ends with it: its
+    /// Ends the recording; `closed` gets its status once the file is closed. Reports the world as the file ends with it: its
     /// tick has begun, whether it had or not.
     pub(super) fn stop_recording(
         &mut self,
-        closed: oneshot::Sender<RecordingReport>,
+        closed: oneshot::Sender<RecordingStatus>,
     ) -> Result<Report, Status> {
         let none = || Status::failed_precondition(format!("world: `{}` is not being recorded", self.name));
         let mut recorder = self.recording.recorder.take().ok_or_else(none)?;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use baudbot_proto::v1;
 use baudbot_recording::{RecordedRun, RecordingError, Replay};
 use tonic::Status;
 
@@ -11,7 +12,7 @@ use super::{Next, Phase, WorldActor, view};
 use crate::clock;
 use crate::message::{Reply, Request};
 use crate::pace::Pace;
-use crate::report::{Activity, ReplayReport, Report};
+use crate::report::{Activity, Report};
 
 /// For how long no messages are handled while a tick is sought.
 const AT_ONCE: Duration = Duration::from_millis(20);
@@ -37,13 +38,13 @@ impl Replaying {
         Self { replay, seek: None, problem: None }
     }
 
-    pub(super) fn report(&self) -> ReplayReport {
+    pub(super) fn status(&self) -> v1::ReplayStatus {
         let recorded = self.replay.recorded();
         let differs = self.replay.difference().map(ToString::to_string);
-        ReplayReport {
+        v1::ReplayStatus {
             first_tick: recorded.first_tick(),
             last_tick: recorded.last_tick(),
-            differs: self.problem.clone().or(differs),
+            differs: self.problem.clone().or(differs).unwrap_or_default(),
         }
     }
 }

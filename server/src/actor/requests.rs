@@ -1,13 +1,12 @@
 //! What operators request.
 
-use std::sync::Arc;
-
-use baudbot_proto::{REASON, RESTART};
+use baudbot_proto::{REASON, RESTART, v1};
 use tonic::Status;
 use tonic::metadata::MetadataValue;
 
 use super::WorldActor;
 use super::replay::Replaying;
+use crate::convert;
 use crate::message::{Message, Reply, Request};
 use crate::pace::Pace;
 use crate::quote::brief;
@@ -138,12 +137,12 @@ impl WorldActor {
 
     /// How the world stands, for whoever knows it as it was at a version.
     pub(super) fn standing(&self, known: Option<&Version>) -> Standing {
-        let recording = self.recording.report();
+        let recording = self.recording.status();
         let version = Version {
             changes: self.changes,
             beliefs: self.beliefs.published(),
             lost_steps: self.sessions.all_lost_steps(),
-            recording: recording.map(|report| (report.bytes, report.ticks, report.problem.is_some())),
+            recording: recording.map(|status| (status.bytes, status.ticks, !status.problem.is_empty())),
         };
         let report = (known != Some(&version)).then(|| self.report(0));
         Standing { version, running: self.pacer.running.elapsed(), report }
@@ -151,19 +150,23 @@ impl WorldActor {
 
     /// The world as it stands; with the number of the snapshot that was just taken, or 0.
     pub(super) fn report(&self, snapshot: u64) -> Report {
+        let beside = v1::WorldStatus {
+            world: self.name.to_string(),
+            state: convert::activity(self.activity()).into(),
+            running_wall_ns: convert::nanos(self.pacer.running.elapsed()),
+            pacing: Some(convert::pace_status(&self.pacer.statistics)),
+            replay: self.replaying.as_ref().map(Replaying::status),
+            recording: self.recording.status(),
+            ..Default::default()
+        };
         Report {
-            name: Arc::clone(&self.name),
             world: self.world.clone(),
             held: self.charges.copied(),
             pace: self.pacer.pace,
-            activity: self.activity(),
-            pacing: self.pacer.statistics.clone(),
-            running: self.pacer.running.elapsed(),
+            beside,
             slots: self.sessions.reports(self.beliefs.said()),
             snapshot,
             era: self.sessions.era(),
-            replay: self.replaying.as_ref().map(Replaying::report),
-            recording: self.recording.report(),
         }
     }
 }

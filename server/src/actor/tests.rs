@@ -17,7 +17,6 @@ use crate::endpoint::{Output, Sender, Signals};
 use crate::limits::{Account, InForce, Limits};
 use crate::message::{Message, Request, Watch};
 use crate::pace::{Lockstep, Pace, Timed};
-use crate::report::Activity;
 
 /// Simulated milliseconds of a tick.
 const TICK_MS: u64 = 10;
@@ -127,7 +126,7 @@ fn a_world_stands_by_the_time_that_its_operator_is_told_so() {
         go_on(&mut actor, &mut now, until);
         let report = told.try_recv().unwrap().unwrap();
         assert_eq!((report.world.tick(), actor.world.tick()), (1, 1), "{name}");
-        assert_eq!(report.activity, Activity::Paused);
+        assert_eq!(report.beside.state(), v1::WorldState::Paused);
         // Of a world that stands it is told at once.
         let (reply, mut told) = oneshot::channel();
         actor.handle(Message::Request(Request::Pause, reply));

@@ -265,8 +265,7 @@ impl ControlService for Control {
         &self,
         request: Request<v1::StopRecordingRequest>,
     ) -> Result<Response<v1::StopRecordingResponse>, Status> {
-        let report = self.stop_recording_of(&request.get_ref().world).await?;
-        let recording = Some(convert::recording_status(&report));
+        let recording = stop_recording(&self.registry, &request.get_ref().world).await?.beside.recording;
         Ok(Response::new(v1::StopRecordingResponse { recording }))
     }
 

@@ -18,7 +18,7 @@ use crate::pace::Pace;
 use crate::quote::brief;
 use crate::recording::Folder;
 use crate::registry::Registry;
-use crate::report::{RecordingReport, Report};
+use crate::report::Report;
 
 impl Control {
     fn folder(&self) -> Result<&Folder, Status> {
@@ -64,10 +64,6 @@ impl Control {
         let name = if recording.is_empty() { folder.free_name(&world) } else { recording };
         let config = RecordConfig { path: folder.file(&name)?, name, look_hz };
         self.status(&world, Request::Record(config)).await
-    }
-
-    pub(super) async fn stop_recording_of(&self, world: &str) -> Result<RecordingReport, Status> {
-        Ok(stop_recording(&self.registry, world).await?.1)
     }
 
     pub(super) async fn list(&self) -> Result<v1::ListRecordingsResponse, Status> {
@@ -117,16 +113,12 @@ impl Control {
     }
 }
 
-/// Ends a world's recording. Gives the world in the state that the file ends with, and the report of the recording once its
-/// file is closed.
-pub(crate) async fn stop_recording(
-    registry: &Registry,
-    world: &str,
-) -> Result<(Report, RecordingReport), Status> {
-    let (closed, report_of_file) = oneshot::channel();
-    let report = registry.find("world", world)?.request(Request::StopRecording(closed)).await?;
-    let recording = report_of_file.await.map_err(|_| Status::internal("the recording's thread is gone"))?;
-    Ok((report, recording))
+/// Ends a world's recording. Reports the world in the state that the file ends with, once that is closed.
+pub(crate) async fn stop_recording(registry: &Registry, world: &str) -> Result<Report, Status> {
+    let (closed, file) = oneshot::channel();
+    let mut report = registry.find("world", world)?.request(Request::StopRecording(closed)).await?;
+    report.end_recording(file).await?;
+    Ok(report)
 }
 
 /// A world from the state in a response of SaveWorld, and the name that it had.

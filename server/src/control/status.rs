@@ -70,7 +70,7 @@ pub(super) async fn status_in_bytes(world: &WorldHandle) -> Result<Parts, Status
     let answer = world.answers().status.get(async |last: Option<&Last<Version>>| {
         let known = last.map(|last| last.key.clone());
         let Standing { version, running, report } = world.ask(|reply| Message::Stand(known, reply)).await?;
-        let running_wall_ns = u64::try_from(running.as_nanos()).unwrap_or(u64::MAX);
+        let running_wall_ns = convert::nanos(running);
         // Of a field that comes twice, the last one counts.
         let tail = v1::WorldStatus { running_wall_ns, ..Default::default() }.encode_to_vec().into();
         let Some(report) = report else { return Ok(Made::Same { tail }) };

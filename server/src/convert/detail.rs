@@ -1,61 +1,17 @@
-//! Details of robots for observers.
+//! What details of robots for observers are made of.
 
 use baudbot_proto::v1;
+use baudbot_sim::Pose;
 use baudbot_sim::timeline::{Event, What};
 
-use super::pins;
-use super::status::{cycle_status, line_status};
-use crate::frame::{RayFan, RobotDetail, SensorDetail};
-
-pub(super) fn detail(detail: RobotDetail) -> v1::RobotDetail {
-    let [uplink_waiting_bytes, downlink_waiting_bytes] = detail.under_way;
-    v1::RobotDetail {
-        robot: detail.robot as u32,
-        at_ns: detail.at.map(|at| at.as_ns()),
-        sensors: detail.sensors.into_iter().map(sensor).collect(),
-        uplink: Some(line_status(&detail.uplink)),
-        downlink: Some(line_status(&detail.downlink)),
-        uplink_waiting_bytes,
-        downlink_waiting_bytes,
-        cycles: Some(cycle_status(&detail.cycles, detail.deadline_ns)),
-        events: detail.events.iter().map(event).collect(),
-        missed_events: detail.missed_events,
-        pin_events: detail.pin_events.iter().map(pins::event).collect(),
-        missed_pin_events: detail.missed_pin_events,
-        attached: detail.brain.is_some(),
-        brain: detail.brain.unwrap_or_default(),
-        cable_pulled: detail.cable_pulled,
-        baud: detail.baud,
-    }
+/// The rays of a sensor as they run now, from its place in the world.
+pub(crate) fn ray_fan(sensor: Pose, opening_rad: f64, lengths_m: Vec<f32>) -> v1::RayFan {
+    let Pose { position, heading: heading_rad } = sensor;
+    v1::RayFan { x_m: position.x, y_m: position.y, heading_rad, opening_rad, lengths_m }
 }
 
-fn sensor(sensor: SensorDetail) -> v1::SensorDetail {
-    v1::SensorDetail {
-        values: sensor.values,
-        sampled_at_ns: sensor.sampled_at.map(|at| at.as_ns()),
-        least_age_ns: sensor.ages_ns.map(|(least_ns, _)| least_ns),
-        most_age_ns: sensor.ages_ns.map(|(_, most_ns)| most_ns),
-        readable: sensor.readable,
-        samples: sensor.samples,
-        missed: sensor.missed,
-        readable_steps: sensor.readable_steps,
-        rays: sensor.rays.map(rays),
-        port: sensor.port.as_ref().map(line_status),
-    }
-}
-
-fn rays(rays: RayFan) -> v1::RayFan {
-    let pose = rays.world_from_sensor;
-    v1::RayFan {
-        x_m: pose.position.x,
-        y_m: pose.position.y,
-        heading_rad: pose.heading,
-        opening_rad: rays.opening_rad,
-        lengths_m: rays.lengths_m,
-    }
-}
-
-fn event(event: &Event) -> v1::TimelineEvent {
+/// An event of a robot's timeline.
+pub(crate) fn timeline_event(event: &Event) -> v1::TimelineEvent {
     let (kind, part, bytes) = kind(event.what);
     v1::TimelineEvent {
         start_ns: event.start.as_ns(),

@@ -1,23 +1,17 @@
 //! Worlds and frames for observers.
 
-use std::sync::Arc;
-
 use baudbot_proto::v1;
-use baudbot_sim::Scenario;
 use baudbot_sim::actuator::ActuatorState;
 use baudbot_sim::arena::{Look, Pillar, Polygon};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::movable::{Movable, MovableShape};
 use baudbot_sim::mover::Mover;
 use baudbot_sim::surroundings::{Field, Light, Region, Source, Zone};
-use bytes::Bytes;
-use prost::Message as _;
+use baudbot_sim::{Pose, Scenario, ThingView, World};
 
 use super::brain::description;
-use super::detail::detail;
 use super::{battery, pins, score};
 use crate::columns::sensor_columns;
-use crate::frame::{Frame, Own, RobotTruth, Thing, Truth};
 
 /// The description of a world: what stands still in it, and what moves.
 pub(crate) fn world_description(scenario: &Scenario) -> v1::DescribeWorldResponse {
@@ -157,70 +151,46 @@ fn field(field: &Field) -> v1::ScalarField {
     }
 }
 
-/// A frame for an observer.
-pub(crate) fn frame(Frame { truth, own }: Frame) -> v1::WatchResponse {
-    let v1::WatchResponse { collisions, missed_frames, details, annotations, .. } = own_part(own);
-    v1::WatchResponse { collisions, missed_frames, details, annotations, ..truth_part(truth) }
-}
-
-/// The part of a frame that is the same for all observers. With [`own_in_bytes`] behind it, it is a frame.
-pub(crate) fn truth_in_bytes(truth: Truth) -> Bytes {
-    truth_part(truth).encode_to_vec().into()
-}
-
-/// The part of a frame that is one observer's.
-pub(crate) fn own_in_bytes(own: Own) -> Bytes {
-    own_part(own).encode_to_vec().into()
-}
-
-fn truth_part(truth: Truth) -> v1::WatchResponse {
+/// The part of a frame that is the same for all observers: the truth at the start of a tick.
+pub(crate) fn truth(world: &World) -> v1::WatchResponse {
     v1::WatchResponse {
-        tick: truth.tick,
-        time_ns: truth.time.as_ns(),
-        robots: truth.robots.into_iter().map(robot_truth).collect(),
-        ending: truth.ending.unwrap_or_default(),
-        things: truth.things.into_iter().map(thing).collect(),
-        score: truth.score.map(score),
+        tick: world.tick(),
+        time_ns: world.time().as_ns(),
+        robots: (0..world.robots().len()).map(|i| robot_truth(world, i)).collect(),
+        ending: world.ending().map(ToString::to_string).unwrap_or_default(),
+        things: world.things().map(thing).collect(),
+        score: score(world),
         ..Default::default()
     }
 }
 
-fn own_part(own: Own) -> v1::WatchResponse {
-    let collisions = own.collisions.into_iter();
-    v1::WatchResponse {
-        collisions: collisions.map(|c| v1::Collision { robot: c.robot, with: c.with }).collect(),
-        missed_frames: own.missed_frames,
-        details: own.details.into_iter().map(detail).collect(),
-        annotations: own.beliefs.iter().map(annotation).collect(),
-        ..Default::default()
+fn thing(ThingView { name, pose, blocked_ns, .. }: ThingView<'_>) -> v1::ThingTruth {
+    let Pose { position, heading: heading_rad } = pose;
+    v1::ThingTruth { thing: name.to_owned(), x_m: position.x, y_m: position.y, heading_rad, blocked_ns }
+}
+
+fn robot_truth(world: &World, index: usize) -> v1::RobotTruth {
+    let robot = world.robot_at_start(index).unwrap_or_else(|| world.robot(index));
+    let (motion, signals) = (robot.motion(), robot.signals());
+    let mut samples = Vec::new();
+    for (sensor, spec) in robot.sensors().zip(robot.spec().sensors.iter()) {
+        let missing = spec.encodings.len() - sensor.sample.len();
+        samples.extend(sensor.sample.iter().copied().chain(std::iter::repeat_n(f64::NAN, missing)));
     }
-}
-
-fn annotation((robot, belief): &(usize, Arc<v1::Belief>)) -> v1::Annotation {
-    v1::Annotation { robot: *robot as u32, belief: Some(v1::Belief::clone(belief)) }
-}
-
-fn thing(Thing { name, x_m, y_m, heading_rad, blocked_ns }: Thing) -> v1::ThingTruth {
-    v1::ThingTruth { thing: name, x_m, y_m, heading_rad, blocked_ns }
-}
-
-fn robot_truth(truth: RobotTruth) -> v1::RobotTruth {
+    let actuator =
+        |state: &ActuatorState| v1::ActuatorTruth { signal: state.signal, angle_rad: state.angle_rad };
     v1::RobotTruth {
-        x_m: truth.motion.pose.position.x,
-        y_m: truth.motion.pose.position.y,
-        heading_rad: truth.motion.pose.heading,
-        speed_m_s: truth.motion.speed_m_s,
-        turn_rate_rad_s: truth.motion.turn_rate_rad_s,
-        left_signal: truth.signals.left,
-        right_signal: truth.signals.right,
-        collided: truth.collided,
-        samples: truth.samples,
-        battery: truth.battery.map(battery),
-        actuators: truth
-            .actuators
-            .into_iter()
-            .map(|ActuatorState { signal, angle_rad, .. }| v1::ActuatorTruth { signal, angle_rad })
-            .collect(),
-        in_zone_ns: truth.in_zone_ns,
+        x_m: motion.pose.position.x,
+        y_m: motion.pose.position.y,
+        heading_rad: motion.pose.heading,
+        speed_m_s: motion.speed_m_s,
+        turn_rate_rad_s: motion.turn_rate_rad_s,
+        left_signal: signals.left,
+        right_signal: signals.right,
+        collided: robot.collided(),
+        samples,
+        battery: battery(&robot),
+        actuators: robot.actuators().iter().map(actuator).collect(),
+        in_zone_ns: world.score().in_zone_ns(index).to_vec(),
     }
 }

@@ -34,7 +34,7 @@ fn signal(signal: &Signal, all: &[Signal]) -> v1::PinSignal {
 }
 
 /// Something on the signal in this place.
-pub(super) fn event(&(signal, shown): &(usize, Shown)) -> v1::PinEvent {
+pub(crate) fn event(&(signal, shown): &(usize, Shown)) -> v1::PinEvent {
     use v1::PinEventKind as Kind;
     let at_ns = shown.at_ns();
     let event =

@@ -6,69 +6,58 @@ use baudbot_proto::v1;
 use baudbot_sim::chip::{Board, Rounds, Warning};
 use baudbot_sim::link::LineCounters;
 use baudbot_sim::model::RobotSpec;
-use baudbot_sim::robot::Cycles;
 use baudbot_sim::sensor::Sensor;
 use baudbot_sim::time::SimTime;
 use baudbot_sim::{Ending, Freshness, Histogram, RobotView, Scenario, SensorView, World};
 
 use super::pace::pace_to;
 use super::{battery, score};
-use crate::frame::{Charge, Score};
 use crate::pace::Pacing;
-use crate::report::{Activity, RecordingReport, Report, SlotReport};
+use crate::report::{Activity, Report};
 use crate::thinking::Thought;
 
-/// A world as it stands.
+/// A world as it stands on its server.
 pub(crate) fn status(report: &Report) -> v1::WorldStatus {
-    let world = &report.world;
-    let state = match report.activity {
+    let v1::WorldStatus { world, state, running_wall_ns, pacing, replay, recording, .. } =
+        report.beside.clone();
+    let mut status = world_status(&report.world);
+    for (robot, slot) in status.robots.iter_mut().zip(&report.slots) {
+        robot.attached = slot.brain.is_some();
+        robot.brain = slot.brain.clone().unwrap_or_default();
+        robot.lost_deliveries = slot.lost_deliveries;
+        robot.lost_steps = slot.lost_steps;
+        robot.said.clone_from(&slot.said);
+        robot.thinking_wall = slot.thought.as_ref().and_then(|thought| durations(&thought.wall));
+        robot.thinking_processor = slot.thought.as_ref().and_then(|thought| durations(&thought.processor));
+    }
+    let pace = Some(pace_to(report.pace));
+    v1::WorldStatus { world, state, pace, running_wall_ns, pacing, replay, recording, ..status }
+}
+
+/// The status of a world that is on no server: all that follows from its state, with its robots' counters.
+pub fn world_status(world: &World) -> v1::WorldStatus {
+    v1::WorldStatus {
+        scenario: world.scenario().name.clone(),
+        tick: world.tick(),
+        time_ns: world.time().as_ns(),
+        step_ns: world.scenario().step_ns,
+        state_hash: world.hash(),
+        ending: world.ending().map(ToString::to_string).unwrap_or_default(),
+        ending_kind: world.ending().map(ending_kind).unwrap_or_default().into(),
+        robots: (0..world.robots().len()).map(|robot| robot_status(world, robot)).collect(),
+        score: score(world),
+        movers: movers(world),
+        ..Default::default()
+    }
+}
+
+pub(crate) fn activity(activity: Activity) -> v1::WorldState {
+    match activity {
         Activity::WaitingForBrains => v1::WorldState::WaitingForBrains,
         Activity::Running => v1::WorldState::Running,
         Activity::Paused => v1::WorldState::Paused,
         Activity::Ended => v1::WorldState::Ended,
-    };
-    v1::WorldStatus {
-        world: report.name.to_string(),
-        scenario: world.scenario().name.clone(),
-        state: state.into(),
-        pace: Some(pace_to(report.pace)),
-        tick: world.tick(),
-        time_ns: world.time().as_ns(),
-        step_ns: world.scenario().step_ns,
-        running_wall_ns: nanos(report.running),
-        state_hash: world.hash(),
-        ending: world.ending().map(ToString::to_string).unwrap_or_default(),
-        ending_kind: world.ending().map(ending_kind).unwrap_or_default().into(),
-        robots: robots(report),
-        pacing: Some(pace_status(&report.pacing)),
-        score: Score::of(world).map(score),
-        movers: movers(world),
-        replay: report.replay.as_ref().map(|replay| v1::ReplayStatus {
-            first_tick: replay.first_tick,
-            last_tick: replay.last_tick,
-            differs: replay.differs.clone().unwrap_or_default(),
-        }),
-        recording: report.recording.as_ref().map(recording_status),
     }
-}
-
-/// A recording as it stands.
-pub(crate) fn recording_status(report: &RecordingReport) -> v1::RecordingStatus {
-    v1::RecordingStatus {
-        recording: report.name.clone(),
-        bytes: report.bytes,
-        ticks: report.ticks,
-        problem: report.problem.clone().unwrap_or_default(),
-    }
-}
-
-fn robots(report: &Report) -> Vec<v1::RobotStatus> {
-    let robots = report.world.robots().zip(&report.slots).enumerate();
-    let status = |(i, (robot, slot)): (usize, (RobotView<'_>, &SlotReport))| v1::RobotStatus {
-        in_zone_ns: report.world.score().in_zone_ns(i).to_vec(),
-        ..robot_status(&robot, slot)
-    };
-    robots.map(status).collect()
 }
 
 /// The statuses of things that move by themselves, which come first among all things.
@@ -77,7 +66,7 @@ fn movers(world: &World) -> Vec<v1::MoverStatus> {
     movers.map(|m| v1::MoverStatus { mover: m.name.to_owned(), blocked_ns: m.blocked_ns }).collect()
 }
 
-fn pace_status(pacing: &Pacing) -> v1::PaceStatus {
+pub(crate) fn pace_status(pacing: &Pacing) -> v1::PaceStatus {
     let used = pacing.lateness_us_log2.iter().rposition(|&n| n > 0).map_or(0, |i| i + 1);
     v1::PaceStatus {
         late_ticks: pacing.overruns,
@@ -90,39 +79,30 @@ fn pace_status(pacing: &Pacing) -> v1::PaceStatus {
     }
 }
 
-fn nanos(duration: Duration) -> u64 {
+pub(crate) fn nanos(duration: Duration) -> u64 {
     u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }
 
-fn robot_status(robot: &RobotView<'_>, slot: &SlotReport) -> v1::RobotStatus {
+fn robot_status(world: &World, index: usize) -> v1::RobotStatus {
+    let robot = world.robot(index);
     let counters = robot.counters();
+    let sensors = robot.sensors().zip(robot.spec().sensors.iter()).enumerate();
     v1::RobotStatus {
         robot: robot.spec().name.clone(),
-        brain: slot.brain.clone().unwrap_or_default(),
-        attached: slot.brain.is_some(),
         turns: counters.turns,
         commands: robot.commands(),
         collisions: counters.collisions,
         distance_m: counters.distance_m,
         uplink: Some(line_status(robot.uplink())),
         downlink: Some(line_status(robot.downlink())),
-        sensors: robot
-            .sensors()
-            .zip(robot.spec().sensors.iter())
-            .enumerate()
-            .map(|(i, (view, spec))| sensor_status(&view, spec, robot.port(i)))
-            .collect(),
+        sensors: sensors.map(|(i, (view, spec))| sensor_status(&view, spec, robot.port(i))).collect(),
         frames_missed: robot.frames_missed(),
-        lost_deliveries: slot.lost_deliveries,
-        lost_steps: slot.lost_steps,
-        said: slot.said.clone(),
-        thinking_wall: slot.thought.as_ref().and_then(|thought| durations(&thought.wall)),
-        thinking_processor: slot.thought.as_ref().and_then(|thought| durations(&thought.processor)),
-        battery: Charge::of(robot).map(battery),
-        in_zone_ns: Vec::new(),
-        cycles: Some(cycle_status(robot.cycles(), robot.spec().deadline.within_ns)),
-        chip: robot.board().map(|board| chip_status(robot, board)),
+        battery: battery(&robot),
+        in_zone_ns: world.score().in_zone_ns(index).to_vec(),
+        cycles: Some(cycle_status(&robot)),
+        chip: robot.board().map(|board| chip_status(&robot, board)),
         stood_in_contact_ns: robot.stood_in_contact_ns(),
+        ..Default::default()
     }
 }
 
@@ -169,9 +149,10 @@ pub(crate) fn thinking<'a>(
     scenario.robots.iter().zip(thought).filter_map(of).collect()
 }
 
-pub(super) fn cycle_status(cycles: &Cycles, deadline_ns: u64) -> v1::CycleStatus {
+pub(crate) fn cycle_status(robot: &RobotView<'_>) -> v1::CycleStatus {
+    let cycles = robot.cycles();
     v1::CycleStatus {
-        deadline_ns,
+        deadline_ns: robot.spec().deadline.within_ns,
         kept: cycles.kept,
         late: cycles.late,
         unanswered: cycles.unanswered,
@@ -193,7 +174,7 @@ fn durations(histogram: &Histogram) -> Option<v1::Durations> {
     })
 }
 
-pub(super) fn line_status(line: &LineCounters) -> v1::LineStatus {
+pub(crate) fn line_status(line: &LineCounters) -> v1::LineStatus {
     v1::LineStatus {
         bytes: line.bytes,
         corrupted_bytes: line.corrupted_bytes,

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use baudbot_proto::v1;
 use baudbot_sim::{Intervention, Scenario};
 use tokio::sync::oneshot;
 
 use crate::pace::Pace;
-use crate::report::RecordingReport;
 
 /// A request of an operator.
 #[derive(Debug)]
@@ -31,8 +31,8 @@ pub(crate) enum Request {
         snapshot: u64,
     },
     Record(RecordConfig),
-    /// The report of the recording comes when its file is closed.
-    StopRecording(oneshot::Sender<RecordingReport>),
+    /// The status of the recording comes when its file is closed.
+    StopRecording(oneshot::Sender<v1::RecordingStatus>),
     /// Of a replay only.
     Seek {
         tick: u64,

@@ -1,15 +1,13 @@
-//! All metrics, each with the measure that it is made of. `docs/reference/metrics.md` lists them.
+//! All metrics, those of robots and cables by the tables of [`measures`](crate::measures). `docs/reference/metrics.md` lists them.
 
 use super::World;
 use super::text::Family;
 use crate::limits::InForce;
-use crate::measures::{LineMeasures, Measures, QUANTILES, RobotMeasures};
+use crate::measures::{Measures, Metric, OF_LINES, OF_ROBOTS, QUANTILES, RobotMeasures};
 use crate::report::Activity;
 
-/// Name, help, and the value of a measure. Counters end in `_total`, all others are gauges.
-type Of<T> = (&'static str, &'static str, fn(&T) -> f64);
-
-const WORLDS: [Of<Measures>; 14] = [
+/// The metrics of a world.
+const WORLDS: [Metric<fn(&Measures) -> f64>; 14] = [
     ("baudbot_world_ticks_total", "Ticks done since the run began.", |w| w.tick as f64),
     ("baudbot_world_simulated_seconds_total", "Simulated time since the run began.", |w| w.time.as_seconds()),
     ("baudbot_world_running_seconds_total", "Wall-clock time during which the world was running.", |w| {
@@ -54,85 +52,6 @@ const WORLDS: [Of<Measures>; 14] = [
         "The tick from which the world would go on if the server were killed; 0 if no state is kept.",
         |w| w.keeping.as_ref().map_or(0.0, |keeping| keeping.tick as f64),
     ),
-];
-
-const LINES: [Of<LineMeasures>; 9] = [
-    ("baudbot_link_bytes_total", "Bytes that went over the line, lost ones included.", |l| {
-        l.counters.bytes as f64
-    }),
-    ("baudbot_link_messages_total", "Complete messages that arrived.", |l| l.counters.messages as f64),
-    (
-        "baudbot_link_lost_bytes_total",
-        "Bytes lost because the cable was out, or the bootloader still waited.",
-        |l| l.counters.lost_bytes as f64,
-    ),
-    ("baudbot_link_overrun_bytes_total", "Bytes lost because the receiver had no room.", |l| {
-        l.counters.overrun_bytes as f64
-    }),
-    ("baudbot_link_refused_bytes_total", "Bytes not accepted because the sender's buffer was full.", |l| {
-        l.counters.refused_bytes as f64
-    }),
-    ("baudbot_link_corrupted_bytes_total", "Bytes that arrived with a wrong bit.", |l| {
-        l.counters.corrupted_bytes as f64
-    }),
-    (
-        "baudbot_link_bad_frames_total",
-        "Frames discarded because of their checksum, encoding or length.",
-        |l| l.counters.bad_frames as f64,
-    ),
-    (
-        "baudbot_link_bad_messages_total",
-        "Sound frames whose content made no sense, and messages cut short by silence.",
-        |l| l.counters.bad_messages as f64,
-    ),
-    ("baudbot_link_waiting_bytes", "Bytes that wait for the line or are on it.", |l| l.waiting_bytes as f64),
-];
-
-const ROBOTS: [Of<RobotMeasures>; 14] = [
-    ("baudbot_robot_turns_total", "Steps of the robot's brain, answered or not.", |r| r.turns as f64),
-    ("baudbot_robot_commands_total", "Commands that the microcontroller obeyed.", |r| r.commands as f64),
-    ("baudbot_robot_collisions_total", "Collisions.", |r| r.collisions as f64),
-    ("baudbot_robot_distance_meters_total", "Distance driven.", |r| r.distance_m),
-    (
-        "baudbot_robot_reading_frames_missed_total",
-        "Frames of readings skipped because the microcontroller was busy.",
-        |r| r.frames_missed as f64,
-    ),
-    ("baudbot_brain_attached", "1 if a brain holds the robot, 0 if none does.", |r| {
-        f64::from(u8::from(r.slot.attached))
-    }),
-    (
-        "baudbot_brain_deliveries_lost_total",
-        "Turns that were not delivered to the brain because it did not read.",
-        |r| r.slot.lost_deliveries as f64,
-    ),
-    (
-        "baudbot_brain_steps_lost_total",
-        "Steps that the brain sent beyond those that the world takes in a tick.",
-        |r| r.slot.lost_steps as f64,
-    ),
-    ("baudbot_brain_queued_turns", "Turns in the server that wait until the brain reads.", |r| {
-        r.slot.queued_turns as f64
-    }),
-    ("baudbot_brain_open_turns", "Turns that the brain has not answered, in lockstep.", |r| {
-        r.slot.open_turns as f64
-    }),
-    (
-        "baudbot_brain_oldest_open_turn_seconds",
-        "Wall-clock time since the oldest open Turn, 0 if there is none.",
-        |r| r.slot.oldest_open.as_secs_f64(),
-    ),
-    ("baudbot_brain_answers_total", "Turns that were answered, in lockstep.", |r| {
-        r.slot.answering.answers as f64
-    }),
-    (
-        "baudbot_brain_answer_seconds_total",
-        "Wall-clock time from Turns to their answers, the network's included.",
-        |r| r.slot.answering.took.as_secs_f64(),
-    ),
-    ("baudbot_brain_cycles_open", "Control cycles that are neither kept nor late nor unanswered yet.", |r| {
-        r.cycles.open as f64
-    }),
 ];
 
 const STATES: [(Activity, &str); 4] = [
@@ -253,18 +172,18 @@ fn write_robots(worlds: &[(&str, &Measures)], most_robots: usize, text: &mut Str
         left_out.add(&[("world", world)], (specs.len() - room) as f64);
     }
     left_out.write(text);
-    for (name, help, value) in ROBOTS {
+    for (i, (name, help, _)) in OF_ROBOTS.into_iter().enumerate() {
         let mut family = family((name, help));
         for Shown { world, robot, measures, .. } in &shown {
-            family.add(&[("world", world), ("robot", robot)], value(measures));
+            family.add(&[("world", world), ("robot", robot)], measures.values[i]);
         }
         family.write(text);
     }
-    for (name, help, value) in LINES {
+    for (i, (name, help, _)) in OF_LINES.into_iter().enumerate() {
         let mut family = family((name, help));
         for Shown { world, robot, measures, .. } in &shown {
             for (line, direction) in measures.lines.iter().zip(DIRECTIONS) {
-                family.add(&[("world", world), ("robot", robot), ("direction", direction)], value(line));
+                family.add(&[("world", world), ("robot", robot), ("direction", direction)], line[i]);
             }
         }
         family.write(text);

@@ -1,11 +1,12 @@
 //! Details of the robots for which an observer has asked.
 
+use baudbot_proto::v1;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::raycast::{CastRay, RayCaster};
 use baudbot_sim::{AgeSpan, RobotView, SensorView, SimTime, World};
 
 use super::pins::Pins;
-use crate::frame::{RayFan, RobotDetail, SensorDetail};
+use crate::convert;
 use crate::sessions::Sessions;
 
 /// Most robots of which one observer gets details.
@@ -59,7 +60,12 @@ impl Detailed {
 
     /// The details at the start of the tick. If it is not known any more how the robot was then, they are those of its brain's
     /// step in the tick, and say so.
-    pub(super) fn tell(&mut self, world: &World, sessions: &Sessions, caster: &RayCaster<'_>) -> RobotDetail {
+    pub(super) fn tell(
+        &mut self,
+        world: &World,
+        sessions: &Sessions,
+        caster: &RayCaster<'_>,
+    ) -> v1::RobotDetail {
         let (view, at) = match world.robot_at_start(self.robot) {
             Some(view) => (view, world.time()),
             None => (world.robot(self.robot), within(world, self.robot)),
@@ -69,7 +75,7 @@ impl Detailed {
         // Before the first frame nothing is missed.
         let missed_events = if self.events == 0 { 0 } else { missed_events };
         let known = view.timeline().total().saturating_sub(self.events).saturating_sub(missed_events);
-        let events = events.take(known as usize).copied().collect();
+        let events = events.take(known as usize).map(convert::timeline_event).collect();
         self.events = view.timeline().total();
         let is_first = std::mem::replace(&mut self.is_known, true);
         let (pin_events, missed) = self.pins.as_mut().map_or_else(Default::default, |pins| {
@@ -79,20 +85,23 @@ impl Detailed {
         let missed_pin_events = if is_first { 0 } else { missed };
         let sensors = view.sensors().enumerate();
         let sensors = sensors.map(|(i, sensor)| self.sensor(&view, at, (i, &sensor), caster)).collect();
-        RobotDetail {
-            robot: self.robot,
-            at: (at != world.time()).then_some(at),
+        let [uplink_waiting_bytes, downlink_waiting_bytes] = view.under_way();
+        let brain = sessions.brain(self.robot);
+        v1::RobotDetail {
+            robot: self.robot as u32,
+            at_ns: (at != world.time()).then_some(at.as_ns()),
             sensors,
-            uplink: *view.uplink(),
-            downlink: *view.downlink(),
-            under_way: view.under_way(),
-            cycles: view.cycles().clone(),
-            deadline_ns: spec.deadline.within_ns,
+            uplink: Some(convert::line_status(view.uplink())),
+            downlink: Some(convert::line_status(view.downlink())),
+            uplink_waiting_bytes,
+            downlink_waiting_bytes,
+            cycles: Some(convert::cycle_status(&view)),
             events,
             missed_events,
-            pin_events,
+            pin_events: pin_events.iter().map(convert::pin_event).collect(),
             missed_pin_events,
-            brain: sessions.brain(self.robot).map(str::to_owned),
+            attached: brain.is_some(),
+            brain: brain.unwrap_or_default().to_owned(),
             cable_pulled: spec.link.is_pulled(),
             baud: spec.link.baud(),
         }
@@ -104,26 +113,28 @@ impl Detailed {
         at: SimTime,
         (i, sensor): (usize, &SensorView<'_>),
         caster: &RayCaster<'_>,
-    ) -> SensorDetail {
+    ) -> v1::SensorDetail {
         let (reading, spec, sampled_at) = (&view.readings()[i], view.spec(), view.heard(i).sampled_at);
         let age = sampled_at
             .map_or_else(AgeSpan::default, |sampled_at| AgeSpan::default().and(at.since(sampled_at)));
         // The age now is the first one from here on.
         let ages = std::mem::replace(&mut self.ages[i], age).join(age);
-        SensorDetail {
+        let bounds_ns = ages.bounds_ns();
+        v1::SensorDetail {
             values: reading.values.to_vec(),
-            sampled_at,
-            ages_ns: ages.bounds_ns(),
+            sampled_at_ns: sampled_at.map(SimTime::as_ns),
+            least_age_ns: bounds_ns.map(|(least_ns, _)| least_ns),
+            most_age_ns: bounds_ns.map(|(_, most_ns)| most_ns),
             readable: reading.readable,
             samples: sensor.samples,
             missed: sensor.missed,
             readable_steps: sensor.freshness.readable,
             rays: self.rays(spec, i, caster),
-            port: view.port(i).copied(),
+            port: view.port(i).map(convert::line_status),
         }
     }
 
-    fn rays(&self, spec: &RobotSpec, i: usize, caster: &RayCaster<'_>) -> Option<RayFan> {
+    fn rays(&self, spec: &RobotSpec, i: usize, caster: &RayCaster<'_>) -> Option<v1::RayFan> {
         let sensor = &spec.sensors[i];
         let mount = sensor.device.mount()?;
         let casts = caster.sees(self.robot, sensor);
@@ -134,7 +145,7 @@ impl Detailed {
         let opening_rad = sensor.device.fan().map_or(0.0, |fan| fan.opening_rad());
         let length = |cast: &CastRay| cast.distance_m.unwrap_or(range_m) as f32;
         let lengths_m = casts.iter().map(length).collect();
-        Some(RayFan { world_from_sensor: caster.place(self.robot, mount), opening_rad, lengths_m })
+        Some(convert::ray_fan(caster.place(self.robot, mount), opening_rad, lengths_m))
     }
 }
 

@@ -5,15 +5,17 @@ mod pins;
 
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
+use baudbot_proto::v1;
+use baudbot_sim::World;
 use baudbot_sim::collision::Collision;
 use baudbot_sim::raycast::RayCaster;
-use baudbot_sim::{ThingView, World};
 use bytes::Bytes;
+use prost::Message as _;
 
 use crate::beliefs::Beliefs;
 use crate::convert;
-use crate::frame::{Charge, Frame, Own, RobotDetail, RobotTruth, Score, Thing, Truth};
 use crate::limits::{Outbox, Parts};
 use crate::log::event;
 use crate::message::Watch;
@@ -78,7 +80,7 @@ impl<'a> Shared<'a> {
     }
 
     fn truth(&self) -> Bytes {
-        self.truth.get_or_init(|| convert::truth_in_bytes(Truth::of(self.view.world))).clone()
+        self.truth.get_or_init(|| convert::truth(self.view.world).encode_to_vec().into()).clone()
     }
 }
 
@@ -208,7 +210,7 @@ impl Observer {
             let missed_frames = self.missed_frames;
             event!(view, debug, observer = self.number, missed_frames, "observer reads again");
         }
-        let own = convert::own_in_bytes(self.eye.own(shared, self.missed_frames));
+        let own = self.eye.own(shared, self.missed_frames).encode_to_vec().into();
         self.frames.push(Parts(vec![shared.truth(), own]))
     }
 }
@@ -238,22 +240,30 @@ impl Eye {
     }
 
     /// A frame of the world as it stands.
-    pub(crate) fn frame(&mut self, view: View<'_>) -> Frame {
-        let own = self.own(&Shared::new(view), 0);
-        Frame { truth: Truth::of(view.world), own }
+    pub(crate) fn frame(&mut self, view: View<'_>) -> v1::WatchResponse {
+        let v1::WatchResponse { collisions, missed_frames, details, annotations, .. } =
+            self.own(&Shared::new(view), 0);
+        v1::WatchResponse { collisions, missed_frames, details, annotations, ..convert::truth(view.world) }
     }
 
-    /// What is in a frame for this observer only.
-    fn own(&mut self, shared: &Shared<'_>, missed_frames: u64) -> Own {
-        Own {
-            collisions: std::mem::take(&mut self.collisions),
+    /// The part of a frame that is this observer's only. Behind the bytes of the other part it makes a whole frame.
+    fn own(&mut self, shared: &Shared<'_>, missed_frames: u64) -> v1::WatchResponse {
+        let collision = |Collision { robot, with }| v1::Collision { robot, with };
+        let annotation = |(robot, belief): (usize, Arc<v1::Belief>)| v1::Annotation {
+            robot: robot as u32,
+            belief: Some(Arc::unwrap_or_clone(belief)),
+        };
+        let beliefs = shared.view.beliefs.since(&mut self.published);
+        v1::WatchResponse {
+            collisions: std::mem::take(&mut self.collisions).into_iter().map(collision).collect(),
             missed_frames,
             details: self.details(shared),
-            beliefs: shared.view.beliefs.since(&mut self.published),
+            annotations: beliefs.into_iter().map(annotation).collect(),
+            ..Default::default()
         }
     }
 
-    fn details(&mut self, shared: &Shared<'_>) -> Vec<RobotDetail> {
+    fn details(&mut self, shared: &Shared<'_>) -> Vec<v1::RobotDetail> {
         if self.detailed.is_empty() {
             return Vec::new();
         }
@@ -261,43 +271,5 @@ impl Eye {
         let caster = shared.caster.get_or_init(|| RayCaster::new(view.world));
         let detailed = self.detailed.iter_mut();
         detailed.map(|detailed| detailed.tell(view.world, view.sessions, caster)).collect()
-    }
-}
-
-impl Truth {
-    /// That of a world as it stands.
-    fn of(world: &World) -> Self {
-        Self {
-            tick: world.tick(),
-            time: world.time(),
-            robots: (0..world.robots().len()).map(|i| truth(world, i)).collect(),
-            ending: world.ending().map(ToString::to_string),
-            things: world.things().map(thing).collect(),
-            score: Score::of(world),
-        }
-    }
-}
-
-fn thing(view: ThingView<'_>) -> Thing {
-    let (position, heading_rad) = (view.pose.position, view.pose.heading);
-    let name = view.name.to_owned();
-    Thing { name, x_m: position.x, y_m: position.y, heading_rad, blocked_ns: view.blocked_ns }
-}
-
-fn truth(world: &World, index: usize) -> RobotTruth {
-    let robot = world.robot_at_start(index).unwrap_or_else(|| world.robot(index));
-    let mut samples = Vec::new();
-    for (sensor, spec) in robot.sensors().zip(robot.spec().sensors.iter()) {
-        let missing = spec.encodings.len() - sensor.sample.len();
-        samples.extend(sensor.sample.iter().copied().chain(std::iter::repeat_n(f64::NAN, missing)));
-    }
-    RobotTruth {
-        motion: *robot.motion(),
-        signals: robot.signals(),
-        collided: robot.collided(),
-        samples,
-        actuators: robot.actuators().to_vec(),
-        battery: Charge::of(&robot),
-        in_zone_ns: world.score().in_zone_ns(index).to_vec(),
     }
 }

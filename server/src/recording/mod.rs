@@ -18,12 +18,10 @@ use tonic::{Code, Status};
 
 use crate::clock;
 use crate::convert;
-use crate::frame::Frame;
 use crate::log::event;
 use crate::message::RecordConfig;
 use crate::observers::{Eye, View};
 use crate::pace::Pace;
-use crate::report::RecordingReport;
 use crate::sessions::Sessions;
 pub(crate) use folder::Folder;
 use thread::{RecorderThread, Sent};
@@ -57,7 +55,7 @@ pub(crate) enum Entry {
     Mark(v1::RecordedMark),
     State(v1::RecordedState),
     Event(v1::RecordedEvent),
-    Frame(Box<Frame>),
+    Frame(Box<v1::WatchResponse>),
     Thinking(v1::RecordedThinking),
 }
 
@@ -276,21 +274,21 @@ impl Recorder {
         self.backlog.drain(..).for_each(|batch| self.thread.send_at_last(batch));
     }
 
-    /// Ends the recording with the world as it stands, between two ticks or within one. `reply` gets the report when the file is
+    /// Ends the recording with the world as it stands, between two ticks or within one. `reply` gets the status when the file is
     /// closed. `is_sure`: no brain has yet to answer. Otherwise the file ends with the last mark.
     pub(crate) fn stop(
         mut self,
         world: &World,
         is_sure: bool,
-        reply: Option<oneshot::Sender<RecordingReport>>,
+        reply: Option<oneshot::Sender<v1::RecordingStatus>>,
     ) {
         if !self.is_over && is_sure {
             self.ticks = world.tick().saturating_sub(self.first_tick);
             self.close_batch(world);
         }
         self.wait_for_disk();
-        let report = self.report();
-        self.thread.close(report, reply);
+        let status = self.status();
+        self.thread.close(status, reply);
     }
 
     /// The world goes on from another state: ends this file, and begins the next one whose name is free. `None` if that cannot
@@ -332,10 +330,11 @@ impl Recorder {
         (!self.is_over).then_some(&self.config)
     }
 
-    pub(crate) fn report(&self) -> RecordingReport {
-        let name = if self.run == 1 { self.config.name.clone() } else { self.config.of_run(self.run).name };
+    pub(crate) fn status(&self) -> v1::RecordingStatus {
+        let recording =
+            if self.run == 1 { self.config.name.clone() } else { self.config.of_run(self.run).name };
         let (bytes, problem) = self.thread.progress();
-        RecordingReport { name, bytes, ticks: self.ticks, problem }
+        v1::RecordingStatus { recording, bytes, ticks: self.ticks, problem: problem.unwrap_or_default() }
     }
 }
 

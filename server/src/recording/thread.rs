@@ -11,8 +11,6 @@ use tokio::sync::oneshot;
 use tonic::Status;
 
 use super::Entry;
-use crate::convert;
-use crate::report::RecordingReport;
 
 /// Batches that wait to be written before a world that can wait does so.
 const BATCHES: usize = 64;
@@ -32,8 +30,8 @@ enum Worker {
 
 enum Work {
     Batch(Vec<Entry>),
-    /// Ends the file. The report, brought up to date, goes to the sender.
-    Close(RecordingReport, Option<oneshot::Sender<RecordingReport>>),
+    /// Ends the file. The status, brought up to date, goes to the sender.
+    Close(v1::RecordingStatus, Option<oneshot::Sender<v1::RecordingStatus>>),
 }
 
 /// The progress of the thread, shared with the world.
@@ -106,14 +104,18 @@ impl RecorderThread {
         self.progress.fail(problem.to_owned());
     }
 
-    /// Ends the file, and waits until it is closed, unless there is a `reply`: that then gets this report, brought up to date.
-    pub(super) fn close(mut self, report: RecordingReport, reply: Option<oneshot::Sender<RecordingReport>>) {
+    /// Ends the file, and waits until it is closed, unless there is a `reply`: that then gets this status, brought up to date.
+    pub(super) fn close(
+        mut self,
+        status: v1::RecordingStatus,
+        reply: Option<oneshot::Sender<v1::RecordingStatus>>,
+    ) {
         match self.worker.take() {
             None => {}
-            Some(Worker::Sender(recorder)) => unlocked(*recorder).end(Some((report, reply))),
+            Some(Worker::Sender(recorder)) => unlocked(*recorder).end(Some((status, reply))),
             Some(Worker::Thread(work, thread)) => {
                 let is_told = reply.is_some();
-                let _ = work.send(Work::Close(report, reply));
+                let _ = work.send(Work::Close(status, reply));
                 if !is_told {
                     // Its panic is on stderr already.
                     let _ = thread.join();
@@ -184,8 +186,8 @@ impl Recorder {
         while let Ok(work) = work.recv() {
             match work {
                 Work::Batch(batch) => self.write(batch),
-                Work::Close(report, reply) => {
-                    waiting = Some((report, reply));
+                Work::Close(status, reply) => {
+                    waiting = Some((status, reply));
                     break;
                 }
             }
@@ -203,8 +205,8 @@ impl Recorder {
         self.note_length();
     }
 
-    /// Ends the file. The report, brought up to date, goes to the sender.
-    fn end(mut self, waiting: Option<(RecordingReport, Option<oneshot::Sender<RecordingReport>>)>) {
+    /// Ends the file. The status, brought up to date, goes to the sender.
+    fn end(mut self, waiting: Option<(v1::RecordingStatus, Option<oneshot::Sender<v1::RecordingStatus>>)>) {
         if let Some(open) = self.writer.take() {
             if !self.is_whole {
                 // The file ends where it is still whole.
@@ -214,9 +216,10 @@ impl Recorder {
             }
         }
         self.note_length();
-        if let Some((report, Some(reply))) = waiting {
+        if let Some((status, Some(reply))) = waiting {
             let (bytes, problem) = self.progress.get();
-            let _ = reply.send(RecordingReport { bytes, problem, ..report });
+            let problem = problem.unwrap_or_default();
+            let _ = reply.send(v1::RecordingStatus { bytes, problem, ..status });
         }
     }
 
@@ -252,6 +255,6 @@ fn write(writer: &mut Writer<RecordingFile>, entry: Entry) -> Result<(), WriteEr
         Entry::State(state) => writer.state(&state),
         Entry::Event(event) => writer.event(&event),
         Entry::Thinking(thinking) => writer.thinking(&thinking),
-        Entry::Frame(frame) => writer.frame(&convert::frame(*frame)),
+        Entry::Frame(frame) => writer.frame(&frame),
     }
 }

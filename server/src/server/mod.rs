@@ -31,7 +31,6 @@ use crate::metrics::Metrics;
 use crate::page::{self, Film, Guard};
 use crate::pipe::Pipes;
 use crate::registry::Registry;
-use crate::report::Report;
 pub use builder::{Builder, WorldConfig};
 use listeners::{Listener, Listeners, SocketFile};
 use router::Router;
@@ -295,8 +294,8 @@ impl Server {
     /// # Errors
     /// If there is no such world, or it is not being recorded.
     pub async fn stop_recording(&self, world: &str) -> Result<v1::WorldStatus, Status> {
-        let (report, recording) = stop_recording(&self.registry, world).await?;
-        Ok(status_of(Report { recording: Some(recording), ..report }, self.registry.limits()).await?.1)
+        let report = stop_recording(&self.registry, world).await?;
+        Ok(status_of(report, self.registry.limits()).await?.1)
     }
 
     /// Makes no world any more: the server is about to stop.

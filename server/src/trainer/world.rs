@@ -139,9 +139,9 @@ impl Trained {
         loop {
             match self.told.recv().await {
                 Some(Told::Turn(_, truth) | Told::Ended(truth)) if truth.era < self.era => {}
-                Some(Told::Turn(turn, truth)) if truth.lockstep => {
-                    let before = self.note_collisions(&truth);
-                    return self.told(convert::turned(turn, *truth, &before));
+                Some(Told::Turn(turn, mut truth)) if truth.lockstep => {
+                    self.note_collisions(&mut truth);
+                    return self.told(convert::turned(turn, truth.standing));
                 }
                 Some(Told::Turn(..)) => {
                     let name = self.name();
@@ -149,9 +149,9 @@ impl Trained {
                         "world: `{name}` is not in lockstep any more; set its pace with SetPace, and open another stream"
                     )));
                 }
-                Some(Told::Ended(truth)) => {
-                    let before = self.note_collisions(&truth);
-                    return self.told(convert::ended(*truth, &before));
+                Some(Told::Ended(mut truth)) => {
+                    self.note_collisions(&mut truth);
+                    return self.told(convert::ended(truth.ending.as_ref(), truth.standing));
                 }
                 Some(Told::Close(status)) => return self.close(status),
                 None => return self.close(Status::aborted(format!("world `{}` was deleted", self.name()))),
@@ -175,15 +175,19 @@ impl Trained {
         result
     }
 
-    /// Notes how often each robot has collided. Gives how often it had when the trainer was told last, or when the world was
-    /// reset or restored since.
-    fn note_collisions(&mut self, truth: &Truth) -> Vec<u64> {
-        let now: Vec<_> = truth.robots.iter().map(|robot| robot.collisions).collect();
-        match self.collisions.replace((truth.era, now.clone())) {
+    /// Notes how often each robot has collided, and says of each whether it has since the trainer was told last, or since the world
+    /// was reset or restored.
+    fn note_collisions(&mut self, truth: &mut Truth) {
+        let truths = &mut truth.standing.truths;
+        let now: Vec<_> = truths.iter().map(|robot| robot.collisions).collect();
+        let before = match self.collisions.replace((truth.era, now.clone())) {
             Some((era, before)) if era == truth.era => before,
             // The world was reset or restored.
-            Some(_) => truth.robots.iter().map(|robot| robot.collisions_before).collect(),
+            Some(_) => std::mem::take(&mut truth.collisions_before),
             None => now,
+        };
+        for (robot, before) in truths.iter_mut().zip(before) {
+            robot.collided = robot.collisions > before;
         }
     }
 }
