@@ -9,7 +9,7 @@ use crate::check::check;
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::fingerprint::{build, fingerprint};
-use crate::journal::{Entry, Header, Scan};
+use crate::journal::{Contents, Entry, Header, Purpose};
 use crate::outputs::Folder;
 use crate::shard::Shard;
 use crate::sweep::{self, JOURNAL, Options, Swept};
@@ -58,11 +58,11 @@ pub fn merge(experiment: &Experiment, sources: &[PathBuf], options: &Options<'_>
     check(experiment)?;
     let header = Header::new(&experiment.name, fingerprint(experiment), build(), total);
     let warn = |text: &str| options.warn(text);
-    let scan = |path: &PathBuf| Scan::read(path, &header, &warn);
-    let mut scans = journals(sources)?.iter().map(scan).collect::<Result<Vec<_>, _>>()?;
-    let chosen = Chosen::new(&scans)?;
+    let read = |path: &Path| Contents::read(path, &header, Purpose::Merge, &warn);
+    let mut all = journals(sources)?.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
+    let chosen = Chosen::new(&all)?;
     if chosen.runs.len() as u64 != total {
-        return Ok(Merged::Missing(chosen.missing(&scans, total)));
+        return Ok(Merged::Missing(chosen.missing(&all, total)));
     }
     let folder = Folder::take(options.out)?;
     let mut journal = sweep::begin_journal(&folder, &header, options)?;
@@ -70,13 +70,13 @@ pub fn merge(experiment: &Experiment, sources: &[PathBuf], options: &Options<'_>
     let done = journal.runs();
     if !options.fresh {
         // What an earlier merge made must not differ either.
-        scans.push(Scan::read(&folder.file(JOURNAL), &header, &warn)?);
-        Chosen::new(&scans)?;
+        all.push(read(&folder.file(JOURNAL))?);
+        Chosen::new(&all)?;
     }
     (options.progress)(resumed, total);
-    for (scan, rows) in scans.iter().zip(&chosen.rows) {
+    for (contents, rows) in all.iter().zip(&chosen.rows) {
         let missing = rows.iter().filter(|row| done.binary_search(&row.run).is_err());
-        for row in scan.rows_at(missing.map(|row| row.start).collect())? {
+        for row in contents.rows_at(missing.map(|row| row.start).collect())? {
             if options.stop.load(Ordering::Relaxed) {
                 break;
             }
@@ -134,21 +134,21 @@ struct Chosen {
 impl Chosen {
     /// Of rows that are the same, the first; refuses those that are not. A run that failed everywhere is one that did, with the same
     /// one of its errors whatever the order of the journals.
-    fn new(scans: &[Scan]) -> Result<Self, Error> {
-        let mut chosen = Self { runs: Vec::new(), rows: vec![Vec::new(); scans.len()] };
-        for of_a_run in sorted(scans, |scan| &scan.rows).chunk_by(|a, b| a.1.run == b.1.run) {
+    fn new(journals: &[Contents]) -> Result<Self, Error> {
+        let mut chosen = Self { runs: Vec::new(), rows: vec![Vec::new(); journals.len()] };
+        for of_a_run in sorted(journals, |journal| &journal.rows).chunk_by(|a, b| a.1.run == b.1.run) {
             let (first, row) = of_a_run[0];
             if let Some((other, entry)) = of_a_run.iter().find(|(_, entry)| entry.sum != row.sum) {
                 return Err(differ(
                     row.run,
-                    (&scans[first].path, row.line),
-                    (&scans[*other].path, entry.line),
+                    (&journals[first].path, row.line),
+                    (&journals[*other].path, entry.line),
                 ));
             }
             chosen.take(first, row);
         }
         let done = chosen.runs.clone();
-        for of_a_run in sorted(scans, |scan| &scan.failed).chunk_by(|a, b| a.1.run == b.1.run) {
+        for of_a_run in sorted(journals, |journal| &journal.failed).chunk_by(|a, b| a.1.run == b.1.run) {
             let chance = of_a_run.iter().min_by_key(|(_, row)| row.sum);
             if let Some((journal, row)) = chance.filter(|(_, row)| done.binary_search(&row.run).is_err()) {
                 chosen.take(*journal, *row);
@@ -164,53 +164,54 @@ impl Chosen {
     }
 
     /// What is not there of so many runs.
-    fn missing(&self, scans: &[Scan], total: u64) -> Missing {
+    fn missing(&self, journals: &[Contents], total: u64) -> Missing {
         let runs = total - self.runs.len() as u64;
-        let shards = match count(scans) {
-            None => vec![self.missing_of(None, runs, scans, total)],
+        let shards = match count(journals) {
+            None => vec![self.missing_of(None, runs, journals, total)],
             Some(count) => {
                 let mut done: BTreeMap<Shard, u64> = BTreeMap::new();
                 self.runs.iter().for_each(|run| *done.entry(Shard::of(*run, count)).or_default() += 1);
                 let missing = |shard: Shard| shard.len(total) - done.get(&shard).copied().unwrap_or(0);
                 let lacking = Shard::all(count).filter(|shard| missing(*shard) > 0);
-                lacking.map(|shard| self.missing_of(Some(shard), missing(shard), scans, total)).collect()
+                lacking.map(|shard| self.missing_of(Some(shard), missing(shard), journals, total)).collect()
             }
         };
         Missing { runs, total, shards }
     }
 
-    fn missing_of(&self, shard: Option<Shard>, runs: u64, scans: &[Scan], total: u64) -> MissingShard {
+    fn missing_of(&self, shard: Option<Shard>, runs: u64, journals: &[Contents], total: u64) -> MissingShard {
         let all = shard.unwrap_or(Shard::WHOLE).runs(total);
         let first = all.filter(|run| self.runs.binary_search(run).is_err()).take(FIRST).collect();
-        MissingShard { shard, runs, first, folder: folder(shard, scans) }
+        MissingShard { shard, runs, first, folder: folder(shard, journals) }
     }
 }
 
 /// The rows of all journals with the numbers of these, by run.
-fn sorted(scans: &[Scan], rows: impl Fn(&Scan) -> &Vec<Entry>) -> Vec<(usize, Entry)> {
-    let of_one = |(number, scan)| rows(scan).iter().map(move |row| (number, *row));
-    let mut all: Vec<_> = scans.iter().enumerate().flat_map(of_one).collect();
+fn sorted(journals: &[Contents], rows: impl Fn(&Contents) -> &Vec<Entry>) -> Vec<(usize, Entry)> {
+    let of_one = |(number, journal)| rows(journal).iter().map(move |row| (number, *row));
+    let mut all: Vec<_> = journals.iter().enumerate().flat_map(of_one).collect();
     all.sort_by_key(|(number, row)| (row.run, *number));
     all
 }
 
 /// Of how many shards the most journals are.
-fn count(scans: &[Scan]) -> Option<u32> {
-    let mut journals: BTreeMap<u32, usize> = BTreeMap::new();
-    let counts = scans.iter().filter_map(|scan| scan.shard).map(Shard::count);
-    counts.for_each(|count| *journals.entry(count).or_default() += 1);
-    journals.into_iter().max_by_key(|(_, journals)| *journals).map(|(count, _)| count)
+fn count(journals: &[Contents]) -> Option<u32> {
+    let mut of_count: BTreeMap<u32, usize> = BTreeMap::new();
+    let counts = journals.iter().filter_map(Contents::shard).map(Shard::count);
+    counts.for_each(|count| *of_count.entry(count).or_default() += 1);
+    of_count.into_iter().max_by_key(|(_, journals)| *journals).map(|(count, _)| count)
 }
 
 /// Where the journal of a shard is, or would be beside the others.
-fn folder(shard: Option<Shard>, scans: &[Scan]) -> Option<PathBuf> {
-    let folder =
-        |scan: &Scan| scan.path.parent().filter(|_| scan.path.ends_with(JOURNAL)).map(Path::to_owned);
-    let own = scans.iter().find(|scan| scan.shard == shard).and_then(folder);
+fn folder(shard: Option<Shard>, journals: &[Contents]) -> Option<PathBuf> {
+    let folder = |journal: &Contents| {
+        journal.path.parent().filter(|_| journal.path.ends_with(JOURNAL)).map(Path::to_owned)
+    };
+    let own = journals.iter().find(|journal| journal.shard() == shard).and_then(folder);
     own.or_else(|| {
-        let by_name = scans.iter().find_map(|scan| {
-            let of = folder(scan)?;
-            of.ends_with(scan.shard?.folder()).then_some(of)
+        let by_name = journals.iter().find_map(|journal| {
+            let of = folder(journal)?;
+            of.ends_with(journal.shard()?.folder()).then_some(of)
         });
         Some(by_name?.with_file_name(shard?.folder()))
     })

@@ -61,28 +61,36 @@ impl Folder {
         }
     }
 
-    /// Writes a file beside its place and then puts it there.
+    /// Writes a file that is there as a whole or not at all.
     pub(crate) fn write(
         &self,
         name: &str,
         content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Content>,
     ) -> Result<(), Error> {
-        let (path, beside) = (self.file(name), self.file(&format!(".{name}.tmp")));
-        let write = || -> Result<(), Content> {
-            let mut out = BufWriter::new(File::create(&beside)?);
-            content(&mut out)?;
-            out.flush()?;
-            out.get_ref().sync_all()?;
-            Ok(fs::rename(&beside, &path)?)
-        };
-        write().map_err(|error| match error {
-            Content::Own(error) => error,
-            Content::Io(cause) => {
-                let _ = fs::remove_file(&beside);
-                Error::file("write", &path)(cause)
-            }
-        })
+        write_whole(&self.file(name), &self.file(&format!(".{name}.tmp")), content)
     }
+}
+
+/// Writes a file beside its place and then puts it there.
+pub(crate) fn write_whole(
+    path: &Path,
+    beside: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Content>,
+) -> Result<(), Error> {
+    let write = || -> Result<(), Content> {
+        let mut out = BufWriter::new(File::create(beside)?);
+        content(&mut out)?;
+        out.flush()?;
+        out.get_ref().sync_all()?;
+        Ok(fs::rename(beside, path)?)
+    };
+    write().map_err(|error| match error {
+        Content::Own(error) => error,
+        Content::Io(cause) => {
+            let _ = fs::remove_file(beside);
+            Error::file("write", path)(cause)
+        }
+    })
 }
 
 /// The id in a lock, which gets one if it has none, or a torn one; `None` if something else is in it.

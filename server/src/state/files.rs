@@ -351,9 +351,7 @@ impl Disk {
             Some((file, place)) => (file, Some(place)),
             None => (shared.storage.open(&self.path)?, shared.journals.place()),
         };
-        // The journal ends where it is whole.
-        file.append(bytes).inspect_err(|_| drop(file.cut(self.length)))?;
-        self.length += bytes.len() as u64;
+        file.append_whole(&mut self.length, bytes)?;
         self.open = place.map(|place| (file, place));
         Ok(true)
     }

@@ -89,6 +89,17 @@ pub trait Stored: Debug + Send {
     /// As the system's: a part may have been written.
     fn append(&mut self, bytes: &[u8]) -> io::Result<()>;
 
+    /// Adds to its end, which is so far away, all of this or nothing. If not even what was written of it can be cut off, the file
+    /// has a torn end, which its readers leave out.
+    ///
+    /// # Errors
+    /// As the system's.
+    fn append_whole(&mut self, length: &mut u64, bytes: &[u8]) -> io::Result<()> {
+        self.append(bytes).inspect_err(|_| drop(self.cut(*length)))?;
+        *length += bytes.len() as u64;
+        Ok(())
+    }
+
     /// Cuts it off.
     ///
     /// # Errors

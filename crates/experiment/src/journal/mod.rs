@@ -1,26 +1,24 @@
 //! The journal: a line a run, in the order in which they end, written at once. It is all that a sweep needs to resume.
 //!
-//! The first line says which experiment it is of, and each line ends with a checksum (`seal`). `reader` finds which lines are
+//! The first line says which experiment it is of, and each line ends with a checksum (`seal`). `contents` finds which lines are
 //! sound: the runs of all others are done again, after a sweep that was killed as after a disk that forgot a bit. So are runs that
 //! failed: a later line of such a run replaces the earlier one. Lines reach
 //! the disk within a tenth of a second or with the next one, so that a power cut takes a few of the last runs at most.
 
-mod reader;
-mod scan;
+mod contents;
 mod seal;
 #[cfg(test)]
 mod tests;
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufRead, BufReader, ErrorKind, Write};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
+use baudbot_server::Stored;
 use serde::{Deserialize, Serialize};
 
-pub(crate) use self::reader::Entry;
-use self::reader::{Found, Refusal};
-pub(crate) use self::scan::Scan;
+pub(crate) use self::contents::{Contents, Entry, Purpose};
 use self::seal::Seal;
 use crate::error::Error;
 use crate::figures::INFOS;
@@ -29,9 +27,9 @@ use crate::shard::Shard;
 
 /// A journal that is open.
 #[derive(Debug)]
-pub(crate) struct Journal<M = File> {
+pub(crate) struct Journal<F = File> {
     path: PathBuf,
-    medium: M,
+    file: F,
     seal: Seal,
     /// Bytes that are whole lines.
     len: u64,
@@ -44,29 +42,6 @@ pub(crate) struct Journal<M = File> {
     /// When the disk last had all lines.
     synced: Option<Instant>,
     is_synced: bool,
-}
-
-/// The output of a journal.
-pub(crate) trait Medium: Write {
-    /// Drops what is beyond so many bytes.
-    fn cut(&mut self, len: u64) -> io::Result<()>;
-
-    /// Waits until all is where a power cut does not reach it.
-    fn sync(&mut self) -> io::Result<()>;
-}
-
-impl Medium for File {
-    fn cut(&mut self, len: u64) -> io::Result<()> {
-        self.set_len(len)
-    }
-
-    fn sync(&mut self) -> io::Result<()> {
-        match self.sync_data() {
-            // A device or a pipe keeps nothing.
-            Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
-            synced => synced,
-        }
-    }
 }
 
 /// The first line.
@@ -100,7 +75,7 @@ impl Header {
         Seal::new(format!("{} {}", self.fingerprint, self.build))
     }
 
-    fn line(&self) -> serde_json::Result<Vec<u8>> {
+    fn line(&self) -> io::Result<Vec<u8>> {
         Seal::default().line(self)
     }
 }
@@ -108,60 +83,31 @@ impl Header {
 impl Journal {
     /// Opens a journal to resume it, or begins one. Damaged lines are reported and removed.
     pub(crate) fn open(path: &Path, header: &Header, tell: &dyn Fn(&str)) -> Result<Self, Error> {
-        let mut journal = Self::new(path, appending(path)?, header.seal());
+        let mut file = appending(path)?;
+        let mut contents = Contents::none(path, header);
         // A device or a pipe has no lines to go on with, and may have no end.
         if path.metadata().is_ok_and(|metadata| metadata.is_file()) {
-            let lines = BufReader::new(File::open(path).map_err(Error::file("read", path))?);
-            let found = reader::read(lines, header)
-                .and_then(|found| found.of_shard(header.shard))
-                .map_err(|refusal| refused(path, header, refusal))?;
-            found.damage.iter().for_each(|damage| tell(&format!("{}: {damage}", path.display())));
-            journal = journal.go_on_with(&found, header)?;
+            contents = Contents::read(path, header, Purpose::Resume, tell)?;
         }
+        let repeated = contents.failed.len() as u64;
+        // If nothing is kept, the file is to be as old as the first run that is.
+        let is_done_anew = contents.rows.is_empty() && repeated > 0;
+        if is_done_anew {
+            contents.failed.clear();
+        }
+        if !contents.is_sound || is_done_anew {
+            contents.mend(header)?;
+            file = appending(path)?;
+        } else if !contents.is_whole {
+            file.cut(contents.len).map_err(Error::file("mend", path))?;
+        }
+        let rows = contents.rows.iter().map(|row| (row.run, row.start)).collect();
+        let (len, failed) = (contents.len, contents.failed);
+        let mut journal = Self { len, rows, failed, repeated, ..Self::new(path, file, header.seal()) };
         if journal.len == 0 {
-            journal.put_header(header)?;
+            journal.put(header.line())?;
         }
         Ok(journal)
-    }
-
-    /// With what is sound in it, and nothing else.
-    fn go_on_with(mut self, found: &Found, header: &Header) -> Result<Self, Error> {
-        self.len = found.len;
-        self.rows = found.rows.iter().map(|row| (row.run, row.start)).collect();
-        self.repeated = found.failed.len() as u64;
-        // If nothing is kept, the file is to be as old as the first run that is.
-        let is_done_anew = self.rows.is_empty() && self.repeated > 0;
-        self.failed = if is_done_anew { Vec::new() } else { found.failed.clone() };
-        if !found.is_sound || is_done_anew {
-            return self.mended(header);
-        }
-        if !found.is_whole {
-            self.medium.cut(self.len).map_err(Error::file("mend", &self.path))?;
-        }
-        Ok(self)
-    }
-
-    /// The sound rows in a file that takes the place of this one once it is whole.
-    fn mended(self, header: &Header) -> Result<Self, Error> {
-        let path = self.path.with_extension("mended");
-        // One that was not finished may be there.
-        let _ = fs::remove_file(&path);
-        let mut mended = Self::new(&path, appending(&path)?, self.seal.clone());
-        mended.put_header(header)?;
-        for row in self.rows()? {
-            mended.append(&row?)?;
-        }
-        let done = mended.rows.len();
-        let failed = self.failed.iter().map(|row| row.start).collect();
-        for row in rows_at(&self.path, self.seal.clone(), failed)? {
-            mended.append(&row?)?;
-        }
-        let moved = mended.rows.split_off(done).into_iter().zip(self.failed);
-        mended.failed = moved.map(|((_, start), row)| Entry { start, ..row }).collect();
-        mended.repeated = self.repeated;
-        mended.sync()?;
-        mended.move_to(&self.path)?;
-        Ok(mended)
     }
 
     /// Puts the file elsewhere, in the place of what is there.
@@ -193,41 +139,15 @@ impl Journal {
     pub(crate) fn rows(&self) -> Result<impl Iterator<Item = Result<Row, Error>> + use<>, Error> {
         let mut rows = self.rows.clone();
         rows.sort_unstable();
-        rows_at(&self.path, self.seal.clone(), rows.into_iter().map(|(_, start)| start).collect())
+        contents::rows_at(&self.path, self.seal.clone(), rows.into_iter().map(|(_, start)| start).collect())
     }
 }
 
-/// The rows whose lines begin there, in this order.
-fn rows_at(
-    path: &Path,
-    seal: Seal,
-    starts: Vec<u64>,
-) -> Result<impl Iterator<Item = Result<Row, Error>> + use<>, Error> {
-    let path = path.to_owned();
-    let mut file = BufReader::new(File::open(&path).map_err(Error::file("read", &path))?);
-    let mut line = Vec::new();
-    let mut at = 0;
-    Ok(starts.into_iter().map(move |start| {
-        line.clear();
-        // Most rows stand near the one before: that needs no other look at the disk.
-        let found = file.seek_relative(start as i64 - at as i64);
-        let read = found.and_then(|()| file.read_until(b'\n', &mut line));
-        at = start + read.map_err(Error::file("read", &path))? as u64;
-        let row = reader::row(&seal, &line).map(|(row, _)| row);
-        row.ok_or_else(|| {
-            let path = path.display();
-            Error::Refused(format!(
-                "{path}: a line was damaged while the experiment ran; repeat the command to repeat its run"
-            ))
-        })
-    }))
-}
-
-impl<M: Medium> Journal<M> {
-    fn new(path: &Path, medium: M, seal: Seal) -> Self {
+impl<F: Stored> Journal<F> {
+    fn new(path: &Path, file: F, seal: Seal) -> Self {
         Self {
             path: path.to_owned(),
-            medium,
+            file,
             seal,
             len: 0,
             rows: Vec::new(),
@@ -275,19 +195,10 @@ impl<M: Medium> Journal<M> {
         (before.sum == sum).then_some(before.start)
     }
 
-    fn put_header(&mut self, header: &Header) -> Result<(), Error> {
-        self.put(header.line())
-    }
-
     /// Writes a line with one call, so that it is whole or the last. Nothing is left of one that failed.
-    fn put(&mut self, line: serde_json::Result<Vec<u8>>) -> Result<(), Error> {
-        let text = line.map_err(|error| Error::file("write", &self.path)(error.into()))?;
-        if let Err(cause) = self.medium.write_all(&text).and_then(|()| self.medium.flush()) {
-            // If even this fails the line is torn, and dropped when the journal is opened again.
-            let _ = self.medium.cut(self.len);
-            return Err(Error::file("write", &self.path)(cause));
-        }
-        self.len += text.len() as u64;
+    fn put(&mut self, line: io::Result<Vec<u8>>) -> Result<(), Error> {
+        let written = line.and_then(|line| self.file.append_whole(&mut self.len, &line));
+        written.map_err(Error::file("write", &self.path))?;
         self.is_synced = false;
         if self.synced.is_none_or(|at| at.elapsed() >= SYNC_INTERVAL) {
             self.sync()?;
@@ -298,7 +209,11 @@ impl<M: Medium> Journal<M> {
     /// Waits until all lines are on the disk.
     pub(crate) fn sync(&mut self) -> Result<(), Error> {
         if !self.is_synced {
-            self.medium.sync().map_err(Error::file("write", &self.path))?;
+            match self.file.sync() {
+                // A device or a pipe keeps nothing.
+                Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => {}
+                synced => synced.map_err(Error::file("write", &self.path))?,
+            }
             (self.synced, self.is_synced) = (Some(Instant::now()), true);
         }
         Ok(())
@@ -307,40 +222,6 @@ impl<M: Medium> Journal<M> {
 
 fn appending(path: &Path) -> Result<File, Error> {
     OpenOptions::new().append(true).create(true).open(path).map_err(Error::file("write", path))
-}
-
-/// The reason why a file is no journal that can be resumed, and the remedy.
-fn refused(path: &Path, header: &Header, refusal: Refusal) -> Error {
-    let place = path.display();
-    let mending =
-        "choose another place with --out DIR, or start over with --fresh, which deletes what is there";
-    Error::Refused(match refusal {
-        Refusal::Unreadable(cause) => return Error::file("read", path)(cause),
-        Refusal::Foreign => {
-            format!("{place} is not the journal of an experiment, or is damaged throughout; {mending}")
-        }
-        Refusal::Before => format!(
-            "{place} was begun by an earlier version of baudbot, whose journals had no checksums, so damage \
-             cannot be detected; {mending}"
-        ),
-        Refusal::OfAnother(found) => format!(
-            "{place} belongs to another experiment, scenario or version, or to other seeds (`{}`, {}… instead of {}…); {mending}",
-            found.sweep,
-            found.fingerprint.get(..8).unwrap_or_default(),
-            &header.fingerprint[..8]
-        ),
-        Refusal::OfAnotherBuild(found) => format!(
-            "{place} was begun by another build of baudbot, whose runs differ from this one's (`{}` instead of `{}`); \
-             continue with that build, {mending}",
-            found.build, header.build
-        ),
-        Refusal::OfAnotherShard(found) => {
-            let name = |shard: Option<Shard>| {
-                shard.map_or_else(|| "all runs".to_owned(), |shard| format!("shard {shard}"))
-            };
-            format!("{place} is for {}, not for {}; {mending}", name(found), name(header.shard))
-        }
-    })
 }
 
 /// Waiting for the disk after each row would keep short runs waiting.

@@ -1,8 +1,12 @@
 //! The checksum at the end of each line: a CRC-64 of what the line says, and of what the journal is of. So no line of
 //! another journal passes for one of this.
 
+use std::io;
+
 use crc::{CRC_64_XZ, Crc};
 use serde::Serialize;
+
+use crate::run_record::{Row, Written};
 
 /// What the lines of a journal are checked with.
 #[derive(Clone, Debug, Default)]
@@ -18,7 +22,7 @@ impl Seal {
     }
 
     /// An object as a line of JSON, whose last member is the checksum.
-    pub(super) fn line(&self, object: &impl Serialize) -> serde_json::Result<Vec<u8>> {
+    pub(super) fn line(&self, object: &impl Serialize) -> io::Result<Vec<u8>> {
         let mut line = serde_json::to_vec(object)?;
         // All that is written has members.
         line.pop();
@@ -33,6 +37,12 @@ impl Seal {
         let sum = self.sum(object);
         let matches = end == format!("{BEFORE}{sum:0DIGITS$x}{BEHIND}").as_bytes();
         matches.then(|| ([object, b"}"].concat(), sum))
+    }
+
+    /// The row of a line, with its checksum; `None` if the line is damaged.
+    pub(super) fn row(&self, line: &[u8]) -> Option<(Row, u64)> {
+        let (object, sum) = self.open(line)?;
+        Some((serde_json::from_slice::<Written>(&object).ok()?.row()?, sum))
     }
 
     fn sum(&self, object: &[u8]) -> u64 {

@@ -1,5 +1,8 @@
 //! Journals on the disk and in memory.
 
+use std::cell::RefCell;
+
+use super::contents::Refusal;
 use super::*;
 use crate::figures::Figures;
 use crate::run_record::Ran;
@@ -26,9 +29,15 @@ fn lines() -> Vec<Vec<u8>> {
     std::iter::once(header().line().unwrap()).chain(rows).collect()
 }
 
+/// The contents of a journal of these bytes, which is to be resumed.
+fn read(bytes: &[u8]) -> Result<Contents, Refusal> {
+    let mut contents = Contents::none(Path::new("/x/rows.jsonl"), &header());
+    contents.take_all(bytes, &header(), Purpose::Resume).map(|()| contents)
+}
+
 /// Every row that is read from a journal must be true, and none may be missing without a report. Returns the reports.
 fn honest(bytes: &[u8]) -> Vec<String> {
-    let found = match reader::read(bytes, &header()) {
+    let found = match read(bytes) {
         Ok(found) => found,
         Err(Refusal::Foreign) => return vec!["it is refused".to_owned()],
         Err(refusal) => panic!("{refusal:?}"),
@@ -36,7 +45,7 @@ fn honest(bytes: &[u8]) -> Vec<String> {
     let mut missing = 5;
     for entry in found.rows.iter().chain(&found.failed) {
         let line = bytes[entry.start as usize..].split_inclusive(|byte| *byte == b'\n').next().unwrap();
-        assert_eq!(reader::row(&seal(), line).map(|(row, _)| row), Some(row(entry.run)));
+        assert_eq!(seal().row(line).map(|(row, _)| row), Some(row(entry.run)));
         missing -= 1;
     }
     assert!(found.rows.is_sorted_by(|a, b| a.run < b.run), "{:?}", found.rows);
@@ -75,7 +84,7 @@ fn a_journal_that_is_cut_anywhere_has_the_rows_before_the_cut_and_tells_of_the_t
         assert_eq!(damage.len(), usize::from(is_torn), "{len} bytes: {damage:?}");
         assert!(damage.iter().all(|damage| damage.ends_with(" is incomplete; its run is repeated")));
         // From its other end the header is gone.
-        let from = reader::read(&bytes[len..], &header());
+        let from = read(&bytes[len..]);
         let last = lines()[5].len();
         match from {
             Ok(found) => assert!(len == 0 || found.damage[0] == "line 1 is damaged; it is rewritten"),
@@ -90,7 +99,7 @@ fn lines_in_any_order_and_any_number_are_the_same_rows() {
     let lines = lines();
     let rows = |lines: &[Vec<u8>]| {
         honest(&lines.concat());
-        let found = reader::read(&*lines.concat(), &header()).unwrap();
+        let found = read(&lines.concat()).unwrap();
         let mut runs: Vec<_> = found.rows.iter().chain(&found.failed).map(|row| row.run).collect();
         runs.sort_unstable();
         runs
@@ -123,7 +132,7 @@ fn a_line_of_another_journal_is_no_row_of_this_one() {
 fn of_lines_that_differ_about_a_run_none_is_believed() {
     let mut lines = lines();
     lines.push(seal().line(&Written::from(&Row { run: 1, ..row(2) })).unwrap());
-    let found = reader::read(&*lines.concat(), &header()).unwrap();
+    let found = read(&lines.concat()).unwrap();
     assert_eq!(found.damage, ["lines 4 and 7 disagree about run 1; its run is repeated"]);
     assert_eq!(found.rows.iter().map(|row| row.run).collect::<Vec<_>>(), [0, 2, 4]);
     assert!(!found.is_sound, "it would be told for ever");
@@ -137,7 +146,7 @@ fn a_damaged_journal_is_mended_in_its_place_and_told_of_once() {
     damaged[3][9] ^= 1;
     damaged[5].truncate(12);
     fs::write(&path, damaged.concat()).unwrap();
-    let told = std::cell::RefCell::new(Vec::new());
+    let told = RefCell::new(Vec::new());
     let open = || Journal::open(&path, &header(), &|text| told.borrow_mut().push(text.to_owned())).unwrap();
     let mut journal = open();
     let expected = ["1 is damaged; it is rewritten", "4 is damaged; its run", "6 is incomplete; its run"];
@@ -210,49 +219,29 @@ fn a_journal_in_which_every_run_failed_is_begun_anew_and_a_damaged_one_keeps_its
     fs::remove_file(path).unwrap();
 }
 
-#[test]
-fn a_journal_of_before_there_were_checksums_is_refused_by_name() {
-    let own = header();
-    let text = serde_json::to_vec(&own).unwrap();
-    let Err(refusal) = reader::read(&*[&text[..], b"\n{\"run\":0}\n"].concat(), &own) else {
-        panic!("it is taken")
-    };
-    let error = refused(Path::new("/x/rows.jsonl"), &own, refusal).to_string();
-    assert!(error.starts_with(
-        "/x/rows.jsonl was begun by an earlier version of baudbot, whose journals had no checksums"
-    ));
-    assert!(error.contains("choose another place with --out DIR, or start over with --fresh"), "{error}");
-}
-
 /// Has room for so many bytes.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Full {
     bytes: Vec<u8>,
     room: usize,
     /// How many bytes there were at each sync.
-    syncs: Vec<usize>,
+    syncs: RefCell<Vec<usize>>,
 }
 
-impl Write for Full {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+impl Stored for Full {
+    fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
         let fits = bytes.len().min(self.room - self.bytes.len());
         self.bytes.extend(&bytes[..fits]);
-        if fits == 0 { Err(ErrorKind::StorageFull.into()) } else { Ok(fits) }
+        if fits < bytes.len() { Err(ErrorKind::StorageFull.into()) } else { Ok(()) }
     }
 
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Medium for Full {
-    fn cut(&mut self, len: u64) -> io::Result<()> {
-        self.bytes.truncate(len as usize);
+    fn cut(&mut self, length: u64) -> io::Result<()> {
+        self.bytes.truncate(length as usize);
         Ok(())
     }
 
-    fn sync(&mut self) -> io::Result<()> {
-        self.syncs.push(self.bytes.len());
+    fn sync(&self) -> io::Result<()> {
+        self.syncs.borrow_mut().push(self.bytes.len());
         Ok(())
     }
 }
@@ -270,14 +259,14 @@ fn on_a_full_disk_whole_rows_stay_and_the_error_names_the_file() {
         }
     };
     assert!(error.starts_with("cannot write /somewhere/rows.jsonl: "), "{error}");
-    let text = String::from_utf8(journal.medium.bytes.clone()).unwrap();
+    let text = String::from_utf8(journal.file.bytes.clone()).unwrap();
     assert_eq!(text.lines().count() as u64, run);
     assert!(run > 0 && text.ends_with("}\n"), "{text}");
     assert_eq!(journal.runs(), (0..run).collect::<Vec<_>>());
     // With room again it goes on where it was.
-    journal.medium.room = 1000;
+    journal.file.room = 1000;
     journal.append(&row(run)).unwrap();
-    assert_eq!(journal.medium.bytes.len() as u64, journal.len);
+    assert_eq!(journal.file.bytes.len() as u64, journal.len);
 }
 
 #[test]
@@ -288,13 +277,13 @@ fn rows_reach_the_disk_soon_but_not_each_by_itself() {
     let start = Instant::now();
     (0..100).for_each(|run| journal.append(&row(run)).unwrap());
     let most = 1 + start.elapsed().as_millis() / SYNC_INTERVAL.as_millis();
-    assert!((1..=most as usize).contains(&journal.medium.syncs.len()), "{:?}", journal.medium.syncs);
+    assert!((1..=most as usize).contains(&journal.file.syncs.borrow().len()), "{:?}", journal.file.syncs);
     journal.synced = Instant::now().checked_sub(SYNC_INTERVAL);
     journal.append(&row(100)).unwrap();
-    assert_eq!(journal.medium.syncs.last(), Some(&journal.medium.bytes.len()));
+    assert_eq!(journal.file.syncs.borrow().last(), Some(&journal.file.bytes.len()));
     journal.synced = Some(Instant::now() + SYNC_INTERVAL);
     journal.append(&row(101)).unwrap();
-    assert_ne!(journal.medium.syncs.last(), Some(&journal.medium.bytes.len()));
+    assert_ne!(journal.file.syncs.borrow().last(), Some(&journal.file.bytes.len()));
     journal.sync().unwrap();
-    assert_eq!(journal.medium.syncs.last(), Some(&journal.medium.bytes.len()));
+    assert_eq!(journal.file.syncs.borrow().last(), Some(&journal.file.bytes.len()));
 }
