@@ -305,8 +305,8 @@ mod tests {
         ("W4s/onboard", 0xd1d8_143e_a7c7_826b),
         ("W4s/cable", 0xf60a_7506_2396_2d3c),
         ("G", 0xb4eb_3d15_1ccd_73d7),
-        ("F/spinning", 0xc3df_49c0_5251_0196),
-        ("F/sleeping", 0x5b00_3d11_ecfe_7419),
+        ("F/spinning", 0x35b3_7a76_ed2f_3336),
+        ("F/sleeping", 0x58e4_c183_43d1_d477),
     ];
 
     #[test]

@@ -57,7 +57,7 @@ pub mod motor;
 pub mod movable;
 pub mod mover;
 mod open_interface;
-mod pair;
+mod optional;
 mod parallel;
 pub mod processor;
 pub mod random;

@@ -68,7 +68,7 @@ impl<'a> RobotView<'a> {
 
     /// What feeds it, and how much is left of that, if it can run out.
     pub fn battery(&self) -> Option<(&'a Battery, &'a BatteryState)> {
-        self.spec.battery.as_ref().zip(self.state.rare.first.as_ref())
+        self.spec.battery.as_ref().zip(self.state.parts.battery.as_ref())
     }
 
     /// For the brain: the bytes that arrived since its last step on the cable of a sensor's own, by the sensor's
@@ -85,12 +85,12 @@ impl<'a> RobotView<'a> {
 
     /// The board of a robot whose microcontroller runs a program of the user's own.
     pub fn board(&self) -> Option<&'a Board> {
-        self.state.rare.fourth.as_ref().map(|chip| chip.board())
+        self.state.parts.chip.as_ref().map(|chip| chip.board())
     }
 
     /// What that program or the wiring hardly means, each with when it came first.
     pub fn board_warnings(&self) -> impl Iterator<Item = (SimTime, &'a Warning)> {
-        let chip = self.state.rare.fourth.as_deref();
+        let chip = self.state.parts.chip.as_deref();
         chip.into_iter().flat_map(|chip| {
             chip.board().warnings().iter().map(|warning| (chip.world(warning.first_ns), warning))
         })
@@ -151,7 +151,7 @@ impl<'a> RobotView<'a> {
 
     /// How long something has kept it from moving, in nanoseconds, where robots slide along what they run into.
     pub fn stood_in_contact_ns(&self) -> u64 {
-        self.state.rare.fifth.unwrap_or_default()
+        self.state.parts.standing_ns.unwrap_or_default()
     }
 
     /// Commands that its microcontroller obeyed.

@@ -148,7 +148,7 @@ impl Robot {
     /// What comes next on the robot, and when; of two at one instant, a device, and of two devices the first.
     #[inline(always)]
     fn next_on_robot(&self, spec: &RobotSpec) -> (SimTime, Next) {
-        let mut next = if let Some(chip) = &self.rare.fourth {
+        let mut next = if let Some(chip) = &self.parts.chip {
             (chip.now(), Next::Chip)
         } else {
             let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
@@ -160,7 +160,7 @@ impl Robot {
                 next = (at, Next::Device(i, event));
             }
         }
-        if self.rare.third.is_some()
+        if self.parts.dialogues.is_some()
             && let Some((at, k)) = self.next_of_dialogues(spec)
             && at < next.0
         {
@@ -195,8 +195,8 @@ impl Robot {
         now: SimTime,
         first: usize,
     ) -> Option<(SimTime, Task)> {
-        let Self { microcontroller, motion, actuators, rare, pings, recorder, .. } = self;
-        let battery = rare.first.as_ref();
+        let Self { microcontroller, motion, actuators, parts, pings, recorder, .. } = self;
+        let battery = parts.battery.as_ref();
         let mut at = measurement(spec, tick, now, (motion, actuators, battery));
         let next = microcontroller.acquire(spec, first, &mut at, |acquired| {
             let sensor = acquired.sensor as u16;
@@ -248,7 +248,7 @@ impl Robot {
         }
         self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
         let spare = core::mem::take(&mut self.spare);
-        let battery = self.rare.first.as_ref();
+        let battery = self.parts.battery.as_ref();
         let robot = Condition { motion: &self.motion, signals: self.signals, battery };
         let sent = self.microcontroller.send_readings(spec, now, &mut self.uplink, &robot, spare);
         self.downlink.leave_wire_to(&spec.link, &self.uplink);
@@ -271,8 +271,8 @@ impl Robot {
     fn run_device(&mut self, spec: &RobotSpec, tick: &Tick<'_>, now: SimTime, (i, event): (usize, Event)) {
         match event {
             Event::Measure => {
-                let Self { microcontroller, motion, actuators, rare, .. } = self;
-                let battery = rare.first.as_ref();
+                let Self { microcontroller, motion, actuators, parts, .. } = self;
+                let battery = parts.battery.as_ref();
                 let at = measurement(spec, tick, now, (motion, actuators, battery));
                 microcontroller.measure(spec, i, &at);
             }
@@ -337,14 +337,14 @@ impl Robot {
     pub(crate) fn lost(&self) -> u64 {
         let cables =
             [&self.uplink, &self.downlink].into_iter().chain(self.ports.iter().map(|port| &port.line));
-        let dialogues = self.rare.third.iter().flatten().flatten();
+        let dialogues = self.parts.dialogues.iter().flatten().flatten();
         let cables = cables.chain(dialogues.map(|dialogue| &dialogue.down));
         cables.map(|line| line.counters.lost()).sum()
     }
 
     /// The actuators take up what has been commanded by `now`, and what is late is found out.
     pub(crate) fn take_up(&mut self, spec: &RobotSpec, now: SimTime, dt: f64) {
-        if self.rare.fourth.is_some() {
+        if self.parts.chip.is_some() {
             return self.take_up_from_chip(spec, now, dt);
         }
         let mut stopped_at = None;
@@ -368,7 +368,7 @@ impl Robot {
             }
             self.recorder.note(now, now, What::Act);
         }
-        let battery = self.rare.first.as_ref();
+        let battery = self.parts.battery.as_ref();
         let robot = Condition { motion: &self.motion, signals: self.signals, battery };
         if let Some((since, signals)) = self.microcontroller.steer(spec, &robot, now, dt) {
             self.signals = signals;

@@ -8,7 +8,7 @@ use crate::time::SimTime;
 impl Robot {
     /// The motor signals in force.
     pub(crate) fn motor_signals(&self) -> Wheels {
-        self.rare.second.as_ref().map_or(self.signals, |line| line.signals())
+        self.parts.delay_line.as_ref().map_or(self.signals, |line| line.signals())
     }
 
     /// The motor signals at `now` of a robot with a dead time.
@@ -16,7 +16,7 @@ impl Robot {
     #[inline(never)]
     pub(crate) fn delay(&mut self, spec: &RobotSpec, now: SimTime) -> Wheels {
         let commanded = (self.commanded_at, spec.drive.motor.takes_effect(self.commanded_at));
-        let Some(line) = &mut self.rare.second else { return self.signals };
+        let Some(line) = &mut self.parts.delay_line else { return self.signals };
         line.pass(self.signals, commanded, spec.dead_time_ns, now)
     }
 }

@@ -36,7 +36,7 @@ use crate::link::{Direction, Line, Link};
 use crate::microcontroller::Microcontroller;
 use crate::model::{RobotSpec, Start};
 use crate::motor::{DelayLine, NoiseState};
-use crate::pair::Pair;
+use crate::optional::optional_parts;
 use crate::random::Stream;
 use crate::scene::{Ping, Scene};
 use crate::sensor::dialogue::{DialogueState, Dialogues};
@@ -62,9 +62,7 @@ pub(crate) struct Robot {
     /// The cables of the sensors that have their own, in their order.
     pub(crate) ports: Vec<PortState>,
     pub(crate) actuators: Vec<ActuatorState>,
-    /// Its battery, what is under way to its motors, the dialogues with its sensors, and the chip that runs its program, on a
-    /// robot that has them; and how long, in nanoseconds, something has kept it from sliding on.
-    pub(crate) rare: Pair<BatteryState, Box<DelayLine>, Dialogues, Box<ChipState>, u64>,
+    pub(crate) parts: OptionalParts,
     /// The pulse that it sent in this tick, and the one that others hear, which is of the last tick.
     pub(crate) pings: [Option<Ping>; 2],
     /// When the last command was obeyed.
@@ -79,6 +77,22 @@ pub(crate) struct Robot {
     #[serde(skip)]
     spare: Vec<(usize, SimTime)>,
 }
+
+/// Parts of the state that few robots have.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct OptionalParts {
+    pub(crate) battery: Option<BatteryState>,
+    /// The signals under way to motors with a dead time.
+    pub(crate) delay_line: Option<Box<DelayLine>>,
+    /// The dialogues with its sensors.
+    pub(crate) dialogues: Option<Dialogues>,
+    /// The chip that runs its program.
+    pub(crate) chip: Option<Box<ChipState>>,
+    /// How long, in nanoseconds, something has kept it from sliding on.
+    pub(crate) standing_ns: Option<u64>,
+}
+
+optional_parts!(OptionalParts { battery, delay_line, dialogues, chip, standing_ns });
 
 /// The tick in which a robot is advanced, with the scene as it is at its start.
 #[derive(Clone, Copy)]
@@ -114,10 +128,10 @@ impl Robot {
 
     /// What it is now, without its chip, and of its timeline only how many events there were.
     pub(crate) fn as_seen(&mut self) -> Self {
-        let (chip, recorder) = (self.rare.fourth.take(), core::mem::take(&mut self.recorder));
+        let (chip, recorder) = (self.parts.chip.take(), core::mem::take(&mut self.recorder));
         let mut seen = self.clone();
         seen.recorder.timeline = recorder.timeline.emptied();
-        (self.rare.fourth, self.recorder) = (chip, recorder);
+        (self.parts.chip, self.recorder) = (chip, recorder);
         seen
     }
 
@@ -142,12 +156,12 @@ impl Robot {
                 .map(|&i| PortState::new(&spec.sensors[i], seed, &spec.name))
                 .collect(),
             actuators: spec.actuators.iter().map(|_| ActuatorState::default()).collect(),
-            rare: Pair {
-                first: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
-                second: (spec.dead_time_ns > 0).then(Box::default),
-                third: dialogues(spec, seed),
-                fourth: spec.chip.as_ref().map(|chip| Box::new(ChipState::new(chip, spec))),
-                fifth: None,
+            parts: OptionalParts {
+                battery: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
+                delay_line: (spec.dead_time_ns > 0).then(Box::default),
+                dialogues: dialogues(spec, seed),
+                chip: spec.chip.as_ref().map(|chip| Box::new(ChipState::new(chip, spec))),
+                standing_ns: None,
             },
             pings: [None; 2],
             commanded_at: SimTime::ZERO,
@@ -179,21 +193,22 @@ impl Robot {
     /// From now on keeps the last so many bytes that come over each of its cables, each way.
     pub(crate) fn keep_tape(&mut self, bytes: usize) {
         let ports = self.ports.iter_mut().map(|port| &mut port.line);
-        let dialogues = self.rare.third.iter_mut().flatten().flatten().map(|dialogue| &mut dialogue.down);
+        let dialogues =
+            self.parts.dialogues.iter_mut().flatten().flatten().map(|dialogue| &mut dialogue.down);
         let own = [&mut self.uplink, &mut self.downlink];
         own.into_iter().chain(ports).chain(dialogues).for_each(|line| line.keep_tape(bytes));
     }
 
     /// From now on keeps what a logic analyser on the pins of its chip would see, or no longer does.
     pub(crate) fn keep_edges(&mut self, keep: bool) {
-        if let Some(chip) = &mut self.rare.fourth {
+        if let Some(chip) = &mut self.parts.chip {
             chip.keep_edges(keep);
         }
     }
 
     /// From now on counts the rounds of the main loop of its chip's program, or no longer does.
     pub(crate) fn keep_rounds(&mut self, keep: bool) {
-        if let Some(chip) = &mut self.rare.fourth {
+        if let Some(chip) = &mut self.parts.chip {
             chip.keep_rounds(keep);
         }
     }
@@ -203,14 +218,14 @@ impl Robot {
         self.lay_down_command(spec);
         self.downlink.lose_before(&spec.link, now);
         self.microcontroller.reset(spec, now);
-        if let Some(chip) = &mut self.rare.fourth {
+        if let Some(chip) = &mut self.parts.chip {
             chip.reset(now, SimTime::from_ns(spec.processor.bootloader_ns), &spec.link);
         }
     }
 
     /// The cable to its brain has another rate from now on.
     pub(crate) fn begin_bursts(&mut self, link: &Link) {
-        if let Some(chip) = &mut self.rare.fourth {
+        if let Some(chip) = &mut self.parts.chip {
             chip.set_rate(link);
         }
         self.uplink.begin_burst();

@@ -19,7 +19,7 @@ impl Robot {
         self.laptop.unread.clear();
         self.laptop.instants.clear();
         self.ports.iter_mut().for_each(PortState::clear);
-        let Some(dialogues) = &mut self.rare.third else { return };
+        let Some(dialogues) = &mut self.parts.dialogues else { return };
         for (k, (dialogue, state)) in dialogues.iter_mut().zip(&mut self.ports).enumerate() {
             if let (Some(dialogue), Some(port)) = (dialogue, port(spec, k)) {
                 dialogue.open(port, open, now, &mut state.line);
@@ -82,7 +82,7 @@ impl Robot {
     #[inline]
     fn cable<'a>(&self, spec: &'a RobotSpec, k: usize) -> &'a Link {
         let Some(port) = port(spec, k) else { return &Link::Ideal };
-        if self.rare.third.is_none() {
+        if self.parts.dialogues.is_none() {
             return &port.link;
         }
         self.dialogue(k).map_or(&port.link, |dialogue| dialogue.cable(port))
@@ -90,11 +90,11 @@ impl Robot {
 
     /// The dialogue on port `k`, if it is one.
     pub(crate) fn dialogue(&self, k: usize) -> Option<&DialogueState> {
-        self.rare.third.as_ref()?.get(k)?.as_ref()
+        self.parts.dialogues.as_ref()?.get(k)?.as_ref()
     }
 
     fn dialogue_mut(&mut self, k: usize) -> Option<&mut DialogueState> {
-        self.rare.third.as_mut()?.get_mut(k)?.as_mut()
+        self.parts.dialogues.as_mut()?.get_mut(k)?.as_mut()
     }
 
     /// When a device does something next on a port of its own, if there is a dialogue, and on which.
@@ -107,8 +107,8 @@ impl Robot {
     /// The device on port `k` does what is next.
     pub(super) fn run_dialogue(&mut self, spec: &RobotSpec, now: SimTime, k: usize) {
         let Some(port) = port(spec, k) else { return };
-        let Self { rare, ports, microcontroller, .. } = self;
-        let dialogue = rare.third.as_mut().and_then(|all| all.get_mut(k)?.as_mut());
+        let Self { parts, ports, microcontroller, .. } = self;
+        let dialogue = parts.dialogues.as_mut().and_then(|all| all.get_mut(k)?.as_mut());
         let (Some(dialogue), Some(state)) = (dialogue, ports.get_mut(k)) else { return };
         let newest = microcontroller.newest(spec.sensors.ports()[k]);
         let said = dialogue.run(port, now, &mut state.line, newest.map(|(values, begun, _)| (values, begun)));
@@ -147,8 +147,8 @@ impl Robot {
     /// A scan is there on port `k`, a dialogue, of sensor `i`.
     fn offer_scan(&mut self, spec: &RobotSpec, now: SimTime, (k, i): (usize, usize)) {
         let Some(port) = port(spec, k) else { return };
-        let Self { rare, ports, microcontroller, recorder, .. } = self;
-        let dialogue = rare.third.as_mut().and_then(|all| all.get_mut(k)?.as_mut());
+        let Self { parts, ports, microcontroller, recorder, .. } = self;
+        let dialogue = parts.dialogues.as_mut().and_then(|all| all.get_mut(k)?.as_mut());
         let (Some(dialogue), Some(state)) = (dialogue, ports.get_mut(k)) else { return };
         let Some((values, begun, truly_at)) = microcontroller.newest(i) else { return };
         let message = Message { sampled: alloc::vec![(i, truly_at)], ..Message::default() };
@@ -181,7 +181,7 @@ impl Robot {
 
     /// What was written to ports in this tick is on its way, none of it before `from`.
     pub(crate) fn send_written(&mut self, spec: &RobotSpec, from: SimTime) {
-        if self.rare.third.is_none() {
+        if self.parts.dialogues.is_none() {
             return;
         }
         for k in 0..self.ports.len() {
@@ -195,7 +195,7 @@ impl Robot {
     /// Whether the cables of sensors' own can be so at `now`.
     pub(crate) fn ports_are_sound(&self, spec: &RobotSpec, now: SimTime) -> bool {
         let sensors = spec.sensors.len();
-        let dialogues = self.rare.third.as_ref();
+        let dialogues = self.parts.dialogues.as_ref();
         dialogues.is_none_or(|all| all.len() == self.ports.len())
             && self.ports.iter().enumerate().all(|(k, state)| {
                 let expected = port(spec, k).is_some_and(|port| port.dialogue.is_some());

@@ -15,7 +15,6 @@ use serde::{Deserialize, Serialize};
 
 use super::Measurement;
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, level};
-use crate::pair::Pair;
 use crate::random::Stream;
 use crate::time::{SECOND_NS, SimTime};
 use baudbot_fields::{FieldError, Path};
@@ -44,15 +43,17 @@ pub struct Gps {
 pub(crate) struct Wander {
     error_m: [f64; 2],
     last: SimTime,
-    /// Since when the sky is seen, and the second error, if there is one.
-    sky_and_short: Pair<SimTime, [f64; 2]>,
+    /// Since when the sky is seen.
+    sky_since: Option<SimTime>,
+    /// The error that wanders faster, if there is one.
+    short_error_m: Option<[f64; 2]>,
     /// The last position, which is repeated without a fix.
     position_deg: [f64; 2],
 }
 
 impl Wander {
     pub(super) fn is_sound(&self) -> bool {
-        let short = self.sky_and_short.second.into_iter().flatten();
+        let short = self.short_error_m.into_iter().flatten();
         crate::sound::numbers(self.error_m.into_iter().chain(self.position_deg).chain(short))
     }
 }
@@ -134,13 +135,8 @@ impl Sense for Gps {
         Box::new(Wander {
             error_m,
             last: SimTime::ZERO,
-            sky_and_short: Pair {
-                first: Some(SimTime::ZERO),
-                second: (self.short_wander_sigma_m > 0.0).then_some(short),
-                third: None,
-                fourth: None,
-                fifth: None,
-            },
+            sky_since: Some(SimTime::ZERO),
+            short_error_m: (self.short_wander_sigma_m > 0.0).then_some(short),
             position_deg: [0.0; 2],
         })
     }
@@ -159,14 +155,14 @@ impl Sense for Gps {
         }
         let position = at.motion.pose.position;
         let sky = at.scene.surroundings.sky_at(position);
-        let sky_since = &mut wander.sky_and_short.first;
+        let sky_since = &mut wander.sky_since;
         *sky_since = if sky { sky_since.or(Some(at.now)) } else { None };
         let back = |since: SimTime| since == SimTime::ZERO || at.now.since(since) >= self.reacquire_ns;
         let fix = sky_since.is_some_and(back);
         if fix {
             let [mut east, mut north] = [position.x, position.y];
             if at.noise {
-                let [short_east, short_north] = wander.sky_and_short.second.unwrap_or_default();
+                let [short_east, short_north] = wander.short_error_m.unwrap_or_default();
                 east += wander.error_m[0] + short_east + self.sigma_m * stream.normal();
                 north += wander.error_m[1] + short_north + self.sigma_m * stream.normal();
             }
@@ -196,7 +192,7 @@ impl Gps {
         if self.wander_sigma_m > 0.0 {
             wander_for(&mut wander.error_m, (self.wander_sigma_m, self.wander_time_s), dt, stream);
         }
-        if let Some(short) = &mut wander.sky_and_short.second {
+        if let Some(short) = &mut wander.short_error_m {
             wander_for(short, (self.short_wander_sigma_m, self.short_wander_time_s), dt, stream);
         }
     }

@@ -46,7 +46,7 @@ impl World {
             return None;
         }
         // A chip sees a byte from its start bit on.
-        if state.rare.fourth.is_some() {
+        if state.parts.chip.is_some() {
             return None;
         }
         // What a step leaves unanswered is counted behind the cycles before it, and those only once they are counted.

@@ -207,7 +207,7 @@ impl World {
     fn note_standing(&mut self, own: usize, before: &Pose, dt: f64) {
         let robot = &mut self.state.robots[own];
         if robot.motion.pose.position == before.position {
-            *robot.rare.fifth.get_or_insert_default() += (dt * SECOND_NS as f64 + 0.5) as u64;
+            *robot.parts.standing_ns.get_or_insert_default() += (dt * SECOND_NS as f64 + 0.5) as u64;
         }
     }
 
@@ -340,18 +340,18 @@ impl Robot {
     /// A substep of the motors and the other actuators, as if the robot were alone.
     fn drive(&mut self, spec: &RobotSpec, scenario: &Scenario, now: SimTime, dt: f64) {
         self.take_up(spec, now, dt);
-        let given = match &self.rare.second {
+        let given = match &self.parts.delay_line {
             None => self.signals,
             Some(_) => self.delay(spec, now),
         };
-        let powered = match (&spec.battery, &self.rare.first) {
+        let powered = match (&spec.battery, &self.parts.battery) {
             (Some(battery), Some(state)) => !state.is_empty(battery),
             _ => true,
         };
         let signals = if powered { self.motor_noise.apply(given) } else { Wheels::default() };
         let signals = self.under_load(spec, signals);
         let grip = scenario.surroundings.grip_of(&spec.drive, &self.motion);
-        self.motion = match &self.rare.fourth {
+        self.motion = match &self.parts.chip {
             None => spec.drive.step(&self.motion, signals, grip, dt),
             Some(chip) => {
                 spec.drive.step_behind_bridges(&self.motion, signals, (chip.given().open, grip), dt)
@@ -366,7 +366,7 @@ impl Robot {
                 state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.pulse), dt);
             }
         }
-        if let (Some(battery), Some(state)) = (&spec.battery, &mut self.rare.first) {
+        if let (Some(battery), Some(state)) = (&spec.battery, &mut self.parts.battery) {
             let charger_w = scenario.surroundings.charger_at(self.motion.pose.position);
             let motors_w = if powered { spec.drive.power_w(&self.motion, signals) } else { 0.0 };
             state.draw(battery, battery.idle_w + motors_w, dt);
@@ -381,7 +381,7 @@ impl Robot {
     /// A DC motor gets what the battery still gives.
     fn under_load(&self, spec: &RobotSpec, signals: Wheels) -> Wheels {
         let (Some(battery), Some(state), Motors::Dc(_)) =
-            (&spec.battery, &self.rare.first, &spec.drive.motor)
+            (&spec.battery, &self.parts.battery, &spec.drive.motor)
         else {
             return signals;
         };

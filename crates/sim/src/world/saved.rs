@@ -126,11 +126,11 @@ impl Robot {
     fn check(&self, spec: &RobotSpec, other: &Self, now: SimTime) -> Result<(), SavedError> {
         same(self.ports.len() == other.ports.len(), "sensor cables")?;
         same(self.actuators.len() == other.actuators.len(), "actuators")?;
-        let (parts, others) = (&self.rare, &other.rare);
-        same(parts.first.is_some() == others.first.is_some(), "batteries")?;
-        same(parts.second.is_some() == others.second.is_some(), "dead times")?;
-        same(parts.fourth.is_some() == others.fourth.is_some(), "chips")?;
-        let chips = parts.fourth.as_ref().zip(others.fourth.as_ref());
+        let (parts, others) = (&self.parts, &other.parts);
+        same(parts.battery.is_some() == others.battery.is_some(), "batteries")?;
+        same(parts.delay_line.is_some() == others.delay_line.is_some(), "dead times")?;
+        same(parts.chip.is_some() == others.chip.is_some(), "chips")?;
+        let chips = parts.chip.as_ref().zip(others.chip.as_ref());
         sound(chips.is_none_or(|(own, other)| own.may_become(other, &spec.link, now)), "chip")?;
         let sensors = spec.sensors.len();
         same(other.microcontroller.channels().len() == sensors, "sensors")?;
@@ -146,9 +146,9 @@ impl Robot {
         sound(other.microcontroller.next(&spec.link, &other.downlink).0 >= now, "schedule")?;
         sound(other.ports_are_sound(spec, now), "sensor cables")?;
         sound(other.actuators.iter().all(ActuatorState::is_sound), "actuators")?;
-        let battery = spec.battery.as_ref().zip(others.first.as_ref());
+        let battery = spec.battery.as_ref().zip(others.battery.as_ref());
         sound(battery.is_none_or(|(battery, state)| state.is_sound(battery)), "battery")?;
-        let line = others.second.as_ref();
+        let line = others.delay_line.as_ref();
         sound(line.is_none_or(|line| line.is_sound(spec.dead_time_ns, now)), "dead time")?;
         let RobotCounters { collisions, distance_m, turns } = other.counters;
         sound(sound::numbers([distance_m]) && [collisions, turns].into_iter().all(sound::count), "counters")?;

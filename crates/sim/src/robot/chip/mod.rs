@@ -22,13 +22,13 @@ impl Robot {
     #[cold]
     #[inline(never)]
     pub(super) fn run_chip(&mut self, spec: &RobotSpec, tick: &Tick<'_>, until: SimTime, may_step: bool) {
-        let (Some(mut chip), Some(chip_spec)) = (self.rare.fourth.take(), &spec.chip) else { return };
+        let (Some(mut chip), Some(chip_spec)) = (self.parts.chip.take(), &spec.chip) else { return };
         let now = chip.now().max(tick.start);
         let is_silent = chip_spec.is_opaque() && self.ports.is_empty();
         let slice_ns = if may_step && !is_silent { spec.link.burst_ns(1) * 9 / 10 } else { u64::MAX };
         let until = until.min(tick.end).min(SimTime::from_ns(now.as_ns().saturating_add(slice_ns)));
-        let Self { microcontroller, motion, actuators, rare, recorder, pings, .. } = self;
-        let measurement = measurement(spec, tick, now, (motion, actuators, rare.first.as_ref()));
+        let Self { microcontroller, motion, actuators, parts, recorder, pings, .. } = self;
+        let measurement = measurement(spec, tick, now, (motion, actuators, parts.battery.as_ref()));
         let ping = &mut pings[0];
         let mut around = Around { spec, microcontroller, measurement, recorder, ping };
         let tick_ns = tick.end.since(tick.start);
@@ -37,14 +37,14 @@ impl Robot {
         if let Some((from, until, bytes)) = spoken {
             self.recorder.note(from, until, What::Up { bytes });
         }
-        self.rare.fourth = Some(chip);
+        self.parts.chip = Some(chip);
     }
 
     /// The actuators do what the chip's pins say.
     #[cold]
     #[inline(never)]
     pub(super) fn take_up_from_chip(&mut self, spec: &RobotSpec, now: SimTime, dt_s: f64) {
-        let (Some(chip), Some(chip_spec)) = (&mut self.rare.fourth, &spec.chip) else { return };
+        let (Some(chip), Some(chip_spec)) = (&mut self.parts.chip, &spec.chip) else { return };
         self.signals = chip.take_up(chip_spec, &spec.drive, now, dt_s).signals;
         chip.move_actuators(chip_spec, &mut self.actuators);
         self.commanded_at = now;
