@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::motor::PositionalServo;
 
-/// What an actuator is.
+/// The kind and the limits of an actuator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator {
     /// Unique on its robot.
@@ -25,7 +25,7 @@ pub enum ActuatorKind {
     Lamp {
         /// Luminous intensity at signal 1, in candela.
         intensity_cd: f64,
-        /// How high it is, in metres.
+        /// The height, in metres.
         height_m: f64,
     },
     /// A loudspeaker in the robot's centre: 1 is full loudness, 0 and less is silence.
@@ -42,7 +42,7 @@ pub struct ActuatorState {
     pub signal: f64,
     /// Of a turret: the signal when its present pulse began.
     pub pulse: f64,
-    /// Where a turret stands, in radians, positive to the left.
+    /// The angle of a turret, in radians, positive to the left.
     pub angle_rad: f64,
 }
 
@@ -53,7 +53,7 @@ impl ActuatorState {
 }
 
 impl Actuator {
-    /// What the scenario calls its kind.
+    /// The scenario's name for its kind.
     pub fn kind(&self) -> &'static str {
         match self.kind {
             ActuatorKind::Turret(_) => "turret",

@@ -28,16 +28,16 @@ pub struct Polygon {
 pub struct Pillar {
     /// Unique among the arena's shapes.
     pub name: String,
-    /// Where it stands, in metres.
+    /// The outline, in metres.
     pub circle: Circle,
     /// Its height and its colour.
     pub look: Look,
 }
 
-/// What sensors see of a thing besides its outline on the floor.
+/// The visible properties of a thing besides its outline on the floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    /// How far it reaches up from the floor, in metres; infinite for a wall. A sensor that sits higher
+    /// The height up to which it reaches from the floor, in metres; infinite for a wall. A sensor that sits higher
     /// overlooks it (§6.1).
     pub height_m: f64,
     /// Red, green and blue.
@@ -79,7 +79,7 @@ pub enum Thing {
     Pillar(usize),
 }
 
-/// How high a sensor sits.
+/// The height of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Height {
     /// In metres.
@@ -88,13 +88,13 @@ pub struct Height {
     pub(crate) layer: usize,
 }
 
-/// What is seen from some height.
+/// The shapes that are visible from some height.
 #[derive(Clone, Debug)]
 struct Layer {
     index: Index,
-    /// Which polygon each of the index's segments belongs to.
+    /// The polygon that each of the index's segments belongs to.
     polygons: Vec<usize>,
-    /// Which pillar each of the index's circles is.
+    /// The pillar that each of the index's circles is.
     pillars: Vec<usize>,
 }
 
@@ -163,7 +163,7 @@ impl Arena {
         &self.layers[layer].index
     }
 
-    /// What a shape of a layer looks like.
+    /// The look of a shape of a layer.
     pub(crate) fn look_of(&self, layer: usize, shape: Shape) -> Look {
         let layer = &self.layers[layer];
         match shape {

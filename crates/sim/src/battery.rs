@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::curve;
 
-/// What a battery is.
+/// The model of a battery.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Battery {
     /// Nominal voltage, in V.
@@ -34,7 +34,7 @@ pub struct Battery {
     /// Current in A and share of the capacity that it gets out of a full battery, currents increasing: linear in between,
     /// held beyond the ends. Empty if every current gets all of it.
     pub yields: Vec<(f64, f64)>,
-    /// What the robot's electronics take all the time, in W.
+    /// The constant power of the robot's electronics, in W.
     pub idle_w: f64,
 }
 

@@ -9,8 +9,8 @@ use crate::time::SimTime;
 use crate::world::{Turn, World};
 
 impl World {
-    /// What the brain of messages sees that steps now: the readings that have arrived, and its robot's data sheet. `body` is
-    /// that sheet, made once.
+    /// The turn of the brain of messages that steps now: the readings that have arrived, and its robot's data sheet.
+    /// `body` is that sheet, made once.
     pub fn turn_of(&self, turn: Turn, body: &Arc<Body>) -> baudbot_brain::Turn {
         let robot = self.robot(turn.robot);
         baudbot_brain::Turn {

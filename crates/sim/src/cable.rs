@@ -27,7 +27,7 @@ impl Cable {
 pub struct Listener {
     cable: Cable,
     analyser: Analyser<Vec<u8>>,
-    /// How many bytes have been looked at, up and down.
+    /// The number of bytes that have been looked at, up and down.
     seen: [u64; 2],
     missed_bytes: u64,
     /// The end of the message of the last byte, up and down.
@@ -50,7 +50,7 @@ impl Listener {
         }
     }
 
-    /// How many bytes came and were gone before they were looked at.
+    /// The number of bytes that came and were gone before they were looked at.
     pub fn missed_bytes(&self) -> u64 {
         self.missed_bytes
     }
@@ -77,7 +77,7 @@ impl Listener {
             *seen = tape.total();
             fresh.extend(bytes.map(|taped| (direction, *taped)));
         }
-        // What comes down at an instant is before what goes up at it: a question is before its answer.
+        // A byte down comes before a byte up at the same instant: a question is before its answer.
         fresh.sort_by_key(|(direction, taped)| (taped.at, *direction == Direction::Up));
         for (direction, taped) in fresh {
             let message_until = &mut self.message_until[usize::from(direction == Direction::Down)];
@@ -97,7 +97,7 @@ impl Listener {
     }
 }
 
-/// What is said on a cable.
+/// The protocol on a cable.
 fn protocol(spec: &RobotSpec, cable: Cable) -> Option<meaning::Protocol<'_>> {
     let layout = spec.firmware.layout();
     Some(match cable {

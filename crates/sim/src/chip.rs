@@ -38,13 +38,13 @@ use crate::drive::Wheels;
 pub struct ChipSpec {
     /// As it is before its supply is switched on.
     start: Board,
-    /// Where each part of the wiring belongs on the robot, in the parts' order.
+    /// The place on the robot of each part of the wiring, in the parts' order.
     attached: Vec<Attached>,
     /// Whether nobody but the user's own programs knows what its bytes mean.
     is_opaque: bool,
 }
 
-/// What a part on the chip's pins belongs to.
+/// The device that a part on the chip's pins belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attached {
     /// A value of a sensor, as a voltage.
@@ -55,7 +55,7 @@ pub enum Attached {
         value: usize,
         /// The voltage at the value 0, in volts.
         volts_at_0: f64,
-        /// How much it is higher for each unit of the value, in volts.
+        /// The rise for each unit of the value, in volts.
         volts_per_unit: f64,
     },
     /// A sensor that is a switch.
@@ -147,7 +147,7 @@ impl ChipSpec {
         &self.start
     }
 
-    /// What each part of the wiring belongs to, in the parts' order.
+    /// The device of each part of the wiring, in the parts' order.
     pub fn attached(&self) -> &[Attached] {
         &self.attached
     }
@@ -162,7 +162,7 @@ impl ChipSpec {
         !self.attached.contains(&Attached::Contact { sensor })
     }
 
-    /// What a part belongs to.
+    /// The device of a part.
     pub(crate) fn attached_to(&self, part: PartId) -> Attached {
         self.attached.get(part.index()).copied().unwrap_or(Attached::Board)
     }

@@ -19,7 +19,7 @@ use crate::arena::{Arena, Thing};
 use crate::movable::{Body, Form};
 use crate::parallel;
 
-/// What a collision does, the same for all robots of a world.
+/// The effect of a collision, the same for all robots of a world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CollisionPolicy {
     /// The run ends, the pose uncorrected: ARSim's rule.
@@ -61,7 +61,7 @@ pub(crate) enum Partner {
     Robot(usize),
 }
 
-/// What a robot runs into, by its place in its list.
+/// The obstacle of a robot, by its place in its list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Met {
     Arena(Thing),
@@ -74,18 +74,18 @@ pub(crate) enum Met {
 pub(crate) struct Way {
     pub(crate) before: Pose,
     pub(crate) after: Pose,
-    /// Where it would be after the step if nothing were in the way.
+    /// The pose after the step if nothing were in the way.
     wanted: Pose,
     pub(crate) room: Room,
-    /// What drives it, where robots slide.
+    /// The thrust, if robots slide.
     pub(crate) thrust: Thrust,
-    /// How it slides, if it does.
+    /// The result of sliding, if it slides.
     pub(crate) slid: Option<Slid>,
-    /// How often it has been looked for a way along what it runs into.
+    /// The number of searches for a way along its obstacle.
     tries: u8,
 }
 
-/// What a robot runs into, and how it goes on along that.
+/// The obstacle of a robot, and its way along that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Found {
     met: Met,
@@ -100,7 +100,7 @@ pub(crate) struct Found {
 pub(crate) struct Room {
     middle: Point,
     radius_m: f64,
-    /// How far from the middle the next look is.
+    /// The distance of the next look from the middle.
     look_m: f64,
 }
 
@@ -128,7 +128,7 @@ impl Room {
 /// All robots' ways in a step: all are free of each other and of the arena before it.
 pub(crate) struct Step<'a> {
     pub(crate) arena: &'a Arena,
-    /// What else robots can run into, such as doors.
+    /// Other obstacles, such as doors.
     pub(crate) obstacles: &'a [Body],
     /// The robots' shapes.
     pub(crate) form: &'a (dyn Fn(usize) -> Form<'a> + Sync),
@@ -155,8 +155,8 @@ impl Way {
 }
 
 impl Step<'_> {
-    /// What robot `own` runs into in this step, if anything: the arena first, then what moves in it, then the
-    /// other robots in their order. Bodies that touch exactly do not collide.
+    /// The obstacle of robot `own` in this step, if there is one: the arena first, then the things that move in it,
+    /// then the other robots in their order. Bodies that touch exactly do not collide.
     pub(crate) fn partner(&self, own: usize) -> Option<Met> {
         self.met_on_the_way(own).or_else(|| self.robot_met(own))
     }
@@ -229,9 +229,9 @@ impl Step<'_> {
         body.arena_thing(self.arena).map(Met::Arena).or_else(|| obstacle().map(Met::Obstacle))
     }
 
-    /// Which robots must leave their ways, into `held`: those that would run into the arena or into one another,
-    /// and those that would then run into one that stays. With `friction` they slide along what they run into,
-    /// where they can; the others stay where they were. A disc may turn where it stands.
+    /// Finds the robots that must leave their ways, into `held`: those that would run into the arena or into one
+    /// another, and those that would then run into one that stays. With `friction` they slide along their obstacles,
+    /// if they can; the others stay. A disc may turn where it stands.
     ///
     /// All robots are judged by the same picture in each round, so their order does not matter; each round
     /// takes one of its tries from some of them, stops more of them, or is the last.
@@ -321,7 +321,7 @@ mod tests {
         held
     }
 
-    /// What each of some discs runs into.
+    /// The obstacle of each of some discs.
     fn partners(arena: &Arena, before: &[Pose], after: &[Pose]) -> Vec<Option<Met>> {
         let forms = alloc::vec![DISC; before.len()];
         look(arena, &forms, before, after, |step| (0..step.ways.len()).map(|own| step.partner(own)).collect())
@@ -426,7 +426,7 @@ mod tests {
             if room.contains(&pose) {
                 prop_assert_eq!(form.at(&pose).arena_thing(&arena), None);
             }
-            // Where there is room, it reaches nearly up to what is nearest.
+            // If there is room, it reaches nearly up to the nearest obstacle.
             let touching = Form::Disc { radius_m: room.radius_m + 1.01 * form.reach_m() + 0.01 };
             if room.radius_m > 0.0 && room.radius_m.is_finite() && room.radius_m < 1.0 {
                 prop_assert!(touching.at(&Pose::new(x, y, 0.0)).arena_thing(&arena).is_some());

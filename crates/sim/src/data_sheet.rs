@@ -80,7 +80,7 @@ fn firmware(spec: &firmware::Firmware) -> Firmware {
 }
 
 fn sensor(spec: &sensor::Sensor) -> Sensor {
-    // What the microcontroller does not read comes at the device's own pace.
+    // A device that the microcontroller does not read has its own pace.
     let (period_ns, phase_ns) = match (&spec.port, spec.own_clock) {
         (Some(_), Some(clock)) => (clock.period_ns, clock.phase_ns.unwrap_or(0)),
         (Some(_), None) | (None, _) => (spec.schedule.period_ns(), spec.schedule.phase_ns()),

@@ -1,4 +1,4 @@
-//! Where messages begin and end in the bytes of a cable, at either end.
+//! The bounds of messages in the bytes of a cable, at either end.
 
 use alloc::boxed::Box;
 
@@ -21,7 +21,7 @@ pub(crate) enum Decoder {
         lines: Lines,
         owed: Owed,
     },
-    /// What `Khepera` becomes with the first line that is neither `D` nor `H` nor `N`.
+    /// The successor of `Khepera` with the first line that is neither `D` nor `H` nor `N`.
     Registers {
         lines: Lines,
         registers: Box<Registers>,
@@ -37,7 +37,7 @@ pub(crate) enum Decoder {
     Stream(Stream),
 }
 
-/// What a byte completed.
+/// The message that a byte completed.
 pub(crate) enum Found<'a> {
     Nothing,
     Payload(&'a [u8]),
@@ -109,7 +109,7 @@ impl Decoder {
         }
     }
 
-    /// What is owed in text, which is said now.
+    /// The text that is owed and is sent now.
     pub(crate) fn settle(&mut self) -> Option<Say> {
         match self {
             Self::Framed(_) | Self::Bare(_) | Self::OpenInterface(_) | Self::Stream(_) => None,

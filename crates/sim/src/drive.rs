@@ -20,7 +20,7 @@ pub use crate::wheels::Wheels;
 use crate::motor::{MotorNoise, Motors, Steps};
 use crate::sound;
 
-/// What a robot's body, wheels and motors are.
+/// The model of a robot's body, wheels and motors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
     /// Radius of the disc that the body is, in metres.
@@ -43,15 +43,15 @@ pub struct Drive {
     pub turn_gain: f64,
     /// The motor of each wheel; the two are alike.
     pub motor: Motors,
-    /// How uneven the motors are.
+    /// The unevenness of the motors.
     pub motor_noise: MotorNoise,
     /// See the module's deviations.
     pub motor_track_factor: f64,
-    /// How this specimen differs from its data sheet, if it does.
+    /// The deviation of this specimen from its data sheet, if it has one.
     pub deviation: Option<Deviation>,
 }
 
-/// How the wheels of one robot differ from the numbers above, which are those of its data sheet.
+/// The deviation of one robot's wheels from the numbers above, which are those of its data sheet.
 ///
 /// Borenstein & Feng 1996 (UMBmark) name the two systematic errors of odometry that matter: unequal wheel diameters
 /// E_d = D_R / D_L, and an uncertain wheelbase E_b = b_actual / b_nominal. Third is the mean of both diameters, E_s.
@@ -96,7 +96,7 @@ pub fn turn_gain(inertia_kg_m2: f64, half_track_m: f64, wheel_radius_m: f64, whe
     1.0 / (r / track + 2.0 * share)
 }
 
-/// How a robot moves now.
+/// The present motion of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     /// Pose of the body's centre, world from robot.
@@ -285,10 +285,9 @@ impl Drive {
         motion.wheel_speed_rad_s = self.wheel_speeds(motion);
     }
 
-    /// How far Euler steps of `dt` seconds are from blowing up, forwards and in turning: each must stay
-    /// below 2, and below 1 to approach the steady speed without swinging. The motor's back-EMF and viscous
-    /// friction, or its regulator, damp the motion as α and β do. Motors that no torque slows are never
-    /// far.
+    /// The margin of Euler steps of `dt` seconds before they blow up, forwards and in turning: each must stay below
+    /// 2, and below 1 to approach the steady speed without swinging. The motor's back-EMF and viscous friction, or
+    /// its regulator, damp the motion as α and β do. Motors that no torque slows are never far.
     pub fn stiffness(&self, dt: f64) -> [f64; 2] {
         let Some(slope_nm_s) = self.motor.slope_nm_s(self.wheel_radius_m) else { return [0.0; 2] };
         let slope = slope_nm_s / self.wheel_radius_m;

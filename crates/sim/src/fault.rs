@@ -13,13 +13,13 @@ use crate::time::SimTime;
 /// A fault of a robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// What goes wrong.
+    /// The kind of the fault.
     pub kind: FaultKind,
     /// When.
     pub when: When,
 }
 
-/// What can go wrong.
+/// A kind of fault.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FaultKind {
     /// The cable to the laptop is out: bytes that would arrive are lost, both ways.
@@ -47,7 +47,7 @@ pub enum FaultKind {
     },
 }
 
-/// What is wrong with a sensor.
+/// The effect of a fault on a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FaultEffect {
     /// It gives its last value.
@@ -82,9 +82,9 @@ pub enum When {
     Each {
         /// Length of the spans, in nanoseconds; at least 1.
         every_ns: u64,
-        /// How long it then lasts, in nanoseconds; not longer than a span.
+        /// The duration after that, in nanoseconds; not longer than a span.
         for_ns: u64,
-        /// What the instants are drawn from.
+        /// The key from which the instants are drawn.
         key: u64,
     },
 }

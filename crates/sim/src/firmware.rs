@@ -73,14 +73,14 @@ pub enum Mode {
     Poll,
 }
 
-/// What the two ends have agreed on: how each sensor's components and each motor's signal are encoded.
+/// The agreement of the two ends: the encoding of each sensor's components and of each motor's signal.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Fields {
     components: Vec<Encoding>,
     counts: Vec<u8>,
     motors: Vec<Encoding>,
     ages: bool,
-    /// Where a Create tells each component.
+    /// The place of each component in a Create's packets.
     signals: Vec<Option<Signal>>,
     /// The packets that tell them.
     packets: Vec<u8>,
@@ -128,7 +128,7 @@ impl Firmware {
         elements(components) + elements(counts) + elements(motors) + elements(signals) + elements(packets)
     }
 
-    /// Where a Create tells each of the layout's components; none of other firmwares.
+    /// The place of each of the layout's components in a Create's packets; none of other firmwares.
     pub fn signals(&self) -> &[Option<Signal>] {
         &self.fields.signals
     }
@@ -201,7 +201,7 @@ impl Firmware {
         &out[..len]
     }
 
-    /// What a Create is told before anything else, in `out`.
+    /// Writes the first bytes to a Create into `out`.
     pub fn write_opening(&self, out: &mut [u8]) -> usize {
         Opening { ids: self.packets() }.write(out)
     }
@@ -214,7 +214,7 @@ impl Firmware {
         at + drive.len()
     }
 
-    /// How one motor signal is encoded.
+    /// The encoding of one motor signal.
     pub fn motor_encoding(&self) -> Encoding {
         self.fields.motors[0]
     }
@@ -246,7 +246,8 @@ impl Firmware {
     }
 }
 
-/// Where these sensors' components are told, and in which packets. Of a sensor of which a part is not told, nothing is.
+/// The places of these sensors' components, and the packets that have them. Of a sensor of which a part is not told,
+/// nothing is.
 fn told(version: Version, sensors: &[(&str, &[Encoding])]) -> (Vec<Option<Signal>>, Vec<u8>) {
     let mut signals = Vec::new();
     for (name, encodings) in sensors {

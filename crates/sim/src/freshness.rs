@@ -1,11 +1,11 @@
-//! How old the readings of a sensor are when its brain gets them.
+//! The age of a sensor's readings when its brain gets them.
 
 use serde::{Deserialize, Serialize};
 
 use crate::histogram::Histogram;
 use crate::time::SimTime;
 
-/// How old one sensor's readings were when the brain got them.
+/// The age of one sensor's readings when the brain got them.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Freshness {
     /// Steps of the brain in which the sensor was readable.

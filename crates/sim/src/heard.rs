@@ -10,7 +10,7 @@ use crate::time::SimTime;
 pub struct Heard {
     /// When it was truly sampled, as far as that is known.
     pub sampled_at: Option<SimTime>,
-    /// How old the sensor's readings were whenever one came in the last tick: the one that went, and the one that came.
+    /// The age of the sensor's readings whenever one came in the last tick: the one that went, and the one that came.
     pub ages: AgeSpan,
 }
 

@@ -1,4 +1,4 @@
-//! How often durations of which length occurred, in little memory.
+//! The distribution of durations, in little memory.
 //!
 //! Durations are counted in buckets: 64 for every doubling, so that a quantile is right to 0.8 %; the smallest, the
 //! largest, their number and their sum are exact. A part whose durations are all alike needs a single bucket, and none
@@ -81,7 +81,7 @@ impl Histogram {
         }
     }
 
-    /// How many were counted.
+    /// The number of counted durations.
     pub fn count(&self) -> u64 {
         match &self.0 {
             Counts::Alike { count, .. } => *count,

@@ -140,7 +140,7 @@ impl Laptop {
         self.take_noted(spec, found, (at, uplink))
     }
 
-    /// What a byte ended, if it ended anything, counts; of readings the answer is what is to be known of them.
+    /// Takes a byte. The message that it ended counts, if it ended one; of readings the answer is their meaning.
     fn take_noted(
         &mut self,
         spec: &RobotSpec,

@@ -13,9 +13,9 @@
 //!    [`arena`])
 //! 6. what is to be counted is counted ([`coverage`], [`rules`]); the run ends, or goes on
 //!
-//! What there is before the first tick is a [`Scenario`], which `baudbot-scenario` makes from a text: walls in the
-//! [`arena`], zones, lights and fields in the [`surroundings`]. Chance comes from named streams ([`random`]). [`raycast`]
-//! shows what sensors see.
+//! A [`Scenario`] is the world before the first tick, and `baudbot-scenario` makes it from a text: walls in the
+//! [`arena`], zones, lights and fields in the [`surroundings`]. Chance comes from named streams ([`random`]).
+//! [`raycast`] shows what sensors see.
 //!
 //! A user needs [`Scenario`] and [`World`]. This crate has no clock, no file, no socket and no thread: time,
 //! bytes and seeds come in, bytes and instants go out. The same scenario, seed and inputs give the same bits

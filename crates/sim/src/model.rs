@@ -28,9 +28,9 @@ pub struct RobotSpec {
     pub name: String,
     /// The name of the scenario's table that it stands in together with others, if there are `starts` in that.
     pub group: Option<Arc<str>>,
-    /// Where and how it starts.
+    /// The place and the manner of its start.
     pub start: Start,
-    /// What it is. Robots that are alike share it: a crowd of them needs little memory, and little of it is looked at.
+    /// The model. Robots that are alike share it: a crowd of them needs little memory, and little of it is looked at.
     pub model: Arc<RobotModel>,
     /// Whether its laptop has its serial ports open for a program that reads each byte at its own instant
     /// ([`Intervention::OpenPort`](crate::Intervention::OpenPort)). No scenario begins so.
@@ -59,14 +59,14 @@ pub struct RobotModel {
     pub signal_limit: Option<f64>,
     /// Actuators besides the wheels, in the order of the wire.
     pub actuators: Vec<Actuator>,
-    /// What feeds it, if that can run out.
+    /// The battery, if that can run out.
     pub battery: Option<Battery>,
-    /// How full that is at the start, in [0, 1].
+    /// The charge of that at the start, in [0, 1].
     pub charge: f64,
     /// Motors stand still if no command comes for so long, in nanoseconds.
     pub command_timeout_ns: Option<u64>,
-    /// How much later than its microcontroller obeys them commands reach the motors, in nanoseconds. Other actuators are
-    /// not delayed.
+    /// The delay from the microcontroller's obedience until commands reach the motors, in nanoseconds. Other
+    /// actuators are not delayed.
     pub dead_time_ns: u64,
     /// Sensors. Models whose sensors are alike share them.
     pub sensors: Sensors,
@@ -74,11 +74,11 @@ pub struct RobotModel {
     pub processor: Processor,
     /// A program of the user's own on it, if there is one: then nothing is due by schedules, and no task has a cost.
     pub chip: Option<Arc<ChipSpec>>,
-    /// What it says on its wire.
+    /// The protocol on its wire.
     pub firmware: Firmware,
     /// The cable to the brain.
     pub link: Link,
-    /// How long a brain thinks that does not say, in nanoseconds.
+    /// The thinking time of a brain that has no figure of its own, in nanoseconds.
     pub thinking_ns: u64,
     /// When its brain writes, if that is stated.
     pub writes: Option<Writes>,
@@ -86,15 +86,15 @@ pub struct RobotModel {
     pub deadline: Deadline,
     /// Its faults.
     pub faults: Vec<Fault>,
-    /// How many operations a brain on board thinks, if the scenario says it so.
+    /// The number of operations of a brain on board, if the scenario has one.
     pub brain_operations: Option<u64>,
     /// Memory that a brain on board needs for its variables, in bytes, if the scenario says.
     pub brain_memory_bytes: Option<u64>,
 }
 
 impl RobotModel {
-    /// How long a command is on the cable by the rate of that alone, in nanoseconds: all that a brain knows of it. 0 on a cable
-    /// without a rate.
+    /// The time of a command on the cable by the rate of that alone, in nanoseconds: all that a brain knows of it. 0
+    /// on a cable without a rate.
     pub fn command_time_ns(&self) -> u64 {
         match &self.link {
             Link::Ideal | Link::Onboard | Link::Usb(_) => 0,
@@ -114,7 +114,7 @@ impl RobotSpec {
         matches!(self.link, Link::Onboard)
     }
 
-    /// What is wrong with this sensor. One whose signal is lost cannot stick.
+    /// The fault of this sensor. One whose signal is lost cannot stick.
     #[inline]
     pub(crate) fn fault_effect(&self, sensor: usize, at: SimTime) -> Option<FaultEffect> {
         let of = |fault: &Fault| {
@@ -155,7 +155,7 @@ impl RobotSpec {
     }
 }
 
-/// Where and how a robot starts.
+/// The place and the manner of a robot's start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// World from robot.
@@ -173,7 +173,7 @@ pub struct Start {
 pub struct Deadline {
     /// After the cycle began, in nanoseconds. Δt if the scenario states none.
     pub within_ns: u64,
-    /// What a brain gets that is late; `None` if the scenario states no deadline: then it is only counted.
+    /// The turn of a brain that is late; `None` if the scenario states no deadline: then lateness is only counted.
     pub on_late: Option<OnLate>,
 }
 

@@ -1,7 +1,7 @@
 //! Things that move by themselves: doors, obstacles on a path, people.
 //!
-//! What a path says is done whatever stands around, but for one rule: nothing moves into a robot or into a thing
-//! that can be pushed. It waits until the way is free, and how long it has waited is told.
+//! A path is followed whatever stands around, but for one rule: nothing moves into a robot or into a thing that can
+//! be pushed. It waits until the way is free, and how long it has waited is told.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -16,7 +16,7 @@ use crate::random::Stream;
 use crate::sound;
 use crate::time::SimTime;
 
-/// What such a thing is.
+/// The model of such a thing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mover {
     /// Unique among all that can be run into.
@@ -25,26 +25,26 @@ pub struct Mover {
     pub radius_m: f64,
     /// Corners in its own frame, in metres; none if it is a disc.
     pub outline: Vec<Point>,
-    /// What it looks like from the side.
+    /// The look from the side.
     pub look: Look,
-    /// Where it starts, world from mover.
+    /// The start, world from mover.
     pub start: Pose,
-    /// How it moves.
+    /// The path.
     pub path: Path,
 }
 
-/// How a thing moves by itself.
+/// The path of a thing that moves by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Path {
     /// From point to point, without turning.
     Stops {
-        /// Where it goes; the first is where it starts.
+        /// The corners; the first is the start.
         points: Vec<Point>,
         /// In m/s.
         speed_m_s: f64,
-        /// How long it stays at each, in nanoseconds.
+        /// The pause at each, in nanoseconds.
         pause_ns: u64,
-        /// What comes after the last.
+        /// The end of the round.
         after: AfterLast,
     },
     /// About the origin of its own frame, as a door about its hinge.
@@ -53,19 +53,19 @@ pub enum Path {
         ends_rad: [f64; 2],
         /// In rad/s.
         rate_rad_s: f64,
-        /// How long it stays at each end, in nanoseconds.
+        /// The pause at each end, in nanoseconds.
         pause_ns: u64,
     },
     /// Straight on in a direction that is drawn again now and then, and whenever something is in the way.
     Wander {
         /// In m/s.
         speed_m_s: f64,
-        /// How long it keeps a direction at most, in nanoseconds.
+        /// The longest time in one direction, in nanoseconds.
         turn_ns: u64,
     },
 }
 
-/// What a thing does at the end of its path.
+/// The behaviour of a thing at the end of its path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AfterLast {
     /// It stays there.
@@ -76,7 +76,7 @@ pub enum AfterLast {
     Return,
 }
 
-/// Where such a thing is.
+/// The pose and the progress of such a thing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MoverState {
     pub(crate) pose: Pose,
@@ -90,7 +90,7 @@ pub(crate) struct MoverState {
     stream: Stream,
 }
 
-/// What a thing that moves by itself must not run into.
+/// The obstacles of a thing that moves by itself.
 pub(crate) struct Around<'a> {
     pub(crate) arena: &'a Arena,
     pub(crate) bodies: &'a [Body],

@@ -23,7 +23,7 @@ pub(crate) struct OpenInterface {
     asked: VecDeque<u8>,
     /// The text of the boot is to be told.
     pub(crate) boots: bool,
-    /// What comes before this instant, while it boots, is lost.
+    /// Bytes before this instant, while it boots, are lost.
     pub(crate) deaf_until: SimTime,
     streamed: Vec<u8>,
     is_paused: bool,
@@ -32,7 +32,7 @@ pub(crate) struct OpenInterface {
     /// Velocity and radius; right and left velocity. As they were last asked for, in mm/s and mm.
     pub(crate) requested: [i16; 2],
     pub(crate) requested_wheels: [i16; 2],
-    /// How long each song is, in 1/64 s.
+    /// The length of each song, in 1/64 s.
     songs: [Option<u16>; MOST_SONGS],
     pub(crate) song: u8,
     plays_until: SimTime,
@@ -45,7 +45,7 @@ pub(crate) struct OpenInterface {
     pub(crate) was_lifted: bool,
 }
 
-/// What is switched and shown, and moves nothing here.
+/// The switches and lights, which move nothing here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Shown {
     motors: u8,
@@ -55,7 +55,7 @@ struct Shown {
     digits: [u8; 4],
 }
 
-/// What a command makes the rest of the robot do.
+/// The effect of a command on the rest of the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Deed {
     /// It was not obeyed.

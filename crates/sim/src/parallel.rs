@@ -1,9 +1,9 @@
 //! Robots side by side: the same loops on one thread, and with the feature `rayon` on as many as there are.
 //!
-//! What happens to a robot in such a loop depends on nothing that another's turn in it changes, so the bits are the same
-//! however many threads there are and whoever goes first.
+//! The events of a robot in such a loop depend on nothing that another's turn in it changes, so the bits are the same
+//! for any number and order of threads.
 
-/// What is done with each robot and its place in a list of results.
+/// Does the work for each robot and its place in a list of results.
 pub(crate) fn each<T: Send, R: Send>(
     is_parallel: bool,
     items: &mut [T],

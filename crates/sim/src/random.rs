@@ -20,7 +20,7 @@ pub struct Stream {
     place: Place,
 }
 
-/// What a stream is and how far it is: all that a snapshot needs, since the generator can be wound forward.
+/// The identity of a stream and its progress: all that a snapshot needs, since the generator can be wound forward.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Place {
     key: u64,
@@ -130,10 +130,10 @@ impl SplitMix {
     }
 }
 
-/// Where a 64-bit FNV-1a begins.
+/// The initial value of a 64-bit FNV-1a.
 pub(crate) const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// What a byte makes of a 64-bit FNV-1a.
+/// A step of a 64-bit FNV-1a.
 pub(crate) const fn fnv1a_step(hash: u64, byte: u8) -> u64 {
     (hash ^ byte as u64).wrapping_mul(0x0000_0100_0000_01b3)
 }

@@ -1,4 +1,4 @@
-//! What sensors see of a world, ray by ray: for pictures and tests, never for brains.
+//! The view of sensors, ray by ray: for pictures and tests, never for brains.
 //!
 //! A sensor makes one value of many rays. A picture that explains the value needs the rays themselves,
 //! cast as the sensor casts them: in its layer of the arena, past its own robot, up to its range.
@@ -42,7 +42,7 @@ impl<'a> RayCaster<'a> {
         mount.place(&robot.motion().pose, robot.actuators())
     }
 
-    /// What a sensor of a robot sees along each of its rays; a whisker has one. None of a sensor without rays.
+    /// The view of a robot's sensor along each of its rays; a whisker has one. None of a sensor without rays.
     ///
     /// # Panics
     /// If there is no robot of this index.
@@ -59,7 +59,7 @@ impl<'a> RayCaster<'a> {
         }
     }
 
-    /// What is seen from a mount along any rays as far as `range_m`, from right to left.
+    /// The view from a mount along any rays as far as `range_m`, from right to left.
     ///
     /// # Panics
     /// If there is no robot of this index.

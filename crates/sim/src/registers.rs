@@ -49,7 +49,7 @@ impl Default for Registers {
     }
 }
 
-/// What is said next.
+/// The next answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Say {
     /// That a command was obeyed, positions, readings, or several of these.
@@ -80,7 +80,7 @@ impl Owed {
     }
 }
 
-/// Why a line is not obeyed.
+/// The reason why a line is not obeyed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Refusal {
     /// It begins with no command.
@@ -170,7 +170,7 @@ impl Registers {
         [left as i32, right as i32]
     }
 
-    /// How many pulses are missing to the targets.
+    /// The number of pulses that are missing to the targets.
     pub(crate) fn missing(&self, counts: [i64; 2]) -> [i32; 2] {
         let positions = self.positions(counts);
         [0, 1].map(|side| self.target[side].saturating_sub(positions[side]))

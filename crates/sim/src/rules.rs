@@ -9,7 +9,7 @@ use crate::coverage::Floor;
 pub struct Rules {
     /// The floor to be covered, if that is counted (§6.1).
     pub floor: Option<Floor>,
-    /// Which sensor's rays cover the floor: the place of a sensor for each robot that has one of that name.
+    /// The sensor whose rays cover the floor: the place of a sensor for each robot that has one of that name.
     pub sensed_by: Vec<Option<usize>>,
     /// The period at which those rays are evaluated, in nanoseconds.
     pub sense_ns: u64,

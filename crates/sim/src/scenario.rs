@@ -63,7 +63,7 @@ pub struct SerialPort {
     pub robot: String,
     /// The sensor whose own cable it is; none for the microcontroller's.
     pub sensor: Option<String>,
-    /// Where it is.
+    /// The place.
     pub endpoint: Endpoint,
 }
 

@@ -52,7 +52,7 @@ impl Schedule {
 pub struct Due {
     /// The next due instant.
     pub next: SimTime,
-    /// How many were missed.
+    /// The number of missed instants.
     pub missed: u64,
 }
 

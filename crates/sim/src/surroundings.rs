@@ -19,7 +19,7 @@ pub struct Surroundings {
     pub fields: Vec<Field>,
     /// Light that is everywhere, in lux.
     pub ambient_lux: f64,
-    /// How much of the light the bare floor throws back, in [0, 1].
+    /// The fraction of the light that the bare floor throws back, in [0, 1].
     pub floor: f64,
     /// Whether the sky is hidden, so that no satellite is heard.
     pub indoors: bool,
@@ -32,7 +32,7 @@ pub struct Surroundings {
 pub struct Zone {
     /// Unique among the zones.
     pub name: String,
-    /// Where it is.
+    /// The region.
     pub region: Region,
     /// Power that a battery is charged with here, in watts.
     pub charger_w: f64,
@@ -42,7 +42,7 @@ pub struct Zone {
     pub slip: f64,
     /// Whether the sky is hidden.
     pub indoors: bool,
-    /// How far compasses are turned here, in radians.
+    /// The turn of compasses here, in radians.
     pub compass_offset_rad: f64,
     /// Whether it is a place to be reached: the referee counts who has been there.
     pub goal: bool,
@@ -72,9 +72,9 @@ impl Region {
 pub struct Light {
     /// Unique among the lights.
     pub name: String,
-    /// Where it stands.
+    /// The place.
     pub position: Point,
-    /// How high it hangs, in metres.
+    /// The height, in metres.
     pub height_m: f64,
     /// Luminous intensity, the same in all directions, in candela.
     pub intensity_cd: f64,
@@ -85,7 +85,7 @@ pub struct Light {
 }
 
 impl Light {
-    /// What it gives at `now`.
+    /// The light that it gives at `now`.
     pub(crate) fn lit(&self, now: SimTime) -> Option<Lit> {
         let on = self.blink_ns.is_none_or(|(period, lit)| now.as_ns() % period < lit);
         on.then_some(Lit {
@@ -161,8 +161,7 @@ impl Surroundings {
         self.zones_at(point).map(|zone| zone.slip).fold(0.0, f64::max)
     }
 
-    /// How far each of a robot's wheels carries it for each metre that the wheel seems to roll, where it stands; `None`: a
-    /// metre.
+    /// The distances that a robot's wheels carry it for each metre that they seem to roll, in its place; `None`: a metre.
     #[inline]
     pub(crate) fn grip_of(&self, drive: &Drive, motion: &Motion) -> Option<Wheels> {
         if self.zones.is_empty() && drive.deviation.is_none() {
@@ -190,8 +189,8 @@ impl Surroundings {
         self.grip_of(drive, motion).map_or(rolled, |grip| drive.carried(rolled, grip))
     }
 
-    /// How far a robot is carried for each metre that its wheels roll, and at which speed, in m/s, by its turning alone, if that
-    /// is not 1 and 0.
+    /// The distance that a robot is carried for each metre that its wheels roll, and the speed, in m/s, by its
+    /// turning alone, if that is not 1 and 0.
     pub(crate) fn share_over_ground(&self, drive: &Drive, motion: &Motion) -> Option<(f64, f64)> {
         let grip = self.grip_of(drive, motion)?;
         let carried = |forward| drive.carried(Twist { forward, turn: motion.turn_rate_rad_s }, grip).forward;
@@ -204,7 +203,7 @@ impl Surroundings {
         self.zones_at(point).map(|zone| zone.charger_w).sum()
     }
 
-    /// How far a compass is turned at a point, in radians.
+    /// The turn of a compass at a point, in radians.
     pub fn compass_offset_at(&self, point: Point) -> f64 {
         self.zones_at(point).map(|zone| zone.compass_offset_rad).sum()
     }

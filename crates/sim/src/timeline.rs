@@ -18,18 +18,18 @@ pub struct Event {
     pub what: What,
 }
 
-/// What can happen. Sensors go by their place in [`RobotModel::sensors`](crate::model::RobotModel::sensors), faults by
+/// An event. Sensors go by their place in [`RobotModel::sensors`](crate::model::RobotModel::sensors), faults by
 /// theirs in [`RobotModel::faults`](crate::model::RobotModel::faults).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
     /// The microcontroller read a sensor.
     Acquire {
-        /// Which.
+        /// The sensor.
         sensor: u16,
     },
     /// A device with a clock of its own measured; at the end its value was at its output.
     Measure {
-        /// Which.
+        /// The sensor.
         sensor: u16,
     },
     /// The microcontroller laid out readings for its wire.
@@ -48,14 +48,14 @@ pub enum What {
     Adapter,
     /// A sensor's message was on the wire of its own.
     Port {
-        /// Which.
+        /// The sensor.
         sensor: u16,
         /// Its bytes.
         bytes: u32,
     },
-    /// What was written to a device was on its way, on the cable of the sensor's own.
+    /// Bytes to a device were on their way, on the cable of the sensor's own.
     PortDown {
-        /// Which.
+        /// The sensor.
         sensor: u16,
         /// Its bytes.
         bytes: u32,
@@ -65,7 +65,7 @@ pub enum What {
         /// Whether a message had come since its last step.
         informed: bool,
     },
-    /// What the brain wrote was on its way to the microcontroller, adapter and wire.
+    /// The brain's bytes were on their way to the microcontroller, adapter and wire.
     Down {
         /// Its bytes.
         bytes: u32,
@@ -78,17 +78,17 @@ pub enum What {
     Late,
     /// A read of a sensor, or with none a frame, fell due while the processor was busy and was left out.
     Missed {
-        /// Which sensor; [`u16::MAX`] stands for a frame.
+        /// The sensor; [`u16::MAX`] stands for a frame.
         sensor: u16,
     },
     /// Bytes were lost, damaged or refused on the cable since the last tick.
     Lost {
-        /// How many.
+        /// The number of bytes.
         bytes: u32,
     },
     /// A fault of the scenario's was in force.
     Fault {
-        /// Which.
+        /// The fault.
         fault: u16,
     },
 }
@@ -141,7 +141,7 @@ impl Timeline {
         }
     }
 
-    /// How many events there were in all.
+    /// The number of all events.
     pub fn total(&self) -> u64 {
         self.total
     }

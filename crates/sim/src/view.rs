@@ -26,7 +26,7 @@ pub struct RobotView<'a> {
     state: &'a Robot,
 }
 
-/// What a sensor did and holds.
+/// The deeds and values of a sensor.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorView<'a> {
     /// The last sample, before quantisation, one value a component; empty before the first.
@@ -37,7 +37,7 @@ pub struct SensorView<'a> {
     pub samples: u64,
     /// Samples that fell due while the microcontroller was busy, and were left out.
     pub missed: u64,
-    /// How fresh its readings were for the brain.
+    /// The freshness of its readings for the brain.
     pub freshness: &'a Freshness,
 }
 
@@ -66,7 +66,7 @@ impl<'a> RobotView<'a> {
         &self.state.actuators
     }
 
-    /// What feeds it, and how much is left of that, if it can run out.
+    /// Its battery, and the charge of that, if it can run out.
     pub fn battery(&self) -> Option<(&'a Battery, &'a BatteryState)> {
         self.spec.battery.as_ref().zip(self.state.parts.battery.as_ref())
     }
@@ -88,7 +88,7 @@ impl<'a> RobotView<'a> {
         self.state.parts.chip.as_ref().map(|chip| chip.board())
     }
 
-    /// What that program or the wiring hardly means, each with when it came first.
+    /// The acts of that program or the wiring that are hardly meant, each with its first instant.
     pub fn board_warnings(&self) -> impl Iterator<Item = (SimTime, &'a Warning)> {
         let chip = self.state.parts.chip.as_deref();
         chip.into_iter().flat_map(|chip| {
@@ -149,7 +149,7 @@ impl<'a> RobotView<'a> {
         &self.state.counters
     }
 
-    /// How long something has kept it from moving, in nanoseconds, where robots slide along what they run into.
+    /// The time for which something has kept it from moving, in nanoseconds, if robots slide along obstacles.
     pub fn stood_in_contact_ns(&self) -> u64 {
         self.state.parts.standing_ns.unwrap_or_default()
     }
@@ -164,7 +164,7 @@ impl<'a> RobotView<'a> {
         self.state.microcontroller.frames_missed()
     }
 
-    /// How its control cycles went.
+    /// The control cycles.
     pub fn cycles(&self) -> &'a Cycles {
         &self.state.cycles
     }
@@ -213,7 +213,7 @@ impl<'a> RobotView<'a> {
 pub struct ThingView<'a> {
     /// Its name.
     pub name: &'a str,
-    /// Where it is, world from thing.
+    /// The pose, world from thing.
     pub pose: Pose,
     /// Its outline in the world.
     pub outline: Outline,

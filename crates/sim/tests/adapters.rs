@@ -50,7 +50,8 @@ fn exchanges_per_second(link: &str) -> f64 {
     (arrivals.len() - 1) as f64 / (arrivals.last().unwrap() - arrivals[0]) * 1e3
 }
 
-/// How many bytes the brain has at which instant, in nanoseconds, of a firmware that streams without being asked.
+/// The number of bytes that the brain has at each instant, in nanoseconds, of a firmware that streams without being
+/// asked.
 fn arrivals(world: &mut World, ticks: u64) -> BTreeMap<u64, usize> {
     let mut arrivals = BTreeMap::new();
     for _ in 0..ticks {
@@ -156,7 +157,7 @@ fn frames_jitter_and_a_fixed_way_down_leave_a_snapshot_its_future_and_byte_error
         assert!(plain.0 > 10 && plain.0 == other.0, "{more}: {plain:?} {other:?}");
         assert_ne!(plain.1, other.1, "{more}");
     }
-    // What adds nothing draws nothing.
+    // A part that adds nothing draws nothing.
     assert_eq!(plain, wrong(", extra_frames = 0, jitter_us = 0"));
 }
 

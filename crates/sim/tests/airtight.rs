@@ -172,7 +172,7 @@ fn is_outside(pose: &Pose) -> bool {
         || at.y.abs() > 2.0
 }
 
-/// What is wrong, if anything.
+/// The flaws, if there are any.
 fn flaws(world: &World) -> String {
     let scenario = world.scenario();
     let movers = scenario.movers.len();

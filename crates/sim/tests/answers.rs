@@ -43,7 +43,7 @@ fn bytes(world: &World, sequence: u8, signals: &[f64]) -> Vec<u8> {
     payload[..len].to_vec()
 }
 
-/// What a brain writes in tick `i`, as signals: mostly what makes sense, and all else that can come.
+/// The signals of a brain in tick `i`: mostly sensible ones, and all else that can come.
 fn signals(i: u64) -> Vec<f64> {
     let turn = (i as f64 * 0.37).sin();
     match i % 11 {

@@ -10,7 +10,7 @@ use crate::common::{BODY, tick, world};
 /// An item: its direction, its instants in nanoseconds, its bytes, its text.
 type Said = (Direction, [u64; 2], Vec<u8>, String);
 
-/// What is said on a cable while `each` does so many ticks.
+/// The messages on a cable while `each` does so many ticks.
 fn said(world: &mut World, cable: Cable, ticks: u64, mut each: impl FnMut(&mut World, u64)) -> Vec<Said> {
     world.keep_tape(0, 1 << 14);
     let mut listener = Listener::new(world.robot(0).spec(), cable).unwrap();

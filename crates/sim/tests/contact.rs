@@ -217,7 +217,7 @@ fn crowded(seed: u64) -> World {
     world(&toml)
 }
 
-/// How deep the robots are in something, by the distances of points from segments and centres alone.
+/// The greatest depth of the robots in something, by the distances of points from segments and centres alone.
 fn deepest_m(world: &World) -> f64 {
     let arena = &world.scenario().arena;
     let discs: Vec<(Point, f64)> =

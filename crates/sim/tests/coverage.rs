@@ -1,4 +1,4 @@
-//! What coverage promises: the cells that it marks are those that trying every cell would mark.
+//! The promise of coverage: the cells that it marks are those that trying every cell would mark.
 
 use std::f64::consts::TAU;
 
@@ -259,7 +259,7 @@ fn a_coverage_of_another_floor_does_no_harm() {
     assert!(!coverage.is_covered(&large, 50, 40));
 }
 
-/// How long, in metres, a segment is within the cell made larger on each side by `grown` metres.
+/// The length, in metres, of a segment within the cell made larger on each side by `grown` metres.
 fn length_within(floor: &Floor, (column, row): (usize, usize), grown: f64, ray: &Segment) -> f64 {
     let (center, half) = (floor.center(column, row), floor.cell_m() / 2.0 + grown);
     let way = ray.end - ray.start;

@@ -290,7 +290,7 @@ fn another_baud_rate_is_that_of_the_cable_from_the_end_of_the_tick_on() {
     // Two bytes of a question and the answer take 10 bits each at 300 baud: 100 ms.
     assert_eq!(say(&mut world, 98, &[142, 35]), [] as [u8; 0]);
     assert_eq!(say(&mut world, 8, &[]), [1]);
-    // What it cannot have changes nothing, and a reset leaves it alone.
+    // A value that it cannot have changes nothing, and a reset leaves it alone.
     say(&mut world, 200, &[129, 12]);
     // Its text takes 5 s.
     say(&mut world, 8000, &[7]);
@@ -321,7 +321,7 @@ fn a_million_bytes_of_any_kind_harm_nothing_and_it_still_answers() {
             largest = largest.max(world.save().len());
         }
         assert!(largest < 512 << 10, "{largest}");
-        // What it waits for ends, and then it listens.
+        // Its wait ends, and then it listens.
         say(&mut world, 20, &[0; 300]);
         let mut answer = String::new();
         write!(answer, "{:?}", say(&mut world, 20, &[128, 148, 0, 142, 35])).unwrap();

@@ -48,7 +48,7 @@ fn a_wider_track_turns_less_than_odometry_says() {
     let motion = world.robot(0).motion();
     let said = values(&world, 1)[2];
     assert!(said > 0.1 && (motion.pose.heading * 1.25 - said).abs() < 1e-12, "{motion:?}: {said}");
-    // Who measures the body's motion is not deceived.
+    // A sensor of the body's motion is not deceived.
     let rate = values(&world, 2)[0];
     assert!((rate * 1.25 - motion.turn_rate_rad_s).abs() < 1e-3, "{rate}: {motion:?}");
 }

@@ -63,7 +63,7 @@ fn what_they_say_to_set_can_be_set() {
     assert!(found >= 10, "found only {found}");
 }
 
-/// What an argument of a command is, as a text that goes on behind it.
+/// The argument of a command, as a text that goes on behind it.
 fn quoted_or_word(text: &str) -> &str {
     if let Some((quoted, _)) = text.strip_prefix('\'').and_then(|text| text.split_once('\'')) {
         return quoted;

@@ -82,7 +82,7 @@ fn a_sensor_whose_signal_is_lost_gives_zero_and_is_back_at_once() {
         run(&mut world, 1, 0.1, 0.1);
         assert_eq!(world.robot(0).sensors().next().unwrap().sample, [0.0; 3]);
     }
-    // Where it then sticks, it sticks to nothing.
+    // The instant from which it sticks is before its first value: it sticks to nothing.
     run(&mut world, 30, 0.1, 0.1);
     assert_eq!(x_m(&world), 0.0);
     run(&mut world, 1, 0.1, 0.1);

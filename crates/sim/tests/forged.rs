@@ -43,7 +43,7 @@ fn run(world: &mut World, ticks: u64) {
         let inputs = turns.iter().map(|turn| Input { robot: turn.robot, at: turn.at, bytes: &written });
         let inputs: Vec<_> = inputs.collect();
         world.finish(&inputs);
-        // What operators and observers look at.
+        // The views of operators and observers.
         world.robots().for_each(|robot| {
             robot.cycles().durations.quantile_ns(0.5);
             robot.readings().iter().for_each(|reading| drop(reading.values.clone()));
@@ -104,7 +104,7 @@ fn a_forged_state_is_refused_or_runs_on() {
             for i in 0..share {
                 let forged = forge(&saved, &mut chance);
                 if tells {
-                    // What hangs says nothing by itself.
+                    // A hanging world prints nothing by itself.
                     eprintln!("{name}, after {ticks} ticks, number {i}: {}", hex(&saved, &forged));
                 }
                 let load = || {
@@ -134,13 +134,13 @@ fn a_forged_state_is_refused_or_runs_on() {
 fn change_cables(world: &mut World) {
     let robots: Vec<_> = world.robots().map(|robot| robot.spec().name.clone()).collect();
     for robot in robots {
-        // What has no such cable keeps what it has.
+        // A robot without such a cable keeps its own.
         let _ = world.intervene(&Intervention::SetBaud { robot: robot.clone(), baud: 19_200 });
         let _ = world.intervene(&Intervention::PullCable { robot, pulled: true });
     }
 }
 
-/// Where the forged state is another one.
+/// The places at which the forged state differs.
 fn hex(saved: &[u8], forged: &[u8]) -> String {
     let at = saved.iter().zip(forged).position(|(a, b)| a != b).unwrap_or_default();
     format!(

@@ -132,7 +132,7 @@ fn a_pulled_cable_loses_bytes_both_ways_until_it_is_plugged_in() {
     world.intervene(&pull(false)).unwrap();
     run(&mut world, 100);
     assert!(world.robot(0).commands() > commands + 40);
-    // What was under way when it was plugged in was lost, or the rest of its message was.
+    // The message that was under way when it was plugged in was lost, or its rest was.
     assert!(world.robot(0).uplink().lost_bytes <= lost + 20);
     let of_bob = Intervention::PullCable { robot: "bob".into(), pulled: true };
     assert_eq!(refusal(&mut world, &of_bob), "robot: `bob` has no cable");

@@ -48,7 +48,7 @@ fn rate(world: &mut World, ticks: u64, said: &[u8]) -> (f64, f64) {
     (exchanges / (arrivals.last().unwrap().0 - first_at), answered + said.len() as f64)
 }
 
-/// What the brain says in each of so many ticks, and the answer to all of it.
+/// The lines of the brain in each of so many ticks, and the answer to all of them.
 fn conversation(world: &mut World, lines: &[&[u8]]) -> String {
     let mut heard = Vec::new();
     for said in lines {

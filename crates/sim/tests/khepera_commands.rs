@@ -18,7 +18,7 @@ fn ideal() -> World {
     khepera("kind = \"ideal\"", "")
 }
 
-/// What is answered to these bytes by the end of so many ticks.
+/// The answer to these bytes by the end of so many ticks.
 fn say(world: &mut World, said: &str, ticks: usize) -> String {
     let mut heard = Vec::new();
     for tick in 0..=ticks {

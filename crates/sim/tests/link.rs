@@ -1,4 +1,4 @@
-//! What goes wrong on a cable: noise, floods, garbage, busy processors.
+//! The faults of a cable: noise, floods, garbage, busy processors.
 
 use crate::common::{BODY, WANDER, command, run, world, world_with};
 use baudbot_sim::Input;

@@ -35,7 +35,7 @@ fn links() -> impl Strategy<Value = String> {
     ]
 }
 
-/// What a robot's brain does at an instant: any function of both will do.
+/// The brain of a robot at an instant: any function of both will do.
 struct Brain(u64);
 
 impl Brain {

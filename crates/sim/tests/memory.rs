@@ -1,10 +1,10 @@
-//! What worlds and scenarios say of their memory is what an allocator is asked for, on a test's own thread.
+//! The memory of worlds and scenarios is the sum of an allocator's requests, on a test's own thread.
 
 use std::sync::Arc;
 
 use baudbot_sim::World;
 
-/// How far a count may be from what is allocated.
+/// The tolerance of a count against the allocations.
 const TOLERANCE: f64 = 0.16;
 
 /// The bytes that are allocated for a value and kept.

@@ -1,4 +1,4 @@
-//! What the kinds of motors do to a robot in its world, and which scenarios with them are refused.
+//! The effects of the kinds of motors on a robot in its world, and the errors of scenarios with them.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;

@@ -30,7 +30,7 @@ fn command(world: &World, signals: [f64; 2]) -> Vec<u8> {
     bytes[..n].to_vec()
 }
 
-/// What the brain has in each of 300 ticks in which it drives in circles: when it steps, and its readings.
+/// The brain's view in each of 300 ticks in which it drives in circles: its steps, and its readings.
 fn seen(mut world: World) -> Vec<(Option<SimTime>, String)> {
     let bytes = command(&world, [0.4, 0.3]);
     let ticks = (0..300).map(|_| {

@@ -1,4 +1,4 @@
-//! What sensors see, ray by ray, as drawings show it.
+//! The view of sensors, ray by ray, as drawings show it.
 
 use baudbot_sim::World;
 use baudbot_sim::raycast::RayCaster;
@@ -127,7 +127,7 @@ fn an_eye_that_is_pushed_into_or_through_something_sees_nothing_but_that() {
         let seen = casts(&world, "high");
         let over = if name == "low block" { None } else { covered };
         assert_eq!(seen, [over], "{name}, from above");
-        // What the devices read is what their rays see.
+        // The readings of devices are those of their rays.
         crate::common::run(&mut world, 20, 0.0, 0.0);
         let robot = world.robot(0);
         let read: Vec<f64> = robot.sensors().map(|sensor| sensor.sample[0]).collect();

@@ -58,7 +58,7 @@ fn assert_steady(mut world: World, surprises: usize) {
     let (before, mut quiet, mut with_memory) = (driven(&world), 0, 0);
     for _ in 0..1000 {
         let found = allocation_counter::measure(|| tick(&mut world, &mut inputs, &bytes[..n]));
-        // Who ran into what is told by name.
+        // Partners of a collision are named.
         if world.collisions().is_empty() {
             quiet += 1;
             with_memory += usize::from(found.count_total > 0);

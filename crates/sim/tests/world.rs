@@ -1,4 +1,4 @@
-//! What a world promises: the same bits for the same run, and bodies that stay out of walls.
+//! The promises of a world: the same bits for the same run, and bodies that stay out of walls.
 
 use std::fmt::Write;
 
@@ -251,7 +251,7 @@ fn encoders_count_the_marks_that_passed_and_wrap_on_the_wire() {
         let counts = |way: f64| (way * 600.0 / (core::f64::consts::TAU * 0.1)).floor();
         let expected = [counts(travel.left), counts(travel.right)];
         assert_eq!(robot.sensors().next().unwrap().sample, expected);
-        // What is in the laptop is the same modulo 256, as a signed number.
+        // The laptop's value is the same modulo 256, as a signed number.
         for (value, count) in robot.readings()[0].values.iter().zip(expected) {
             assert_eq!((value - count).rem_euclid(256.0), 0.0);
             assert!((-128.0..128.0).contains(value));

@@ -29,7 +29,7 @@ pub struct Pulses {
     pub from_ns: u64,
     /// The rise behind the last, in nanoseconds.
     pub until_ns: u64,
-    /// How many there are.
+    /// The number of pulses.
     pub count: u32,
     /// For how long the wire was high in all.
     pub high_ns: u64,
@@ -138,7 +138,7 @@ impl Condenser {
     /// Tells the rest.
     pub fn finish(&mut self, out: &mut Vec<Stretch>) {
         tell(&self.run, out);
-        // What is behind the last rise is no whole period.
+        // The rest behind the last rise is no whole period.
         let whole = self.run.len().saturating_sub(1) / 2 * 2;
         for &(at_ns, high) in self.run.iter().skip(whole) {
             add(out, Stretch::Level { at_ns, level: level(high) });

@@ -1,4 +1,4 @@
-//! What a logic analyser on a chip's pins shows, signal by signal.
+//! The record of a logic analyser on a chip's pins, signal by signal.
 
 use alloc::vec::Vec;
 
@@ -16,7 +16,7 @@ pub struct Scope {
     /// Of each signal; that of no wire is idle.
     condensers: Vec<Condenser>,
     rounds: Rounds,
-    /// How many edges have been read.
+    /// The number of edges that have been read.
     seen: u64,
 }
 
@@ -41,10 +41,10 @@ pub enum Shown {
     },
 }
 
-/// What is new on the signals.
+/// The news of the signals.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct News {
-    /// How many edges came too fast and are lost: nothing is known of a wire until it is shown again.
+    /// The number of edges that came too fast and are lost: nothing is known of a wire until it is shown again.
     pub lost: u64,
     /// Each with the place of its signal; of each signal in the order of time.
     pub shown: Vec<(usize, Shown)>,
@@ -86,7 +86,7 @@ impl Scope {
         &self.signals
     }
 
-    /// What has come since the last look; `now_ns` is the world's time. Pulses that go on are told a little later.
+    /// The events since the last look; `now_ns` is the world's time. Pulses that go on are told a little later.
     pub fn look(&mut self, board: &Board, now_ns: u64) -> News {
         let mut news = News::default();
         let Some(edges) = board.edges() else { return news };
@@ -109,7 +109,7 @@ impl Scope {
         news
     }
 
-    /// What is left, at the end.
+    /// The remaining events, at the end.
     pub fn finish(&mut self) -> News {
         let mut news = News::default();
         self.each(&mut news.shown, Condenser::finish);

@@ -10,7 +10,7 @@ use baudbot_board::{Net, Role, Seen, Terminal, Wiring};
 
 use super::ChipSpec;
 
-/// What a signal is of.
+/// The source of a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Line {
     /// The rounds of the program's main loop.
@@ -43,7 +43,7 @@ impl Line {
 /// A signal with its names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Signal {
-    /// What it is of.
+    /// The source.
     pub line: Line,
     /// The terminals on its wire, such as `motors.left.pwm`.
     pub on: Vec<String>,

@@ -11,9 +11,9 @@ pub struct Turns {
     pub from_ns: u64,
     /// When the last is over, in nanoseconds.
     pub until_ns: u64,
-    /// How many there are.
+    /// The number of rounds.
     pub count: u32,
-    /// How long they are together, in periods of the chip's clock source.
+    /// The sum of their durations, in periods of the chip's clock source.
     pub cycles: u64,
     /// Whether they are short, so that they are told together.
     pub are_short: bool,

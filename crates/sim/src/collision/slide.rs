@@ -25,23 +25,23 @@ use crate::drive::{Drive, Motion};
 use crate::motor::Motors;
 use crate::movable::{Body, Chain, Form, Touch, touches};
 
-/// What drives a robot in a step, along its heading, in m/s.
+/// The thrust of a robot in a step, along its heading, in m/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Thrust {
     /// The speed of its body before the step, along its heading or what it slides along: v.
     body: f64,
     /// The speed of its wheels after the step, if nothing is in the way: V'.
     wheels: f64,
-    /// What the motors add to it in the step: ΔV.
+    /// The motors' part in the step: ΔV.
     gain: f64,
-    /// How far it is carried over ground for each metre that its wheels roll, and how fast by its turning alone, if that is not
-    /// 1 and 0.
+    /// The distance over ground for each metre that its wheels roll, and the speed by its turning alone, if that is
+    /// not 1 and 0.
     over_ground: Option<(f64, f64)>,
     /// The length of the step, in seconds.
     dt: f64,
 }
 
-/// How a robot slides in a step.
+/// The slide of a robot in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slid {
     pub(crate) after: Pose,
@@ -98,7 +98,7 @@ struct Course<'a> {
 }
 
 impl Step<'_> {
-    /// How the robot goes on along what it runs into; `None` if it cannot.
+    /// The robot's way along its obstacle; `None` if it cannot slide.
     pub(super) fn slide(&self, own: usize, friction: f64) -> Option<Slid> {
         let way = &self.ways[own];
         let wanted = way.wanted.position - way.before.position;
@@ -172,7 +172,7 @@ impl Step<'_> {
     }
 }
 
-/// Where the robot can go along what it touches there; `None` if friction holds it.
+/// The robot's course along the obstacle that it touches; `None` if friction holds it.
 fn course(touch: &Touch, ahead: Vector, friction: f64) -> Option<Course<'_>> {
     let pressing = -ahead.dot(&touch.normal);
     let along = ahead + touch.normal * pressing;
@@ -199,11 +199,11 @@ fn displacement(course: &Course<'_>, far: f64, touches: &[Touch]) -> Vector {
     if touches.iter().all(is_free) { step } else { course.tangent * far }
 }
 
-/// What is deeper is not touched, but overlapped.
+/// A deeper contact is an overlap.
 const DEEPEST_M: f64 = 1e-8;
 /// The sine of an angle at which two walls are one.
 const PARALLEL: f64 = 1e-9;
-/// How far a robot stays off what it slides along, so that rounding does not push it in.
+/// The gap between a robot and its obstacle, so that rounding does not push it in.
 const CLEAR_M: f64 = 2e-10;
 /// A robot that comes closer by more has not been there.
 const CLOSE_M: f64 = 1e-9;

@@ -1,4 +1,4 @@
-//! Which cells are free: those that a point can reach from the robots' starts, cell by cell.
+//! The free cells: those that a point can reach from the robots' starts, cell by cell.
 //!
 //! Nothing looks whether a cell's centre is inside a solid polygon, but for the first cells: to get into a
 //! polygon, a step would have to cross its outline. Pillars have no outline of segments, so their cells are
@@ -65,7 +65,7 @@ fn is_in_sight(arena: &Arena, grid: &Grid, start: Point, center: Point) -> bool 
     free && !arena.polygons().iter().any(|shape| shape.solid && polygon::contains(&shape.points, center))
 }
 
-/// What stands between the cells, which are known by their numbers.
+/// The barriers between the cells, which are known by their numbers.
 struct Barriers {
     columns: usize,
     cells: Vec<Sides>,

@@ -25,7 +25,7 @@ pub struct Floor {
     free: Bits,
 }
 
-/// Why an arena's floor cannot be divided.
+/// A reason why an arena's floor cannot be divided.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FloorError {
@@ -43,7 +43,7 @@ pub enum FloorError {
     TooManyCells {
         /// The side of a cell, in metres.
         cell_m: f64,
-        /// How many cells that makes.
+        /// The number of cells that this makes.
         cells: u64,
         /// The least side with two digits, in metres, that would do.
         fitting_m: f64,
@@ -56,7 +56,7 @@ pub enum FloorError {
     TooMuchWall {
         /// The side of a cell, in metres.
         cell_m: f64,
-        /// How many cells the walls pass one after the other, a pillar as two walls across it.
+        /// The number of cells that the walls pass one after the other, a pillar as two walls across it.
         cells: u64,
         /// The least side with two digits, in metres, that would do.
         fitting_m: f64,
@@ -130,7 +130,7 @@ impl Floor {
         self.number(column, row).is_some_and(|number| self.free.contains(number))
     }
 
-    /// How many cells are free: at least one.
+    /// The number of free cells: at least one.
     #[must_use]
     pub fn free_cells(&self) -> usize {
         self.free.count()

@@ -1,5 +1,5 @@
-//! How much of an arena's floor was covered: the area coverage and the sensory area coverage of Section 6.1
-//! of Wahde's "Introduction to Autonomous Robots".
+//! The covered part of an arena's floor: the area coverage and the sensory area coverage of Section 6.1 of Wahde's
+//! "Introduction to Autonomous Robots".
 //!
 //! ```text
 //! area coverage         = covered cells / free cells
@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 use bits::Bits;
 pub use floor::{Floor, FloorError};
 
-/// Which cells of a [`Floor`] were covered, and which were sensed. Both only ever become more.
+/// The cells of a [`Floor`] that were covered, and those that were sensed. Both only ever become more.
 ///
 /// It serialises small: as the lengths of runs of equal cells. The floor is derived from the scenario and is
 /// not part of it; all calls on one coverage must pass the same floor. With another one nothing panics, but
@@ -97,13 +97,13 @@ impl Coverage {
         self.sensed_cells() as f64 / floor.free_cells() as f64
     }
 
-    /// How many cells are covered.
+    /// The number of covered cells.
     #[must_use]
     pub fn covered_cells(&self) -> usize {
         self.covered.count()
     }
 
-    /// How many cells are sensed.
+    /// The number of sensed cells.
     #[must_use]
     pub fn sensed_cells(&self) -> usize {
         self.sensed.count()
@@ -134,5 +134,5 @@ impl Coverage {
     }
 }
 
-/// How much of a ray is left out at either end: more than roundings, less than anything of interest.
+/// The part of a ray that is left out at either end: more than roundings, less than anything of interest.
 const HAIR_M: f64 = 0.5e-9;

@@ -29,5 +29,5 @@ pub(crate) fn list<T>(list: &Vec<T>, of: impl Fn(&T) -> usize) -> usize {
 /// The name under which something is serialised that has no memory of its own.
 pub(crate) const NO_MEMORY: &str = baudbot_avr::NO_MEMORY;
 
-/// What is in front of a value that is shared: two counters.
+/// The head of a shared value: two counters.
 pub(crate) const SHARED: usize = 2 * size_of::<usize>();

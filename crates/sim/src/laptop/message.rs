@@ -1,4 +1,4 @@
-//! What messages say, as readings.
+//! The content of messages, as readings.
 
 use baudbot_wire::create::Payload;
 use baudbot_wire::khepera::{self, Answer};
@@ -8,7 +8,7 @@ use super::Reading;
 use crate::firmware::{Firmware, Protocol};
 use crate::time::SimTime;
 
-/// What a message was.
+/// The content of a message.
 pub(super) enum Noted {
     Nonsense,
     /// Of a command: nothing that a brain waits for.

@@ -1,4 +1,4 @@
-//! What stands between a UART and the laptop's USB port.
+//! The adapter between a UART and the laptop's USB port.
 //!
 //! **Frames** (`Cdc`, and part of `Ftdi`). The laptop's host moves bytes at the boundaries of USB's frames, the
 //! multiples of 1 ms: see `frames`.
@@ -21,7 +21,7 @@
 use super::{Bluetooth, Frames};
 use crate::time::SimTime;
 
-/// What a UART's bytes pass at the laptop's end.
+/// The adapter that a UART's bytes pass at the laptop's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Adapter {
     /// Nothing: a serial port of its own.
@@ -41,7 +41,7 @@ pub struct Ftdi {
     pub latency_ns: u64,
     /// Bytes that make it send a packet at once.
     pub packet_bytes: u32,
-    /// How its packets keep time with the bus.
+    /// The relation of its packets to the bus.
     pub frames: Frames,
 }
 
@@ -58,7 +58,7 @@ impl Adapter {
     /// Most bytes of a packet to the laptop.
     pub(super) fn packet_bytes(&self) -> u32 {
         match self {
-            // What goes with the same frame has the same jitter.
+            // Bytes of the same frame have the same jitter.
             Self::Cdc(frames) if frames.jitter_ns > 0 => u32::MAX,
             Self::None | Self::Cdc(_) => 1,
             Self::Ftdi(ftdi) => ftdi.packet_bytes,

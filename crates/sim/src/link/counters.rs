@@ -1,8 +1,8 @@
-//! What is counted on a line.
+//! The counters of a line.
 
 use serde::{Deserialize, Serialize};
 
-/// What went over one direction of a link.
+/// The counters of one direction of a link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LineCounters {
     /// Bytes that went over the line, lost ones included.

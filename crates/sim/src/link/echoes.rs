@@ -134,7 +134,7 @@ fn echoes_of_bytes_that_are_written_at_any_time_are_spread_over_a_frame() {
         let wire = 12e3 / f64::from(baud) + 0.08;
         assert!((mean - (wire + 0.55)).abs() < 0.02 && (sd - 0.29).abs() < 0.02, "{baud}: {mean} {sd}");
         assert!(shortest - wire < 0.02 && wire + 1.1 - longest < 0.02, "{baud}: {shortest} {longest}");
-        // What was measured is no shorter, and goes on for longer.
+        // The measured echoes are no shorter, and go on for longer.
         assert!(shortest < least && longest < most && mean < measured, "{baud}: {shortest} {mean} {longest}");
     }
 }

@@ -1,4 +1,4 @@
-//! How a USB adapter's bytes keep time with the bus.
+//! The relation of a USB adapter's bytes to the bus.
 //!
 //! **Upwards** a byte that comes to the chip at T is at the laptop at
 //!
@@ -24,7 +24,7 @@
 use crate::random::Stream;
 use crate::time::SimTime;
 
-/// How a USB adapter's bytes keep time with the bus.
+/// The relation of a USB adapter's bytes to the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frames {
     /// Length of a USB frame, in nanoseconds.

@@ -1,4 +1,4 @@
-//! What chance adds to the way of a packet: the latencies of a radio, the jitter of USB.
+//! The random part of a packet's way: the latencies of a radio, the jitter of USB.
 
 use serde::{Deserialize, Serialize};
 

@@ -25,13 +25,13 @@ pub struct Line {
     pub(super) sent: u64,
     pub(super) transmission: Transmission,
     errors: Stream,
-    /// What the bytes pass besides the wire; nothing on a plain cable.
+    /// The path of the bytes besides the wire; nothing on a plain cable.
     pub(super) transport_path: Option<TransportPath>,
     pub(crate) counters: LineCounters,
     /// Under way as it is: nothing else is then, and at the tick's end it becomes bytes.
     #[serde(skip)]
     command: Option<Whole>,
-    /// What has come over it, if somebody looks.
+    /// The record of its bytes, if somebody looks.
     #[serde(skip)]
     tape: Option<Box<Tape>>,
 }
@@ -135,7 +135,7 @@ impl Line {
         }
     }
 
-    /// What is sent from now on begins a burst, behind what is on the wire.
+    /// The next byte begins a burst, behind those on the wire.
     pub(crate) fn begin_burst(&mut self) {
         self.transmission.begin();
     }
@@ -267,7 +267,7 @@ impl Line {
         self.sent -= 1;
     }
 
-    /// How many of the bytes that were sent are over.
+    /// The number of sent bytes that are over.
     fn over(&self) -> u64 {
         self.sent - self.under_way()
     }
@@ -349,7 +349,7 @@ impl Line {
         taken
     }
 
-    /// How many bytes the laptop's driver still holds at `now`.
+    /// The number of bytes that the laptop's driver still holds at `now`.
     pub fn waiting(&self, link: &Link, now: SimTime) -> usize {
         if let Link::Usb(_) = link {
             // A microcontroller that does not read keeps the bytes at the laptop.
@@ -367,7 +367,7 @@ impl Line {
         self.transmission.drained_to(link, link.transmit_depth())
     }
 
-    /// What becomes of a byte on a wire with this rate of errors.
+    /// The fate of a byte on a wire with this rate of errors.
     pub(super) fn disturb(&mut self, rate: f64, byte: u8) -> u8 {
         if rate == 0.0 || self.errors.uniform() >= rate {
             return byte;

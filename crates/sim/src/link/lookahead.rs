@@ -1,4 +1,4 @@
-//! How far a line can be known ahead of what is sent on it.
+//! The time for which a line is known ahead of the bytes that are sent on it.
 
 use super::{Line, Link};
 use crate::time::SimTime;

@@ -24,9 +24,9 @@ pub(super) struct Messages(VecDeque<Sent>);
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Sent {
-    /// How many bytes were sent before it.
+    /// The number of bytes that were sent before it.
     begin: u64,
-    /// How many bytes will be over when it is.
+    /// The number of bytes that will be over when it is.
     end: u64,
     message: Message,
 }

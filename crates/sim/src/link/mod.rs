@@ -1,6 +1,6 @@
 //! The link between microcontroller and laptop: two lines, one each way.
 //!
-//! What a byte passes on its way, and where it is computed:
+//! The parts that a byte passes on its way, and the modules that compute them:
 //!
 //! | link | up, to the laptop | down, to the microcontroller |
 //! |---|---|---|
@@ -50,7 +50,7 @@ pub(crate) use transport_path::Direction;
 use crate::fault::When;
 use crate::time::{SECOND_NS, SimTime};
 
-/// What a link is.
+/// The model of a link.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Link {
     /// No time, no loss.
@@ -80,7 +80,7 @@ pub struct Uart {
     pub laptop_buffer_bytes: usize,
     /// Probability that a byte arrives with one bit wrong.
     pub byte_error_rate: f64,
-    /// What stands between the cable and the laptop.
+    /// The adapter between the cable and the laptop.
     pub adapter: Adapter,
     /// Both directions share the wire; the pause, in nanoseconds, from the end of one side's last byte to the
     /// start of the other's first. `None` is full duplex.

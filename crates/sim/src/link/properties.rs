@@ -1,4 +1,4 @@
-//! What holds of every line, whatever is sent when; and the lines that tests are made with.
+//! The properties of every line, whatever is sent when; and the lines that tests are made with.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -65,7 +65,7 @@ pub(super) fn down(link: &Link) -> Line {
     Line::down(link, 1, &["test"])
 }
 
-/// What is delivered until `now`, by instants.
+/// The bytes that are delivered until `now`, by instants.
 pub(super) fn delivered(line: &mut Line, link: &Link, now: u64) -> Vec<(u64, Vec<u8>)> {
     let mut packets: Vec<(u64, Vec<u8>)> = Vec::new();
     while let Some((at, byte)) = line.take(link, SimTime::from_ns(now)) {

@@ -1,5 +1,5 @@
-//! What has come over a line, byte by byte, for people who look at the cable. Nothing in the world reads it: it is no part of
-//! the state, and a line that keeps none makes the same run.
+//! The bytes that have come over a line, for people who look at the cable. Nothing in the world reads it: it is no
+//! part of the state, and a line that keeps none makes the same run.
 
 use alloc::collections::VecDeque;
 
@@ -52,7 +52,7 @@ impl Tape {
         }
     }
 
-    /// How many bytes there were in all.
+    /// The number of all bytes.
     pub fn total(&self) -> u64 {
         self.total
     }

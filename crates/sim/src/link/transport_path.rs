@@ -14,7 +14,7 @@ use super::{Line, Link};
 use crate::random::Stream;
 use crate::time::SimTime;
 
-/// Which way a line leads.
+/// The direction of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Direction {
     /// To the laptop: first the wire, then the adapter.
@@ -23,7 +23,7 @@ pub(crate) enum Direction {
     Down,
 }
 
-/// What such a line remembers.
+/// The memory of such a line.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct TransportPath {
     direction: Direction,
@@ -247,5 +247,5 @@ impl Line {
     }
 }
 
-/// What waits on a robot for its cable does not wait longer than that: a day.
+/// The longest time for which bytes wait on a robot for its cable: a day.
 pub(super) const SOON_NS: u64 = 86_400 * crate::time::SECOND_NS;

@@ -12,7 +12,7 @@ use crate::model::RobotSpec;
 use crate::time::SimTime;
 
 impl Microcontroller {
-    /// How many bytes a command has that may go as it is on this line; `None` if something depends on its bytes.
+    /// The number of bytes of a command that may go as it is on this line; `None` if something depends on its bytes.
     pub(crate) fn len_at_once(&self, spec: &RobotSpec, downlink: &Line, command: &Command) -> Option<usize> {
         let layout = spec.firmware.layout();
         let payload = layout.command_len();
@@ -23,7 +23,7 @@ impl Microcontroller {
                 .iter()
                 .chain(&command.others)
                 .all(|s| s.is_finite());
-        // Who looks at the cable sees bytes.
+        // An observer of the cable sees bytes.
         let is_instant = !downlink.is_taped()
             && downlink.is_idle_and_instant(&spec.link)
             && self.decoder.is_between_frames()

@@ -1,4 +1,4 @@
-//! What the microcontroller has of each sensor: when it is due, and the sample that it holds.
+//! The microcontroller's view of each sensor: when it is due, and the sample that it holds.
 
 use alloc::boxed::Box;
 
@@ -31,7 +31,7 @@ pub(crate) struct Channel {
     pub(crate) sampled_at: SimTime,
     /// When it was measured: earlier, if the device held it.
     pub(super) measured_at: SimTime,
-    /// How long the last read took the processor, in nanoseconds.
+    /// The time that the last read took the processor, in nanoseconds.
     pub(super) took_ns: u64,
     /// In no frame yet: the readability state of §3.2.1.
     pub(super) fresh: bool,
@@ -40,8 +40,7 @@ pub(crate) struct Channel {
 
 impl Channel {
     pub(super) fn new(spec: &RobotSpec, sensor: &Sensor, seed: u64, noise: bool) -> Self {
-        // What differs from one specimen to the next has a stream of its own, so that the noise does not depend on
-        // it.
+        // The differences between specimens have a stream of their own, so that the noise does not depend on them.
         let specimen = &mut Stream::of(seed, &[&spec.name, "/", &sensor.name, ":specimen"]);
         let due = if sensor.is_on_wire() && spec.chip.is_none() {
             sensor.schedule.start()

@@ -1,9 +1,9 @@
-//! What the microcontroller has to know of the robot that no sensor tells.
+//! The state of the robot that the microcontroller needs and no sensor has.
 
 use crate::battery::BatteryState;
 use crate::drive::{Motion, Wheels};
 
-/// How a robot moves and is fed.
+/// The motion and the supply of a robot.
 #[derive(Clone, Copy)]
 pub(crate) struct Condition<'a> {
     pub(crate) motion: &'a Motion,

@@ -1,4 +1,4 @@
-//! What the microcontroller of an iRobot Create says and understands: its Open Interface, bound to the robot.
+//! The answers and commands of an iRobot Create's microcontroller: its Open Interface, bound to the robot.
 //!
 //! A packet has the code of the sensor of its name (`crates/wire/src/create/signals.rs`), as the microcontroller last read it. Of the
 //! left and the right wheel's way s_L and s_R since the start, by the encoders' counts, the packets 19 and 20 tell
@@ -86,7 +86,8 @@ impl Microcontroller {
         }
     }
 
-    /// What is owed first, or else a message of the stream. Says how many bytes they are, and whether they are of the stream.
+    /// Writes the owed packets first, or else a message of the stream. Says how many bytes they are, and whether they
+    /// are of the stream.
     pub(super) fn write_packets(
         &mut self,
         spec: &RobotSpec,
@@ -257,12 +258,12 @@ impl Microcontroller {
     }
 }
 
-/// What of a way or a turn has not been told.
+/// The part of a way or a turn that has not been told.
 fn untold(way: i64, told: i64) -> i32 {
     way.saturating_sub(told).clamp(-32_768, 32_767) as i32
 }
 
-/// What a receiver of infra-red characters tells that sees none.
+/// The value of a receiver of infra-red characters that sees none.
 fn no_character(version: Version) -> i32 {
     match version {
         Version::One => NO_CHARACTER,
@@ -270,7 +271,7 @@ fn no_character(version: Version) -> i32 {
     }
 }
 
-/// What a packet says of the battery that no sensor does.
+/// The values of the battery in a packet that no sensor has.
 fn fed(spec: &RobotSpec, robot: &Condition<'_>, packet: Packet) -> i32 {
     let Some((battery, state)) = spec.battery.as_ref().zip(robot.battery) else { return 0 };
     let whole = |number: f64, [least, most]: [f64; 2]| math::round(number).clamp(least, most) as i32;
@@ -290,7 +291,7 @@ fn approaches(spec: &RobotSpec, signals: Wheels) -> bool {
     speed > 0.0 || speed.abs() < turn / (2.0 * spec.drive.half_track_m) * spec.drive.radius_m
 }
 
-/// What came while a Create booted is lost, until this instant; says whether the receiver is empty then.
+/// Bytes that came while a Create booted are lost, until this instant; says whether the receiver is empty then.
 pub(super) fn missed_boot(spec: &RobotSpec, (now, until): (SimTime, SimTime), downlink: &mut Line) -> bool {
     if until == SimTime::ZERO {
         return false;
@@ -333,13 +334,13 @@ const SEEN_FROM: i32 = 100;
 /// Of the battery, in °C; a guess.
 const RESTING_C: i32 = 25;
 
-/// What the receiver of a first Create tells while it sees no character (recalled: 255).
+/// The value of a first Create's receiver while it sees no character (recalled: 255).
 const NO_CHARACTER: i32 = 255;
 
 /// From a reset to the first byte of its text, while nothing is heard. A guess: pycreate2 reads after one second.
 const BOOT_NS: u64 = SECOND_NS;
 
-/// What a Create 2 says when it boots (pycreate2 0.8.0, what `reset` returned).
+/// The text of a Create 2 when it boots (pycreate2 0.8.0, what `reset` returned).
 const BOOT_TEXT: &[u8] =
     b"bl-start\r\nSTR730\r\nbootloader id: #x47186549 82ECCFFF\r\nbootloader info rev: #xF000\r\n\
                            bootloader rev: #x0001\r\n2007-05-14-1715-L   \r";

@@ -6,7 +6,7 @@ use crate::sensor::{Event, Measurement, Parts, Sensor};
 use crate::time::SimTime;
 
 impl Microcontroller {
-    /// What the device of sensor `i`, which has an own clock, does next, and when.
+    /// The next event of the device of sensor `i`, which has an own clock, and its instant.
     pub(crate) fn next_of_own(&self, i: usize, sensor: &Sensor) -> (SimTime, Event) {
         let running = self.channels[i].running.as_ref();
         running.map_or((SimTime::NEVER, Event::Output), |running| running.next(&sensor.device))
@@ -26,8 +26,8 @@ impl Microcontroller {
         self.channels[i].running.as_ref()?.pending_since()
     }
 
-    /// What the device of sensor `i` has measured comes to its output. If it has a cable of its own, the answer
-    /// is what it sends: the values, when they were measured as it tells it, and when they truly were.
+    /// Moves the measurement of sensor `i`'s device to its output. If it has a cable of its own, the answer is its
+    /// message: the values, the instant of the measurement as it tells it, and the true one.
     pub(crate) fn output(&mut self, i: usize, sensor: &Sensor) -> Option<(&[f64], SimTime, SimTime)> {
         let channel = &mut self.channels[i];
         let held = channel.running.as_mut()?.output()?;

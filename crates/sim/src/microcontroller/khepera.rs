@@ -1,4 +1,4 @@
-//! What the microcontroller of a Khepera says and understands: its registers, bound to the robot.
+//! The answers and commands of a Khepera's microcontroller: its registers, bound to the robot.
 //!
 //! Pulses are counts of the robot's encoders, as the microcontroller last read them. A movement to a target (`C`) goes at
 //! v(e) = K e within e₀ = a / K² pulses of it, farther away at √(2 a (e − e₀ / 2)), and never beyond the speed and the
@@ -150,7 +150,7 @@ impl Microcontroller {
         Some((since, Wheels { left: signal(0, signals.left), right: signal(1, signals.right) }))
     }
 
-    /// What both encoders have counted when they were last read; 0 of a robot without.
+    /// The counts of both encoders when they were last read; 0 of a robot without.
     pub(super) fn counts(&self, spec: &RobotSpec) -> [i64; 2] {
         let values = Pulses::of(spec).map_or(&[][..], |pulses| &self.channels[pulses.sensor].values[..]);
         [0, 1].map(|side| values.get(side).copied().unwrap_or(0.0) as i64)
@@ -164,7 +164,7 @@ impl Microcontroller {
             .map_or_else(|| counts.map(|count| count as i32), |registers| registers.positions(counts))
     }
 
-    /// What a register holds, if the robot has it.
+    /// The value of a register, if the robot has it.
     fn register(
         &self,
         spec: &RobotSpec,
@@ -215,7 +215,7 @@ fn put(said: &[u8], out: &mut [u8]) -> usize {
     said.len()
 }
 
-/// What a line asks for, or why it is not obeyed.
+/// The request of a line, or the reason why it is not obeyed.
 pub(super) fn request(spec: &RobotSpec, line: &[u8], layout: &Layout<'_>) -> Result<Request, Refusal> {
     match Question::parse(line, layout) {
         Ok(Question::Poll) => Ok(Request::Poll),
@@ -271,7 +271,7 @@ fn ambient(spec: &RobotSpec) -> impl Iterator<Item = usize> {
 /// Pulses of the robot's encoders.
 #[derive(Clone, Copy)]
 struct Pulses {
-    /// Which sensor they are.
+    /// The sensor with the counts.
     sensor: usize,
     per_turn: f64,
 }
@@ -284,7 +284,7 @@ impl Pulses {
         })
     }
 
-    /// How fast the wheels turn, in pulses a second.
+    /// The speed of the wheels, in pulses a second.
     fn per_s(self, motion: &Motion) -> [f64; 2] {
         let Wheels { left, right } = motion.wheel_speed_rad_s;
         [left, right].map(|speed| speed / TAU * self.per_turn)
@@ -303,7 +303,7 @@ fn per_10ms(per_s: f64) -> i32 {
     math::round(per_s / 100.0) as i32
 }
 
-/// How a wheel goes to its target.
+/// The profile by which a wheel goes to its target.
 struct Profile {
     /// Largest speed, in pulses a second.
     speed: f64,
@@ -337,8 +337,8 @@ const GAIN_PER_S: f64 = 5.0;
 /// Below so many pulses a second a wheel stands: it does not come a pulse farther.
 const STANDS_PER_S: f64 = 10.0;
 
-/// What an infra-red sensor tells of the dark, roughly (manual of the Khepera II, section 3.1.7).
+/// The value of an infra-red sensor in the dark, roughly (manual of the Khepera II, section 3.1.7).
 const DARK: i32 = 500;
 
-/// What is read from a bus that nobody drives; a guess.
+/// The value of a bus that nobody drives; a guess.
 const NOBODY: i32 = 255;

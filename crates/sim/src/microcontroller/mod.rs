@@ -76,7 +76,7 @@ pub(crate) struct Sent {
     pub(crate) on_wire: (SimTime, SimTime),
 }
 
-/// What a byte from the laptop completed.
+/// The message that a byte from the laptop completed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Taken {
     /// Nothing yet.
@@ -88,7 +88,7 @@ pub(crate) enum Taken {
     Command(SimTime),
 }
 
-/// What the processor turns to next.
+/// The next task of the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Task {
     Acquire(usize),
@@ -370,5 +370,5 @@ impl Microcontroller {
     }
 }
 
-/// Why framing cannot fail.
+/// The reason why framing cannot fail.
 const FITS: &str = "scenario files refuse robots whose messages are too long";

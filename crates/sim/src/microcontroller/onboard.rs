@@ -48,7 +48,7 @@ impl Microcontroller {
     }
 }
 
-/// What a sample is once it has crossed the wire. Before the first one there are no values, and all may be told.
+/// The value of a sample once it has crossed the wire. Before the first one there are no values, and all may be told.
 fn tell_values(encodings: &[Encoding], sample: &[f64], told: &mut ReadingValues) {
     if let ([Encoding::Float64], [value], [told]) = (encodings, sample, &mut told[..]) {
         *told = *value;

@@ -1,4 +1,4 @@
-//! What a message from the laptop asks for, in each protocol.
+//! The request of a message from the laptop, in each protocol.
 
 use alloc::vec::Vec;
 
@@ -11,7 +11,7 @@ use crate::drive::Wheels;
 use crate::firmware::{Protocol, Refusal};
 use crate::model::RobotSpec;
 
-/// What the laptop asks of the microcontroller.
+/// A request of the laptop to the microcontroller.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Request {
     Drive(Wheels, Vec<f64>),

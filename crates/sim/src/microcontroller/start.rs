@@ -1,4 +1,4 @@
-//! How a microcontroller starts, and starts again.
+//! The start of a microcontroller, and its restart.
 
 use super::{Microcontroller, Order};
 use crate::drive::Wheels;
@@ -22,7 +22,7 @@ impl Microcontroller {
     }
 }
 
-/// What came while the bootloader waited is lost; says whether the receiver is empty then.
+/// Bytes that came while the bootloader waited are lost; says whether the receiver is empty then.
 #[cold]
 #[inline(never)]
 pub(super) fn missed_start(spec: &RobotSpec, now: SimTime, downlink: &mut Line) -> bool {

@@ -1,4 +1,4 @@
-//! Which readings a message tells, and what is to be known of them.
+//! The readings that a message tells, and their instants.
 
 use alloc::vec::Vec;
 
@@ -9,7 +9,7 @@ use crate::firmware::Firmware;
 use crate::link::Message as Tag;
 use crate::time::SimTime;
 
-/// Which readings a message tells.
+/// The readings that a message tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Tells {
     Nothing,

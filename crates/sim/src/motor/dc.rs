@@ -51,7 +51,7 @@ impl DcMotor {
         output.clamp(-self.max_torque_nm, self.max_torque_nm)
     }
 
-    /// How much torque on the wheel is lost for each rad/s of its speed, in N m s.
+    /// The torque on the wheel that is lost for each rad/s of its speed, in N m s.
     pub(crate) fn slope_nm_s(&self) -> f64 {
         let back_emf = self.torque_constant_nm_a * self.emf_constant_v_s / self.resistance_ohm;
         let shaft = back_emf + self.viscous_friction_nm_s;

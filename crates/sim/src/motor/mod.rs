@@ -58,8 +58,8 @@ impl Motors {
         }
     }
 
-    /// How much torque on the wheel is lost for each rad/s of its speed, in N m s: what Euler steps can
-    /// blow up by. `None` for motors whose speed no torque changes.
+    /// The torque on the wheel that is lost for each rad/s of its speed, in N m s: the quantity by which Euler steps
+    /// can blow up. `None` for motors whose speed no torque changes.
     pub(crate) fn slope_nm_s(&self, wheel_radius_m: f64) -> Option<f64> {
         match self {
             Self::Dc(motor) => Some(motor.slope_nm_s()),

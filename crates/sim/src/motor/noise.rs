@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::random::Stream;
 use crate::wheels::Wheels;
 
-/// How uneven a robot's motors are.
+/// The unevenness of a robot's motors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorNoise {
     /// Standard deviation of a factor with mean 1 on each wheel's signal, drawn once a tick.

@@ -13,7 +13,7 @@ use crate::time::SimTime;
 pub struct PositionalServo {
     /// Least and greatest angle, in rad, with 0 between them.
     pub range_rad: [f64; 2],
-    /// How fast it turns, in rad/s.
+    /// The rate of turning, in rad/s.
     pub rate_rad_s: f64,
     /// It stays where it is when the angle asked for is as near as this, in rad.
     pub dead_band_rad: f64,

@@ -25,11 +25,11 @@ pub struct Servo {
     pub curve: Vec<(f64, f64)>,
     /// Pulse width at signal 0, in µs.
     pub neutral_us: f64,
-    /// How much wider the pulse is at signal 1, in µs.
+    /// The additional width of the pulse at signal 1, in µs.
     pub half_range_us: f64,
     /// Pulses within so much of the servo's own neutral width stop it, in µs.
     pub dead_band_us: f64,
-    /// How far the servo's own neutral width, which a screw sets, is above `neutral_us`, in µs.
+    /// The difference of the servo's own neutral width, which a screw sets, over `neutral_us`, in µs.
     pub trim_us: f64,
     /// Time constant with which the speed follows, in s; 0 is at once.
     pub lag_s: f64,

@@ -30,7 +30,7 @@ pub struct Stepper {
     pub full_rate_steps_s: f64,
     /// Pull-out rate: with more pulses a second than these the rotor stands still.
     pub max_rate_steps_s: f64,
-    /// How fast the rotor's rate can change, in steps per s².
+    /// The greatest change of the rotor's rate, in steps per s².
     pub max_acceleration_steps_s2: f64,
     /// Electrical power that its coils take while they are on, in W.
     pub holding_w: f64,

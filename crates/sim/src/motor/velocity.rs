@@ -55,7 +55,7 @@ impl VelocityMotor {
         (mechanical / self.efficiency).max(0.0)
     }
 
-    /// How much torque on the wheel is lost for each rad/s of its speed, in N m s.
+    /// The torque on the wheel that is lost for each rad/s of its speed, in N m s.
     pub(crate) fn slope_nm_s(&self, wheel_radius_m: f64) -> f64 {
         self.gain_n_s * wheel_radius_m
     }

@@ -52,7 +52,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Where a thing wants to go. Who only slides is slowed evenly through the slice and may stop in it.
+    /// The way of a thing in the slice. A thing that only slides is slowed evenly and may stop in it.
     fn way(&self, i: usize, before: &Mover, h: f64) -> Move {
         let (thing, now) = (&self.things[i], &self.movers[i]);
         let turn = |spin: f64| if now.gyration > 0.0 { spin } else { 0.0 };

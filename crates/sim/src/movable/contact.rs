@@ -1,4 +1,4 @@
-//! Where two bodies are about to meet.
+//! The places at which two bodies are about to meet.
 //!
 //! A body is a chain of edges, rounded off by a radius: a disc is one corner with its radius, a polygon has
 //! none. Then there are two kinds of places: a corner before an edge, and a corner before a corner. The latter
@@ -45,7 +45,7 @@ impl Chain {
         Self { corners: alloc::vec![disc.center], edges: Vec::new(), rounding_m: disc.radius }
     }
 
-    /// What stands still in this disc: all walls together, and each pillar.
+    /// The fixed obstacles in this disc: all walls together, and each pillar.
     pub(crate) fn of_arena(arena: &Arena, near: &Circle) -> Vec<Self> {
         let mut shapes = Vec::new();
         arena.index().near(near, |shape| shapes.push(shape));

@@ -13,7 +13,7 @@
 //! A robot rolls and does not slide: it changes its speed V along its heading h and its turn rate only, so that
 //! a contact feels the inverse mass (n·h)²/M + (r × n)²/I of it. For a disc r × n is 0.
 //!
-//! What holds whatever happens, as no pose is taken unless it is free:
+//! These properties always hold, as no pose is taken unless it is free:
 //! - no thing overlaps the arena, another thing or a robot, if none did before;
 //! - the kinetic energy of things and robots, ½ m v² + ½ I ω² summed, does not grow within a step: each
 //!   impulse lessens it, and what is given back at the end is given only as far as the sum allows.
@@ -27,7 +27,7 @@
 //!   together as if all weight were on a ring of radius k (an ellipsoid as limit surface); for a square that
 //!   spins on its place this is 7 % more than an even pressure gives.
 //! - Nobody tips over or is lifted, whatever the height.
-//! - Who meets with restitution e stops and bounces up to one slice's way before the other body, not at it.
+//! - A body that meets another with restitution e stops and bounces up to one slice's way before that, not at it.
 //!   Below 1 cm/s nothing bounces. Two things meet with the smaller of their two e.
 //! - Contacts of one slice are simultaneous: of a row of touching balls that is hit at one end, the last does
 //!   not fly off alone. Energy and momentum are right, their distribution is one of several possible.
@@ -69,16 +69,16 @@ use crate::sound;
 pub struct Movable {
     /// Unique in its world.
     pub name: String,
-    /// What it looks like from above.
+    /// The outline from above.
     pub shape: MovableShape,
     /// In kg; positive.
     pub mass_kg: f64,
     /// Coulomb's coefficient of friction with the floor, without unit; of a ball: its rolling resistance. Not
     /// negative.
     pub friction: f64,
-    /// How much of the speed of meeting is left when parting again, 0 to 1.
+    /// The fraction of the speed of meeting that is left when parting again, 0 to 1.
     pub restitution: f64,
-    /// What it looks like from the side.
+    /// The look from the side.
     pub look: Look,
     /// World from thing, at the start.
     pub start: Pose,
@@ -100,7 +100,7 @@ pub enum MovableShape {
     },
 }
 
-/// Where a [`Movable`] is and how it moves.
+/// The pose and the motion of a [`Movable`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MovableState {
     /// World from thing.

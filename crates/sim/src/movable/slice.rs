@@ -35,7 +35,7 @@ pub(super) struct Bot<'a> {
     pub(super) pusher: &'a Pusher<'a>,
     pub(super) pose: Pose,
     pub(super) body: Body,
-    /// Where it was at the start of the step, and may have to return to.
+    /// The pose at the start of the step, to which it may have to return.
     pub(super) home: Body,
     pub(super) reach_m: f64,
     pub(super) thickness_m: f64,
@@ -110,7 +110,7 @@ impl Scene<'_> {
         self.move_bots(h, last);
     }
 
-    /// Who moves, or is so near to who does that it may be moved in this slice.
+    /// The things that move, or are so near to one that does that they may be moved in this slice.
     fn awake(&self, reach_m: f64) -> Vec<bool> {
         let near_bot = |thing: &Thing<'_>| {
             let near = |(i, bot): (usize, &Bot<'_>)| {
@@ -151,7 +151,7 @@ impl Scene<'_> {
                     meet(&Chain::of_body(&bot.body), Some(n + j), e);
                 }
             }
-            // Who is near to one that is awake is awake, and finds it.
+            // A thing near to one that is awake is awake, and finds it.
             for (j, other) in self.things.iter().enumerate().skip(i + 1) {
                 if thing.is_near(&other.pose, other.reach_m, reach_m) {
                     meet(&Chain::of_body(&other.body), Some(j), e.min(other.movable.restitution));

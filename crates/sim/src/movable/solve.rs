@@ -30,7 +30,7 @@ pub(super) struct Mover {
     pub(super) gyration: f64,
     /// A robot's heading, a unit vector, along which alone its velocity can change.
     pub(super) rail: Option<Vector>,
-    /// What friction can still take in this slice, in m/s.
+    /// The remaining effect of friction in this slice, in m/s.
     pub(super) friction_left: f64,
     /// Whether it was given an impulse in this slice.
     pub(super) pressed: bool,
@@ -135,7 +135,7 @@ impl Contact {
         (self.impulse - given).abs() * ease
     }
 
-    /// What is farther away than it comes in `h` seconds may approach.
+    /// Bodies that are farther apart than they come in `h` seconds may approach.
     fn prepare(&mut self, movers: &[Mover], h: f64, may_bounce: bool) {
         let speed = self.speed(movers);
         self.allowed = -(self.touch.gap - SKIN_M).max(0.0) / h;
@@ -192,5 +192,5 @@ const ROUNDS: usize = 40;
 /// A round that changes no speed by more ends the search.
 const SETTLED_M_S: f64 = 1e-12;
 
-/// Who would part more slowly than this does not bounce.
+/// The speed of parting below which nothing bounces.
 const SLOW_M_S: f64 = 0.01;

@@ -9,7 +9,7 @@ use super::solve::Mover;
 use super::{Body, Form, Movable, MovableState, SKIN_M};
 use crate::arena::Arena;
 
-/// What stands still during a step.
+/// The things that stand still during a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fixed<'a> {
     pub(crate) arena: &'a Arena,
@@ -35,7 +35,7 @@ pub(crate) struct Pusher<'a> {
     pub(crate) turn_rate_rad_s: f64,
 }
 
-/// What became of a robot's step.
+/// The result of a robot's step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reaction {
     /// World from robot: `after` to the bit if it met nothing; it is free of all movables, as is `before`.

@@ -22,7 +22,7 @@ use crate::sensor::Event;
 use crate::time::SimTime;
 use crate::timeline::What;
 
-/// What comes next on a robot.
+/// The next event on a robot.
 enum Next {
     /// A device with an own clock.
     Device(usize, Event),
@@ -113,7 +113,7 @@ impl Robot {
             }
             let mut heard = arrival;
             if let Some(port) = port {
-                // What the laptop's driver hears may make it write.
+                // An answer that the laptop's driver hears may make it write.
                 if self.hear_port(spec, arrival, port) {
                     on_robot = self.next_on_robot(spec);
                 }
@@ -145,7 +145,7 @@ impl Robot {
         None
     }
 
-    /// What comes next on the robot, and when; of two at one instant, a device, and of two devices the first.
+    /// The next event on the robot, and its instant; of two at one instant, a device, and of two devices the first.
     #[inline(always)]
     fn next_on_robot(&self, spec: &RobotSpec) -> (SimTime, Next) {
         let mut next = if let Some(chip) = &self.parts.chip {
@@ -256,7 +256,7 @@ impl Robot {
             self.cycles.open(begun);
         }
         let bytes = sent.bytes;
-        // What only says that a command was obeyed is no message of readings.
+        // A mere acknowledgement of a command is no message of readings.
         if sent.cycle.is_some() {
             self.recorder.note(now, sent.closed, What::Frame { bytes });
         }
@@ -307,7 +307,7 @@ impl Robot {
         now
     }
 
-    /// What has happened on it in this tick is over, and it begins to move.
+    /// The events of this tick are over, and the robot begins to move.
     pub(crate) fn start_moving(&mut self, spec: &RobotSpec, noise: bool) {
         self.collided = false;
         self.pings = [None, self.pings[0].or(self.pings[1])];
@@ -327,7 +327,7 @@ impl Robot {
         }
     }
 
-    /// What was lost on the cables is looked at when a tick ends.
+    /// Losses on the cables are counted when a tick ends.
     pub(crate) fn look_for_losses(&mut self, now: SimTime) {
         let lost = self.lost();
         self.recorder.note_losses(now, lost);
@@ -358,7 +358,7 @@ impl Robot {
         }
         let until = spec.drive.motor.obeys_until(now);
         if let Some(Order { at, signals, others }) = self.microcontroller.order_at(until) {
-            // What was commanded before the motors were stopped does not start them again.
+            // Commands from before the stop of the motors do not start them again.
             if stopped_at.is_none_or(|stopped_at| spec.drive.motor.takes_effect(at) > stopped_at) {
                 self.signals = signals;
             }

@@ -9,7 +9,7 @@ use crate::model::RobotSpec;
 use crate::time::SimTime;
 use crate::timeline::What;
 
-/// What a brain hands to its port.
+/// The bytes or the command that a brain hands to its port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Written<'a> {
     /// Bytes for the microcontroller; may be none.
@@ -34,7 +34,7 @@ impl Robot {
         }
     }
 
-    /// What the brain hands to its port at `at`.
+    /// Hands the brain's output to its port at `at`.
     pub(crate) fn answer(&mut self, spec: &RobotSpec, at: SimTime, written: &Written<'_>) {
         let begun = self.laptop.busy_until;
         let at = self.think(spec, begun, at.max(begun));

@@ -21,7 +21,7 @@ use crate::histogram::Histogram;
 use crate::model::Deadline;
 use crate::time::SimTime;
 
-/// How the control cycles of a robot went.
+/// The control cycles of a robot.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Cycles {
     /// Answered by a command that took effect by the deadline.
@@ -30,10 +30,10 @@ pub struct Cycles {
     pub late: u64,
     /// Overtaken or not answered.
     pub unanswered: u64,
-    /// How far the brain wrote otherwise than is stated of it.
+    /// The brain's deviations from its stated writing.
     #[serde(skip)]
     pub exceptions: Exceptions,
-    /// How long those took that were answered, in time or not.
+    /// The durations of the answered cycles, in time or not.
     pub durations: Histogram,
     /// Those that are not over yet, oldest first.
     open: VecDeque<Open>,
@@ -156,7 +156,7 @@ impl Cycles {
         }
     }
 
-    /// Where a deadline is stated: that of the first cycle which is over it at `now`.
+    /// The deadline of the first cycle that is over it at `now`, if one is stated.
     fn give_up(&mut self, deadline: &Deadline, now: SimTime) -> Option<SimTime> {
         deadline.on_late?;
         let is_over = |open: &Open| {

@@ -1,4 +1,4 @@
-//! What the motors get of what the microcontroller gives: see [`DelayLine`](crate::motor::DelayLine).
+//! The delay between the microcontroller and the motors: see [`DelayLine`](crate::motor::DelayLine).
 
 use super::Robot;
 use crate::drive::Wheels;

@@ -1,4 +1,4 @@
-//! What a robot's sensors measure with.
+//! The measurement of a robot's sensors.
 
 use super::Tick;
 use crate::actuator::ActuatorState;
@@ -8,7 +8,7 @@ use crate::model::RobotSpec;
 use crate::sensor::Measurement;
 use crate::time::SimTime;
 
-/// What a sensor measures with at `now`.
+/// The measurement of a sensor at `now`.
 pub(super) fn measurement<'a>(
     spec: &'a RobotSpec,
     tick: &Tick<'a>,

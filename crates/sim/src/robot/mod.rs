@@ -1,7 +1,7 @@
 //! The state of a robot.
 //!
-//! What happens on it within a tick is in `advance`, what its brain writes in `brain_end`, whether that is as stated in `writes`,
-//! what its control cycles are in `cycles`, and what goes on cables of sensors' own in `ports`.
+//! The events on it within a tick are in `advance`, the brain's writing in `brain_end`, its comparison with the
+//! stated one in `writes`, the control cycles in `cycles`, and the cables of sensors' own in `ports`.
 
 mod advance;
 mod brain_end;
@@ -53,7 +53,7 @@ pub(crate) struct Robot {
     pub(crate) motor_noise: NoiseState,
     /// Ran into something in the last tick.
     pub(crate) collided: bool,
-    /// What it ran into since there was last some room around it.
+    /// Its obstacles since there was last some room around it.
     pub(crate) contacts: Vec<Partner>,
     pub(crate) microcontroller: Microcontroller,
     pub(crate) uplink: Line,
@@ -106,7 +106,7 @@ pub(crate) struct Tick<'a> {
     pub(crate) substeps: u32,
 }
 
-/// What happened to a robot.
+/// The counters of a robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RobotCounters {
     /// Times that it ran into something.
@@ -126,7 +126,7 @@ impl Robot {
             + self.laptop.truth.heap_bytes(self.laptop.readings.len())
     }
 
-    /// What it is now, without its chip, and of its timeline only how many events there were.
+    /// The present state, without its chip, and of its timeline only how many events there were.
     pub(crate) fn as_seen(&mut self) -> Self {
         let (chip, recorder) = (self.parts.chip.take(), core::mem::take(&mut self.recorder));
         let mut seen = self.clone();

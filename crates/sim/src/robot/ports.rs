@@ -40,7 +40,8 @@ impl Robot {
         next
     }
 
-    /// What the device of sensor `i` has measured is at its output at `now`, and on its own cable, if it has one and sends it.
+    /// Moves the measurement of sensor `i`'s device to its output at `now`, and onto its own cable, if it has one and
+    /// sends it.
     pub(super) fn send_output(&mut self, spec: &RobotSpec, now: SimTime, i: usize) {
         let sensor = &spec.sensors[i];
         let place = spec.sensors.ports().iter().position(|&other| other == i);
@@ -179,7 +180,7 @@ impl Robot {
         true
     }
 
-    /// What was written to ports in this tick is on its way, none of it before `from`.
+    /// The bytes that were written to ports in this tick are on their way, none of them before `from`.
     pub(crate) fn send_written(&mut self, spec: &RobotSpec, from: SimTime) {
         if self.parts.dialogues.is_none() {
             return;

@@ -1,4 +1,4 @@
-//! What is noted on a robot's timeline. It is no part of the robot's state.
+//! The notes on a robot's timeline. It is no part of the robot's state.
 
 use crate::microcontroller::Taken;
 use crate::time::SimTime;
@@ -10,7 +10,7 @@ pub(crate) struct Recorder {
     pub(crate) timeline: Timeline,
     /// Since when the microcontroller has been taking a message from its receiver.
     receiving_since: Option<SimTime>,
-    /// How many bytes were lost by the last look.
+    /// The number of bytes that were lost by the last look.
     lost: u64,
 }
 

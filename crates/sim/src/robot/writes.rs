@@ -14,7 +14,7 @@ use crate::firmware::{Mode, Protocol};
 use crate::model::RobotSpec;
 use crate::time::SimTime;
 
-/// How far a brain wrote otherwise than is stated.
+/// The brain's deviations from its stated writing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Exceptions {
     /// Writes that the statement does not allow.
@@ -23,7 +23,7 @@ pub struct Exceptions {
     pub cycles: u64,
 }
 
-/// What is remembered of a brain's writing.
+/// The memory of a brain's writing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct WriteWatch {
     /// When the brain's step is, and how long a tick.

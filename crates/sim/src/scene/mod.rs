@@ -56,7 +56,7 @@ pub(crate) struct Ping {
 pub(crate) struct Sound {
     pub(crate) robot: usize,
     pub(crate) from: Point,
-    /// How loud it is at a metre.
+    /// The loudness at a metre.
     pub(crate) level: f64,
 }
 
@@ -67,9 +67,9 @@ pub(crate) struct Scene<'a> {
     pub(crate) frozen: &'a Frozen,
     /// The robot that looks: its own body hides nothing from it.
     pub(crate) own: usize,
-    /// How far around it is collected what its sensors may meet, if that pays.
+    /// The radius around it within which the shapes for its sensors are collected, if that pays.
     reach: Option<Reach>,
-    /// What is near it, once somebody asks; `None` if there is too much.
+    /// The shapes near it, once somebody asks; `None` if there are too many.
     neighbors: OnceCell<Option<Neighbors>>,
     strokes: OnceCell<Option<Strokes>>,
     facing: OnceCell<Direction>,
@@ -92,7 +92,7 @@ impl<'a> Scene<'a> {
         *self.facing.get_or_init(|| pose.direction())
     }
 
-    /// What is near the robot, if all within this disc is.
+    /// The shapes near the robot, if this disc has all that matter.
     fn neighbors(&self, disc: &Circle, layer: usize) -> Option<&Neighbors> {
         let reach = self.reach.filter(|reach| reach.layer == layer && reach.radius_m >= disc.radius)?;
         self.all_neighbors(reach).filter(|neighbors| neighbors.covers(disc, layer))
@@ -133,7 +133,8 @@ impl<'a> Scene<'a> {
         body.outline.is_empty() && reaches(body.disc.radius, place)
     }
 
-    /// What an eye that sticks out of its body has been pushed into or through: what is between it and the body's middle.
+    /// The thing that an eye which sticks out of its body has been pushed into or through: between it and the body's
+    /// middle.
     fn covering(&self, eye: Point, height: Height) -> Option<What> {
         let body = &self.frozen.bodies[self.own];
         let (middle, radius) = (body.disc.center, body.disc.radius);
@@ -149,7 +150,7 @@ impl<'a> Scene<'a> {
         let far = out.norm();
         let around = Circle { center: middle, radius: far };
         let near = self.neighbors(&around, height.layer);
-        // Where nothing is as near as the eye, as mostly, there is nothing to be looked for.
+        // Mostly nothing is as near as the eye, and then there is nothing to search for.
         if near.is_some_and(|near| near.leave_free(&around, self.arena.seen(height.layer), self.frozen)) {
             return None;
         }
@@ -164,13 +165,13 @@ pub(crate) struct Viewpoint<'a> {
     scene: &'a Scene<'a>,
     index: &'a Index,
     height: Height,
-    /// What is outside of this disc is out of reach.
+    /// A shape outside of this disc is out of reach.
     around: Circle,
-    /// What the eye is in, or behind: all that it sees is that, at no distance.
+    /// The thing that the eye is in, or behind: all that it sees is that, at no distance.
     covered: Option<What>,
 }
 
-/// What a ray met.
+/// The thing that a ray met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RayHit {
     pub(crate) distance_m: f64,
@@ -230,7 +231,7 @@ impl Viewpoint<'_> {
         figure.reaches(self.height)
     }
 
-    /// How far each of these rays of a fan runs from a sensor at `pose`, where this eye is: infinitely far if it meets
+    /// The length of each of these rays of a fan from a sensor at `pose`, where this eye is: infinite if it meets
     /// nothing within range.
     pub(crate) fn sweep(&self, pose: &Pose, fan: &Fan, rays: Range<usize>, distances_m: &mut [f64]) {
         if self.covered.is_some() {
@@ -239,7 +240,7 @@ impl Viewpoint<'_> {
         self.fill(Sweep::new(pose, fan, rays, self.around.radius, distances_m));
     }
 
-    /// How far each ray of a bundle runs, whose rays start where eyes as this one are.
+    /// The length of each ray of a bundle, whose rays start where eyes as this one are.
     pub(crate) fn sweep_bundle(&self, bundle: &Bundle<'_>, distances_m: &mut [f64]) {
         if self.covered.is_some() {
             return distances_m.fill(0.0);
@@ -287,7 +288,7 @@ impl Viewpoint<'_> {
         }
     }
 
-    /// How far the ray of a fan runs that comes back first, if any does.
+    /// The length of the fan's ray that comes back first, if any does.
     pub(crate) fn nearest(&self, pose: &Pose, fan: &Fan) -> Option<f64> {
         let mut nearest = f64::INFINITY;
         self.each(pose, fan, |_, distance_m| nearest = nearest.min(distance_m));
@@ -344,7 +345,7 @@ impl Figure {
         self.look.height_m >= height.above_floor_m
     }
 
-    /// How far along `ray` it is, if the ray meets it.
+    /// The distance along `ray`, if the ray meets it.
     pub(crate) fn hit(&self, ray: &Ray) -> Option<f64> {
         if self.outline.is_empty() {
             return ray.hit_circle(&self.disc);

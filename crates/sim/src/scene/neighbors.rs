@@ -1,11 +1,11 @@
-//! What is near one robot: collected once a tick for all sensors that do not look far, such as a ring of IR sensors.
+//! The shapes near one robot: collected once a tick for all sensors that do not look far, such as a ring of IR sensors.
 
 use arrayvec::ArrayVec;
 use baudbot_geometry::{Circle, Index, Point, Shape, Sweep};
 
 use super::Frozen;
 
-/// How far around a robot its sensors with few rays look.
+/// The range around a robot of its sensors with few rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reach {
     /// From the robot's centre, in metres.
@@ -14,7 +14,7 @@ pub(crate) struct Reach {
     pub(crate) layer: usize,
 }
 
-/// What is near one robot, in one layer.
+/// The shapes near one robot, in one layer.
 #[derive(Debug)]
 pub(crate) struct Neighbors {
     around: Circle,
@@ -33,7 +33,7 @@ impl Reach {
 }
 
 impl Neighbors {
-    /// What is near robot `own`; `None` if that is more than can be told in short.
+    /// The shapes near robot `own`; `None` if there are too many.
     pub(super) fn of(reach: Reach, own: usize, index: &Index, frozen: &Frozen) -> Option<Self> {
         let around = Circle { center: frozen.bodies[own].disc.center, radius: reach.radius_m };
         let (mut shapes, mut bodies) = (ArrayVec::new(), ArrayVec::new());
@@ -70,7 +70,7 @@ impl Neighbors {
         layer == self.layer && left >= 0.0 && (disc.center - self.around.center).norm_squared() <= left * left
     }
 
-    /// How much there is.
+    /// The number of shapes.
     pub(super) fn len(&self) -> usize {
         self.shapes.len() + self.bodies.len()
     }

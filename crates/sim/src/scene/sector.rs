@@ -1,4 +1,4 @@
-//! What a sensor with few rays may meet: told in the axes of the body, in which the sensor does not move.
+//! The shapes that a sensor with few rays may meet: in the axes of the body, in which the sensor does not move.
 //!
 //! A ring of sensors looks at the same few shapes, and most sensors at none of them. So what is near is brought to the body's
 //! axes once, and is then held against each sensor's opening, with a margin far above all rounding. What may be met is left to
@@ -18,9 +18,9 @@ pub(crate) struct Sector {
     left: Side,
     middle: Side,
     range_m: f64,
-    /// Where its apex is.
+    /// The apex.
     apex: Vector,
-    /// How far that is from the body's centre along both axes.
+    /// The distance of that from the body's centre along both axes.
     apex_m: f64,
 }
 
@@ -40,7 +40,7 @@ struct Stroke {
     what: Near,
 }
 
-/// What is near a robot, in the axes of its body.
+/// The shapes near a robot, in the axes of its body.
 #[derive(Debug)]
 pub(super) struct Strokes(ArrayVec<Stroke, MOST_STROKES>);
 
@@ -52,7 +52,7 @@ enum Near {
     Body(u32),
 }
 
-/// What the rays of a sector may meet.
+/// The shapes that the rays of a sector may meet.
 #[derive(Clone, Copy)]
 pub(crate) struct InSector<'a> {
     scene: &'a Scene<'a>,
@@ -107,8 +107,8 @@ impl Sector {
 }
 
 impl Scene<'_> {
-    /// What the rays of this sector may meet, on a robot at `pose` that has it among those that [`reach`](super::Reach) is of;
-    /// `None` if too much is near, or if the eye, at this height, is covered.
+    /// The shapes that the rays of this sector may meet, on a robot at `pose` that has it among those that
+    /// [`reach`](super::Reach) is of; `None` if too much is near, or if the eye, at this height, is covered.
     #[inline]
     pub(crate) fn in_sector(&self, sector: &Sector, height: Height, pose: &Pose) -> Option<InSector<'_>> {
         if !self.is_in_own_disc(sector.apex) {

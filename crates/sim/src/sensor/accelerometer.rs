@@ -20,7 +20,7 @@ use baudbot_fields::{FieldError, Path};
 pub struct Accelerometer {
     /// No reading is larger, in m/s².
     pub range_m_s2: f64,
-    /// How fast it follows, in hertz; `None`: at once.
+    /// The bandwidth, in hertz; `None`: it follows at once.
     pub bandwidth_hz: Option<f64>,
 }
 

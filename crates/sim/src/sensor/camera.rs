@@ -18,11 +18,11 @@ use baudbot_fields::{FieldError, Path};
 /// The model of a line camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineCamera {
-    /// Where it sits.
+    /// The place and the direction.
     pub mount: Mount,
     /// A ray for each column, from right to left.
     pub fan: Fan,
-    /// How far it sees, in metres.
+    /// The range, in metres.
     pub range_m: f64,
     /// Colour where there is nothing within range: red, green, blue.
     pub background: [u8; 3],
@@ -58,7 +58,7 @@ fn one_row() -> u64 {
 const MAX_PIXELS: usize = 1 << 20;
 
 impl LineCamera {
-    /// How many columns an image has.
+    /// The number of an image's columns.
     pub fn columns(&self) -> usize {
         self.fan.len()
     }

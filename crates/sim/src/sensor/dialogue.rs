@@ -19,15 +19,15 @@ use crate::time::SimTime;
 /// That a device answers, and what it says of itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dialogue {
-    /// What it says of itself.
+    /// The device's description of itself.
     pub description: Description,
-    /// Who speaks first.
+    /// The end that speaks first.
     pub begin: Begin,
     /// The cable at each of [`RATES`]; none if it has no rate.
     cables: Vec<Link>,
 }
 
-/// Who speaks first.
+/// The end that speaks first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Begin {
     /// Nobody: the device is silent until something is written to its port.
@@ -54,7 +54,7 @@ pub(crate) struct DialogueState {
     /// The line to the device.
     pub(crate) down: Line,
     device: Device,
-    /// Which of [`RATES`] the cable has; `None`: the one of power-on.
+    /// The cable's rate among [`RATES`]; `None`: the one of power-on.
     rate: Option<u8>,
     /// The rate that it had before, and until when what was sent at that is on the wire.
     before: Option<(SimTime, Option<u8>)>,
@@ -64,7 +64,7 @@ pub(crate) struct DialogueState {
     free_at: SimTime,
     /// When the last scan is on the wire.
     scan_until: SimTime,
-    /// What was written in the tick that is begun, each with when.
+    /// The bytes that were written in the tick that is begun, with their instants.
     written: Vec<(SimTime, Vec<u8>)>,
     /// When the laptop's driver asks again; the end of time, if there is none or it has what it wants.
     driver_at: SimTime,
@@ -160,14 +160,14 @@ impl DialogueState {
         }
     }
 
-    /// What was written is on its way, in the order of its instants, none of which is before `from`.
+    /// Sends the written bytes on their way, in the order of their instants, none of which is before `from`.
     pub(crate) fn send_written(&mut self, port: &Port, from: SimTime) -> Vec<OnWire> {
         let mut written = core::mem::take(&mut self.written);
         written.sort_by_key(|(at, _)| *at);
         written.iter().filter_map(|(at, bytes)| self.send_down(port, (*at).max(from), bytes)).collect()
     }
 
-    /// What the driver has sent before the run began, of which nothing has arrived.
+    /// The bytes that the driver has sent before the run began, of which nothing has arrived.
     pub(crate) fn first_question(&self, port: &Port) -> Option<OnWire> {
         let bytes = self.down.under_way() as u32;
         (bytes > 0).then(|| OnWire { from: SimTime::ZERO, until: self.down.free_at(self.cable(port)), bytes })
@@ -184,7 +184,7 @@ impl DialogueState {
         (taken > 0).then_some(OnWire { from, until, bytes: taken as u32 })
     }
 
-    /// What is next happens, at `now`: the driver asks again, or the device takes a byte, or answers.
+    /// Runs the next event, at `now`: the driver asks again, or the device takes a byte, or answers.
     pub(crate) fn run(
         &mut self,
         port: &Port,
@@ -254,7 +254,7 @@ impl DialogueState {
         if bytes > 0 { Said::Up(OnWire { from, until, bytes }) } else { Said::Nothing }
     }
 
-    /// What is on the wire stays as it is.
+    /// The bytes on the wire stay as they are.
     fn change_rate(&mut self, port: &Port, up: &mut Line, rate: Option<usize>) {
         self.before = Some((up.free_at(self.cable(port)), self.rate));
         self.rate = rate.map(|rate| rate as u8);
@@ -304,7 +304,7 @@ impl DialogueState {
     }
 }
 
-/// What became of a scan.
+/// The fate of a scan.
 pub(crate) enum Fate {
     /// Nobody has asked for it.
     Unwanted,
@@ -312,7 +312,7 @@ pub(crate) enum Fate {
     Sent(OnWire),
 }
 
-/// What [`DialogueState::run`] has put on the cable.
+/// The bytes that [`DialogueState::run`] has put on the cable.
 pub(crate) enum Said {
     Nothing,
     /// An answer that is no scan.
@@ -349,7 +349,7 @@ pub(crate) fn is_foreign(format: &Format, message: &[u8]) -> bool {
 /// Characters of a command before the number of scans.
 const HEAD: usize = 13;
 
-/// How long the driver waits before it asks again, in nanoseconds: a guess.
+/// The time for which the driver waits before it asks again, in nanoseconds: a guess.
 const DRIVER_NS: u64 = 1_000_000_000;
 
 /// Whether this message says that scans will come which its sender has asked for.

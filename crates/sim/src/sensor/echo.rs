@@ -1,4 +1,4 @@
-//! How strong the echo of a target is that sound meets: whether a sonar hears a thing that is small.
+//! The strength of the echo of a target that sound meets: whether a sonar hears a thing that is small.
 //!
 //! A wide wall is a mirror. What comes back from it at a distance r is the sound of a source 2r away, of a pressure
 //! proportional to 10^(−2 α r / 20) / (2r), with the absorption α of air in dB/m. Of a wall there works only the first Fresnel
@@ -36,10 +36,10 @@ const PERIODS: f64 = 8.0;
 /// So many rays are sent to one side within W, to see how wide something is.
 const FINENESS: i32 = 32;
 
-/// What is nearer than this, in metres, is as loud as here.
+/// A target that is nearer than this, in metres, is as loud as here.
 const NEAR_M: f64 = 0.01;
 
-/// How strong echoes must be.
+/// The strength that echoes must have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Echo {
     /// R: a wall that is farther away is not heard, in metres.
@@ -90,7 +90,8 @@ impl Echo {
         r / self.wall_range_m * air
     }
 
-    /// Which share of a zone is filled by what is about as far away as what the ray meets, on both sides of it.
+    /// The fraction of a zone that is filled by things about as far away as the one that the ray meets, on both sides
+    /// of it.
     fn width(&self, viewpoint: &Viewpoint<'_>, ray: &Ray, (r, zone_m): (f64, f64)) -> f64 {
         let ahead = ray.direction.vector() * r;
         let left = Vector::new(-ray.direction.sin, ray.direction.cos) * (zone_m / f64::from(FINENESS));

@@ -27,12 +27,12 @@ pub struct Encoders {
     pub loss: f64,
 }
 
-/// What an encoder has seen.
+/// The memory of an encoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Seen {
     /// Marks that had passed at the last read, with their sign.
     passed: Wheels,
-    /// What is counted.
+    /// The counts.
     counted: Wheels,
 }
 
@@ -107,7 +107,7 @@ impl Sense for Encoders {
 }
 
 impl Encoders {
-    /// How many of the marks that have passed are counted.
+    /// The number of the passed marks that are counted.
     fn count(&self, passed: f64, loss: f64, stream: &mut Stream) -> f64 {
         let marks = passed.abs();
         let lost = lost(marks, loss, stream);
@@ -116,7 +116,7 @@ impl Encoders {
     }
 }
 
-/// How many of so many marks are lost: each by itself, and of very many as many as to be expected.
+/// The number of lost marks: each by itself, and of very many as many as to be expected.
 fn lost(marks: f64, loss: f64, stream: &mut Stream) -> f64 {
     if loss == 0.0 || marks == 0.0 {
         return 0.0;
@@ -130,8 +130,7 @@ fn lost(marks: f64, loss: f64, stream: &mut Stream) -> f64 {
 /// More marks between two reads than this are not looked at one by one.
 const MANY: f64 = 10_000.0;
 
-/// What stands in for encoders on a robot with stepper motors: the steps that its firmware has commanded, made
-/// or not.
+/// The substitute for encoders on a robot with stepper motors: the steps that its firmware has commanded, made or not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepCounter;
 

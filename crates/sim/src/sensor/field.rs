@@ -17,9 +17,9 @@ use baudbot_fields::{FieldError, Path};
 /// A sensor of one of the scenario's fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldSensor {
-    /// Where it sits.
+    /// The place and the direction.
     pub mount: Mount,
-    /// Which field, by its place in the surroundings.
+    /// The field, by its place in the surroundings.
     pub field: usize,
 }
 
@@ -73,7 +73,7 @@ impl Sense for FieldSensor {
     }
 }
 
-/// How loud it is: sounds fall off with the distance, and their loudness adds up. Walls do not muffle them.
+/// The loudness: sounds fall off with the distance, and their loudness adds up. Walls do not muffle them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Microphone;
 

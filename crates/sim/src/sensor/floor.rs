@@ -12,7 +12,7 @@ use baudbot_fields::{FieldError, Path};
 /// The model of a floor sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorSensor {
-    /// Where it sits.
+    /// The place.
     pub mount: Mount,
 }
 

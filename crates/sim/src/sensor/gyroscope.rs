@@ -19,7 +19,7 @@ use baudbot_fields::{FieldError, Path};
 pub struct Gyroscope {
     /// No reading is larger, in rad/s.
     pub range_rad_s: f64,
-    /// How fast it follows, in hertz; `None`: at once.
+    /// The bandwidth, in hertz; `None`: it follows at once.
     pub bandwidth_hz: Option<f64>,
 }
 

@@ -24,16 +24,16 @@ use super::{Measurement, Mount, light};
 use crate::random::Stream;
 use baudbot_fields::{FieldError, Path};
 
-/// What an IR sensor is.
+/// The model of an IR sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Infrared {
-    /// Where it sits.
+    /// The place and the direction.
     pub mount: Mount,
     /// The N rays over the opening angle γ.
     pub fan: Fan,
     /// Range D, in metres.
     pub range_m: f64,
-    /// How a reading comes about.
+    /// The formula of a reading.
     pub model: InfraredModel,
     /// The steps of its own converter, if these are coarser than those of the codes that are sent.
     pub converter: Option<Converter>,
@@ -45,7 +45,7 @@ pub struct Infrared {
 pub struct Converter {
     /// The difference between neighbouring readings.
     step: f64,
-    /// How many steps the largest reading is.
+    /// The number of steps of the largest reading.
     top: f64,
 }
 
@@ -64,7 +64,7 @@ impl Converter {
     }
 }
 
-/// How an IR reading comes about.
+/// The formula of an IR reading.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InfraredModel {
     /// Equations (3.12) and (3.13).
@@ -80,7 +80,7 @@ pub enum InfraredModel {
     Ambient {
         /// Light at which it reads 0.
         saturation_lux: f64,
-        /// What it sees of the surroundings, in radians; a fan of a single ray does not tell.
+        /// The opening angle for the surroundings, in radians; a fan of a single ray does not have one.
         opening_rad: f64,
     },
 }

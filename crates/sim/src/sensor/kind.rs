@@ -1,5 +1,5 @@
-//! What a kind of sensor is made of. Each has a file of its own beside this one, which implements [`Sense`], and a line in the
-//! list of [`Device`](super::Device).
+//! The properties of a kind of sensor. Each has a file of its own beside this one, which implements [`Sense`], and a
+//! line in the list of [`Device`](super::Device).
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -21,18 +21,18 @@ use baudbot_fields::{FieldError, Path};
 pub(crate) trait Sense: Sized {
     /// Its name in scenarios.
     const NAME: &'static str;
-    /// Where it sits.
+    /// The place on the robot.
     const PLACE: Place;
-    /// How it is drawn.
+    /// The drawing.
     const STYLE: Style = Style::INNER;
     /// Whether [`Noise`](super::Noise) disturbs its readings. Digital readings are not disturbed: a count is right or lost, a
     /// switch is open or closed.
     const IS_ANALOG: bool = true;
-    /// Why it cannot measure at its own pace, if it cannot.
+    /// The reason why it cannot measure at its own pace, if it cannot.
     const NO_CLOCK: Option<&str> = None;
     /// The fields of its table, besides those of all sensors and those of its place.
     type Sheet: DeserializeOwned;
-    /// What it remembers between two reads.
+    /// The memory between two reads.
     type Memory: Part;
 
     /// The sensor whose table stands at `path`.
@@ -41,12 +41,12 @@ pub(crate) trait Sense: Sized {
     /// The components of a reading, in order.
     fn components(&self) -> Vec<Component>;
 
-    /// Where it sits and which way it looks, if that matters.
+    /// The place and the direction, if they matter.
     fn mount(&self) -> Option<&Mount> {
         None
     }
 
-    /// How far it looks, in metres, if it looks.
+    /// The range, in metres, if it looks.
     fn range_m(&self) -> Option<f64> {
         None
     }
@@ -61,7 +61,7 @@ pub(crate) trait Sense: Sized {
         None
     }
 
-    /// What it knows before its first read.
+    /// The memory before its first read.
     fn remember(&self, _start: &Pose, _stream: &mut Stream) -> Self::Memory {
         Self::Memory::default()
     }
@@ -83,7 +83,7 @@ pub(crate) trait Sense: Sized {
         None
     }
 
-    /// What the microcontroller reads from a device that has measured nothing yet.
+    /// The values that the microcontroller reads from a device that has measured nothing yet.
     fn unmeasured(&self, values: &mut [f64]) {
         values.fill(0.0);
     }
@@ -94,11 +94,11 @@ pub(crate) trait Sense: Sized {
     }
 }
 
-/// Why a device that its reader waits for has no [clock](super::OwnClock).
+/// The reason why a device that its reader waits for has no [clock](super::OwnClock).
 pub(super) const TIMED_BY_PROCESSOR: &str =
     "the processor itself times this sensor, so it has no clock of its own";
 
-/// Where the sensors of a kind sit.
+/// The place of a kind's sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// Somewhere in the body, it does not matter where.
@@ -109,16 +109,16 @@ pub enum Place {
     Rim,
 }
 
-/// What a sensor is fitted to.
+/// The robot that a sensor is fitted to.
 #[derive(Debug)]
 pub struct Fit<'a> {
-    /// Where it sits.
+    /// The place and the direction.
     pub mount: Mount,
     /// Bits of each value on the wire, if the scenario says how many.
     pub bits: Option<u64>,
-    /// What feeds its robot.
+    /// The robot's battery.
     pub battery: Option<&'a Battery>,
-    /// What there is to sense besides shapes.
+    /// The surroundings besides shapes.
     pub surroundings: &'a Surroundings,
 }
 
@@ -204,7 +204,7 @@ pub struct Component {
     pub name: &'static str,
     /// SI unit, `1` for a ratio.
     pub unit: &'static str,
-    /// How many values it has: 1, or as many as a scan has rays.
+    /// The number of its values: 1, or the number of a scan's rays.
     pub count: usize,
 }
 
@@ -214,10 +214,10 @@ impl Component {
     }
 }
 
-/// What reading a device does besides giving values.
+/// The effects of a read besides values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Effect {
-    /// How long the device keeps the microcontroller waiting, in nanoseconds.
+    /// The time for which the device keeps the microcontroller waiting, in nanoseconds.
     pub(crate) wait_ns: u64,
     /// A pulse that others hear.
     pub(crate) ping: Option<Ping>,
@@ -259,7 +259,7 @@ impl Memory {
     }
 }
 
-/// What devices of some kind remember, as a part of [`Memory`].
+/// The memory of devices of some kind, as a part of [`Memory`].
 pub(crate) trait Part: Default + Into<Memory> {
     /// `None` if it is the memory of another kind.
     fn of(memory: &mut Memory) -> Option<&mut Self>;

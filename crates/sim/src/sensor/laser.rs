@@ -22,10 +22,10 @@ use crate::random::Stream;
 use crate::time::{SECOND_NS, SimTime};
 use baudbot_fields::{FieldError, Path};
 
-/// What a laser range finder is.
+/// The model of a laser range finder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Laser {
-    /// Where it sits.
+    /// The place and the direction.
     pub mount: Mount,
     /// Its rays, from right to left.
     pub fan: Fan,
@@ -124,7 +124,7 @@ impl Sense for Laser {
 }
 
 impl Laser {
-    /// How many rays a scan has.
+    /// The number of a scan's rays.
     pub fn rays(&self) -> usize {
         self.fan.len()
     }
@@ -153,7 +153,7 @@ impl Laser {
         })
     }
 
-    /// How many rays of a scan that starts at `start` are taken before `end`.
+    /// The number of rays of a scan that starts at `start` which are taken before `end`.
     pub(super) fn taken_before(&self, start: SimTime, end: SimTime) -> usize {
         if self.sweep_ns == 0 {
             return if start < end { self.rays() } else { 0 };
@@ -225,7 +225,7 @@ impl Laser {
         }
     }
 
-    /// Where in the fan the rays of a scan are: the other way round if it sweeps so.
+    /// The places of a scan's rays in the fan: the other way round if it sweeps so.
     fn places(&self, rays: Range<usize>) -> Range<usize> {
         if self.clockwise { self.rays() - rays.end..self.rays() - rays.start } else { rays }
     }
@@ -234,7 +234,7 @@ impl Laser {
 /// The reading of a ray that meets nothing within range.
 pub(crate) const NOTHING: f64 = -1.0;
 
-/// How long after the start of the tick an instant is, in seconds; no longer than the tick.
+/// The time from the start of the tick to an instant, in seconds; no longer than the tick.
 fn since_start_s(at: &Measurement<'_>, instant: SimTime) -> f64 {
     instant.min(at.tick_end).since(at.tick_start).cast_signed() as f64 / SECOND_NS as f64
 }

@@ -20,13 +20,13 @@ use baudbot_fields::{FieldError, Path};
 /// A sensor of illuminance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightSensor {
-    /// Where it sits; its surface faces along its heading.
+    /// The place; its surface faces along its heading.
     pub mount: Mount,
-    /// What it sees of the surroundings, in radians.
+    /// The opening angle for the surroundings, in radians.
     pub opening_rad: f64,
     /// No reading is larger, in lux.
     pub range_lux: f64,
-    /// How slowly it follows, in seconds.
+    /// The time constant, in seconds.
     pub lag_s: f64,
 }
 

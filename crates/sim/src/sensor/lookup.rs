@@ -155,7 +155,7 @@ fn choose(samples: &[f64], stream: Option<&mut Stream>) -> f64 {
     }
 }
 
-/// Which interval of the axis `x` is in, and how far it is on its way through it, in [0, 1].
+/// The interval of the axis that `x` is in, and the fraction of the way through it, in [0, 1].
 fn bracket(axis: &[f64], x: f64) -> (usize, f64) {
     let above = axis.partition_point(|&at| at <= x).clamp(1, axis.len() - 1);
     let (from, to) = (axis[above - 1], axis[above]);

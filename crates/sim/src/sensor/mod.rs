@@ -81,39 +81,39 @@ use crate::schedule::Schedule;
 use crate::time::SimTime;
 use baudbot_fields::{FieldError, Fields, Path};
 
-/// What a sensor is: a device, when it is read, and how its values cross the wire.
+/// The model of a sensor: a device, its schedule, and the encoding of its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensor {
     /// Unique on its robot.
     pub name: String,
     /// The device.
     pub device: Device,
-    /// What disturbs its readings.
+    /// The noise on its readings.
     pub noise: Noise,
     /// When the microcontroller reads it; without meaning for a sensor with a port of its own.
     pub schedule: Schedule,
-    /// How long a read takes of the microcontroller's time, apart from what the device itself keeps it waiting.
+    /// The time that a read takes the microcontroller, apart from the device's own.
     pub acquisition_ns: u64,
     /// If it measures at its own pace, whether or not anybody reads it.
     pub own_clock: Option<OwnClock>,
     /// If it has a cable of its own to the laptop, past the microcontroller (Fig. 1.18).
     pub port: Option<Port>,
-    /// How each value crosses the wire; as many as `device.values()`.
+    /// The encoding of each value; as many as `device.values()`.
     pub encodings: Vec<Encoding>,
 }
 
-/// What a device measures with: the frozen scene, and the robot's own body and motion.
+/// The world as a device measures it: the frozen scene, and the robot's own body and motion.
 #[derive(Clone, Copy)]
 pub(crate) struct Measurement<'a> {
     pub(crate) scene: &'a Scene<'a>,
     pub(crate) drive: &'a Drive,
     pub(crate) motion: &'a Motion,
     pub(crate) actuators: &'a [ActuatorState],
-    /// What feeds the robot, if that can run out, and how full it is.
+    /// The robot's battery, if that can run out, and its charge.
     pub(crate) battery: Option<(&'a Battery, &'a BatteryState)>,
     pub(crate) noise: bool,
     pub(crate) now: SimTime,
-    /// What the sensor's rays may meet, if that is known.
+    /// The shapes that the sensor's rays may meet, if they are known.
     pub(crate) near: Option<InSector<'a>>,
     /// The tick: from here …
     pub(crate) tick_start: SimTime,
@@ -151,28 +151,28 @@ macro_rules! devices {
             /// The names of all kinds.
             pub const NAMES: [&str; [$($device::NAME),*].len()] = [$($device::NAME),*];
 
-            /// What scenarios call it.
+            /// The name in scenarios.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$kind => $device::NAME),*
                 }
             }
 
-            /// Where sensors of this kind sit.
+            /// The place of this kind's sensors.
             pub fn place(self) -> Place {
                 match self {
                     $(Self::$kind => $device::PLACE),*
                 }
             }
 
-            /// How sensors of this kind are drawn.
+            /// The drawing of this kind's sensors.
             pub fn style(self) -> Style {
                 match self {
                     $(Self::$kind => $device::STYLE),*
                 }
             }
 
-            /// What brains call this kind.
+            /// The kind as brains know it.
             #[cfg(feature = "brain")]
             pub(crate) fn for_brains(self) -> baudbot_brain::SensorKind {
                 match self {
@@ -214,14 +214,14 @@ macro_rules! devices {
                 }
             }
 
-            /// Where it sits and which way it looks, if that matters.
+            /// The place and the direction, if they matter.
             pub fn mount(&self) -> Option<&Mount> {
                 match self {
                     $(Self::$kind(device) => device.mount()),*
                 }
             }
 
-            /// How far it looks, in metres, if it looks.
+            /// The range, in metres, if it looks.
             pub fn range_m(&self) -> Option<f64> {
                 match self {
                     $(Self::$kind(device) => device.range_m()),*
@@ -256,14 +256,14 @@ macro_rules! devices {
                 }
             }
 
-            /// Why it cannot measure at its own pace, if it cannot.
+            /// The reason why it cannot measure at its own pace, if it cannot.
             pub fn no_clock(&self) -> Option<&'static str> {
                 match self {
                     $(Self::$kind(_) => $device::NO_CLOCK),*
                 }
             }
 
-            /// What the device knows before its first read.
+            /// The memory of the device before its first read.
             pub(crate) fn remember(&self, start: &Pose, stream: &mut Stream) -> Memory {
                 match self {
                     $(Self::$kind(device) => device.remember(start, stream).into()),*
@@ -301,7 +301,7 @@ macro_rules! devices {
                 }
             }
 
-            /// What the microcontroller reads from a device that has measured nothing yet.
+            /// The values that the microcontroller reads from a device that has measured nothing yet.
             pub(crate) fn unmeasured(&self, values: &mut [f64]) {
                 match self {
                     $(Self::$kind(device) => device.unmeasured(values)),*
@@ -341,12 +341,12 @@ fn own<P: Part>(memory: &mut Memory) -> &mut P {
 }
 
 impl Device {
-    /// What the scenario calls its kind.
+    /// The scenario's name for its kind.
     pub fn kind(&self) -> &'static str {
         self.sensor_kind().name()
     }
 
-    /// How many values a reading has.
+    /// The number of values of a reading.
     pub fn values(&self) -> usize {
         self.components().iter().map(|component| component.count).sum()
     }
@@ -373,7 +373,7 @@ impl Sensor {
         if noisy && matches!(values, [value] if value.to_bits() == 0) && self.noise.leaves_0(stream) {
             // Nothing is near.
         } else if noisy && !self.noise.is_none() {
-            // What is infinitely far stays so whatever noise does to it, but for a dropout.
+            // An infinite distance stays so whatever noise does to it, but for a dropout.
             let nothing = self.device.nothing();
             if let Some(nothing) = nothing {
                 vectors::each(values, move |value| if value == nothing { f64::INFINITY } else { value });

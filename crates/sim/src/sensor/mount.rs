@@ -1,4 +1,4 @@
-//! Where a sensor sits on its robot and which way it looks.
+//! The place of a sensor on its robot, and its direction.
 
 use baudbot_geometry::Pose;
 
@@ -7,14 +7,14 @@ use crate::actuator::ActuatorState;
 use crate::arena::Height;
 use crate::scene::Viewpoint;
 
-/// Where a sensor sits and which way it looks.
+/// The place of a sensor, and its direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mount {
     /// Robot from sensor; on a turret, turret from sensor.
     pub pose: Pose,
     /// The actuator that turns it, by its place among the robot's actuators.
     pub turret: Option<usize>,
-    /// How high it sits.
+    /// The height.
     pub height: Height,
 }
 

@@ -10,7 +10,7 @@
 //! distribution) can be used as well" and that "even sensors that are supposed to be identical often show
 //! very different characteristics in practice"; they give no numbers.
 //!
-//! What is chosen, where there was a choice:
+//! These choices were made:
 //!
 //! - Gains, offsets, drifts and the normal and uniform noise of two components are independent: they are
 //!   noise of what measures, and each component is measured for itself.
@@ -93,7 +93,8 @@ pub struct Dropout {
 /// No sensor reads more, in any unit.
 const MAX_VALUE: f64 = 1e9;
 
-/// What a specimen keeps from reading to reading. Each list has an entry a component, or none if it is off.
+/// The part of the noise that a specimen keeps from reading to reading. Each list has an entry a component, or none
+/// if it is off.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct NoiseState {
     gains: Box<[f64]>,
@@ -270,7 +271,7 @@ pub(crate) fn additive(reading: f64, sigma: f64, stream: &mut Stream) -> f64 {
     if sigma == 0.0 {
         return reading;
     }
-    // What is infinitely far stays so.
+    // An infinite distance stays so.
     if reading == f64::INFINITY {
         stream.skip_normal();
         return reading;

@@ -33,7 +33,7 @@ use baudbot_fields::{FieldError, Path};
 /// The model of an optical-flow sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpticalFlow {
-    /// Where it sits.
+    /// The place.
     pub mount: Mount,
     /// Its resolution.
     pub counts_per_m: f64,
@@ -47,7 +47,7 @@ pub struct OpticalFlow {
     pub sigma_m: f64,
 }
 
-/// Where the sensor was at its last read, and what it has yet to tell.
+/// The pose of the sensor at its last read, and the motion that it has yet to report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Track {
     world_from_sensor: Pose,

@@ -19,9 +19,9 @@ use crate::time::SimTime;
 pub struct OwnClock {
     /// Time between two measurements, in nanoseconds.
     pub period_ns: u64,
-    /// How far a specimen's period may be off, either way: drawn once a run.
+    /// The deviation of a specimen's period, either way: drawn once a run.
     pub spread_ns: u64,
-    /// How far each measurement may be late: drawn each time.
+    /// The greatest lateness of each measurement: drawn each time.
     pub jitter_ns: u64,
     /// When the first one begins; `None`: anywhere in the first period, drawn once a run.
     pub phase_ns: Option<u64>,
@@ -29,7 +29,7 @@ pub struct OwnClock {
     pub latency_ns: u64,
 }
 
-/// Where such a device stands.
+/// The progress of such a device.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Running {
     /// This specimen's period.
@@ -38,13 +38,13 @@ pub(crate) struct Running {
     due: SimTime,
     /// When the measurement that is next, or under way, begins.
     begins: SimTime,
-    /// How much of a scan has been taken.
+    /// The part of a scan that has been taken.
     taken: usize,
     /// A scan under way.
     scan: Vec<f64>,
     /// A measurement that is done and not yet at the output.
     pending: Option<Held>,
-    /// What is at the output.
+    /// The value at the output.
     held: Option<Held>,
 }
 
@@ -60,16 +60,16 @@ pub(crate) struct Held {
     pub(crate) ready_at: SimTime,
 }
 
-/// What happens next in such a device.
+/// The next event in such a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Event {
     /// It measures, or goes on with a scan.
     Measure,
-    /// What it measured comes to the output: a device with a cable of its own sends it.
+    /// The measurement comes to the output: a device with a cable of its own sends it.
     Output,
 }
 
-/// What a measurement needs besides the scene.
+/// The parts of a measurement besides the scene.
 pub(crate) struct Parts<'a> {
     pub(crate) memory: &'a mut Memory,
     pub(crate) noise: &'a mut noise::NoiseState,
@@ -111,7 +111,7 @@ impl Running {
             && whole(&self.held)
     }
 
-    /// What happens next, and when. A value comes to the output before the next measurement.
+    /// The next event, and its instant. A value comes to the output before the next measurement.
     pub(crate) fn next(&self, device: &Device) -> (SimTime, Event) {
         let measure = if let Device::Laser(laser) = device {
             laser.instant(self.begins, self.taken)
@@ -157,7 +157,7 @@ impl Running {
         self.begins = (self.due + late as u64).max(end);
     }
 
-    /// What has been measured will be at the output at `ready_at`.
+    /// The measurement will be at the output at `ready_at`.
     fn finish(&mut self, ready_at: SimTime, effect: Option<FaultEffect>) {
         let mut values = core::mem::take(&mut self.scan);
         if effect == Some(FaultEffect::Lost) {
@@ -176,7 +176,7 @@ impl Running {
         self.pending.as_ref().map(|pending| pending.measured_at)
     }
 
-    /// What is pending comes to the output.
+    /// Moves the pending value to the output.
     pub(crate) fn output(&mut self) -> Option<&Held> {
         if let Some(pending) = self.pending.take()
             && let Some(old) = self.held.replace(pending)
@@ -189,7 +189,7 @@ impl Running {
         self.held.as_ref()
     }
 
-    /// What is at the output, if anything has been measured yet.
+    /// The value at the output, if anything has been measured yet.
     pub(crate) fn held(&self) -> Option<&Held> {
         self.held.as_ref()
     }

@@ -13,12 +13,12 @@ use crate::sensor::dialogue::{self, Dialogue};
 use crate::sensor::{Device, Sensor};
 use crate::time::SimTime;
 
-/// What a cable of a device's own is.
+/// The model of a device's own cable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Port {
     /// The cable.
     pub link: Link,
-    /// What is said on it.
+    /// The protocol.
     pub format: Format,
     /// Whether the device answers, and speaks only when it is asked; one that is missing speaks by itself, and hears nothing.
     pub dialogue: Option<Box<Dialogue>>,
@@ -51,13 +51,13 @@ pub(crate) struct PortState {
     sequence: u16,
 }
 
-/// What a byte completed at the laptop's end.
+/// The message that a byte completed at the laptop's end.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Received {
     Nothing,
     /// A message that made no sense.
     Bad,
-    /// What a device answered, which is no reading: whether it says that readings will come.
+    /// An answer of a device, which is no reading: whether it says that readings will come.
     Answer(bool),
     /// A reading: one value a component, and when it was sampled, if the message says so.
     Reading(Vec<f64>, Option<SimTime>),
@@ -71,7 +71,7 @@ impl PortState {
         Self { line, message: Vec::new(), unread: Vec::new(), instants: Vec::new(), sequence: 0 }
     }
 
-    /// What has arrived has been read.
+    /// The bytes that have arrived have been read.
     pub(crate) fn clear(&mut self) {
         self.unread.clear();
         self.instants.clear();
@@ -158,7 +158,7 @@ impl Port {
         self.format.hear(device, received, at)
     }
 
-    /// What has come is a whole message of a device that answers.
+    /// A whole message of a device that answers has come.
     #[cold]
     #[inline(never)]
     fn hear_answer(&self, device: &Device, received: &mut Vec<u8>, at: SimTime) -> Received {
@@ -265,12 +265,12 @@ fn depth_mm(depth_m: f64) -> u16 {
     if depth_m < 0.0 { 0 } else { (depth_m * 1e3 + 0.5).clamp(1.0, 65_535.0) as u16 }
 }
 
-/// Why writing cannot fail.
+/// The reason why writing cannot fail.
 const FITS: &str = "the buffer is as long as the message";
 
 const DAY_MS: u64 = 86_400_000;
 
-/// What a receiver says of one fix.
+/// The message of a receiver on one fix.
 fn gps_message(full: bool, at: SimTime, values: &[f64]) -> Vec<u8> {
     let &[latitude_deg, longitude_deg, fix, speed_m_s, course_rad] = values else { return Vec::new() };
     let fix = nmea::Fix {
@@ -297,8 +297,8 @@ fn gps_message(full: bool, at: SimTime, values: &[f64]) -> Vec<u8> {
     bytes
 }
 
-/// Which satellites are up is not modelled: always these twelve, well spread. The length of the sentences, which
-/// the cable has to carry, is a real receiver's.
+/// The choice of satellites is not modelled: always these twelve, well spread. The length of the sentences, which the
+/// cable has to carry, is a real receiver's.
 const SKY: [nmea::Satellite; 12] = {
     let mut sky = [nmea::Satellite { prn: 1, elevation_deg: 15, azimuth_deg: 0, snr_db: 40 }; 12];
     let mut i = 0;

@@ -26,7 +26,7 @@ struct Parts {
 }
 
 impl Sensors {
-    /// What tells it from others: clones have the same.
+    /// The address, which tells it from others: clones have the same.
     pub(crate) fn address(&self) -> usize {
         Arc::as_ptr(&self.0).addr()
     }
@@ -54,13 +54,13 @@ impl Sensors {
         &self.0.all[..self.0.all.len() - self.0.ports.len()]
     }
 
-    /// How far the sensors look that see what is near; `None` if collecting that once for all of them would not pay.
+    /// The range of the sensors that see near shapes; `None` if collecting those once for all of them would not pay.
     pub(crate) fn reach(&self) -> Option<Reach> {
         self.0.reach
     }
 
-    /// Where the rays of sensor `i` run, if it reads 0 where these meet nothing, is one of those that `reach` is of, and does not
-    /// turn on the body.
+    /// The sector of sensor `i`'s rays, if it reads 0 when these meet nothing, is one of those that `reach` is of,
+    /// and does not turn on the body.
     pub(crate) fn sector(&self, i: usize) -> Option<&Sector> {
         self.0.sectors[i].as_ref()
     }
@@ -97,7 +97,7 @@ fn device(device: &Device) -> usize {
     device.fan().map_or(0, Fan::heap_bytes) + table
 }
 
-/// How far sensors that look along few rays reach; `None` if collecting what is there once for all would not pay.
+/// The range of sensors that look along few rays; `None` if collecting the shapes there once for all would not pay.
 fn reach_of(sensors: &[Sensor]) -> Option<Reach> {
     let looks = sensors.iter().filter_map(|sensor| {
         let (mount, range_m) = (sensor.device.mount()?, sensor.device.range_m()?);

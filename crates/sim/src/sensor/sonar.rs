@@ -25,7 +25,7 @@ use baudbot_fields::{FieldError, Path};
 /// The model of a sonar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sonar {
-    /// Where it sits.
+    /// The place and the direction.
     pub mount: Mount,
     /// The rays over its cone.
     pub fan: Fan,
@@ -43,7 +43,7 @@ pub struct Sonar {
     pub timeout_ns: u64,
     /// Whether it hears the pulses of other robots.
     pub cross_talk: CrossTalk,
-    /// How strong an echo it hears; whatever its rays meet, if this is left open.
+    /// The strength of the echoes that it hears; any, if this is left open.
     pub echo: Option<Echo>,
 }
 
@@ -182,7 +182,7 @@ impl Sonar {
         (2.0 * distance_m.max(self.min_m) / self.sound_m_s * SECOND_NS as f64 + 0.5) as u64
     }
 
-    /// How far away the nearest thing seems to be because of a strange pulse, if that comes before the echo.
+    /// The apparent distance because of a strange pulse, if that comes before the echo.
     fn strange_echo(&self, at: &Measurement<'_>, pose: &baudbot_geometry::Pose, echo_m: f64) -> Option<f64> {
         let start = at.now + self.holdoff_ns;
         let kappas = self.fan.kappas();

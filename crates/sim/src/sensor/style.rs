@@ -1,4 +1,4 @@
-//! How sensors of a kind are drawn. The world draws nothing; pictures take this from the file that describes the sensor.
+//! The drawing of a kind's sensors. The world draws nothing; pictures take this from the file that describes the sensor.
 
 /// A colour and a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

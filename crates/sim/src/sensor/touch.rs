@@ -20,11 +20,11 @@ use baudbot_fields::{FieldError, Path};
 /// A wire that sticks out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Whisker {
-    /// Where it starts and which way it points.
+    /// The root and the direction.
     pub mount: Mount,
-    /// How far it reaches, in metres.
+    /// The length, in metres.
     pub length_m: f64,
-    /// How the contact is read.
+    /// The reading of the contact.
     pub switch: Switch,
 }
 
@@ -35,9 +35,9 @@ pub struct Bumper {
     pub mount: Mount,
     /// Directions in which the bar is felt.
     pub fan: Fan,
-    /// How far the bar gives way, in metres: what is nearer to the rim presses it.
+    /// The travel of the bar, in metres: an object nearer to the rim presses it.
     pub travel_m: f64,
-    /// How the contact is read.
+    /// The reading of the contact.
     pub switch: Switch,
 }
 
@@ -46,11 +46,11 @@ pub struct Bumper {
 pub struct Switch {
     /// A pressed contact reads 0, a free one 1.
     pub active_low: bool,
-    /// How long it bounces after a change, in nanoseconds.
+    /// The time of bouncing after a change, in nanoseconds.
     pub bounce_ns: u64,
 }
 
-/// What the contact was at the last read, and since when.
+/// The state of the contact at the last read, and since when.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Contact {
     pressed: bool,

@@ -21,7 +21,7 @@ use baudbot_fields::{FieldError, Path};
 /// The model of a voltage sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VoltageRanger {
-    /// Where it sits.
+    /// The place.
     pub mount: Mount,
     /// The rays over its narrow beam.
     pub fan: Fan,

@@ -1,17 +1,17 @@
-//! What brains do in their steps, as bytes of the cable or as a command.
+//! The answers of brains in their steps, as bytes of the cable or as a command.
 
 use super::{Input, World};
 use crate::robot::Written;
 use crate::time::SimTime;
 
-/// What a brain did in its step.
+/// The answer of a brain in its step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer<'a> {
     /// See [`Input::robot`].
     pub robot: usize,
     /// See [`Input::at`].
     pub at: SimTime,
-    /// What it hands to its port.
+    /// The output for its port.
     pub written: Written<'a>,
 }
 

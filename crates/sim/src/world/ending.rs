@@ -1,4 +1,4 @@
-//! Why a run ended.
+//! The reason why a run ended.
 
 use alloc::string::String;
 use core::fmt;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::collision::Collision;
 
-/// Why a run ended.
+/// The reason why a run ended.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ending {
     /// The scenario's time is over.

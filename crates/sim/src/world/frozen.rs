@@ -1,4 +1,4 @@
-//! What sensors see of the state: everything that moves, as it stands at the start of the tick.
+//! The state as sensors see it: everything that moves, as it stands at the start of the tick.
 
 use baudbot_geometry::{Circle, Pose};
 
@@ -51,7 +51,7 @@ impl World {
         }
     }
 
-    /// What a robot lets others see and hear.
+    /// The light and the sound of a robot for others.
     fn emissions(&self, i: usize, frozen: &mut Frozen) {
         let (robot, spec) = (&self.state.robots[i], &self.scenario.robots[i]);
         let from = robot.motion.pose.position;

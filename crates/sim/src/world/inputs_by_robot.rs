@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 /// The places of a tick's inputs, robot by robot. Its memory serves all ticks.
 #[derive(Debug, Default)]
 pub(super) struct InputsByRobot {
-    /// Where each robot's begin in `places`; one more at the end.
+    /// The beginning of each robot's in `places`; one more at the end.
     starts: Vec<u32>,
     places: Vec<u32>,
 }

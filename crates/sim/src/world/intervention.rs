@@ -66,7 +66,7 @@ pub enum Intervention {
     },
 }
 
-/// Why a change was not made. Nothing has changed then.
+/// A reason why a change was not made. Nothing has changed then.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum InterventionError {
     /// The tick has begun; changes are made before that.
@@ -78,9 +78,9 @@ pub enum InterventionError {
     /// No such robot or thing.
     #[error("{field}: there is no {kind} `{name}`")]
     Unknown {
-        /// Which field names it.
+        /// The field that names it.
         field: &'static str,
-        /// What it was to be.
+        /// The kind that it was to be.
         kind: &'static str,
         /// The name, cut off if it is long.
         name: String,
@@ -88,7 +88,7 @@ pub enum InterventionError {
     /// Not a place.
     #[error("{field}: must be a number from -{most} to {most}")]
     Place {
-        /// Which field it is in.
+        /// The field that has it.
         field: &'static str,
         /// The greatest that it can be.
         most: u32,
@@ -96,7 +96,7 @@ pub enum InterventionError {
     /// There is something there.
     #[error("no room: `{with}` is in the way")]
     NoRoom {
-        /// What is in the way.
+        /// The obstacle.
         with: String,
     },
     /// The robot has no such cable.
@@ -104,13 +104,13 @@ pub enum InterventionError {
     NoCable {
         /// The robot's name.
         robot: String,
-        /// What was asked for.
+        /// The cable that was asked for.
         cable: &'static str,
     },
     /// Not a rate that the cable can have.
     #[error("baud: must be {least} to {most} here, is {baud}")]
     Baud {
-        /// What it is.
+        /// The rate.
         baud: u32,
         /// The least that it can be.
         least: u64,
@@ -127,7 +127,7 @@ pub enum InterventionError {
     },
 }
 
-/// What is put somewhere else.
+/// The thing that is put somewhere else.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Placed {
     Robot(usize),
@@ -136,7 +136,7 @@ enum Placed {
 
 type Result<T> = core::result::Result<T, InterventionError>;
 
-/// What has been changed of the scenario. No part of the state of a world in which nobody did.
+/// The changes of the scenario. They are no part of the state of a world in which nobody made any.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Altered(Vec<(SimTime, Intervention)>);
 
@@ -359,7 +359,7 @@ impl World {
         before <= self.time() && self.altered.0.len() <= MOST_ALTERED
     }
 
-    /// What has been altered is kept with every snapshot, so it has an end.
+    /// The list of changes is kept with every snapshot, so it has an end.
     fn may_alter(&self, name: &str) -> Result<()> {
         let is_full = self.altered.0.len() >= MOST_ALTERED;
         if is_full { Err(InterventionError::TooOften { robot: name.to_string() }) } else { Ok(()) }

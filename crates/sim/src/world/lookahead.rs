@@ -1,11 +1,11 @@
 //! Ahead of the brains: a tick can end although a brain has not answered, as long as no byte of its answer could have
 //! reached its robot by then.
 //!
-//! What a brain writes at an instant is on the cable from then on, and its first byte arrives later. Until that arrival
-//! the answer is known to nobody but the laptop's end of the cable, and nothing looks there; so it makes no difference
-//! whether it is put there at once or [supplied](World::supply) afterwards. What does look there is listed at
-//! `Line::reach`, and at those that call it: the driver's room, which is why nothing may be under way before, and the
-//! next step of the same brain.
+//! Bytes that a brain writes at an instant are on the cable from then on, and the first arrives later. Until that
+//! arrival the answer is known to nobody but the laptop's end of the cable, and nothing looks there; so it makes no
+//! difference whether it is put there at once or [supplied](World::supply) afterwards. What does look there is listed
+//! at `Line::reach`, and at those that call it: the driver's room, which is why nothing may be under way before, and
+//! the next step of the same brain.
 
 use alloc::vec::Vec;
 
@@ -41,7 +41,7 @@ impl World {
     /// stays true while nothing else is written to the robot.
     pub fn reach(&self, robot: usize, done: SimTime) -> Option<SimTime> {
         let state = self.state.robots.get(robot)?;
-        // What it writes may change its cable at the end of the tick.
+        // The bytes may change its cable at the end of the tick.
         if let Protocol::Create(_) = self.scenario.robots[robot].firmware.protocol {
             return None;
         }
@@ -49,7 +49,7 @@ impl World {
         if state.parts.chip.is_some() {
             return None;
         }
-        // What a step leaves unanswered is counted behind the cycles before it, and those only once they are counted.
+        // An unanswered step is counted behind the cycles before it, and those only once they are counted.
         if state.cycles.is_closing() {
             return None;
         }

@@ -72,7 +72,7 @@ pub struct World {
     scenario: Arc<Scenario>,
     pub(crate) altered: Altered,
     state: State,
-    /// What sensors see in the tick that is begun: it follows from the state, and is kept for the tick's second half.
+    /// The view of sensors in the tick that is begun: it follows from the state, and is kept for the tick's second half.
     seen: Option<Box<Frozen>>,
     ahead: Ahead,
     spare: Spare,
@@ -107,7 +107,7 @@ pub struct Turn {
     pub at: SimTime,
 }
 
-/// What a brain did in its step.
+/// The output of a brain in its step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Input<'a> {
     /// Index of its robot. An index that no robot has is ignored.
@@ -275,8 +275,8 @@ impl World {
         self.look_for_the_end();
     }
 
-    /// What this robot's brain writes in the tick that is begun does not answer its step in this tick but in that one:
-    /// in real time a brain may be late. It matters to [`Cycles`](crate::robot::Cycles) alone.
+    /// The output of this robot's brain in the tick that is begun does not answer its step in this tick but in that
+    /// one: in real time a brain may be late. It matters to [`Cycles`](crate::robot::Cycles) alone.
     pub fn answers(&mut self, robot: usize, tick: u64) {
         if let Some(robot) = self.state.robots.get_mut(robot) {
             robot.laptop.answers_tick = Some(tick).filter(|_| tick != self.state.tick);
@@ -322,12 +322,12 @@ impl World {
         &mut self.state
     }
 
-    /// What the world was made from.
+    /// The scenario that the world was made from.
     pub fn origin(&self) -> &Arc<Scenario> {
         &self.origin
     }
 
-    /// What the world is made of: its [origin](Self::origin), but for what has been changed by hand.
+    /// The scenario of the world: its [origin](Self::origin), but for changes by hand.
     pub fn scenario(&self) -> &Arc<Scenario> {
         &self.scenario
     }
@@ -346,12 +346,12 @@ impl World {
         self.time() + self.scenario.step_ns
     }
 
-    /// Which brains step in the tick that is begun.
+    /// The brains that step in the tick that is begun.
     pub fn turns(&self) -> &[Turn] {
         &self.state.turns
     }
 
-    /// Why the run ended, if it has.
+    /// The reason for the end of the run, if it has ended.
     pub fn ending(&self) -> Option<&Ending> {
         self.state.ending.as_ref()
     }
@@ -381,7 +381,7 @@ impl World {
         movers.map(ThingView::of_mover).chain(movables.map(ThingView::of_movable))
     }
 
-    /// What the referee has counted.
+    /// The counts of the referee.
     pub fn score(&self) -> &Score {
         &self.state.score
     }

@@ -135,7 +135,7 @@ impl World {
                 / dt;
             motion.pose = reaction.pose;
             motion.speed_m_s = reaction.speed_m_s;
-            // Who is kept from moving does not keep a speed that would not move it.
+            // A robot that is kept from moving does not keep a speed that would not move it.
             if reaction.blocked && made.abs() < motion.speed_m_s.abs() {
                 motion.speed_m_s = made;
             }
@@ -155,7 +155,7 @@ impl World {
         }
     }
 
-    /// What moves by itself and can be run into.
+    /// Obstacles that move by themselves.
     fn note_obstacles(&self, scenario: &Scenario, obstacles: &mut Vec<Body>) {
         obstacles.clear();
         let movers = scenario.movers.iter().zip(&self.state.movers);
@@ -196,14 +196,14 @@ impl World {
         }
     }
 
-    /// How far a robot has come.
+    /// Notes the way of a robot.
     fn note_way(&mut self, scenario: &Scenario, own: usize, dt: f64) {
         let robot = &mut self.state.robots[own];
         let speed = scenario.surroundings.over_ground(&scenario.robots[own].drive, &robot.motion).forward;
         robot.counters.distance_m += (speed * dt).abs();
     }
 
-    /// How long a robot is kept from moving.
+    /// Notes the time for which a robot is kept from moving.
     fn note_standing(&mut self, own: usize, before: &Pose, dt: f64) {
         let robot = &mut self.state.robots[own];
         if robot.motion.pose.position == before.position {
@@ -302,7 +302,7 @@ impl World {
     }
 }
 
-/// Who is near whom on the way.
+/// Lists the neighbours on the way.
 fn gather(scenario: &Scenario, lists: &mut Lists) {
     if lists.ways.len() < 2 {
         return;

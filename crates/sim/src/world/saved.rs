@@ -23,7 +23,8 @@ use crate::scene::Ping;
 use crate::sound;
 use crate::time::SimTime;
 
-/// Why a state is not one of this scenario's world. Bytes of another version are found out by this, or by their hash.
+/// A reason why a state is not one of this scenario's world. Bytes of another version are found out by this, or by
+/// their hash.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SavedError {
@@ -142,7 +143,7 @@ impl Robot {
         let up = other.uplink.is_sound(&spec.link, (Direction::Up, now), sensors);
         let down = other.downlink.is_sound(&spec.link, (Direction::Down, now), sensors);
         sound(up && down, "cable")?;
-        // What was due before has been done, or there would be years to make up for.
+        // Work that was due before has been done, or there would be years to make up for.
         sound(other.microcontroller.next(&spec.link, &other.downlink).0 >= now, "schedule")?;
         sound(other.ports_are_sound(spec, now), "sensor cables")?;
         sound(other.actuators.iter().all(ActuatorState::is_sound), "actuators")?;

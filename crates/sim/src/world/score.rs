@@ -13,7 +13,7 @@ use crate::rules::Rules;
 use crate::scenario::Scenario;
 use crate::scene::Scene;
 
-/// What was counted.
+/// The referee's counts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     coverage: Option<Coverage>,
@@ -47,7 +47,7 @@ impl Score {
             && coverage
     }
 
-    /// Which cells of the floor are covered and sensed, if that is counted.
+    /// The covered and the sensed cells of the floor, if they are counted.
     pub fn coverage(&self) -> Option<&Coverage> {
         self.coverage.as_ref()
     }

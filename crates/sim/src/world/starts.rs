@@ -1,4 +1,4 @@
-//! How robots were when the tick began, for those who look at a world within a tick.
+//! The state of robots when the tick began, for observers within a tick.
 //!
 //! The first half of a tick runs each robot's cable up to its brain's step, which is later than the tick's start. Who looks
 //! between two ticks sees the start; a replay always stands within a tick.

@@ -60,7 +60,7 @@ pub fn command(spec: &RobotSpec, left: f64, right: f64) -> Vec<u8> {
     }
 }
 
-/// What a brain of messages writes before anything else: nothing, unless its robot is a Create.
+/// The first bytes of a brain of messages: none, unless its robot is a Create.
 pub fn opening(spec: &RobotSpec) -> Vec<u8> {
     let mut bytes = [0; frame::MAX_PAYLOAD];
     let n = match spec.firmware.protocol {

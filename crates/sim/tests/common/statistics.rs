@@ -13,7 +13,7 @@ use baudbot_geometry::math;
 /// Samples that a Kolmogorov–Smirnov test should have.
 pub const SAMPLES: usize = 100_000;
 
-/// What a test found.
+/// The result of a test.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
     /// The larger, the worse the fit.
@@ -28,7 +28,7 @@ impl Outcome {
     }
 }
 
-/// How well the samples fit the distribution function: the largest distance of theirs from it. Sorts them.
+/// The fit of the samples to the distribution function: the largest distance of theirs from it. Sorts them.
 pub fn kolmogorov_smirnov(samples: &mut [f64], distribution: impl Fn(f64) -> f64) -> Outcome {
     samples.sort_unstable_by(f64::total_cmp);
     let n = samples.len() as f64;
@@ -42,7 +42,7 @@ pub fn kolmogorov_smirnov(samples: &mut [f64], distribution: impl Fn(f64) -> f64
     Outcome { statistic: distance.fold(0.0, f64::max), critical: 1.9495 / (root + 0.12 + 0.11 / root) }
 }
 
-/// How well counts fit the expected ones, in proportion if the sums differ. Each should expect 5 or more.
+/// The fit of counts to the expected ones, in proportion if the sums differ. Each should expect 5 or more.
 pub fn chi_squared(counts: &[u64], expected: &[f64]) -> Outcome {
     assert_eq!(counts.len(), expected.len(), "as many counts as expectations");
     assert!(expected.iter().all(|&e| e > 0.0), "{expected:?}");
@@ -55,7 +55,7 @@ pub fn chi_squared(counts: &[u64], expected: &[f64]) -> Outcome {
     Outcome { statistic: terms.sum(), critical: chi_squared_critical(counts.len() - 1) }
 }
 
-/// How well `hits` of `trials` fit a probability.
+/// The fit of `hits` in `trials` to a probability.
 pub fn rate(hits: u64, trials: u64, probability: f64) -> Outcome {
     chi_squared(&[hits, trials - hits], &[probability, 1.0 - probability])
 }
@@ -119,8 +119,8 @@ fn standard_normal(x: f64) -> f64 {
     (0.5 + sum * density).clamp(0.0, 1.0)
 }
 
-/// What is exceeded with a chance of 1 in 1000: from tables, then Wilson and Hilferty's approximation, which
-/// is within 2 % there.
+/// The value that is exceeded with a chance of 1 in 1000: from tables, then Wilson and Hilferty's approximation,
+/// which is within 2 % there.
 fn chi_squared_critical(degrees_of_freedom: usize) -> f64 {
     const TABLE: [f64; 5] = [10.828, 13.816, 16.266, 18.467, 20.515];
     assert!(degrees_of_freedom > 0, "one count always fits");

@@ -1,4 +1,4 @@
-//! What moves around the robots, what they push and run into, and what the referee counts.
+//! The things that move around the robots, those that they push and run into, and the referee's counts.
 
 use std::f64::consts::PI;
 

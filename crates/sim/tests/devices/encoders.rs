@@ -20,7 +20,7 @@ fn counts(world: &mut World) -> [f64; 2] {
     counts
 }
 
-/// What a wheel of 0.1 m that has rolled so far has counted.
+/// The count of a wheel of 0.1 m that has rolled so far.
 fn marks(travel_m: f64, per_turn: f64) -> f64 {
     (travel_m * per_turn / (TAU * 0.1)).floor()
 }

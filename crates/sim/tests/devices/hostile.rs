@@ -435,7 +435,7 @@ fn a_crowd_of_robots_with_every_device_runs() {
     );
 }
 
-/// Where the numbers stand in a file.
+/// The places of the numbers in a file.
 fn numbers(toml: &str) -> Vec<(usize, usize)> {
     let (mut found, mut quoted) = (Vec::new(), false);
     let bytes = toml.as_bytes();

@@ -9,7 +9,7 @@ use crate::devices::scene::{collect, named, scene, singles, specimens, view, wit
 
 /// All that all sensors of all robots read in a run.
 fn trace(overrides: &[&str], ticks: usize) -> Vec<Vec<Vec<f64>>> {
-    // What a person does and what a cable breaks depends on the seed whether or not devices are noisy.
+    // The doings of a person and the damage on a cable depend on the seed whether or not devices are noisy.
     let calm = everything(&["a", "b"]).replace("byte_error_rate = 0.0001", "byte_error_rate = 0.0").replace(
         "wander = { speed_m_s = 0.5, turn_s = 2.0 }",
         "stops = { points_m = [[4.5, 0.0], [4.5, 1.0]], speed_m_s = 0.5 }",

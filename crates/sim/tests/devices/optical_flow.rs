@@ -19,7 +19,7 @@ fn driving(top: &str, sensors: &str) -> World {
     world(&scene(top, MOTORS, sensors))
 }
 
-/// What the sensor of this name reads in each of so many ticks with these signals.
+/// The readings of the sensor of this name in each of so many ticks with these signals.
 fn readings(world: &mut World, name: &str, ticks: usize, [left, right]: [f64; 2]) -> Vec<[f64; 2]> {
     let read = |_| {
         tick(world, left, right);

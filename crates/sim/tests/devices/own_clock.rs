@@ -109,7 +109,7 @@ fn without_jitter_a_clock_is_exact_for_ever() {
     );
 }
 
-/// Where the robot was at each tick, and the scans that it took meanwhile.
+/// The poses of the robot at each tick, and the scans that it took meanwhile.
 struct Trace {
     world: World,
     ticks: Vec<[f64; 5]>,
@@ -135,7 +135,7 @@ fn bent_scan(more: &str) -> Trace {
     Trace { world, ticks }
 }
 
-/// How far it is to the two walls from where the robot is `at_s`, looking `kappa` to the left.
+/// The distance of the two walls from the robot `at_s`, looking `kappa` to the left.
 fn expected(ticks: &[[f64; 5]], at_s: f64, kappa: f64) -> f64 {
     let tick = (at_s / 0.01 + 1e-9) as usize;
     let [x, y, heading, speed, rate] = ticks[tick];

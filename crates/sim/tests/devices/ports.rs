@@ -72,7 +72,7 @@ fn a_fast_cable_carries_ten_scans_a_second_and_a_slow_one_every_second() {
         let mut world = world(&urg(&uart(baud), ""));
         let bytes = listen(&mut world, 1001);
         let port = *world.robot(0).port(0).unwrap();
-        // What arrives after the brain's step in the last tick it has not been given.
+        // Bytes that arrive after the brain's step in the last tick have not been given to it.
         assert!(port.bytes - bytes.len() as u64 <= 750, "{port:?}");
         assert_eq!((port.bad_frames, port.messages), (0, port.bytes / 2137));
         (port.messages, view(&world, "s").samples, view(&world, "s").missed)

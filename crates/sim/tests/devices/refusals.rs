@@ -1,4 +1,4 @@
-//! What is no device, and how that is said: with the field and the number.
+//! The errors of devices that make no sense: with the field and the number.
 
 use crate::common::refusal;
 use crate::devices::scene::{named, scene, with_sensor};

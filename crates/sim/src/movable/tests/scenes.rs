@@ -1,4 +1,4 @@
-//! What holds in every scene.
+//! The properties of every scene.
 
 use alloc::format;
 use alloc::string::String;
@@ -197,7 +197,7 @@ impl Scene {
         self.robots.iter().map(|robot| robot.form().at(&robot.pose))
     }
 
-    /// What a world does, in short: free motion, robots held back, the step, robots held back again.
+    /// A world's step in short: free motion, robots held back, the step, robots held back again.
     fn substep(&mut self, dt: f64) -> Result<(), TestCaseError> {
         let before: Vec<_> = self.robots.iter().map(|robot| robot.pose).collect();
         for robot in &mut self.robots {

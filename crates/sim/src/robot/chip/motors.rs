@@ -1,4 +1,4 @@
-//! What a chip's pins do to the robot's motors and other actuators.
+//! The effect of a chip's pins on the robot's motors and other actuators.
 
 use baudbot_board::{Decay, MotorDrive, Pulse};
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use crate::motor::{Motors, Servo};
 use crate::sound;
 use crate::time::{SECOND_NS, SimTime};
 
-/// What bridges do to both motors, as the mean over a time.
+/// The effect of bridges on both motors, as the mean over a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Output {
     /// The motor signals: shares of the voltage, or of what pulses of servos can say.
@@ -60,7 +60,7 @@ impl ChipState {
         output
     }
 
-    /// What the motors have in the substep that begins at `now`.
+    /// The motors' supply in the substep that begins at `now`.
     pub(super) fn take_up(&mut self, spec: &ChipSpec, drive: &Drive, now: SimTime, dt_s: f64) -> &Output {
         let substep = (now.since(self.tick) as f64 / (dt_s * SECOND_NS as f64) + 0.5) as usize;
         let mut output = self.outputs.get(substep).copied().unwrap_or_default();
@@ -73,7 +73,7 @@ impl ChipState {
         &self.given
     }
 
-    /// What the transistors of the bridges take from motors that have this voltage at signal 1.
+    /// Subtracts the loss in the bridges' transistors from motors that have this voltage at signal 1.
     fn lose_voltage(&self, spec: &ChipSpec, voltage_v: f64, signals: &mut Wheels) {
         for motor in self.board.drives() {
             if let Attached::Motor(side) = spec.attached_to(motor.part) {
@@ -98,7 +98,7 @@ impl ChipState {
         }
     }
 
-    /// What the motors have now.
+    /// The motors' present supply.
     pub(crate) fn given(&self) -> &Output {
         &self.given
     }

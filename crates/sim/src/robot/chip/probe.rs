@@ -7,7 +7,7 @@ use baudbot_board::{Board, Physics};
 
 use crate::chip::Probe;
 
-/// Where a debugger is put on. What is cloned or loaded has none.
+/// The socket for a debugger. A clone, or a loaded state, has none.
 #[derive(Default)]
 pub(super) struct Socket(Option<Arc<dyn Probe>>);
 

@@ -1,4 +1,4 @@
-//! What the parts on a chip's pins feel: the robot's sensors, read when the program asks.
+//! The feelings of the parts on a chip's pins: the robot's sensors, read when the program asks.
 
 use baudbot_board::{PartId, Physics, Wheel};
 use baudbot_geometry::math;
@@ -19,7 +19,7 @@ pub(crate) struct Around<'a> {
     pub(crate) spec: &'a RobotSpec,
     /// The sensors.
     pub(crate) microcontroller: &'a mut Microcontroller,
-    /// What a sensor measures with, but for the instant.
+    /// The measurement, but for the instant.
     pub(crate) measurement: Measurement<'a>,
     pub(crate) recorder: &'a mut Recorder,
     /// The pulse that the robot has sent in this tick.
@@ -135,8 +135,8 @@ impl Physics for Senses<'_, '_> {
     }
 }
 
-/// How long a QTR-1RC takes over white, and over black, in µs: Pololu's *QTR Reflectance Sensor Application Note* has tens of µs
-/// to some milliseconds.
+/// The time that a QTR-1RC takes over white, and over black, in µs: Pololu's *QTR Reflectance Sensor Application
+/// Note* has tens of µs to some milliseconds.
 const WHITE_US: f64 = 50.0;
 /// See [`WHITE_US`].
 const BLACK_US: f64 = 2500.0;

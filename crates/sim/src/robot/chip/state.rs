@@ -31,15 +31,15 @@ pub(crate) struct ChipState {
     pub(super) laptop: Receiver,
     /// The start of the tick that what follows is of.
     pub(super) tick: SimTime,
-    /// How the wheels roll for encoders: as they did in the tick before.
+    /// The roll of the wheels for encoders: as in the tick before.
     pub(super) wheels: [Wheel; 2],
-    /// How far they had rolled when this tick began, in metres.
+    /// The distance that they had rolled when this tick began, in metres.
     travel_m: Wheels,
     /// Of each part that is a switch, whether it is closed.
     pub(super) contacts: Vec<bool>,
-    /// What the pins did to the motors, for each substep of this tick that has begun.
+    /// The effect of the pins on the motors, for each substep of this tick that has begun.
     pub(super) outputs: Vec<Output>,
-    /// What the motors have now.
+    /// The motors' present supply.
     pub(super) given: Output,
     #[serde(skip)]
     probe: Socket,
@@ -75,7 +75,7 @@ impl ChipState {
 
     /// Whether a chip that is as this one at its start may have come to that state by `now`.
     pub(crate) fn may_become(&self, other: &Self, link: &Link, now: SimTime) -> bool {
-        // What is over has been run, or there would be years to make up for.
+        // A time that is over has been run, or there would be years to make up for.
         let soon = now + SOON_NS;
         let held = other.held_until();
         other.board.is_of(self.board.wiring(), self.board.clock())

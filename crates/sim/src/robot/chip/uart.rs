@@ -12,7 +12,7 @@ pub(super) fn receiver(link: &Link) -> Receiver {
     Receiver::new(settings(link))
 }
 
-/// How it is set.
+/// The settings of the UART.
 pub(super) fn settings(link: &Link) -> Settings {
     match link {
         Link::Uart(uart) => Settings::of_cable(uart.baud, u32::from(uart.bits_per_character)),
@@ -53,8 +53,8 @@ impl ChipState {
         }
     }
 
-    /// What the chip has sent goes on the line, and what the laptop's UART reads of it is on its way. Says when characters were on
-    /// the line, and how many.
+    /// Puts the chip's characters on the line, and those that the laptop's UART reads of it on their way. Says when
+    /// characters were on the line, and how many.
     pub(super) fn speak(&mut self, link: &Link, uplink: &mut Line) -> Option<(SimTime, SimTime, u32)> {
         let mut spoken: Option<(SimTime, SimTime, u32)> = None;
         let offset = self.world(0).as_ns();

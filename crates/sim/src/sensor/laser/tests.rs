@@ -17,7 +17,7 @@ use crate::motor::{MotorNoise, Motors, VelocityMotor};
 use crate::scene::{Figure, Frozen, Scene};
 use crate::surroundings::Surroundings;
 
-/// What one ray of a scan that started at `start` reads: by the routine for one ray.
+/// The reading of one ray of a scan that started at `start`: by the routine for one ray.
 fn one_ray(laser: &Laser, at: &Measurement<'_>, start: SimTime, i: usize) -> f64 {
     let gaps = (laser.rays() - 1).max(1) as u128;
     let instant = start + (u128::from(laser.sweep_ns) * i as u128 / gaps) as u64;
