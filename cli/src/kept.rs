@@ -82,6 +82,6 @@ fn refused(error: RecoverError) -> anyhow::Error {
         | RecoverError::Sound(_)
         | RecoverError::Taken(_)
         | RecoverError::Name(_) => Refused::error(error.to_string()),
-        RecoverError::Nothing { .. } | RecoverError::Io { .. } => error.into(),
+        RecoverError::Nothing { .. } | RecoverError::State(_) => error.into(),
     }
 }

@@ -1,6 +1,5 @@
 //! Looking at what is kept without going on with it, and making a world of what is left of a damaged one.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use baudbot_recording::journal::{Entries, Journal, JournalError, Ports, Restored, Salvaged};
@@ -8,7 +7,7 @@ use baudbot_recording::journal::{Entries, Journal, JournalError, Ports, Restored
 use super::file_names;
 use super::folder::{StateError, StateFolder};
 use super::kept::{self, Problem};
-use super::storage::{Kind, Listed, Storage};
+use super::storage::{Kind, Storage};
 
 /// What a look at a world's folder has found.
 #[derive(Debug)]
@@ -92,14 +91,9 @@ pub enum RecoverError {
         /// What is wrong with it.
         problem: String,
     },
-    /// A file or folder cannot be written.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    /// A file or folder cannot be read or written.
+    #[error(transparent)]
+    State(#[from] StateError),
 }
 
 impl StateFolder {
@@ -108,14 +102,9 @@ impl StateFolder {
     /// # Errors
     /// If the folder of the worlds cannot be read.
     pub fn check(&self) -> Result<Vec<Checked>, StateError> {
-        let (storage, worlds) = (self.storage(), self.of_worlds());
-        let listed = storage.list(&worlds);
-        let listed = listed.map_err(|source| StateError::Io { path: worlds.clone(), source })?;
-        let is_ours = |name: &str| file_names::is_world(name) || file_names::is_damaged(name);
-        let mut names: Vec<_> = listed.into_iter().map(|Listed { name, .. }| name).collect();
-        names.retain(|name| is_ours(name) && is_folder(storage, &worlds.join(name)));
-        names.sort();
-        let checked = names.into_iter().filter_map(|name| {
+        let (storage, (worlds, names)) = (self.storage(), self.names()?);
+        let ours = names.into_iter().filter(|name| is_ours(name) && is_folder(storage, &worlds.join(name)));
+        let checked = ours.filter_map(|name| {
             let folder = worlds.join(&name);
             Some(Checked { soundness: look(storage, &name, &folder)?, name })
         });
@@ -141,13 +130,13 @@ impl StateFolder {
         let target = worlds.join(to);
         if from == target {
             let aside = file_names::damaged(storage, &from);
-            storage.rename(&from, &aside).map_err(failed(&from))?;
+            storage.rename(&from, &aside).map_err(StateError::at(&from))?;
             from = aside;
         } else if !storage.is_free(&target) {
             return Err(RecoverError::Taken(target));
         }
         let mut notes = notes(&journal, &salvaged);
-        storage.make_folder(&target).map_err(failed(&target))?;
+        storage.make_folder(&target).map_err(StateError::at(&target))?;
         notes.extend(copy_snapshots(storage, &from, &target)?);
         let restored = &salvaged.restored;
         begin_journal(storage, to, &target, restored)?;
@@ -156,21 +145,15 @@ impl StateFolder {
     }
 }
 
-/// A file or folder cannot be written.
-fn failed(path: &Path) -> impl FnOnce(io::Error) -> RecoverError {
-    let path = path.to_owned();
-    move |source| RecoverError::Io { path, source }
-}
-
 /// Copies the snapshots of a world that can be used, and tells which are left out.
-fn copy_snapshots(storage: &dyn Storage, from: &Path, target: &Path) -> Result<Vec<String>, RecoverError> {
+fn copy_snapshots(storage: &dyn Storage, from: &Path, target: &Path) -> Result<Vec<String>, StateError> {
     let mut left_out = Vec::new();
-    for (number, path) in file_names::snapshots(storage, from).map_err(failed(from))? {
+    for (number, path) in file_names::snapshots(storage, from).map_err(StateError::at(from))? {
         match kept::snapshot(storage, number, &path) {
             Ok(snapshot) => {
                 let path = file_names::snapshot(target, number);
                 let written = storage.write(&path, &snapshot.bytes).and_then(|file| file.sync());
-                written.map_err(failed(&path))?;
+                written.map_err(StateError::at(&path))?;
             }
             Err(error) => left_out.push(format!("snapshot {number} {error}, and is left out")),
         }
@@ -184,15 +167,15 @@ fn begin_journal(
     to: &str,
     target: &Path,
     restored: &Restored,
-) -> Result<(), RecoverError> {
+) -> Result<(), StateError> {
     let ports = Ports { ports: restored.ports.clone() };
     let (world, made) = (&restored.world, &restored.made);
     let bytes = Entries::beginning(to, world, made, &restored.settings, &ports).take();
     let path = file_names::journal(target, 1);
     let new = path.with_extension(file_names::UNFINISHED);
     let written = storage.write(&new, &bytes).and_then(|file| file.sync());
-    written.and_then(|()| storage.rename(&new, &path)).map_err(failed(&path))?;
-    storage.sync_folder(target).map_err(failed(target))
+    written.and_then(|()| storage.rename(&new, &path)).map_err(StateError::at(&path))?;
+    storage.sync_folder(target).map_err(StateError::at(target))
 }
 
 /// How what is in this folder is; `None` if nothing was ever kept in it.
@@ -220,9 +203,14 @@ fn is_folder(storage: &dyn Storage, path: &Path) -> bool {
     matches!(storage.kind(path), Ok(Kind::Folder))
 }
 
+/// Whether this is the name of a world's folder, or of one that was set aside.
+fn is_ours(name: &str) -> bool {
+    file_names::is_world(name) || file_names::is_damaged(name)
+}
+
 /// The folder that is meant by a name.
 fn damaged(storage: &dyn Storage, worlds: &Path, name: &str) -> Option<PathBuf> {
-    let is_name = file_names::is_world(name) || file_names::is_damaged(name);
+    let is_name = is_ours(name);
     let named = Some(worlds.join(name)).filter(|folder| is_name && is_folder(storage, folder));
     let is_sound =
         |folder: &PathBuf| matches!(look(storage, name, folder), Some(Soundness::Sound { .. }) | None);
@@ -237,9 +225,9 @@ fn salvage(storage: &dyn Storage, folder: &Path) -> Result<(PathBuf, Salvaged), 
     let mut problem =
         RecoverError::Nothing { file: folder.to_owned(), problem: Problem::NoJournal.to_string() };
     for (number, (_, path)) in
-        file_names::journals(storage, folder).map_err(failed(folder))?.into_iter().enumerate()
+        file_names::journals(storage, folder).map_err(StateError::at(folder))?.into_iter().enumerate()
     {
-        let bytes = storage.read(&path).map_err(failed(folder))?;
+        let bytes = storage.read(&path).map_err(StateError::at(folder))?;
         match Journal::salvage(&bytes) {
             Ok(salvaged) => return Ok((path, salvaged)),
             Err(error) if number == 0 => {

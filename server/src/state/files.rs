@@ -7,8 +7,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Instant;
 
+use tokio::sync::OwnedSemaphorePermit;
+
 use super::file_names;
-use super::shared::{Place, Shared, write_whole};
+use super::shared::{Shared, write_whole};
 use super::storage::{Storage, Stored};
 use super::work::Work;
 use crate::pool::Waker;
@@ -44,24 +46,30 @@ struct Queue {
 
 #[derive(Debug, Default)]
 struct Disk {
-    /// Whether there is a journal to which can be written.
-    has_journal: bool,
-    /// It, if it is open at the moment.
-    open: Option<(Box<dyn Stored>, Place)>,
-    path: PathBuf,
+    /// The journal to which can be written, if there is one.
+    journal: Option<JournalFile>,
+    /// Of the last journal.
     number: u64,
-    /// Bytes of the journal that are whole.
-    length: u64,
-    /// Bytes of it that are on the disk for good.
-    on_disk: Arc<AtomicU64>,
-    /// Whether its name is, too.
-    is_named: bool,
-    /// Snapshots that are not.
+    /// Snapshots that are not on the disk for good.
     snapshots: Vec<PathBuf>,
     /// Snapshots that could not be forced onto it: they are written anew, as the system may take them for written.
     doubtful: Vec<PathBuf>,
     /// Journals that go when the present one is on the disk for good.
     former: Vec<PathBuf>,
+}
+
+/// A journal to which can be written.
+#[derive(Debug)]
+struct JournalFile {
+    path: PathBuf,
+    /// It, if it is open at the moment.
+    open: Option<(Box<dyn Stored>, OwnedSemaphorePermit)>,
+    /// Bytes that are whole.
+    length: u64,
+    /// Bytes that are on the disk for good.
+    on_disk: Arc<AtomicU64>,
+    /// Whether its name is, too.
+    is_named: bool,
 }
 
 impl WorldFiles {
@@ -142,8 +150,7 @@ impl WorldFiles {
 
     fn note(self: &Arc<Self>, disk: &mut Disk, written: io::Result<()>) {
         if let Err(error) = written {
-            disk.has_journal = false;
-            disk.open = None;
+            disk.end_journal();
             self.lose(&error.to_string());
         } else if !self.is_dirty.swap(true, Ordering::Relaxed) {
             self.shared.threads.sync(self);
@@ -177,15 +184,16 @@ impl WorldFiles {
                 for (number, bytes) in snapshots {
                     self.write_snapshot(disk, number, &bytes)?;
                 }
-                disk.begin(&self.shared, &self.folder, &journal)?;
-                disk.on_disk = on_disk;
+                disk.begin(&self.shared, &self.folder, &journal, on_disk)?;
                 self.kept_tick.store(tick, Ordering::Relaxed);
                 *lock(&self.problem) = None;
                 self.is_lost.store(false, Ordering::Release);
                 Ok(())
             }
             // While there is no journal, a new one writes what is missing.
-            Work::Snapshot(number, bytes) if disk.has_journal => self.write_snapshot(disk, number, &bytes),
+            Work::Snapshot(number, bytes) if disk.journal.is_some() => {
+                self.write_snapshot(disk, number, &bytes)
+            }
             Work::Snapshot(..) => Ok(()),
             Work::Forget(number) => {
                 let path = file_names::snapshot(&self.folder, number);
@@ -246,48 +254,33 @@ impl WorldFiles {
         Keeping { is_lost: self.is_lost(), tick: self.kept_tick.load(Ordering::Relaxed) }
     }
 
-    /// Forces onto the disk what was written, and removes what that has replaced. The journal is closed, and opened again when
-    /// something is to be written.
+    /// Forces onto the disk what was written, and removes what that has replaced.
     pub(super) fn sync(&self) {
         self.is_dirty.store(false, Ordering::Relaxed);
-        let taken = {
-            let mut disk = lock(&self.disk);
-            if !disk.has_journal {
-                return;
-            }
-            Unsynced {
-                open: disk.open.take(),
-                path: disk.path.clone(),
-                length: disk.length,
-                on_disk: Arc::clone(&disk.on_disk),
-                is_named: disk.is_named,
-                snapshots: std::mem::take(&mut disk.snapshots),
-                former: std::mem::take(&mut disk.former),
-            }
-        };
+        let Some(unsynced) = lock(&self.disk).unsynced() else { return };
         // Nobody waits for this: no lock is held.
-        let synced = self.force(&taken);
-        let Unsynced { path, length, on_disk, snapshots, former, .. } = taken;
+        let synced = self.force(&unsynced);
+        let Unsynced { journal, snapshots, former } = unsynced;
         match synced {
             Ok(()) => {
-                on_disk.store(length, Ordering::Relaxed);
+                journal.on_disk.store(journal.length, Ordering::Relaxed);
                 former.iter().for_each(|path| drop(self.storage().remove_file(path)));
-                let mut disk = lock(&self.disk);
-                disk.is_named |= disk.path == path;
+                if let Some(present) = &mut lock(&self.disk).journal {
+                    present.is_named |= present.path == journal.path;
+                }
             }
             Err(error) => {
                 let mut disk = lock(&self.disk);
                 disk.doubtful.extend(snapshots);
                 disk.former.extend(former);
-                disk.has_journal = false;
-                disk.open = None;
+                disk.end_journal();
                 drop(disk);
                 self.lose(&error.to_string());
             }
         }
     }
 
-    fn force(&self, Unsynced { open, path, is_named, snapshots, former, .. }: &Unsynced) -> io::Result<()> {
+    fn force(&self, Unsynced { journal, snapshots, former }: &Unsynced) -> io::Result<()> {
         let storage = self.storage();
         for path in snapshots {
             match storage.open(path) {
@@ -296,12 +289,12 @@ impl WorldFiles {
                 opened => opened?.sync()?,
             }
         }
-        match open {
+        match &journal.open {
             Some((file, _)) => file.sync()?,
-            None => storage.open(path)?.sync()?,
+            None => storage.open(&journal.path)?.sync()?,
         }
         // Names are on the disk with their folders only, and so is that of the world's own folder.
-        if !is_named || !snapshots.is_empty() || !former.is_empty() {
+        if !journal.is_named || !snapshots.is_empty() || !former.is_empty() {
             storage.sync_folder(&self.folder)?;
             self.folder.parent().map_or(Ok(()), |worlds| storage.sync_folder(worlds))?;
         }
@@ -312,8 +305,7 @@ impl WorldFiles {
     pub(super) fn remove(&self) -> io::Result<()> {
         let mut disk = lock(&self.disk);
         lock(&self.queue).work.clear();
-        disk.has_journal = false;
-        disk.open = None;
+        disk.journal = None;
         if self.is_taken {
             return Ok(());
         }
@@ -332,11 +324,7 @@ impl WorldFiles {
 
 /// What is to be forced onto the disk.
 struct Unsynced {
-    open: Option<(Box<dyn Stored>, Place)>,
-    path: PathBuf,
-    length: u64,
-    on_disk: Arc<AtomicU64>,
-    is_named: bool,
+    journal: JournalFile,
     snapshots: Vec<PathBuf>,
     former: Vec<PathBuf>,
 }
@@ -344,32 +332,54 @@ struct Unsynced {
 impl Disk {
     /// Whether there is a journal.
     fn append(&mut self, shared: &Shared, bytes: &[u8]) -> io::Result<bool> {
-        if !self.has_journal {
-            return Ok(false);
-        }
-        let (mut file, place) = match self.open.take() {
-            Some((file, place)) => (file, Some(place)),
-            None => (shared.storage.open(&self.path)?, shared.journals.place()),
-        };
-        file.append_whole(&mut self.length, bytes)?;
-        self.open = place.map(|place| (file, place));
-        Ok(true)
+        self.journal.as_mut().map_or(Ok(false), |journal| journal.append(shared, bytes).map(|()| true))
     }
 
     /// Another journal, which is there whole or not at all, should the program be killed meanwhile.
-    fn begin(&mut self, shared: &Shared, folder: &Path, journal: &[u8]) -> io::Result<()> {
+    fn begin(
+        &mut self,
+        shared: &Shared,
+        folder: &Path,
+        journal: &[u8],
+        on_disk: Arc<AtomicU64>,
+    ) -> io::Result<()> {
         let storage = &*shared.storage;
         let mut numbers = (self.number + 1..).map(|number| (number, file_names::journal(folder, number)));
         // Something else may be there, which is not replaced.
         let (number, path) = numbers.find(|(_, path)| storage.is_free(path)).expect("numbers do not end");
         let file = write_whole(storage, &path, journal)?;
-        if self.length > 0 {
-            self.former.push(std::mem::take(&mut self.path));
-        }
-        self.open = None;
-        self.open = shared.journals.place().map(|place| (file, place));
-        (self.has_journal, self.path, self.number, self.length) = (true, path, number, journal.len() as u64);
-        self.is_named = false;
+        // It gives back its place.
+        self.end_journal();
+        let open = shared.place().map(|place| (file, place));
+        let length = journal.len() as u64;
+        (self.number, self.journal) =
+            (number, Some(JournalFile { path, open, length, on_disk, is_named: false }));
+        Ok(())
+    }
+
+    /// Nothing is written to the journal any more.
+    fn end_journal(&mut self) {
+        self.former.extend(self.journal.take().map(|journal| journal.path));
+    }
+
+    /// What is to be forced onto the disk, if there is a journal. It is closed, and opened again when something is to be written.
+    fn unsynced(&mut self) -> Option<Unsynced> {
+        let journal = self.journal.as_mut()?;
+        let (path, on_disk, open) = (journal.path.clone(), Arc::clone(&journal.on_disk), journal.open.take());
+        let journal = JournalFile { path, open, on_disk, ..*journal };
+        let (snapshots, former) = (std::mem::take(&mut self.snapshots), std::mem::take(&mut self.former));
+        Some(Unsynced { journal, snapshots, former })
+    }
+}
+
+impl JournalFile {
+    fn append(&mut self, shared: &Shared, bytes: &[u8]) -> io::Result<()> {
+        let (mut file, place) = match self.open.take() {
+            Some((file, place)) => (file, Some(place)),
+            None => (shared.storage.open(&self.path)?, shared.place()),
+        };
+        file.append_whole(&mut self.length, bytes)?;
+        self.open = place.map(|place| (file, place));
         Ok(())
     }
 }

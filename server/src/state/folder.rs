@@ -8,11 +8,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use baudbot_recording::journal::JournalError;
 use baudbot_sim::Scenario;
+use tokio::sync::Semaphore;
 
 use super::files::WorldFiles;
 use super::keeper::{Keeper, Now};
 use super::kept::{self, Found, Problem};
-use super::shared::{OpenJournals, Shared};
+use super::shared::Shared;
 use super::storage::{Kind, Listed, Storage, System};
 use super::threads::Threads;
 use super::{LAYOUT, file_names, private};
@@ -50,6 +51,14 @@ pub enum StateError {
     },
 }
 
+impl StateError {
+    /// What the system says of this file or folder.
+    pub(super) fn at(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::Io { path, source }
+    }
+}
+
 /// The folder in which a server keeps its state. No other server can use it meanwhile. Clones are the same folder.
 #[derive(Clone, Debug)]
 pub struct StateFolder(Arc<Inner>);
@@ -70,34 +79,30 @@ impl StateFolder {
     /// # Errors
     /// If another server uses it, it is something else, or it cannot be written to.
     pub fn open(path: &Path) -> Result<Self, StateError> {
-        let at = |path: &Path| {
-            let path = path.to_owned();
-            move |source| StateError::Io { path, source }
-        };
-        private::make_folder(path).map_err(at(path))?;
+        private::make_folder(path).map_err(StateError::at(path))?;
         let marker = path.join(MARKER);
-        if !marker.exists() && fs::read_dir(path).map_err(at(path))?.next().is_some() {
+        if !marker.exists() && fs::read_dir(path).map_err(StateError::at(path))?.next().is_some() {
             return Err(StateError::Foreign(path.to_owned()));
         }
-        let mut file = private::open(&marker).map_err(at(&marker))?;
+        let mut file = private::open(&marker).map_err(StateError::at(&marker))?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Err(StateError::InUse(path.to_owned())),
-            Err(TryLockError::Error(error)) => return Err(at(&marker)(error)),
+            Err(TryLockError::Error(error)) => return Err(StateError::at(&marker)(error)),
         }
         let mut found = String::new();
-        Read::by_ref(&mut file).take(256).read_to_string(&mut found).map_err(at(&marker))?;
+        Read::by_ref(&mut file).take(256).read_to_string(&mut found).map_err(StateError::at(&marker))?;
         if found.is_empty() {
-            file.write_all(layout().as_bytes()).map_err(at(&marker))?;
+            file.write_all(layout().as_bytes()).map_err(StateError::at(&marker))?;
         } else if found != layout() {
             let found = found.trim_end().escape_debug().to_string();
             return Err(StateError::Layout { path: path.to_owned(), found });
         }
         for folder in [WORLDS, RECORDINGS].map(|name| path.join(name)) {
-            private::make_folder(&folder).map_err(at(&folder))?;
+            private::make_folder(&folder).map_err(StateError::at(&folder))?;
         }
-        sync_names(&System, path).map_err(at(path))?;
-        let threads = Threads::start().map_err(at(path))?;
+        sync_names(&System, path).map_err(StateError::at(path))?;
+        let threads = Threads::start().map_err(StateError::at(path))?;
         Ok(Self::with(path, Arc::new(System), threads, Some(file)))
     }
 
@@ -109,13 +114,13 @@ impl StateFolder {
     pub fn simulated(path: &Path, storage: Arc<dyn Storage>) -> Result<Self, StateError> {
         let worlds = path.join(WORLDS);
         let made = storage.make_folder(&worlds).and_then(|()| sync_names(&*storage, path));
-        made.map_err(|source| StateError::Io { path: worlds, source })?;
+        made.map_err(StateError::at(&worlds))?;
         Ok(Self::with(path, storage, Threads::Tasks, None))
     }
 
     fn with(path: &Path, storage: Arc<dyn Storage>, threads: Threads, marker: Option<File>) -> Self {
-        let journals = Arc::new(OpenJournals::new(most_journals()));
-        let shared = Shared { storage, threads, journals };
+        let places = Arc::new(Semaphore::new(most_journals().min(Semaphore::MAX_PERMITS)));
+        let shared = Shared { storage, threads, places };
         let path = path.to_owned();
         Self(Arc::new(Inner { path, shared, taken: Mutex::default(), _marker: marker }))
     }
@@ -153,20 +158,25 @@ impl StateFolder {
     /// # Errors
     /// If the folder of the worlds cannot be read.
     pub fn worlds(&self) -> Result<Vec<Found>, StateError> {
-        let path = self.of_worlds();
-        let listed = self.storage().list(&path);
-        let listed = listed.map_err(|source| StateError::Io { path: path.clone(), source })?;
-        let mut names: Vec<_> = listed.into_iter().map(|Listed { name, .. }| name).collect();
-        names.sort_unstable();
+        let (path, names) = self.names()?;
         let look = |name: String| look_at(self.storage(), &path.join(&name), &name);
         let found: Vec<_> = names.into_iter().filter_map(look).collect();
         self.taken().extend(found.iter().filter_map(taken));
         Ok(found)
     }
 
+    /// The folder of the worlds, and all names in it, sorted.
+    pub(super) fn names(&self) -> Result<(PathBuf, Vec<String>), StateError> {
+        let path = self.of_worlds();
+        let listed = self.storage().list(&path).map_err(StateError::at(&path))?;
+        let mut names: Vec<_> = listed.into_iter().map(|Listed { name, .. }| name).collect();
+        names.sort_unstable();
+        Ok((path, names))
+    }
+
     /// Keeps a world from now on. `made`: the scenario with which it was made.
     pub(crate) fn keep(&self, made: Arc<Scenario>, now: &Now<'_>) -> Keeper {
-        let folder = self.0.path.join(WORLDS).join(now.name);
+        let folder = self.of_worlds().join(now.name);
         let shared = self.0.shared.clone();
         let is_taken = self.taken().contains(now.name);
         let files = match is_taken {

@@ -3,7 +3,8 @@
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::file_names;
 use super::storage::{Storage, Stored};
@@ -14,39 +15,15 @@ use super::threads::Threads;
 pub(super) struct Shared {
     pub(super) storage: Arc<dyn Storage>,
     pub(super) threads: Threads,
-    pub(super) journals: Arc<OpenJournals>,
+    /// Places for journals that are open: a process may have so many open files, and worlds are not to take those that connections
+    /// and the file of tokens need. Beyond these a journal is open only while something is written to it.
+    pub(super) places: Arc<Semaphore>,
 }
 
-/// The journals that are open at a time: a process may have so many open files, and worlds are not to take those that connections
-/// and the file of tokens need. Beyond these a journal is open only while something is written to it.
-#[derive(Debug)]
-pub(super) struct OpenJournals {
-    open: AtomicUsize,
-    most: usize,
-}
-
-/// A journal may stay open as long as this lives.
-#[derive(Debug)]
-pub(super) struct Place(Arc<OpenJournals>);
-
-impl OpenJournals {
-    pub(super) fn new(most: usize) -> Self {
-        Self { open: AtomicUsize::new(0), most }
-    }
-
-    /// A place, if one is free.
-    pub(super) fn place(self: &Arc<Self>) -> Option<Place> {
-        if self.open.fetch_add(1, Ordering::Relaxed) < self.most {
-            return Some(Place(Arc::clone(self)));
-        }
-        self.open.fetch_sub(1, Ordering::Relaxed);
-        None
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        self.0.open.fetch_sub(1, Ordering::Relaxed);
+impl Shared {
+    /// A place for a journal that stays open, if one is free.
+    pub(super) fn place(&self) -> Option<OwnedSemaphorePermit> {
+        Arc::clone(&self.places).try_acquire_owned().ok()
     }
 }
 

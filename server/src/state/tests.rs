@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use baudbot_recording::journal::{Entries, Ports, Settings};
 use baudbot_sim::{Scenario, World};
+use tokio::sync::Semaphore;
 
 use super::files::WorldFiles;
-use super::shared::{OpenJournals, Shared};
+use super::shared::Shared;
 use super::storage::System;
 use super::threads::Threads;
 use super::work::Work;
@@ -213,8 +214,8 @@ fn what_is_no_world_or_cannot_be_read_is_left_as_it_is_and_the_others_go_on() {
 
 /// Without a place to stay open: each write opens the journal.
 fn shared() -> Shared {
-    let (threads, journals) = (Threads::start().unwrap(), Arc::new(OpenJournals::new(0)));
-    Shared { storage: Arc::new(System), threads, journals }
+    let (threads, places) = (Threads::start().unwrap(), Arc::new(Semaphore::new(0)));
+    Shared { storage: Arc::new(System), threads, places }
 }
 
 fn begin() -> Work {
