@@ -29,10 +29,10 @@ pub(crate) struct Args {
     #[arg(long, global = true, value_name = "FILE")]
     pub(crate) program: Option<PathBuf>,
     /// Run each of W1 to W4, G and V for exactly this many ticks and measure nothing: for profilers
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["json", "csv"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), conflicts_with = "json")]
     pub(crate) ticks: Option<u64>,
     /// Count instructions with valgrind instead of measuring time
-    #[arg(long, conflicts_with_all = ["ticks", "csv"])]
+    #[arg(long, conflicts_with = "ticks")]
     pub(crate) instructions: bool,
     /// Compare the counts with the known ones; one that is higher by more than 2 % is a failure
     #[arg(long, value_name = "FILE.toml", requires = "instructions")]
@@ -43,9 +43,6 @@ pub(crate) struct Args {
     /// Write all that was measured as JSON; `-` is stdout, and the table is then left out
     #[arg(long, global = true, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
-    /// Write one line per workload, comma-separated; `-` is stdout, and the table is then left out
-    #[arg(long, value_name = "FILE", conflicts_with = "json")]
-    pub(crate) csv: Option<PathBuf>,
     /// Write the figures of this run into a page of the manual, in place of the table that it has
     #[arg(long, value_name = "FILE.md", conflicts_with_all = ["ticks", "instructions"])]
     pub(crate) page: Option<PathBuf>,

@@ -7,7 +7,7 @@ use std::process::{Command, ExitCode};
 
 use anyhow::Context;
 use baudbot_bench::catalogue::Workload;
-use baudbot_bench::instructions::{self, Count, Known, TOLERANCE, Verdict};
+use baudbot_bench::instructions::{self, Count, Known, TOLERANCE};
 use serde_json::json;
 
 use crate::args::Args;
@@ -39,7 +39,7 @@ pub(super) fn run(args: &Args, chosen: &[&'static Workload]) -> anyhow::Result<E
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
         print(&table(&counts, known.as_ref()))?;
     }
-    let more = known.is_some_and(|known| counts.iter().any(|count| is_too_much(known.judge(count))));
+    let more = known.is_some_and(|known| counts.iter().any(|count| is_too_much(known.ratio(count))));
     Ok(if more { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
@@ -84,19 +84,20 @@ fn file(here: &Here, counts: &[Count]) -> String {
 
 fn table(counts: &[Count], known: Option<&Known>) -> String {
     let mut text = String::new();
+    let mut ratios = Vec::new();
     for count in counts {
-        let verdict = known.map_or_else(String::new, |known| told(known.judge(count)));
+        let ratio = known.map(|known| known.ratio(count));
+        let told = ratio.map_or_else(String::new, told);
         let _ = writeln!(
             text,
-            "{:<14}{:>12.1} instructions a {}{verdict}",
+            "{:<14}{:>12.1} instructions a {}{told}",
             count.workload, count.instructions, count.unit
         );
+        ratios.extend(ratio);
     }
-    let Some(known) = known else { return text };
-    let judged: Vec<_> = counts.iter().map(|count| known.judge(count)).collect();
-    if judged.iter().any(|&verdict| is_too_much(verdict)) {
+    if ratios.iter().any(|&ratio| is_too_much(ratio)) {
         text += "a workload needs more than is known of it; if it has to, ";
-    } else if judged.iter().any(|verdict| matches!(verdict, Verdict::Less(_) | Verdict::Unknown)) {
+    } else if ratios.iter().any(|ratio| ratio.is_none_or(|ratio| ratio < 1.0 - TOLERANCE)) {
         text += "the known counts are to be renewed: ";
     } else {
         return text;
@@ -104,17 +105,17 @@ fn table(counts: &[Count], known: Option<&Known>) -> String {
     text + "`baudbot-bench --instructions --renew crates/bench/instructions.toml` renews them\n"
 }
 
-fn told(verdict: Verdict) -> String {
-    match verdict {
-        Verdict::Same => format!("  within {:.0} % of what is known", 100.0 * TOLERANCE),
-        Verdict::More(factor) => format!("  MORE than is known: × {factor:.3}"),
-        Verdict::Less(factor) => format!("  less than is known: × {factor:.3}"),
-        Verdict::Unknown => "  not known before".to_owned(),
+fn told(ratio: Option<f64>) -> String {
+    match ratio {
+        None => "  not known before".to_owned(),
+        Some(ratio) if ratio > 1.0 + TOLERANCE => format!("  MORE than is known: × {ratio:.3}"),
+        Some(ratio) if ratio < 1.0 - TOLERANCE => format!("  less than is known: × {ratio:.3}"),
+        Some(_) => format!("  within {:.0} % of what is known", 100.0 * TOLERANCE),
     }
 }
 
-fn is_too_much(verdict: Verdict) -> bool {
-    matches!(verdict, Verdict::More(_))
+fn is_too_much(ratio: Option<f64>) -> bool {
+    ratio.is_some_and(|ratio| ratio > 1.0 + TOLERANCE)
 }
 
 const HEAD: &str = "\

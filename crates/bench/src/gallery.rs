@@ -34,13 +34,8 @@ pub enum GalleryError {
     )]
     NoProgram(PathBuf),
     /// The file with its scenario could not be written.
-    #[error("cannot write {}: {why}", path.display())]
-    File {
-        /// Its path.
-        path: PathBuf,
-        /// What the system says.
-        why: io::Error,
-    },
+    #[error("cannot write the scenario into the folder of temporary files: {0}")]
+    File(io::Error),
     /// The program could not be started.
     #[error("cannot start {}: {why}", program.display())]
     Start {
@@ -85,12 +80,13 @@ impl Gallery {
         if !program.is_file() {
             return Err(GalleryError::NoProgram(program.to_owned()));
         }
-        let file = ScenarioFile::write(self.scenario)?;
+        let file = tempfile::Builder::new().suffix(".toml").tempfile().map_err(GalleryError::File)?;
+        fs::write(&file, self.scenario).map_err(GalleryError::File)?;
         for repeat in 1..=effort.repeats {
             progress(repeat);
             let calibration_per_s = calibration::rounds_per_second();
             let start = Instant::now();
-            let summary = self.once(program, &file.0)?;
+            let summary = self.once(program, file.path())?;
             let value = summary.simulated_s / start.elapsed().as_secs_f64();
             outcome.samples.push(Sample { value, calibration_per_s });
             let before = outcome.hash.replace(summary.state_hash.clone());
@@ -112,26 +108,6 @@ impl Gallery {
             return Err(GalleryError::Failed { status: run.status, said });
         }
         Ok(serde_json::from_slice(&run.stdout)?)
-    }
-}
-
-/// A file that is there as long as this is.
-struct ScenarioFile(PathBuf);
-
-impl ScenarioFile {
-    fn write(toml: &str) -> Result<Self, GalleryError> {
-        let path = std::env::temp_dir().join(format!("baudbot-bench-{}.toml", std::process::id()));
-        match fs::write(&path, toml) {
-            Ok(()) => Ok(Self(path)),
-            Err(why) => Err(GalleryError::File { path, why }),
-        }
-    }
-}
-
-impl Drop for ScenarioFile {
-    fn drop(&mut self) {
-        // What is left of it harms nobody.
-        let _ = fs::remove_file(&self.0);
     }
 }
 
@@ -160,11 +136,9 @@ mod tests {
     }
 
     #[test]
-    fn a_program_that_fails_is_told_and_its_scenario_is_cleared_away() {
+    fn a_program_that_fails_is_told() {
         let error = error(Path::new("/bin/false"));
         assert!(error.starts_with("`baudbot run` ended with exit status: 1"), "{error}");
-        let path = ScenarioFile::write("name = \"x\"").unwrap().0.clone();
-        assert!(!path.exists());
     }
 
     #[test]

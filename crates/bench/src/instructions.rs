@@ -98,29 +98,11 @@ pub struct Known {
     pub instructions: BTreeMap<String, f64>,
 }
 
-/// How a count stands beside the one that is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Verdict {
-    /// It is within 2 %.
-    Same,
-    /// It is more, by this factor.
-    More(f64),
-    /// It is less, by this factor.
-    Less(f64),
-    /// None is known.
-    Unknown,
-}
-
 impl Known {
-    /// How a count stands beside the one that is known.
-    pub fn judge(&self, count: &Count) -> Verdict {
-        let Some(&known) = self.instructions.get(count.workload) else { return Verdict::Unknown };
-        match count.instructions / known {
-            factor if factor > 1.0 + TOLERANCE => Verdict::More(factor),
-            factor if factor < 1.0 - TOLERANCE => Verdict::Less(factor),
-            factor if factor.is_finite() => Verdict::Same,
-            _ => Verdict::Unknown,
-        }
+    /// How many times as many instructions as are known of it a workload needs; `None` if none are.
+    pub fn ratio(&self, count: &Count) -> Option<f64> {
+        let known = *self.instructions.get(count.workload)?;
+        (known > 0.0).then(|| count.instructions / known)
     }
 }
 
@@ -142,17 +124,14 @@ mod tests {
     }
 
     #[test]
-    fn counts_are_judged_by_two_per_cent() {
+    fn counts_are_compared_with_those_that_are_known() {
         let known = Known {
             rustc: "rustc 1".to_owned(),
             arch: "x86_64".to_owned(),
             instructions: [("W2".to_owned(), 100.0), ("W4".to_owned(), 0.0)].into(),
         };
-        let judge = |workload, instructions| known.judge(&Count { workload, unit: "ray", instructions });
-        assert_eq!([101.9, 98.1].map(|count| judge("W2", count)), [Verdict::Same; 2]);
-        assert_eq!(judge("W2", 103.0), Verdict::More(1.03));
-        assert_eq!(judge("W2", 50.0), Verdict::Less(0.5));
-        assert_eq!(judge("W9", 1.0), Verdict::Unknown);
-        assert_eq!(judge("W4", 0.0), Verdict::Unknown);
+        let ratio = |workload, instructions| known.ratio(&Count { workload, unit: "ray", instructions });
+        assert_eq!([ratio("W2", 103.0), ratio("W2", 50.0)], [Some(1.03), Some(0.5)]);
+        assert_eq!([ratio("W9", 1.0), ratio("W4", 0.0)], [None; 2]);
     }
 }

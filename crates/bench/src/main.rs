@@ -60,15 +60,13 @@ fn bench(args: &Args) -> anyhow::Result<ExitCode> {
         eprintln!("warning: {DEBUG_BUILD}");
     }
     let (measured, failed) = measure(args, &chosen)?;
-    let file = args.json.as_ref().or(args.csv.as_ref());
-    if let Some(path) = file {
-        let content = if args.json.is_some() { files::json(&measured)? } else { files::csv(&measured)? };
-        write(path, &content)?;
+    if let Some(path) = &args.json {
+        write(path, &files::json(&measured)?)?;
     }
     if let Some(path) = args.page.as_ref().filter(|_| failed == 0) {
         page::write(path, &measured)?;
     }
-    if !args.quiet && file.is_none_or(|path| path.as_os_str() != "-") {
+    if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
         print(&table::text(&measured))?;
     }
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -4,6 +4,7 @@ use baudbot_bench::catalogue::Workload;
 use baudbot_bench::outcome::Outcome;
 
 use comfy_table::{CellAlignment, Table, presets};
+use indicatif::HumanCount;
 
 /// The workloads and what they are.
 pub(super) fn list(workloads: &[&Workload]) -> String {
@@ -74,7 +75,7 @@ fn hash(outcome: &Outcome) -> Option<[String; 3]> {
 /// What stands where there is no number.
 const NOTHING: &str = "—";
 
-/// A number with four digits that count, thousands apart.
+/// A number that is not below 0 with four digits that count, thousands apart.
 pub(super) fn figure(number: f64) -> String {
     if !number.is_finite() {
         return NOTHING.to_owned();
@@ -85,21 +86,9 @@ pub(super) fn figure(number: f64) -> String {
     let place = number.abs().log10().floor() as i32;
     if place >= 3 {
         let unit = 10_f64.powi(place - 3);
-        return thousands((number / unit).round() * unit);
+        return HumanCount(((number / unit).round() * unit) as u64).to_string();
     }
     format!("{number:.*}", (3 - place).clamp(0, 9) as usize)
-}
-
-fn thousands(number: f64) -> String {
-    let digits = format!("{:.0}", number.abs());
-    let mut text = if number < 0.0 { "-".to_owned() } else { String::new() };
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 #[cfg(test)]

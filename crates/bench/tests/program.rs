@@ -33,10 +33,16 @@ fn a_workload_is_measured_in_a_process_of_its_own_and_told_as_json() {
 
 #[test]
 fn brains_in_another_process_drive_in_lockstep() {
-    let (code, out, err) = bench(&["N1", "N3/fleet", "--csv", "-"]);
+    let (code, out, err) = bench(&["N1", "N3", "--json", "-"]);
     assert_eq!(code, 0, "{err}");
-    let names: Vec<_> = out.lines().map(|line| line.split(',').next().unwrap()).collect();
-    assert_eq!(names, ["workload", "N1", "N1/tls", "N3/fleet"], "{out}");
+    let all: Value = serde_json::from_str(&out).unwrap();
+    let all = all["workloads"].as_array().unwrap();
+    let names: Vec<_> = all.iter().map(|own| own["workload"].as_str().unwrap()).collect();
+    assert_eq!(names, ["N1", "N1/tls", "N3/connections", "N3/streams", "N3/fleet"], "{out}");
+    for own in all {
+        let balls = own["beside"]["samples"].as_array().unwrap();
+        assert!(balls.len() == 2 && balls.iter().all(|ball| ball["value"].as_f64() > Some(0.0)), "{own}");
+    }
 }
 
 #[test]

@@ -1,86 +1,124 @@
 //! Bare bidirectional streams of tonic's. Alone, every message comes back; of several streams all are answered as soon as each
 //! has brought a message: a barrier.
 
+use std::convert::Infallible;
+use std::future::ready;
 use std::net::SocketAddr;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::task::{Context, Poll};
 
 use tokio::net::TcpListener;
 use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
+use tonic::body::Body;
+use tonic::codegen::http::uri::PathAndQuery;
+use tonic::codegen::{BoxFuture, Service, http};
+use tonic::server::{NamedService, StreamingService};
 use tonic::transport::server::TcpIncoming;
 use tonic::transport::{Channel, Endpoint, Server};
 use tonic::{Request, Response, Status, Streaming};
+use tonic_prost::ProstCodec;
 
-use self::contract::Ball;
-use self::contract::ping_service_client::PingServiceClient;
-use self::contract::ping_service_server::{PingService, PingServiceServer};
 use crate::child::Streams;
-
-#[allow(missing_docs, unreachable_pub, unused_qualifications, clippy::all, reason = "generated code")]
-mod contract {
-    include!("generated/baudbot.bench.rs");
-}
 
 /// Bytes of a message, for each robot on its stream.
 pub(super) const BYTES: usize = 64;
 
-struct Wall;
-
-#[tonic::async_trait]
-impl PingService for Wall {
-    type PlayStream = Pin<Box<dyn Stream<Item = Result<Ball, Status>> + Send>>;
-
-    async fn play(&self, request: Request<Streaming<Ball>>) -> Result<Response<Self::PlayStream>, Status> {
-        let balls = request.into_inner();
-        Ok(Response::new(Box::pin(balls.filter(Result::is_ok))))
-    }
+/// A message.
+#[derive(Clone, PartialEq, prost::Message)]
+struct Ball {
+    #[prost(bytes = "vec", tag = "1")]
+    bytes: Vec<u8>,
 }
 
-/// Answers so many streams together.
-struct Barrier {
-    streams: usize,
-    /// What has come, and to whom the answers go.
-    waiting: Arc<Mutex<Vec<Waiting>>>,
+type Balls = Pin<Box<dyn Stream<Item = Result<Ball, Status>> + Send>>;
+
+/// The other player.
+#[derive(Clone)]
+enum Opponent {
+    /// Gives each message back.
+    Wall,
+    /// Answers so many streams together.
+    Barrier {
+        streams: usize,
+        /// Messages that have come, each with the way of its answer.
+        waiting: Arc<Mutex<Vec<Waiting>>>,
+    },
 }
 
 type Waiting = (Ball, mpsc::Sender<Result<Ball, Status>>);
 
-#[tonic::async_trait]
-impl PingService for Barrier {
-    type PlayStream = ReceiverStream<Result<Ball, Status>>;
+impl StreamingService<Ball> for Opponent {
+    type Response = Ball;
+    type ResponseStream = Balls;
+    type Future = BoxFuture<Response<Balls>, Status>;
 
-    async fn play(&self, request: Request<Streaming<Ball>>) -> Result<Response<Self::PlayStream>, Status> {
-        let (streams, waiting) = (self.streams, Arc::clone(&self.waiting));
-        let (back, answers) = mpsc::channel(1);
-        let mut balls = request.into_inner();
-        tokio::spawn(async move {
-            while let Ok(Some(ball)) = balls.message().await {
-                let mut waiting = waiting.lock().unwrap_or_else(PoisonError::into_inner);
-                waiting.push((ball, back.clone()));
-                if waiting.len() == streams {
-                    // There is room: each has taken the answer to its last message. Who is gone gets none.
-                    waiting.drain(..).for_each(|(ball, back)| drop(back.try_send(Ok(ball))));
-                }
-            }
-        });
-        Ok(Response::new(ReceiverStream::new(answers)))
+    fn call(&mut self, request: Request<Streaming<Ball>>) -> Self::Future {
+        let balls = request.into_inner();
+        let answers: Balls = match self {
+            Self::Wall => Box::pin(balls.filter(Result::is_ok)),
+            Self::Barrier { streams, waiting } => Box::pin(wait(balls, *streams, Arc::clone(waiting))),
+        };
+        Box::pin(ready(Ok(Response::new(answers))))
     }
 }
+
+/// The answers to a stream of several that are answered together.
+fn wait(
+    mut balls: Streaming<Ball>,
+    streams: usize,
+    waiting: Arc<Mutex<Vec<Waiting>>>,
+) -> ReceiverStream<Result<Ball, Status>> {
+    let (back, answers) = mpsc::channel(1);
+    tokio::spawn(async move {
+        while let Ok(Some(ball)) = balls.message().await {
+            let mut waiting = waiting.lock().unwrap_or_else(PoisonError::into_inner);
+            waiting.push((ball, back.clone()));
+            if waiting.len() == streams {
+                // There is room: each has taken the answer to its last message. Who is gone gets none.
+                waiting.drain(..).for_each(|(ball, back)| drop(back.try_send(Ok(ball))));
+            }
+        }
+    });
+    ReceiverStream::new(answers)
+}
+
+/// The service that would be generated from a contract: its only call is [`PATH`].
+impl Service<http::Request<Body>> for Opponent {
+    type Response = http::Response<Body>;
+    type Error = Infallible;
+    type Future = BoxFuture<Self::Response, Infallible>;
+
+    fn poll_ready(&mut self, _: &mut Context<'_>) -> Poll<Result<(), Infallible>> {
+        Poll::Ready(Ok(()))
+    }
+
+    fn call(&mut self, request: http::Request<Body>) -> Self::Future {
+        let opponent = self.clone();
+        let mut server = tonic::server::Grpc::new(ProstCodec::default());
+        Box::pin(async move { Ok(server.streaming(opponent, request).await) })
+    }
+}
+
+impl NamedService for Opponent {
+    const NAME: &'static str = "baudbot.bench.PingService";
+}
+
+const PATH: &str = "/baudbot.bench.PingService/Play";
 
 /// Serves so many streams on a free port of this machine, in the runtime that this is called in, and says where.
 pub(super) async fn serve(streams: usize) -> std::io::Result<SocketAddr> {
     let listener = TcpListener::bind("127.0.0.1:0").await?;
     let address = listener.local_addr()?;
     let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
-    let mut server = Server::builder();
-    let server = if streams == 1 {
-        server.add_service(PingServiceServer::new(Wall))
-    } else {
-        server.add_service(PingServiceServer::new(Barrier { streams, waiting: Arc::default() }))
+    let opponent = match streams {
+        1 => Opponent::Wall,
+        _ => Opponent::Barrier { streams, waiting: Arc::default() },
     };
+    let server = Server::builder().add_service(opponent);
     tokio::spawn(server.serve_with_incoming(incoming));
     Ok(address)
 }
@@ -103,7 +141,10 @@ impl Player {
     /// Opens a stream for messages of so many bytes. The answer to the call comes at once.
     pub(super) async fn new(channel: Channel, bytes: usize) -> Result<Self, Status> {
         let (throw, balls) = mpsc::channel(1);
-        let call = PingServiceClient::new(channel).play(ReceiverStream::new(balls)).await?;
+        let mut client = tonic::client::Grpc::new(channel);
+        client.ready().await.map_err(|error| Status::unavailable(error.to_string()))?;
+        let (request, path) = (Request::new(ReceiverStream::new(balls)), PathAndQuery::from_static(PATH));
+        let call = client.streaming(request, path, ProstCodec::default()).await?;
         Ok(Self { throw, catch: call.into_inner(), bytes })
     }
 
