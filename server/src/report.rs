@@ -45,7 +45,8 @@ impl Report {
     }
 }
 
-/// What has to be the same for the status of a world to be the same, but for the time for which it has been running.
+/// The parts that have to be the same for the status of a world to be the same, but for the time for which it has
+/// been running.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Version {
     /// Ticks, and messages that change something.
@@ -58,7 +59,7 @@ pub(crate) struct Version {
     pub(crate) recording: Option<(u64, u64, bool)>,
 }
 
-/// How a world stands, for whoever may know that already.
+/// The standing of a world, for a caller who may know that already.
 pub(crate) struct Standing {
     pub(crate) version: Version,
     pub(crate) running: Duration,
@@ -91,7 +92,7 @@ pub(crate) struct SlotReport {
     pub(crate) lost_steps: u64,
     /// The state that its brain last published, in words.
     pub(crate) said: String,
-    /// How long its brains have thought, if anything was measured.
+    /// The thinking times of its brains, if anything was measured.
     pub(crate) thought: Option<Box<Thought>>,
 }
 

@@ -81,7 +81,7 @@ impl DirectWorld {
         turns
     }
 
-    /// What the brain of this step does.
+    /// Takes the action of the brain of this step.
     ///
     /// # Errors
     /// `INVALID_ARGUMENT` with the field of the action that makes no sense, as the contract calls it.

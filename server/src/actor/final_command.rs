@@ -14,8 +14,8 @@ use super::{Pending, WorldActor};
 use crate::clock;
 use crate::endpoint::{Output, Signals, Thinking};
 
-/// How long a brain may send nothing, by the wall clock and by the simulated one. People hardly see a shorter pause, and a
-/// network seldom makes a longer one.
+/// The longest silence of a brain, by the wall clock and by the simulated one. People hardly see a shorter pause, and
+/// a network seldom makes a longer one.
 const SILENCE: Duration = Duration::from_secs(1);
 
 /// The final command of a robot that has a brain.

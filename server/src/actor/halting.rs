@@ -15,7 +15,7 @@ pub(super) struct Halts {
     until: Option<Instant>,
 }
 
-/// How long they wait for a brain that keeps the tick open.
+/// The time for which they wait for a brain that keeps the tick open.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 impl Halts {

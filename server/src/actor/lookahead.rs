@@ -43,7 +43,7 @@ impl WorldActor {
             || !self.observers.is_empty()
             || !self.cables.is_empty()
             || self.recording.looks()
-            // What one brain has been told must not depend on what another has yet to answer.
+            // The Turns of one brain must not depend on another's answers that are still to come.
             || self.state.is_kept();
         looks_ahead && !is_watched && !is_awaited && !self.pacer.paused
     }
@@ -75,7 +75,7 @@ impl WorldActor {
         self.finish_with(now, &open);
     }
 
-    /// What a world that stands does until brains have answered.
+    /// The behaviour of a world that stands until brains have answered.
     pub(super) fn wait_for_answers(&self, now: Instant) -> Next {
         let Some(watchdog) = self.pacer.pace.watchdog() else { return Next::Wait(None) };
         let deadline = self.pacer.waiting_since + watchdog.timeout;

@@ -1,7 +1,7 @@
 //! The actor of a world: it alone touches the world, and does one thing at a time. It handles messages, begins a tick,
 //! finishes a tick, or waits.
 //!
-//! Which thread that happens on is for the [`Mailbox`](crate::mailbox::Mailbox) to decide. This file is the loop:
+//! The [`Mailbox`](crate::mailbox::Mailbox) decides on which thread that happens. This file is the loop:
 //! [`WorldActor::next`] says what is to be done, and the other methods do it.
 
 mod attachments;
@@ -95,13 +95,13 @@ pub(crate) struct WorldActor {
     schedule: Schedule,
     /// The status with which streams end, once the world is to be over.
     over: Option<Status>,
-    /// What it has of the server's memory.
+    /// The charges on the server's memory.
     charges: Charges,
     /// Counts ticks, and messages that change what operators are told.
     changes: u64,
 }
 
-/// Where a live world stands between the two halves of a tick.
+/// The phase of a live world between the two halves of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
     /// Between two ticks.
@@ -112,7 +112,7 @@ enum Phase {
     Ending,
 }
 
-/// What the world does next.
+/// The next act of the world.
 enum Next {
     Begin,
     Finish,
@@ -127,7 +127,7 @@ enum Next {
     Wait(Option<Instant>),
 }
 
-/// What observers can see of an actor: a macro, so that its other fields can be borrowed meanwhile.
+/// The view of an actor for observers: a macro, so that its other fields can be borrowed meanwhile.
 macro_rules! view {
     ($actor:expr) => {
         crate::observers::View {
@@ -180,7 +180,7 @@ impl WorldActor {
         actor
     }
 
-    /// What is to be done now.
+    /// The next act, by the present state.
     ///
     /// The world is always in one of three phases, and in each there is one question. *Between* two ticks: may the next
     /// one begin? Not while the world is paused, waits for a brain that is not there, or has run as far ahead of its brains

@@ -1,4 +1,4 @@
-//! What a world is made of, and how it is made.
+//! The parts of a world, and the making of one.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
@@ -36,13 +36,13 @@ pub(crate) struct NewWorld {
     pub(crate) on_tick: Option<OnTick>,
     pub(crate) on_belief: Option<OnBelief>,
     pub(crate) progress: Option<Arc<Progress>>,
-    /// Where it is recorded from its beginning on.
+    /// The recording from its beginning on.
     pub(crate) record: Option<RecordConfig>,
-    /// How much processor time its brains have used; `None` if that is not known.
+    /// The processor time of its brains; `None` if that is not known.
     pub(crate) processor: Option<ProcessorTime>,
-    /// What it has besides its state, if it has outlived a server.
+    /// The parts besides its state, if it has outlived a server.
     pub(crate) resumed: Option<Resumed>,
-    /// Where its state is kept; `None` if it is not.
+    /// The folder of its state; `None` if that is not kept.
     pub(crate) state: Option<StateFolder>,
 }
 

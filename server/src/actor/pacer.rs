@@ -18,7 +18,8 @@ pub(super) struct Pacer {
     /// Since when the world waits for brains, in lockstep.
     pub(super) waiting_since: Instant,
     pub(super) running: Stopwatch,
-    /// What `running` showed then. What is waited is a part of that time, also if a brain goes meanwhile and another comes much later.
+    /// The reading of `running` then. The time of waiting is a part of that, also if a brain goes meanwhile and
+    /// another comes much later.
     waited_from: Duration,
     /// Whether it has been told that the world lags.
     has_told_lag: bool,
@@ -93,7 +94,7 @@ impl WorldActor {
         self.on_tick.is_none() && self.schedule.tick_takes().is_some_and(|takes| takes.as_secs_f64() < step)
     }
 
-    /// How the world takes the answers to Turns that it gives now.
+    /// The terms on which the world takes the answers to Turns that it gives now.
     pub(super) fn terms(&self, now: Instant) -> Terms {
         match self.pacer.pace {
             Pace::Lockstep(_) | Pace::Stepped(_) => Terms::Waits(now),

@@ -9,23 +9,23 @@ use crate::log::event;
 
 /// The ports of all robots, by robot.
 pub(super) struct Ports {
-    /// Where the server writes messages for brains. What they hold is on the wire, so they go back in time with the world.
+    /// The senders of messages for brains. Their messages are on the wire, so they go back in time with the world.
     pub(super) senders: Vec<Sender>,
     /// The senders as they were when the tick began, to which a snapshot goes back.
     pub(super) senders_at_begin: Vec<Sender>,
-    /// What was written in this tick.
+    /// The messages that were written in this tick.
     pub(super) inputs: Vec<Pending>,
     /// The same for sensors on their own cables.
     pub(super) to_devices: Vec<ToDevice>,
     /// Robots whose microcontroller is to be reset when the tick is over, as a program has opened their port.
     pub(super) to_reset: Vec<usize>,
-    /// What is written when a brain is gone, if the brain wants that.
+    /// The messages that are written when a brain is gone, if the brain wants that.
     pub(super) final_commands: Vec<Option<FinalCommand>>,
     /// Robots whose brain a server has lost by ending. It comes back, and goes on where it was.
     pub(super) resumed: Vec<bool>,
 }
 
-/// What a brain wrote in this tick.
+/// The output of a brain in this tick.
 pub(super) struct Pending {
     pub(super) robot: usize,
     pub(super) at: SimTime,
@@ -34,7 +34,7 @@ pub(super) struct Pending {
     pub(super) tick: Option<u64>,
 }
 
-/// What a brain wrote in this tick to a sensor on its own cable.
+/// The output of a brain in this tick to a sensor on its own cable.
 pub(super) struct ToDevice {
     pub(super) robot: usize,
     pub(super) sensor: usize,

@@ -1,4 +1,4 @@
-//! How far a world is, for the program that its server is part of.
+//! The progress of a world, for the program that its server is part of.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use baudbot_sim::World;
 use tokio::sync::Notify;
 
-/// How far a world is. Unlike [`OnTick`](super::OnTick) it lets callers run short ticks inline, and the world go ahead of its
-/// brains.
+/// The progress of a world. Unlike [`OnTick`](super::OnTick) it lets callers run short ticks inline, and the world go
+/// ahead of its brains.
 #[derive(Debug, Default)]
 pub struct Progress {
     tick: AtomicU64,

@@ -61,7 +61,7 @@ impl Recording {
         }
     }
 
-    /// What is being recorded, and where.
+    /// The recording, and its place.
     pub(super) fn config(&self) -> Option<&RecordConfig> {
         self.recorder.as_ref().and_then(Recorder::config)
     }

@@ -21,7 +21,7 @@ const AT_ONCE: Duration = Duration::from_millis(20);
 pub(super) struct Replaying {
     replay: Replay,
     seek: Option<Seek>,
-    /// Why it cannot go on.
+    /// The reason why it cannot go on.
     problem: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What operators request.
+//! The requests of operators.
 
 use baudbot_proto::{REASON, RESTART, v1};
 use tonic::Status;
@@ -80,7 +80,7 @@ impl WorldActor {
     /// Checks that the world may run at this pace, if others lag.
     fn check_load(&self, pace: Pace) -> Result<(), Status> {
         match pace {
-            // Where a tick waits for brains, a world takes no more than they do.
+            // A tick that waits for brains takes no longer than they do.
             Pace::Lockstep(_) | Pace::Stepped(_) => Ok(()),
             // One that runs already is a part of the load.
             Pace::Timed(_) | Pace::Free if self.activity() == Activity::Running => Ok(()),
@@ -135,7 +135,7 @@ impl WorldActor {
         Ok(())
     }
 
-    /// How the world stands, for whoever knows it as it was at a version.
+    /// The standing of the world, for a caller who knows it as it was at a version.
     pub(super) fn standing(&self, known: Option<&Version>) -> Standing {
         let recording = self.recording.status();
         let version = Version {

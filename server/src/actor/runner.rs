@@ -17,7 +17,7 @@ use crate::report::Activity;
 /// Messages that are handled at a time, so that a flood of them does not hold up the clock.
 const MAX_MESSAGES_AT_ONCE: usize = 100;
 
-/// How long a caller runs a world before the pool takes over. Other connections wait meanwhile.
+/// The longest time for which a caller runs a world before the pool takes over. Other connections wait meanwhile.
 const MAX_INLINE: Duration = Duration::from_micros(500);
 
 /// The same in rounds: more than fit into that time, unless the clock stands.
@@ -33,17 +33,17 @@ const WORTH_GOING_AHEAD: Duration = Duration::from_micros(20);
 /// Ticks that take longer are not for threads that other worlds wait for.
 const LONG: Duration = Duration::from_millis(10);
 
-/// What decides on which thread the world runs.
+/// The figures that decide on which thread the world runs.
 pub(super) struct Schedule {
-    /// How long a tick takes, averaged over the last ones and without the wait for brains; `None` before the first.
+    /// The duration of a tick, averaged over the last ones and without the wait for brains; `None` before the first.
     tick_takes: Option<Duration>,
-    /// What the beginning of the present tick took.
+    /// The duration of the present tick's beginning.
     begin_took: Duration,
     /// When the pool runs the world without being told.
     alarm: Option<Instant>,
     /// A message that was left to a thread of the world's own, since it may wait for a disk.
     slow: Option<Message>,
-    /// How many worlds there are on this server.
+    /// The number of worlds on this server.
     neighbours: Arc<AtomicU32>,
 }
 
@@ -63,7 +63,7 @@ impl Schedule {
         self.tick_takes = Some(self.tick_takes.map_or(took, |takes| (takes * 7 + took) / 8));
     }
 
-    /// How long a tick takes; `None` before the first.
+    /// The duration of a tick; `None` before the first.
     pub(super) fn tick_takes(&self) -> Option<Duration> {
         self.tick_takes
     }
@@ -91,7 +91,7 @@ impl Schedule {
 
 impl Runner<Message> for WorldActor {
     fn run(&mut self, place: Place, take: &mut dyn FnMut() -> Option<Message>) -> Then {
-        // What the pool knew, it has forgotten by running the world.
+        // The pool has forgotten the alarm by running the world.
         self.schedule.alarm = None;
         let is_handled = self.handle_all(place, take);
         if !is_handled || (place != Place::Own && self.may_block()) {

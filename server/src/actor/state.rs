@@ -17,7 +17,7 @@ use crate::state::{Keeper, Now, Resumed, StateFolder};
 
 /// The state of a world, as far as it is kept.
 pub(super) struct State {
-    /// Where it is kept; `None` if it is not.
+    /// The folder; `None` if nothing is kept.
     folder: Option<StateFolder>,
     /// `None` in a replay, too.
     keeper: Option<Keeper>,

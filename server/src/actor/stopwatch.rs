@@ -28,7 +28,7 @@ impl Stopwatch {
         self.elapsed_at(clock::now())
     }
 
-    /// What it shows at this instant.
+    /// The reading at this instant.
     pub(super) fn elapsed_at(&self, now: Instant) -> Duration {
         self.sum + self.since.map_or(Duration::ZERO, |since| now.saturating_duration_since(since))
     }

@@ -21,7 +21,7 @@ pub(crate) struct Attach {
     pub(crate) robots: Vec<String>,
     /// The name of the brain.
     pub(crate) brain: String,
-    /// What it takes and gives.
+    /// The form of its input and output.
     pub(crate) mode: Mode,
     /// Memory that the program's variables need on each robot.
     pub(crate) memory_bytes: Option<u64>,
@@ -53,7 +53,7 @@ pub(crate) struct Attached {
 pub(crate) struct Lease {
     pub(crate) world: WorldHandle,
     pub(crate) session: u64,
-    /// Why the robots are let go, for the log.
+    /// The reason why the robots are let go, for the log.
     pub(crate) why: String,
 }
 
@@ -65,7 +65,7 @@ impl Drop for Lease {
     }
 }
 
-/// Who is at the other end of a stream that holds robots. Only a trainer is told the truth.
+/// The other end of a stream that holds robots. Only a trainer is told the truth.
 pub(crate) enum Recipient {
     Brain(Deliveries),
     Trainer(mpsc::Sender<Told>),
@@ -123,7 +123,7 @@ impl Recipient {
     }
 }
 
-/// What is delivered to a brain. Clones lead to the same one.
+/// The queue of deliveries to a brain. Clones lead to the same one.
 #[derive(Clone)]
 pub(crate) struct Deliveries {
     queue: mpsc::Sender<Delivery>,
@@ -190,7 +190,7 @@ pub(crate) enum Delivery {
 
 /// A delivery to a trainer.
 pub(crate) enum Told {
-    /// What a brain would get, and what is true at the start of its tick.
+    /// The Turn of a brain, and the truth at the start of its tick.
     Turn(Bytes, Box<Truth>),
     Ended(Box<Truth>),
     Close(Status),

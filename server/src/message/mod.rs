@@ -20,7 +20,7 @@ pub(crate) use attach::{Attach, Attached, Deliveries, Delivery, Lease, Recipient
 pub(crate) use handle::WorldHandle;
 pub(crate) use request::{RecordConfig, Request};
 
-/// Where the answer to a request goes.
+/// The channel for the answer to a request.
 pub(crate) type Reply<T> = oneshot::Sender<Result<T, Status>>;
 
 /// A message to a world.
@@ -42,7 +42,7 @@ pub(crate) enum Message {
     Step(Step),
     Detach {
         session: u64,
-        /// Why, for the log.
+        /// The reason for the log.
         why: String,
     },
     /// The server stops.
@@ -53,11 +53,11 @@ pub(crate) enum Message {
 pub(crate) struct Order {
     /// The name of the token.
     pub(crate) by: String,
-    /// What it is, in words.
+    /// The request in words.
     pub(crate) what: &'static str,
 }
 
-/// What a brain does: the answer to a Turn, or something it was not asked for.
+/// A message of a brain: the answer to a Turn, or something it was not asked for.
 pub(crate) struct Step {
     pub(crate) session: u64,
     /// The number of the Turn that it answers; 0 for none.
@@ -77,7 +77,7 @@ pub(crate) struct Watch {
     pub(crate) frames: Outbox,
 }
 
-/// Who wants to see the bytes of a cable.
+/// The request of an observer of a cable's bytes.
 pub(crate) struct WatchCable {
     pub(crate) robot: usize,
     pub(crate) cable: Cable,

@@ -75,8 +75,8 @@ impl Request {
 }
 
 impl Request {
-    /// What a recording says that it is, if it changes something in the world. Steps do not, as their ticks are in the recording
-    /// and there may be thousands a second.
+    /// The name of the request in a recording, if it changes something in the world. Steps do not, as their ticks are
+    /// in the recording and there may be thousands a second.
     pub(crate) fn order(&self) -> Option<&'static str> {
         match self {
             Self::Start => Some("starts the world"),
@@ -95,7 +95,7 @@ impl Request {
     }
 }
 
-/// Where a world is recorded, and what beside its inputs.
+/// The place of a recording, and its content besides inputs.
 #[derive(Clone, Debug)]
 pub(crate) struct RecordConfig {
     /// The name that operators know.

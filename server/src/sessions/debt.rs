@@ -173,7 +173,7 @@ impl Debt {
         self.oldest().is_none()
     }
 
-    /// How many Turns are open.
+    /// The number of open Turns.
     pub(super) fn count(&self) -> usize {
         match self {
             Self::Settled => 0,

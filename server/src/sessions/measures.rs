@@ -1,4 +1,4 @@
-//! How brains keep up: for monitoring and for operators.
+//! The measures of brains' pace: for monitoring and for operators.
 
 use std::time::{Duration, Instant};
 

@@ -58,7 +58,7 @@ pub(crate) struct NewSession {
     pub(crate) lost_steps: Arc<AtomicU64>,
 }
 
-/// How a Step relates to the Turns that its brain was given.
+/// The relation of a Step to the Turns that its brain was given.
 pub(crate) enum Answer {
     /// It answers a Turn of before a reset, or of before the lockstep.
     Void,
@@ -255,7 +255,7 @@ impl Sessions {
         !news && until.at_latest.is_none_or(|at_latest| turn.at < at_latest)
     }
 
-    /// Which robots are held by serial ports, if that may have changed since it was last asked.
+    /// The robots that serial ports hold, if that may have changed since the last call.
     pub(crate) fn serial_ports(&mut self) -> Option<Vec<bool>> {
         let is_port = |slot: &Slot| {
             let held = slot.session().and_then(|number| self.by_number.get(&number));
@@ -339,7 +339,7 @@ impl Sessions {
         }
     }
 
-    /// How many resets, restored states and changes of pace there have been.
+    /// The number of resets, restored states and changes of pace.
     pub(crate) fn era(&self) -> u64 {
         self.era
     }

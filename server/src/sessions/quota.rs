@@ -1,7 +1,7 @@
 //! The quota: the number of Steps of a brain that a world takes in a tick.
 //!
-//! Where a world does not wait for answers, a brain may send Steps without end. Steps beyond the quota are discarded and
-//! counted, and the server keeps reading the stream, so that other streams on the connection do not wait for it.
+//! A brain of a world that does not wait for answers may send Steps without end. Steps beyond the quota are discarded
+//! and counted, and the server keeps reading the stream, so that other streams on the connection do not wait for it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

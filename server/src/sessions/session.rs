@@ -27,7 +27,7 @@ const MAX_OPEN: usize = 256;
 pub(super) struct Session {
     /// The name of the brain.
     pub(super) brain: String,
-    /// What it takes and gives.
+    /// The form of its input and output.
     pub(super) mode: Mode,
     /// Whether it has promised to think as long as the scenario says.
     pub(super) thinks_as_scenario: bool,
@@ -35,7 +35,7 @@ pub(super) struct Session {
     pub(super) robots: Vec<usize>,
     pub(super) recipient: Recipient,
     pub(super) turns: Turns,
-    /// How often each of its robots had collided when the present era began.
+    /// The number of collisions of each of its robots when the present era began.
     pub(super) collisions: Vec<u64>,
     pub(super) debt: Debt,
     pub(super) answering: Answering,
@@ -147,7 +147,7 @@ impl Session {
         }
         let number = self.turns.last + 1;
         let begun = terms.owed_since();
-        // Where the world waits, there is one, and a Turn that is lost would not be waited for.
+        // A world that waits has one open Turn, and a lost one would not be waited for.
         let is_ahead = begun.is_none() && self.turns.unanswered() >= MAX_OPEN as u64;
         let has_room = self.recipient.capacity() > RESERVED && self.debt.count() < MAX_OPEN && !is_ahead;
         let truth = || self.truth(world, begun.is_some());

@@ -13,7 +13,7 @@ pub(super) struct Slot {
     pub(super) lost_steps: u64,
     /// Of sessions that are over.
     pub(super) answering: Answering,
-    /// How long its brains have thought, if anything was measured.
+    /// The thinking times of its brains, if anything was measured.
     pub(super) thought: Option<Box<Thought>>,
 }
 

@@ -1,4 +1,4 @@
-//! Which robots have brains, for a world that is there again after its server was gone.
+//! The robots with brains, for a world that is there again after its server was gone.
 
 use super::Sessions;
 use super::slot::{Slot, SlotState, Vacancy};
@@ -28,7 +28,7 @@ impl Sessions {
         }
     }
 
-    /// Which robots had a brain.
+    /// The robots that had a brain.
     pub(crate) fn held(&self, standing: &[u8]) -> Vec<bool> {
         (0..self.slots.len()).map(|robot| standing.get(robot) == Some(&HELD)).collect()
     }

@@ -25,7 +25,7 @@ impl Sessions {
         self.processor = processor;
     }
 
-    /// What was measured of the brains of each robot, if anything was.
+    /// The measurements of the brains of each robot, if there are any.
     pub(crate) fn thought(&self) -> impl Iterator<Item = Option<&Thought>> {
         self.slots.iter().map(|slot| slot.thought.as_deref())
     }

@@ -9,16 +9,16 @@ use super::folder::{StateError, StateFolder};
 use super::kept::{self, Problem};
 use super::storage::{Kind, Storage};
 
-/// What a look at a world's folder has found.
+/// The result of a look at a world's folder.
 #[derive(Debug)]
 pub struct Checked {
     /// The name of its folder.
     pub name: String,
-    /// How it is.
+    /// The soundness.
     pub soundness: Soundness,
 }
 
-/// How what is kept of a world is.
+/// The soundness of a world's files.
 #[derive(Debug)]
 pub enum Soundness {
     /// A server continues it.
@@ -27,23 +27,23 @@ pub enum Soundness {
         tick: u64,
         /// When that is, in seconds.
         time_s: f64,
-        /// What is to be told about it, such as an unfinished write at its end.
+        /// A remark, such as on an unfinished write at its end.
         note: Option<String>,
     },
     /// No server continues it.
     Damaged {
         /// The file that is damaged.
         file: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         problem: String,
         /// The tick, and the time in seconds, at which it can be recovered; `None` if it cannot.
         recoverable: Option<(u64, f64)>,
     },
     /// It cannot be read.
     Unreadable {
-        /// Which file.
+        /// The file.
         file: PathBuf,
-        /// Why.
+        /// The fault.
         problem: String,
     },
 }
@@ -59,11 +59,11 @@ pub struct Recovered {
     pub time_s: f64,
     /// The folder of the damaged one, which is as it was.
     pub from: PathBuf,
-    /// What was left out, a sentence each.
+    /// The parts that were left out, a sentence each.
     pub notes: Vec<String>,
 }
 
-/// Why a world cannot be recovered.
+/// A reason why a world cannot be recovered.
 #[derive(Debug, thiserror::Error)]
 pub enum RecoverError {
     /// There is no folder of such a world.
@@ -88,7 +88,7 @@ pub enum RecoverError {
     Nothing {
         /// The journal, or the folder if there is none.
         file: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         problem: String,
     },
     /// A file or folder cannot be read or written.
@@ -178,7 +178,7 @@ fn begin_journal(
     storage.sync_folder(target).map_err(StateError::at(target))
 }
 
-/// How what is in this folder is; `None` if nothing was ever kept in it.
+/// The soundness of this folder's content; `None` if nothing was ever kept in it.
 fn look(storage: &dyn Storage, name: &str, folder: &Path) -> Option<Soundness> {
     match kept::peek(storage, name, folder) {
         Ok(None) => None,

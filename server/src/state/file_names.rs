@@ -8,13 +8,13 @@ use super::storage::{Kind, Listed, Storage};
 const JOURNAL: &str = "journal-";
 const SNAPSHOT: &str = "snapshot-";
 
-/// How the name of a file ends that is being written.
+/// The ending of a file's name that is being written.
 pub(super) const UNFINISHED: &str = "new";
 
-/// How the name of a folder ends whose world was deleted, until it is gone.
+/// The ending of a folder's name whose world was deleted, until it is gone.
 const DELETED: &str = "deleted";
 
-/// How that of one ends that was set aside.
+/// The ending of the name of one that was set aside.
 const DAMAGED: &str = "damaged";
 
 pub(super) fn journal(folder: &Path, number: u64) -> PathBuf {
@@ -84,7 +84,7 @@ pub(super) fn is_world(name: &str) -> bool {
     (1..=64).contains(&name.len()) && name.chars().all(fits)
 }
 
-/// Where the folder of a world goes that is deleted.
+/// The place of the folder of a deleted world.
 pub(super) fn deleted(storage: &dyn Storage, folder: &Path) -> PathBuf {
     free(storage, &folder.with_extension(DELETED))
 }
@@ -114,7 +114,7 @@ pub(super) fn last_damaged(storage: &dyn Storage, folder: &Path) -> Option<PathB
     all.take_while(|path| !storage.is_free(path)).last()
 }
 
-/// Where the folder of a world, or a snapshot, goes that is set aside.
+/// The place of the folder of a world, or a snapshot, that is set aside.
 pub(super) fn damaged(storage: &dyn Storage, path: &Path) -> PathBuf {
     free(storage, &path.with_extension(DAMAGED))
 }

@@ -245,7 +245,7 @@ impl WorldFiles {
         self.is_lost.load(Ordering::Acquire)
     }
 
-    /// Why nothing is kept.
+    /// The reason why nothing is kept.
     pub(super) fn problem(&self) -> String {
         lock(&self.problem).clone().unwrap_or_default()
     }
@@ -322,7 +322,7 @@ impl WorldFiles {
     }
 }
 
-/// What is to be forced onto the disk.
+/// The writes to be forced onto the disk.
 struct Unsynced {
     journal: JournalFile,
     snapshots: Vec<PathBuf>,
@@ -385,6 +385,6 @@ impl JournalFile {
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // What they hold is consistent between any two of its changes.
+    // The content is consistent between any two of its changes.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

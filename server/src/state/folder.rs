@@ -19,15 +19,15 @@ use super::threads::Threads;
 use super::{LAYOUT, file_names, private};
 use crate::system::most_journals;
 
-/// Why a folder cannot be used for a server's state.
+/// A reason why a folder cannot be used for a server's state.
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
     /// Something of it cannot be read or written.
     #[error("{}: {source}", path.display())]
     Io {
-        /// Which file or folder.
+        /// The file or folder.
         path: PathBuf,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
     /// Another server uses it.
@@ -46,7 +46,7 @@ pub enum StateError {
     Layout {
         /// The folder.
         path: PathBuf,
-        /// What it says of itself.
+        /// Its mark.
         found: String,
     },
 }
@@ -147,7 +147,7 @@ impl StateFolder {
         self.0.path.join(WORLDS)
     }
 
-    /// Where recordings go, unless another folder is named for them.
+    /// The folder of recordings, unless another one is named for them.
     pub fn recordings(&self) -> PathBuf {
         self.0.path.join(RECORDINGS)
     }
@@ -203,7 +203,7 @@ fn sync_names(storage: &dyn Storage, path: &Path) -> io::Result<()> {
     storage.sync_folder(path)
 }
 
-/// What is in the folder of the worlds under this name; `None` if nobody has to be told of it.
+/// The content of the folder of the worlds under this name; `None` if nobody has to know of it.
 fn look_at(storage: &dyn Storage, path: &Path, name: &str) -> Option<Found> {
     let kind = storage.kind(path);
     if file_names::is_deleted(name) && matches!(kind, Ok(Kind::Folder)) {

@@ -19,13 +19,14 @@ use crate::pool::Waker;
 use crate::report::Keeping;
 use crate::sessions::Sessions;
 
-/// How often a world writes that does not wait for its brains; twice as often as promised, since it has to be written yet.
+/// The interval at which a world that does not wait for its brains writes; twice as often as promised, since it has
+/// to be written yet.
 const WRITE_EVERY: Duration = Duration::from_millis(400);
 
 /// Bytes that are collected before that.
 const MOST_COLLECTED: usize = 1 << 20;
 
-/// How often the fingerprint of the whole state is written, which a restart compares.
+/// The interval at which the fingerprint of the whole state is written, which a restart compares.
 const HASH_EVERY: Duration = Duration::from_secs(1);
 
 /// Ticks, and time of the wall clock, between two whole states: a restart does no more once again.
@@ -35,7 +36,7 @@ const STATE_EVERY: Duration = Duration::from_secs(10);
 /// A journal that is longer, and has more than eight whole states' worth, is replaced by a new one.
 const LONG: u64 = 4 << 20;
 
-/// How long after a failure another journal is attempted.
+/// The time after a failure until another journal is attempted.
 const RETRY_AFTER: Duration = Duration::from_secs(2);
 
 /// A world at the moment, as far as it is kept.
@@ -49,7 +50,7 @@ pub(crate) struct Now<'a> {
     pub(crate) senders: &'a [Sender],
     /// Robots whose brain a server has lost, and that has not come back yet.
     pub(crate) coming_back: &'a [bool],
-    /// What is being recorded.
+    /// The recording.
     pub(crate) recording: Option<&'a RecordConfig>,
 }
 
@@ -59,7 +60,7 @@ pub(crate) struct Keeper {
     /// The scenario with which the world was made.
     made: Arc<Scenario>,
     entries: Entries,
-    /// What was written last.
+    /// The last settings that were written.
     settings: Settings,
     pace: Pace,
     senders: Vec<Sender>,
@@ -190,7 +191,7 @@ impl Keeper {
     fn begin_journal(&mut self, now: &Now<'_>) {
         (self.settings, self.pace) = (settings(now), now.pace);
         let all = ports(now.senders, &[]);
-        // What follows stands behind it.
+        // Later entries stand behind it.
         self.entries = Entries::beginning(now.name, now.world, &self.made, &self.settings, &all);
         let journal = self.entries.take();
         self.senders = now.senders.to_vec();

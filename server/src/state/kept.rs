@@ -13,7 +13,7 @@ use crate::convert::pace_of;
 use crate::message::RecordConfig;
 use crate::pace::Pace;
 
-/// What was found in a world's folder.
+/// The content of a world's folder.
 pub enum Found {
     /// A world that goes on.
     World(Box<KeptWorld>),
@@ -23,9 +23,9 @@ pub enum Found {
         name: String,
         /// The file that cannot be used, as it was called.
         file: PathBuf,
-        /// Why.
+        /// The reason.
         problem: String,
-        /// Where its folder is now.
+        /// The new place of its folder.
         to: PathBuf,
     },
     /// One whose files cannot be read, or that cannot be set aside. It is left as it is, and a new world of its name is not kept.
@@ -34,14 +34,14 @@ pub enum Found {
         name: String,
         /// The file or folder.
         file: PathBuf,
-        /// Why.
+        /// The reason.
         problem: String,
     },
     /// Something else, which is left as it is, too.
     Ignored {
         /// The file or folder.
         path: PathBuf,
-        /// Why it is no world.
+        /// The reason why it is no world.
         problem: &'static str,
     },
 }
@@ -56,7 +56,7 @@ pub struct KeptWorld {
     pub tick: u64,
     /// When that is, in seconds.
     pub time_s: f64,
-    /// What is to be told about it.
+    /// A remark.
     pub note: Option<String>,
     pub(crate) world: World,
     pub(crate) pace: Pace,
@@ -66,7 +66,7 @@ pub struct KeptWorld {
     spoiled: Vec<PathBuf>,
 }
 
-/// What a world has besides its state that outlived its server.
+/// The parts of a world besides its state that outlived its server.
 pub(crate) struct Resumed {
     /// The scenario with which it was made.
     pub(crate) made: Arc<Scenario>,
@@ -74,7 +74,7 @@ pub(crate) struct Resumed {
     /// Whether robots had brains, as the sessions tell it.
     pub(crate) slots: Vec<u8>,
     pub(crate) snapshots: Vec<KeptSnapshot>,
-    /// What was being recorded.
+    /// The recording.
     pub(crate) recording: Option<RecordConfig>,
 }
 
@@ -87,10 +87,10 @@ pub(crate) struct KeptSnapshot {
     pub(crate) bytes: Vec<u8>,
 }
 
-/// Why a world cannot go on: a file of it, and what is wrong with it.
+/// The reason why a world cannot go on: a file of it, and its fault.
 pub(super) type Unusable = (PathBuf, Problem);
 
-/// What is wrong with a file or a folder.
+/// The fault of a file or a folder.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Problem {
     /// It is a journal, or a snapshot, that cannot be used or read.
@@ -157,8 +157,8 @@ pub(super) fn peek(storage: &dyn Storage, name: &str, folder: &Path) -> Result<O
     }
 }
 
-/// What is to be told about a world that goes on with this journal: of a newer one that was only begun, an unfinished write at its end,
-/// and snapshots that cannot be used.
+/// The remarks on a world that goes on with this journal: on a newer one that was only begun, an unfinished write at
+/// its end, and snapshots that cannot be used.
 fn notes(
     path: &Path,
     begun: Option<&Unusable>,

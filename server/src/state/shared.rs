@@ -1,4 +1,4 @@
-//! What the files of all worlds have in common.
+//! The shared state of all worlds' files.
 
 use std::io;
 use std::path::Path;
@@ -10,7 +10,7 @@ use super::file_names;
 use super::storage::{Storage, Stored};
 use super::threads::Threads;
 
-/// What the files of all worlds have in common. Clones are the same.
+/// The shared state of all worlds' files. Clones are the same.
 #[derive(Clone, Debug)]
 pub(super) struct Shared {
     pub(super) storage: Arc<dyn Storage>,

@@ -1,4 +1,4 @@
-//! What state is kept on, and the clock by which it is: of the system, or simulated.
+//! The storage of state, and its clock: the system's, or simulated ones.
 //!
 //! A simulated one tears writes, loses what was not forced onto the disk, is full, stalls, and turns the time, as a seed wants it
 //! (`tests/tests/network/`).
@@ -23,13 +23,13 @@ pub trait Storage: Debug + Send + Sync {
     /// As the system's.
     fn make_folder(&self, path: &Path) -> io::Result<()>;
 
-    /// What is in a folder, in any order.
+    /// The content of a folder, in any order.
     ///
     /// # Errors
     /// As the system's.
     fn list(&self, folder: &Path) -> io::Result<Vec<Listed>>;
 
-    /// What is at this path, links followed.
+    /// The kind of file at this path, links followed.
     ///
     /// # Errors
     /// As the system's.
@@ -118,11 +118,11 @@ pub trait Stored: Debug + Send {
 pub struct Listed {
     /// Its name.
     pub name: String,
-    /// What it is; a link is none of both.
+    /// The kind; a link is none of both.
     pub kind: Kind,
 }
 
-/// What a name stands for.
+/// The kind of file under a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A file.

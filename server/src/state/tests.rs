@@ -63,7 +63,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// What is found, as text, with paths below the folder of worlds.
+/// The content, as text, with paths below the folder of worlds.
 fn found(lab: &Path) -> Vec<String> {
     let worlds = lab.join("worlds");
     let short = |path: &Path| path.strip_prefix(&worlds).unwrap().display().to_string();

@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 
 use super::files::WorldFiles;
 
-/// How often what was written is forced onto the disk.
+/// The interval at which writes are forced onto the disk.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
 
-/// What wakes the threads. They end when all of these are gone.
+/// The alarm of the threads. They end when all of these are gone.
 #[derive(Clone, Debug)]
 pub(super) enum Threads {
     Own {

@@ -1,9 +1,9 @@
-//! What is to be written of a world.
+//! The work of writing a world.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-/// What is to be written.
+/// A piece of work.
 #[derive(Debug)]
 pub(super) enum Work {
     /// More of the journal, up to this tick.
@@ -13,7 +13,7 @@ pub(super) enum Work {
         journal: Vec<u8>,
         tick: u64,
         snapshots: Vec<(u64, Vec<u8>)>,
-        /// How many bytes of this journal are on the disk for good, which is told here.
+        /// The number of bytes of this journal that are on the disk for good, which is set here.
         on_disk: Arc<AtomicU64>,
     },
     Snapshot(u64, Vec<u8>),
