@@ -37,18 +37,18 @@ pub(crate) struct Answer<K> {
     last: Mutex<Option<(u64, Arc<Last<K>>)>>,
 }
 
-/// What was made last.
+/// The last answer.
 pub(crate) struct Last<K> {
     /// Of what it was made.
     pub(crate) key: K,
     pub(crate) bytes: Bytes,
-    /// What belongs behind it, of the time when it was asked for.
+    /// The bytes behind it, of the time of the request.
     pub(crate) tail: Bytes,
 }
 
-/// What is to be told.
+/// The answer to a request.
 pub(crate) enum Made<K> {
-    /// What was made last, with another tail.
+    /// The last answer, with another tail.
     Same {
         tail: Bytes,
     },
@@ -97,7 +97,7 @@ impl<K: Clone> Answer<K> {
         Ok(made)
     }
 
-    /// How many have been made.
+    /// The number of answers that have been made.
     pub(crate) fn made(&self) -> u64 {
         self.made.load(Ordering::Relaxed)
     }

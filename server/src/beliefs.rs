@@ -85,7 +85,7 @@ impl Beliefs {
         told.into_iter().map(|(robot, newest)| (robot, Arc::clone(&newest.belief))).collect()
     }
 
-    /// How many beliefs have been published so far.
+    /// The number of beliefs that have been published so far.
     pub(crate) fn published(&self) -> u64 {
         self.lock().published
     }

@@ -36,7 +36,7 @@ struct Watcher {
     news: Outbox,
     waiting: VecDeque<v1::CableItem>,
     missed: u64,
-    /// What it has been told of the bytes that the world did not keep.
+    /// The number of bytes that the world did not keep, as it was told.
     missed_bytes: u64,
     has_restarted: bool,
 }
@@ -59,7 +59,7 @@ impl Cables {
                 has_restarted,
             });
             self.keep_tapes(world);
-            // What came before is not told.
+            // Bytes that came before are left out.
             self.present.last_mut().into_iter().for_each(|watcher| watcher.catch_up(world));
         }
     }
@@ -108,7 +108,7 @@ impl Cables {
 }
 
 impl Watcher {
-    /// What has come by now is not told.
+    /// Bytes that have come by now are left out.
     fn catch_up(&mut self, world: &World) {
         self.listener.look(&world.robot(self.robot), world.time(), &mut |_: Item<'_>, _| {});
         self.missed_bytes = self.listener.missed_bytes();

@@ -72,23 +72,23 @@ pub fn drive_each<B: Brain>(
     Ok(drivers.into_iter().enumerate().map(|(robot, driver)| driver.drive(&world, robot)).collect())
 }
 
-/// What a robot did, as it truly was: a brain never knows it.
+/// The true course of a robot: a brain never knows it.
 #[derive(Clone, Debug)]
 pub struct Drive {
     /// Name of the robot.
     pub robot: String,
-    /// Where it was: at the start, and after each tick.
+    /// The places: at the start, and after each tick.
     pub path: Vec<PathPoint>,
-    /// What it ran into, in order.
+    /// The collisions, in order.
     pub collisions: Vec<DriveCollision>,
-    /// Why the run ended.
+    /// The reason for the end of the run.
     pub ending: Ending,
     /// The world at the end, with all that was counted (`world.score()`, `world.robots()`).
     pub world: Arc<World>,
     place: usize,
 }
 
-/// Where a robot was.
+/// The place of a robot at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
     /// When, in seconds of simulated time.
@@ -123,7 +123,7 @@ impl Drive {
     }
 }
 
-/// Why there is no drive.
+/// A reason why there is no drive.
 #[derive(Debug, thiserror::Error)]
 pub enum DriveError {
     /// One brain was given, and there is not one robot.

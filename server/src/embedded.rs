@@ -106,5 +106,5 @@ impl Service<Request<Body>> for Services {
     }
 }
 
-/// How long a brain's stream may be open without a Hello.
+/// The time for which a brain's stream may be open without a Hello.
 const PATIENCE: Duration = Duration::from_secs(10);

@@ -17,7 +17,7 @@ const MAX_WRITE: usize = 64 << 10;
 /// Longest thinking time that a brain may declare: an hour.
 const MAX_THINKING_NS: u64 = 3_600_000_000_000;
 
-/// What a brain takes and gives.
+/// The form of a brain's input and output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
     /// Readings and commands.
@@ -242,7 +242,7 @@ impl Sender {
         Self { sequence, raw, others }
     }
 
-    /// What [`from_parts`](Self::from_parts) makes it of.
+    /// The parts that [`from_parts`](Self::from_parts) makes it of.
     pub(crate) fn parts(&self) -> (u8, bool, &[f64]) {
         (self.sequence, self.raw, &self.others)
     }
@@ -252,7 +252,7 @@ impl Sender {
         self.raw
     }
 
-    /// What an output that was checked puts on the port.
+    /// Gives the bytes for the port of an output that was checked.
     pub(crate) fn send(&mut self, spec: &RobotSpec, output: Option<Output>) -> Sent {
         match output {
             None => Sent::Bytes(self.wait(spec)),
@@ -272,7 +272,7 @@ impl Sender {
         }
     }
 
-    /// What a Create is told before anything else.
+    /// The first bytes to a Create.
     fn open(&mut self, spec: &RobotSpec) -> Vec<u8> {
         self.next_behind_opening();
         let mut bytes = [0; frame::MAX_PAYLOAD];
@@ -296,7 +296,7 @@ impl Sender {
         }
         let sequence = match protocol {
             Protocol::Framed { .. } => self.next(),
-            // Who writes bytes has opened it, if anybody has.
+            // A brain of bytes has opened it by itself, if anybody has.
             Protocol::Create(_) if self.raw => 1,
             Protocol::Create(_) => self.next_behind_opening(),
             Protocol::Bare { .. } | Protocol::Khepera => self.sequence,
@@ -318,7 +318,7 @@ impl Sender {
     }
 }
 
-/// What goes to a robot's port.
+/// The bytes or the command for a robot's port.
 pub(crate) enum Sent {
     Bytes(Vec<u8>),
     /// A command with a signal for each actuator. Its bytes are made only where somebody sees them.
@@ -376,6 +376,6 @@ fn in_frame(payload: &[u8]) -> Vec<u8> {
     bytes[..n].to_vec()
 }
 
-/// Why encoding cannot fail: scenario files refuse robots whose commands are longer than a frame or have no form in their
-/// protocol, and there are as many signals as the robot has motors and actuators.
+/// The reason why encoding cannot fail: scenario files refuse robots whose commands are longer than a frame or have
+/// no form in their protocol, and there are as many signals as the robot has motors and actuators.
 const FITS: &str = "a robot's signals fit into a frame";

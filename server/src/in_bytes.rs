@@ -1,7 +1,7 @@
 //! Responses that are in bytes already, because they were made once for many.
 //!
-//! What `baudbot-proto` generates takes responses in the contract's types only, so methods with such responses are served beside it, by their
-//! paths.
+//! The generated code of `baudbot-proto` takes responses in the contract's types only, so methods with such responses
+//! are served beside it, by their paths.
 
 use std::convert::Infallible;
 use std::marker::PhantomData;

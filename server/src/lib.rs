@@ -107,7 +107,7 @@
 //! # }
 //! ```
 
-// What only listeners, metrics and logs use is there without them, too.
+// Code that only listeners, metrics and logs use is there without them, too.
 #![cfg_attr(not(feature = "network"), allow(dead_code, unused_imports))]
 
 mod access;

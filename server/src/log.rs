@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How often an event is logged that a [`Throttle`] limits, at most, unless it is told another time.
+/// The default interval of an event in the log that a [`Throttle`] limits.
 const INTERVAL: Duration = Duration::from_secs(1);
 
 /// Logs an event of a world: `event!(this, info, field = value, "text")`. Each has the name of the world, and its simulated

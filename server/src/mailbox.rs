@@ -29,7 +29,7 @@ use std::thread;
 use crate::clock;
 use crate::pool::{Place, SLICE, Task, Then, Waker};
 
-/// What handles the messages of a mailbox. Only one of its methods runs at a time, on whichever thread.
+/// The handler of a mailbox's messages. Only one of its methods runs at a time, on whichever thread.
 pub(crate) trait Runner<M>: Send {
     /// Does one thing, if this is the place for it. `take` gives the next message.
     fn run(&mut self, place: Place, take: &mut dyn FnMut() -> Option<M>) -> Then;

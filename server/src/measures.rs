@@ -160,7 +160,7 @@ pub(crate) struct SlotMeasures {
     pub(crate) answering: Answering,
 }
 
-/// How a brain program answered its Turns in lockstep.
+/// The answers of a brain program to its Turns in lockstep.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Answering {
     pub(crate) answers: u64,

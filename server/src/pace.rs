@@ -26,7 +26,7 @@ impl Pace {
         Self::Timed(Timed { factor, max_lag: Timed::MAX_LAG })
     }
 
-    /// How the world waits for brains, in the paces in which it does.
+    /// The rules for waiting for brains, in the paces that have them.
     pub(crate) fn lockstep(&self) -> Option<Lockstep> {
         match self {
             Self::Lockstep(lockstep) | Self::Stepped(lockstep) => Some(*lockstep),
@@ -40,7 +40,7 @@ impl Pace {
     }
 }
 
-/// How the world takes the answer to a Turn.
+/// The terms on which the world takes the answer to a Turn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Terms {
     /// It waits for it, in a tick that began at this instant.
@@ -68,7 +68,7 @@ impl Terms {
     }
 }
 
-/// How a world follows the wall clock.
+/// The rules by which a world follows the wall clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timed {
     /// Simulated seconds a wall-clock second; 1 is real time. Positive and finite.
@@ -83,7 +83,7 @@ impl Timed {
     pub const MAX_LAG: Duration = Duration::from_millis(100);
 }
 
-/// How a world waits for its brains.
+/// The rules by which a world waits for its brains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lockstep {
     /// The watchdog: the treatment of a brain that does not answer.
@@ -109,7 +109,7 @@ impl From<Watchdog> for Lockstep {
 /// The treatment of a brain that does not answer in lockstep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Watchdog {
-    /// How long a brain may take, by the wall clock.
+    /// The time that a brain may take, by the wall clock.
     pub timeout: Duration,
     /// The policy that applies then.
     pub policy: WatchdogPolicy,
@@ -172,7 +172,7 @@ impl Clock {
 
 const YEAR: Duration = Duration::from_secs(365 * 24 * 3600);
 
-/// How well a world has kept its pace.
+/// The quality of a world's pace.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Pacing {
     pub(crate) overruns: u64,

@@ -8,7 +8,7 @@ const MAX_QUOTED: usize = 1000;
 /// Most names in a list.
 const MAX_NAMES: usize = 20;
 
-/// What somebody else has written, on one line, with what a terminal would obey escaped; cut if it is long.
+/// The text of somebody else, on one line, with escapes for all that a terminal would obey; cut if it is long.
 pub(crate) fn brief(text: &str) -> String {
     let (from, is_cut) = beginning(text);
     cut(&format!("{}{}", Printable(from), if is_cut { "…" } else { "" }))

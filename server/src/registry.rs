@@ -28,12 +28,12 @@ pub(crate) struct Registry {
 #[derive(Default)]
 struct Worlds {
     by_name: BTreeMap<Arc<str>, Entry>,
-    /// What runs them; `None` before the first.
+    /// Their pool; `None` before the first.
     pool: Option<Pool>,
     without_threads: bool,
-    /// How many there are; each world knows it.
+    /// The number of worlds; each world knows it.
     count: Arc<AtomicU32>,
-    /// Where the state of worlds is kept; `None` if it is not.
+    /// The folder of worlds' state; `None` if that is not kept.
     state: Option<StateFolder>,
     /// The server stops: no world is made any more.
     is_closed: bool,

@@ -1,4 +1,5 @@
-//! How long brains think: from a Turn to its answer. That is measured and reported, and never is part of the simulation.
+//! The thinking time of brains: from a Turn to its answer. That is measured and reported, and never is part of the
+//! simulation.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,7 +9,7 @@ use baudbot_sim::Histogram;
 /// The processor time that the brain of the robot in a place of the scenario has used by now. `None` if that is not known.
 pub type ProcessorTime = Arc<dyn Fn(usize) -> Option<Duration> + Send + Sync>;
 
-/// How long the brains of a robot have thought.
+/// The thinking times of a robot's brains.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Thought {
     /// By the wall clock.

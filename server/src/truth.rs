@@ -1,4 +1,4 @@
-//! What trainers are told: the truth about robots that they drive, which brains never get.
+//! The truth for trainers: about robots that they drive, which brains never get.
 
 use baudbot_proto::v1;
 use baudbot_sim::{Ending, World};

@@ -1,4 +1,4 @@
-//! Who may do what: each call, of whatever service, is held against the tokens here, and nowhere else.
+//! The gate of all calls: each, of whatever service, is held against the tokens here, and nowhere else.
 //!
 //! # Need
 //!
@@ -33,7 +33,7 @@ pub(crate) use stream::Guarded;
 #[cfg(feature = "network")]
 pub(crate) use tokens::{Access, authorization};
 
-/// Who a call is from.
+/// The caller of a call.
 #[derive(Clone, Debug)]
 pub(crate) enum Caller {
     /// Somebody who may do everything.

@@ -38,7 +38,7 @@ impl Guarded {
         Self { body, access, grant, changes, expiry, is_over: false }
     }
 
-    /// Why it ends here, if it does.
+    /// The reason for its end here, if it ends.
     fn poll_end(&mut self, context: &mut Context<'_>) -> Option<Status> {
         let mut has_changed = false;
         while let Some(changes) = &mut self.changes
@@ -79,7 +79,7 @@ impl http_body::Body for Guarded {
             return Poll::Ready(None);
         }
         if let Some(status) = self.poll_end(context) {
-            // What makes the response goes, too: a brain's robots are let go.
+            // The body that makes the response goes, too: a brain's robots are let go.
             (self.is_over, self.body) = (true, Body::empty());
             let mut trailers = HeaderMap::new();
             return Poll::Ready(Some(status.add_header(&mut trailers).map(|()| Frame::trailers(trailers))));

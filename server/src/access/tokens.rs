@@ -84,7 +84,7 @@ impl Access {
         Ok(caller)
     }
 
-    /// What says that grants may have changed.
+    /// The channel that says that grants may have changed.
     pub(super) fn changes(&self) -> Option<watch::Receiver<()>> {
         self.0.as_ref().map(|shared| shared.changes.subscribe())
     }
@@ -127,6 +127,6 @@ pub(crate) fn authorization(headers: &http::HeaderMap) -> Option<&str> {
     headers.get(http::header::AUTHORIZATION)?.to_str().ok()
 }
 
-/// How often the file is looked at. A call with a token that is revoked is refused after so long, and a stream ends after twice as
-/// long at most, if a call has just looked.
+/// The interval at which the file is looked at. A call with a token that is revoked is refused after so long, and a
+/// stream ends after twice as long at most, if a call has just looked.
 const EACH: Duration = Duration::from_secs(1);

@@ -1,7 +1,7 @@
 //! The call that a task serves.
 //!
-//! Which call it is, the gate knows; which world it is about, the services. Between the two are generated code and the runtime, so
-//! the call is a variable of the task, as the span of a trace is.
+//! The gate knows the call, and the services its world. Between the two are generated code and the runtime, so the
+//! call is a variable of the task, as the span of a trace is.
 
 use std::sync::Arc;
 

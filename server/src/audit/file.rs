@@ -23,10 +23,10 @@ const WAITING: usize = 65_536;
 /// Refusals that have a line each second.
 const REFUSALS_A_SECOND: u32 = 20;
 
-/// How long a line that could not be written waits for its next attempt.
+/// The time for which a line that could not be written waits for its next attempt.
 const PAUSE: Duration = Duration::from_millis(500);
 
-/// How long the end of the program waits for the disk.
+/// The time for which the end of the program waits for the disk.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// The audit log of a server: lines of JSON, which are appended to a file. Clones write to the same file.
@@ -111,7 +111,7 @@ impl Drop for Shared {
     }
 }
 
-/// What happens to the server.
+/// An event of the server.
 #[derive(Serialize)]
 struct Note<'a> {
     at: String,
@@ -119,7 +119,7 @@ struct Note<'a> {
     text: &'a str,
 }
 
-/// What is written when lines were lost.
+/// The line for lost lines.
 #[derive(Serialize)]
 struct Lost {
     at: String,

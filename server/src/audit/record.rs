@@ -1,4 +1,4 @@
-//! What the audit log has of a call.
+//! The audit log's record of a call.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};

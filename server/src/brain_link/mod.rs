@@ -33,11 +33,11 @@ const MAX_BRAIN_NAME: usize = 64;
 
 pub(crate) struct BrainLink {
     pub(crate) registry: Registry,
-    /// How long a stream may be open without a Hello.
+    /// The time for which a stream may be open without a Hello.
     pub(crate) patience: Duration,
 }
 
-/// What a brain is told.
+/// The stream of responses to a brain.
 type Responses = Pin<Box<dyn Stream<Item = Result<AttachResponse, Status>> + Send>>;
 
 impl BrainLink {
@@ -175,7 +175,7 @@ async fn listen(
             lease.why = status.message().to_owned();
             deliveries.close(status);
         },
-        // What comes on a stream that the world has closed, or whose reader is gone, is of no use.
+        // A message on a stream that the world has closed, or whose reader is gone, is of no use.
         () = deliveries.closed() => {}
     }
 }

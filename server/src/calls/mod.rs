@@ -38,7 +38,7 @@ const MAX_CALLS: usize = 64;
 /// A call that is under way.
 struct Call {
     task: AbortHandle,
-    /// Where further requests go, while the page may send any.
+    /// The channel for further requests, while the page may send any.
     requests: Option<requests::Sender>,
 }
 
@@ -159,7 +159,7 @@ impl<S: Services> Calls<S> {
     }
 }
 
-/// Where the responses of a call go.
+/// The destination of a call's responses.
 struct Responses {
     call: u32,
     queue: Queue,
@@ -198,7 +198,7 @@ fn failure(call: u32, status: &Status) -> v1::PageResponse {
     v1::PageResponse { call, response: Some(Response::Failure(failure)) }
 }
 
-/// What waits for a page: so many responses, and so many bytes, unless it is a single long one.
+/// The queue of a page: so many responses, and so many bytes, unless it is a single long one.
 #[derive(Clone)]
 struct Queue {
     sender: mpsc::Sender<Bytes>,

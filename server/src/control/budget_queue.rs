@@ -110,7 +110,7 @@ mod tests {
         assert!(refused.message().starts_with("4 budgets of this caller"), "{refused:?}");
         let mut others = Box::pin(QUEUE.place(&other));
         assert!(waits(others.as_mut()));
-        // Who gives up makes room, also for the same caller.
+        // A caller that gives up makes room, also for itself.
         drop((third, fourth, first));
         let _others = others.await.unwrap();
         assert!(waits(Box::pin(QUEUE.place(&greedy)).as_mut()));

@@ -122,7 +122,7 @@ pub(super) fn parse_scenario(
     parsed.map_err(|error| scenario_error("scenario_toml", &error))?.ok_or_else(gone)
 }
 
-/// What nobody is told: the client has gone.
+/// A status that nobody gets: the client has gone.
 pub(super) fn gone() -> Status {
     Status::cancelled("the client has gone")
 }

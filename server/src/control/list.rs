@@ -11,11 +11,11 @@ use super::status::{field_1, status_in_bytes};
 use crate::limits::Parts;
 use crate::message::WorldHandle;
 
-/// How long worlds have to answer. One within a very long tick, whose `OnTick` blocks, or that waits for a brain that hangs,
-/// does not.
+/// The time that worlds have to answer. One within a very long tick, whose `OnTick` blocks, or that waits for a brain
+/// that hangs, does not.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How long the next ones have once a world has not answered.
+/// The time of the next ones once a world has not answered.
 const IMPATIENCE: Duration = Duration::from_millis(100);
 
 /// Worlds that are asked at once: their states are copied for the answer.

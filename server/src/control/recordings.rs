@@ -142,7 +142,7 @@ pub(super) fn from_saved(bytes: &[u8], limits: &InForce) -> Result<(String, Worl
 /// Memory that it takes to read a saved state.
 pub(super) fn saved_bytes(saved: &[u8], limits: &InForce) -> u64 {
     let usual = (saved.len() as u64).saturating_mul(UNPACKED);
-    // What is left is taken for one that unpacks to more.
+    // The limit is what is left, for a file that unpacks to more.
     usual.min(MAX_STATE as u64).min(limits.free_bytes().max(saved.len() as u64))
 }
 
@@ -150,7 +150,7 @@ fn at_most(bytes: u64) -> usize {
     usize::try_from(bytes).unwrap_or(usize::MAX)
 }
 
-/// What a recording or a state takes in memory while it is read, for each byte of the file.
+/// The memory of a recording or a state while it is read, for each byte of the file.
 const UNPACKED: u64 = 8;
 
 /// A world that replays a recording, at its beginning.

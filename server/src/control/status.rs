@@ -1,4 +1,4 @@
-//! How worlds stand: made once for all who ask.
+//! The status of worlds: made once for all who ask.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -18,7 +18,7 @@ use crate::message::{Message, WorldHandle};
 use crate::quote::brief;
 use crate::report::{Standing, Version};
 
-/// What was last told of each world, in bytes.
+/// The last status of each world, in bytes.
 #[derive(Default)]
 pub(crate) struct Told(Mutex<BTreeMap<String, Parts>>);
 
@@ -64,8 +64,8 @@ impl Control {
     }
 }
 
-/// How a world stands, in the bytes of a `WorldStatus`. It is made once for all who ask while the one before is made, and not again while
-/// nothing has changed.
+/// The status of a world, in the bytes of a `WorldStatus`. It is made once for all who ask while the one before is
+/// made, and not again while nothing has changed.
 pub(super) async fn status_in_bytes(world: &WorldHandle) -> Result<Parts, Status> {
     let answer = world.answers().status.get(async |last: Option<&Last<Version>>| {
         let known = last.map(|last| last.key.clone());

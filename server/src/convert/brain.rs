@@ -53,7 +53,7 @@ pub(crate) fn writes(steps: Vec<v1::RobotStep>) -> Vec<Write> {
     steps.into_iter().map(write).collect()
 }
 
-/// What the brain of the robot in this place wants written that has no stream.
+/// The output of the brain of the robot in this place that has no stream.
 pub(crate) fn write(robot: usize, action: Action) -> Write {
     let Action { signals, others, thinking, operations, poll, until } = action;
     let output = match signals {
@@ -74,7 +74,7 @@ pub(crate) fn write(robot: usize, action: Action) -> Write {
     }
 }
 
-/// What goes over a brain's stream.
+/// A response on a brain's stream.
 pub(crate) enum AttachResponse {
     /// A Turn, in the bytes of the contract's `AttachResponse`.
     Turn(Bytes),

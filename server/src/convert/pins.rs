@@ -1,4 +1,4 @@
-//! What is on the pins of a chip, for observers.
+//! The pins of a chip, for observers.
 
 use baudbot_proto::v1;
 use baudbot_sim::chip::{ChipSpec, Level, Line, Net, Pulses, Shown, Signal, Stretch, Turns};

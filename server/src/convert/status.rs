@@ -136,7 +136,7 @@ fn chip_rounds(rounds: &Rounds) -> v1::ChipRounds {
     }
 }
 
-/// How long the brains of robots have thought, of those of which something was measured.
+/// The thinking times of robots' brains, of those of which something was measured.
 pub(crate) fn thinking<'a>(
     scenario: &Scenario,
     thought: impl Iterator<Item = Option<&'a Thought>>,

@@ -1,4 +1,4 @@
-//! What trainers are told.
+//! The messages to trainers.
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_response::Response;

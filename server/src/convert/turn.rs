@@ -49,7 +49,7 @@ fn most_bytes(view: &RobotView<'_>, raw: bool) -> usize {
     64 + view.readings().iter().map(|reading| 64 + 8 * reading.values.len()).sum::<usize>()
 }
 
-/// Which instants of the wall clock are those of the tick, if it follows that.
+/// Writes the instants of the wall clock of the tick, if it follows that.
 fn wall_clock(bytes: &mut Backwards, terms: Terms) {
     let Terms::FollowsClock { tick_begins, factor, .. } = terms else { return };
     let ago = clock::now().saturating_duration_since(tick_begins);
@@ -63,7 +63,7 @@ fn wall_clock(bytes: &mut Backwards, terms: Terms) {
 }
 
 fn robot_turn(bytes: &mut Backwards, (world, view): (&World, &RobotView<'_>), turn: &RobotTurn, mode: Mode) {
-    // What came before the port was opened is taken to have come with the tick.
+    // Bytes that came before the port was opened are taken to have come with the tick.
     let after_ns = |unread: usize, instants: &[SimTime]| -> Vec<u64> {
         let before = std::iter::repeat_n(0, unread.saturating_sub(instants.len()));
         before.chain(instants.iter().map(|at| at.since(world.time()))).collect()
@@ -114,9 +114,9 @@ fn reading(bytes: &mut Backwards, sensor: usize, reading: &Reading) {
 
 /// A protobuf message that is written from its end to its beginning, last field first.
 struct Backwards {
-    /// What is written is at the end.
+    /// The bytes so far are at the end.
     buffer: Vec<u8>,
-    /// Where it begins.
+    /// The beginning of those.
     start: usize,
 }
 

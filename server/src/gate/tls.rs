@@ -208,7 +208,7 @@ fn check_dates(path: &Path, certificate: &CertificateDer<'_>, now: SystemTime) -
     Ok(())
 }
 
-/// How long before its end a certificate is warned of.
+/// The time before its end at which a certificate is warned of.
 const SOON: Duration = Duration::from_secs(14 * 24 * 60 * 60);
 
 /// Checks certificates of clients by those of authorities.
@@ -248,7 +248,7 @@ impl Secured {
         }
     }
 
-    /// What it goes over.
+    /// The stream under it.
     pub(super) fn stream(&self) -> Option<&TcpStream> {
         match self {
             Self::Plain(stream) | Self::Silent(stream, _) => Some(stream),
@@ -298,7 +298,7 @@ fn note_failure(error: &io::Error) {
 
 /// Tells a peer that speaks without TLS what is wanted, as far as it takes that at once.
 fn refuse(stream: &TcpStream) -> io::Result<()> {
-    // What is left unread would make the end a reset, which may overtake the answer.
+    // Unread bytes would make the end a reset, which may overtake the answer.
     let _ = stream.try_read(&mut [0; 16 << 10]);
     let _ = stream.try_write(WANTS_TLS);
     Err(io::Error::new(io::ErrorKind::InvalidData, "the peer speaks without TLS"))

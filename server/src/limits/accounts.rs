@@ -79,7 +79,7 @@ impl fmt::Display for Account {
     }
 }
 
-/// Who is at the other end of a pipe in memory.
+/// The other end of a pipe in memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Peer {
     pub(crate) caller: Caller,
@@ -97,7 +97,7 @@ impl Peer {
 #[derive(Clone)]
 pub(crate) struct Payer(pub(crate) Arc<Tally>);
 
-/// What is counted for an account.
+/// The counts of an account.
 #[derive(Debug)]
 pub(crate) struct Tally {
     account: Account,
@@ -107,7 +107,7 @@ pub(crate) struct Tally {
     requests: Mutex<Bucket>,
 }
 
-/// What of an account is counted while it lasts.
+/// A thing of an account that is counted while it lasts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Counted {
     Connections,
@@ -124,7 +124,7 @@ impl Tally {
         &self.account
     }
 
-    /// How many there are.
+    /// The number of such things.
     pub(super) fn count(&self, what: Counted) -> usize {
         self.counts[what as usize].load(Ordering::Relaxed)
     }
@@ -208,7 +208,7 @@ impl Accounts {
         tally
     }
 
-    /// How many of this the account has that has most.
+    /// The number of them of the account that has most.
     pub(super) fn most(&self, what: Counted) -> usize {
         let tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         tallies.values().map(|tally| tally.count(what)).max().unwrap_or(0)

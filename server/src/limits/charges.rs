@@ -1,4 +1,4 @@
-//! What a world has of the server's memory.
+//! The charges of a world on the server's memory.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -60,7 +60,7 @@ impl Charges {
         &self.limits
     }
 
-    /// What one has to know who wants to copy the state: the server's limits, and the bytes of the state as they were last counted.
+    /// The limits for a copy of the state: the server's, and the bytes of the state as they were last counted.
     pub(crate) fn room(&self) -> (InForce, Arc<AtomicU64>) {
         (self.limits.clone(), Arc::clone(&self.told))
     }

@@ -95,14 +95,14 @@ impl Limit {
     }
 }
 
-/// What a client can do for which too much waits.
+/// The advice to a client for which too much waits.
 const READ: &str = "read what you ask for";
 
 /// A limit is reached.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) struct Exceeded {
     pub(crate) limit: Limit,
-    /// What there is: who has how many of what.
+    /// The excess: the account, the number and the thing.
     pub(crate) what: String,
     /// When it is worth trying again, if that is known.
     pub(crate) retry_after: Option<Duration>,

@@ -1,4 +1,4 @@
-//! How much memory the process may have.
+//! The memory that the process may have.
 
 use std::fs::read_to_string;
 use std::path::Path;

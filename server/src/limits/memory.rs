@@ -63,7 +63,7 @@ impl Memory {
 }
 
 impl Held {
-    /// How many.
+    /// The number of bytes.
     pub(crate) fn bytes(&self) -> u64 {
         self.bytes
     }

@@ -108,7 +108,7 @@ impl Limits {
     /// Bytes that wait until a caller reads them.
     pub const UNREAD_PER_CALLER: u64 = 64 << 20;
 
-    /// What one address, or one user, may have of all connections, unless it is told otherwise.
+    /// The default of one address's, or one user's, part of all connections.
     pub(crate) fn half_of_connections(&self) -> usize {
         (self.connections / 2).max(1)
     }
@@ -169,5 +169,5 @@ impl Default for Limits {
 /// and for lists of worlds that run, which have room for more than is in them.
 const USUAL_SHARE: u64 = 50;
 
-/// How long a client is to wait that was refused because of what others do.
+/// The time that a client is to wait which was refused because of others.
 pub(crate) const SOON: Duration = Duration::from_secs(1);

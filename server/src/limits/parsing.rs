@@ -56,7 +56,7 @@ impl Parsing {
         Self { permits: Arc::new(Semaphore::new(at_a_time)), at_a_time, waiting: Arc::default() }
     }
 
-    /// How many wait, and how many are being read.
+    /// The numbers of those that wait, and of those that are being read.
     pub(super) fn counts(&self) -> (usize, usize) {
         (self.waiting.load(Ordering::Relaxed), self.at_a_time - self.permits.available_permits())
     }

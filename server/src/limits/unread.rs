@@ -11,7 +11,8 @@
 //!
 //! # Mechanism
 //!
-//! - What waits for a client is in an [`outbox`](InForce::outbox), which counts it for its stream, its caller and the server.
+//! - Bytes that wait for a client are in an [`outbox`](InForce::outbox), which counts them for its stream, its caller
+//!   and the server.
 //! - An outbox with more than a stream may have takes no more: whoever fills it leaves something out, or waits.
 //! - When a caller, or the server, has more than it may, the slowest of the streams ends: what waits for it is dropped at once, and its client
 //!   is told why, once it reads. A stream that is alone is never ended: what waits for it is a single long answer.
@@ -79,18 +80,18 @@ pub(crate) struct Outbox(Arc<Shared>);
 /// The end of an outbox that empties it.
 pub(crate) struct Inbox(Arc<Shared>);
 
-/// What waits for one stream.
+/// The bytes that wait for one stream.
 struct Shared {
     limits: InForce,
     payer: Arc<Tally>,
-    /// What the stream is, for the log and for its client.
+    /// The stream's name, for the log and for its client.
     what: String,
     /// Most messages.
     places: usize,
     number: u64,
     /// Bytes of messages that wait.
     queued: AtomicU64,
-    /// How much had been taken of all streams when something of this one was, or when it began to wait.
+    /// The count of all streams' taken bytes when some of this one's were taken, or when it began to wait.
     took: AtomicU64,
     queue: Mutex<Queue>,
     reader: AtomicWaker,
@@ -102,7 +103,7 @@ struct Queue {
     end: Option<End>,
 }
 
-/// Why nothing more comes.
+/// The reason why nothing more comes.
 enum End {
     /// Whoever fills it is done.
     Done,
@@ -283,7 +284,7 @@ impl Drop for Outbox {
 }
 
 impl Inbox {
-    /// Why it was ended, if it was the slowest: the first time.
+    /// The reason for its end, if it was the slowest: the first time.
     pub(crate) fn take_why_cut(&self) -> Option<Status> {
         let mut queue = self.0.queue();
         match queue.end.take() {

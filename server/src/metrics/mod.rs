@@ -22,7 +22,7 @@ use crate::measures::{MAX_ROBOTS, Measures};
 use crate::message::{Message, WorldHandle};
 use crate::registry::Registry;
 
-/// How long worlds have to answer. A world within a long tick, or whose `OnTick` blocks, does not.
+/// The time that worlds have to answer. A world within a long tick, or whose `OnTick` blocks, does not.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Answers that are made at a time: each takes memory and a processor.
@@ -38,7 +38,7 @@ pub(crate) struct Metrics {
     permits: Arc<Semaphore>,
 }
 
-/// Why there are no metrics.
+/// A reason why there are no metrics.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Refused {
     #[error("{MAX_SCRAPES} others are being answered, which is the limit; ask again")]

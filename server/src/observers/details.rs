@@ -17,9 +17,9 @@ pub(super) struct Detailed {
     robot: usize,
     /// The number of the last event of its timeline that has been told.
     events: u64,
-    /// How old the reading of each sensor was from the last frame on.
+    /// The age of each sensor's reading from the last frame on.
     ages: Vec<AgeSpan>,
-    /// What is on the pins of its chip, if the observer wants that.
+    /// The pins of its chip, if the observer wants them.
     pins: Option<Pins>,
     /// Whether the observer has had a frame.
     is_known: bool,
@@ -149,7 +149,7 @@ impl Detailed {
     }
 }
 
-/// How far a robot is within the tick that has begun.
+/// The progress of a robot within the tick that has begun.
 fn within(world: &World, robot: usize) -> SimTime {
     let turn = world.turns().iter().find(|turn| turn.robot == robot);
     turn.map_or_else(|| world.time(), |turn| turn.at)

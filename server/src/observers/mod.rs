@@ -66,7 +66,7 @@ pub(crate) struct View<'a> {
     pub(crate) beliefs: &'a Beliefs,
 }
 
-/// What is made once for all observers who are shown the world as it stands.
+/// The parts that are made once for all observers of the world in this state.
 struct Shared<'a> {
     view: View<'a>,
     /// The part of a frame that is the same for all, in bytes.
@@ -136,7 +136,7 @@ impl Observers {
         self.present.iter().any(|observer| !observer.eye.detailed.is_empty())
     }
 
-    /// How many observers are connected.
+    /// The number of connected observers.
     pub(crate) fn count(&self) -> usize {
         self.present.iter().filter(|observer| !observer.frames.is_closed()).count()
     }

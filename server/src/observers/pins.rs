@@ -1,4 +1,4 @@
-//! What an observer is told of the pins of a robot's chip.
+//! An observer's view of the pins of a robot's chip.
 
 use std::collections::BTreeSet;
 
@@ -8,11 +8,11 @@ use baudbot_sim::{SimTime, World};
 /// Events on a robot's pins that a frame has at most: the last ones.
 const MOST_EVENTS: usize = 8192;
 
-/// What an observer knows of the pins of a robot's chip.
+/// An observer's knowledge of the pins of a robot's chip.
 pub(super) struct Pins {
     finest_ns: u64,
     scope: Scope,
-    /// What is told with the next frame.
+    /// The events for the next frame.
     waiting: Vec<(usize, Shown)>,
     missed: u64,
 }
@@ -45,7 +45,8 @@ impl Pins {
         }
     }
 
-    /// What is to be told at an instant, and how much is not. A chip may be ahead of it, and what is later waits.
+    /// The events until an instant, and the number of those that are left out. A chip may be ahead of it, and later
+    /// events wait.
     pub(super) fn take(&mut self, at: SimTime) -> (Vec<(usize, Shown)>, u64) {
         let is_past = |(_, shown): &(usize, Shown)| shown.at_ns() <= at.as_ns();
         let (told, later) = std::mem::take(&mut self.waiting).into_iter().partition(is_past);

@@ -13,7 +13,7 @@ use super::Page;
 /// The film of a page: its bytes, or why there is none.
 pub type Film = Result<Vec<u8>, NoFilm>;
 
-/// Why a page has made no film, in its own words.
+/// The reason why a page has made no film, in its own words.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct NoFilm(pub String);

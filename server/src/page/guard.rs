@@ -1,4 +1,4 @@
-//! Which requests may reach the page's server.
+//! The requests that may reach the page's server.
 
 use std::net::IpAddr;
 use std::sync::Arc;

@@ -41,7 +41,7 @@ use session::Sessions;
 use tokio::sync::{mpsc, watch};
 use tonic::Status;
 
-/// What pages are served with.
+/// The services for pages.
 pub(crate) struct Services {
     /// To the server's own services.
     pub(crate) pipes: Pipes,
@@ -146,7 +146,7 @@ async fn check_host(State(page): State<Page>, request: Request, next: Next) -> R
     }
 }
 
-/// Why a request is not let in, and whose it was.
+/// The reason why a request is not let in, and its caller.
 struct Refusal {
     who: String,
     status: StatusCode,

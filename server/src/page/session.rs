@@ -65,7 +65,7 @@ impl Sessions {
         let now = Instant::now();
         let mut open = self.lock();
         open.retain(|_, session| now < session.until);
-        // Who asks again and again ends its own sessions, and nobody else's.
+        // A caller that asks again and again ends its own sessions, and nobody else's.
         make_room(&mut open, A_TOKEN, |session| session.caller.name() == caller.name());
         make_room(&mut open, MOST, |_| true);
         open.insert(key.hash(), Session { caller, until: now + LASTS });
@@ -97,7 +97,7 @@ fn make_room(open: &mut HashMap<TokenHash, Session>, most: usize, is_one: impl F
     }
 }
 
-/// How long a session is good for.
+/// The lifetime of a session.
 const LASTS: Duration = Duration::from_secs(12 * 60 * 60);
 
 /// Sessions at a time; then the oldest is forgotten.

@@ -14,10 +14,10 @@ use crate::calls::{RESPONSES_AHEAD, take_calls};
 use crate::limits::Peer;
 use crate::pipe::Pipes;
 
-/// How often a page is pinged. A page that sends nothing for twice as long is gone.
+/// The interval at which a page is pinged. A page that sends nothing for twice as long is gone.
 const PING: Duration = Duration::from_secs(20);
 
-/// How long a page has to take the last responses.
+/// The time that a page has to take the last responses.
 const FAREWELL: Duration = Duration::from_secs(1);
 
 /// Serves a page until it is gone, or the server stops.

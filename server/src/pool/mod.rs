@@ -1,4 +1,4 @@
-//! What runs the worlds of a server: a pool of [`Threads`], or [`Tasks`] of the caller's runtime.
+//! The runner of a server's worlds: a pool of [`Threads`], or [`Tasks`] of the caller's runtime.
 
 mod queue;
 mod tasks;
@@ -14,7 +14,7 @@ use threads::{ThreadWaker, Threads};
 /// For how long a task runs before others have their turn.
 pub(crate) const SLICE: Duration = Duration::from_micros(500);
 
-/// What a pool runs. It runs on one thread at a time.
+/// A task of a pool. It runs on one thread at a time.
 pub(crate) trait Task: Send + Sync {
     /// Runs for a slice.
     fn run(&self, place: Place) -> Then;
@@ -31,7 +31,7 @@ pub(crate) enum Place {
     Own,
 }
 
-/// What is to be done about a task that has run.
+/// The decision about a task that has run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Then {
     /// It has more to do; if it follows the clock, by this instant.
@@ -46,13 +46,13 @@ pub(crate) enum Then {
     Over,
 }
 
-/// What runs tasks. Dropping it lets them go on until they are over.
+/// The runner of tasks. Dropping it lets them go on until they are over.
 pub(crate) enum Pool {
     Threads(Threads),
     Tasks(Tasks),
 }
 
-/// What wakes a task of a pool.
+/// The alarm of a pool's task.
 #[derive(Clone)]
 pub(crate) enum Waker {
     Thread(ThreadWaker),

@@ -10,7 +10,7 @@ use super::{Task, Then};
 /// [`RELIEF_EVERY`].
 const STARVED: Duration = Duration::from_millis(100);
 
-/// How often that may happen. A slice takes half a millisecond, so it takes little from those that follow the clock.
+/// The interval of relief. A slice takes half a millisecond, so it takes little from those that follow the clock.
 const RELIEF_EVERY: Duration = Duration::from_millis(20);
 
 /// The number of a task in its pool.
@@ -54,7 +54,7 @@ impl Queue {
         }
     }
 
-    /// How many tasks are not over.
+    /// The number of tasks that are not over.
     pub(super) fn len(&self) -> usize {
         self.tasks.len()
     }

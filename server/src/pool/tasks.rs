@@ -27,7 +27,7 @@ use crate::clock;
 #[derive(Default)]
 pub(crate) struct Tasks(Vec<JoinHandle<()>>);
 
-/// What wakes a task of a runtime.
+/// The alarm of a runtime's task.
 #[derive(Clone, Default)]
 pub(crate) struct TaskWaker(Arc<Alarm>);
 

@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 use super::queue::{Number, Picked, Queue};
 use super::{Place, Task, Then, Waker};
 
-/// How late a task may be before a second thread looks for it.
+/// The lateness of a task at which a second thread looks for it.
 const GRACE: Duration = Duration::from_micros(500);
 
 /// The threads. Dropping them lets them end when all tasks are over.
@@ -38,7 +38,7 @@ pub(crate) struct Threads {
     limit: usize,
 }
 
-/// What wakes a task that threads run.
+/// The alarm of a task that threads run.
 #[derive(Clone)]
 pub(crate) struct ThreadWaker {
     shared: Arc<Shared>,
@@ -190,7 +190,7 @@ impl Shared {
                 self.work.wait_timeout(state, time).unwrap_or_else(PoisonError::into_inner).0
             }
         };
-        // Which of those with the same instant it was makes no difference.
+        // It makes no difference which of those with the same instant it was.
         if let Some(place) = state.sleepers.iter().position(|&other| other == until) {
             state.sleepers.swap_remove(place);
         }

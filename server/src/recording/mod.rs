@@ -26,8 +26,8 @@ use crate::sessions::Sessions;
 pub(crate) use folder::Folder;
 use thread::{RecorderThread, Sent};
 
-/// What was recorded by then, by the wall clock, is not lost if the program is killed; twice as often as promised, since it
-/// has to be written yet.
+/// A recording until then, by the wall clock, is not lost if the program is killed; twice as often as promised, since
+/// it has to be written yet.
 const MARK_EVERY: Duration = Duration::from_millis(400);
 
 /// Of a world that runs much faster than the clock, so that little is lost by a full disk.
@@ -88,9 +88,9 @@ pub(crate) struct Recorder {
     ticks: u64,
     state_tick: u64,
     marked: Instant,
-    /// What the last mark took.
+    /// The duration of the last mark.
     mark_takes: Duration,
-    /// What makes a frame every so many ticks.
+    /// The maker of a frame every so many ticks.
     eye: Option<(Eye, u64)>,
 }
 
@@ -325,7 +325,7 @@ impl Recorder {
             .ok()
     }
 
-    /// What is being recorded, and where, before the number of a run.
+    /// The recording, and its place, before the number of a run.
     pub(crate) fn config(&self) -> Option<&RecordConfig> {
         (!self.is_over).then_some(&self.config)
     }
@@ -342,7 +342,7 @@ fn is_hurried(pace: Pace) -> bool {
     matches!(pace, Pace::Timed(_))
 }
 
-/// What brains wrote in a tick that began at this instant.
+/// The outputs of brains in a tick that began at this instant.
 pub(crate) fn recorded_inputs(
     (tick, start): (u64, SimTime),
     inputs: impl Iterator<Item = Input>,

@@ -21,7 +21,7 @@ pub(super) struct RecorderThread {
     progress: Arc<Progress>,
 }
 
-/// What writes.
+/// The writer.
 enum Worker {
     Thread(SyncSender<Work>, JoinHandle<()>),
     /// Whoever sends.
@@ -158,7 +158,7 @@ impl Progress {
     }
 }
 
-/// What has the file.
+/// The owner of the file.
 struct Recorder {
     /// `None` if nothing could be written.
     writer: Option<Writer<RecordingFile>>,

@@ -1,4 +1,4 @@
-//! Who may reach a server, as its builder was told.
+//! The callers that may reach a server, as its builder was told.
 
 use std::time::SystemTime;
 
@@ -10,7 +10,7 @@ use crate::address::Address;
 use crate::clock;
 use crate::gate::Tls;
 
-/// Who may reach a server.
+/// The callers that may reach a server.
 #[derive(Default)]
 pub(super) struct AccessConfig {
     pub(super) tokens: Option<TokenFile>,

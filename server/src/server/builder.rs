@@ -31,7 +31,7 @@ use crate::state::{KeptWorld, StateFolder};
 use crate::system::usual_connections;
 use crate::thinking::ProcessorTime;
 
-/// How long a connection has to make its first call, unless the builder is told otherwise.
+/// The default of the time that a connection has to make its first call.
 const FIRST_CALL_WITHIN: Duration = Duration::from_secs(10);
 
 /// A world with which a server starts.
@@ -211,9 +211,9 @@ impl Builder {
         self
     }
 
-    /// Who calls over TCP, and who connects to a Unix socket as another user, shows one of the tokens in this file, and may do what it
-    /// is good for. A file that changes is read again. Without this and [`local_token`](Self::local_token) whoever reaches the server
-    /// may do everything.
+    /// A caller over TCP, or at a Unix socket as another user, shows one of the tokens in this file, and has the
+    /// rights that it gives. A file that changes is read again. Without this and [`local_token`](Self::local_token)
+    /// whoever reaches the server may do everything.
     #[must_use]
     pub fn tokens(mut self, file: TokenFile) -> Self {
         self.access.tokens = Some(file);

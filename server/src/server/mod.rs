@@ -35,7 +35,7 @@ pub use builder::{Builder, WorldConfig};
 use listeners::{Listener, Listeners, SocketFile};
 use router::Router;
 
-/// Why a server did not start.
+/// A reason why a server did not start.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerError {
     /// An address could not be listened on.
@@ -43,7 +43,7 @@ pub enum ServerError {
     Bind {
         /// The address.
         address: Address,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
     /// An address that other machines can reach, without tokens and TLS.
@@ -106,7 +106,7 @@ pub struct Server {
     ending: Mutex<Vec<WorldHandle>>,
 }
 
-/// What stands between the clients of a server and its services.
+/// The guards between the clients of a server and its services.
 struct Guards {
     access: Access,
     audit: Option<AuditLog>,

@@ -1,4 +1,4 @@
-//! Where clients and browsers reach a server, as it tells them.
+//! The addresses at which clients and browsers reach a server, as it prints them.
 
 use std::net::SocketAddr;
 
@@ -29,7 +29,7 @@ impl Server {
         Some((shown, address.is_local()))
     }
 
-    /// Where clients reach this address: by the server's name or on this machine, if it is that of all interfaces.
+    /// The name at which clients reach this address: the server's, or this machine's, if it is that of all interfaces.
     fn reached_at(&self, address: SocketAddr) -> String {
         match (&self.host, address.ip()) {
             (Some(name), ip) if !ip.is_loopback() => format!("{name}:{}", address.port()),

@@ -1,5 +1,5 @@
-//! Which services a listener has. Brains, observers and operators have all but that of trainers; trainers have that one and the
-//! operator's; where there are brains only, they have theirs only.
+//! The services of a listener. Brains, observers and operators have all but that of trainers; trainers have that one
+//! and the operator's; where there are brains only, they have theirs only.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -20,7 +20,7 @@ use crate::gate::{CheckCalls, Gate};
 use crate::observe::{Observe, ObserveServer};
 use crate::trainer::Trainer;
 
-/// How often a silent connection is pinged, and how long it has to answer.
+/// The interval at which a silent connection is pinged, and the time that it has to answer.
 const KEEPALIVE: Duration = Duration::from_secs(20);
 
 /// Streams of a connection beyond its limit, in which calls are refused in words.
@@ -101,7 +101,7 @@ async fn with_operator(
         ))
 }
 
-/// What all services have in common.
+/// The layers that all services share.
 fn transport(check: &CheckCalls, gate: &Gate) -> Transport<Stack<CheckCalls, Identity>> {
     let streams = gate.limits().limits().streams_per_connection;
     Transport::builder()

@@ -1,7 +1,7 @@
 //! The budget of open files: a process may have so many, and connections, journals and recordings all take of them.
 
-/// How the open files of a process are divided. Whatever takes files stays within its part, so that there is always one for the
-/// file of tokens, and for who comes next.
+/// The division of a process's open files. Whatever takes files stays within its part, so that there is always one
+/// for the file of tokens, and for who comes next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Descriptors {
     /// Most connections with a place.

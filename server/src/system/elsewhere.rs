@@ -1,4 +1,4 @@
-//! Where there are no users, links and descriptors, as in a browser: the files are the program's own.
+//! Systems without users, links and descriptors, as a browser: the files are the program's own.
 
 use std::fs::{File, OpenOptions};
 use std::io;

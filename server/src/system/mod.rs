@@ -1,4 +1,4 @@
-//! What the operating system is asked: threads, open files, users, files that are opened with care. One file a system.
+//! The calls to the operating system: threads, open files, users, files that are opened with care. One file a system.
 
 #[cfg(unix)]
 mod descriptors;

@@ -15,7 +15,7 @@ use crate::brain_link::CheckedStep;
 /// Scenarios of resets that are parsed at a time; each takes a processor.
 const RESETS_AT_A_TIME: usize = 2;
 
-/// What is done in a world of this place.
+/// The act in a world of this place.
 pub(super) struct Act {
     place: usize,
     what: What,
@@ -26,7 +26,7 @@ enum What {
     Reset(v1::ResetWorldRequest),
 }
 
-/// What a request does, and the places of its worlds, in their order.
+/// The acts of a request, and the places of its worlds, in their order.
 ///
 /// # Errors
 /// If it makes no sense, with its field.

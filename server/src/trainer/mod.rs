@@ -27,7 +27,7 @@ const MAX_TRAINED: usize = 1024;
 
 pub(crate) struct Trainer {
     pub(crate) registry: Registry,
-    /// How long a stream may be open without an Open.
+    /// The time for which a stream may be open without an Open.
     pub(crate) patience: Duration,
     /// Becomes true when the server stops.
     pub(crate) stopped: watch::Receiver<bool>,

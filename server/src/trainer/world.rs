@@ -20,13 +20,13 @@ pub(super) struct Trained {
     told: mpsc::Receiver<Told>,
     /// Until it has been told.
     welcome: Option<v1::Welcome>,
-    /// Why the robots were released, if they were.
+    /// The hold on the robots, or the reason why they were released.
     hold: Result<Hold, Status>,
-    /// Why the last action was not done.
+    /// The reason why the last action was not done.
     refusal: Option<Status>,
-    /// What comes from before this era is void: the trainer has reset the world since.
+    /// Responses from before this era are void: the trainer has reset the world since.
     era: u64,
-    /// How often each robot had collided when the trainer was told last, and in which era that was; `None` before that.
+    /// The number of each robot's collisions at the last report to the trainer, and its era; `None` before that.
     collisions: Option<(u64, Vec<u64>)>,
 }
 
@@ -123,7 +123,7 @@ impl Trained {
         }
     }
 
-    /// How the world stands after an action: waits for its next Turn, or its end.
+    /// The standing of the world after an action: waits for its next Turn, or its end.
     pub(super) async fn result(&mut self) -> v1::WorldResult {
         let result = self.next().await;
         v1::WorldResult { welcome: self.welcome.take(), ..result }

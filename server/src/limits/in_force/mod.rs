@@ -37,7 +37,7 @@ struct Shared {
     logged: [Throttle; Limit::ALL.len()],
 }
 
-/// What a whole server has.
+/// A total of a whole server.
 #[derive(Clone, Copy, Debug)]
 enum Whole {
     Connections,
@@ -80,12 +80,12 @@ impl InForce {
         &self.0.limits
     }
 
-    /// What is counted for an account.
+    /// The counts of an account.
     pub(crate) fn tally(&self, account: &Account) -> Arc<Tally> {
         self.0.accounts.of(account)
     }
 
-    /// What the metrics tell: of each limit its value, what is used of it, if that is counted, and how often something was refused.
+    /// The figures for metrics: of each limit its value, its use, if that is counted, and the number of refusals.
     pub(crate) fn usage(&self) -> impl Iterator<Item = (Limit, f64, Option<f64>, u64)> {
         Limit::ALL.into_iter().map(|limit| {
             let refused = self.0.refused[limit as usize].load(Ordering::Relaxed);
@@ -221,7 +221,7 @@ impl InForce {
         &self.0.making
     }
 
-    /// What waits for clients.
+    /// The bytes that wait for clients.
     pub(super) fn unread(&self) -> &Unread {
         &self.0.unread
     }
@@ -241,5 +241,5 @@ impl InForce {
     }
 }
 
-/// How often it is told of all worlds that they lag.
+/// The interval of the reports that worlds lag.
 const EACH_MINUTE: Duration = Duration::from_secs(60);
