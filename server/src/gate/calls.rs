@@ -47,7 +47,7 @@ pub(crate) struct Checked<S> {
     inner: S,
 }
 
-/// What a response goes through.
+/// The function that a response goes through.
 type Guard = Box<dyn FnOnce(Response<Body>) -> Response<Body> + Send>;
 
 impl<S> Service<Request<Body>> for Checked<S>
@@ -84,7 +84,7 @@ where
 }
 
 impl<S> Checked<S> {
-    /// What the audit log has of a call, if there is one.
+    /// The audit log's record of a call, if there is one.
     fn record(&self, request: &Request<Body>, who: &str) -> Option<Arc<Record>> {
         let log = self.check.audit.as_ref()?;
         let extensions = request.extensions();
@@ -95,14 +95,14 @@ impl<S> Checked<S> {
         Some(Record::new(log, who, from, request.uri().path()).into())
     }
 
-    /// What counts the bytes of a response to this request while they wait.
+    /// The counter of a response's bytes to this request while they wait.
     fn metered(&self, request: &Request<Body>) -> Guard {
         let caller = request.extensions().get().map(|Payer(tally)| Arc::clone(tally));
         let (limits, path) = (self.check.limits.clone(), request.uri().path().to_owned());
         Box::new(move |response| match caller {
             Some(caller) if *caller.account() != Account::Process && !response.body().is_end_stream() => {
                 let what = path.rsplit('/').next().unwrap_or_default();
-                // What brains are told is their robots', and not what they ask for.
+                // Brains get messages about their robots, and not about anything they ask for.
                 let pays = ![BRAIN_LINK, TRAINER].iter().any(|service| path[1..].starts_with(service));
                 response.map(|body| Body::new(Metered::new(body, &limits, &caller, what, pays)))
             }
@@ -110,7 +110,7 @@ impl<S> Checked<S> {
         })
     }
 
-    /// What stands between a service's response and its caller.
+    /// The guard between a service's response and its caller.
     fn guard(
         &self,
         caller: &Caller,
@@ -142,7 +142,7 @@ impl<S> Checked<S> {
 struct Unanswered(Option<Arc<Admission>>);
 
 impl Unanswered {
-    /// What a service says of a request that broke off is an answer for nobody.
+    /// A service's answer to a request that broke off is for nobody.
     fn answered(mut self, response: Response<Body>) -> Response<Body> {
         let code = response
             .headers()
@@ -165,7 +165,7 @@ impl Drop for Unanswered {
     }
 }
 
-/// What counts a call while it is open.
+/// The counters of a call while it is open.
 type Open = (Option<OpenOnConnection>, Taken);
 
 impl CheckCalls {
@@ -187,7 +187,7 @@ impl CheckCalls {
             None => peer.map(|peer| &peer.caller),
         };
         let caller = self.access.check(request.uri().path(), known, request.headers()).or_else(|status| {
-            // Who tries tokens, or methods that are none, does not do so for nothing.
+            // A caller that tries tokens, or methods that are none, pays for it.
             self.limits.request(&from)?;
             Err(status)
         })?;

@@ -15,7 +15,8 @@ use super::Admission;
 use super::frames::Frames;
 use crate::clock;
 
-/// How long a peer may leave unread what is written: as long as the server waits for one that does not answer pings.
+/// The time for which a peer may leave written bytes unread: as long as the server waits for one that does not answer
+/// pings.
 const STALLED: Duration = Duration::from_secs(40);
 
 /// Bytes that are read before other tasks have their turn. Frames of HTTP/2 that have come and that no task has taken yet are

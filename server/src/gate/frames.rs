@@ -11,7 +11,7 @@ pub(super) struct Frames {
     /// Bytes until the next head: first those of the client's preface.
     skip: usize,
     head: [u8; HEAD],
-    /// How much of the head has come.
+    /// The number of bytes of the head so far.
     come: usize,
     second: Option<Instant>,
     counts: [u32; KINDS.len()],

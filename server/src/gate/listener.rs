@@ -18,7 +18,7 @@ use crate::clock;
 use crate::limits::Account;
 use crate::system::is_this_user;
 
-/// How long a listener rests that cannot take connections.
+/// The time for which a listener rests that cannot take connections.
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// A source of connections.
@@ -51,7 +51,7 @@ impl Accept for UnixListener {
 
     async fn accept(&self) -> io::Result<(UnixStream, Option<Caller>, Account)> {
         let (stream, _) = Self::accept(self).await?;
-        // Who cannot be told is nobody.
+        // A peer whose user is unknown is nobody.
         let user = stream.peer_cred().map_or(u32::MAX, |peer| peer.uid());
         let is_own = is_this_user(user);
         Ok((stream, is_own.then_some(Caller::Trusted), Account::User(user)))

@@ -55,7 +55,7 @@ use crate::access::Caller;
 use crate::limits::{Account, Exceeded, InForce, Taken, Tally};
 use crate::log::Throttle;
 
-/// How long a connection without a place has to call, and to take the answer.
+/// The time for which a connection without a place has to call, and to take the answer.
 const FAREWELL: Duration = Duration::from_secs(2);
 
 /// Counts the connections of a server. Clones share the count.
@@ -64,7 +64,7 @@ pub(crate) struct Gate(Arc<Shared>);
 
 struct Shared {
     limits: InForce,
-    /// How long a connection has to make its first call.
+    /// The time that a connection has to make its first call.
     patience: Duration,
     occupancy: Mutex<Occupancy>,
     accept_errors: Throttle,
@@ -90,7 +90,7 @@ struct Occupancy {
 pub(crate) struct Admission {
     gate: Gate,
     number: u64,
-    /// Who is at the other end, if the system says so.
+    /// The caller at the other end, if the system knows it.
     caller: Option<Caller>,
     /// Its address, or its user.
     tally: Arc<Tally>,
@@ -131,7 +131,7 @@ impl Gate {
         self.0.limits.limits().connections
     }
 
-    /// How long a connection has to make its first call.
+    /// The time that a connection has to make its first call.
     pub(crate) fn patience(&self) -> Duration {
         self.0.patience
     }
@@ -205,7 +205,7 @@ impl Occupancy {
 }
 
 impl Admission {
-    /// Who is at the other end, if the system says so.
+    /// The caller at the other end, if the system knows it.
     pub(crate) fn caller(&self) -> Option<&Caller> {
         self.caller.as_ref()
     }
@@ -280,7 +280,7 @@ impl Admission {
         }
     }
 
-    /// How long it has to make its first call, or to be told that it has no place.
+    /// The time that it has to make its first call, or to hear that it has no place.
     fn patience(&self) -> Duration {
         let has_place = self.has_place.load(Ordering::Relaxed);
         if has_place { self.gate.0.patience } else { self.gate.0.patience.min(FAREWELL) }

@@ -25,13 +25,13 @@ use x509_parser::time::ASN1Time;
 use crate::log::Throttle;
 use crate::system::everybody_can_read;
 
-/// What a server shows who it is with, and by which it encrypts.
+/// The certificate by which a server shows its identity and encrypts.
 #[derive(Clone, Debug)]
 pub struct Tls {
     config: Arc<ServerConfig>,
 }
 
-/// Why a server has no TLS.
+/// A reason why a server has no TLS.
 #[derive(Debug, thiserror::Error)]
 pub enum TlsError {
     /// A file cannot be read, or is no PEM.
@@ -39,7 +39,7 @@ pub enum TlsError {
     File {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The error of the file.
         source: pem::Error,
     },
     /// A file without certificates.
@@ -54,12 +54,12 @@ pub enum TlsError {
         /// The file.
         path: PathBuf,
     },
-    /// What is between the lines of a PEM is no certificate.
+    /// The bytes between the lines of a PEM are no certificate.
     #[error("{}: its certificate is damaged ({source})", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The error in it.
         source: X509Error,
     },
     /// A certificate that clients refuse.
@@ -75,7 +75,7 @@ pub enum TlsError {
     Authority {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The error of TLS.
         source: rustls::Error,
     },
     /// An authority by which no client can be checked.
@@ -83,7 +83,7 @@ pub enum TlsError {
     Clients {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The error of the verifier.
         source: rustls::server::VerifierBuilderError,
     },
     /// The key is that of another certificate.
@@ -101,7 +101,7 @@ pub enum TlsError {
         certificate: PathBuf,
         /// The key's file.
         key: PathBuf,
-        /// Why.
+        /// The error of TLS.
         source: rustls::Error,
     },
 }
