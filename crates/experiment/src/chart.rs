@@ -19,7 +19,7 @@ pub struct Graphs {
     data: Vec<Data>,
 }
 
-/// What a chart shows, by the places of its two fields' values.
+/// The points of a chart, by the places of its two fields' values.
 type Data = BTreeMap<(usize, usize), Point>;
 
 /// The results of the runs with the same two values.
@@ -118,7 +118,7 @@ fn drawn(experiment: &Experiment, chart: &Chart, data: &Data) -> plot::Chart {
     }
 }
 
-/// Where a value of a field is among its levels, or in which part of its range.
+/// The place of a field's value among its levels, or the part of its range.
 fn place(field: &Field, name: &str, number: Option<f64>) -> usize {
     match &field.choice {
         Choice::Levels(levels) => levels.iter().position(|level| level.name == name).unwrap_or(0),
@@ -157,7 +157,7 @@ fn title(experiment: &Experiment, chart: &Chart) -> String {
     chart.title.clone().unwrap_or_else(own)
 }
 
-/// What a chart's numbers are of: what ran.
+/// The subject of a chart's numbers.
 fn subtitle(experiment: &Experiment, chart: &Chart) -> String {
     let others = (0..experiment.fields.len()).filter(|&i| i != chart.x && Some(i) != chart.by);
     let others: Vec<_> = others.map(|i| experiment.fields[i].label.as_str()).collect();
@@ -166,7 +166,7 @@ fn subtitle(experiment: &Experiment, chart: &Chart) -> String {
     format!("{}{length}, {}{over}", of_what(experiment), seeds(experiment))
 }
 
-/// Which brains drove in which scenario, and over which links unless those are varied.
+/// The brains that drove, their scenario, and their links unless those are varied.
 pub(crate) fn of_what(experiment: &Experiment) -> String {
     let mut words = format!("{}: {}", experiment.name, experiment.brains.join(", "));
     let Ok(scenario) = baudbot_scenario::parse(&experiment.text) else { return words };

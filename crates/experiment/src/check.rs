@@ -118,14 +118,14 @@ fn check_paths(experiment: &Experiment, base: &Scenario) -> Result<(), Error> {
     }
 }
 
-/// What a described brain has no place for, if nothing but one field's level is set: then it is this that is wrong.
+/// The field that a described brain has no place for, if nothing but one field's level is set: then that one is wrong.
 fn wrong_alone(experiment: &Experiment, task: &Task, place: usize) -> Option<String> {
     let levels = vec![task.cell.levels[place].clone()];
     let alone = Task { cell: Cell { number: 0, levels }, ..*task };
     wrong_path(&Setup::new(experiment, &alone).ok()?)
 }
 
-/// What a described brain has no place for.
+/// The field that a described brain has no place for.
 fn wrong_path(setup: &Setup) -> Option<String> {
     let body = |robot: &String| setup.scenario.robots.iter().find(|spec| spec.name == *robot).map(Body::from);
     let mut all = setup

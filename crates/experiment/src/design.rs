@@ -1,4 +1,4 @@
-//! Which combinations of the fields' values are run, without a list of them.
+//! The combinations of the fields' values that are run, without a list of them.
 
 use baudbot_sim::random::Stream;
 
@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::factor::{Choice, Field, Level};
 use crate::raw::Kind;
 
-/// Which combinations there are. Each has a number, by which it is made.
+/// The set of combinations. Each has a number, by which it is made.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Design {
     /// Every value of a field with every one of the others; the last field changes first.
@@ -15,7 +15,7 @@ pub enum Design {
     List,
     /// At random.
     Random {
-        /// How many.
+        /// The number of samples.
         samples: u64,
         /// The same seed gives the same values.
         seed: u64,
@@ -58,7 +58,7 @@ impl Design {
         })
     }
 
-    /// How many combinations there are.
+    /// The number of combinations.
     ///
     /// # Errors
     /// If there are none, or too many to be counted, or the fields do not suit the design.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use baudbot_fields::printable::Printable;
 
-/// Why there is no experiment, or no end of a sweep. The message says where, and how to fix it.
+/// A reason why there is no experiment, or no end of a sweep. The message says where, and how to fix it.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The file is not TOML; the message has line and column.
@@ -15,12 +15,12 @@ pub enum Error {
     /// A field of the experiment is missing, unknown, or has a value that makes no sense.
     #[error("{path}: {problem}")]
     Field {
-        /// Where, for instance `fields[1].values`.
+        /// The path, for instance `fields[1].values`.
         path: String,
         /// The problem.
         problem: String,
     },
-    /// What was asked for cannot be done as it was asked for.
+    /// The request cannot be met as it stands.
     #[error("{0}")]
     Refused(String),
     /// A file could not be read or written. What is in the journal is kept.

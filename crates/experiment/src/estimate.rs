@@ -1,10 +1,10 @@
-//! How long it will take, and whether that is meant.
+//! The expected duration, and the question whether that is meant.
 
 use std::time::Duration;
 
 use crate::error::Error;
 
-/// How long a sweep or a search will take.
+/// The expected duration of a sweep or a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Runs that are missing.

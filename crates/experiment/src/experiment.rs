@@ -33,34 +33,34 @@ pub struct Experiment {
     pub text: String,
     /// Brains: `NAME[:K=V,…]` or `exec:PROGRAM` for all robots, `ROBOT=NAME[:K=V,…]` for one.
     pub brains: Vec<String>,
-    /// How long the processes of programs live.
+    /// The lifetime of programs' processes.
     pub lifetime: Lifetime,
     /// Simulated length of a run, in seconds; `None` is what the scenario says.
     pub seconds: Option<f64>,
     /// Each combination is run with each of them.
     pub seeds: Seeds,
-    /// Which combinations are run.
+    /// The combinations that are run.
     pub design: Design,
     /// The factors: the fields that are varied.
     pub fields: Vec<Field>,
     /// The criterion of success, if there is one.
     pub success: Option<Success>,
-    /// How limits are looked for.
+    /// The search for limits.
     pub find: Find,
-    /// How the fields are tuned, if they can be.
+    /// The tuning of the fields, if they can be tuned.
     pub tuning: Option<Tuning>,
     /// The charts that are drawn.
     pub charts: Vec<Chart>,
 }
 
-/// How a limit is looked for.
+/// The search for a limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Find {
-    /// Which end of the values.
+    /// The wanted end of the values.
     pub wants: Wants,
     /// Share of the seeds that must succeed, above 0 and at most 1.
     pub share: f64,
-    /// How near to the limit is near enough, in the unit of a range's field.
+    /// The tolerance of the limit, in the unit of a range's field.
     pub tolerance: Option<f64>,
 }
 
@@ -75,7 +75,7 @@ pub struct Chart {
     pub x: usize,
     /// The field with a line each, or along the vertical axis of colours, by its place.
     pub by: Option<usize>,
-    /// What stands above it, if the file says so.
+    /// The title above it, if the file has one.
     pub title: Option<String>,
 }
 
@@ -151,7 +151,7 @@ impl Experiment {
         self.brains.iter().chain(varied).map(String::as_str)
     }
 
-    /// How many runs there are: at most [`MOST_RUNS`].
+    /// The number of runs: at most [`MOST_RUNS`].
     ///
     /// # Errors
     /// If there are none or more, or the fields do not suit the design.

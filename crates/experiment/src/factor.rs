@@ -62,7 +62,7 @@ pub enum Setting {
 /// Numbers from one to another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
-    /// What is set to them: a path or `brain.PARAMETER`.
+    /// The target that is set to them: a path or `brain.PARAMETER`.
     pub target: String,
     /// The least.
     pub from: f64,
@@ -84,7 +84,7 @@ impl Range {
         if self.whole { number.round() } else { number }.clamp(self.from, self.to)
     }
 
-    /// How much of the range lies below a number, from 0 to 1.
+    /// The fraction of the range below a number, from 0 to 1.
     pub fn share(&self, number: f64) -> f64 {
         match self.log {
             true => (number / self.from).ln() / (self.to / self.from).ln(),

@@ -167,7 +167,7 @@ impl Figure {
 pub struct Figures(pub(crate) [Option<f64>; COUNT]);
 
 impl Figures {
-    /// How many figures there are.
+    /// The number of figures.
     pub const COUNT: usize = COUNT;
 
     /// One of them; `None` if it does not apply.

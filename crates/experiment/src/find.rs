@@ -39,7 +39,7 @@ pub struct Probe {
     pub succeeded: u64,
     /// Runs.
     pub runs: u64,
-    /// Why runs could not be, if some could not.
+    /// The reason why runs failed, if some did.
     pub error: Option<String>,
     /// As many succeeded as are wanted.
     pub is_enough: bool,
@@ -170,7 +170,7 @@ impl Line {
         }
     }
 
-    /// What to try between a value that fails and one that succeeds; `None` if they are near enough.
+    /// The value to try between one that fails and one that succeeds; `None` if they are near enough.
     fn between(&self, hard: f64, easy: f64) -> Option<f64> {
         match self {
             Self::Levels(_) => (easy - hard > 1.5).then(|| (0.5 * (hard + easy)).floor()),

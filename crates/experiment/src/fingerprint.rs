@@ -22,7 +22,7 @@ pub(crate) fn fingerprint_with(experiment: &Experiment, own: &str) -> String {
     let Experiment { text, brains, seconds, seeds, design, fields, .. } = experiment;
     let choices: Vec<_> = fields.iter().map(|field| &field.choice).collect();
     let figures = INFOS.map(|info| info.name);
-    // What is described may be described in another way tomorrow.
+    // A described brain may be described in another way tomorrow.
     let described =
         brains.iter().map(|brain| catalogue::described(assignment::split(brain).1).ok().flatten());
     let described: Vec<_> = described.collect();

@@ -48,7 +48,7 @@ impl Goal {
 
 impl fmt::Display for Goal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // What is wanted comes before what is not.
+        // A wanted figure comes before others.
         let mut weights = self.weights.clone();
         weights.sort_by(|(_, a), (_, b)| b.total_cmp(a));
         for (i, (figure, weight)) in weights.iter().enumerate() {

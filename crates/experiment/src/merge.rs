@@ -14,7 +14,7 @@ use crate::outputs::Folder;
 use crate::shard::Shard;
 use crate::sweep::{self, JOURNAL, Options, Swept};
 
-/// What comes of a merge.
+/// The result of a merge.
 #[derive(Debug)]
 pub enum Merged {
     /// All runs are there, and so are the outputs.
@@ -26,7 +26,7 @@ pub enum Merged {
 /// Runs that no journal has.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Missing {
-    /// How many.
+    /// The number of runs.
     pub runs: u64,
     /// All runs of the experiment.
     pub total: u64,
@@ -39,7 +39,7 @@ pub struct Missing {
 pub struct MissingShard {
     /// `None`: no journal is of a shard.
     pub shard: Option<Shard>,
-    /// How many.
+    /// The number of runs.
     pub runs: u64,
     /// The first few.
     pub first: Vec<u64>,

@@ -47,7 +47,7 @@ impl Folder {
         &self.id
     }
 
-    /// Where a file of this name is.
+    /// The path of a file of this name.
     pub(crate) fn file(&self, name: &str) -> PathBuf {
         self.path.join(name)
     }

@@ -10,7 +10,7 @@ use baudbot_run::assignment;
 
 /// Refuses fields that vary the same place, whatever their labels are. `text` is the scenario's, which says which robot is `robots[0]`.
 pub(crate) fn unique(fields: &[Field], text: &str) -> Result<(), Error> {
-    // What is wrong with the scenario itself is told later.
+    // Faults of the scenario itself are reported later.
     let scenario = text.parse::<Table>().map(Value::Table).ok();
     let mut varied: BTreeMap<Vec<String>, (usize, String)> = BTreeMap::new();
     for (i, field) in fields.iter().enumerate() {

@@ -12,7 +12,7 @@ use crate::private_server::PrivateServer;
 use crate::remote::{Host, Remote};
 use crate::run_record::{Row, Task};
 
-/// Where runs are done.
+/// The place in which runs are done.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Place {
     /// In this process.
@@ -24,11 +24,11 @@ pub enum Place {
 /// The workers that do the runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Workers {
-    /// Where.
+    /// The place.
     pub place: Place,
-    /// How many at a time; at least 1.
+    /// The number of simultaneous runs; at least 1.
     pub jobs: usize,
-    /// What worlds on a server are called, before the number of the run. Nobody else may use it, as worlds of this name
+    /// The name of worlds on a server, before the number of the run. Nobody else may use it, as worlds of this name
     /// are deleted: see [`unique_name`](crate::unique_name).
     pub name: String,
 }

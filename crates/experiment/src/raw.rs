@@ -38,7 +38,7 @@ pub(crate) struct Program {
     pub(crate) reuse: bool,
 }
 
-/// Which combinations of the fields' values are run.
+/// The kind of design.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Kind {
@@ -92,7 +92,7 @@ pub(crate) struct Tune {
     pub(crate) check_seeds: Option<u64>,
 }
 
-/// How numbers are looked for.
+/// The method that searches for numbers.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 pub enum Method {
     /// Covariance matrix adaptation: samples of a normal distribution that moves, grows, shrinks and leans as the better half
@@ -109,7 +109,7 @@ pub enum Method {
     Genetic,
 }
 
-/// Which end of a field's values is sought.
+/// The end of a field's values that is sought.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum Wants {

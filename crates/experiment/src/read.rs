@@ -10,13 +10,13 @@ use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::factor::{Choice, Setting};
 
-/// Why an experiment cannot be read.
+/// A reason why an experiment cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// Its file cannot be.
     #[error(transparent)]
     File(#[from] SourceError),
-    /// What is in it makes no sense.
+    /// Its content makes no sense.
     #[error("{path}: {error}")]
     Experiment {
         /// The file.

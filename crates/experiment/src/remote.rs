@@ -21,7 +21,7 @@ use baudbot_run::assignment::{Assigned, Assignment, AssignmentError, AttachedBra
 pub(crate) struct Remote {
     runtime: Runtime,
     client: Client,
-    /// Where the server is, for programs that attach to it.
+    /// The server's address, for programs that attach to it.
     address: String,
     name: String,
     /// Programs that have done a run and wait for another.
@@ -36,7 +36,7 @@ struct Done {
     earlier_runs: u64,
 }
 
-/// Why a run has no end.
+/// A reason why a run has no end.
 enum Failure {
     /// This run could not be; others can.
     Run(String),

@@ -11,14 +11,14 @@ use crate::figures::{Figures, INFOS};
 pub struct Row {
     /// Number of the run, from 0.
     pub run: u64,
-    /// How it went, or why it could not.
+    /// The course of the run, or the reason why it could not be.
     pub outcome: Result<Ran, String>,
 }
 
-/// How a run went.
+/// The course of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ran {
-    /// Why it ended.
+    /// The reason for its end.
     pub ending: String,
     /// The figures of merit.
     pub figures: Figures,

@@ -14,7 +14,7 @@ pub enum Seeds {
 }
 
 impl Seeds {
-    /// How many there are; never 0.
+    /// The number of seeds; never 0.
     pub fn count(&self) -> u64 {
         match self {
             Self::From(first, last) => last - first + 1,
@@ -96,7 +96,7 @@ impl Seeds {
     }
 }
 
-/// How many seeds there are if the file does not say.
+/// The number of seeds if the file has none.
 const DEFAULT_SEEDS: u64 = 10;
 
 /// Largest seed that a scenario can have.

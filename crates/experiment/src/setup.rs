@@ -15,7 +15,7 @@ pub(crate) struct Setup {
     pub(crate) assigned: Assigned,
 }
 
-/// Why a run cannot be done, in a line.
+/// A reason why a run cannot be done, in a line.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum SetupError {
     #[error(transparent)]

@@ -15,9 +15,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Shard {
-    /// How many there are; never 0.
+    /// The number of shards; never 0.
     count: u32,
-    /// Which one it is, from 0.
+    /// The index of this one, from 0.
     index: u32,
 }
 
@@ -35,13 +35,13 @@ pub enum ShardError {
     /// More than there can be.
     #[error("there are at most {MOST} shards, not {count}")]
     TooMany {
-        /// How many there are to be.
+        /// The number that there are to be.
         count: u32,
     },
     /// There are fewer.
     #[error("shards are numbered from 0, as Kubernetes' JOB_COMPLETION_INDEX is, so the last of {count} is {}/{count}", count - 1)]
     Beyond {
-        /// How many there are.
+        /// The number that there are.
         count: u32,
     },
 }
@@ -76,7 +76,7 @@ impl Shard {
         Self { count: count.max(1), index: index as u32 }
     }
 
-    /// How many shards there are.
+    /// The number of shards.
     pub fn count(self) -> u32 {
         self.count
     }

@@ -17,7 +17,7 @@ impl Sample {
         self.squares += from_old * (value - self.mean);
     }
 
-    /// How many there were.
+    /// The number of values.
     pub fn count(&self) -> u64 {
         self.count
     }
@@ -44,14 +44,14 @@ pub fn wilson(successes: u64, count: u64) -> Option<(f64, f64, f64)> {
     let square = NORMAL * NORMAL / n;
     let middle = (share + square / 2.0) / (1.0 + square);
     let half = NORMAL / (1.0 + square) * (share * (1.0 - share) / n + square / (4.0 * n)).sqrt();
-    // Where all or none succeeded the interval reaches the end, whatever rounding says.
+    // If all or none succeeded the interval reaches the end, whatever rounding says.
     let low = if successes == 0 { 0.0 } else { middle - half };
     let high = if successes == count { 1.0 } else { middle + half };
     Some((share, low.max(0.0), high.min(1.0)))
 }
 
-/// What 97.5 % of a t distribution with so many degrees of freedom lie below: a table, and beyond it the first terms of
-/// the expansion in 1 / ν about the normal distribution (Abramowitz and Stegun, 26.7.5).
+/// The bound below which 97.5 % of a t distribution with so many degrees of freedom lie: a table, and beyond it the
+/// first terms of the expansion in 1 / ν about the normal distribution (Abramowitz and Stegun, 26.7.5).
 fn student(freedom: u64) -> f64 {
     if let Some(value) = usize::try_from(freedom - 1).ok().and_then(|i| STUDENT.get(i)) {
         return *value;
@@ -61,7 +61,7 @@ fn student(freedom: u64) -> f64 {
     z + (z3 + z) / (4.0 * v) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * v * v)
 }
 
-/// What 97.5 % of the normal distribution lie below.
+/// The bound below which 97.5 % of the normal distribution lie.
 const NORMAL: f64 = 1.959_963_985;
 
 const STUDENT: [f64; 30] = [

@@ -19,17 +19,18 @@ use crate::summary::Summary;
 use crate::told::Told;
 use crate::{chart, csv_table, resumed, table};
 
-/// How a sweep is done.
+/// The options of a sweep.
 pub struct Options<'a> {
     /// The folder for its outputs.
     pub out: &'a Path,
     /// Deletes the old results, once it is clear that this sweep is done.
     pub fresh: bool,
-    /// Which of the runs are done, and kept in a journal from which nothing else is made; `None`: all, and the outputs.
+    /// The part of the runs that is done, and kept in a journal from which nothing else is made; `None`: all, and the
+    /// outputs.
     pub shard: Option<Shard>,
-    /// Where runs are done.
+    /// The place in which runs are done.
     pub place: Place,
-    /// How many at a time.
+    /// The number of simultaneous runs.
     pub jobs: usize,
     /// A sweep that takes long is wanted all the same.
     pub confirmed: bool,
@@ -48,7 +49,7 @@ impl Options<'_> {
     }
 }
 
-/// How a sweep went.
+/// The result of a sweep.
 #[derive(Debug)]
 pub struct Swept {
     /// It was stopped before its end: there is a journal, and nothing else.

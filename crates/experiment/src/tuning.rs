@@ -1,13 +1,13 @@
-//! How an experiment's fields are tuned, as its file says it.
+//! The tuning of an experiment's fields, as its file says it.
 
 use crate::error::Error;
 use crate::goal::Goal;
 use crate::raw::{self, Method};
 
-/// How numbers are looked for, and what makes them good.
+/// The search for numbers, and the measure of their worth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tuning {
-    /// How they are looked for.
+    /// The method of the search.
     pub method: Method,
     /// The quantity to be maximised.
     pub goal: Goal,

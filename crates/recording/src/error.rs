@@ -6,7 +6,7 @@ use baudbot_scenario::ScenarioError;
 use baudbot_sim::SavedError;
 use thiserror::Error;
 
-/// Why a recording cannot be used.
+/// A reason why a recording cannot be used.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RecordingError {
@@ -22,7 +22,7 @@ pub enum RecordingError {
         crate::topic::HEADER
     )]
     Foreign,
-    /// What it begins with is damaged.
+    /// The beginning is damaged.
     #[error("cannot be replayed: {0}, and the header with the scenario is missing")]
     Headless(String),
     /// It is packed in a way that is not read here.
@@ -44,7 +44,7 @@ pub enum RecordingError {
     Message {
         /// The topic.
         topic: String,
-        /// Why.
+        /// The decoder's error.
         source: prost::DecodeError,
     },
     /// It is more than is taken.
@@ -76,9 +76,9 @@ pub enum RecordingError {
         topic: String,
         /// The number of the field.
         field: u32,
-        /// How many there are.
+        /// The number that there are.
         found: usize,
-        /// How many there may be.
+        /// The number that there may be.
         limit: usize,
     },
     /// Its first state cannot be used.
@@ -88,12 +88,12 @@ pub enum RecordingError {
         tick: u64,
         /// The version of the program that wrote it.
         program: String,
-        /// Why.
+        /// The error in the state.
         source: SavedError,
     },
 }
 
-/// Why a recording could not be written on.
+/// A reason why a recording could not be written on.
 #[derive(Debug, Error)]
 #[error("{}", self.words())]
 pub struct WriteError(#[from] mcap::McapError);
@@ -105,7 +105,7 @@ impl WriteError {
     }
 }
 
-/// How a file is packed that cannot be read here, and what to do about it.
+/// The packing of a file that cannot be read here, and the remedy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Packing {
     /// By Zstandard.

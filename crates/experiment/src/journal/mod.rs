@@ -130,7 +130,7 @@ impl Journal {
         [metadata.created(), metadata.modified()].into_iter().filter_map(Result::ok).min()
     }
 
-    /// Where it is.
+    /// The path.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
@@ -158,12 +158,12 @@ impl<F: Stored> Journal<F> {
         }
     }
 
-    /// How many runs failed before, and are done again.
+    /// The number of runs that failed before, and are done again.
     pub(crate) fn repeated(&self) -> u64 {
         self.repeated
     }
 
-    /// How many runs are in it.
+    /// The number of runs in it.
     pub(crate) fn done(&self) -> u64 {
         self.rows.len() as u64
     }

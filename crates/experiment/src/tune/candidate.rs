@@ -29,7 +29,7 @@ pub struct Outcome {
     pub succeeded: u64,
     /// Runs.
     pub runs: u64,
-    /// Why a run could not be, or had no score.
+    /// The reason why a run failed, or had no score.
     pub error: Option<String>,
 }
 
@@ -92,11 +92,11 @@ pub(super) fn levels(ranges: &[Range], values: &[f64]) -> Vec<Level> {
     ranges.iter().zip(values).map(|(range, value)| range.level(*value)).collect()
 }
 
-/// What costs a candidate of which all runs fail. Of a million runs each is worth 2000, and no two scores are farther apart
-/// than 1500.
+/// The cost of a candidate of which all runs fail. Of a million runs each is worth 2000, and no two scores are
+/// farther apart than 1500.
 const FAILURE: f64 = 2e9;
 
-/// What costs a candidate that has no score: more than any score, and nothing beside a failure.
+/// The cost of a candidate that has no score: more than any score, and nothing beside a failure.
 const NO_SCORE: f64 = 800.0;
 
 #[cfg(test)]

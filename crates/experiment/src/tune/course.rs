@@ -7,7 +7,7 @@ use crate::tuning::Tuning;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Course {
     pub(super) method: Method,
-    /// How many numbers are looked for; at least 1.
+    /// The number of dimensions; at least 1.
     pub(super) dimensions: usize,
     /// Candidates of a generation; a genetic algorithm may have fewer, as it keeps some.
     pub(super) population: usize,

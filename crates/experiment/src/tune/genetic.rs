@@ -70,7 +70,7 @@ const TOURNAMENT: usize = 3;
 /// With which probability the best of those that are left wins it.
 const WINS: f64 = 0.8;
 
-/// How far beyond its parents a child may be, as a share of their distance.
+/// The distance beyond its parents at which a child may be, as a fraction of theirs.
 const BLEND: f64 = 0.25;
 
 /// Mutations of a child, on average; of a single coordinate each child's.
@@ -100,7 +100,7 @@ mod tests {
         }
         let least = past.concat().into_iter().fold(f64::INFINITY, f64::min);
         assert!(least < 0.01, "{least}");
-        // Where all costs are the same nothing pulls: children are all over the place.
+        // Equal costs pull nowhere: children are all over the place.
         let same: Vec<_> = past.iter().map(|costs| vec![1.0; costs.len()]).collect();
         let last = generation(&COURSE, &same);
         assert!(last.iter().any(|point| cost(point) > 0.1), "{last:?}");

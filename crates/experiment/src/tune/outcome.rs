@@ -19,7 +19,7 @@ use baudbot_run::assignment;
 use super::candidate::{Candidate, Outcome, levels};
 use super::plan::ranges;
 
-/// How a tuning went.
+/// The result of a tuning.
 #[derive(Debug)]
 pub struct Tuned {
     /// It was stopped before its end: there is a journal, and nothing else.
@@ -224,7 +224,7 @@ fn at_an_end(field: &Field, value: f64) -> &'static str {
     }
 }
 
-/// How much of its range lies below a value.
+/// The fraction of its range below a value.
 fn share(field: &Field, value: f64) -> Option<f64> {
     match &field.choice {
         Choice::Range(range) => Some(range.share(value)),
@@ -245,7 +245,7 @@ fn quoted(text: &str) -> String {
     format!("'{}'", text.replace('\'', r"'\''"))
 }
 
-/// What a candidate sets.
+/// The settings of a candidate.
 #[derive(Default)]
 struct Settings {
     brains: Vec<String>,

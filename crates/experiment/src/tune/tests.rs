@@ -191,7 +191,7 @@ fn a_described_brain_is_written_down_with_its_numbers() {
             && best.ends_with("# slowly\nutility = { bias = 0.3 }\n"),
         "{best}"
     );
-    // What is described in another way is another experiment.
+    // A brain that is described in another way is another experiment.
     std::fs::write(&timid, description.replace("0.3", "0.2")).unwrap();
     let error = run_until(&toml, &out, 2, u64::MAX).unwrap_err().to_string();
     assert!(error.contains("belongs to another experiment"), "{error}");
