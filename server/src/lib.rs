@@ -71,7 +71,7 @@
 //! - **A brain's hold** on its robots is a `Lease` (`message/attach.rs`): wherever it is dropped, the robots are
 //!   released, and stop if their brain has asked for it (`actor/final_command.rs`).
 //! - **Trainers** (`trainer/`) hold robots by the sessions of brains, and their Steps take the same way
-//!   (`brain_link/steps.rs`). They are another `Recipient`, which is sent the truth (`truth.rs`), on a listener
+//!   (`brain_link/steps.rs`). They are another `Recipient`, which is sent the truth (`message/truth.rs`), on a listener
 //!   of their own (`server/router.rs`).
 //! - **Watchers of cables** (`cables.rs`): while there is one, its robot's lines keep the bytes that are taken at
 //!   their ends (`crates/sim/src/link/tape.rs`), outside the state; `crates/sim/src/cable.rs` reads them at the
@@ -158,7 +158,6 @@ mod state;
 mod system;
 mod thinking;
 mod trainer;
-mod truth;
 
 pub use actor::{DirectWorld, OnBelief, OnTick, Progress};
 

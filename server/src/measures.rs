@@ -12,8 +12,14 @@ use crate::report::{Activity, Keeping};
 /// The name of a metric, its help, and its value. Counters end in `_total`, all others are gauges.
 pub(crate) type Metric<Value> = (&'static str, &'static str, Value);
 
+/// A number of a robot and of the brain that holds it.
+type OfRobot = fn(&RobotView<'_>, &SlotMeasures) -> f64;
+
+/// A number of a line, with the bytes that wait for it or are on it.
+type OfLine = fn(&LineCounters, u64) -> f64;
+
 /// The metrics of a robot.
-pub(crate) const OF_ROBOTS: [Metric<fn(&RobotView<'_>, &SlotMeasures) -> f64>; 14] = [
+pub(crate) const OF_ROBOTS: [Metric<OfRobot>; 14] = [
     ("baudbot_robot_turns_total", "Steps of the robot's brain, answered or not.", |robot, _| {
         robot.counters().turns as f64
     }),
@@ -67,7 +73,7 @@ pub(crate) const OF_ROBOTS: [Metric<fn(&RobotView<'_>, &SlotMeasures) -> f64>; 1
 ];
 
 /// The metrics of one direction of a cable, with the bytes that wait for it or are on it.
-pub(crate) const OF_LINES: [Metric<fn(&LineCounters, u64) -> f64>; 9] = [
+pub(crate) const OF_LINES: [Metric<OfLine>; 9] = [
     ("baudbot_link_bytes_total", "Bytes that went over the line, lost ones included.", |line, _| {
         line.bytes as f64
     }),

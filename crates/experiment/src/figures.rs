@@ -192,15 +192,10 @@ impl Figures {
         let is_goal = is_the_goal || run.ending_kind() == EndingKind::AllGoals;
         let robots = &run.robots;
         let sum = |count: fn(&RobotStatus) -> u64| Some(robots.iter().map(count).sum::<u64>() as f64);
-        let ages =
-            || robots.iter().flat_map(|robot| &robot.sensors).filter_map(|sensor| sensor.ages.as_ref());
-        let aged: u64 = ages().map(|ages| ages.count).sum();
-        let age_ns: f64 = ages().map(|ages| ages.mean_ns as f64 * ages.count as f64).sum();
         let batteries = robots.iter().filter_map(|robot| robot.battery.as_ref());
         let energy = batteries.map(|battery| battery.used_j).reduce(|a, b| a + b);
         let cycles = || robots.iter().map(|robot| robot.cycles.unwrap_or_default());
         let exchanges = cycles().map(|cycles| cycles.durations.map_or(0, |answered| answered.count)).min();
-        let oldest = |of: fn(&Durations) -> u64| ages().map(of).max().map(|ns| ns as f64 / 1e6);
         let cycle = cycles().filter_map(|cycles| Some(cycles.durations?.p95_ns)).max();
         let kept: u64 = cycles().map(|cycles| cycles.kept).sum();
         let over = kept + cycles().map(|cycles| cycles.late).sum::<u64>();
@@ -216,10 +211,7 @@ impl Figures {
         );
         figures.set(Figure::GoalTimeS, is_goal.then_some(time_s));
         figures.set(Figure::EnergyJ, energy);
-        figures.set(Figure::StalenessMeanMs, (aged > 0).then(|| age_ns / aged as f64 / 1e6));
-        figures.set(Figure::StalenessP50Ms, oldest(|ages| ages.p50_ns));
-        figures.set(Figure::StalenessP95Ms, oldest(|ages| ages.p95_ns));
-        figures.set(Figure::StalenessMaxMs, oldest(|ages| ages.max_ns));
+        figures.set_staleness(robots);
         figures.set(Figure::StepKept, (over > 0).then(|| kept as f64 / over as f64));
         figures.set(Figure::CycleP95Ms, cycle.map(|ns| ns as f64 / 1e6));
         figures.set(Figure::ExchangesPerS, exchanges.map(|count| count as f64 / time_s));
@@ -227,6 +219,19 @@ impl Figures {
         figures.set(Figure::FramesMissed, sum(|robot| robot.frames_missed));
         figures.set(Figure::ReadsMissed, sum(|robot| robot.sensors.iter().map(|sensor| sensor.missed).sum()));
         figures
+    }
+
+    /// Sets the figures of the ages of readings.
+    fn set_staleness(&mut self, robots: &[RobotStatus]) {
+        let ages =
+            || robots.iter().flat_map(|robot| &robot.sensors).filter_map(|sensor| sensor.ages.as_ref());
+        let aged: u64 = ages().map(|ages| ages.count).sum();
+        let age_ns: f64 = ages().map(|ages| ages.mean_ns as f64 * ages.count as f64).sum();
+        let oldest = |of: fn(&Durations) -> u64| ages().map(of).max().map(|ns| ns as f64 / 1e6);
+        self.set(Figure::StalenessMeanMs, (aged > 0).then(|| age_ns / aged as f64 / 1e6));
+        self.set(Figure::StalenessP50Ms, oldest(|ages| ages.p50_ns));
+        self.set(Figure::StalenessP95Ms, oldest(|ages| ages.p95_ns));
+        self.set(Figure::StalenessMaxMs, oldest(|ages| ages.max_ns));
     }
 }
 

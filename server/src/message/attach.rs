@@ -10,10 +10,10 @@ use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::Status;
 
+use super::truth::Truth;
 use super::{Message, WorldHandle};
 use crate::beliefs::Beliefs;
 use crate::endpoint::Mode;
-use crate::truth::Truth;
 
 /// A brain program asks for robots.
 pub(crate) struct Attach {

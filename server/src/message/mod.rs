@@ -3,6 +3,7 @@
 mod attach;
 mod handle;
 mod request;
+mod truth;
 
 use std::sync::Arc;
 
@@ -19,6 +20,7 @@ use crate::report::{CoverageReport, Report, Standing, Version};
 pub(crate) use attach::{Attach, Attached, Deliveries, Delivery, Lease, Recipient, Told};
 pub(crate) use handle::WorldHandle;
 pub(crate) use request::{RecordConfig, Request};
+pub(crate) use truth::Truth;
 
 /// The channel for the answer to a request.
 pub(crate) type Reply<T> = oneshot::Sender<Result<T, Status>>;

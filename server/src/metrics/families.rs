@@ -6,8 +6,11 @@ use crate::limits::InForce;
 use crate::measures::{Measures, Metric, OF_LINES, OF_ROBOTS, QUANTILES, RobotMeasures};
 use crate::report::Activity;
 
+/// A number of a world.
+type OfWorld = fn(&Measures) -> f64;
+
 /// The metrics of a world.
-const WORLDS: [Metric<fn(&Measures) -> f64>; 14] = [
+const WORLDS: [Metric<OfWorld>; 14] = [
     ("baudbot_world_ticks_total", "Ticks done since the run began.", |w| w.tick as f64),
     ("baudbot_world_simulated_seconds_total", "Simulated time since the run began.", |w| w.time.as_seconds()),
     ("baudbot_world_running_seconds_total", "Wall-clock time during which the world was running.", |w| {

@@ -70,7 +70,6 @@ impl Detailed {
             Some(view) => (view, world.time()),
             None => (world.robot(self.robot), within(world, self.robot)),
         };
-        let spec = view.spec();
         let (missed_events, events) = world.robot(self.robot).timeline().since(self.events);
         // Before the first frame nothing is missed.
         let missed_events = if self.events == 0 { 0 } else { missed_events };
@@ -102,8 +101,8 @@ impl Detailed {
             missed_pin_events,
             attached: brain.is_some(),
             brain: brain.unwrap_or_default().to_owned(),
-            cable_pulled: spec.link.is_pulled(),
-            baud: spec.link.baud(),
+            cable_pulled: view.spec().link.is_pulled(),
+            baud: view.spec().link.baud(),
         }
     }
 

@@ -13,9 +13,9 @@ use crate::convert::{self, RobotTurn};
 use crate::endpoint::Mode;
 use crate::measures::Answering;
 use crate::message::Recipient;
+use crate::message::Truth;
 use crate::pace::Terms;
 use crate::thinking::ProcessorTime;
-use crate::truth::Truth;
 
 /// Places in a brain's stream that Turns leave free, so that the news of an end always finds room.
 pub(crate) const RESERVED: usize = 8;
@@ -171,12 +171,9 @@ impl Session {
     }
 
     fn truth(&self, world: &World, lockstep: bool) -> Truth {
-        Truth::of(
-            world,
-            self.robots.iter().copied().zip(self.collisions.iter().copied()),
-            self.turns.era,
-            lockstep,
-        )
+        let standing = convert::standing(world, &self.robots);
+        let (era, ending) = (self.turns.era, world.ending().cloned());
+        Truth { era, lockstep, standing, ending, collisions_before: self.collisions.clone() }
     }
 
     /// The Turn of this number for its robots that step, `at` by robot.

@@ -100,10 +100,10 @@ impl Refusal {
                 "leave it out"
             }
         };
-        match self {
-            Self::Unreadable(cause) => Error::file("read", path)(cause),
-            refusal => Error::Refused(format!("{} {refusal}; {remedy}", path.display())),
+        if let Self::Unreadable(cause) = self {
+            return Error::file("read", path)(cause);
         }
+        Error::Refused(format!("{} {self}; {remedy}", path.display()))
     }
 }
 

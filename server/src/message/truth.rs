@@ -1,9 +1,7 @@
 //! The truth for trainers: about robots that they drive, which brains never get.
 
 use baudbot_proto::v1;
-use baudbot_sim::{Ending, World};
-
-use crate::convert;
+use baudbot_sim::Ending;
 
 /// The truth at the start of a tick, for the trainer that holds some of the robots.
 ///
@@ -19,18 +17,4 @@ pub(crate) struct Truth {
     pub(crate) ending: Option<Ending>,
     /// How often each robot had collided before the era: never before a reset, and maybe before a state was restored.
     pub(crate) collisions_before: Vec<u64>,
-}
-
-impl Truth {
-    /// The truth about these robots of a world, each with how often it had collided when the era began.
-    pub(crate) fn of(
-        world: &World,
-        robots: impl Iterator<Item = (usize, u64)>,
-        era: u64,
-        lockstep: bool,
-    ) -> Self {
-        let (robots, collisions_before): (Vec<_>, _) = robots.unzip();
-        let standing = convert::standing(world, &robots);
-        Self { era, lockstep, standing, ending: world.ending().cloned(), collisions_before }
-    }
 }
