@@ -44,7 +44,7 @@ from baudbot.channel import open_channel
 from baudbot.v1 import brain_link_pb2 as pb
 from baudbot.v1.brain_link_pb2_grpc import BrainLinkServiceStub
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "client/python/tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "client/python/tests"))
 from server import Server  # noqa: E402
 
 SENSORS = ("ir_left", "ir_front_left", "ir_front", "ir_front_right", "ir_right")
