@@ -83,7 +83,7 @@ def shard(names, text):
 
 
 def crate_of(name):
-    return name.split("/", 1)[0]
+    return name.removeprefix("crates/").split("/", 1)[0]
 
 
 def known(results):
