@@ -9,8 +9,8 @@
 //! 3. `page` is the viewer for browsers: a client like any other, whose `calls` come over a WebSocket and go through a `pipe` in memory. On
 //!    the same port, `metrics` are for monitoring.
 //! 4. `registry` finds a world's handle by name. A `message` is all that passes to a world; answers are a `report` for
-//!    operators, a `frame` for observers, `measures` for monitoring. `convert` is the only folder that names both the contract's
-//!    types and these.
+//!    operators, a `frame` for observers, `measures` for monitoring. `convert` makes the contract's types of the
+//!    world's, and back.
 //! 5. `mailbox` decides where a message is handled: on a thread of the `pool`, which says which world comes first, or inline by
 //!    its sender.
 //! 6. `actor` is a world with all that happens to it: it alone touches the world. [`Pace`] says when a tick may end, `sessions`

@@ -344,11 +344,12 @@ async fn restarted(folder: &Path, pace: Pace, waits: bool, recording: &str) -> (
         let change = Some(Intervention::DetachBrain(restart));
         let asked = v1::InterveneRequest { world: "w".into(), intervention: change };
         // One that has not come back yet cannot be thrown off; a world that waits for it is asked again.
-        let mut is_done = operator.intervene(asked.clone()).await.is_ok();
-        while waits && !is_done {
-            is_done = operator.intervene(asked.clone()).await.is_ok();
+        let mut answer = operator.intervene(asked.clone()).await;
+        while let (true, Err(refused)) = (waits, &answer) {
+            assert_eq!(refused.code(), Code::FailedPrecondition, "{refused}");
+            answer = operator.intervene(asked.clone()).await;
         }
-        done += u32::from(is_done);
+        done += u32::from(answer.is_ok());
     }
     let begun = program.await.unwrap();
     let hash = status(&server).await.state_hash;

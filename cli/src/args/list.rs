@@ -47,7 +47,7 @@ Examples:
 Visual Studio Code reads that line with the extension Even Better TOML, other editors with taplo or tombi. In place of a line in
 each file, a file `.taplo.toml` in the folder can name all scenarios:
       [[rule]]
-      include = [\"catalogue/scenarios/**/*.toml\"]
+      include = [\"scenarios/**/*.toml\"]
       schema.path = \"./scenario.schema.json\"
 
 `taplo lint FILE` and `tombi lint FILE` check a file on the command line. Only `baudbot check` finds what depends on other fields.";

@@ -10,6 +10,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use baudbot_brain::Body;
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_fields::Cause;
+use baudbot_run::UnknownName;
+use baudbot_run::assignment::{self, Assigned, AssignmentError};
 use baudbot_scenario::ScenarioError;
 use baudbot_sim::Scenario;
 
@@ -19,8 +21,6 @@ use crate::experiment::Experiment;
 use crate::factor::{Choice, Level, Setting};
 use crate::run_record::Task;
 use crate::setup::{self, Setup, SetupError};
-use baudbot_run::UnknownName;
-use baudbot_run::assignment::{self, Assigned, AssignmentError};
 
 /// Refuses an experiment whose scenario, brain or paths are not there, or whose runs would never end.
 ///

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use baudbot_run::UnknownName;
+use baudbot_run::assignment;
 use baudbot_run::programs::{EXEC, Lifetime};
 use toml::Value;
 
@@ -15,8 +17,6 @@ use crate::run_record::{self, Row, Task};
 use crate::seeds::Seeds;
 use crate::success::Success;
 use crate::tuning::Tuning;
-use baudbot_run::UnknownName;
-use baudbot_run::assignment;
 
 /// An experiment. Made by parsing only; whether its paths exist is found by [`check`](crate::check()).
 #[derive(Clone, Debug, PartialEq)]

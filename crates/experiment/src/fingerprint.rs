@@ -3,14 +3,14 @@
 use std::fmt::Write;
 
 use baudbot_brains::catalogue;
+use baudbot_run::assignment;
+use baudbot_run::in_process::InProcess;
 use baudbot_run::programs::Lifetime;
 use baudbot_server::world_status;
 
 use crate::experiment::Experiment;
 use crate::figures::INFOS;
 use crate::run_record::Ran;
-use baudbot_run::assignment;
-use baudbot_run::in_process::InProcess;
 
 /// Equal for experiments whose runs are the same, run by run. Reports and charts make no difference.
 pub(crate) fn fingerprint(experiment: &Experiment) -> String {

@@ -3,12 +3,12 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use baudbot_run::in_process;
 use baudbot_server::world_status;
 
 use crate::experiment::Experiment;
 use crate::run_record::{Ran, Row, Task};
 use crate::setup::Setup;
-use baudbot_run::in_process;
 
 /// Does a run with brains of the catalogue; others need a server ([`Workers`](crate::Workers)). Whatever goes wrong in it, a panic too, is the row's error, and touches no other run: a run shares nothing
 /// with others but the experiment, which never changes.

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use baudbot_run::assignment;
 use baudbot_run::programs::EXEC;
 
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::read::{self, ReadError};
-use baudbot_run::assignment;
 
 /// An experiment's file, with what it names.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use baudbot_run::assignment;
 use toml::{Table, Value};
 
 use crate::error::Error;
 use crate::factor::{Choice, Field, Setting};
-use baudbot_run::assignment;
 
 /// Refuses fields that vary the same place, whatever their labels are. `text` is the scenario's, which says which robot is `robots[0]`.
 pub(crate) fn unique(fields: &[Field], text: &str) -> Result<(), Error> {

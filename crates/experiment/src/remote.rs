@@ -6,6 +6,7 @@ use std::time::Duration;
 use baudbot_client::{Channel, Client, Error as ClientError, connect};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
+use baudbot_run::assignment::{Assigned, Assignment, AssignmentError, AttachedBrains, START_PATIENCE};
 use baudbot_run::programs::{Crew, Failure as Broken, Held, Idle, Lifetime, Problem};
 use tokio::runtime::Runtime;
 use tonic::{Code, Status};
@@ -15,7 +16,6 @@ use crate::experiment::Experiment;
 use crate::private_server::PrivateServer;
 use crate::run_record::{Ran, Row, Task};
 use crate::setup::{self, Setup};
-use baudbot_run::assignment::{Assigned, Assignment, AssignmentError, AttachedBrains, START_PATIENCE};
 
 /// A connection to a server that does runs.
 pub(crate) struct Remote {

@@ -5,12 +5,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use baudbot_run::assignment;
 use baudbot_run::programs::Program;
 
 use crate::experiment::Experiment;
 use crate::journal::Journal;
 use crate::told::Told;
-use baudbot_run::assignment;
 
 /// Tells of the runs that are in the journal, of so many if that is known.
 pub(crate) fn tell(experiment: &Experiment, journal: &Journal, total: Option<u64>, tell: &dyn Fn(&Told)) {

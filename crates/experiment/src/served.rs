@@ -7,6 +7,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use baudbot_proto::v1;
+use baudbot_run::assignment::Assigned;
 use baudbot_server::{Lockstep, Pace, WorldConfig};
 use baudbot_sim::{Scenario, World};
 use tokio::sync::oneshot;
@@ -15,7 +16,6 @@ use crate::error::Error;
 use crate::private_server::PrivateServer;
 use crate::remote::{Host, Remote};
 use crate::setup::Setup;
-use baudbot_run::assignment::Assigned;
 
 /// A run that is under way, in lockstep. It is given up when this is dropped: then its programs end, too.
 pub struct Served<T> {

@@ -1,13 +1,13 @@
 //! The setup of a run: its scenario, and the brain of each robot.
 
+use baudbot_run::UnknownName;
+use baudbot_run::assignment::{self, Assigned, AssignmentError};
 use baudbot_scenario::{Override, ScenarioError};
 use baudbot_sim::Scenario;
 
 use crate::experiment::Experiment;
 use crate::factor::Setting;
 use crate::run_record::Task;
-use baudbot_run::UnknownName;
-use baudbot_run::assignment::{self, Assigned, AssignmentError};
 
 /// A run that can be done.
 pub(crate) struct Setup {

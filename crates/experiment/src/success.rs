@@ -2,12 +2,12 @@
 
 use std::fmt;
 
+use baudbot_run::UnknownName;
 use toml::Table;
 
 use crate::error::Error;
 use crate::factor::number;
 use crate::figures::{Figure, Figures};
-use baudbot_run::UnknownName;
 
 /// Conditions on figures, of which there is at least one.
 pub type Success = Conditions<Figure>;

@@ -36,7 +36,10 @@ macro_rules! optional_parts {
                         let mut parts = <$type>::default();
                         while let Some(name) = map.next_key::<&str>()? {
                             match name {
-                                $(stringify!($part) => parts.$part = Some(map.next_value()?),)+
+                                $(stringify!($part) if parts.$part.is_some() => {
+                                    return Err(serde::de::Error::duplicate_field(stringify!($part)));
+                                }
+                                stringify!($part) => parts.$part = Some(map.next_value()?),)+
                                 _ => return Err(serde::de::Error::unknown_field(name, &[$(stringify!($part)),+])),
                             }
                         }
@@ -100,6 +103,25 @@ mod tests {
                 assert_eq!(postcard::from_bytes::<(u8, After, [f64; 3])>(&bytes(&with_it)).unwrap(), with_it);
                 assert!(postcard::from_bytes::<(u8, Before, [f64; 3])>(&bytes(&with_it)).is_err());
             }
+        }
+    }
+
+    #[test]
+    fn a_part_that_comes_twice_or_has_another_name_is_refused() {
+        let twice = |names: [&str; 2]| {
+            let mut map = alloc::vec![2];
+            for name in names {
+                map.push(name.len() as u8);
+                map.extend(name.bytes().chain([7]));
+            }
+            postcard::from_bytes::<After>(&map)
+        };
+        assert_eq!(
+            twice(["charge", "added"]).unwrap(),
+            After { charge: Some(7), added: Some(7), error_m: None }
+        );
+        for names in [["charge", "charge"], ["charge", "fuel"]] {
+            assert!(twice(names).is_err(), "{names:?}");
         }
     }
 

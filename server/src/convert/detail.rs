@@ -1,4 +1,4 @@
-//! What details of robots for observers are made of.
+//! The parts of robots' details for observers.
 
 use baudbot_proto::v1;
 use baudbot_sim::Pose;

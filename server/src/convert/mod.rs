@@ -1,4 +1,5 @@
-//! Conversions between the contract's types and the domain's: the only folder that names both.
+//! Conversions between the contract's types and the world's. Observers' details, reports of recordings and of replays are made where
+//! their numbers are, with these conversions for all that is more than a number.
 //!
 //! `brain` and `turn` are for brains; `observe`, `detail`, `pins`, `cable` and `coverage` are for observers; `status`, `budget`, `intervention`, `pace` and
 //! `replay` are for operators; `trainer` is for trainers. This file has what they share.

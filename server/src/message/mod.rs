@@ -1,4 +1,5 @@
-//! Messages to a world, and its answers. They have domain types only, which `convert` turns into the contract's.
+//! Messages to a world, and its answers. Requests have the world's types, which `convert` makes of the contract's. Answers may have
+//! those of the contract, so that nothing is copied twice.
 
 mod attach;
 mod handle;

@@ -12,8 +12,7 @@ use super::thinking::Thinking;
 use crate::convert::{self, RobotTurn};
 use crate::endpoint::Mode;
 use crate::measures::Answering;
-use crate::message::Recipient;
-use crate::message::Truth;
+use crate::message::{Recipient, Truth};
 use crate::pace::Terms;
 use crate::thinking::ProcessorTime;
 

@@ -8,8 +8,7 @@ use tonic::{Code, Status};
 use crate::brain_link::{CheckedStep, Steps, TURNS_AHEAD, check, take_robots};
 use crate::control::scenario_of_reset;
 use crate::convert;
-use crate::message::Truth;
-use crate::message::{Lease, Recipient, Request, Told, WorldHandle};
+use crate::message::{Lease, Recipient, Request, Told, Truth, WorldHandle};
 use crate::registry::Registry;
 use crate::sessions::RESERVED;
 

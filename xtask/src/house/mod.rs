@@ -39,9 +39,10 @@ pub(crate) fn run(arguments: &[String]) -> Result<bool, Error> {
         print(&report::table(&crates))?;
         return Ok(true);
     }
-    let found = report::amiss(&crates, &report::Exceptions::read(&root)?);
+    let exceptions = report::Exceptions::read(&root)?;
+    let found = report::amiss(&crates, &exceptions);
     if found.is_empty() {
-        print(&format!("{}; exceptions: {EXCEPTIONS}\n", report::NOTHING_AMISS))?;
+        print(&format!("{}\n", exceptions.nothing_amiss()))?;
     } else {
         print(&format!("{}\n", found.join("\n")))?;
     }
@@ -52,6 +53,11 @@ pub(crate) fn run(arguments: &[String]) -> Result<bool, Error> {
 pub(crate) fn findings(root: &Path) -> Result<Vec<String>, Error> {
     let crates = measure::crates(&sources::in_folder(root)?);
     Ok(report::amiss(&crates, &report::Exceptions::read(root)?))
+}
+
+/// The line of a check of the working tree below `root` that finds nothing.
+pub(crate) fn nothing_amiss(root: &Path) -> Result<String, Error> {
+    Ok(report::Exceptions::read(root)?.nothing_amiss())
 }
 
 /// A reason why the code could not be measured.

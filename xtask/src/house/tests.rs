@@ -223,6 +223,9 @@ fn a_number_that_may_not_be_exceeded_lets_pass_what_is_there() {
     assert_eq!(folder.findings()[2], clauses);
     folder.write(EXCEPTIONS, "[at_most]\nclause_comments_in_1000 = 500\nparticiples = 2\n");
     assert_eq!(folder.findings(), Vec::<String>::new());
+    folder.write(EXCEPTIONS, "[at_most]\nclause_comments_in_1000 = 500\nparticiples = 3\n");
+    let spare = "xtask/house.toml: [at_most] participles: is 3, and there are 2; write that";
+    assert_eq!(folder.findings(), [spare]);
     folder.write(EXCEPTIONS, "[at_most]\nclause_comments_in_1000 = 499\nparticiples = 1\n");
     assert_eq!(folder.findings().len(), 3);
 }

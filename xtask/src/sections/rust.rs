@@ -1,5 +1,6 @@
 //! Sections that need Rust only.
 
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde::Deserialize;
@@ -37,7 +38,7 @@ pub(super) fn structure(shell: &Shell) -> Result<(), Failure> {
         }
     }
     if findings.is_empty() {
-        shell.say("no circle of modules, nothing too long, no error that is a text, no way from a brain to the world");
+        shell.say(&format!("{}; no way from a brain to the world", house::nothing_amiss(root)?));
         return Ok(());
     }
     Err(Failure::Wrong(findings.join("\n")))
@@ -97,7 +98,7 @@ pub(super) fn fuzz_briefly(shell: &Shell) -> Result<(), Failure> {
 
 /// The program of the tests' profile, with all features, which other sections use. It is what the tests were built with: an
 /// example among the targets makes Cargo choose the features as it does for tests.
-pub(super) fn built(shell: &Shell) -> Result<std::path::PathBuf, Failure> {
+pub(super) fn built(shell: &Shell) -> Result<PathBuf, Failure> {
     shell.run(shell.cargo([
         "build",
         "--quiet",
@@ -241,8 +242,8 @@ pub(super) fn supply_chain(shell: &Shell) -> Result<(), Failure> {
 /// Runs cargo-deny, which is built once for all checkouts of this machine. No registry but crates.io has this version.
 pub(super) fn cargo_deny(shell: &Shell, arguments: &[&str]) -> Result<(), Failure> {
     const VERSION: &str = "0.20.2";
-    let home = std::env::var_os("XDG_CACHE_HOME").map(std::path::PathBuf::from);
-    let cache = home.or_else(|| Some(std::path::PathBuf::from(std::env::var_os("HOME")?).join(".cache")));
+    let home = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from);
+    let cache = home.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".cache")));
     let folder = cache.map_or_else(|| shell.place.target.join("tools"), |cache| cache.join("baudbot"));
     let folder = folder.join(format!("cargo-deny-{VERSION}"));
     let program = folder.join("bin/cargo-deny");
@@ -272,8 +273,7 @@ pub(super) fn quick(shell: &Shell, folders: &[String]) -> Result<(), Failure> {
     }
     let mut packages = Vec::new();
     for folder in folders {
-        let manifest = shell.place.root.join(folder).join("Cargo.toml");
-        let Ok(text) = std::fs::read_to_string(&manifest) else {
+        let Some((manifest, text)) = manifest_of(&shell.place.root, folder) else {
             return Err(Failure::Wrong(format!(
                 "there is no crate in {folder}: ./test quick takes crates by their folders, such as sim or wire"
             )));
@@ -293,4 +293,36 @@ pub(super) fn quick(shell: &Shell, folders: &[String]) -> Result<(), Failure> {
             ["clippy", "--all-targets"].into_iter().chain(packages()).chain(["--", "-D", "warnings"]),
         ))?;
     shell.run(shell.cargo(["test", "--quiet"].into_iter().chain(packages())))
+}
+
+/// The manifest of the crate in a folder, with its text. The crates in `crates/` and `viewer/` need no more than their own name.
+fn manifest_of(root: &Path, folder: &str) -> Option<(PathBuf, String)> {
+    ["", "crates", "viewer"].into_iter().find_map(|around| {
+        let path = root.join(around).join(folder).join("Cargo.toml");
+        let text = std::fs::read_to_string(&path).ok()?;
+        Some((path, text))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_crate_goes_by_the_name_of_its_folder() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let is_crate = |folder: &Path| folder.join("Cargo.toml").is_file();
+        let mut found = 0;
+        for around in ["", "crates", "viewer"].map(|around| root.join(around)) {
+            let folders = std::fs::read_dir(around).unwrap().map(|entry| entry.unwrap().path());
+            for folder in folders.filter(|folder| is_crate(folder)) {
+                let name = folder.file_name().unwrap().to_str().unwrap();
+                let (manifest, _) = manifest_of(&root, name).unwrap_or_else(|| panic!("{name}"));
+                assert_eq!(manifest, folder.join("Cargo.toml"), "two crates are in folders of this name");
+                found += 1;
+            }
+        }
+        assert!(found > 20, "{found}");
+        assert_eq!(manifest_of(&root, "docs"), None);
+    }
 }

@@ -2,19 +2,19 @@
 
 use std::time::Duration;
 
-use crate::error::Error;
-use crate::seeds::Seeds;
-use crate::success::Conditions;
 use baudbot_geometry::Point;
 use baudbot_run::UnknownName;
 use baudbot_run::assignment::{self, NONE};
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
 
+use crate::error::Error;
 use crate::grade::advice::Advice;
 use crate::grade::measure::Measure;
 use crate::grade::raw;
 use crate::grade::watch::Target;
+use crate::seeds::Seeds;
+use crate::success::Conditions;
 
 /// An exercise. Made by parsing only; its scenario, its robot and its measures exist.
 #[derive(Clone, Debug)]

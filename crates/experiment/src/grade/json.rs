@@ -1,12 +1,12 @@
 //! Gradings and exercises as JSON, for programs. `docs/how-to/grading.md` describes the fields.
 
-use crate::success::Quantity;
 use serde_json::{Map, Value, json};
 
 use crate::grade::exercise::Exercise;
 use crate::grade::grading::Grading;
 use crate::grade::measure::Measure;
 use crate::grade::run::Run;
+use crate::success::Quantity;
 
 /// The fields at the top of a grading.
 pub const JSON_FIELDS: [&str; 10] = [

@@ -1,8 +1,9 @@
 //! Measures: the numbers of a run that criteria and advice are about.
 
+use baudbot_run::UnknownName;
+
 use crate::figures::{Figure, INFOS};
 use crate::success::Quantity;
-use baudbot_run::UnknownName;
 
 /// A number of a run. A measure that does not apply to a run is missing, and keeps no limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

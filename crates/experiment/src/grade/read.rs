@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use crate::error::Error;
 use baudbot_import::embedded;
 use baudbot_import::kind::Kind;
 use baudbot_import::source::{self, Source, SourceError};
 
+use crate::error::Error;
 use crate::grade::exercise::Exercise;
 
 /// A reason why an exercise cannot be read.

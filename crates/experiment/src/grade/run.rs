@@ -3,13 +3,13 @@
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use crate::error::Error;
-use crate::served::{Next, Served};
 use baudbot_run::assignment::{Assigned, START_PATIENCE};
 use baudbot_sim::{Ending, World};
 
+use crate::error::Error;
 use crate::grade::exercise::{Exercise, Limits};
 use crate::grade::watch::{Hit, Measures, Watch};
+use crate::served::{Next, Served};
 
 /// A run, and what came of it.
 #[derive(Clone, Debug, PartialEq)]

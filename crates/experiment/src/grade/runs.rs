@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use crate::error::Error;
 use baudbot_run::assignment::Assigned;
 
+use crate::error::Error;
 use crate::grade::exercise::Exercise;
 use crate::grade::grading::Grading;
 use crate::grade::run::Run;

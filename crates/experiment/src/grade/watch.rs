@@ -1,12 +1,12 @@
 //! The measures of a run, from the world at the beginning of each tick. None of it reaches a brain.
 
-use crate::figures::Figures;
-use crate::served::Believed;
 use baudbot_geometry::{Point, angle};
 use baudbot_sim::collision::Collision;
 use baudbot_sim::{RobotView, World};
 
+use crate::figures::Figures;
 use crate::grade::measure::{MEASURES, Measure, Own};
+use crate::served::Believed;
 
 /// All measures of a run.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,18 +6,17 @@ use std::path::PathBuf;
 use baudbot_brains::catalogue;
 use baudbot_fields::printable::PrintableLines;
 use baudbot_plot::chart::progress::{self, Progress};
+use baudbot_run::assignment;
 use serde_json::{Value, json};
 
+use super::candidate::{Candidate, Outcome, levels};
+use super::plan::ranges;
 use crate::chart;
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::factor::{Choice, Field, Setting};
 use crate::goal::Goal;
 use crate::outputs::{Content, Folder};
-use baudbot_run::assignment;
-
-use super::candidate::{Candidate, Outcome, levels};
-use super::plan::ranges;
 
 /// The result of a tuning.
 #[derive(Debug)]

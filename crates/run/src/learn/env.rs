@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::in_process::{Driver, Output};
 use baudbot_sim::{Answer, Ending, Turn, World};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
+use crate::in_process::{Driver, Output};
 use crate::learn::agent::{Agent, Choice, SavedAgent};
 use crate::learn::error::LearnError;
 use crate::learn::reward::Tally;

@@ -1,9 +1,10 @@
 //! The errors of a task, an action or a reward.
 
-use crate::assignment::AssignmentError;
-use crate::in_process::InProcessError;
 use baudbot_import::source::SourceError;
 use baudbot_scenario::ScenarioError;
+
+use crate::assignment::AssignmentError;
+use crate::in_process::InProcessError;
 
 /// A reason why an environment cannot be made, or cannot meet a request, on one line.
 #[derive(Debug, thiserror::Error)]

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::assignment::{self, Assignment};
-use crate::in_process::Driver;
 use baudbot_import::source::Source;
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 
+use crate::assignment::{self, Assignment};
+use crate::in_process::Driver;
 use crate::learn::error::LearnError;
 use crate::learn::layout::Layout;
 use crate::learn::vary::Varied;
