@@ -74,7 +74,7 @@ pub fn brain<B: Brain>(name: &'static str, make: impl Fn(&Body, &Given) -> anyho
 ///
 /// fn main() -> std::process::ExitCode {
 ///     let mut registry = Registry::standard();
-///     // registry.motor("spin", |parameters: SpinParameters, _| Ok(Spin::new(parameters)));
+///     // registry.motors.add("spin", |parameters: SpinParameters, _| Ok(Spin::new(parameters)));
 ///     program::described(&registry)
 /// }
 /// ```

@@ -1,7 +1,7 @@
 //! Kinds of processes by name: what a [description](crate::description) may name.
 //!
-//! [`Registry::standard`] has all of this crate's; a program adds its own with [`motor`](Registry::motor) and
-//! [`cognitive`](Registry::cognitive), and then reads descriptions that name them.
+//! [`Registry::standard`] has all of this crate's; a program adds its own to its [`motors`](Registry::motors) and
+//! [`cognitives`](Registry::cognitives), and then reads descriptions that name them.
 
 use std::collections::BTreeMap;
 
@@ -52,79 +52,66 @@ type Make<P> = Box<dyn Fn(Table, BuildContext<'_>) -> Result<Box<P>, ParameterEr
 /// Kinds of motor behaviours and of cognitive processes.
 #[derive(Default)]
 pub struct Registry {
-    motors: BTreeMap<&'static str, Make<dyn MotorBehavior>>,
-    cognitives: BTreeMap<&'static str, Make<dyn CognitiveProcess>>,
+    /// Kinds of motor behaviours.
+    pub motors: Kinds<dyn MotorBehavior>,
+    /// Kinds of cognitive processes.
+    pub cognitives: Kinds<dyn CognitiveProcess>,
 }
 
-impl Registry {
-    /// Without any.
-    pub fn new() -> Self {
-        Self::default()
-    }
+/// Kinds of processes that are each a `P`.
+pub struct Kinds<P: ?Sized>(BTreeMap<&'static str, Make<P>>);
 
-    /// Adds a kind of motor behaviour. `make` gets its parameters as they are in the description, with defaults where those
-    /// have any, and says why it cannot be made: `range_m: must be positive, is -1`.
-    pub fn motor<P, B>(
+impl<P: ?Sized> Default for Kinds<P> {
+    fn default() -> Self {
+        Self(BTreeMap::new())
+    }
+}
+
+impl<P: ?Sized> Kinds<P> {
+    /// Adds a kind. `make` gets its parameters as they are in the description, with defaults where those have any, and says why
+    /// it cannot be made: `range_m: must be positive, is -1`.
+    pub fn add<T, B>(
         &mut self,
         kind: &'static str,
-        make: impl Fn(P, BuildContext<'_>) -> Result<B, ParameterError> + Send + Sync + 'static,
+        make: impl Fn(T, BuildContext<'_>) -> Result<B, ParameterError> + Send + Sync + 'static,
     ) -> &mut Self
     where
-        P: DeserializeOwned + 'static,
-        B: MotorBehavior + 'static,
+        T: DeserializeOwned + 'static,
+        B: Process<P>,
     {
-        let make = move |table, context: BuildContext<'_>| {
-            Ok(Box::new(make(read(table)?, context)?) as Box<dyn MotorBehavior>)
+        let make = move |table: Table, context: BuildContext<'_>| {
+            Ok(make(baudbot_fields::read(table)?, context)?.boxed())
         };
-        self.motors.insert(kind, Box::new(make));
+        self.0.insert(kind, Box::new(make));
         self
     }
 
-    /// Adds a kind of cognitive process.
-    pub fn cognitive<P, C>(
-        &mut self,
-        kind: &'static str,
-        make: impl Fn(P, BuildContext<'_>) -> Result<C, ParameterError> + Send + Sync + 'static,
-    ) -> &mut Self
-    where
-        P: DeserializeOwned + 'static,
-        C: CognitiveProcess + 'static,
-    {
-        let make = move |table, context: BuildContext<'_>| {
-            Ok(Box::new(make(read(table)?, context)?) as Box<dyn CognitiveProcess>)
-        };
-        self.cognitives.insert(kind, Box::new(make));
-        self
+    /// Their names, in order.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.0.keys().copied()
     }
 
-    /// Kinds of motor behaviours, in order.
-    pub fn motors(&self) -> impl Iterator<Item = &'static str> {
-        self.motors.keys().copied()
-    }
-
-    /// Kinds of cognitive processes, in order.
-    pub fn cognitives(&self) -> impl Iterator<Item = &'static str> {
-        self.cognitives.keys().copied()
-    }
-
-    pub(crate) fn make_motor(
-        &self,
-        kind: &str,
-        table: Table,
-        context: BuildContext<'_>,
-    ) -> Result<Box<dyn MotorBehavior>, Unmade> {
-        let make = self.motors.get(kind).ok_or_else(|| Unmade::Kind(self.motors().collect()))?;
+    pub(crate) fn make(&self, kind: &str, table: Table, context: BuildContext<'_>) -> Result<Box<P>, Unmade> {
+        let make = self.0.get(kind).ok_or_else(|| Unmade::Kind(self.names().collect()))?;
         make(table, context).map_err(Unmade::Parameters)
     }
+}
 
-    pub(crate) fn make_cognitive(
-        &self,
-        kind: &str,
-        table: Table,
-        context: BuildContext<'_>,
-    ) -> Result<Box<dyn CognitiveProcess>, Unmade> {
-        let make = self.cognitives.get(kind).ok_or_else(|| Unmade::Kind(self.cognitives().collect()))?;
-        make(table, context).map_err(Unmade::Parameters)
+/// A process that is a `P`: each [`MotorBehavior`], and each [`CognitiveProcess`].
+pub trait Process<P: ?Sized> {
+    /// The process on the heap.
+    fn boxed(self) -> Box<P>;
+}
+
+impl<B: MotorBehavior + 'static> Process<dyn MotorBehavior> for B {
+    fn boxed(self) -> Box<dyn MotorBehavior> {
+        Box::new(self)
+    }
+}
+
+impl<C: CognitiveProcess + 'static> Process<dyn CognitiveProcess> for C {
+    fn boxed(self) -> Box<dyn CognitiveProcess> {
+        Box::new(self)
     }
 }
 
@@ -134,9 +121,4 @@ pub(crate) enum Unmade {
     Kind(Vec<&'static str>),
     /// The problem with its parameters.
     Parameters(ParameterError),
-}
-
-/// Parameters, by name.
-fn read<P: DeserializeOwned>(table: Table) -> Result<P, ParameterError> {
-    Ok(baudbot_fields::read(table)?)
 }

@@ -32,38 +32,41 @@ use crate::vfh::Vfh;
 impl Registry {
     /// All kinds of this crate.
     pub fn standard() -> Self {
-        let mut registry = Self::new();
-        for kind in KINDS {
-            registry.motor(kind.name, |settings, context| whole(kind, &settings, &context));
+        let mut registry = Self::default();
+        for kind in KINDS.iter() {
+            registry.motors.add(kind.entry.name, |settings, context| whole(kind, &settings, &context));
         }
         registry
-            .motor("charge", |parameters, context| Charge::new(context.name, parameters, context.body))
-            .motor("cover_rows", |parameters: coverage::Parameters, context| {
+            .motors
+            .add("charge", |parameters, context| Charge::new(context.name, parameters, context.body))
+            .add("cover_rows", |parameters: coverage::Parameters, context| {
                 CoverRows::new(&parameters, context.body)
             })
-            .motor("explore", |parameters: explore::Parameters, context| {
+            .add("explore", |parameters: explore::Parameters, context| {
                 ExploreFloor::new(parameters, context.body)
             })
-            .motor("follow_path", |parameters: follow_path::Parameters, context| {
+            .add("follow_path", |parameters: follow_path::Parameters, context| {
                 FollowPath::new(&parameters, context.body)
             })
-            .motor("follow_wall", |parameters, context| FollowWall::new(parameters, context.body))
-            .motor("go_to", |parameters: go_to::Parameters, _| GoTo::new(&parameters))
-            .motor("home", |parameters, context| Home::new(parameters, &context))
-            .motor("potential_field", |parameters, context| PotentialField::new(parameters, context.body))
-            .motor("square", |parameters: square::Parameters, context| Square::new(&parameters, context.body))
-            .motor("taxis", |parameters: taxis::Parameters, context| Taxis::new(&parameters, context.body))
-            .motor("turn_away", |parameters, context| TurnAway::new(parameters, context.body))
-            .motor("vfh", |parameters, context| Vfh::new(parameters, context.body))
-            .cognitive("laser_localization", |parameters: localization::Parameters, context| {
+            .add("follow_wall", |parameters, context| FollowWall::new(parameters, context.body))
+            .add("go_to", |parameters: go_to::Parameters, _| GoTo::new(&parameters))
+            .add("home", |parameters, context| Home::new(parameters, &context))
+            .add("potential_field", |parameters, context| PotentialField::new(parameters, context.body))
+            .add("square", |parameters: square::Parameters, context| Square::new(&parameters, context.body))
+            .add("taxis", |parameters: taxis::Parameters, context| Taxis::new(&parameters, context.body))
+            .add("turn_away", |parameters, context| TurnAway::new(parameters, context.body))
+            .add("vfh", |parameters, context| Vfh::new(parameters, context.body));
+        registry
+            .cognitives
+            .add("laser_localization", |parameters: localization::Parameters, context| {
                 Localize::new(&parameters, &context)
             })
-            .cognitive("odometry", |parameters: odometry::Parameters, context| {
+            .add("odometry", |parameters: odometry::Parameters, context| {
                 CountWheels::new(&parameters, context.body)
             })
-            .cognitive("particle_localization", |parameters, context| Disperse::new(parameters, &context))
-            .cognitive("proximity", |parameters, context| DetectProximity::new(parameters, &context))
-            .cognitive("slam", |parameters: slam::Parameters, context| MakeMap::new(&parameters, &context));
+            .add("particle_localization", |parameters, context| Disperse::new(parameters, &context))
+            .add("proximity", |parameters, context| DetectProximity::new(parameters, &context))
+            .add("slam", |parameters: slam::Parameters, context| MakeMap::new(&parameters, &context));
         registry
     }
 }

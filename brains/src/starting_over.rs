@@ -47,7 +47,7 @@ fn after_a_reset_of_the_world_no_brain_waits_for_what_was() {
         ("nose", "field", 0.0),
         ("laser", "laser", 0.0),
     ]);
-    for name in KINDS.iter().map(|kind| kind.name) {
+    for name in KINDS.iter().map(|kind| kind.entry.name) {
         let mut brain = catalogue::brain(name, 1, &body).unwrap();
         assert!(commands(&mut brain, &body, 1_000_000_000), "{name}");
         commands(&mut brain, &body, 100_000_000_000);

@@ -48,7 +48,7 @@ pub fn writes(description: &str) -> Result<Writes, CatalogueError> {
     let (name, settings) = description.split_once(':').unwrap_or((description, ""));
     match Text::find(name)? {
         Some(text) => Ok(text.read(settings)?.writes()),
-        None => Ok(kind(name)?.writes),
+        None => Ok(kind(name)?.entry.writes),
     }
 }
 
@@ -82,7 +82,7 @@ pub fn takes(description: &str, parameter: &str) -> bool {
 }
 
 fn kind(name: &str) -> Result<&'static Kind, CatalogueError> {
-    KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| {
+    KINDS.iter().find(|kind| kind.entry.name == name).ok_or_else(|| {
         let known = nearest_first(name, catalogue().into_iter().map(|entry| entry.name));
         CatalogueError::Brain { name: name.to_owned(), known }
     })
@@ -90,7 +90,7 @@ fn kind(name: &str) -> Result<&'static Kind, CatalogueError> {
 
 /// All kinds of brains, for help texts, in the order of their names.
 pub fn catalogue() -> Vec<Entry> {
-    let mut all: Vec<_> = KINDS.iter().map(Kind::entry).chain(repertoires::entries()).collect();
+    let mut all: Vec<_> = KINDS.iter().map(|kind| kind.entry.clone()).chain(repertoires::entries()).collect();
     all.sort_by_key(|entry| entry.name);
     all
 }

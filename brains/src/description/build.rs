@@ -19,7 +19,7 @@ pub(super) fn brain(raw: &Raw, seed: u64, body: &Body, registry: &Registry) -> R
     let by_utility = raw.decision == RawDecision::Utility;
     let context = |name| BuildContext { name, body, seed, motors: &names, by_utility };
     for (name, process) in &raw.motor {
-        let made = registry.make_motor(&process.kind, process.parameters.clone(), context(name.as_str()));
+        let made = registry.motors.make(&process.kind, process.parameters.clone(), context(name.as_str()));
         let behavior = made.map_err(|unmade| problem("motor", name, process, unmade))?;
         motors.push(Motor { name: name.clone(), behavior, utility: utility(&process.utility(0.0), raw) });
     }
@@ -27,7 +27,8 @@ pub(super) fn brain(raw: &Raw, seed: u64, body: &Body, registry: &Registry) -> R
     let mut ordered: Vec<_> = raw.cognitive.iter().collect();
     ordered.sort_by_key(|(_, process)| process.kind != "odometry");
     for (name, process) in ordered {
-        let made = registry.make_cognitive(&process.kind, process.parameters.clone(), context(name.as_str()));
+        let made =
+            registry.cognitives.make(&process.kind, process.parameters.clone(), context(name.as_str()));
         let made = made.map_err(|unmade| problem("cognitive", name, process, unmade))?;
         let utility = utility(&process.utility(ALWAYS), raw);
         cognitives.push(Cognitive { name: name.clone(), process: made, utility, active: false });

@@ -103,7 +103,7 @@ impl MotorBehavior for Spin {
 #[test]
 fn an_own_behaviour_is_named_like_any_other_and_can_set_gammas() {
     let mut registry = Registry::standard();
-    registry.motor("spin", |parameters: SpinParameters, _| Ok(Spin(parameters.turn)));
+    registry.motors.add("spin", |parameters: SpinParameters, _| Ok(Spin(parameters.turn)));
     let spin = "[motor.spin]\nkind = \"spin\"\nparameters = { turn = 0.2 }\nutility = { bias = 0.3 }";
     let body = eyes();
     let description = Description::parse(&format!("{REPERTOIRE}{spin}")).unwrap();
@@ -278,7 +278,7 @@ mod docs {
         struct Forward {
             forward: f64,
         }
-        registry.motor("weave", |parameters: Forward, _| Ok(Spin(parameters.forward)));
+        registry.motors.add("weave", |parameters: Forward, _| Ok(Spin(parameters.forward)));
         let first = blocks().find(|block| block.contains("[motor.")).unwrap();
         let mut decisions = 0;
         for block in blocks().filter(|block| !block.contains("[dependencies]")) {
@@ -296,7 +296,7 @@ mod docs {
     fn it_names_every_brain_and_every_kind_of_process() {
         let registry = Registry::standard();
         let names = catalogue().into_iter().map(|entry| entry.name).collect::<Vec<_>>();
-        for name in names.into_iter().chain(registry.motors()).chain(registry.cognitives()) {
+        for name in names.into_iter().chain(registry.motors.names()).chain(registry.cognitives.names()) {
             assert!(DOCS.contains(&format!("| `{name}` |")), "{name}");
         }
     }

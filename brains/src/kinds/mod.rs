@@ -4,6 +4,7 @@ mod error;
 mod nearest;
 
 use std::ops::RangeInclusive;
+use std::sync::LazyLock;
 
 use baudbot_brain::{Body, Brain, EachRun};
 use baudbot_fields::Writes;
@@ -52,13 +53,11 @@ pub struct Setting {
 
 /// A kind of brain, and how one is made.
 pub(crate) struct Kind {
-    pub(crate) name: &'static str,
-    pub(crate) writes: Writes,
-    summary: &'static str,
-    settings: fn() -> Vec<Setting>,
-    make: fn(&BrainRequest<'_>) -> Result<Box<dyn Brain + Send>, CatalogueError>,
-    together: Option<[&'static str; 2]>,
+    pub(crate) entry: Entry,
+    make: Box<Make>,
 }
+
+type Make = dyn Fn(&BrainRequest<'_>) -> Result<Box<dyn Brain + Send>, CatalogueError> + Send + Sync;
 
 /// A brain that is to be made.
 struct BrainRequest<'a> {
@@ -70,141 +69,125 @@ struct BrainRequest<'a> {
 }
 
 /// All of them, in the order of their names.
-pub(crate) const KINDS: &[Kind] = &[
-    Kind {
-        name: "ant",
-        writes: Writes::WhenFree,
-        summary: "goes out on a winding path, and returns by its home vector and by remembered landmarks",
-        settings: || settings(ant::PARAMETERS),
-        make: |request| {
-            request.sensing(
-                ant::PARAMETERS,
-                AntBrain::new,
-                "a sensor of kind `laser` that tells how it sweeps, and a sensor of kind `odometer`",
-            )
-        },
-        together: None,
-    },
-    Kind {
-        name: "avoid",
-        writes: Writes::WhenFree,
-        summary: "wanders without running into what its infra-red sensors see",
-        settings: || settings(avoid::PARAMETERS),
-        make: |request| {
-            request.sensing(avoid::PARAMETERS, Avoid::new, "a sensor of kind `ir` that looks ahead")
-        },
-        together: None,
-    },
-    Kind {
-        name: "constant",
-        writes: Writes::WhenFree,
-        summary: "sends the same signals all the time",
-        settings: || settings(constant::PARAMETERS),
-        make: |request| Ok(Box::new(Constant::new(request.parameters(constant::PARAMETERS)?))),
-        together: None,
-    },
-    Kind {
-        name: "ecoli",
-        writes: Writes::WhenFree,
-        summary: "seeks more of what it senses as E. coli does: runs while it gets better, tumbles if not",
-        settings: || settings(ecoli::PARAMETERS),
-        make: |request| {
-            request.sensing(
-                ecoli::PARAMETERS,
-                EColiBrain::new,
-                "a sensor of kind `field`, `light` or `photoresistor`",
-            )
-        },
-        together: None,
-    },
-    Kind {
-        name: "explore",
-        writes: Writes::WhenFree,
-        summary: "explores until its laser has seen every part of the floor",
-        settings: || settings(explore::PARAMETERS),
-        make: |request| {
-            let explore = Explore::new(request.parameters(explore::PARAMETERS)?, request.body);
+pub(crate) static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
+    vec![
+        Kind::sensing(
+            "ant",
+            "goes out on a winding path, and returns by its home vector and by remembered landmarks",
+            ant::PARAMETERS,
+            AntBrain::new,
+            "a sensor of kind `laser` that tells how it sweeps, and a sensor of kind `odometer`",
+        ),
+        Kind::sensing(
+            "avoid",
+            "wanders without running into what its infra-red sensors see",
+            avoid::PARAMETERS,
+            Avoid::new,
+            "a sensor of kind `ir` that looks ahead",
+        ),
+        Kind::new(
+            "constant",
+            "sends the same signals all the time",
+            constant::PARAMETERS,
+            |parameters, _| Ok(Box::new(Constant::new(parameters))),
+        ),
+        Kind::sensing(
+            "ecoli",
+            "seeks more of what it senses as E. coli does: runs while it gets better, tumbles if not",
+            ecoli::PARAMETERS,
+            EColiBrain::new,
+            "a sensor of kind `field`, `light` or `photoresistor`",
+        ),
+        explore_kind(),
+        Kind::sensing(
+            "larva",
+            "crawls away from light like a fly's larva, swinging its head, until the reflex tires",
+            larva::PARAMETERS,
+            LarvaBrain::new,
+            "a sensor of kind `light`, `photoresistor` or `field`",
+        ),
+        Kind::new(
+            "navigate",
+            "drives a distance by its odometer and stops",
+            navigate::PARAMETERS,
+            |parameters, request| {
+                let odometer = request.body.sensor(navigate::ODOMETER);
+                let odometer = odometer.filter(|sensor| sensor.components.len() >= 2);
+                odometer.ok_or_else(|| request.lacks("a sensor `odometer` with x_m and y_m"))?;
+                Ok(Box::new(Navigate::new(parameters)))
+            },
+        ),
+        Kind::sensing(
+            "stentor",
+            "sits still; when disturbed it turns away, backs off, contracts and finally drives off",
+            stentor::PARAMETERS,
+            StentorBrain::new,
+            "a sensor of kind `field`, `light`, `photoresistor`, `bumper` or `ir`",
+        ),
+        Kind::new(
+            "wander",
+            "drives on and turns now and then, blindly and at random",
+            wander::PARAMETERS,
+            |parameters, request| Ok(Box::new(Wander::new(parameters, request.chance()))),
+        ),
+        Kind::sensing(
+            "woodlouse",
+            "runs fast where it is dry and slowly where it is damp, and so stays where it is damp",
+            woodlice::PARAMETERS,
+            WoodlouseBrain::new,
+            "a sensor of kind `field`, `light` or `photoresistor`",
+        ),
+    ]
+});
+
+fn explore_kind() -> Kind {
+    let mut kind = Kind::new(
+        "explore",
+        "explores until its laser has seen every part of the floor",
+        explore::PARAMETERS,
+        |parameters, request| {
             let needed = "a sensor of kind `laser` that tells how it sweeps, over two rays or more, and a sensor \
                           `odometer` with x_m, y_m and heading_rad";
+            let explore = Explore::new(parameters, request.body);
             Ok(Box::new(explore.ok_or_else(|| request.lacks(needed))?))
         },
-        together: PLACED_SCANS,
-    },
-    Kind {
-        name: "larva",
-        writes: Writes::WhenFree,
-        summary: "crawls away from light like a fly's larva, swinging its head, until the reflex tires",
-        settings: || settings(larva::PARAMETERS),
-        make: |request| {
-            request.sensing(
-                larva::PARAMETERS,
-                LarvaBrain::new,
-                "a sensor of kind `light`, `photoresistor` or `field`",
-            )
-        },
-        together: None,
-    },
-    Kind {
-        name: "navigate",
-        writes: Writes::WhenFree,
-        summary: "drives a distance by its odometer and stops",
-        settings: || settings(navigate::PARAMETERS),
-        make: |request| {
-            let parameters = request.parameters(navigate::PARAMETERS)?;
-            let odometer = request.body.sensor(navigate::ODOMETER);
-            let odometer = odometer.filter(|sensor| sensor.components.len() >= 2);
-            odometer.ok_or_else(|| request.lacks("a sensor `odometer` with x_m and y_m"))?;
-            Ok(Box::new(Navigate::new(parameters)))
-        },
-        together: None,
-    },
-    Kind {
-        name: "stentor",
-        writes: Writes::WhenFree,
-        summary: "sits still; when disturbed it turns away, backs off, contracts and finally drives off",
-        settings: || settings(stentor::PARAMETERS),
-        make: |request| {
-            request.sensing(
-                stentor::PARAMETERS,
-                StentorBrain::new,
-                "a sensor of kind `field`, `light`, `photoresistor`, `bumper` or `ir`",
-            )
-        },
-        together: None,
-    },
-    Kind {
-        name: "wander",
-        writes: Writes::WhenFree,
-        summary: "drives on and turns now and then, blindly and at random",
-        settings: || settings(wander::PARAMETERS),
-        make: |request| Ok(Box::new(Wander::new(request.parameters(wander::PARAMETERS)?, request.chance()))),
-        together: None,
-    },
-    Kind {
-        name: "woodlouse",
-        writes: Writes::WhenFree,
-        summary: "runs fast where it is dry and slowly where it is damp, and so stays where it is damp",
-        settings: || settings(woodlice::PARAMETERS),
-        make: |request| {
-            request.sensing(
-                woodlice::PARAMETERS,
-                WoodlouseBrain::new,
-                "a sensor of kind `field`, `light` or `photoresistor`",
-            )
-        },
-        together: None,
-    },
-];
+    );
+    kind.entry.together = PLACED_SCANS;
+    kind
+}
 
 impl Kind {
-    pub(crate) fn entry(&self) -> Entry {
-        Entry {
-            name: self.name,
-            writes: self.writes,
-            summary: self.summary.to_owned(),
-            parameters: (self.settings)(),
-            together: self.together,
-        }
+    fn new<P: Default + 'static>(
+        name: &'static str,
+        summary: &str,
+        parameters: &'static [Parameter<P>],
+        make: impl Fn(P, &BrainRequest<'_>) -> Result<Box<dyn Brain + Send>, CatalogueError>
+        + Send
+        + Sync
+        + 'static,
+    ) -> Self {
+        let entry = Entry {
+            name,
+            summary: summary.to_owned(),
+            writes: Writes::WhenFree,
+            parameters: settings(parameters),
+            together: None,
+        };
+        Self { entry, make: Box::new(move |request| make(request.parameters(parameters)?, request)) }
+    }
+
+    /// A brain that cannot be without some sensors.
+    fn sensing<P: Default + 'static, B: Brain + Send + 'static>(
+        name: &'static str,
+        summary: &str,
+        parameters: &'static [Parameter<P>],
+        new: fn(P, Chance, &Body) -> Option<B>,
+        needed: &'static str,
+    ) -> Self {
+        Self::new(name, summary, parameters, move |parameters, request| {
+            let brain = new(parameters, request.chance(), request.body);
+            Ok(Box::new(brain.ok_or_else(|| request.lacks(needed))?))
+        })
     }
 
     /// Makes one for a robot with this body, with `PARAMETER=NUMBER,…`. It starts over when its time goes back.
@@ -216,7 +199,7 @@ impl Kind {
     ) -> Result<Box<dyn Brain + Send>, CatalogueError> {
         let settings = settings.to_owned();
         let make = move |body: &Body| {
-            (self.make)(&BrainRequest { brain: self.name, settings: &settings, seed, body })
+            (self.make)(&BrainRequest { brain: self.entry.name, settings: &settings, seed, body })
         };
         Ok(Box::new(EachRun::new(make(body)?, move |body: &Body| make(body).ok())))
     }
@@ -239,17 +222,6 @@ fn settings<P: Default>(parameters: &[Parameter<P>]) -> Vec<Setting> {
 impl BrainRequest<'_> {
     fn chance(&self) -> Chance {
         Chance::new(self.seed, &format!("{}/{}", self.body.name, self.brain))
-    }
-
-    /// A brain that cannot be without some sensors.
-    fn sensing<P: Default, B: Brain + Send + 'static>(
-        &self,
-        known: &[Parameter<P>],
-        new: fn(P, Chance, &Body) -> Option<B>,
-        needed: &'static str,
-    ) -> Result<Box<dyn Brain + Send>, CatalogueError> {
-        let brain = new(self.parameters(known)?, self.chance(), self.body);
-        Ok(Box::new(brain.ok_or_else(|| self.lacks(needed))?))
     }
 
     fn lacks(&self, needed: &'static str) -> CatalogueError {

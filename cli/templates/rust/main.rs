@@ -34,6 +34,6 @@ impl MotorBehavior for Weave {
 
 fn main() -> ExitCode {
     let mut registry = Registry::standard();
-    registry.motor("weave", |parameters: Parameters, _| Ok(Weave { parameters, elapsed_s: 0.0 }));
+    registry.motors.add("weave", |parameters: Parameters, _| Ok(Weave { parameters, elapsed_s: 0.0 }));
     program::described(&registry)
 }
