@@ -4,11 +4,11 @@
 use std::sync::Arc;
 
 use baudbot_sim::drive::Wheels;
-use baudbot_sim::firmware::Protocol;
 use baudbot_sim::link::Link;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Scenario, SimTime, Written};
-use baudbot_wire::{frame, khepera, message, write_command, write_values};
+use baudbot_wire::codec::Pace;
+use baudbot_wire::frame::MAX_FRAME;
 use tonic::Status;
 
 /// Most bytes that one Step may write to one port.
@@ -212,12 +212,10 @@ fn check_signals(spec: &RobotSpec, Signals { wheels, others }: &Signals) -> Resu
 }
 
 fn check_poll(spec: &RobotSpec) -> Result<(), Problem> {
-    match spec.firmware.protocol {
-        Protocol::Bare { .. } => {
-            Err(("poll", "the bare protocol has none; a command asks for readings".into()))
-        }
-        Protocol::Framed { .. } | Protocol::Khepera | Protocol::Create(_) => Ok(()),
+    if spec.firmware.protocol.has_poll() {
+        return Ok(());
     }
+    Err(("poll", "the bare protocol has none; a command asks for readings".into()))
 }
 
 /// The writing end of a robot's port, where the server writes messages for its brain.
@@ -257,64 +255,32 @@ impl Sender {
         match output {
             None => Sent::Bytes(self.wait(spec)),
             Some(Output::Raw(bytes)) => Sent::Bytes(bytes),
-            Some(Output::Command(signals)) => self.command(spec.firmware.protocol, signals),
+            Some(Output::Command(signals)) => self.command(spec, signals),
+            // `check_poll` has refused it where there is none.
             Some(Output::Poll) => Sent::Bytes(self.poll(spec)),
         }
     }
 
-    /// A brain of messages that is silent lets a Create know once that it is there.
+    /// A brain of messages that is silent lets a robot that has to be opened know once that it is there.
     fn wait(&mut self, spec: &RobotSpec) -> Vec<u8> {
-        match spec.firmware.protocol {
-            Protocol::Create(_) if !self.raw && self.sequence == 0 => self.open(spec),
-            Protocol::Create(_) | Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Khepera => {
-                Vec::new()
-            }
-        }
-    }
-
-    /// The first bytes to a Create.
-    fn open(&mut self, spec: &RobotSpec) -> Vec<u8> {
-        self.next_behind_opening();
-        let mut bytes = [0; frame::MAX_PAYLOAD];
-        let n = spec.firmware.write_opening(&mut bytes);
-        bytes[..n].to_vec()
+        let opens = !self.raw && spec.firmware.protocol.is_to_be_opened(self.sequence);
+        if opens { self.poll(spec) } else { Vec::new() }
     }
 
     fn poll(&mut self, spec: &RobotSpec) -> Vec<u8> {
-        match spec.firmware.protocol {
-            Protocol::Create(_) => self.open(spec),
-            Protocol::Framed { .. } => in_frame(&message::poll(self.next())),
-            Protocol::Khepera => khepera::poll(&spec.firmware.layout()).to_vec(),
-            // `check_poll` has refused it.
-            Protocol::Bare { .. } => Vec::new(),
-        }
+        let agreement = spec.firmware.agreement();
+        written(|out| agreement.write_poll(&mut self.sequence, out).unwrap_or(0))
     }
 
-    fn command(&mut self, protocol: Protocol, Signals { wheels, others }: Signals) -> Sent {
+    fn command(&mut self, spec: &RobotSpec, Signals { wheels, others }: Signals) -> Sent {
         if !others.is_empty() {
             self.others = others;
         }
-        let sequence = match protocol {
-            Protocol::Framed { .. } => self.next(),
-            // A brain of bytes has opened it by itself, if anybody has.
-            Protocol::Create(_) if self.raw => 1,
-            Protocol::Create(_) => self.next_behind_opening(),
-            Protocol::Bare { .. } | Protocol::Khepera => self.sequence,
-        };
+        let protocol = spec.firmware.protocol;
+        // A brain that writes bytes opens it by itself.
+        let is_open = self.raw && protocol.pace() == Pace::Opened;
+        let sequence = if is_open { 1 } else { protocol.count(&mut self.sequence) };
         Sent::Command { sequence, signals: Signals { wheels, others: self.others.clone() } }
-    }
-
-    /// Only the first message of a Create's is number 0.
-    fn next_behind_opening(&mut self) -> u8 {
-        let now = self.sequence;
-        self.sequence = now.checked_add(1).unwrap_or(1);
-        now
-    }
-
-    fn next(&mut self) -> u8 {
-        let now = self.sequence;
-        self.sequence = now.wrapping_add(1);
-        now
     }
 }
 
@@ -347,33 +313,15 @@ impl Sent {
             Self::Command { sequence, signals } => (sequence, signals),
         };
         let signals = [wheels.left, wheels.right].into_iter().chain(others);
-        let layout = spec.firmware.layout();
-        let mut payload = [0; frame::MAX_PAYLOAD];
-        match spec.firmware.protocol {
-            Protocol::Bare { .. } => {
-                let n = write_values(layout.motors, signals, &mut payload).expect(FITS);
-                payload[..n].to_vec()
-            }
-            Protocol::Khepera => {
-                let n = khepera::write_exchange(&layout, signals, &mut payload).expect(FITS);
-                payload[..n].to_vec()
-            }
-            Protocol::Framed { .. } => {
-                let n = write_command(&layout, sequence, signals, &mut payload).expect(FITS);
-                in_frame(&payload[..n])
-            }
-            Protocol::Create(_) => {
-                let n = spec.firmware.write_drive(sequence, [wheels.left, wheels.right], &mut payload);
-                payload[..n].to_vec()
-            }
-        }
+        written(|out| spec.firmware.agreement().write_command(sequence, signals, out).expect(FITS))
     }
 }
 
-fn in_frame(payload: &[u8]) -> Vec<u8> {
-    let mut bytes = [0; frame::MAX_FRAME];
-    let n = frame::encode(payload, &mut bytes).expect(FITS);
-    bytes[..n].to_vec()
+/// The bytes that `write` puts into a buffer for the longest message.
+fn written(write: impl FnOnce(&mut [u8]) -> usize) -> Vec<u8> {
+    let mut bytes = [0; MAX_FRAME];
+    let len = write(&mut bytes);
+    bytes[..len].to_vec()
 }
 
 /// The reason why encoding cannot fail: scenario files refuse robots whose commands are longer than a frame or have

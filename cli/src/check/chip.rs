@@ -2,7 +2,6 @@
 
 use baudbot_plot::quantity::handy;
 use baudbot_sim::chip::{ChipSpec, Kind, Net, Terminal};
-use baudbot_sim::firmware::Protocol;
 use baudbot_sim::model::RobotSpec;
 
 use crate::link;
@@ -23,12 +22,12 @@ pub(super) fn describe(robot: &RobotSpec, chip: &ChipSpec) -> Vec<(&'static str,
     let used =
         chip.board().chip().flash().iter().rposition(|&word| word != 0xffff).map_or(0, |last| 2 * (last + 1));
     let of = 2 * part.flash_words();
-    let speaks = match (chip.is_opaque(), robot.firmware.protocol) {
-        (true, _) => "its own language; brains attach in RAW mode or through a serial port",
-        (false, Protocol::Bare { .. }) => "bare values, as the scenario says",
-        (false, Protocol::Framed { .. } | Protocol::Khepera | Protocol::Create(_)) => {
-            "frames, as the scenario says"
-        }
+    let speaks = if chip.is_opaque() {
+        "its own language; brains attach in RAW mode or through a serial port"
+    } else if robot.firmware.protocol.repeats() {
+        "bare values, as the scenario says"
+    } else {
+        "frames, as the scenario says"
     };
     vec![
         ("chip", format!("{name} at {mhz} MHz{off}")),

@@ -122,12 +122,13 @@ fn when(when: &When) -> String {
 }
 
 fn firmware(robot: &RobotSpec) -> String {
-    let protocol = match robot.firmware.protocol {
-        Protocol::Framed { ages: true } => "framed, with ages".to_owned(),
-        Protocol::Framed { ages: false } => "framed, without ages".to_owned(),
-        Protocol::Bare { gap_ns } => format!("bare, a gap of {} ends a message", duration(gap_ns as f64)),
-        Protocol::Khepera => "khepera, lines of text".to_owned(),
-        Protocol::Create(version) => format!("the Open Interface of a Create {}", version.number()),
+    let title = robot.firmware.protocol.title();
+    let protocol = if let Protocol::Framed { ages } = robot.firmware.protocol {
+        format!("{title}, {} ages", if ages { "with" } else { "without" })
+    } else if let Protocol::Bare { gap_ns } = robot.firmware.protocol {
+        format!("{title}, a gap of {} ends a message", duration(gap_ns as f64))
+    } else {
+        title.to_owned()
     };
     match robot.firmware.mode {
         Mode::Poll => format!("{protocol}; answers when polled"),
@@ -157,7 +158,7 @@ pub(super) fn load(robot: &RobotSpec) -> Option<(f64, f64)> {
     let mut bytes = robot.firmware.readings_len_max() as f64 * frames;
     if let Protocol::Framed { ages } = robot.firmware.protocol {
         for sensor in robot.sensors.iter().filter(|sensor| sensor.is_on_wire()) {
-            let entry = robot.firmware.values_len_max(&sensor.encodings) + usize::from(ages);
+            let entry = robot.firmware.protocol.values_len_max(&sensor.encodings) + usize::from(ages);
             let samples = 1e9 / sensor.schedule.period_ns() as f64;
             bytes -= entry as f64 * (frames - samples).max(0.0);
         }
@@ -175,7 +176,7 @@ fn sensors(robot: &RobotSpec) -> Vec<[String; 6]> {
         };
         let bytes = match &sensor.port {
             Some(port) => port.format.message_len(&sensor.device),
-            None => robot.firmware.values_len_max(&sensor.encodings),
+            None => robot.firmware.protocol.values_len_max(&sensor.encodings),
         };
         let (period, phase) = times(sensor);
         let kind = sensor.device.kind().to_owned();

@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 
 use baudbot_sim::SimTime;
-use baudbot_sim::firmware::Protocol;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
 
@@ -77,7 +76,8 @@ impl Cycle {
         let down = |event: &Event| matches!(event.what, What::Down { .. }) && event.start >= thought;
         let Some(down) = self.take(events, down) else { return };
         // A program that asks for readings besides is obeyed before all that was written has come.
-        let least = if robot.firmware.protocol == Protocol::Khepera { thought + 1 } else { down };
+        let asks_besides = !robot.firmware.agreement().question().is_empty();
+        let least = if asks_besides { thought + 1 } else { down };
         let Some(obeyed) = self.take(events, |event| event.what == What::Obey && event.end >= least) else {
             return;
         };

@@ -45,16 +45,15 @@ mod raw;
 mod turn;
 
 pub use baudbot_wire::create::Version as CreateVersion;
-pub use baudbot_wire::{Encoding, LayoutError};
+pub use baudbot_wire::{Encoding, LayoutError, Protocol, WireLayout};
 
 pub use action::{Action, Signals, Until};
 pub use belief::{Belief, BelievedPose, GridMap, Particle, Point, Utility};
 pub use body::{
-    Actuator, ActuatorKind, Body, Component, Firmware, MotorKind, Mount, Port, PortFormat, Protocol, Sensor,
+    Actuator, ActuatorKind, Body, Component, Firmware, MotorKind, Mount, Port, PortFormat, Sensor,
     SensorKind, Sweep,
 };
 pub use brain::Brain;
 pub use each_run::EachRun;
-pub use layout::WireLayout;
 pub use raw::{RawCommands, RawReadings, RawTurn};
 pub use turn::{Reading, Turn};

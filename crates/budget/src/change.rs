@@ -106,8 +106,7 @@ impl Robot {
 
     fn fewer_bits(&self) -> Vec<Change> {
         let any = self.spec.sensors.iter().any(has_many_bits) || has_many_signal_bits(&self.spec);
-        // A Create's packets have their bits.
-        let can = !matches!(self.spec.firmware.protocol, Protocol::Create(_));
+        let can = !self.spec.firmware.protocol.has_fixed_bits();
         if any && can && self.has_wire() { alloc::vec![Change::FewerBits] } else { Vec::new() }
     }
 
@@ -165,10 +164,8 @@ impl Robot {
 
     /// Whether the silence that ends a bare message is longer than those within it, if there is one.
     fn is_told_by_silence(&self, change: Change) -> bool {
-        match self.spec.firmware.protocol {
-            Protocol::Bare { gap_ns } => gap_ns > self.with(change).spec.link.pause_ns(),
-            Protocol::Framed { .. } | Protocol::Khepera | Protocol::Create(_) => true,
-        }
+        let Protocol::Bare { gap_ns } = self.spec.firmware.protocol else { return true };
+        gap_ns > self.with(change).spec.link.pause_ns()
     }
 
     fn chips(&self) -> Vec<Change> {

@@ -3,10 +3,11 @@
 
 use alloc::vec::Vec;
 
-use baudbot_wire::{frame, khepera};
+use baudbot_wire::codec::Pace;
+use baudbot_wire::frame;
 
 use baudbot_sim::Scenario;
-use baudbot_sim::firmware::{Mode, Protocol};
+use baudbot_sim::firmware::Mode;
 use baudbot_sim::link::{Adapter, Link};
 use baudbot_sim::model::{RobotSpec, Writes};
 use baudbot_sim::motor::Motors;
@@ -22,8 +23,8 @@ pub(super) struct Range {
 }
 
 impl Range {
-    const fn exactly(bytes: usize) -> Self {
-        Self { least: bytes as u64, most: bytes as u64 }
+    const fn of([least, most]: [usize; 2]) -> Self {
+        Self { least: least as u64, most: most as u64 }
     }
 
     pub(super) const fn middle(self) -> u64 {
@@ -129,41 +130,26 @@ impl<'a> Plan<'a> {
 
     /// Bytes on the wire of a message in which these sensors are new.
     pub(super) fn readings_bytes(&self, new: impl Fn(usize) -> bool) -> Range {
-        let layout = self.spec.firmware.layout();
-        match self.spec.firmware.protocol {
-            Protocol::Bare { .. } => return Range::exactly(layout.bare_readings_len()),
-            Protocol::Khepera => return self.answer_bytes(),
-            Protocol::Create(_) => return Range::exactly(self.spec.firmware.readings_len_max()),
-            Protocol::Framed { .. } => {}
+        if self.repeats() {
+            return self.all_bytes();
         }
+        let layout = self.spec.firmware.layout();
         let entry = |sensor: &Sensor| usize::from(layout.ages) + sample_bytes(sensor);
         let new = self.on_wire().iter().enumerate().filter(|(i, _)| new(*i));
         let entries: usize = new.map(|(_, sensor)| entry(sensor)).sum();
-        framed(HEADER_LEN + layout.mask_len() + entries)
+        Range::of(frame::encoded_len(HEADER_LEN + layout.mask_len() + entries))
     }
 
     /// Bytes on the wire of a command. That a Khepera is asked for readings besides goes over the wire while it says
     /// that it obeyed.
     pub(super) fn command_bytes(&self) -> Range {
-        let layout = self.spec.firmware.layout();
-        match self.spec.firmware.protocol {
-            Protocol::Bare { .. } => Range::exactly(layout.bare_command_len()),
-            Protocol::Khepera => Range {
-                least: (1 + 2 * layout.motors.len() + 1) as u64,
-                most: khepera::command_len_max(&layout) as u64,
-            },
-            Protocol::Create(_) => Range::exactly(self.spec.firmware.command_len_max()),
-            Protocol::Framed { .. } => framed(layout.command_len()),
-        }
+        Range::of(self.spec.firmware.agreement().command_len())
     }
 
     /// The usual length of a message: stuffing is counted as if it were needed, and of digits there are not often as
     /// many as there can be.
     pub(super) fn usual(&self, bytes: Range) -> u64 {
-        match self.spec.firmware.protocol {
-            Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Create(_) => bytes.most,
-            Protocol::Khepera => bytes.middle(),
-        }
+        if self.spec.firmware.protocol.pace() == Pace::Asked { bytes.middle() } else { bytes.most }
     }
 
     /// When a cycle must be over, in nanoseconds.
@@ -176,20 +162,13 @@ impl<'a> Plan<'a> {
 
     /// The least bytes that go up before the readings do: a Khepera says that it obeyed, and where its wheels are.
     pub(super) fn acknowledgement_bytes(&self) -> u64 {
-        match self.spec.firmware.protocol {
-            Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Create(_) => 0,
-            Protocol::Khepera => {
-                let [positions, _] = khepera::positions_len(&self.spec.firmware.layout());
-                (khepera::ACKNOWLEDGEMENT.len() + positions) as u64
-            }
-        }
+        let preface = self.spec.firmware.agreement().preface();
+        (preface.acknowledgement + preface.positions[0]) as u64
     }
 
-    /// Bytes of a Khepera's line with readings, by how many digits they have.
-    pub(super) fn answer_bytes(&self) -> Range {
-        let layout = self.spec.firmware.layout();
-        let least = khepera::readings_len_min(&layout);
-        Range { least: least as u64, most: khepera::readings_len_max(&layout) as u64 }
+    /// Bytes of a message with all readings.
+    pub(super) fn all_bytes(&self) -> Range {
+        Range::of(self.spec.firmware.agreement().readings_len())
     }
 
     /// The time of framing: it is counted for the longest frame that so much payload can have.
@@ -281,12 +260,6 @@ pub(super) fn turnaround_ns(link: &Link) -> Option<u64> {
 /// Bytes of a sensor's values on the wire.
 pub(super) fn sample_bytes(sensor: &Sensor) -> usize {
     sensor.encodings.iter().map(|encoding| encoding.len()).sum()
-}
-
-/// Bytes of a frame: stuffing adds one, and at most one more for each 254 begun.
-fn framed(payload: usize) -> Range {
-    let most = frame::encoded_len_max(payload) as u64;
-    Range { least: most.min(payload as u64 + 4), most }
 }
 
 /// Kind, sequence number and time of a message of readings.

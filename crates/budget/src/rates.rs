@@ -4,8 +4,7 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use baudbot_wire::create::{self, Version};
-use baudbot_wire::khepera;
+use baudbot_wire::codec::Pace;
 use baudbot_wire::scip::{self, device::ANSWER_NS};
 
 use super::bounds::Bounds;
@@ -13,7 +12,7 @@ use super::plan::{Plan, adapter, turnaround_ns};
 use super::report::Rate;
 use super::timeline::Outcome;
 use super::wire;
-use baudbot_sim::firmware::{Mode, Protocol};
+use baudbot_sim::firmware::Mode;
 use baudbot_sim::link::{Adapter, Link};
 use baudbot_sim::sensor::port::Format;
 
@@ -44,7 +43,8 @@ pub(super) fn rates(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Vec<
 /// The highest rate of polls of a Khepera by a program that says nothing else. It depends on how many digits the
 /// numbers have.
 fn polls(plan: &Plan<'_>) -> Vec<Rate> {
-    if plan.spec.firmware.protocol != Protocol::Khepera {
+    let agreement = plan.spec.firmware.agreement();
+    if agreement.protocol.pace() != Pace::Asked {
         return Vec::new();
     }
     let alone = |what: &str, bytes: u64| Rate {
@@ -53,19 +53,18 @@ fn polls(plan: &Plan<'_>) -> Vec<Rate> {
         typical_per_s: None,
         limits: false,
     };
-    let (readings, command) = (plan.answer_bytes(), plan.command_bytes());
-    let poll = khepera::POLL.len() as u64;
-    let acknowledged = khepera::ACKNOWLEDGEMENT.len() as u64;
+    let (readings, command, preface) = (plan.all_bytes(), plan.command_bytes(), agreement.preface());
+    let acknowledged = preface.acknowledgement as u64;
     let mut rates = alloc::vec![
-        alone("polls alone, shortest answer", poll + readings.least),
-        alone("polls alone, longest answer", poll + readings.most),
+        alone("polls alone, shortest answer", POLL_BYTES + readings.least),
+        alone("polls alone, longest answer", POLL_BYTES + readings.most),
         alone("commands alone, shortest", command.least + acknowledged),
         alone("commands alone, longest", command.most + acknowledged),
     ];
-    let [least, most] = khepera::positions_len(&plan.spec.firmware.layout());
+    let [least, most] = preface.positions;
     if least > 0 {
-        rates.push(alone("positions alone, shortest answer", poll + least as u64));
-        rates.push(alone("positions alone, longest answer", poll + most as u64));
+        rates.push(alone("positions alone, shortest answer", POLL_BYTES + least as u64));
+        rates.push(alone("positions alone, longest answer", POLL_BYTES + most as u64));
     }
     rates
 }
@@ -96,15 +95,11 @@ fn asking_ns(link: &Link, asked: u64, answered: u64) -> u64 {
     holds + turns + wire::least_ns(link, asked) + wire::least_ns(link, answered)
 }
 
-/// The highest rate of answers of a Create to a program that asks for the largest group of packets again when it has
-/// the answer, and that thinks as long as the scenario says. It sends no commands.
+/// The highest rate of answers of a robot whose packets can be asked for, a Create, to a program that asks for the largest group
+/// of them again when it has the answer, and that thinks as long as the scenario says. It sends no commands.
 fn queries(plan: &Plan<'_>) -> Option<Rate> {
-    let Protocol::Create(version) = plan.spec.firmware.protocol else { return None };
-    let group = match version {
-        Version::One => 6,
-        Version::Two => 100,
-    };
-    let bytes = create::listed_len(version, &[group]) as u64;
+    let (group, bytes) = plan.spec.firmware.protocol.largest_query()?;
+    let bytes = bytes as u64;
     let link = &plan.spec.link;
     let robot = QUERY_BYTES * plan.receiving_ns()
         + plan.spec.processor.obeying_ns
@@ -116,6 +111,9 @@ fn queries(plan: &Plan<'_>) -> Option<Rate> {
         limits: false,
     })
 }
+
+/// A letter and the end of its line, which ask for readings or positions.
+const POLL_BYTES: u64 = 2;
 
 /// 142 and the number of a packet or a group.
 const QUERY_BYTES: u64 = 2;

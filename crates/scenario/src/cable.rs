@@ -4,8 +4,9 @@ use alloc::format;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-use baudbot_wire::create::{STREAM_PERIOD_NS, Version};
-use baudbot_wire::{Encoding, Layout, frame, khepera};
+use baudbot_wire::codec::Pace;
+use baudbot_wire::create::{MOST_STREAMED, STREAM_PERIOD_NS, Version};
+use baudbot_wire::{Encoding, frame, khepera};
 
 use super::context::MIN_PERIOD_MS;
 use super::{create, raw};
@@ -27,40 +28,38 @@ pub(super) fn firmware(
     step_ms: f64,
     link: &Link,
 ) -> Result<Firmware> {
+    let no_ages = |name: &str| path.refuse("ages", raw.ages.is_some(), &format!("{name} carries no ages"));
+    let problem = "only the bare protocol separates messages by silence";
+    let no_gap = || path.refuse("gap_ms", raw.gap_ms.is_some(), problem);
     let protocol = match spoken {
         raw::Protocol::Framed | raw::Protocol::Own => {
-            path.refuse(
-                "gap_ms",
-                raw.gap_ms.is_some(),
-                "only the bare protocol separates messages by silence",
-            )?;
+            no_gap()?;
             Protocol::Framed { ages: raw.ages.unwrap_or(true) }
         }
         raw::Protocol::Bare => {
-            path.refuse("ages", raw.ages.is_some(), "the bare protocol carries no ages")?;
+            no_ages("the bare protocol")?;
             Protocol::Bare { gap_ns: gap_ns(path, raw.gap_ms, link)? }
         }
         raw::Protocol::Khepera => {
-            path.refuse("ages", raw.ages.is_some(), "the khepera protocol carries no ages")?;
-            path.refuse(
-                "gap_ms",
-                raw.gap_ms.is_some(),
-                "only the bare protocol separates messages by silence",
-            )?;
+            no_ages("the khepera protocol")?;
+            no_gap()?;
             can_be_said_in_lines(path, sensors, &motors)?;
             Protocol::Khepera
         }
-        raw::Protocol::Create => create::protocol(path, raw, Version::One, (sensors, &motors))?,
-        raw::Protocol::Create2 => create::protocol(path, raw, Version::Two, (sensors, &motors))?,
+        raw::Protocol::Create | raw::Protocol::Create2 => {
+            no_ages("the Open Interface")?;
+            no_gap()?;
+            let version = if spoken == raw::Protocol::Create { Version::One } else { Version::Two };
+            create::protocol(path, version, sensors, &motors)?
+        }
     };
-    let mode = mode(path, (raw, spoken), step_ms)?;
+    let mode = mode(path, (raw, protocol.pace()), step_ms)?;
     let named: Vec<_> = sensors.iter().map(|sensor| (&*sensor.name, sensor.encodings.as_slice())).collect();
     Ok(Firmware::new(protocol, mode, &named, motors))
 }
 
-fn mode(path: &Path, (raw, spoken): (&raw::Firmware, raw::Protocol), step_ms: f64) -> Result<Mode> {
-    let is_khepera = spoken == raw::Protocol::Khepera;
-    let is_create = spoken.create().is_some();
+fn mode(path: &Path, (raw, pace): (&raw::Firmware, Pace), step_ms: f64) -> Result<Mode> {
+    let (is_khepera, is_create) = (pace == Pace::Asked, pace == Pace::Opened);
     let usual_ms = if is_create { STREAM_PERIOD_NS as f64 * 1e-6 } else { step_ms };
     let usual = if is_khepera { raw::Mode::Poll } else { raw::Mode::Stream };
     match raw.mode.unwrap_or(usual) {
@@ -187,12 +186,9 @@ pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Resu
         return Err(path.field("actuators").error(problem));
     }
     layout.check().map_err(|error| path.field("sensors").error(format!("{error}")))?;
-    let longest = match firmware.protocol {
-        Protocol::Framed { .. } | Protocol::Bare { .. } => {
-            frame::encoded_len_max(readings.max(layout.command_len()))
-        }
-        Protocol::Khepera => longest_lines(path, &layout)?,
-        Protocol::Create(_) => create::longest(path, firmware)?,
+    let longest = match firmware.protocol.pace() {
+        Pace::Any => frame::encoded_len_max(readings.max(layout.command_len())),
+        Pace::Asked | Pace::Opened => longest_dialogue(path, firmware)?,
     };
     if link.laptop_buffer() < longest {
         let field = path.field("link").field("laptop_buffer_bytes");
@@ -202,16 +198,22 @@ pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Resu
     Ok(())
 }
 
-/// Bytes of the most that is written at once in the protocol of the Khepera: an answer to a command and a poll, or the
-/// two.
-fn longest_lines(path: &Path, layout: &Layout<'_>) -> Result<usize> {
-    let [_, positions] = khepera::positions_len(layout);
-    let readings = khepera::readings_len_max(layout) + positions;
-    if readings > frame::MAX_PAYLOAD {
-        let limit = frame::MAX_PAYLOAD;
-        let problem = format!("lines of all readings have up to {readings} bytes, the limit is {limit}");
+/// Bytes of the most that is written at once in a dialogue: an answer to a command and a poll, or the two; or what opens a stream,
+/// with a command.
+fn longest_dialogue(path: &Path, firmware: &Firmware) -> Result<usize> {
+    let agreement = firmware.agreement();
+    let preface = agreement.preface();
+    let readings = agreement.readings_len()[1] + preface.positions[1];
+    let (what, limit) = match firmware.protocol.pace() {
+        Pace::Opened => ("a message of the stream has", MOST_STREAMED + 3),
+        Pace::Any | Pace::Asked => ("lines of all readings have up to", frame::MAX_PAYLOAD),
+    };
+    if readings > limit {
+        let problem = format!("{what} {readings} bytes, the limit is {limit}");
         return Err(path.field("sensors").error(problem));
     }
-    let answers = khepera::ACKNOWLEDGEMENT.len() + readings;
-    Ok(answers.max(khepera::command_len_max(layout) + khepera::poll(layout).len()))
+    let opens = firmware.protocol.is_to_be_opened(0);
+    let opening = if opens { agreement.write_poll(&mut 0, &mut [0; frame::MAX_FRAME]) } else { None };
+    let command = opening.unwrap_or(0) + agreement.command_len()[1] + agreement.question().len();
+    Ok((preface.acknowledgement + readings).max(command))
 }

@@ -79,12 +79,7 @@ fn speaks(path: &Path, link: &Link, protocol: raw::Protocol) -> Result<()> {
         );
         return Err(at.field("bits_per_character").error(problem));
     }
-    match protocol {
-        raw::Protocol::Own | raw::Protocol::Framed | raw::Protocol::Bare => Ok(()),
-        raw::Protocol::Khepera | raw::Protocol::Create | raw::Protocol::Create2 => {
-            let problem = "is what the model of a firmware speaks; with a program of your own take \"own\", or \"framed\" or \
-                           \"bare\" if your program speaks these";
-            Err(path.field("firmware").field("protocol").error(problem))
-        }
-    }
+    let problem = "is what the model of a firmware speaks; with a program of your own take \"own\", or \"framed\" or \
+                   \"bare\" if your program speaks these";
+    path.field("firmware").refuse("protocol", protocol.is_dialogue(), problem)
 }

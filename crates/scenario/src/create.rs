@@ -4,11 +4,10 @@ use alloc::format;
 
 use baudbot_fields::{FieldError, Path};
 use baudbot_wire::Encoding;
-use baudbot_wire::create::{self, MOST_STREAMED, Signal, Version};
+use baudbot_wire::create::{Signal, Version};
 
-use super::raw;
 use baudbot_sim::battery::Battery;
-use baudbot_sim::firmware::{Firmware, Protocol};
+use baudbot_sim::firmware::Protocol;
 use baudbot_sim::sensor::{Device, Sensor};
 
 type Result<T> = core::result::Result<T, FieldError>;
@@ -16,12 +15,10 @@ type Result<T> = core::result::Result<T, FieldError>;
 /// The protocol of a robot with these sensors and motors.
 pub(super) fn protocol(
     path: &Path,
-    raw: &raw::Firmware,
     version: Version,
-    (sensors, motors): (&[&Sensor], &[Encoding]),
+    sensors: &[&Sensor],
+    motors: &[Encoding],
 ) -> Result<Protocol> {
-    path.refuse("ages", raw.ages.is_some(), "the Open Interface carries no ages")?;
-    path.refuse("gap_ms", raw.gap_ms.is_some(), "only the bare protocol separates messages by silence")?;
     let path = path.field("protocol");
     let others = motors.len().saturating_sub(2);
     if others > 0 {
@@ -87,17 +84,6 @@ pub(super) fn tell_battery(sensors: &mut [Sensor], battery: Option<&Battery>) {
             };
         }
     }
-}
-
-/// Bytes of the most that is written at once to a brain of messages.
-pub(super) fn longest(path: &Path, firmware: &Firmware) -> Result<usize> {
-    let longest = firmware.readings_len_max();
-    let limit = MOST_STREAMED + 3;
-    if longest > limit {
-        let problem = format!("a message of the stream has {longest} bytes, the limit is {limit}");
-        return Err(path.field("sensors").error(problem));
-    }
-    Ok(longest.max(create::Opening { ids: firmware.packets() }.size() + create::drive_direct([0.0; 2]).len()))
 }
 
 const MOST_CODE: f64 = 65_535.0;

@@ -229,7 +229,8 @@ fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut Wor
     let path = path.field("sensors");
     let sensor = |path: &Path, name, table| sensors::sensor(path, name, table, &mut context);
     let mut sensors = each_named(&path, core::mem::take(&mut raw.sensors), sensor)?;
-    if raw.firmware.protocol(&raw.microcontroller).create().is_some() {
+    let protocol = raw.firmware.protocol(&raw.microcontroller);
+    if matches!(protocol, raw::Protocol::Create | raw::Protocol::Create2) {
         create::tell_battery(&mut sensors, battery.as_ref());
     }
     if sensors.len() > usize::from(u8::MAX) {

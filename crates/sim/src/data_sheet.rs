@@ -5,8 +5,7 @@ use alloc::borrow::ToOwned;
 use alloc::vec::Vec;
 
 use baudbot_brain::{
-    Actuator, ActuatorKind, Body, Component, Firmware, MotorKind, Mount, Port, PortFormat, Protocol, Sensor,
-    Sweep,
+    Actuator, ActuatorKind, Body, Component, Firmware, MotorKind, Mount, Port, PortFormat, Sensor, Sweep,
 };
 
 use crate::link::Link;
@@ -66,17 +65,11 @@ fn actuator(spec: &actuator::Actuator) -> Actuator {
 }
 
 fn firmware(spec: &firmware::Firmware) -> Firmware {
-    let protocol = match spec.protocol {
-        firmware::Protocol::Framed { ages } => Protocol::Framed { ages },
-        firmware::Protocol::Bare { gap_ns } => Protocol::Bare { gap_ns },
-        firmware::Protocol::Khepera => Protocol::Khepera,
-        firmware::Protocol::Create(version) => Protocol::Create(version),
-    };
     let period_ns = match spec.mode {
         firmware::Mode::Stream(schedule) => Some(schedule.period_ns()),
         firmware::Mode::Poll => None,
     };
-    Firmware { protocol, period_ns }
+    Firmware { protocol: spec.protocol, period_ns }
 }
 
 fn sensor(spec: &sensor::Sensor) -> Sensor {

@@ -26,8 +26,8 @@ pub(crate) enum Decoder {
         lines: Lines,
         registers: Box<Registers>,
     },
-    /// Of a Khepera, at the laptop's end, with the positions that were told since the last readings.
-    KheperaAnswers {
+    /// Of lines of text, at the laptop's end, with the positions that were told since the last readings.
+    Answers {
         lines: Lines,
         positions: Option<[i32; 2]>,
     },
@@ -44,40 +44,33 @@ pub(crate) enum Found<'a> {
     BadFrame,
 }
 
+impl<'a> Found<'a> {
+    #[inline]
+    fn of<E>(message: Option<Result<&'a [u8], E>>) -> Self {
+        match message {
+            None => Self::Nothing,
+            Some(Ok(payload)) => Self::Payload(payload),
+            Some(Err(_)) => Self::BadFrame,
+        }
+    }
+}
+
 impl Decoder {
     pub(crate) fn push(&mut self, byte: u8, at: SimTime) -> Found<'_> {
         match self {
             Self::Bare(bare) => bare.push(byte, at.as_ns()).map_or(Found::Nothing, Found::Payload),
-            Self::Framed(framed) => match framed.push(byte) {
-                None => Found::Nothing,
-                Some(Ok(payload)) => Found::Payload(payload),
-                Some(Err(_)) => Found::BadFrame,
-            },
-            Self::Khepera { lines, .. }
-            | Self::Registers { lines, .. }
-            | Self::KheperaAnswers { lines, .. } => match lines.push(byte) {
-                None => Found::Nothing,
-                Some(Ok(line)) => Found::Payload(line),
-                Some(Err(_)) => Found::BadFrame,
-            },
+            Self::Framed(framed) => Found::of(framed.push(byte)),
+            Self::Khepera { lines, .. } | Self::Registers { lines, .. } | Self::Answers { lines, .. } => {
+                Found::of(lines.push(byte))
+            }
             Self::OpenInterface(interface) => interface.push(byte).map_or(Found::Nothing, Found::Payload),
-            Self::Stream(stream) => match stream.push(byte) {
-                None => Found::Nothing,
-                Some(Ok(payload)) => Found::Payload(payload),
-                Some(Err(_)) => Found::BadFrame,
-            },
+            Self::Stream(stream) => Found::of(stream.push(byte)),
         }
     }
 
     /// Whether it decodes frames and the next byte begins one.
     pub(crate) fn is_between_frames(&self) -> bool {
-        match self {
-            Self::Framed(framed) => framed.is_between_frames(),
-            Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. } | Self::KheperaAnswers { .. } => {
-                false
-            }
-            Self::OpenInterface(_) | Self::Stream(_) => false,
-        }
+        matches!(self, Self::Framed(framed) if framed.is_between_frames())
     }
 
     /// Whether this decoder may have become what `other` is.
@@ -85,56 +78,45 @@ impl Decoder {
         match (self, other) {
             (Self::Framed(_), Self::Framed(_)) => true,
             (Self::Bare(own), Self::Bare(other)) => own.may_become(other),
-            (Self::Khepera { lines: own, .. }, Self::Khepera { lines: other, .. }) => own.may_become(other),
+            (Self::Khepera { lines: own, .. }, Self::Khepera { lines: other, .. })
+            | (Self::Answers { lines: own, .. }, Self::Answers { lines: other, .. }) => own.may_become(other),
             (Self::Khepera { lines: own, .. }, Self::Registers { lines: other, registers }) => {
                 own.may_become(other) && registers.is_sound()
-            }
-            (Self::KheperaAnswers { lines: own, .. }, Self::KheperaAnswers { lines: other, .. }) => {
-                own.may_become(other)
             }
             (Self::OpenInterface(own), Self::OpenInterface(other)) => own.may_become(other),
             (Self::Stream(own), Self::Stream(other)) => own.may_become(other),
             (Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. }, _) => false,
-            (Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_), _) => false,
+            (Self::Answers { .. } | Self::OpenInterface(_) | Self::Stream(_), _) => false,
         }
     }
 
     /// A message that was understood asks for these answers. Where every answer is readings there is nothing to remember.
     pub(crate) fn owe(&mut self, answers: Owed) {
-        match self {
-            Self::Framed(_) | Self::Bare(_) | Self::OpenInterface(_) | Self::Stream(_) => {}
-            Self::KheperaAnswers { .. } => {}
-            Self::Khepera { owed, .. } => owed.add(answers),
-            Self::Registers { registers, .. } => registers.owe_exchange(answers),
+        if let Self::Khepera { owed, .. } = self {
+            owed.add(answers);
+        } else if let Some(registers) = self.registers_mut() {
+            registers.owe_exchange(answers);
         }
     }
 
     /// The text that is owed and is sent now.
     pub(crate) fn settle(&mut self) -> Option<Say> {
-        match self {
-            Self::Framed(_) | Self::Bare(_) | Self::OpenInterface(_) | Self::Stream(_) => None,
-            Self::KheperaAnswers { .. } => None,
-            Self::Khepera { owed, .. } => Some(Say::Exchange(core::mem::take(owed))),
-            Self::Registers { registers, .. } => registers.settle(),
+        if let Self::Khepera { owed, .. } = self {
+            return Some(Say::Exchange(core::mem::take(owed)));
         }
+        self.registers_mut()?.settle()
     }
 
     /// The registers of a Khepera, if any was used.
+    #[inline]
     pub(crate) fn registers(&self) -> Option<&Registers> {
-        match self {
-            Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } => None,
-            Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_) => None,
-            Self::Registers { registers, .. } => Some(&**registers),
-        }
+        if let Self::Registers { registers, .. } = self { Some(registers) } else { None }
     }
 
     /// The registers of a Khepera, if any was used, to be changed.
+    #[inline]
     pub(crate) fn registers_mut(&mut self) -> Option<&mut Registers> {
-        match self {
-            Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } => None,
-            Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_) => None,
-            Self::Registers { registers, .. } => Some(registers),
-        }
+        if let Self::Registers { registers, .. } = self { Some(registers) } else { None }
     }
 
     /// A register of a Khepera is used, or a line refused. Other firmwares have none, and stay what they are.
@@ -146,16 +128,16 @@ impl Decoder {
         self.registers_mut()
     }
 
-    /// A Khepera's positions, which are kept until its readings come.
+    /// Positions, which are kept until its readings come.
     pub(crate) fn keep_positions(&mut self, told: [i32; 2]) {
-        if let Self::KheperaAnswers { positions, .. } = self {
+        if let Self::Answers { positions, .. } = self {
             *positions = Some(told);
         }
     }
 
-    /// The positions that a Khepera told since its last readings.
+    /// The positions that came since the last readings.
     pub(crate) fn take_positions(&mut self) -> Option<[i32; 2]> {
-        if let Self::KheperaAnswers { positions, .. } = self { positions.take() } else { None }
+        if let Self::Answers { positions, .. } = self { positions.take() } else { None }
     }
 
     /// The interface of a Create.
@@ -172,10 +154,6 @@ impl Decoder {
 
     /// Messages that silence cut short so far.
     pub(crate) fn cut_short(&self) -> u64 {
-        match self {
-            Self::Framed(_) | Self::Khepera { .. } | Self::Registers { .. } => 0,
-            Self::KheperaAnswers { .. } | Self::OpenInterface(_) | Self::Stream(_) => 0,
-            Self::Bare(bare) => bare.discarded(),
-        }
+        if let Self::Bare(bare) = self { bare.discarded() } else { 0 }
     }
 }

@@ -1,10 +1,9 @@
 //! The laptop's end of the link: what has arrived, decoded, with the state of readability.
 
-mod message;
-
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
+use baudbot_wire::codec::{Notice, Sink, Stamp};
 use serde::{Deserialize, Serialize};
 
 use crate::firmware::{Decoder, Firmware, Found};
@@ -16,7 +15,6 @@ use crate::sensor::Sensor;
 use crate::sensor::port::{PortState, Received};
 use crate::time::SimTime;
 use crate::values::ReadingValues;
-use message::{Noted, note, note_positions};
 
 /// The last reading of one sensor that reached the laptop.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -134,7 +132,10 @@ impl Laptop {
                 uplink.counters.bad_frames += 1;
                 None
             }
-            Found::Payload(payload) => Some(note(&mut self.readings, &spec.firmware, payload, at)),
+            Found::Payload(payload) => {
+                let sink = &mut Arrivals(&mut self.readings);
+                Some(spec.firmware.agreement().read(payload, at.as_ns(), sink))
+            }
         };
         uplink.counters.bad_messages += self.decoder.cut_short() - before;
         self.take_noted(spec, found, (at, uplink))
@@ -144,18 +145,18 @@ impl Laptop {
     fn take_noted(
         &mut self,
         spec: &RobotSpec,
-        found: Option<Noted>,
+        found: Option<Notice>,
         (at, uplink): (SimTime, &mut Line),
     ) -> Option<Arrived> {
         match found {
             None => {}
-            Some(Noted::Nonsense) => uplink.counters.bad_messages += 1,
-            Some(Noted::Acknowledgement) => uplink.counters.messages += 1,
-            Some(Noted::Answer) => {
+            Some(Notice::Nonsense) => uplink.counters.bad_messages += 1,
+            Some(Notice::Acknowledgement) => uplink.counters.messages += 1,
+            Some(Notice::Answer) => {
                 uplink.counters.messages += 1;
                 self.has_message = true;
             }
-            Some(Noted::Positions(positions)) => {
+            Some(Notice::Positions(positions)) => {
                 uplink.counters.messages += 1;
                 self.has_message = true;
                 self.decoder.keep_positions(positions);
@@ -164,9 +165,10 @@ impl Laptop {
                     self.truth.keep_positions(&message.sampled);
                 }
             }
-            Some(Noted::Readings) => {
+            Some(Notice::Readings) => {
                 if let Some(positions) = self.decoder.take_positions() {
-                    note_positions(&mut self.readings, &spec.firmware.layout(), positions);
+                    let sink = &mut Arrivals(&mut self.readings);
+                    spec.firmware.agreement().read_positions(positions, sink);
                     self.truth.take_positions(at);
                 }
                 uplink.counters.messages += 1;
@@ -302,6 +304,25 @@ impl Laptop {
             if core::mem::take(&mut reading.readable) {
                 freshness.note(at, sampled_at.take());
             }
+        }
+    }
+}
+
+/// The readings that messages bring. Those without a number of their own are counted.
+struct Arrivals<'a>(&'a mut [Reading]);
+
+impl Sink for Arrivals<'_> {
+    #[inline]
+    fn take(&mut self, sensor: usize, stamp: Option<Stamp>, values: impl Iterator<Item = f64>) {
+        let reading = &mut self.0[sensor];
+        reading.values.clear();
+        reading.values.extend(values);
+        reading.readable = true;
+        match stamp {
+            Some(Stamp { sequence, sampled_at_ns }) => {
+                (reading.sequence, reading.sampled_at) = (sequence, sampled_at_ns.map(SimTime::from_ns));
+            }
+            None => reading.sequence = reading.sequence.wrapping_add(1),
         }
     }
 }

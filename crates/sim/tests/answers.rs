@@ -31,8 +31,7 @@ fn bytes(world: &World, sequence: u8, signals: &[f64]) -> Vec<u8> {
         Protocol::Bare { .. } => write_values(layout.motors, signals, &mut payload).unwrap_or(0),
         Protocol::Khepera => khepera::write_exchange(&layout, signals, &mut payload).unwrap_or(0),
         Protocol::Create(_) => {
-            let drive = || Some([signals.clone().next()?, signals.clone().nth(1)?]);
-            drive().map_or(0, |signals| firmware.write_drive(sequence, signals, &mut payload))
+            firmware.agreement().write_command(sequence, signals, &mut payload).unwrap_or(0)
         }
         Protocol::Framed { .. } => {
             let len = write_command(&layout, sequence, signals, &mut payload);

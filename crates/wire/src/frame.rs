@@ -42,6 +42,13 @@ pub const fn encoded_len_max(payload_len: usize) -> usize {
     stuffed.saturating_add(stuffed.div_ceil(254)).saturating_add(1)
 }
 
+/// The least and the most bytes that a payload of `payload_len` bytes takes on the wire: stuffing adds one, and at most one more
+/// for each 254 begun.
+pub fn encoded_len(payload_len: usize) -> [usize; 2] {
+    let most = encoded_len_max(payload_len);
+    [most.min(payload_len + 4), most]
+}
+
 /// Writes `payload` as a frame to the front of `out` and returns the number of bytes written.
 ///
 /// # Errors

@@ -14,6 +14,9 @@
 //! alternative to all this: values and nothing else, as the lecture notes count them. [`khepera`] is another: lines
 //! of text, as a real robot speaks them.
 //!
+//! [`Protocol`] is the table of all that a robot can speak, and [`Agreement`] writes and reads the messages of any of them, for
+//! those to whom it does not matter which.
+//!
 //! Apart from these stand the formats of sensors that have a wire of their own: [`scip`], a laser range finder;
 //! [`nmea`], a satellite navigation receiver; [`line_image`], a line camera. Each message is written into the caller's
 //! buffer and read from the bytes of one whole message. [`port`] finds their messages among bytes as they come, and turns
@@ -82,11 +85,15 @@
 
 #![no_std]
 
+#[cfg(feature = "alloc")]
+extern crate alloc;
+
 #[cfg(test)]
 extern crate std;
 
 pub mod bare;
 pub mod clock;
+pub mod codec;
 pub mod create;
 pub mod encoding;
 pub mod error;
@@ -94,14 +101,18 @@ pub mod frame;
 pub mod khepera;
 pub mod layout;
 pub mod line_image;
+pub mod lines;
 pub mod meaning;
 pub mod message;
 pub mod nmea;
 pub mod port;
+pub mod protocol;
 pub mod scip;
 pub mod values;
 
 mod buffer;
+#[cfg(feature = "alloc")]
+mod wire_layout;
 
 pub use bare::BareDecoder;
 pub use clock::{age_100us, unwrap_time, wrap_time};
@@ -112,4 +123,7 @@ pub use layout::Layout;
 pub use message::{
     Command, Entry, Message, MessageError, Readings, Sample, poll, write_command, write_readings,
 };
+pub use protocol::{Agreement, Protocol, Uplink};
 pub use values::{Values, write_values};
+#[cfg(feature = "alloc")]
+pub use wire_layout::WireLayout;

@@ -30,6 +30,8 @@
 
 use thiserror::Error;
 
+use crate::clock;
+use crate::codec::{Notice, Sink, Stamp};
 use crate::encoding::Encoding;
 use crate::error::{NoRoom, WriteError};
 use crate::layout::{COMMAND_HEADER_LEN, Layout, READINGS_HEADER_LEN, Sensors, total_len};
@@ -298,6 +300,20 @@ pub fn write_command(
     let (header, body) = out.split_first_chunk_mut().ok_or(no_room)?;
     *header = [COMMAND, sequence];
     Ok(header.len() + write_values(layout.motors, values, body)?)
+}
+
+/// Reads a message that came to the laptop at this instant, and gives its readings to `sink`.
+pub(crate) fn read(layout: &Layout<'_>, payload: &[u8], at_ns: u64, sink: &mut impl Sink) -> Notice {
+    let Ok(Message::Readings(message)) = Message::parse(payload, layout) else { return Notice::Nonsense };
+    let closed_ns = clock::unwrap_time(message.time_100us, at_ns);
+    for entry in message.entries() {
+        // The largest age on the wire stands for any from there on, so it tells nothing.
+        let age = entry.age_100us.filter(|&age| age < u8::MAX);
+        let age_ns = age.map(|age| u64::from(age) * clock::UNIT_NS);
+        let sampled_at_ns = age_ns.map(|age_ns| closed_ns.saturating_sub(age_ns));
+        sink.take(entry.sensor, Some(Stamp { sequence: message.sequence, sampled_at_ns }), entry.values);
+    }
+    Notice::Readings
 }
 
 /// The payload of a poll message.

@@ -53,7 +53,7 @@ impl TryFrom<v1::RobotDescription> for Body {
             operations_per_s: given.operations_per_s,
             ram_bytes: given.ram_bytes,
         };
-        match body.layout().check(body.firmware.protocol) {
+        match body.layout().agreement().check() {
             Ok(()) => Ok(body),
             Err(source) => Err(Breach::Layout { robot: body.name, source }),
         }

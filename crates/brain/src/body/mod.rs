@@ -5,8 +5,7 @@ mod kind;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_wire::Encoding;
-use baudbot_wire::create::Version;
+use baudbot_wire::{Encoding, Protocol};
 
 use crate::action::Action;
 
@@ -147,35 +146,6 @@ pub struct Firmware {
     pub period_ns: Option<u64>,
 }
 
-/// The form of the messages on the wire.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Protocol {
-    /// Frames with sequence number, time and checksum.
-    Framed {
-        /// Whether each reading carries its age.
-        ages: bool,
-    },
-    /// One value after the other and nothing else.
-    Bare {
-        /// Silence after which a part of a message is given up, in nanoseconds.
-        gap_ns: u64,
-    },
-    /// Lines of text, as a Khepera's: one answer for each question.
-    Khepera,
-    /// The Open Interface of an iRobot Create: a stream, once one is asked for.
-    Create(Version),
-}
-
-impl Protocol {
-    /// Whether its bytes are part of what a brain sees and does, so that one on board has them, too.
-    pub const fn is_dialogue(self) -> bool {
-        match self {
-            Self::Khepera | Self::Create(_) => true,
-            Self::Framed { .. } | Self::Bare { .. } => false,
-        }
-    }
-}
-
 impl Sensor {
     /// The number of values of a reading.
     pub fn values(&self) -> usize {
@@ -211,10 +181,8 @@ impl Body {
     pub fn request(&self) -> Action {
         match self.firmware {
             Firmware { period_ns: Some(_), .. } => Action::wait(),
-            Firmware {
-                protocol: Protocol::Framed { .. } | Protocol::Khepera | Protocol::Create(_), ..
-            } => Action::poll(),
-            Firmware { protocol: Protocol::Bare { .. }, .. } => Action::drive(0.0, 0.0),
+            Firmware { protocol, .. } if protocol.has_poll() => Action::poll(),
+            Firmware { .. } => Action::drive(0.0, 0.0),
         }
     }
 }

@@ -4,14 +4,12 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
-use baudbot_wire::create::{Payload, Signal, Stream, Version};
-use baudbot_wire::khepera::{Answer, Lines, Numbers, counted};
-use baudbot_wire::{BareDecoder, Decoder, Layout, LayoutError, Message, Values, clock};
+use baudbot_wire::codec::{Notice, Sink, Stamp};
+use baudbot_wire::{LayoutError, Uplink, WireLayout};
 
 use super::RawTurn;
 use super::listener::Listener;
-use crate::body::{Body, Protocol};
-use crate::layout::WireLayout;
+use crate::body::Body;
 use crate::turn::{Reading, Turn};
 
 /// Turns the bytes of [`RawTurn`]s into [`Turn`]s, by the rules by which the server does it for a brain of
@@ -28,24 +26,17 @@ use crate::turn::{Reading, Turn};
 pub struct RawReadings {
     body: Arc<Body>,
     layout: WireLayout,
-    port: Port,
+    /// The places of the layout's sensors in the body.
+    places: Vec<usize>,
+    uplink: Uplink,
+    silence: Silence,
+    /// Those that were told since the last readings, by a robot that tells them apart.
+    positions: Option<[i32; 2]>,
     /// Of the sensors with a port of their own, with their places.
     listeners: Vec<(usize, Listener)>,
     readings: Vec<Option<Reading>>,
-    /// Whole messages of readings so far; only the framed protocol has another sequence number.
+    /// Whole messages of readings so far: their number, where they have none of their own.
     messages: u8,
-}
-
-#[derive(Clone, Debug)]
-enum Port {
-    Framed(Decoder),
-    Bare {
-        decoder: BareDecoder,
-        silence: Silence,
-    },
-    /// With the positions that were told since the last readings.
-    Khepera(Lines, Option<[i32; 2]>),
-    Create(Version, Stream),
 }
 
 impl RawReadings {
@@ -56,20 +47,14 @@ impl RawReadings {
     /// If the body's encodings are such as no cable can have; those of an attached robot never are.
     pub fn new(body: Arc<Body>) -> Result<Self, LayoutError> {
         let layout = body.layout();
-        layout.check(body.firmware.protocol)?;
-        let port = match body.firmware.protocol {
-            Protocol::Framed { .. } => Port::Framed(Decoder::new()),
-            Protocol::Bare { gap_ns } => {
-                let decoder = BareDecoder::new(layout.borrow().bare_readings_len(), gap_ns)?;
-                Port::Bare { decoder, silence: Silence::default() }
-            }
-            Protocol::Khepera => Port::Khepera(Lines::of_answers(), None),
-            Protocol::Create(version) => Port::Create(version, Stream::new(version, &layout.packets)),
-        };
+        layout.agreement().check()?;
+        let uplink = layout.agreement().uplink()?;
+        let places = body.told_sensors().map(|(place, _)| place).collect();
         let readings = vec![None; body.sensors.len()];
         let listeners = body.sensors.iter().enumerate();
         let listeners = listeners.filter_map(|(i, sensor)| Some((i, Listener::new(sensor)?))).collect();
-        Ok(Self { body, layout, port, listeners, readings, messages: 0 })
+        let (silence, positions) = (Silence::default(), None);
+        Ok(Self { body, layout, places, uplink, silence, positions, listeners, readings, messages: 0 })
     }
 
     /// The turn in messages.
@@ -89,154 +74,45 @@ impl RawReadings {
 
     /// Takes the bytes of the microcontroller; the answer is whether they were a whole message of readings.
     fn hear(&mut self, raw: &RawTurn) -> bool {
-        let Self { layout, port, readings, messages, .. } = self;
+        let agreement = self.layout.agreement();
+        let silent_ns = self.silence.clock_ns(raw);
         let mut has_message = false;
-        let (signals, places) = (&layout.signals, &layout.places);
-        let layout = layout.borrow();
-        match port {
-            Port::Framed(decoder) => hear_frames(decoder, &raw.bytes, |payload| {
-                has_message |= note_frame(readings, (&layout, places), payload, raw.at_ns);
-            }),
-            Port::Bare { decoder, silence } => {
-                let at_ns = silence.clock_ns(raw);
-                for &byte in &raw.bytes {
-                    if let Some(payload) = decoder.push(byte, at_ns) {
-                        *messages = messages.wrapping_add(1);
-                        let values = Values::new(layout.components, payload);
-                        has_message = true;
-                        note_all(readings, (&layout, places), values, *messages);
+        for &byte in &raw.bytes {
+            let Some(payload) = self.uplink.push(byte, silent_ns) else { continue };
+            let sequence = self.messages.wrapping_add(1);
+            let mut sink = Places { places: &self.places, readings: &mut self.readings, sequence };
+            match agreement.read(payload, raw.at_ns, &mut sink) {
+                Notice::Readings => {
+                    if let Some(positions) = self.positions.take() {
+                        agreement.read_positions(positions, &mut sink);
                     }
+                    self.messages = sequence;
+                    has_message = true;
                 }
-            }
-            Port::Khepera(lines, positions) => {
-                hear_lines((lines, positions), &raw.bytes, &layout, |told| {
-                    *messages = messages.wrapping_add(1);
-                    has_message = true;
-                    note_lines(readings, (&layout, places), told, *messages);
-                });
-            }
-            Port::Create(version, stream) => {
-                hear_stream((*version, stream), &raw.bytes, |payload| {
-                    *messages = messages.wrapping_add(1);
-                    has_message = true;
-                    note_packets(readings, (&layout, places, signals), payload, *messages);
-                });
+                Notice::Positions(positions) => self.positions = Some(positions),
+                // A damaged message is lost, and its readings stay what they were.
+                Notice::Nonsense | Notice::Acknowledgement | Notice::Answer => {}
             }
         }
         has_message
     }
 }
 
-/// The answers of a Khepera: the positions of its wheels, if they came, and the values of all else.
-type Told<'a> = (Option<[i32; 2]>, Numbers<'a>);
-
-/// Notes the frames that these bytes complete. A damaged one is lost, and its readings stay what they were.
-fn hear_frames(decoder: &mut Decoder, bytes: &[u8], mut note: impl FnMut(&[u8])) {
-    for &byte in bytes {
-        if let Some(Ok(payload)) = decoder.push(byte) {
-            note(payload);
-        }
-    }
-}
-
-/// Notes the readings of a Khepera that these bytes complete.
-fn hear_lines<'a>(
-    (lines, positions): (&mut Lines, &mut Option<[i32; 2]>),
-    bytes: &[u8],
-    layout: &Layout<'a>,
-    mut note: impl FnMut(Told<'_>),
-) {
-    for &byte in bytes {
-        let Some(Ok(line)) = lines.push(byte) else { continue };
-        match Answer::parse(line, layout) {
-            Ok(Answer::Positions(told)) => *positions = Some(told),
-            Ok(Answer::Readings(levels)) => note((positions.take(), levels)),
-            Ok(Answer::Acknowledgement | Answer::Registers(_) | Answer::Refusal) | Err(_) => {}
-        }
-    }
-}
-
-/// Notes the messages of a Create's stream that these bytes complete.
-fn hear_stream((version, stream): (Version, &mut Stream), bytes: &[u8], mut note: impl FnMut(Payload<'_>)) {
-    for &byte in bytes {
-        if let Some(Ok(bytes)) = stream.push(byte) {
-            note(Payload { version, bytes });
-        }
-    }
-}
-
-/// Notes a message of a Create's stream. A sensor that is not told has no reading.
-fn note_packets(
-    readings: &mut [Option<Reading>],
-    (layout, places, mut rest): (&Layout<'_>, &[usize], &[Option<Signal>]),
-    payload: Payload<'_>,
+/// The readings that messages bring, by the places of their sensors in the body.
+struct Places<'a> {
+    places: &'a [usize],
+    readings: &'a mut [Option<Reading>],
+    /// The number of a message that has none of its own.
     sequence: u8,
-) {
-    for (&place, components) in places.iter().zip(layout.sensors()) {
-        let (signals, behind) = rest.split_at(components.len().min(rest.len()));
-        rest = behind;
-        let values: Option<Vec<_>> =
-            components.iter().zip(signals).map(|(to, signal)| payload.value((*signal)?, *to)).collect();
-        if let Some(values) = values.filter(|values| !values.is_empty()) {
-            readings[place] =
-                Some(Reading { values, sampled_at_ns: None, sequence: sequence.into(), readable: true });
-        }
-    }
 }
 
-/// Notes the readings of a frame; a message that makes no sense is lost.
-fn note_frame(
-    readings: &mut [Option<Reading>],
-    (layout, places): (&Layout<'_>, &[usize]),
-    payload: &[u8],
-    at_ns: u64,
-) -> bool {
-    let Ok(Message::Readings(message)) = Message::parse(payload, layout) else { return false };
-    let closed_ns = clock::unwrap_time(message.time_100us, at_ns);
-    for entry in message.entries() {
-        // The largest age on the wire stands for any from there on, so it tells nothing.
-        let age = entry.age_100us.filter(|&age| age < u8::MAX);
-        let age_ns = age.map(|age| u64::from(age) * clock::UNIT_NS);
-        let reading = Reading {
-            values: entry.values.collect(),
-            sampled_at_ns: age_ns.map(|age_ns| closed_ns.saturating_sub(age_ns)),
-            sequence: message.sequence.into(),
-            readable: true,
-        };
-        readings[places[entry.sensor]] = Some(reading);
-    }
-    true
-}
-
-/// Notes a message that knows no readability, so that every value that arrives is readable.
-fn note_all(
-    readings: &mut [Option<Reading>],
-    (layout, places): (&Layout<'_>, &[usize]),
-    mut values: impl Iterator<Item = f64>,
-    sequence: u8,
-) {
-    for (&place, components) in places.iter().zip(layout.sensors()) {
-        let values = values.by_ref().take(components.len()).collect();
-        readings[place] =
-            Some(Reading { values, sampled_at_ns: None, sequence: sequence.into(), readable: true });
-    }
-}
-
-/// Notes a Khepera's answer to `N`, and the positions that came before it, if any did.
-fn note_lines(
-    readings: &mut [Option<Reading>],
-    (layout, places): (&Layout<'_>, &[usize]),
-    (positions, mut levels): Told<'_>,
-    sequence: u8,
-) {
-    for (&place, components) in places.iter().zip(layout.sensors()) {
-        let values = match (counted(components, positions.unwrap_or_default()), positions) {
-            (Some(_), None) => continue,
-            (Some(values), Some(_)) => values.to_vec(),
-            (None, _) => levels.by_ref().take(components.len()).collect(),
-        };
-        readings[place] =
-            Some(Reading { values, sampled_at_ns: None, sequence: sequence.into(), readable: true });
+impl Sink for Places<'_> {
+    fn take(&mut self, sensor: usize, stamp: Option<Stamp>, values: impl Iterator<Item = f64>) {
+        let Stamp { sequence, sampled_at_ns } =
+            stamp.unwrap_or(Stamp { sequence: self.sequence, sampled_at_ns: None });
+        let values = values.collect();
+        self.readings[self.places[sensor]] =
+            Some(Reading { values, sampled_at_ns, sequence: sequence.into(), readable: true });
     }
 }
 

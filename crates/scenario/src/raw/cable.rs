@@ -2,8 +2,6 @@
 
 use alloc::vec::Vec;
 
-use baudbot_wire::create::Version;
-
 use super::robot::Microcontroller;
 
 #[derive(Debug, Default, serde::Deserialize)]
@@ -52,18 +50,12 @@ pub(crate) enum Protocol {
 }
 
 impl Protocol {
-    /// Which Create speaks, if one does.
-    pub(crate) fn create(self) -> Option<Version> {
-        match self {
-            Self::Create => Some(Version::One),
-            Self::Create2 => Some(Version::Two),
-            Self::Framed | Self::Bare | Self::Khepera | Self::Own => None,
-        }
-    }
-
     /// Whether a brain on board has its bytes, too.
     pub(crate) fn is_dialogue(self) -> bool {
-        self == Self::Khepera || self.create().is_some()
+        match self {
+            Self::Khepera | Self::Create | Self::Create2 => true,
+            Self::Framed | Self::Bare | Self::Own => false,
+        }
     }
 }
 

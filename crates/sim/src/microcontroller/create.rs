@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
 
 use baudbot_geometry::math;
-use baudbot_wire::create::{self, Command, FULL_MM_S, Mode, Packet, Version};
+use baudbot_wire::create::{self, Command, FULL_MM_S, Mode, Packet, Signal, Version};
 
 use super::condition::Condition;
 use super::{Microcontroller, Taken};
@@ -191,10 +191,11 @@ impl Microcontroller {
 
     /// The code that the sensor of this packet last had; `None` of a robot without that sensor, and before its first sample.
     fn code_of(&self, spec: &RobotSpec, packet: Packet, bit: Option<u8>) -> Option<i32> {
-        let layout = spec.firmware.layout();
-        let mut signals = spec.firmware.signals().iter();
-        for (channel, components) in self.channels.iter().zip(layout.sensors()) {
-            for (i, (encoding, signal)) in components.iter().zip(signals.by_ref()).enumerate() {
+        let terms = spec.firmware.agreement().terms;
+        let mut places = terms.places.iter();
+        for (channel, components) in self.channels.iter().zip(terms.layout.sensors()) {
+            for (i, (encoding, place)) in components.iter().zip(places.by_ref()).enumerate() {
+                let signal = place.and_then(Signal::at);
                 if signal.is_some_and(|signal| signal.packet == packet && signal.bit == bit) {
                     return encoding.number(*channel.values.get(i)?).map(|code| code as i32);
                 }

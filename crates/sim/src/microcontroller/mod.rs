@@ -99,9 +99,7 @@ pub(crate) enum Task {
 impl Microcontroller {
     pub(crate) fn new(spec: &RobotSpec, seed: u64, noise: bool) -> Self {
         let frame = match spec.firmware.mode {
-            Mode::Stream(schedule)
-                if !matches!(spec.firmware.protocol, Protocol::Create(_)) && spec.chip.is_none() =>
-            {
+            Mode::Stream(schedule) if !spec.firmware.is_silent_at_first() && spec.chip.is_none() => {
                 schedule.start()
             }
             Mode::Stream(_) | Mode::Poll => Due { next: SimTime::NEVER, missed: 0 },

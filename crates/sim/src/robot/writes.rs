@@ -7,12 +7,9 @@
 //! anything has come. What is written before a bootloader is done is lost and counts as nothing. Bytes are counted, as a brain of
 //! bytes may write a command in pieces. None of this is part of the state: after a restore it is counted anew.
 
-use baudbot_fields::Writes;
-use baudbot_wire::khepera;
-
-use crate::firmware::{Mode, Protocol};
 use crate::model::RobotSpec;
 use crate::time::SimTime;
+use baudbot_fields::Writes;
 
 /// The brain's deviations from its stated writing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,7 +61,7 @@ impl WriteWatch {
         let (at, step_ns) = self.step;
         let last = if before > 0 { None } else { self.wrote.replace(at) };
         let waited_ns = last.map_or(u64::MAX, |last| at.since(last));
-        let may_speak = is_asked || (!has_spoken && speaks_first(spec));
+        let may_speak = is_asked || (!has_spoken && spec.firmware.is_silent_at_first());
         let writes = spec.writes.unwrap_or_default();
         let command = *self.command.get_or_insert_with(|| CommandSize::of(spec));
         let is_allowed = match writes {
@@ -89,17 +86,9 @@ impl WriteWatch {
     }
 }
 
-/// Whether nothing comes from it until somebody has spoken.
-fn speaks_first(spec: &RobotSpec) -> bool {
-    spec.firmware.mode == Mode::Poll || matches!(spec.firmware.protocol, Protocol::Create(_))
-}
-
 impl CommandSize {
     fn of(spec: &RobotSpec) -> Self {
-        let question = match spec.firmware.protocol {
-            Protocol::Khepera => khepera::poll(&spec.firmware.layout()).len(),
-            Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Create(_) => 0,
-        };
+        let question = spec.firmware.agreement().question().len();
         let bytes = (spec.firmware.command_len_max() + question) as u64;
         Self { bytes, time_ns: spec.command_time_ns() }
     }

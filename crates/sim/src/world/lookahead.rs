@@ -10,7 +10,6 @@
 use alloc::vec::Vec;
 
 use super::{Answer, Turn, World};
-use crate::firmware::Protocol;
 use crate::time::SimTime;
 
 /// Steps that are not over though the world has gone on. They are no part of the state: once they are supplied, it is
@@ -42,7 +41,7 @@ impl World {
     pub fn reach(&self, robot: usize, done: SimTime) -> Option<SimTime> {
         let state = self.state.robots.get(robot)?;
         // The bytes may change its cable at the end of the tick.
-        if let Protocol::Create(_) = self.scenario.robots[robot].firmware.protocol {
+        if self.scenario.robots[robot].firmware.protocol.changes_baud() {
             return None;
         }
         // A chip sees a byte from its start bit on.

@@ -21,7 +21,6 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use crate::collision::Collision;
-use crate::firmware::Protocol;
 use crate::hash;
 use crate::heap;
 use crate::model::RobotSpec;
@@ -150,7 +149,7 @@ impl World {
         let (ahead, spare, seen) = (Ahead::default(), Spare::default(), None);
         let is_parallel = cfg!(feature = "rayon") && state.robots.len() >= CROWD;
         let (origin, altered) = (Arc::clone(&scenario), Altered::default());
-        let changes = |spec: &RobotSpec| matches!(spec.firmware.protocol, Protocol::Create(_));
+        let changes = |spec: &RobotSpec| spec.firmware.protocol.changes_baud();
         let may_change_baud = scenario.robots.iter().any(changes);
         let mut world =
             Self { origin, scenario, altered, state, seen, ahead, spare, is_parallel, may_change_baud };

@@ -48,7 +48,7 @@ pub fn command(spec: &RobotSpec, left: f64, right: f64) -> Vec<u8> {
             payload[..n].to_vec()
         }
         Protocol::Create(_) => {
-            let n = spec.firmware.write_drive(1, signals, &mut payload);
+            let n = spec.firmware.agreement().write_command(1, signals, &mut payload).unwrap();
             payload[..n].to_vec()
         }
         Protocol::Framed { .. } => {
@@ -63,10 +63,9 @@ pub fn command(spec: &RobotSpec, left: f64, right: f64) -> Vec<u8> {
 /// The first bytes of a brain of messages: none, unless its robot is a Create.
 pub fn opening(spec: &RobotSpec) -> Vec<u8> {
     let mut bytes = [0; frame::MAX_PAYLOAD];
-    let n = match spec.firmware.protocol {
-        Protocol::Create(_) => spec.firmware.write_opening(&mut bytes),
-        Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Khepera => 0,
-    };
+    let opens = spec.firmware.protocol.is_to_be_opened(0);
+    let opening = opens.then(|| spec.firmware.agreement().write_poll(&mut 0, &mut bytes));
+    let n = opening.flatten().unwrap_or(0);
     bytes[..n].to_vec()
 }
 

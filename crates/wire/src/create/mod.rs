@@ -28,14 +28,16 @@ mod drive;
 mod packets;
 mod signals;
 mod stream;
+mod streamed;
 
 pub use commands::{BAUDS, Command, Commands, MAX_COMMAND, MOST_NOTES, Mode};
 pub use drive::{FULL_MM_S, drive_direct, mm_s, wheels_mm_s};
 pub use packets::{Packet, group, listed_len};
-pub use signals::{Signal, check, told};
+pub use signals::Signal;
 pub use stream::{
-    HEADER, MOST_STREAMED, Opening, Payload, STREAM_PERIOD_NS, Stream, StreamError, stream_len, write_stream,
+    HEADER, MOST_STREAMED, Payload, STREAM_PERIOD_NS, Stream, StreamError, stream_len, write_stream,
 };
+pub(crate) use streamed::{check, read, streamed, write_opening};
 
 use serde::{Deserialize, Serialize};
 

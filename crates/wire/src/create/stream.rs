@@ -45,29 +45,6 @@ pub fn write_stream(
     len
 }
 
-/// The bytes that a program writes before all else: Start, Full, and the stream that it wants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Opening<'a> {
-    /// The packets of the stream.
-    pub ids: &'a [u8],
-}
-
-impl Opening<'_> {
-    /// The number of those bytes.
-    pub const fn size(self) -> usize {
-        4 + self.ids.len()
-    }
-
-    /// Writes it to the front of `out` and says how long it is; 0 if `out` is too short.
-    pub fn write(self, out: &mut [u8]) -> usize {
-        let Some(out) = out.get_mut(..self.size()) else { return 0 };
-        let (head, list) = out.split_at_mut(4);
-        head.copy_from_slice(&[128, 132, 148, self.ids.len() as u8]);
-        list.copy_from_slice(self.ids);
-        self.size()
-    }
-}
-
 /// Finds the messages of a stream at the laptop's end. It knows how long they are, so bytes that only look like the beginning
 /// of one seldom cost it one.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

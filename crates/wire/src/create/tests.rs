@@ -7,6 +7,7 @@ use proptest::collection::vec as bytes_of;
 use proptest::prelude::*;
 
 use super::*;
+use crate::codec::Terms;
 use crate::encoding::Encoding;
 use crate::layout::Layout;
 
@@ -177,10 +178,15 @@ fn a_stream_is_found_behind_noise_and_a_wrong_sum_is_told() {
 
 #[test]
 fn an_opening_starts_the_interface_and_asks_for_a_stream() {
+    let sensors = [("bumper_left", 0), ("encoders", 0), ("bumper_right", 0)];
+    let places = sensors.map(|(name, component)| Signal::place(Version::Two, name, component));
+    let level = Encoding::Level { bits: 1, min: 0.0, max: 1.0 };
+    let layout = Layout { components: &[level; 3], counts: &[1; 3], motors: &[level; 2], ages: false };
+    let terms = Terms { layout, places: &places };
     let mut bytes = [0; 8];
-    assert_eq!(Opening { ids: &[7, 43] }.write(&mut bytes), 6);
-    assert_eq!(bytes[..6], [128, 132, 148, 2, 7, 43]);
-    assert_eq!(Opening { ids: &[7, 43] }.write(&mut bytes[..5]), 0);
+    assert_eq!(write_opening(&terms, &mut bytes), Some(6));
+    assert_eq!(bytes, [128, 132, 148, 2, 7, 43, 0, 0]);
+    assert_eq!(write_opening(&terms, &mut bytes[..5]), None);
 }
 
 #[test]
@@ -219,18 +225,20 @@ fn sensors_stand_in_their_packets() {
     // The first Create has no counters to be read.
     assert_eq!(Signal::of(Version::One, "encoders", 0), None);
     assert_eq!(Signal::of(Version::Two, "bumper_left", 1), None);
-    let mut ids = [0; 8];
-    assert_eq!(told(&[Some(left), None, Some(right), Some(encoders)], &mut ids), 2);
-    assert_eq!(ids[..2], [7, 43]);
+    let place = |name, component| Signal::place(Version::Two, name, component);
+    let places = [place("bumper_left", 0), None, place("bumper_right", 0), place("encoders", 0)];
+    let layout = Layout { components: &[level; 4], counts: &[1; 4], motors: &[level; 2], ages: false };
+    assert_eq!(streamed(&Terms { layout, places: &places }).used(), [7, 43]);
 }
 
 #[test]
 fn a_layout_must_fit_the_packets() {
-    let signals = [Signal::of(Version::Two, "cliff_left", 0), None];
+    let places = [Signal::place(Version::Two, "cliff_left", 0), None];
     let level = |bits| Encoding::Level { bits, min: 0.0, max: 1.0 };
     let signal = Encoding::Signed { bits: 10, limit: 1.0 };
     let found = |components: &[Encoding; 2], motors: &[Encoding]| {
-        check(&Layout { components, counts: &[1, 1], motors, ages: false }, &signals)
+        let layout = Layout { components, counts: &[1, 1], motors, ages: false };
+        check(&Terms { layout, places: &places })
     };
     assert_eq!(found(&[level(12), Encoding::Float64], &[signal; 2]), Ok(()));
     assert!(found(&[level(10), level(8)], &[signal; 2]).is_err());

@@ -27,19 +27,18 @@
 //! A robot with other sensors than the real one's tells them in its `N`, too, in the order of the layout. The codes of
 //! signals are pulses per 10 ms where the layout's owner has made their encoding so.
 
-mod lines;
+mod readings;
 mod registers;
 
-pub use lines::{LineError, Lines};
+pub use crate::lines::{LineError, Lines, MAX_LINE};
+pub(crate) use readings::{read, read_positions};
 pub use registers::{Access, Command, Gain, NOT_FOUND, PROTOCOL_ERROR, Register, Side, write_answer};
 
 use crate::encoding::Encoding;
 use crate::error::{LayoutError, NoRoom, WriteError};
 use crate::frame::MAX_PAYLOAD;
 use crate::layout::Layout;
-
-/// The most characters of a line, the one that ends it not counted.
-pub const MAX_LINE: usize = MAX_PAYLOAD - 1;
+use crate::lines::MAX_DIGITS;
 
 /// Asks for what is no counter.
 pub const POLL: [u8; 2] = *b"N\r";
@@ -390,9 +389,6 @@ impl Writer<'_> {
 
 /// Left and right.
 const MOTORS: usize = 2;
-
-/// Digits of 2^32 − 1, the greatest number of any encoding.
-const MAX_DIGITS: usize = 10;
 
 const QUESTION_END: [u8; 1] = *b"\r";
 const ANSWER_END: [u8; 2] = *b"\r\n";

@@ -3,8 +3,14 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{MAX_DIGITS, MAX_LINE};
 use crate::buffer::Buffer;
+use crate::frame::MAX_PAYLOAD;
+
+/// The most characters of a line, the one that ends it not counted.
+pub const MAX_LINE: usize = MAX_PAYLOAD - 1;
+
+/// Digits of 2^32 − 1, the greatest number of any encoding.
+pub(crate) const MAX_DIGITS: usize = 10;
 
 /// Finds lines in a stream of bytes. Behind the end of a line it is as new.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
