@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use baudbot_brains::catalogue;
-use baudbot_client::{Client, Error, Summary};
+use baudbot_run::AttachedBrains;
 use baudbot_run::assignment::{self, AssignmentError};
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
@@ -58,56 +58,16 @@ pub(crate) fn is_for_all(brain: &str) -> bool {
     assignment::split(brain).0.is_none()
 }
 
-/// An assignment that is being carried out.
-pub(crate) struct AttachedBrains {
-    brains: assignment::AttachedBrains,
-    /// The client that it is made from, again if the operator wants that.
-    client: Client,
-    world: String,
-    assignment: Assignment,
-    seed: u64,
+/// Drives until the run is over or the server closes the stream. Brains that the operator restarts are made again.
+pub(crate) async fn drive(mut brains: AttachedBrains) -> anyhow::Result<AttachedBrains> {
+    let driven = brains.run_with_restarts().await;
+    driven.map_err(refused).with_context(|| format!("brain `{}` failed", brains.assignment().brain))?;
+    Ok(brains)
 }
 
-impl AttachedBrains {
-    /// Takes hold of the robots and makes their brains.
-    pub(crate) async fn attach(
-        client: Client,
-        world: &str,
-        assignment: Assignment,
-        seed: u64,
-    ) -> anyhow::Result<Self> {
-        let brains = attach(&client, world, &assignment, seed).await?;
-        Ok(Self { brains, client, world: world.to_owned(), assignment, seed })
-    }
-
-    /// Drives the robots until the run is over or the server closes the stream. Brains that the operator restarts are
-    /// made again; the summary is of those that were the last.
-    pub(crate) async fn run(&mut self) -> anyhow::Result<Summary> {
-        loop {
-            match self.brains.run().await {
-                Err(Error::Restart) => {
-                    self.brains = attach(&self.client, &self.world, &self.assignment, self.seed).await?;
-                }
-                summary => {
-                    let failed = || format!("brain `{}` failed", self.brains.brain());
-                    return summary.with_context(failed);
-                }
-            }
-        }
-    }
-}
-
-async fn attach(
-    client: &Client,
-    world: &str,
-    assignment: &Assignment,
-    seed: u64,
-) -> anyhow::Result<assignment::AttachedBrains> {
-    match assignment::AttachedBrains::attach(client.clone(), world, assignment.clone(), seed).await {
-        Ok(brains) => Ok(brains),
-        Err(AssignmentError::Brain(error)) => Err(Refused::error(error.to_string())),
-        Err(error) => Err(error.into()),
-    }
+/// The error of brains that do not attach, as users are told it.
+pub(crate) fn refused(error: AssignmentError) -> anyhow::Error {
+    if let AssignmentError::Brain(error) = error { Refused::error(error.to_string()) } else { error.into() }
 }
 
 /// Refuses a brain that is not there, or whose file is wrong, before anything is started for it.

@@ -7,9 +7,9 @@
 use std::collections::{HashMap, HashSet};
 use std::io::{self, BufWriter, Write};
 
-use baudbot_server::{sensor_columns, state_columns, state_values};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{RobotView, World};
+use baudbot_sim::{sensor_columns, state_columns, state_values};
 use tokio::sync::oneshot;
 
 /// A table that is being written, on its world's thread.

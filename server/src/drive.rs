@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use baudbot_brain::{Body, Brain};
 use baudbot_fields::{FieldError, Path};
-use baudbot_sim::{Ending, Pose, Scenario, SimTime, Turn, World};
+use baudbot_run::{DrivenWorld, Driver, LockstepWorld, Refusal};
+use baudbot_sim::{Ending, Pose, RobotView, Scenario, SimTime, World};
 use tonic::Status;
 
-use crate::actor::DirectWorld;
 use crate::server::{ServerError, WorldConfig};
 
 /// Lets a brain drive the only robot of a scenario for so many seconds of simulated time, or until the run ends for another
@@ -45,12 +45,12 @@ use crate::server::{ServerError, WorldConfig};
 /// # Errors
 /// If there is not one robot, the time is none, or the brain does what its robot cannot do.
 pub fn drive(scenario: &Scenario, brain: impl Brain, seconds: f64) -> Result<Drive, DriveError> {
-    let [spec] = scenario.robots.as_slice() else {
+    let [_] = scenario.robots.as_slice() else {
         return Err(DriveError::Robots(scenario.robots.len()));
     };
-    let mut driver = Driver::new(Body::from(spec), Some(brain));
-    let world = run(scenario, std::slice::from_mut(&mut driver), seconds)?;
-    Ok(driver.drive(&world, 0))
+    let mut brain = Some(brain);
+    let mut drives = drive_each(scenario, |_| brain.take(), seconds)?;
+    Ok(drives.remove(0))
 }
 
 /// As [`drive`](drive()), for any number of robots: `brain` makes the brain of each from its data sheet; a robot for which it
@@ -63,13 +63,40 @@ pub fn drive_each<B: Brain>(
     mut brain: impl FnMut(&Body) -> Option<B>,
     seconds: f64,
 ) -> Result<Vec<Drive>, DriveError> {
-    let driver = |body: Body| {
-        let brain = brain(&body);
-        Driver::new(body, brain)
+    let limit = SimTime::from_ns(Path::root().s("seconds", seconds, 1e-9, 1e8)?);
+    let mut scenario = scenario.clone();
+    scenario.end.after = Some(limit);
+    let mut driver = |body: Body| {
+        let brain = brain(&body)?;
+        Some(Driver::new(body, brain))
     };
-    let mut drivers: Vec<_> = scenario.robots.iter().map(Body::from).map(driver).collect();
-    let world = run(scenario, &mut drivers, seconds)?;
-    Ok(drivers.into_iter().enumerate().map(|(robot, driver)| driver.drive(&world, robot)).collect())
+    let drivers: Vec<_> = scenario.robots.iter().map(|spec| driver(Body::from(spec))).collect();
+    let mut state = World::new(scenario.into());
+    state.keep_timeline(0);
+    let mut run = DrivenWorld { world: WorldConfig::from_state("drive", state).direct()?, drivers };
+    for robot in (0..run.drivers.len()).filter(|&robot| run.drivers[robot].is_some()) {
+        run.world.attach("brain", &[robot]);
+    }
+    let mut traces = vec![Trace::default(); run.drivers.len()];
+    let mut look = |world: &World| {
+        traces.iter_mut().zip(world.robots()).for_each(|(trace, robot)| trace.look(world, &robot));
+    };
+    look(run.world.world());
+    while run.advance(|_| Ok(()))? {
+        look(run.world.world());
+    }
+    look(run.world.world());
+    let world = Arc::new(run.world.world().clone());
+    let ending = world.ending().expect("it was driven until it ended");
+    let drive = |(place, Trace { path, collisions }): (usize, Trace)| Drive {
+        robot: world.scenario().robots[place].name.clone(),
+        path,
+        collisions,
+        ending: ending.clone(),
+        world: Arc::clone(&world),
+        place,
+    };
+    Ok(traces.into_iter().enumerate().map(drive).collect())
 }
 
 /// The true course of a robot: a brain never knows it.
@@ -147,78 +174,27 @@ pub enum DriveError {
     },
 }
 
-/// A robot's brain, and what was seen of the robot.
-struct Driver<B> {
-    body: Arc<Body>,
-    brain: Option<B>,
+/// The path and the collisions of a robot.
+#[derive(Clone, Default)]
+struct Trace {
     path: Vec<PathPoint>,
     collisions: Vec<DriveCollision>,
 }
 
-impl<B: Brain> Driver<B> {
-    fn new(body: Body, brain: Option<B>) -> Self {
-        Self { body: body.into(), brain, path: Vec::new(), collisions: Vec::new() }
-    }
-
-    fn step(&mut self, world: &mut DirectWorld, turn: Turn) -> Result<(), DriveError> {
-        let Some(brain) = &mut self.brain else { return Ok(()) };
-        let action = brain.step(&world.world().turn_of(turn, &self.body));
-        world.act(turn, action).map_err(|status| DriveError::Brain {
-            robot: self.body.name.clone(),
-            time_s: turn.at.as_seconds(),
-            status: status.into(),
-        })
-    }
-
-    /// Between two ticks.
-    fn look(&mut self, world: &World, robot: usize) {
-        let time_s = world.time().as_seconds();
-        self.path.push(PathPoint { time_s, pose: world.robot(robot).motion().pose });
-        let own = world.collisions().iter().filter(|collision| collision.robot == self.body.name);
-        self.collisions.extend(own.map(|collision| DriveCollision { time_s, with: collision.with.clone() }));
-    }
-
-    fn drive(self, world: &Arc<World>, place: usize) -> Drive {
-        Drive {
-            robot: self.body.name.clone(),
-            path: self.path,
-            collisions: self.collisions,
-            ending: world.ending().expect("it was driven until it ended").clone(),
-            world: Arc::clone(world),
-            place,
-        }
+impl From<Refusal<Status>> for DriveError {
+    fn from(Refusal { robot, turn, error }: Refusal<Status>) -> Self {
+        Self::Brain { robot, time_s: turn.at.as_seconds(), status: error.into() }
     }
 }
 
-/// Drives all robots until the run has ended.
-fn run<B: Brain>(
-    scenario: &Scenario,
-    drivers: &mut [Driver<B>],
-    seconds: f64,
-) -> Result<Arc<World>, DriveError> {
-    let limit = SimTime::from_ns(Path::root().s("seconds", seconds, 1e-9, 1e8)?);
-    let mut scenario = scenario.clone();
-    scenario.end.after = Some(limit);
-    let mut state = World::new(scenario.into());
-    state.keep_timeline(0);
-    let mut world = WorldConfig::from_state("drive", state).direct()?;
-    for (robot, driver) in drivers.iter_mut().enumerate() {
-        driver.look(world.world(), robot);
-        if driver.brain.is_some() {
-            world.attach("brain", &[robot]);
-        }
+impl Trace {
+    /// Between two ticks.
+    fn look(&mut self, world: &World, robot: &RobotView<'_>) {
+        let time_s = world.time().as_seconds();
+        self.path.push(PathPoint { time_s, pose: robot.motion().pose });
+        let own = world.collisions().iter().filter(|collision| collision.robot == robot.spec().name);
+        self.collisions.extend(own.map(|collision| DriveCollision { time_s, with: collision.with.clone() }));
     }
-    let mut goes_on = true;
-    while goes_on {
-        for turn in world.begin() {
-            drivers[turn.robot].step(&mut world, turn)?;
-        }
-        goes_on = world.finish();
-        for (robot, driver) in drivers.iter_mut().enumerate() {
-            driver.look(world.world(), robot);
-        }
-    }
-    Ok(Arc::new(world.world().clone()))
 }
 
 #[cfg(test)]

@@ -122,7 +122,6 @@ mod brain_link;
 mod cables;
 mod calls;
 mod clock;
-mod columns;
 mod control;
 mod convert;
 #[cfg(feature = "network")]
@@ -164,7 +163,6 @@ pub use actor::{DirectWorld, OnBelief, OnTick, Progress};
 #[cfg(feature = "network")]
 pub use address::{Address, BadAddress};
 pub use audit::AuditLog;
-pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, state_values};
 pub use convert::{pace_of, world_status};
 #[cfg(feature = "network")]
 pub use drive::{Drive, DriveCollision, DriveError, PathPoint, drive, drive_each};

@@ -81,7 +81,7 @@ fn main() {
         let took = Arc::new(Mutex::new(Vec::new()));
         let brain = catalogue::brain(name, 1, &body).unwrap_or_else(|error| panic!("{name}: {error}"));
         let ticks = (minutes * 60.0 / (scenario.step_ns as f64 / 1e9)) as u64;
-        let mut local = InProcess::with_brain(scenario, Timed { brain, took: Arc::clone(&took) }).unwrap();
+        let mut local = InProcess::with_brain(scenario, Timed { brain, took: Arc::clone(&took) });
         local.run(ticks);
         let mut took = took.lock().unwrap().clone();
         took.sort_unstable();

@@ -263,7 +263,7 @@ async fn an_operator_is_told_what_the_ports_carried_and_what_was_scored() {
 
 #[tokio::test]
 async fn the_same_run_in_process_and_over_grpc() {
-    let mut local = InProcess::with_brain(scenario(SCOUT, &[]), Look).unwrap();
+    let mut local = InProcess::with_brain(scenario(SCOUT, &[]), Look);
     local.run(u64::MAX);
     local.world.begin();
     let (server, client) = scout().await;
@@ -388,7 +388,7 @@ async fn operations_of_a_brain_on_board_take_the_microcontrollers_time() {
     assert_eq!(second.tick, 2, "it thought through a tick");
     server.shutdown().await;
 
-    let mut local = InProcess::with_brain(scenario(LITTLE, &[]), Diligent(0)).unwrap();
+    let mut local = InProcess::with_brain(scenario(LITTLE, &[]), Diligent(0));
     local.run(u64::MAX);
     local.world.begin();
     let server = serve(scenario(LITTLE, &[]), lockstep()).await;

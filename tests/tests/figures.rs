@@ -23,7 +23,7 @@ where
 {
     let scenario = baudbot_scenario::parse(toml).unwrap_or_else(|error| panic!("{error}\n{toml}"));
     let notes = Arc::new(Mutex::new(Vec::new()));
-    let mut local = InProcess::with_brain(scenario, Asks(Arc::clone(&notes), brain)).unwrap();
+    let mut local = InProcess::with_brain(scenario, Asks(Arc::clone(&notes), brain));
     local.run(ticks);
     let notes = std::mem::take(&mut *notes.lock().unwrap());
     (local, notes)

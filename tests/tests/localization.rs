@@ -45,8 +45,7 @@ pub(crate) fn witnessed(scenario: Scenario, brain: &str) -> (InProcess, Believed
     let body = Body::from(&scenario.robots[0]);
     let brain = description.brain(scenario.seed, &body, &Registry::standard()).unwrap();
     let believed_m = Believed::default();
-    let local =
-        InProcess::with_brain(scenario, Witness { brain, believed_m: Arc::clone(&believed_m) }).unwrap();
+    let local = InProcess::with_brain(scenario, Witness { brain, believed_m: Arc::clone(&believed_m) });
     (local, believed_m)
 }
 

@@ -155,7 +155,7 @@ fn run(trap: &Trap, knows: Knows, radius_m: f64, start: u64) -> Run {
     let description = Description::parse(&brain(trap, knows, radius_m)).unwrap();
     let brain =
         description.brain(scenario.seed, &Body::from(&scenario.robots[0]), &Registry::standard()).unwrap();
-    let mut local = InProcess::with_brain(scenario, brain).unwrap();
+    let mut local = InProcess::with_brain(scenario, brain);
     let arrives = |local: &mut InProcess| {
         local.run(10);
         local.belief(0).is_some_and(|belief| belief.state.contains("has arrived"))

@@ -8,7 +8,8 @@ use baudbot_client::{Action, Body, Brain, Client, EachRun, Robot, Signals, Turn,
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_recording::{RecordedRun, Replay};
-use baudbot_run::assignment::{Assignment, AttachedBrains};
+use baudbot_run::AttachedBrains;
+use baudbot_run::assignment::Assignment;
 use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
 use baudbot_tests::system::{client, operator, serve};
 use baudbot_tests::{WANDER, crowd, scenario};

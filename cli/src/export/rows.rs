@@ -3,9 +3,9 @@
 use std::io;
 
 use baudbot_experiment::columnar::{Column, Kind, Writer};
-use baudbot_server::{sensor_columns_with_units, state_columns, state_values};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{RobotView, World};
+use baudbot_sim::{sensor_columns_with_units, state_columns, state_values};
 
 use super::Out;
 use super::pass::Sink;

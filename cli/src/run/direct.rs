@@ -1,15 +1,15 @@
 //! A run with the world and its brains on this thread.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
 use baudbot_brains::catalogue;
-use baudbot_client::{Body, Brain, Client, Looks};
+use baudbot_client::{Client, Looks};
 use baudbot_proto::v1;
+use baudbot_run::in_process::{AnyBrain, drivers};
+use baudbot_run::{DrivenWorld, LockstepWorld, Refusal};
 use baudbot_server::{DirectWorld, OnTick};
-use baudbot_sim::Turn;
 use indicatif::ProgressBar;
+use tonic::Status;
 
 use super::{Outside, Plan, progress};
 use crate::error::{Refused, from_builder, from_server};
@@ -21,51 +21,37 @@ pub(super) async fn run(
     outside: &mut Outside<'_>,
 ) -> anyhow::Result<v1::WorldStatus> {
     let world = plan.world(outside, on_tick).direct().map_err(from_builder)?;
-    let mut running = Running { world, drivers: Vec::new() };
+    let mut running = Running { plan, driven: DrivenWorld { world, drivers: Vec::new() }, looks: Vec::new() };
     let bar = progress(plan.ticks(), outside.args.quiet);
-    let run = match running.attach(plan) {
+    let run = match running.attach() {
         Ok(()) => running.until_over(outside, &bar).await,
         Err(error) => Err(error),
     };
     bar.finish_and_clear();
     // Whatever has happened, what was written is whole.
-    let status = running.world.close().await;
+    let status = running.driven.world.close().await;
     run?;
     status.map_err(|status| from_server(&status))
 }
 
-struct Running {
-    world: DirectWorld,
-    /// One for each robot; `None` if it has no brain.
-    drivers: Vec<Option<Driver>>,
+struct Running<'a> {
+    plan: &'a Plan,
+    driven: DrivenWorld<DirectWorld, AnyBrain>,
+    /// When the brain of each robot is asked what it believes.
+    looks: Vec<Looks>,
 }
 
-struct Driver {
-    /// The brain as it was asked for.
-    asked: Arc<str>,
-    body: Arc<Body>,
-    brain: Box<dyn Brain + Send>,
-    looks: Looks,
-}
-
-impl Running {
+impl Running<'_> {
     /// Makes the brains, as those are made that attach to a server.
-    fn attach(&mut self, plan: &Plan) -> anyhow::Result<()> {
-        let specs = &plan.scenario.robots;
-        let every = plan.frame.unwrap_or(Client::LOOKS_EVERY);
-        self.drivers.resize_with(specs.len(), || None);
-        for assignment in &plan.assigned.brains {
+    fn attach(&mut self) -> anyhow::Result<()> {
+        let (specs, brains) = (&self.plan.scenario.robots, &self.plan.assigned.brains);
+        let drivers = drivers(specs, brains, self.plan.seed);
+        self.driven.drivers = drivers.map_err(|error| Refused::error(error.to_string()))?;
+        self.looks = vec![Looks::every(self.plan.frame.unwrap_or(Client::LOOKS_EVERY)); specs.len()];
+        for assignment in brains {
             let place = |name: &String| specs.iter().position(|spec| spec.name == *name);
             let robots: Vec<_> = assignment.robots.iter().filter_map(place).collect();
-            let asked: Arc<str> = assignment.brain.as_str().into();
-            for &robot in &robots {
-                let body = Arc::new(Body::from(&specs[robot]));
-                let brain = catalogue::brain(&asked, plan.seed, &body);
-                let brain = brain.map_err(|error| Refused::error(error.to_string()))?;
-                let (asked, looks) = (Arc::clone(&asked), Looks::every(every));
-                self.drivers[robot] = Some(Driver { asked, body, brain, looks });
-            }
-            self.world.attach(&catalogue::shown_name(&assignment.brain), &robots);
+            self.driven.world.attach(&catalogue::shown_name(&assignment.brain), &robots);
         }
         Ok(())
     }
@@ -73,7 +59,7 @@ impl Running {
     /// Makes ticks until the run has ended, somebody interrupts it or a file cannot be written.
     async fn until_over(&mut self, outside: &mut Outside<'_>, bar: &ProgressBar) -> anyhow::Result<()> {
         while self.slice()? {
-            bar.set_position(self.world.world().tick());
+            bar.set_position(self.driven.world.world().tick());
             tokio::select! {
                 biased;
                 () = outside.stop.wait() => {
@@ -90,31 +76,37 @@ impl Running {
 
     /// Makes ticks for a while. Whether the run goes on.
     fn slice(&mut self) -> anyhow::Result<bool> {
+        let Self { plan, driven, looks } = self;
         let begun = Instant::now();
         while begun.elapsed() < SLICE {
-            for turn in self.world.begin() {
-                self.step(turn)?;
-            }
-            if !self.world.finish() {
+            let goes_on = driven.advance(|driven| publish(driven, looks));
+            let failed = |Refusal { robot, error, .. }: Refusal<Status>| {
+                let asked = plan.assigned.brain_of(&robot).unwrap_or_default();
+                from_server(&error).context(format!("brain `{asked}` failed"))
+            };
+            if !goes_on.map_err(failed)? {
                 return Ok(false);
             }
         }
         Ok(true)
     }
+}
 
-    fn step(&mut self, turn: Turn) -> anyhow::Result<()> {
-        let Some(driver) = &mut self.drivers[turn.robot] else { return Ok(()) };
-        let Driver { asked, body, brain, looks } = driver;
-        let action = brain.step(&self.world.world().turn_of(turn, body));
-        let failed = || format!("brain `{asked}` failed");
-        if looks.is_due(turn.at.as_ns())
-            && let Some(belief) = brain.belief()
+/// Shows people what brains believe that have stepped in this tick, as often as people look.
+fn publish(
+    driven: &mut DrivenWorld<DirectWorld, AnyBrain>,
+    looks: &mut [Looks],
+) -> Result<(), Refusal<Status>> {
+    for turn in driven.world.turns().to_vec() {
+        if looks[turn.robot].is_due(turn.at.as_ns())
+            && let Some(belief) = driven.belief(turn.robot)
         {
-            let published = self.world.publish(turn.robot, belief);
-            published.map_err(|status| from_server(&status)).with_context(failed)?;
+            let published = driven.world.publish(turn.robot, belief);
+            let robot = || driven.world.world().robot(turn.robot).spec().name.clone();
+            published.map_err(|error| Refusal { robot: robot(), turn, error })?;
         }
-        self.world.act(turn, action).map_err(|status| from_server(&status)).with_context(failed)
     }
+    Ok(())
 }
 
 /// The longest time for which a signal, or a full disk, waits until it is noticed, if ticks are short.

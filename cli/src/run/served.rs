@@ -11,6 +11,7 @@ use baudbot_client::Client;
 use baudbot_plot::quantity::count;
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
+use baudbot_run::AttachedBrains;
 use baudbot_run::assignment::START_PATIENCE;
 use baudbot_run::programs::{Crew, Held, ProcessorClock};
 use baudbot_server::{Address, OnTick, Pace, ProcessorTime, Progress, Server, WorldConfig};
@@ -20,10 +21,9 @@ use tokio::task::JoinSet;
 
 use super::{Outside, Plan, progress};
 use crate::args::{DEFAULT_ADDRESS, RunArgs};
-use crate::assignment::AttachedBrains;
 use crate::error::{from_builder, from_server};
 use crate::text::tell;
-use crate::{connect, record, viewer};
+use crate::{assignment, connect, record, viewer};
 
 /// Lets brains drive their robots until the run is over, and says how the world then is.
 pub(super) async fn run(
@@ -113,10 +113,10 @@ impl Running<'_, '_> {
         let mut brains = JoinSet::new();
         for assignment in &self.plan.assigned.brains {
             let client = record::publishing(Client::from_channel(channel.clone()), self.plan.frame);
-            let mut attached =
-                AttachedBrains::attach(client, &self.plan.world, assignment.clone(), self.plan.seed).await?;
+            let Plan { world, seed, .. } = self.plan;
+            let attached = AttachedBrains::attach(client, world, assignment.clone(), *seed).await;
             // They hold their robots until all is over.
-            brains.spawn(async move { attached.run().await.map(|_| attached) });
+            brains.spawn(assignment::drive(attached.map_err(assignment::refused)?));
         }
         let mut crew = self.crew(&mut control).await?;
         self.external(&mut control).await?;
@@ -151,13 +151,8 @@ impl Running<'_, '_> {
         let Plan { assigned, world, seed, .. } = self.plan;
         let crew = Crew::start(&assigned.programs, &private.address.to_string(), world, *seed)?;
         let mut crew = crew.timed_by(private.clock.clone());
-        let held = async || -> anyhow::Result<Vec<Held>> {
-            let request = v1::GetWorldRequest { world: world.clone() };
-            let answer = control.get_world(request).await.map_err(|status| from_server(&status))?;
-            Ok(assigned.held(&answer.into_inner().status.unwrap_or_default()))
-        };
         tokio::select! {
-            attached = crew.attached(START_PATIENCE, held) => attached?,
+            attached = crew.attached(START_PATIENCE, async || held(self.plan, control).await) => attached?,
             () = self.outside.stop.wait() => self.outside.interrupted = true,
         }
         Ok(crew)
@@ -171,9 +166,7 @@ impl Running<'_, '_> {
         }
         let mut look = tokio::time::interval(LOOK);
         while !self.outside.interrupted {
-            let request = v1::GetWorldRequest { world: self.plan.world.clone() };
-            let answer = control.get_world(request).await.map_err(|status| from_server(&status))?;
-            let robots = self.plan.assigned.held(&answer.into_inner().status.unwrap_or_default());
+            let robots = held(self.plan, control).await?;
             if robots.iter().filter(|robot| robot.held && !robot.expected).count() >= wanted.into() {
                 break;
             }
@@ -234,6 +227,13 @@ impl Running<'_, '_> {
         }
         Ok(())
     }
+}
+
+/// The robots of the world, each held or not.
+async fn held(plan: &Plan, control: &mut ControlServiceClient<Channel>) -> anyhow::Result<Vec<Held>> {
+    let request = v1::GetWorldRequest { world: plan.world.clone() };
+    let answer = control.get_world(request).await.map_err(|status| from_server(&status))?;
+    Ok(plan.assigned.held(&answer.into_inner().status.unwrap_or_default()))
 }
 
 /// The fault if nothing goes on. Grading says it in the same words.

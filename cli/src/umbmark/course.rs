@@ -82,7 +82,7 @@ impl Course {
         scenario.seed = run.seed;
         scenario.end.after = Some(SimTime::from_ns((self.longest_s() * 1e9) as u64));
         let ticks_of_rest = REST_NS / scenario.step_ns + 1;
-        let mut local = InProcess::with_brain(scenario, self.brain(&run)?)?;
+        let mut local = InProcess::with_brain(scenario, self.brain(&run)?);
         local.world.keep_timeline(0);
         while !has_arrived(&mut local) {
             local.run(LOOK_EVERY);

@@ -1,12 +1,13 @@
 //! A brain that does the same whenever it is asked the same, and comes back to its server; and the run that it has without one.
 
 use std::convert::Infallible;
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 
 use baudbot_client::{Action, Attachment, Body, Brain, Reconnect, Turn};
+use baudbot_run::{DrivenWorld, Driver, LockstepWorld};
 use baudbot_server::WorldConfig;
 use baudbot_sim::Scenario;
+use baudbot_sim::model::RobotSpec;
 
 pub(crate) struct Same;
 
@@ -44,15 +45,13 @@ pub(crate) fn drive(address: &str, world: &str, robots: &[&str]) -> Receiver<Str
 
 /// The fingerprint after so many ticks with this brain on all robots, without any server.
 pub(crate) fn undisturbed(scenario: Scenario, ticks: u64) -> u64 {
-    let bodies: Vec<_> = scenario.robots.iter().map(|spec| Arc::new(Body::from(spec))).collect();
+    let driver = |spec: &RobotSpec| Some(Driver::new(Body::from(spec), Same));
+    let drivers: Vec<_> = scenario.robots.iter().map(driver).collect();
     let mut world = WorldConfig::new("w", scenario).direct().unwrap();
-    world.attach("same", &(0..bodies.len()).collect::<Vec<_>>());
-    while world.world().tick() < ticks {
-        for turn in world.begin() {
-            let asked = world.world().turn_of(turn, &bodies[turn.robot]);
-            world.act(turn, Same.step(&asked)).unwrap();
-        }
-        assert!(world.finish(), "the run has ended");
+    world.attach("same", &(0..drivers.len()).collect::<Vec<_>>());
+    let mut driven = DrivenWorld { world, drivers };
+    while driven.world.world().tick() < ticks {
+        assert!(driven.advance(|_| Ok(())).unwrap(), "the run has ended");
     }
-    world.world().hash()
+    driven.world.world().hash()
 }

@@ -1,11 +1,11 @@
-//! Which brain drives which robot, and the brains at work, as gRPC clients like any other.
+//! The assignment of brains to robots.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Duration;
 
 use baudbot_brains::catalogue::{self, CatalogueError};
-use baudbot_client::{Brain, Client, Error, Fleet, Summary, run_fleet};
+use baudbot_client::Error;
 #[cfg(feature = "programs")]
 use baudbot_proto::v1;
 use baudbot_sim::model::{RobotModel, RobotSpec, Writes};
@@ -310,50 +310,6 @@ pub fn fitting_brain(spec: &RobotSpec) -> &'static str {
 
 fn has_infrared(spec: &RobotSpec) -> bool {
     spec.sensors.iter().any(|sensor| matches!(sensor.device, Device::Infrared(_)))
-}
-
-/// An assignment that is being carried out.
-pub struct AttachedBrains {
-    brain: String,
-    fleet: Fleet,
-    brains: Vec<Box<dyn Brain + Send>>,
-}
-
-impl AttachedBrains {
-    /// Takes hold of the robots and makes their brains.
-    ///
-    /// # Errors
-    /// If the server refuses, or the catalogue has no such brain for a robot.
-    pub async fn attach(
-        client: Client,
-        world: &str,
-        assignment: Assignment,
-        seed: u64,
-    ) -> Result<Self, AssignmentError> {
-        let robots: Vec<_> = assignment.robots.iter().map(String::as_str).collect();
-        // No brain of the catalogue says how long it thought.
-        let fleet = client
-            .brain(catalogue::shown_name(&assignment.brain))
-            .thinks_as_scenario()
-            .attach_many(world, &robots)
-            .await?;
-        let make = |body| catalogue::brain(&assignment.brain, seed, body);
-        let brains = fleet.bodies().iter().map(|body| make(body)).collect::<Result<_, _>>()?;
-        Ok(Self { brain: assignment.brain, fleet, brains })
-    }
-
-    /// Drives the robots until the run is over or the server closes the stream.
-    ///
-    /// # Errors
-    /// If the stream fails.
-    pub async fn run(&mut self) -> Result<Summary, Error> {
-        run_fleet(&mut self.fleet, &mut self.brains).await
-    }
-
-    /// The brain, as the assignment describes it.
-    pub fn brain(&self) -> &str {
-        &self.brain
-    }
 }
 
 /// The brain of a robot that is given none.

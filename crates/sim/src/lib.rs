@@ -35,6 +35,7 @@ mod brain_turn;
 pub mod cable;
 pub mod chip;
 pub mod collision;
+mod columns;
 pub mod coverage;
 mod curve;
 #[cfg(feature = "brain")]
@@ -82,6 +83,7 @@ mod wheels;
 mod world;
 
 pub use baudbot_geometry::Pose;
+pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, state_values};
 pub use freshness::Freshness;
 pub use heard::{AgeSpan, Heard};
 pub use histogram::Histogram;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use baudbot_brain::{Action, Belief};
 use baudbot_proto::v1;
+use baudbot_run::LockstepWorld;
 use baudbot_sim::{Turn, World};
 use tokio::sync::oneshot;
 use tonic::Status;
@@ -29,6 +30,7 @@ pub struct DirectWorld {
     /// All robots, in their order.
     endpoint: Endpoint,
     robots: Vec<usize>,
+    turns: Vec<Turn>,
 }
 
 impl DirectWorld {
@@ -48,7 +50,7 @@ impl DirectWorld {
         let robots: Vec<_> = (0..actor.world.robots().len()).collect();
         let endpoint = Endpoint::new(Arc::clone(actor.world.scenario()), robots.clone(), Mode::Messages);
         event!(actor, info, robots = robots.len(), paused = false, "world made");
-        Ok(Self { actor, endpoint, robots })
+        Ok(Self { actor, endpoint, robots, turns: Vec::new() })
     }
 
     /// Says that the robots in these places have a brain of this name, which has room on them.
@@ -58,44 +60,6 @@ impl DirectWorld {
         actor.record_attached(robots, brain, None);
         actor.log_attached(session, robots);
         actor.beliefs.hand_to(Some(session), robots);
-    }
-
-    /// The world. Between [`begin`](Self::begin) and [`finish`](Self::finish) it shows what brains get.
-    pub fn world(&self) -> &World {
-        &self.actor.world
-    }
-
-    /// First half of a tick. Gives the steps of those brains that are to be asked: a brain that waits for a message is not,
-    /// before one has come.
-    pub fn begin(&mut self) -> Vec<Turn> {
-        let actor = &mut self.actor;
-        actor.recording.wait_for_disk();
-        actor.pacer.running.set(true, clock::now());
-        actor.show_start();
-        let mut turns = actor.world.begin().to_vec();
-        actor.record_tick();
-        actor.show();
-        turns.retain(|turn| actor.sessions.session(turn.robot).is_some() && !actor.lets_sleep(*turn));
-        actor.phase = Phase::Begun;
-        actor.pacer.wait_from(clock::now());
-        turns
-    }
-
-    /// Takes the action of the brain of this step.
-    ///
-    /// # Errors
-    /// `INVALID_ARGUMENT` with the field of the action that makes no sense, as the contract calls it.
-    pub fn act(&mut self, turn: Turn, action: Action) -> Result<(), Status> {
-        let write = convert::write(turn.robot, action);
-        self.endpoint.check_part(turn.robot, &write)?;
-        let actor = &mut self.actor;
-        let spec = &actor.world.scenario().robots[turn.robot];
-        let at = turn.at + write.thinking.on(spec);
-        actor.sessions.wait_until(turn.robot, write.until);
-        let sent = actor.ports.senders[turn.robot].send(spec, write.output);
-        let tick = Some(actor.world.tick());
-        actor.ports.inputs.push(Pending { robot: turn.robot, at, sent, tick });
-        Ok(())
     }
 
     /// Shows people what the brain of a robot believes. What is published before the second half of a tick is in the next
@@ -109,17 +73,6 @@ impl DirectWorld {
         let (robot, belief) = annotate::checked(annotate, &self.robots)?;
         self.actor.beliefs.publish(session, robot, belief);
         Ok(())
-    }
-
-    /// Second half of a tick. Whether the run goes on; when it has ended, the sensors have been read a last time.
-    pub fn finish(&mut self) -> bool {
-        let actor = &mut self.actor;
-        actor.finish_with(clock::now(), &[]);
-        let goes_on = actor.world.ending().is_none();
-        if !goes_on {
-            actor.pacer.running.set(false, clock::now());
-        }
-        goes_on
     }
 
     /// Ends the world between two ticks, and waits until its recording is closed. Says how the world then is, and how its
@@ -136,5 +89,56 @@ impl DirectWorld {
         let mut report = self.actor.stop_recording(closed)?;
         report.end_recording(file).await?;
         Ok(convert::status(&report))
+    }
+}
+
+impl LockstepWorld for DirectWorld {
+    type Error = Status;
+
+    fn world(&self) -> &World {
+        &self.actor.world
+    }
+
+    /// A brain that waits for a message is not asked before one has come.
+    fn begin(&mut self) {
+        let actor = &mut self.actor;
+        actor.recording.wait_for_disk();
+        actor.pacer.running.set(true, clock::now());
+        actor.show_start();
+        self.turns = actor.world.begin().to_vec();
+        actor.record_tick();
+        actor.show();
+        self.turns.retain(|turn| actor.sessions.session(turn.robot).is_some() && !actor.lets_sleep(*turn));
+        actor.phase = Phase::Begun;
+        actor.pacer.wait_from(clock::now());
+    }
+
+    fn turns(&self) -> &[Turn] {
+        &self.turns
+    }
+
+    /// `INVALID_ARGUMENT` has the field of the action that makes no sense, as the contract calls it.
+    fn act(&mut self, turn: Turn, action: Action) -> Result<(), Status> {
+        let write = convert::write(turn.robot, action);
+        self.endpoint.check_part(turn.robot, &write)?;
+        let actor = &mut self.actor;
+        let spec = &actor.world.scenario().robots[turn.robot];
+        let at = turn.at + write.thinking.on(spec);
+        actor.sessions.wait_until(turn.robot, write.until);
+        let sent = actor.ports.senders[turn.robot].send(spec, write.output);
+        let tick = Some(actor.world.tick());
+        actor.ports.inputs.push(Pending { robot: turn.robot, at, sent, tick });
+        Ok(())
+    }
+
+    /// When the run has ended, the sensors have been read a last time.
+    fn finish(&mut self) -> bool {
+        let actor = &mut self.actor;
+        actor.finish_with(clock::now(), &[]);
+        let goes_on = actor.world.ending().is_none();
+        if !goes_on {
+            actor.pacer.running.set(false, clock::now());
+        }
+        goes_on
     }
 }

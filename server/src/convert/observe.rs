@@ -7,11 +7,10 @@ use baudbot_sim::model::RobotSpec;
 use baudbot_sim::movable::{Movable, MovableShape};
 use baudbot_sim::mover::Mover;
 use baudbot_sim::surroundings::{Field, Light, Region, Source, Zone};
-use baudbot_sim::{Pose, Scenario, ThingView, World};
+use baudbot_sim::{Pose, Scenario, ThingView, World, sensor_columns};
 
 use super::brain::description;
 use super::{battery, pins, score};
-use crate::columns::sensor_columns;
 
 /// The description of a world: what stands still in it, and what moves.
 pub(crate) fn world_description(scenario: &Scenario) -> v1::DescribeWorldResponse {

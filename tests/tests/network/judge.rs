@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use baudbot_client::{Action, Body, Turn};
 use baudbot_proto::v1;
+use baudbot_run::LockstepWorld;
 use baudbot_server::WorldConfig;
 use baudbot_sim::{RobotView, Scenario, World};
 use baudbot_tests::{crowd, scenario};
@@ -73,11 +74,11 @@ impl Judge {
         world.attach("judge", &[0, 1, 2, 3]);
         let (mut hashes, mut places) = (vec![BTreeSet::from([world.world().hash()])], Vec::new());
         loop {
-            let turns = world.begin();
+            world.begin();
             let tick = world.world().tick() as usize;
             hashes[tick].insert(world.world().hash());
             places.push(places_in(world.world()));
-            for turn in turns {
+            for turn in world.turns().to_vec() {
                 let action = act(&world.world().turn_of(turn, &bodies[turn.robot]));
                 world.act(turn, action).unwrap();
             }

@@ -45,7 +45,7 @@ fn of(local: &InProcess) -> Run {
 fn described(scenario: Scenario, brain: &str) -> InProcess {
     let description = Description::parse(brain).unwrap_or_else(|error| panic!("{error}\n{brain}"));
     let brain = description.brain(scenario.seed, &Body::from(&scenario.robots[0]), &Registry::standard());
-    InProcess::with_brain(scenario, brain.unwrap_or_else(|error| panic!("{error}"))).unwrap()
+    InProcess::with_brain(scenario, brain.unwrap_or_else(|error| panic!("{error}")))
 }
 
 /// Lets it drive until it is within 0.2 m of the goal, for so many seconds at most; says whether it got there.

@@ -12,8 +12,8 @@ use std::collections::BTreeSet;
 use anyhow::Context;
 use baudbot_proto::v1::Belief;
 use baudbot_recording::{Frames, RecordedRun};
-use baudbot_server::sensor_columns;
 use baudbot_sim::model::RobotSpec;
+use baudbot_sim::sensor_columns;
 
 pub(super) use self::picture::Picture;
 pub(super) use self::table::Table;

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use baudbot_brain::{Body, RawCommands};
-use baudbot_sim::drive::Wheels;
+use baudbot_brain::{Action, RawCommands, Signals};
 use baudbot_sim::firmware::Mode;
-use baudbot_sim::{Answer, SimTime, Turn, World, Written};
+use baudbot_sim::{SimTime, Turn, World};
 use serde::{Deserialize, Serialize};
 use smallvec::{SmallVec, smallvec};
 
@@ -19,15 +18,10 @@ use crate::learn::layout::Layout;
 pub struct Agent {
     pub(crate) robot: usize,
     layout: Arc<Layout>,
-    commands: RawCommands,
-    thinking_ns: u64,
     is_polled: bool,
     /// Signals of the wheels and of the other actuators that are to be sent at its next turn.
-    pending: Option<Wheels>,
+    pending: Option<[f64; WHEELS]>,
     others: SmallVec<[f64; 2]>,
-    sequence: u8,
-    /// The bytes of its choice, if that is no command.
-    bytes: Vec<u8>,
     values: SmallVec<[f64; FEW]>,
     /// When each reading was sampled, as its message says, or else when it came; `NEVER` if none has.
     sampled_at: SmallVec<[SimTime; FEW]>,
@@ -42,19 +36,12 @@ pub struct Agent {
 
 impl Agent {
     pub(crate) fn new(world: &World, robot: usize, layout: Arc<Layout>) -> Self {
-        let spec = world.robot(robot).spec();
-        let commands = RawCommands::new(&Body::from(spec))
-            .expect("a scenario is read only if its messages fit the wire");
         let (values, sensors) = (layout.bounds.len(), layout.sensors.len());
         Self {
             robot,
-            commands,
-            thinking_ns: spec.thinking_ns,
-            is_polled: spec.firmware.mode == Mode::Poll,
+            is_polled: world.robot(robot).spec().firmware.mode == Mode::Poll,
             pending: None,
             others: smallvec![0.0; layout.actions.len() - WHEELS],
-            sequence: 0,
-            bytes: Vec::new(),
             values: smallvec![0.0; values],
             sampled_at: smallvec![SimTime::NEVER; sensors],
             readable: smallvec![false; sensors],
@@ -124,7 +111,7 @@ impl Agent {
                 Some(other) => self.others[other] = signal,
             }
         }
-        self.pending = Some(Wheels { left: wheels[0], right: wheels[1] });
+        self.pending = Some(wheels);
         Ok(())
     }
 
@@ -168,10 +155,10 @@ impl Agent {
     }
 
     /// The state for a copy elsewhere.
-    pub(crate) fn save(&self) -> SavedAgent {
+    pub(crate) fn save(&self, commands: &RawCommands) -> SavedAgent {
         SavedAgent {
-            sequence: self.commands.sequence(),
-            sent_others: self.commands.others().into(),
+            sequence: commands.sequence(),
+            sent_others: commands.others().into(),
             pending: self.pending,
             others: self.others.clone(),
             values: self.values.clone(),
@@ -184,13 +171,13 @@ impl Agent {
     }
 
     /// Becomes what was saved, if that is of such an agent.
-    pub(crate) fn load(&mut self, saved: SavedAgent) -> bool {
+    pub(crate) fn load(&mut self, commands: &mut RawCommands, saved: SavedAgent) -> bool {
         let fits = self.values.len() == saved.values.len()
             && self.sampled_at.len() == saved.sampled_at.len()
             && self.readable.len() == saved.readable.len()
             && self.others.len() == saved.others.len();
         if fits {
-            self.commands.go_on(saved.sequence, &saved.sent_others);
+            commands.go_on(saved.sequence, &saved.sent_others);
             (self.pending, self.others, self.values) = (saved.pending, saved.others, saved.values);
             (self.sampled_at, self.readable) = (saved.sampled_at, saved.readable);
             (self.asks, self.has_heard, self.now) = (saved.asks, saved.has_heard, saved.now);
@@ -204,26 +191,17 @@ impl Agent {
         self.take(world);
     }
 
-    /// Chooses what is written at this turn: the command that is to be sent, or nothing. A robot that answers only when asked is
+    /// The action at this turn: the command that is to be sent, or nothing. A robot that answers only when asked is
     /// asked once a step if it has not been by a command.
-    pub(crate) fn choose(&mut self) -> Choice {
+    pub(crate) fn choose(&mut self) -> Action {
         let asks = std::mem::take(&mut self.asks);
-        if let Some(wheels) = self.pending.take() {
-            self.sequence = self.commands.next_command(&self.others);
-            return Choice::Command(wheels);
-        }
-        self.bytes = if asks { self.commands.poll().unwrap_or_default() } else { self.commands.wait() };
-        Choice::Bytes
-    }
-
-    pub(crate) fn answer(&self, turn: Turn, choice: Choice) -> Answer<'_> {
-        let written = match choice {
-            Choice::Bytes => Written::Bytes(&self.bytes),
-            Choice::Command(wheels) => {
-                Written::Command { sequence: self.sequence, wheels, others: self.commands.others() }
+        match self.pending.take() {
+            Some([left, right]) => {
+                let signals = Some(Signals { left, right });
+                Action { signals, others: self.others.to_vec(), ..Action::wait() }
             }
-        };
-        Answer { robot: self.robot, at: turn.at + self.thinking_ns, written }
+            None => Action { poll: asks, ..Action::wait() },
+        }
     }
 }
 
@@ -232,7 +210,7 @@ impl Agent {
 pub(crate) struct SavedAgent {
     sequence: u8,
     sent_others: SmallVec<[f64; 2]>,
-    pending: Option<Wheels>,
+    pending: Option<[f64; WHEELS]>,
     others: SmallVec<[f64; 2]>,
     values: SmallVec<[f64; FEW]>,
     sampled_at: SmallVec<[SimTime; FEW]>,
@@ -240,13 +218,6 @@ pub(crate) struct SavedAgent {
     asks: bool,
     has_heard: bool,
     now: SimTime,
-}
-
-/// The choice of an agent at a turn.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Choice {
-    Bytes,
-    Command(Wheels),
 }
 
 /// Readings of so few sensors need no memory of their own, which keeps those of many worlds together.

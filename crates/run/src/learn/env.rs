@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use baudbot_sim::{Answer, Ending, Turn, World};
+use baudbot_sim::{Ending, Turn, World};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
-use crate::in_process::{Driver, Output};
-use crate::learn::agent::{Agent, Choice, SavedAgent};
+use crate::driven_world::{BareWorld, DrivenWorld, LockstepWorld};
+use crate::in_process::{InProcess, drivers};
+use crate::learn::agent::{Agent, SavedAgent};
 use crate::learn::error::LearnError;
 use crate::learn::reward::Tally;
 use crate::learn::task::Task;
@@ -21,10 +22,8 @@ pub struct Env {
     task: Arc<Task>,
     /// The changes of fields of this run.
     more: Vec<String>,
-    world: World,
-    /// Brains of the robots that are no agents.
-    drivers: Vec<Option<Driver>>,
-    outputs: Vec<Output>,
+    /// The world, with the brains of the robots that are no agents.
+    driven: InProcess,
     agents: SmallVec<[Agent; 1]>,
     before: Before,
     patience_ticks: u64,
@@ -85,21 +84,17 @@ impl Env {
     /// An environment before its first tick.
     fn at_start(task: Arc<Task>, seed: u64, more: &[String]) -> Result<Self, LearnError> {
         let scenario = task.scenario(seed, more)?;
+        let brains = task.brains();
         let drivers =
-            if task.brains().is_empty() { Vec::new() } else { Driver::all(&scenario, task.brains())? };
+            if brains.is_empty() { Vec::new() } else { drivers(&scenario.robots, brains, scenario.seed)? };
         let patience_ticks = PATIENCE_NS.div_ceil(scenario.step_ns).max(2);
-        let mut world = World::new(scenario);
-        world.keep_timeline(0);
-        // Several worlds at a time use the threads better.
-        world.set_parallel(false);
+        let world = bare(World::new(scenario));
         let agent = |(&robot, layout)| Agent::new(&world, robot, Arc::clone(layout));
         let agents = task.agents.iter().zip(&task.layouts).map(agent).collect();
         Ok(Self {
             task,
             more: more.to_vec(),
-            world,
-            drivers,
-            outputs: Vec::new(),
+            driven: DrivenWorld { world, drivers },
             agents,
             before: Before::default(),
             patience_ticks,
@@ -122,12 +117,12 @@ impl Env {
 
     /// The world: the truth, for trainers and for pictures.
     pub fn world(&self) -> &World {
-        &self.world
+        &self.driven.world
     }
 
     /// The same, for what makes no difference to the run, such as how much of it is kept.
     pub fn world_mut(&mut self) -> &mut World {
-        &mut self.world
+        &mut self.driven.world
     }
 
     /// The robots that are driven from outside.
@@ -152,7 +147,7 @@ impl Env {
 
     /// Whether the run is over. A step then does nothing.
     pub fn is_over(&self) -> bool {
-        self.world.ending().is_some()
+        self.world().ending().is_some()
     }
 
     /// A control cycle.
@@ -175,7 +170,7 @@ impl Env {
     /// Agents do what they did.
     pub fn run_until(&mut self, ns: u64) -> Stepped {
         self.agents.iter_mut().for_each(Agent::begin_stretch);
-        while !self.is_over() && self.world.time().as_ns() < ns {
+        while !self.is_over() && self.world().time().as_ns() < ns {
             self.tick();
         }
         self.stepped()
@@ -183,56 +178,41 @@ impl Env {
 
     fn stepped(&mut self) -> Stepped {
         self.count();
-        let is_truncated = matches!(self.world.ending(), Some(Ending::TimeIsOver));
+        let is_truncated = matches!(self.world().ending(), Some(Ending::TimeIsOver));
         Stepped { is_terminated: self.is_over() && !is_truncated, is_truncated }
     }
 
     /// From within a tick, or from before the first, to within the next.
     fn tick(&mut self) {
-        if self.world.is_begun() {
-            self.finish();
+        if self.world().is_begun() {
+            self.each_turn(|agent, world, turn| {
+                let Ok(()) = world.act(turn, agent.choose());
+            });
+            let Ok(()) = self.driven.think();
+            self.driven.world.finish();
         }
-        self.world.begin();
+        self.driven.world.begin();
         if self.is_over() {
-            self.agents.iter_mut().for_each(|agent| agent.end(&self.world));
+            let Self { driven, agents, .. } = self;
+            agents.iter_mut().for_each(|agent| agent.end(&driven.world));
             return;
         }
-        let Self { world, agents, .. } = self;
-        if let [agent] = &mut agents[..] {
-            if let Some(turn) = world.turns().iter().find(|turn| turn.robot == agent.robot) {
-                agent.listen(world, *turn);
-            }
-            return;
-        }
-        for (place, turn) in turns_of(world, agents) {
-            agents[place].listen(world, turn);
-        }
+        self.each_turn(|agent, world, turn| agent.listen(world, turn));
     }
 
-    /// The brains of this tick, and its second half.
-    fn finish(&mut self) {
-        let Self { world, drivers, outputs, agents, .. } = self;
-        if let ([agent], []) = (&mut agents[..], &drivers[..]) {
-            let turn = world.turns().iter().find(|turn| turn.robot == agent.robot).copied();
-            let chosen = turn.map(|turn| (turn, agent.choose()));
-            let answer = chosen.map(|(turn, choice)| agent.answer(turn, choice));
-            return world.finish_answers(answer.as_slice());
+    /// For each agent whose turn it is in this tick. Agents and turns are in the order of the robots.
+    fn each_turn(&mut self, mut act: impl FnMut(&mut Agent, &mut BareWorld, Turn)) {
+        let Self { driven: DrivenWorld { world, .. }, agents, .. } = self;
+        let mut place = 0;
+        for i in 0..world.turns().len() {
+            let turn = world.turns()[i];
+            while agents.get(place).is_some_and(|agent| agent.robot < turn.robot) {
+                place += 1;
+            }
+            if let Some(agent) = agents.get_mut(place).filter(|agent| agent.robot == turn.robot) {
+                act(agent, world, turn);
+            }
         }
-        outputs.clear();
-        for turn in world.turns() {
-            let driver = drivers.get_mut(turn.robot).and_then(Option::as_mut);
-            outputs.extend(driver.map(|driver| driver.step(world, *turn)));
-        }
-        let mut chosen: SmallVec<[(usize, Turn, Choice); FEW]> = SmallVec::new();
-        for (place, turn) in turns_of(world, agents) {
-            chosen.push((place, turn, agents[place].choose()));
-        }
-        let mut answers: SmallVec<[Answer<'_>; FEW]> = SmallVec::new();
-        for (place, turn, choice) in &chosen {
-            answers.push(agents[*place].answer(*turn, *choice));
-        }
-        answers.extend(outputs.iter().map(|output| output.answer(drivers)));
-        world.finish_answers(&answers);
     }
 
     /// The events of the last step, for the trainer of this agent.
@@ -246,7 +226,7 @@ impl Env {
     /// Counts what happened in the step that is over. A step begins where the last one ended.
     fn count(&mut self) {
         let success = f64::from(u8::from(self.has_succeeded()));
-        let Self { world, agents, before, .. } = self;
+        let Self { driven: DrivenWorld { world, .. }, agents, before, .. } = self;
         let (ns, score) = (world.time().as_ns(), Score::of(world));
         before.robots.resize(agents.len(), [0.0; 3]);
         before.tallies.clear();
@@ -268,7 +248,7 @@ impl Env {
     }
 
     fn has_succeeded(&self) -> bool {
-        match self.world.ending() {
+        match self.world().ending() {
             Some(Ending::GoalReached(_) | Ending::AllGoals | Ending::Covered | Ending::Sensed) => true,
             Some(
                 Ending::TimeIsOver
@@ -290,9 +270,7 @@ impl Env {
         Ok(Self {
             task: Arc::clone(&self.task),
             more: self.more.clone(),
-            world: self.world.clone(),
-            drivers: Vec::new(),
-            outputs: Vec::new(),
+            driven: DrivenWorld { world: self.driven.world.clone(), drivers: Vec::new() },
             agents: self.agents.clone(),
             before: self.before.clone(),
             patience_ticks: self.patience_ticks,
@@ -311,15 +289,15 @@ impl Env {
     ///
     /// # Errors
     /// As [`snapshot`](Self::snapshot).
-    pub fn save(&self) -> Result<Vec<u8>, LearnError> {
+    pub fn save(&mut self) -> Result<Vec<u8>, LearnError> {
         self.check_copy()?;
-        let Self { world, agents, before, more, .. } = self;
+        let Self { driven: DrivenWorld { world, .. }, agents, before, more, .. } = self;
         let saved = Saved {
             seed: world.scenario().seed,
             more: more.clone(),
             world: world.save(),
             hash: world.hash(),
-            agents: agents.iter().map(Agent::save).collect(),
+            agents: agents.iter().map(|agent| agent.save(world.commands(agent.robot))).collect(),
             before: before.clone(),
         };
         Ok(postcard::to_allocvec(&saved).expect("what is saved serialises"))
@@ -334,12 +312,13 @@ impl Env {
         let saved: Saved = postcard::from_bytes(saved)
             .map_err(|error| wrong(&format!("is no environment of this version: {error}")))?;
         let mut env = Self::at_start(task, saved.seed, &saved.more)?;
-        let scenario = Arc::clone(env.world.scenario());
-        env.world = World::load(scenario, &saved.world, saved.hash).map_err(|error| wrong(&error))?;
-        env.world.keep_timeline(0);
-        env.world.set_parallel(false);
-        let fits = env.agents.len() == saved.agents.len() && saved.before.tallies.len() == env.agents.len();
-        if !(fits && env.agents.iter_mut().zip(saved.agents).all(|(agent, saved)| agent.load(saved))) {
+        let scenario = Arc::clone(env.world().scenario());
+        let world = World::load(scenario, &saved.world, saved.hash).map_err(|error| wrong(&error))?;
+        env.driven.world = bare(world);
+        let Self { driven: DrivenWorld { world, .. }, agents, .. } = &mut env;
+        let fits = agents.len() == saved.agents.len() && saved.before.tallies.len() == agents.len();
+        let mut load = |(agent, saved): (&mut Agent, _)| agent.load(world.commands(agent.robot), saved);
+        if !(fits && agents.iter_mut().zip(saved.agents).all(&mut load)) {
             return Err(wrong(&"is of other robots"));
         }
         env.before = saved.before;
@@ -358,19 +337,12 @@ struct Saved {
     before: Before,
 }
 
-/// The agents whose turn it is in this tick, by their places. Agents and turns are in the order of the robots.
-fn turns_of(world: &World, agents: &[Agent]) -> SmallVec<[(usize, Turn); FEW]> {
-    let mut found = SmallVec::new();
-    let mut place = 0;
-    for turn in world.turns() {
-        while agents.get(place).is_some_and(|agent| agent.robot < turn.robot) {
-            place += 1;
-        }
-        if agents.get(place).is_some_and(|agent| agent.robot == turn.robot) {
-            found.push((place, *turn));
-        }
-    }
-    found
+/// A world of which nothing is kept, and which leaves threads to other worlds.
+fn bare(mut world: World) -> BareWorld {
+    world.keep_timeline(0);
+    // Several worlds at a time use the threads better.
+    world.set_parallel(false);
+    BareWorld::new(world)
 }
 
 /// The distance that a robot has driven, how often it ran into something, and how far it is from the goal.
@@ -384,6 +356,3 @@ fn counts(world: &World, robot: usize) -> [f64; 3] {
 
 /// A step waits so long for a message, in nanoseconds of simulated time: what was lost does not come.
 const PATIENCE_NS: u64 = 1_000_000_000;
-
-/// Answers of so many robots need no memory of their own.
-const FEW: usize = 1;

@@ -1,10 +1,10 @@
 //! The errors of a task, an action or a reward.
 
+use baudbot_brains::catalogue::CatalogueError;
 use baudbot_import::source::SourceError;
 use baudbot_scenario::ScenarioError;
 
 use crate::assignment::AssignmentError;
-use crate::in_process::InProcessError;
 
 /// A reason why an environment cannot be made, or cannot meet a request, on one line.
 #[derive(Debug, thiserror::Error)]
@@ -25,7 +25,7 @@ pub enum LearnError {
     Assignment(#[from] AssignmentError),
     /// There is no such brain.
     #[error(transparent)]
-    Brain(#[from] InProcessError),
+    Brain(#[from] CatalogueError),
     /// An option, an action or a reward is wrong.
     #[error("{path}: {problem}")]
     Value {

@@ -50,7 +50,7 @@ impl Layout {
         }
         let wheels = ["left", "right"].map(str::to_owned).into_iter();
         let actions = wheels.chain(body.actuators.iter().map(|actuator| actuator.name.clone())).collect();
-        let columns = baudbot_server::sensor_columns(spec);
+        let columns = baudbot_sim::sensor_columns(spec);
         Self { robot: spec.name.clone(), sensors, bounds, columns, actions }
     }
 

@@ -8,7 +8,7 @@ use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 
 use crate::assignment::{self, Assignment};
-use crate::in_process::Driver;
+use crate::in_process::drivers;
 use crate::learn::error::LearnError;
 use crate::learn::layout::Layout;
 use crate::learn::vary::Varied;
@@ -52,7 +52,7 @@ impl Task {
         let scenario = parse(&label, &text, &request, None, &[])?;
         let assigned = assigned(&request.brains, &scenario.robots)?;
         // That there is no such brain is said before that it leaves no robot to drive.
-        Driver::all(&scenario, &assigned)?;
+        drivers(&scenario.robots, &assigned, scenario.seed)?;
         let agents = agents(&request.agents, &assigned, &scenario.robots)?;
         let layouts = agents.iter().map(|&robot| Arc::new(Layout::of(&scenario.robots[robot]))).collect();
         let scenario = Arc::new(scenario);

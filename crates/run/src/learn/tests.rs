@@ -60,7 +60,7 @@ fn a_robot_does_what_it_does_with_a_brain_in_its_process() {
             env.step();
         }
         let scenario = task.scenario(3, &[]).unwrap();
-        let mut beside = InProcess::with_brain((*scenario).clone(), Steer).unwrap();
+        let mut beside = InProcess::with_brain((*scenario).clone(), Steer);
         beside.world.keep_timeline(0);
         beside.run(u64::MAX);
         beside.world.begin();

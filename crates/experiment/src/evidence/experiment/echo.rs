@@ -1,8 +1,7 @@
 //! The time of an echo: the brain sends the next command when the answer to the last one is there.
 
-use baudbot_brain::{Body, RawCommands};
-use baudbot_sim::drive::Wheels;
-use baudbot_sim::{Answer, World, Written};
+use baudbot_run::{BareWorld, LockstepWorld};
+use baudbot_sim::World;
 use serde::Deserialize;
 
 use super::{ExperimentError, lab};
@@ -42,23 +41,18 @@ impl Echo {
         Ok(world.map(|world| self.exchange(world)).unwrap_or_default())
     }
 
-    fn exchange(&self, mut world: World) -> Vec<f64> {
-        let body = Body::from(world.robot(0).spec());
-        let mut commands =
-            RawCommands::new(&body).expect("the scenario was read, so its messages fit the wire");
+    fn exchange(&self, world: World) -> Vec<f64> {
+        let mut world = BareWorld::new(world);
         let (mut echoes_ms, mut sent) = (Vec::new(), None);
         while echoes_ms.len() < self.exchanges {
-            let turn = world.begin().first().copied();
-            let arrived = world.has_message(0);
-            let Some(turn) = turn.filter(|_| arrived || sent.is_none()) else {
-                world.finish(&[]);
-                continue;
-            };
-            echoes_ms.extend(sent.map(|sent| turn.at.since(sent) as f64 * 1e-6));
-            let sequence = commands.next_command(&[]);
-            let written = Written::Command { sequence, wheels: Wheels::default(), others: &[] };
-            world.finish_answers(&[Answer { robot: 0, at: turn.at, written }]);
-            sent = Some(turn.at);
+            world.begin();
+            let has_answer = sent.is_none() || world.has_message(0);
+            if let Some(&turn) = world.turns().first().filter(|_| has_answer) {
+                echoes_ms.extend(sent.map(|sent| turn.at.since(sent) as f64 * 1e-6));
+                lab::command(&mut world, turn, [0.0; 2]);
+                sent = Some(turn.at);
+            }
+            world.finish();
         }
         echoes_ms
     }

@@ -1,9 +1,12 @@
 //! Worlds for experiments.
 
 use std::sync::Arc;
+use std::time::Duration;
 
+use baudbot_brain::Action;
+use baudbot_run::{BareWorld, LockstepWorld};
 use baudbot_scenario::ScenarioError;
-use baudbot_sim::{Scenario, World};
+use baudbot_sim::{Scenario, Turn, World};
 
 /// A robot whose body matters to nobody: a disc of 50 mm.
 pub(super) const DISC: &str =
@@ -22,4 +25,9 @@ pub(super) const RIM_M: f64 = 0.05;
 pub(super) fn idle(world: &mut World) {
     world.begin();
     world.finish(&[]);
+}
+
+/// Writes a command at this turn, at once.
+pub(super) fn command(world: &mut BareWorld, turn: Turn, [left, right]: [f64; 2]) {
+    let Ok(()) = world.act(turn, Action::drive(left, right).after(Duration::ZERO));
 }

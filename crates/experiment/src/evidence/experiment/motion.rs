@@ -2,10 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use baudbot_brain::{Body, RawCommands};
-use baudbot_sim::drive::Wheels;
+use baudbot_run::{BareWorld, LockstepWorld};
+use baudbot_sim::World;
 use baudbot_sim::motor::Motors;
-use baudbot_sim::{Answer, World, Written};
 use serde::Deserialize;
 
 use super::{ExperimentError, lab};
@@ -64,15 +63,13 @@ impl TurnStep {
     }
 
     fn time_to(&self, world: World, share: f64) -> Option<f64> {
-        let mut driven = Driven::new(world);
-        driven.run(1.0, None);
-        let start = driven.world.time();
-        let signals = Wheels { left: -self.signal, right: self.signal };
+        let mut world = run(world, 1.0, None);
+        let start = world.time();
         let mut rates = Vec::new();
         for _ in 0..2000 {
-            driven.tick(rates.is_empty().then_some(signals));
-            let ms = driven.world.time().since(start) as f64 * 1e-6;
-            rates.push((ms, driven.world.robot(0).motion().turn_rate_rad_s));
+            tick(&mut world, rates.is_empty().then_some([-self.signal, self.signal]));
+            let ms = world.time().since(start) as f64 * 1e-6;
+            rates.push((ms, world.robot(0).motion().turn_rate_rad_s));
         }
         let last = rates.last()?.1;
         rates.into_iter().find(|(_, rate)| *rate >= share * last).map(|(ms, _)| ms)
@@ -96,9 +93,8 @@ impl Speed {
         let signal = command / self.full;
         let worlds = lab::specimens(&empty(&self.preset, 10.0), 1)?;
         let speed = |world| {
-            let mut driven = Driven::new(world);
-            driven.run(self.seconds, Some(Wheels { left: signal, right: signal }));
-            driven.world.robot(0).counters().distance_m / self.seconds * 1e3
+            let world = run(world, self.seconds, Some([signal; 2]));
+            world.robot(0).counters().distance_m / self.seconds * 1e3
         };
         Ok(worlds.map(speed).collect())
     }
@@ -111,10 +107,8 @@ impl StepRate {
         for world in lab::specimens(&empty(&self.preset, 10.0), 1)? {
             let Motors::Stepper(stepper) = &world.robot(0).spec().drive.motor else { continue };
             let (steps_per_turn, full) = (stepper.steps_per_turn, stepper.full_rate_steps_s);
-            let mut driven = Driven::new(world);
-            let signal = rate / full;
-            driven.run(2.0, Some(Wheels { left: signal, right: signal }));
-            rates.push(driven.world.robot(0).motion().wheel_speed_rad_s.left / TAU * steps_per_turn);
+            let world = run(world, 2.0, Some([rate / full; 2]));
+            rates.push(world.robot(0).motion().wheel_speed_rad_s.left / TAU * steps_per_turn);
         }
         Ok(rates)
     }
@@ -124,35 +118,21 @@ fn empty(preset: &str, step_ms: f64) -> String {
     format!("step_ms = {step_ms:?}\n[[robots]]\nname = \"robot\"\npreset = \"{preset}\"\n")
 }
 
-/// A robot that is driven through its cable.
-struct Driven {
-    world: World,
-    commands: RawCommands,
+/// A tick, in whose turn the brain writes a command, if there is one.
+fn tick(world: &mut BareWorld, signals: Option<[f64; 2]>) {
+    world.begin();
+    if let Some((&turn, signals)) = world.turns().first().zip(signals) {
+        lab::command(world, turn, signals);
+    }
+    world.finish();
 }
 
-impl Driven {
-    fn new(world: World) -> Self {
-        let body = Body::from(world.robot(0).spec());
-        let commands = RawCommands::new(&body).expect("the scenario was read, so its messages fit the wire");
-        Self { world, commands }
+/// A world after so many seconds, with a command in each tick.
+fn run(world: World, seconds: f64, signals: Option<[f64; 2]>) -> BareWorld {
+    let mut world = BareWorld::new(world);
+    let end_ns = (seconds * 1e9) as u64 + world.time().as_ns();
+    while world.time().as_ns() < end_ns {
+        tick(&mut world, signals);
     }
-
-    /// A tick, in whose turn the brain writes a command, if there is one.
-    fn tick(&mut self, wheels: Option<Wheels>) {
-        let turn = self.world.begin().first().copied();
-        let Some((turn, wheels)) = turn.zip(wheels) else {
-            return self.world.finish(&[]);
-        };
-        let sequence = self.commands.next_command(&[]);
-        let written = Written::Command { sequence, wheels, others: &[] };
-        self.world.finish_answers(&[Answer { robot: 0, at: turn.at, written }]);
-    }
-
-    /// So many seconds, with a command in each tick.
-    fn run(&mut self, seconds: f64, wheels: Option<Wheels>) {
-        let end_ns = (seconds * 1e9) as u64 + self.world.time().as_ns();
-        while self.world.time().as_ns() < end_ns {
-            self.tick(wheels);
-        }
-    }
+    world
 }

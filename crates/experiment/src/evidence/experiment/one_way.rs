@@ -1,8 +1,6 @@
 //! The time of commands on their way to a robot.
 
-use baudbot_brain::{Body, RawCommands};
-use baudbot_sim::drive::Wheels;
-use baudbot_sim::{Answer, Written};
+use baudbot_run::{BareWorld, LockstepWorld};
 use serde::Deserialize;
 
 use super::{ExperimentError, lab};
@@ -25,22 +23,17 @@ impl OneWay {
             lab::DISC
         );
         let mut delays_ms = Vec::new();
-        for mut world in lab::specimens(&toml, 1)? {
-            let body = Body::from(world.robot(0).spec());
-            let mut commands =
-                RawCommands::new(&body).expect("the scenario was read, so its messages fit the wire");
+        for world in lab::specimens(&toml, 1)? {
+            let mut world = BareWorld::new(world);
             let (mut obeyed, mut sent) = (0, None);
             while delays_ms.len() < self.commands {
-                let turn = world.begin().first().copied();
-                match turn.filter(|turn| sent.is_none() && turn.at.as_ns() % 1_000_000_000 < 1_000_000) {
-                    Some(turn) => {
-                        let sequence = commands.next_command(&[]);
-                        let written = Written::Command { sequence, wheels: Wheels::default(), others: &[] };
-                        world.finish_answers(&[Answer { robot: 0, at: turn.at, written }]);
-                        sent = Some(turn.at);
-                    }
-                    None => world.finish(&[]),
+                world.begin();
+                let is_due = |at_ns: u64| sent.is_none() && at_ns % 1_000_000_000 < 1_000_000;
+                if let Some(&turn) = world.turns().first().filter(|turn| is_due(turn.at.as_ns())) {
+                    lab::command(&mut world, turn, [0.0; 2]);
+                    sent = Some(turn.at);
                 }
+                world.finish();
                 let count = world.robot(0).commands();
                 if count > obeyed {
                     obeyed = count;

@@ -1,8 +1,13 @@
 //! Columns of the values that tables and frames have of a robot.
 
-use baudbot_sim::RobotView;
-use baudbot_sim::actuator::ActuatorKind;
-use baudbot_sim::model::RobotSpec;
+use alloc::borrow::ToOwned;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use crate::actuator::ActuatorKind;
+use crate::model::RobotSpec;
+use crate::view::RobotView;
 
 /// The names of the sensors' values: `ir_left` for a sensor of one, `odometer.x_m` for a component of several,
 /// `laser.0` and so on for a component of many values, `camera.red.0` for several of those.
