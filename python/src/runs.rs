@@ -247,7 +247,7 @@ fn with_seeds(experiment: Experiment, seeds: Option<&str>) -> Result<Experiment,
 fn of_reading(error: ReadError) -> Problem {
     let path = match &error {
         ReadError::File(_) => None,
-        ReadError::Experiment { error, .. } => error.path(),
+        ReadError::Content { error, .. } => error.path(),
     };
     (error.to_string(), path)
 }

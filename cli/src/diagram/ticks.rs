@@ -40,7 +40,7 @@ pub(super) fn ticks<'a>(
     if !assigned.programs.is_empty() {
         let mut world = World::new(Arc::new(scenario));
         let mut look = Look::new(&mut world, place, view);
-        let run = Served::start(world, assigned.clone(), move |world| look.at(world));
+        let run = Served::start(world, assigned.clone(), move |world, _| look.at(world));
         let mut run = run.map_err(from_run)?;
         return Ok(Box::new(move |recorded| match run.next(stop).map_err(from_run)? {
             None => Ok(None),

@@ -7,6 +7,7 @@ use baudbot_run::assignment;
 use baudbot_run::programs::{EXEC, Lifetime};
 use toml::Value;
 
+use crate::checked_fields::{fields, fields_of, seconds, within};
 use crate::design::{Cell, Design};
 use crate::error::Error;
 use crate::factor::{Choice, Field, Setting};
@@ -89,15 +90,7 @@ impl Experiment {
         stem: &str,
         find: impl FnOnce(&str) -> Result<String, String>,
     ) -> Result<Self, Error> {
-        let table: toml::Table =
-            toml.parse().map_err(|error: toml::de::Error| Error::Syntax(error.to_string()))?;
-        let raw: raw::Experiment = baudbot_fields::read(table).map_err(|error| {
-            let path = if error.path.is_empty() { "experiment" } else { &error.path };
-            match UnknownName::of(&error.cause) {
-                Some(unknown) => Error::field(path, unknown),
-                None => Error::field(path, &error.problem),
-            }
-        })?;
+        let raw: raw::Experiment = fields(toml, "experiment")?;
         let text = find(&raw.scenario).map_err(|problem| Error::field("scenario", problem))?;
         Self::checked(raw, stem, text)
     }
@@ -286,11 +279,8 @@ fn brain_text(brain: Value) -> Result<(String, Lifetime), Error> {
         let problem = format!("is a table, which is for a program; write brain = {name:?}");
         return Err(Error::field("brain", problem));
     }
-    let program: raw::Program = baudbot_fields::read(table).map_err(|error| {
-        let problem = UnknownName::of(&error.cause).map(|unknown| unknown.to_string());
-        let path = if error.path.is_empty() { "brain".to_owned() } else { format!("brain.{}", error.path) };
-        Error::field(path, problem.unwrap_or(error.problem))
-    })?;
+    let at = |path: &str| if path.is_empty() { "brain".to_owned() } else { format!("brain.{path}") };
+    let program: raw::Program = fields_of(table, at)?;
     if program.exec.trim().is_empty() {
         return Err(Error::field("brain.exec", "is empty; write it as in exec = \"python3 follow.py\""));
     }
@@ -298,18 +288,8 @@ fn brain_text(brain: Value) -> Result<(String, Lifetime), Error> {
     Ok((format!("{EXEC}{}", program.exec), lifetime))
 }
 
-fn seconds(seconds: f64) -> Result<f64, Error> {
-    if (1e-9..=1e8).contains(&seconds) {
-        return Ok(seconds);
-    }
-    Err(Error::field("seconds", format!("must be from 1e-9 to 1e8, is {seconds}")))
-}
-
 fn find_of(raw: &raw::Find) -> Result<Find, Error> {
-    let share = raw.share.unwrap_or(1.0);
-    if !(share > 0.0 && share <= 1.0) {
-        return Err(Error::field("find.share", format!("must be above 0 and at most 1, is {share}")));
-    }
+    let share = within("find.share", raw.share.unwrap_or(1.0), 1.0)?;
     if let Some(tolerance) = raw.tolerance.filter(|tolerance| !(tolerance.is_finite() && *tolerance > 0.0)) {
         return Err(Error::field("find.tolerance", format!("must be positive, is {tolerance}")));
     }

@@ -17,6 +17,7 @@
 
 pub mod chart;
 mod check;
+mod checked_fields;
 #[cfg(feature = "parquet")]
 pub mod columnar;
 mod csv_table;

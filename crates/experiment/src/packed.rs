@@ -34,7 +34,7 @@ impl Packed {
             programs.insert(name.to_owned(), program.to_owned());
         })?;
         let path = || file.display().to_string();
-        check_brains(&experiment).map_err(|error| ReadError::Experiment { path: path(), error })?;
+        check_brains(&experiment).map_err(|error| ReadError::Content { path: path(), error })?;
         let (name, scenario) = (experiment.name.clone(), experiment.text.clone());
         Ok((Self { text, name, scenario, programs }, experiment))
     }

@@ -1,4 +1,4 @@
-//! An experiment from its file.
+//! Experiments and exercises from their files.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::factor::{Choice, Setting};
 
-/// A reason why an experiment cannot be read.
+/// A reason why an experiment or an exercise cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// Its file cannot be.
@@ -18,12 +18,48 @@ pub enum ReadError {
     File(#[from] SourceError),
     /// Its content makes no sense.
     #[error("{path}: {error}")]
-    Experiment {
+    Content {
         /// The file.
         path: String,
         /// The problem.
         error: Error,
     },
+}
+
+/// The text of a file, and where it is from.
+pub(crate) struct Document<'a> {
+    pub(crate) toml: &'a str,
+    /// The file's name without `.toml`.
+    pub(crate) stem: &'a str,
+    folder: &'a Path,
+}
+
+impl Document<'_> {
+    /// The text of a scenario that the file refers to.
+    pub(crate) fn scenario(&self, name: &str) -> Result<String, String> {
+        Source::beside(self.folder, name).map(|source| source.text).map_err(|error| error.to_string())
+    }
+}
+
+/// A file of this kind, or what is built in, as `parse` reads it. A file comes first: it may be called as something that is built in.
+pub(crate) fn read_as<T>(
+    (name, kind): (&str, Kind),
+    built_in: Option<&str>,
+    parse: impl FnOnce(&Document<'_>) -> Result<T, Error>,
+) -> Result<T, ReadError> {
+    let path = Path::new(name);
+    let toml = match built_in.filter(|_| !path.is_file()) {
+        Some(text) => text.to_owned(),
+        None => source::read(name, kind)?,
+    };
+    let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or(name);
+    let folder = path.parent().unwrap_or_else(|| Path::new(""));
+    parse(&Document { toml: &toml, stem, folder }).map_err(|error| {
+        match source::mistaken(name, &toml, kind) {
+            Some(mistaken) => ReadError::File(mistaken),
+            None => ReadError::Content { path: name.to_owned(), error },
+        }
+    })
 }
 
 impl Experiment {
@@ -39,30 +75,17 @@ impl Experiment {
 /// The text of a file and its experiment. `note` gets the name and the text of each program that it is put into.
 pub(crate) fn read(file: &Path, mut note: impl FnMut(&str, &str)) -> Result<(String, Experiment), ReadError> {
     let path = file.display().to_string();
-    // A file comes first: an experiment may be called as one that is built in.
-    let toml = match embedded::experiment(&path).filter(|_| !file.exists()) {
-        Some(text) => text.to_owned(),
-        None => source::read(&path, Kind::Experiment)?,
-    };
-    let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or("experiment");
-    let folder = file.parent().unwrap_or_else(|| Path::new(""));
-    let find = |name: &str| match Source::beside(folder, name) {
-        Ok(source) => Ok(source.text),
-        Err(error) => Err(error.to_string()),
-    };
-    let program = |name: &str| {
-        let program = baudbot_import::program(&folder.join(name)).map_err(|error| error.to_string())?;
-        note(name, &program);
-        Ok(program)
-    };
-    let parsed = Experiment::parse(&toml, stem, find);
-    let parsed = parsed.and_then(|experiment| put_programs(experiment, program));
-    let mut experiment = parsed.map_err(|error| match source::mistaken(&path, &toml, Kind::Experiment) {
-        Some(mistaken) => ReadError::File(mistaken),
-        None => ReadError::Experiment { path, error },
-    })?;
-    experiment.folder = folder.to_owned();
-    Ok((toml, experiment))
+    read_as((&path, Kind::Experiment), embedded::experiment(&path), |document| {
+        let experiment = Experiment::parse(document.toml, document.stem, |name| document.scenario(name))?;
+        let program = |name: &str| {
+            let program =
+                baudbot_import::program(&document.folder.join(name)).map_err(|error| error.to_string())?;
+            note(name, &program);
+            Ok(program)
+        };
+        let experiment = put_programs(experiment, program)?;
+        Ok((document.toml.to_owned(), Experiment { folder: document.folder.to_owned(), ..experiment }))
+    })
 }
 
 /// Puts programs of microcontrollers into the places of their files' names.

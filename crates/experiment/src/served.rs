@@ -47,23 +47,12 @@ pub struct Believed {
 
 impl<T: Send + 'static> Served<T> {
     /// Starts a run of a world at its start, with brains of the catalogue and programs. What `look` makes of the world at the beginning
-    /// of each tick, and at the run's end, is what [`next`](Self::next) gives; the world is at most a few ticks ahead of it.
+    /// of each tick, and at the run's end, is what [`next`](Self::next) gives; the world is at most a few ticks ahead of it. `look` also gets
+    /// the poses that brains have published since the tick before.
     ///
     /// # Errors
     /// If no server can be started.
     pub fn start(
-        world: World,
-        assigned: Assigned,
-        mut look: impl FnMut(&World) -> T + Send + 'static,
-    ) -> Result<Self, Error> {
-        Self::start_with_beliefs(world, assigned, move |world, _| look(world))
-    }
-
-    /// The same; `look` also gets the poses that brains have published since the tick before.
-    ///
-    /// # Errors
-    /// If no server can be started.
-    pub fn start_with_beliefs(
         world: World,
         assigned: Assigned,
         mut look: impl FnMut(&World, &[Believed]) -> T + Send + 'static,
@@ -125,25 +114,22 @@ impl<T: Send + 'static> Served<T> {
         self.end()?;
         Ok(Next::Over)
     }
+}
 
+impl<T> Served<T> {
+    /// The world may be waiting for room, and the run's programs end before this program does.
     fn end(&mut self) -> Result<(), Error> {
-        // The world may be waiting for room.
         self.seen = None;
         self.stop = None;
         let Some(run) = self.run.take() else { return Ok(()) };
-        run.join()
-            .unwrap_or_else(|_| Err(Error::Server("the run panicked, which is a bug in baudbot".to_owned())))
+        let panicked = || Err(Error::Server("the run panicked, which is a bug in baudbot".to_owned()));
+        run.join().unwrap_or_else(|_| panicked())
     }
 }
 
 impl<T> Drop for Served<T> {
     fn drop(&mut self) {
-        self.seen = None;
-        self.stop = None;
-        if let Some(run) = self.run.take() {
-            // Its programs end before this program does.
-            let _ = run.join();
-        }
+        let _ = self.end();
     }
 }
 

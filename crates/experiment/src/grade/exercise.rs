@@ -8,6 +8,7 @@ use baudbot_run::assignment::{self, NONE};
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
 
+use crate::checked_fields::{fields, seconds, within};
 use crate::error::Error;
 use crate::grade::advice::Advice;
 use crate::grade::measure::Measure;
@@ -80,15 +81,7 @@ impl Exercise {
         name: &str,
         find: impl FnOnce(&str) -> Result<String, String>,
     ) -> Result<Self, Error> {
-        let table: toml::Table =
-            toml.parse().map_err(|error: toml::de::Error| Error::Syntax(error.to_string()))?;
-        let raw: raw::Exercise = baudbot_fields::read(table).map_err(|error| {
-            let path = if error.path.is_empty() { "exercise" } else { &error.path };
-            match UnknownName::of(&error.cause) {
-                Some(unknown) => Error::field(path, unknown),
-                None => Error::field(path, &error.problem),
-            }
-        })?;
+        let raw: raw::Exercise = fields(toml, "exercise")?;
         let text = find(&raw.scenario).map_err(|problem| Error::field("scenario", problem))?;
         Self::checked(raw, name, text)
     }
@@ -151,11 +144,8 @@ impl Exercise {
 fn overrides(raw: &raw::Exercise) -> Result<Vec<Override>, Error> {
     let parse = |path: String, text: &str| Override::parse(text).map_err(|error| Error::field(path, error));
     let mut all = Vec::new();
-    if let Some(seconds) = raw.seconds {
-        if !(1e-9..=1e8).contains(&seconds) {
-            return Err(Error::field("seconds", format!("must be from 1e-9 to 1e8, is {seconds}")));
-        }
-        all.push(parse("seconds".to_owned(), &format!("end.after_s={seconds:?}"))?);
+    if let Some(after_s) = raw.seconds.map(seconds).transpose()? {
+        all.push(parse("seconds".to_owned(), &format!("end.after_s={after_s:?}"))?);
     }
     for (i, text) in raw.set.iter().enumerate() {
         all.push(parse(format!("set[{i}]"), text)?);
@@ -224,14 +214,6 @@ fn criterion_of(i: usize, raw: raw::Criterion) -> Result<Criterion, Error> {
     }
     let needs = Conditions::new(&at("needs"), &raw.needs)?;
     Ok(Criterion { name: raw.name, points: within(&at("points"), raw.points.unwrap_or(1.0), 1e6)?, needs })
-}
-
-/// A number above 0 and at most `most`.
-fn within(path: &str, value: f64, most: f64) -> Result<f64, Error> {
-    if value > 0.0 && value <= most {
-        return Ok(value);
-    }
-    Err(Error::field(path, format!("must be above 0 and at most {most}, is {value}")))
 }
 
 /// The number of seeds if the file has none.

@@ -32,7 +32,7 @@ pub use grading::{Grading, Verdict};
 pub use json::JSON_FIELDS;
 pub use measure::{MEASURES, Measure, MeasureInfo};
 pub use points::Awarded;
-pub use read::{ReadError, all};
+pub use read::all;
 pub use run::{Problem, Run};
 pub use runs::{Options, grade};
 pub use watch::{Hit, Measures};

@@ -1,29 +1,10 @@
 //! An exercise from its file, or from the program.
 
-use std::path::Path;
-
 use baudbot_import::embedded;
 use baudbot_import::kind::Kind;
-use baudbot_import::source::{self, Source, SourceError};
 
-use crate::error::Error;
 use crate::grade::exercise::Exercise;
-
-/// A reason why an exercise cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub enum ReadError {
-    /// Its file cannot be.
-    #[error(transparent)]
-    File(#[from] SourceError),
-    /// Its content makes no sense.
-    #[error("{path}: {error}")]
-    Exercise {
-        /// The file.
-        path: String,
-        /// The problem.
-        error: Error,
-    },
-}
+use crate::read::{ReadError, read_as};
 
 impl Exercise {
     /// Reads an exercise that is built in, or a file, with the scenario that it refers to.
@@ -31,21 +12,8 @@ impl Exercise {
     /// # Errors
     /// If a file cannot be read, or something in it makes no sense.
     pub fn read(name: &str) -> Result<Self, ReadError> {
-        let path = Path::new(name);
-        let toml = match embedded::exercise(name).filter(|_| !path.is_file()) {
-            Some(text) => text.to_owned(),
-            None => source::read(name, Kind::Exercise)?,
-        };
-        let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or(name);
-        let folder = path.parent().unwrap_or_else(|| Path::new(""));
-        let find = |scenario: &str| match Source::beside(folder, scenario) {
-            Ok(source) => Ok(source.text),
-            Err(error) => Err(error.to_string()),
-        };
-        let parsed = Self::parse(&toml, stem, find);
-        parsed.map_err(|error| match source::mistaken(name, &toml, Kind::Exercise) {
-            Some(mistaken) => ReadError::File(mistaken),
-            None => ReadError::Exercise { path: name.to_owned(), error },
+        read_as((name, Kind::Exercise), embedded::exercise(name), |document| {
+            Self::parse(document.toml, document.stem, |scenario| document.scenario(scenario))
         })
     }
 }
@@ -66,6 +34,8 @@ pub fn all() -> Result<Vec<Exercise>, ReadError> {
 
 #[cfg(test)]
 mod tests {
+    use baudbot_import::source::Source;
+
     use super::*;
 
     #[test]

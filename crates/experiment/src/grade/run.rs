@@ -91,7 +91,7 @@ impl Run {
             let time_s = world.time().as_ns() as f64 / 1e9;
             Sight { time_s, hits, ended: world.ending().map(ended) }
         };
-        let served = Served::start_with_beliefs(world, assigned.clone(), look)?;
+        let served = Served::start(world, assigned.clone(), look)?;
         follow(served, seed, exercise.limits, stop)
     }
 }
