@@ -61,8 +61,8 @@
 //!   A brain's robots are checked with its Hello; a stream ends when its token does.
 //! - **The audit log** (`audit/`): the gate begins and ends each line, the registry adds the world by a variable
 //!   of the task, a thread writes it.
-//! - **Limits** (`limits/`): values (`Limits`), names and words (`Limit`), and what is in use (`InForce`), whose
-//!   guards give back what they stand for. Memory is counted by walking what is in it (`crates/sim/src/heap/`).
+//! - **Limits** (`limits/`): one table of names, options, defaults and words (`LIMITS`), values (`Limits`), and the
+//!   use of them (`InForce`), whose guards give back what they stand for. Memory is counted by walking what is in it (`crates/sim/src/heap/`).
 //! - **The page** (`page/`) is a client: its calls (`calls/`) come over its WebSocket (`page.proto`) and go to
 //!   the gRPC services through a pipe in memory, one connection per page. Beliefs (`beliefs.rs`) bypass the
 //!   world, from the brains' streams to observers.
@@ -169,7 +169,7 @@ pub use drive::{Drive, DriveCollision, DriveError, PathPoint, drive, drive_each}
 pub use embedded::{Embedded, Services};
 #[cfg(feature = "network")]
 pub use gate::{Tls, TlsError};
-pub use limits::Limits;
+pub use limits::{LIMITS, Limit, LimitInfo, Limits, Unit, Usual};
 pub use pace::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 #[cfg(feature = "network")]
 pub use page::{Film, NoFilm};

@@ -8,7 +8,7 @@ use tonic::Status;
 
 use crate::actor::{self, NewWorld};
 use crate::audit::call::note_world;
-use crate::limits::{InForce, Payer, Place, Taken};
+use crate::limits::{InForce, Limit, Payer, Place, Taken};
 use crate::message::{Message, WorldHandle};
 use crate::pool::Pool;
 use crate::quote::{brief, list};
@@ -99,7 +99,8 @@ impl Registry {
     pub(crate) fn create(&self, mut new: NewWorld, payer: Option<&Payer>) -> Result<WorldHandle, Status> {
         check_name(&new.name)?;
         note_world(&new.name);
-        let owner = payer.map(|Payer(tally)| self.limits.world_of(tally)).transpose()?;
+        let take = |Payer(tally): &Payer| self.limits.take(Limit::WorldsPerCaller, tally, "worlds");
+        let owner = payer.map(take).transpose()?;
         let (world, robots) = self.limits.world(new.world.robots().len())?;
         let charges = new.charges(&self.limits)?;
         let mut worlds = self.lock();

@@ -12,7 +12,7 @@ use baudbot_brains::catalogue;
 use baudbot_client::{Brain, connect};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
-use baudbot_server::{Address, Limits, Lockstep, Pace, Server, Tls, WorldConfig};
+use baudbot_server::{Address, Limit, Limits, Lockstep, Pace, Server, Tls, WorldConfig};
 use baudbot_tests::system::{lockstep, status};
 use baudbot_tests::{InProcess, WANDER, crowd, scenario};
 use prost::Message as _;
@@ -614,9 +614,11 @@ async fn a_thousand_questions_are_answered_by_one_status() {
     const CALLS: u32 = 1000;
     const PIECE: u64 = 16 << 10;
     let _alone = ALONE.lock().await;
-    let (server, address, _folder) =
-        serve_unread(1000, Limits { unread: 2 * MOST, unread_per_caller: Some(MOST), ..Limits::default() })
-            .await;
+    let (server, address, _folder) = serve_unread(
+        1000,
+        Limits::default().with(Limit::Unread, 2 * MOST).with(Limit::UnreadPerCaller, MOST),
+    )
+    .await;
     let before = Held::now();
     let get = v1::GetWorldRequest { world: "w".into() };
     let mut attackers = Vec::new();

@@ -9,7 +9,7 @@ use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
 use baudbot_proto::v1::page_request::Request as Asked;
-use baudbot_server::{Builder, Limits, Pace, Server, WorldConfig};
+use baudbot_server::{Builder, LIMITS, Limit, Limits, Pace, Server, WorldConfig};
 use baudbot_tests::{WANDER, crowd, scenario};
 use prost::Message as _;
 use tempfile::TempDir;
@@ -142,7 +142,7 @@ async fn goes_on(server: &Server, robot: &mut Robot) {
 
 #[tokio::test]
 async fn an_address_has_so_many_connections_and_gets_another_when_one_goes() {
-    let server = serve(Limits { connections_per_address: Some(3), ..Limits::default() }).await;
+    let server = serve(Limits::default().with(Limit::ConnectionsPerAddress, 3)).await;
     let mut robots = Vec::new();
     for i in 0..3 {
         robots.push(connect(&server, None).await.attach("w", &format!("r{i}")).await.unwrap());
@@ -172,7 +172,7 @@ async fn an_address_has_so_many_connections_and_gets_another_when_one_goes() {
 #[tokio::test]
 async fn a_token_has_so_many_connections_and_another_token_its_own() {
     let (server, [alice, bob], _folder) =
-        serve_class(Limits { connections_per_token: Some(2), ..Limits::default() }).await;
+        serve_class(Limits::default().with(Limit::ConnectionsPerToken, 2)).await;
     let first = connect(&server, Some(&alice)).await.attach("w", "r0").await.unwrap();
     let _second = connect(&server, Some(&alice)).await.attach("w", "r1").await.unwrap();
     let words = "the token `alice` has 2 connections, which is its limit; close one, or start it with a larger \
@@ -188,7 +188,7 @@ async fn a_token_has_so_many_connections_and_another_token_its_own() {
 
 #[tokio::test]
 async fn calls_without_a_token_keep_nobody_out_who_has_one() {
-    let (server, [alice, bob], _folder) = serve_class(Limits { connections: 4, ..Limits::default() }).await;
+    let (server, [alice, bob], _folder) = serve_class(Limits::default().with(Limit::Connections, 4)).await;
     let _alice = connect(&server, Some(&alice)).await.attach("w", "r0").await.unwrap();
     let mut strangers = Vec::new();
     for _ in 0..20 {
@@ -204,7 +204,7 @@ async fn calls_without_a_token_keep_nobody_out_who_has_one() {
 
 #[tokio::test]
 async fn a_connection_has_so_many_open_calls_and_the_next_are_refused_in_words() {
-    let server = serve(Limits { streams_per_connection: 3, ..Limits::default() }).await;
+    let server = serve(Limits::default().with(Limit::StreamsPerConnection, 3)).await;
     let client = connect(&server, None).await;
     let mut robots = Vec::new();
     for i in 0..3 {
@@ -224,7 +224,7 @@ async fn a_connection_has_so_many_open_calls_and_the_next_are_refused_in_words()
 #[tokio::test]
 async fn a_caller_has_so_many_open_calls_over_all_its_connections() {
     let (server, [alice, bob], _folder) =
-        serve_class(Limits { streams_per_caller: Some(2), ..Limits::default() }).await;
+        serve_class(Limits::default().with(Limit::StreamsPerCaller, 2)).await;
     let first = connect(&server, Some(&alice)).await.attach("w", "r0").await.unwrap();
     let _second = connect(&server, Some(&alice)).await.attach("w", "r1").await.unwrap();
     let third = connect(&server, Some(&alice)).await;
@@ -239,7 +239,7 @@ async fn a_caller_has_so_many_open_calls_over_all_its_connections() {
 
 #[tokio::test]
 async fn a_caller_makes_so_many_requests_a_second_and_steps_of_a_brain_are_none() {
-    let server = serve(Limits { requests_per_s: Some(50), ..Limits::default() }).await;
+    let server = serve(Limits::default().with(Limit::RequestsPerS, 50)).await;
     let client = connect(&server, None).await;
     let mut robot = client.attach("w", "r0").await.unwrap();
     let mut control = ControlServiceClient::new(client.channel());
@@ -268,7 +268,7 @@ async fn a_caller_makes_so_many_requests_a_second_and_steps_of_a_brain_are_none(
 
 #[tokio::test]
 async fn what_a_page_asks_for_over_its_socket_are_requests() {
-    let server = serve(Limits { requests_per_s: Some(20), ..Limits::default() }).await;
+    let server = serve(Limits::default().with(Limit::RequestsPerS, 20)).await;
     let mut page = Page::open(&server).await;
     let list = || {
         let request = v1::ListWorldsRequest {}.encode_to_vec();
@@ -292,7 +292,7 @@ async fn what_a_page_asks_for_over_its_socket_are_requests() {
 
 #[tokio::test]
 async fn requests_to_the_page_over_http_are_limited_too() {
-    let server = serve(Limits { requests_per_s: Some(10), ..Limits::default() }).await;
+    let server = serve(Limits::default().with(Limit::RequestsPerS, 10)).await;
     for i in 0..100 {
         let answer = answers(&server, "/").await;
         if answer.starts_with("HTTP/1.1 429") {
@@ -306,13 +306,11 @@ async fn requests_to_the_page_over_http_are_limited_too() {
 
 #[tokio::test]
 async fn worlds_and_robots_have_a_limit_for_each_caller_and_for_all() {
-    let limits = Limits {
-        worlds: 4,
-        worlds_per_caller: Some(2),
-        robots: 19,
-        robots_per_world: 16,
-        ..Limits::default()
-    };
+    let limits = Limits::default()
+        .with(Limit::Worlds, 4)
+        .with(Limit::WorldsPerCaller, 2)
+        .with(Limit::Robots, 19)
+        .with(Limit::RobotsPerWorld, 16);
     let (server, [alice, bob], _folder) = serve_class(limits).await;
     let [mut alice, mut bob] =
         [operator_of(&server, Some(&alice)).await, operator_of(&server, Some(&bob)).await];
@@ -347,7 +345,7 @@ async fn worlds_and_robots_have_a_limit_for_each_caller_and_for_all() {
 
 #[tokio::test]
 async fn the_oldest_snapshot_of_a_world_goes_and_its_caller_is_told() {
-    let limits = Limits { snapshots_per_world: 2, snapshots: 3, ..Limits::default() };
+    let limits = Limits::default().with(Limit::SnapshotsPerWorld, 2).with(Limit::Snapshots, 3);
     let server = serve(limits).await;
     let mut control = operator(&server).await;
     control.create_world(create("v", WANDER)).await.unwrap();
@@ -383,7 +381,7 @@ async fn held(server: &Server) -> u64 {
 #[tokio::test]
 async fn memory_is_refused_before_it_is_taken_and_given_back() {
     const MB: u64 = 1_000_000;
-    let server = serve(Limits { memory_bytes: 3 * MB, ..Limits::default() }).await;
+    let server = serve(Limits::default().with(Limit::Memory, 3 * MB)).await;
     let mut control = operator(&server).await;
     let empty = held(&server).await;
     assert!((30_000..1_000_000).contains(&empty), "{empty}");
@@ -478,7 +476,7 @@ fn long() -> String {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn scenarios_wait_until_they_are_read_and_those_of_clients_who_have_gone_are_dropped() {
-    let server = serve(Limits { parsing: 1, waiting: 2, ..Limits::default() }).await;
+    let server = serve(Limits::default().with(Limit::Parsing, 1).with(Limit::Waiting, 2)).await;
     let text = long();
     let mut control = operator(&server).await;
     let begin = |name: &str| {
@@ -523,7 +521,7 @@ async fn where_worlds_lag_no_more_are_started_but_in_lockstep() {
         builder.world(world.pace(Pace::scaled(50.0)))
     });
     let free = SocketAddr::from(([127, 0, 0, 1], 0));
-    let limits = Limits { overload_after_s: 2, ..Limits::default() };
+    let limits = Limits::default().with(Limit::OverloadAfter, 2);
     let server = busy.limits(limits).viewer(free).serve().await.unwrap();
     let mut control = operator(&server).await;
     let new = |i: usize| v1::CreateWorldRequest { paused: false, ..create(&format!("new-{i}"), WANDER) };
@@ -561,7 +559,7 @@ async fn where_worlds_lag_no_more_are_started_but_in_lockstep() {
 
 #[tokio::test]
 async fn all_limits_are_told_with_their_values() {
-    let server = serve(Limits { worlds: 7, ..Limits::default() }).await;
+    let server = serve(Limits::default().with(Limit::Worlds, 7)).await;
     assert_eq!(metric(&server, "baudbot_limit", "worlds").await, 7.0);
     assert_eq!(metric(&server, "baudbot_limit", "robots_per_world").await, 10_000.0);
     assert_eq!((used(&server, "worlds").await, used(&server, "robots").await), (1.0, 16.0));
@@ -570,7 +568,7 @@ async fn all_limits_are_told_with_their_values() {
     let labels =
         metrics.lines().filter_map(|line| line.strip_prefix("baudbot_limit{limit=\"")?.split('"').next());
     let labels: Vec<_> = labels.collect();
-    assert_eq!(labels.len(), 18, "{labels:?}");
+    assert_eq!(labels.len(), LIMITS.len(), "{labels:?}");
     for label in labels {
         assert!(page.contains(&format!("| `{label}` |")), "docs/reference/limits.md lacks {label}");
     }
@@ -620,7 +618,7 @@ async fn many_worlds_in_free_pace_starve_nobody() {
 #[tokio::test]
 async fn the_slowest_streams_of_a_caller_who_does_not_read_end_by_name_and_no_more_waits_than_it_may() {
     const MOST: u64 = 1 << 20;
-    let server = serve(Limits { unread_per_caller: Some(MOST), ..Limits::default() }).await;
+    let server = serve(Limits::default().with(Limit::UnreadPerCaller, MOST)).await;
     let mut operator = operator(&server).await;
     let pace = v1::Pace { kind: Some(v1::pace::Kind::Stepped(v1::Stepped::default())) };
     operator.set_pace(v1::SetPaceRequest { world: "w".into(), pace: Some(pace) }).await.unwrap();

@@ -56,7 +56,7 @@ impl Snapshots {
 impl WorldActor {
     /// Snapshots that it keeps, at most.
     pub(super) fn most_snapshots(&self) -> usize {
-        self.charges.limits().limits().snapshots_per_world
+        self.charges.limits().count(Limit::SnapshotsPerWorld)
     }
 
     /// Keeps the present state. Gives the snapshot's number.

@@ -8,7 +8,7 @@ use tonic::{Request, Status};
 use super::{Control, recordings, status_of};
 use crate::actor::NewWorld;
 use crate::convert;
-use crate::limits::{Cancelled, InForce, Payer};
+use crate::limits::{Cancelled, InForce, Limit, Payer};
 use crate::message::Request as Asked;
 use crate::pace::Pace;
 use crate::quote::cut;
@@ -71,7 +71,7 @@ impl Control {
         let limits = self.registry.limits();
         limits.world(0)?;
         if let Some(Payer(tally)) = payer {
-            limits.world_of(tally)?;
+            limits.take(Limit::WorldsPerCaller, tally, "worlds")?;
         }
         Ok(())
     }

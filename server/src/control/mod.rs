@@ -194,9 +194,9 @@ impl ControlService for Control {
         let (report, status) = status_of(report, self.registry.limits()).await?;
         let (snapshot, status) = (report.snapshot, Some(status));
         let mut response = Response::new(v1::SnapshotWorldResponse { snapshot, status });
-        let most = self.registry.limits().limits().snapshots_per_world.max(1);
-        if let Some(gone) = snapshot.checked_sub(most as u64).filter(|&gone| gone > 0) {
-            let option = Limit::SnapshotsPerWorld.option();
+        let most = self.registry.limits().value(Limit::SnapshotsPerWorld).max(1);
+        if let Some(gone) = snapshot.checked_sub(most).filter(|&gone| gone > 0) {
+            let option = Limit::SnapshotsPerWorld.info().option;
             let note = format!("snapshot {gone} has gone, as a world keeps {most} ({option})");
             if let Ok(note) = note.parse() {
                 response.metadata_mut().insert(NOTE, note);

@@ -21,7 +21,7 @@ use super::{Admission, OpenOnConnection};
 use crate::access::{Access, Caller, Guarded, authorization};
 use crate::audit::call::Call;
 use crate::audit::{AuditLog, Audited, Record};
-use crate::limits::{Account, InForce, Payer, Peer, Taken};
+use crate::limits::{Account, InForce, Limit, Payer, Peer, Taken};
 
 /// Lets a call pass whose connection has a place, whose caller may make it, and who has not made too many. The caller is in its
 /// extensions then, and for whom it is counted.
@@ -201,7 +201,10 @@ impl CheckCalls {
             Account::User(_) | Account::Address(_) | Account::Token(..) => {
                 self.limits.request(&tally)?;
                 let on_connection = admission.as_ref().map(|admission| admission.open_call(&tally));
-                Some((on_connection.transpose()?, self.limits.call(&tally)?))
+                Some((
+                    on_connection.transpose()?,
+                    self.limits.take(Limit::StreamsPerCaller, &tally, "open calls")?,
+                ))
             }
         };
         request.extensions_mut().insert(Payer(tally));

@@ -52,7 +52,7 @@ pub(crate) use listener::{GatedListener, PageConnection, TcpEntry, connections};
 pub use tls::{Tls, TlsError};
 
 use crate::access::Caller;
-use crate::limits::{Account, Exceeded, InForce, Taken, Tally};
+use crate::limits::{Account, Exceeded, InForce, Limit, Taken, Tally};
 use crate::log::Throttle;
 
 /// The time for which a connection without a place has to call, and to take the answer.
@@ -128,7 +128,7 @@ impl Gate {
 
     /// Most connections at a time.
     fn places(&self) -> usize {
-        self.0.limits.limits().connections
+        self.0.limits.count(Limit::Connections)
     }
 
     /// The time that a connection has to make its first call.
@@ -140,7 +140,7 @@ impl Gate {
     fn admit(&self, caller: Option<Caller>, account: &Account) -> Arc<Admission> {
         let limits = &self.0.limits;
         let tally = limits.tally(account);
-        let counted = limits.connection_of_address(&tally);
+        let counted = limits.take(Limit::ConnectionsPerAddress, &tally, "connections");
         let mut occupancy = self.occupancy();
         let has_place = counted.is_ok() && occupancy.find_place(self.places());
         // Under the lock, as a connection that leaves tells it, too.
@@ -261,7 +261,7 @@ impl Admission {
             && self.token.get().is_none()
         {
             // Two first calls at a time are counted as one.
-            let _ = self.token.set(limits.connection_of_token(caller)?);
+            let _ = self.token.set(limits.take(Limit::ConnectionsPerToken, caller, "connections")?);
         }
         limits.call_on_connection(&self.calls)?;
         Ok(OpenOnConnection(Arc::clone(self)))
@@ -316,7 +316,10 @@ mod tests {
 
     /// A gate with so many places.
     fn gate(connections: usize) -> Gate {
-        Gate::new(InForce::new(Limits { connections, ..Limits::none() }), Duration::from_secs(10))
+        Gate::new(
+            InForce::new(Limits::none().with(Limit::Connections, connections as u64)),
+            Duration::from_secs(10),
+        )
     }
 
     /// A connection from this machine.

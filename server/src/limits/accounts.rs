@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use baudbot_access::{GrantName, TokenHash};
 
 use super::bucket::Bucket;
+use super::limit::{LIMITS, Limit};
 use crate::access::Caller;
 use crate::system::is_this_user;
 
@@ -44,21 +45,13 @@ impl Account {
     }
 
     /// Whether it is the user's who runs the server, or of this machine.
-    fn is_own(&self) -> bool {
+    pub(super) fn is_own(&self) -> bool {
         match self {
             Self::Process => true,
             Self::User(uid) => is_this_user(*uid),
             Self::Address(ip) => ip.is_loopback(),
             Self::Token(_, name) => name.as_str() == LOCAL,
         }
-    }
-
-    /// The limit that holds for it: what was set, or the default for others than the server's user.
-    pub(super) fn most<T>(&self, set: Option<T>, default: T) -> Option<T> {
-        if *self == Self::Process {
-            return None;
-        }
-        set.or_else(|| (!self.is_own()).then_some(default))
     }
 }
 
@@ -101,18 +94,11 @@ pub(crate) struct Payer(pub(crate) Arc<Tally>);
 #[derive(Debug)]
 pub(crate) struct Tally {
     account: Account,
-    counts: [AtomicUsize; 3],
+    /// By limit.
+    counts: [AtomicUsize; LIMITS.len()],
     /// Bytes that wait until it reads them.
     unread: AtomicU64,
     requests: Mutex<Bucket>,
-}
-
-/// A thing of an account that is counted while it lasts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Counted {
-    Connections,
-    Calls,
-    Worlds,
 }
 
 impl Tally {
@@ -124,15 +110,10 @@ impl Tally {
         &self.account
     }
 
-    /// The number of such things.
-    pub(super) fn count(&self, what: Counted) -> usize {
-        self.counts[what as usize].load(Ordering::Relaxed)
-    }
-
-    /// Counts another one, unless there are so many; `None` is for any number.
-    pub(super) fn take(self: &Arc<Self>, what: Counted, most: Option<usize>) -> Option<Taken> {
-        let counted = count_up(&self.counts[what as usize], most.unwrap_or(usize::MAX));
-        counted.then(|| Taken { tally: Arc::clone(self), what })
+    /// Counts another one, unless there are so many.
+    pub(super) fn take(self: &Arc<Self>, limit: Limit, most: usize) -> Option<Taken> {
+        let counted = count_up(&self.counts[limit as usize], most);
+        counted.then(|| Taken { tally: Arc::clone(self), limit })
     }
 
     /// Counts a request.
@@ -180,12 +161,12 @@ pub(super) fn count_up(count: &AtomicUsize, most: usize) -> bool {
 #[derive(Debug)]
 pub(crate) struct Taken {
     tally: Arc<Tally>,
-    what: Counted,
+    limit: Limit,
 }
 
 impl Drop for Taken {
     fn drop(&mut self) {
-        self.tally.counts[self.what as usize].fetch_sub(1, Ordering::Relaxed);
+        self.tally.counts[self.limit as usize].fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -208,16 +189,19 @@ impl Accounts {
         tally
     }
 
-    /// The number of them of the account that has most.
-    pub(super) fn most(&self, what: Counted) -> usize {
-        let tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        tallies.values().map(|tally| tally.count(what)).max().unwrap_or(0)
+    /// The count of the account that has most of what this limits.
+    pub(super) fn most(&self, limit: Limit) -> u64 {
+        self.most_of(|tally| tally.counts[limit as usize].load(Ordering::Relaxed) as u64)
     }
 
     /// Bytes that wait for the account that leaves most unread.
     pub(super) fn most_unread(&self) -> u64 {
+        self.most_of(Tally::unread)
+    }
+
+    fn most_of(&self, count: impl Fn(&Tally) -> u64) -> u64 {
         let tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        tallies.values().map(|tally| tally.unread()).max().unwrap_or(0)
+        tallies.values().map(|tally| count(tally)).max().unwrap_or(0)
     }
 }
 
@@ -236,23 +220,13 @@ mod tests {
     fn what_is_taken_is_given_back() {
         let accounts = Accounts::default();
         let tally = accounts.of(&address("10.0.0.7"));
-        let first = tally.take(Counted::Worlds, Some(1)).unwrap();
-        assert!(accounts.of(&address("10.0.0.7")).take(Counted::Worlds, Some(1)).is_none());
-        assert!(accounts.of(&address("10.0.0.8")).take(Counted::Worlds, Some(1)).is_some());
-        assert!(tally.take(Counted::Calls, Some(1)).is_some(), "another thing");
-        assert_eq!(accounts.most(Counted::Worlds), 1);
+        let first = tally.take(Limit::WorldsPerCaller, 1).unwrap();
+        assert!(accounts.of(&address("10.0.0.7")).take(Limit::WorldsPerCaller, 1).is_none());
+        assert!(accounts.of(&address("10.0.0.8")).take(Limit::WorldsPerCaller, 1).is_some());
+        assert!(tally.take(Limit::StreamsPerCaller, 1).is_some(), "another thing");
+        assert_eq!(accounts.most(Limit::WorldsPerCaller), 1);
         drop(first);
-        assert!(tally.take(Counted::Worlds, Some(1)).is_some());
-    }
-
-    #[test]
-    fn limits_for_one_caller_are_for_others_unless_they_are_set() {
-        for own in [address("127.0.0.1"), address("::1"), Account::User(rustix::process::geteuid().as_raw())]
-        {
-            assert_eq!((own.most(None, 3), own.most(Some(2), 3)), (None, Some(2)), "{own}");
-        }
-        assert_eq!(Account::Process.most(Some(2), 3), None);
-        assert_eq!(address("10.0.0.7").most(None, 3), Some(3));
+        assert!(tally.take(Limit::WorldsPerCaller, 1).is_some());
     }
 
     #[test]

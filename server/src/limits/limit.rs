@@ -1,4 +1,4 @@
-//! The names of limits, and the words of refusals.
+//! All limits as one table, and the words of refusals.
 
 use std::fmt;
 use std::time::Duration;
@@ -6,97 +6,168 @@ use std::time::Duration;
 use tonic::metadata::MetadataValue;
 use tonic::{Code, Status};
 
-/// The limits of a server.
+/// Makes [`Limit`] and [`LIMITS`] of the lines of the table, so that the two agree.
+macro_rules! limits {
+    ($($limit:ident: $name:literal, $option:literal, $unit:expr, $usual:expr, $counted:expr, $words:literal, $remedy:literal;)*) => {
+        /// A limit of a server.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Limit {
+            $(#[doc = $words] $limit,)*
+        }
+
+        /// All limits, in their order.
+        pub const LIMITS: [LimitInfo; [$(Limit::$limit),*].len()] = [$(LimitInfo {
+            limit: Limit::$limit,
+            name: $name,
+            option: $option,
+            unit: $unit,
+            usual: $usual,
+            counted: $counted,
+            help: $words,
+            remedy: $remedy,
+        }),*];
+    };
+}
+
+// The name in metrics, the option, the unit, the usual value, the place of its count, what it limits, and the advice to whom it refuses.
+limits! {
+    Connections: "connections", "--max-connections", ONE_OR_MORE, Usual::Files, Counted::InServer,
+        "Maximum number of connections at a time, including pages\n\nAt the limit, a new connection replaces one that has made no request \
+        yet or presented no token; if there is none, the new one is refused. At least 32 of the files that the program may have open \
+        (`ulimit -Hn`) are kept free.", "close one";
+    ConnectionsPerAddress: "connections_per_address", "--max-connections-per-address", ONE_OR_MORE, Usual::HalfOfConnections,
+        Counted::ByCaller, "Connections from one address, or of one user over Unix sockets", "close one";
+    ConnectionsPerToken: "connections_per_token", "--max-connections-per-token", ONE_OR_MORE, Usual::ForOthers(256),
+        Counted::ByCaller, "Connections with one token", "close one";
+    StreamsPerConnection: "streams_per_connection", "--max-streams-per-connection", ONE_OR_MORE, Usual::Number(4096),
+        Counted::Elsewhere, "Calls that one connection may have open at a time", "end one, or connect again";
+    StreamsPerCaller: "streams_per_caller", "--max-streams-per-caller", ONE_OR_MORE, Usual::ForOthers(1024), Counted::ByCaller,
+        "Calls that one caller, a token or an address, may have open at a time", "end one";
+    RequestsPerS: "requests_per_s", "--max-requests-per-s", Unit::Things(1, 1_000_000), Usual::ForOthers(2000), Counted::Elsewhere,
+        "Calls that one caller may begin per second; messages in an open stream do not count", "try again later";
+    Worlds: "worlds", "--max-worlds", ONE_OR_MORE, Usual::Number(crate::MAX_WORLDS as u64), Counted::InServer,
+        "Worlds", "delete one";
+    WorldsPerCaller: "worlds_per_caller", "--max-worlds-per-caller", NONE_OR_MORE, Usual::ForOthers(512), Counted::ByCaller,
+        "Worlds that one caller has created", "delete one";
+    Robots: "robots", "--max-robots", NONE_OR_MORE, Usual::Number(1_000_000), Counted::InServer,
+        "Robots in all worlds", "delete a world";
+    RobotsPerWorld: "robots_per_world", "--max-robots-per-world", NONE_OR_MORE, Usual::Number(10_000), Counted::Elsewhere,
+        "Robots in one world", "make several worlds";
+    Snapshots: "snapshots", "--max-snapshots", NONE_OR_MORE, Usual::Number(65_536), Counted::InServer,
+        "Snapshots of all worlds", "delete a world that has some";
+    SnapshotsPerWorld: "snapshots_per_world", "--max-snapshots-per-world", ONE_OR_MORE, Usual::Number(64), Counted::Elsewhere,
+        "Snapshots of one world; further ones replace the oldest", "the oldest has gone";
+    Memory: "memory_bytes", "--max-memory", Unit::Bytes, Usual::HalfOfMemory, Counted::Memory,
+        "Memory for scenarios, states and snapshots, such as 500M, 8G or 25%", "delete a world";
+    Parsing: "parsing", "--max-parsing", ONE_OR_MORE, Usual::Processors, Counted::Parsing,
+        "Scenarios, states and recordings that are parsed at a time", "wait";
+    Waiting: "waiting", "--max-waiting", NONE_OR_MORE, Usual::Number(256), Counted::Waiting,
+        "Requests that wait for parsing", "try again in a second";
+    OverloadAfter: "overload_after_s", "--overload-after", Unit::Seconds(0, 3600), Usual::Number(3), Counted::Lag,
+        "Refuse to start worlds once those in real time have lagged for this many seconds; 0 for never\n\nA world lags if it drops time, \
+        because it is behind the wall clock by more than its pace allows. Worlds in lockstep are always started.",
+        "pause a world, or try again later";
+    Unread: "unread_bytes", "--max-unread", Unit::Bytes, Usual::Number(128 << 20), Counted::Unread,
+        "Data that waits for clients that do not read it\n\nBeyond this, the slowest stream of the caller that leaves most unread ends.",
+        "read what you ask for";
+    UnreadPerCaller: "unread_bytes_per_caller", "--max-unread-per-caller", Unit::Bytes, Usual::ForOthers(64 << 20),
+        Counted::UnreadByCaller, "The same for one caller, whose slowest stream then ends", "read what you ask for";
+    UnreadPerStream: "unread_bytes_per_stream", "--max-unread-per-stream", Unit::Bytes, Usual::Number(16 << 20), Counted::Elsewhere,
+        "The same for one stream of an observer, which then misses frames", "read what you ask for";
+}
+
+const ONE_OR_MORE: Unit = Unit::Things(1, u32::MAX);
+const NONE_OR_MORE: Unit = Unit::Things(0, u32::MAX);
+
+/// The description of a limit.
+#[derive(Clone, Copy, Debug)]
+pub struct LimitInfo {
+    /// The limit.
+    pub limit: Limit,
+    /// Its name in metrics.
+    pub name: &'static str,
+    /// The option that changes it.
+    pub option: &'static str,
+    /// The unit of its value, with the least and the most that can be given.
+    pub unit: Unit,
+    /// Its value where none is given.
+    pub usual: Usual,
+    /// The thing that it limits, in words. Further paragraphs have more about it.
+    pub help: &'static str,
+    /// The advice to a client that is refused.
+    remedy: &'static str,
+    /// The place that counts how much of it is used.
+    pub(super) counted: Counted,
+}
+
+/// The unit of a value, with the least and the most that can be given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Limit {
-    Connections,
-    ConnectionsPerAddress,
-    ConnectionsPerToken,
-    StreamsPerConnection,
-    StreamsPerCaller,
-    Requests,
-    Worlds,
-    WorldsPerCaller,
-    Robots,
-    RobotsPerWorld,
-    Snapshots,
-    SnapshotsPerWorld,
+#[allow(missing_docs, reason = "they say it themselves")]
+pub enum Unit {
+    Things(u32, u32),
+    Seconds(u32, u32),
+    Bytes,
+}
+
+/// The value of a limit where none is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Usual {
+    /// For all.
+    Number(u64),
+    /// For others than the user who runs the server.
+    ForOthers(u64),
+    /// As many as the process may have open files for.
+    Files,
+    /// Half of all connections, for others than the user who runs the server.
+    HalfOfConnections,
+    /// Half of the machine's, or of its container's. The rest is for connections, for what ticks need meanwhile, and for lists of
+    /// worlds that run, which have room for more than is in them.
+    HalfOfMemory,
+    /// One for each processor.
+    Processors,
+}
+
+/// The place that counts how much of a limit is used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Counted {
+    /// For the server, as [places](super::Place).
+    InServer,
+    /// For each caller or address, as what it has [taken](super::Taken).
+    ByCaller,
+    /// Beside what it is a limit of, such as one connection.
+    Elsewhere,
     Memory,
+    Parsing,
     Waiting,
-    Overload,
-    UnreadPerStream,
-    UnreadPerCaller,
+    Lag,
     Unread,
+    UnreadByCaller,
 }
 
 impl Limit {
-    /// All of them, in their order.
-    pub(crate) const ALL: [Self; 18] = [
-        Self::Connections,
-        Self::ConnectionsPerAddress,
-        Self::ConnectionsPerToken,
-        Self::StreamsPerConnection,
-        Self::StreamsPerCaller,
-        Self::Requests,
-        Self::Worlds,
-        Self::WorldsPerCaller,
-        Self::Robots,
-        Self::RobotsPerWorld,
-        Self::Snapshots,
-        Self::SnapshotsPerWorld,
-        Self::Memory,
-        Self::Waiting,
-        Self::Overload,
-        Self::UnreadPerStream,
-        Self::UnreadPerCaller,
-        Self::Unread,
-    ];
-
-    /// Its name in metrics, the option that changes it, and what a client can do instead.
-    const fn words(self) -> (&'static str, &'static str, &'static str) {
-        match self {
-            Self::Connections => ("connections", "--max-connections", "close one"),
-            Self::ConnectionsPerAddress => {
-                ("connections_per_address", "--max-connections-per-address", "close one")
-            }
-            Self::ConnectionsPerToken => {
-                ("connections_per_token", "--max-connections-per-token", "close one")
-            }
-            Self::StreamsPerConnection => {
-                ("streams_per_connection", "--max-streams-per-connection", "end one, or connect again")
-            }
-            Self::StreamsPerCaller => ("streams_per_caller", "--max-streams-per-caller", "end one"),
-            Self::Requests => ("requests_per_s", "--max-requests-per-s", "try again later"),
-            Self::Worlds => ("worlds", "--max-worlds", "delete one"),
-            Self::WorldsPerCaller => ("worlds_per_caller", "--max-worlds-per-caller", "delete one"),
-            Self::Robots => ("robots", "--max-robots", "delete a world"),
-            Self::RobotsPerWorld => ("robots_per_world", "--max-robots-per-world", "make several worlds"),
-            Self::Snapshots => ("snapshots", "--max-snapshots", "delete a world that has some"),
-            Self::SnapshotsPerWorld => {
-                ("snapshots_per_world", "--max-snapshots-per-world", "the oldest has gone")
-            }
-            Self::Memory => ("memory_bytes", "--max-memory", "delete a world"),
-            Self::Waiting => ("waiting", "--max-waiting", "try again in a second"),
-            Self::Overload => ("overload_after_s", "--overload-after", "pause a world, or try again later"),
-            Self::UnreadPerStream => ("unread_bytes_per_stream", "--max-unread-per-stream", READ),
-            Self::UnreadPerCaller => ("unread_bytes_per_caller", "--max-unread-per-caller", READ),
-            Self::Unread => ("unread_bytes", "--max-unread", READ),
-        }
-    }
-
-    /// Its name in metrics.
-    pub(crate) const fn name(self) -> &'static str {
-        self.words().0
-    }
-
-    /// The option that changes it.
-    pub(crate) const fn option(self) -> &'static str {
-        self.words().1
+    /// Its description.
+    pub const fn info(self) -> &'static LimitInfo {
+        &LIMITS[self as usize]
     }
 }
 
-/// The advice to a client for which too much waits.
-const READ: &str = "read what you ask for";
+impl LimitInfo {
+    /// Its value where none is given, in words.
+    pub fn usual_words(&self) -> String {
+        let amount = |n: u64| if self.unit == Unit::Bytes { format!("{}M", n >> 20) } else { n.to_string() };
+        match self.usual {
+            Usual::Number(n) => amount(n),
+            Usual::ForOthers(n) => {
+                let any = if self.unit == Unit::Bytes { "size" } else { "number" };
+                format!("{}; for your own programs, any {any}", amount(n))
+            }
+            Usual::Files => "three quarters of the open files, at most 16384".to_owned(),
+            Usual::HalfOfConnections => "half of all; for this machine, all".to_owned(),
+            Usual::HalfOfMemory => "50% of the machine's, or of its container's".to_owned(),
+            Usual::Processors => "one for each processor".to_owned(),
+        }
+    }
+}
 
 /// A limit is reached.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -110,7 +181,7 @@ pub(crate) struct Exceeded {
 
 impl fmt::Display for Exceeded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (_, option, remedy) = self.limit.words();
+        let LimitInfo { option, remedy, .. } = self.limit.info();
         write!(f, "{}, which is its limit; ", self.what)?;
         match self.retry_after {
             Some(after) => write!(f, "try again in {} ms", after.as_micros().div_ceil(1000))?,
@@ -144,18 +215,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_limit_has_a_name_and_an_option_of_its_own_and_a_place() {
-        let names: BTreeSet<_> = Limit::ALL.iter().map(|limit| limit.name()).collect();
-        let options: BTreeSet<_> = Limit::ALL.iter().map(|limit| limit.option()).collect();
-        assert_eq!((names.len(), options.len()), (Limit::ALL.len(), Limit::ALL.len()));
-        assert!(Limit::ALL.iter().enumerate().all(|(place, limit)| *limit as usize == place));
+    fn each_limit_has_a_name_and_an_option_of_its_own() {
+        let names: BTreeSet<_> = LIMITS.iter().map(|info| info.name).collect();
+        let options: BTreeSet<_> = LIMITS.iter().map(|info| info.option).collect();
+        assert_eq!((names.len(), options.len()), (LIMITS.len(), LIMITS.len()));
     }
 
     #[test]
     fn a_refusal_says_when_to_try_again() {
         let what = "the token `alice` has made 3 requests in a second".to_owned();
         let retry_after = Some(Duration::from_micros(12_345));
-        let status = Status::from(Exceeded { limit: Limit::Requests, what, retry_after });
+        let status = Status::from(Exceeded { limit: Limit::RequestsPerS, what, retry_after });
         let text = "the token `alice` has made 3 requests in a second, which is its limit; try again in 13 ms, or start it \
                     with a larger --max-requests-per-s";
         assert_eq!((status.code(), status.message()), (Code::ResourceExhausted, text));

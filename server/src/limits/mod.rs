@@ -12,7 +12,8 @@
 //!
 //! # Mechanism
 //!
-//! - [`Limits`] has the values, and is the only place with their defaults. [`Limit`] has their names, and the words of refusals.
+//! - [`LIMITS`] is the table of all limits: names, options, defaults and words. [`Limits`] has the values of a server. Another limit is a line
+//!   of the table, and what asks [`InForce`] for it.
 //! - [`InForce`] has the limits of a running server and what is used of them. What takes something gets a guard, and gives it back by
 //!   dropping that.
 //! - [`Accounts`](accounts::Accounts) count by caller, [`Memory`](memory::Memory) counts bytes, [`Parsing`](parsing::Parsing) is the
@@ -36,81 +37,54 @@ use std::time::Duration;
 pub(crate) use accounts::{Account, Payer, Peer, Taken, Tally};
 pub(crate) use charges::{Charges, SnapshotCharge};
 pub(crate) use in_force::{InForce, Place};
-pub(crate) use limit::{Exceeded, Limit};
+pub(crate) use limit::Exceeded;
+pub use limit::{LIMITS, Limit, LimitInfo, Unit, Usual};
 pub(crate) use memory::{Held, ScenarioHeld};
 pub(crate) use parsing::Cancelled;
 pub(crate) use unread::{Inbox, Outbox, Parts};
 
 use crate::system::usual_connections;
 
-/// The limits of a server. `docs/reference/limits.md` has what each of them is for.
+/// The limits of a server: values of [`LIMITS`]. `docs/reference/limits.md` has what each of them is for.
 ///
-/// A *caller* is the holder of a token; where none was shown, an address, or the user at the other end of a Unix socket. Where a limit
-/// for one caller or one address is `None`, its default holds for others than the user who runs the server.
+/// A *caller* is the holder of a token; where none was shown, an address, or the user at the other end of a Unix socket. The usual value of
+/// a limit for one caller or one address holds for others than the user who runs the server; one that is given, for all.
 ///
 /// ```
-/// use baudbot_server::{Limits, Server};
-/// let builder = Server::builder().limits(Limits { worlds: 8, ..Limits::default() });
+/// use baudbot_server::{Limit, Limits, Server};
+/// let builder = Server::builder().limits(Limits::default().with(Limit::Worlds, 8));
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Connections at a time, over all addresses and viewers.
-    pub connections: usize,
-    /// Connections of one address, or of one user by Unix sockets; without it half of all.
-    pub connections_per_address: Option<usize>,
-    /// Connections whose first token is the same; without it [`Self::CONNECTIONS_PER_TOKEN`].
-    pub connections_per_token: Option<usize>,
-    /// Calls of one connection that are open at a time.
-    pub streams_per_connection: usize,
-    /// Calls of one caller that are open at a time; without it [`Self::STREAMS_PER_CALLER`].
-    pub streams_per_caller: Option<usize>,
-    /// Calls that one caller may begin in a second, and twice as many after a pause; without it [`Self::REQUESTS_PER_S`]. What is
-    /// sent in a stream that is open is no call.
-    pub requests_per_s: Option<u32>,
-    /// Worlds.
-    pub worlds: usize,
-    /// Worlds that one caller has created; without it [`Self::WORLDS_PER_CALLER`].
-    pub worlds_per_caller: Option<usize>,
-    /// Robots of all worlds.
-    pub robots: usize,
-    /// Robots of one world.
-    pub robots_per_world: usize,
-    /// Snapshots of all worlds.
-    pub snapshots: usize,
-    /// Snapshots of one world. The oldest goes when there would be more.
-    pub snapshots_per_world: usize,
-    /// Bytes of scenarios, states and snapshots, and of what it takes to read them.
-    pub memory_bytes: u64,
-    /// Scenarios, states and recordings that are read at a time: each takes a processor.
-    pub parsing: usize,
-    /// Requests that wait until theirs is read.
-    pub waiting: usize,
-    /// No more worlds are started in a pace other than lockstep, once worlds in real time have let time go in each of so many
-    /// seconds; 0 for always.
-    pub overload_after_s: u64,
-    /// Bytes that wait until clients read them, of all streams.
-    pub unread: u64,
-    /// Those of one caller; without it [`Self::UNREAD_PER_CALLER`].
-    pub unread_per_caller: Option<u64>,
-    /// Those of one stream of frames: further frames are missed.
-    pub unread_per_stream: u64,
+    values: [u64; LIMITS.len()],
+    is_given: [bool; LIMITS.len()],
 }
 
 impl Limits {
-    /// Connections of the holder of a token.
-    pub const CONNECTIONS_PER_TOKEN: usize = 256;
-    /// Calls of a caller that are open at a time.
-    pub const STREAMS_PER_CALLER: usize = 1024;
-    /// Calls that a caller may begin in a second.
-    pub const REQUESTS_PER_S: u32 = 2000;
-    /// Worlds of a caller.
-    pub const WORLDS_PER_CALLER: usize = 512;
-    /// Bytes that wait until a caller reads them.
-    pub const UNREAD_PER_CALLER: u64 = 64 << 20;
+    /// With this value of a limit.
+    #[must_use]
+    pub fn with(mut self, limit: Limit, value: u64) -> Self {
+        (self.values[limit as usize], self.is_given[limit as usize]) = (value, true);
+        self
+    }
 
-    /// The default of one address's, or one user's, part of all connections.
-    pub(crate) fn half_of_connections(&self) -> usize {
-        (self.connections / 2).max(1)
+    /// The value of a limit, for those for whom it holds.
+    pub fn value(&self, limit: Limit) -> u64 {
+        if !self.is_given[limit as usize] && limit.info().usual == Usual::HalfOfConnections {
+            return (self.value(Limit::Connections) / 2).max(1);
+        }
+        self.values[limit as usize]
+    }
+
+    /// The value of a limit that counts what is in this process.
+    pub(crate) fn count(&self, limit: Limit) -> usize {
+        usize::try_from(self.value(limit)).unwrap_or(usize::MAX)
+    }
+
+    /// The value of a limit for one caller, if it holds for this one.
+    fn value_for(&self, limit: Limit, account: &Account) -> Option<u64> {
+        let holds = self.is_given[limit as usize] || !account.is_own();
+        (*account != Account::Process && holds).then(|| self.value(limit))
     }
 
     /// So many percent of the memory of the machine, or of the group of processes (cgroup) that this one is in; no limit where the
@@ -122,52 +96,56 @@ impl Limits {
 
     /// Those of worlds without a server.
     pub(crate) fn none() -> Self {
-        Self { memory_bytes: u64::MAX, ..Self::usual(usize::MAX, 1) }
+        Self::usual(usize::MAX, 1, u64::MAX)
     }
 
-    fn usual(connections: usize, processors: usize) -> Self {
-        Self {
-            connections,
-            connections_per_address: None,
-            connections_per_token: None,
-            streams_per_connection: 4096,
-            streams_per_caller: None,
-            requests_per_s: None,
-            worlds: crate::MAX_WORLDS,
-            worlds_per_caller: None,
-            robots: 1_000_000,
-            robots_per_world: 10_000,
-            snapshots: 65_536,
-            snapshots_per_world: 64,
-            memory_bytes: 0,
-            parsing: processors,
-            waiting: 256,
-            overload_after_s: 3,
-            unread: 128 << 20,
-            unread_per_caller: None,
-            unread_per_stream: 16 << 20,
-        }
-    }
-
-    /// Calls that a caller may begin at once that has made none for a while.
-    pub(crate) fn burst(per_s: u32) -> u32 {
-        per_s.saturating_mul(2)
+    fn usual(connections: usize, processors: usize, memory_bytes: u64) -> Self {
+        let values = LIMITS.map(|info| match info.usual {
+            Usual::Number(number) | Usual::ForOthers(number) => number,
+            Usual::Files => connections as u64,
+            // It follows from another one.
+            Usual::HalfOfConnections => 0,
+            Usual::HalfOfMemory => memory_bytes,
+            Usual::Processors => processors as u64,
+        });
+        Self { values, is_given: [false; LIMITS.len()] }
     }
 }
 
 impl Default for Limits {
     fn default() -> Self {
         let processors = std::thread::available_parallelism().map_or(1, usize::from);
-        Self {
-            memory_bytes: Self::share_of_memory(USUAL_SHARE),
-            ..Self::usual(usual_connections(), processors)
-        }
+        Self::usual(usual_connections(), processors, Self::share_of_memory(50))
     }
 }
 
-/// The share of memory, in percent, of a server that is not told another. The rest is for connections, for what ticks need meanwhile,
-/// and for lists of worlds that run, which have room for more than is in them.
-const USUAL_SHARE: u64 = 50;
-
 /// The time that a client is to wait which was refused because of others.
 pub(crate) const SOON: Duration = Duration::from_secs(1);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn address(text: &str) -> Account {
+        Account::of_address(text.parse().unwrap())
+    }
+
+    #[test]
+    fn limits_for_one_caller_are_for_others_unless_they_are_set() {
+        const LIMIT: Limit = Limit::WorldsPerCaller;
+        let (usual, set) = (Limits::none(), Limits::none().with(LIMIT, 2));
+        for own in [address("127.0.0.1"), address("::1"), Account::User(rustix::process::geteuid().as_raw())]
+        {
+            assert_eq!((usual.value_for(LIMIT, &own), set.value_for(LIMIT, &own)), (None, Some(2)), "{own}");
+        }
+        assert_eq!(set.value_for(LIMIT, &Account::Process), None);
+        assert_eq!(usual.value_for(LIMIT, &address("10.0.0.7")), Some(512));
+    }
+
+    #[test]
+    fn an_address_has_half_of_the_connections_that_are_there() {
+        let limits = Limits::default().with(Limit::Connections, 9);
+        assert_eq!(limits.value(Limit::ConnectionsPerAddress), 4);
+        assert_eq!(limits.with(Limit::ConnectionsPerAddress, 7).value(Limit::ConnectionsPerAddress), 7);
+    }
+}

@@ -29,9 +29,9 @@ use prost::{DecodeError, Message};
 use tokio_stream::Stream;
 use tonic::Status;
 
+use super::InForce;
 use super::accounts::{Account, Tally};
 use super::limit::Limit;
-use super::{InForce, Limits};
 use crate::clock;
 
 /// All that waits in a server.
@@ -135,25 +135,18 @@ impl InForce {
 
     /// Counts what this caller is told: its bytes are as many requests as would take as long.
     pub(crate) fn charge(&self, tally: &Tally, bytes: usize) {
-        if let Some(per_s) = tally.account().most(self.limits().requests_per_s, Limits::REQUESTS_PER_S) {
+        if let Some(per_s) = self.requests_per_s(tally) {
             let requests = u32::try_from(bytes / BYTES_A_REQUEST).unwrap_or(u32::MAX);
             tally.charge(clock::now(), per_s, requests);
         }
     }
 
-    /// Whether this caller has been told no more than it may be.
-    pub(crate) fn has_budget(&self, tally: &Tally) -> bool {
-        let per_s = tally.account().most(self.limits().requests_per_s, Limits::REQUESTS_PER_S);
-        per_s.is_none_or(|per_s| tally.has_budget(clock::now(), per_s, Limits::burst(per_s)))
-    }
-
     /// Ends the slowest streams of whoever leaves too much unread.
     fn enforce(&self, payer: &Arc<Tally>) {
-        let limits = self.limits();
-        if let Some(most) = payer.account().most(limits.unread_per_caller, Limits::UNREAD_PER_CALLER) {
+        if let Some(most) = self.value_for(Limit::UnreadPerCaller, payer) {
             while payer.unread() > most && self.cut_slowest(Some(payer), Limit::UnreadPerCaller, most) {}
         }
-        let most = limits.unread;
+        let most = self.value(Limit::Unread);
         while self.unread().held() > most && self.cut_slowest(None, Limit::Unread, most) {}
     }
 
@@ -249,7 +242,7 @@ impl Outbox {
 
     /// Whether its stream has less waiting than it may, and its caller has not had more than its share of what the server can tell.
     pub(crate) fn has_budget(&self) -> bool {
-        let most = self.0.limits.limits().unread_per_stream;
+        let most = self.0.limits.value(Limit::UnreadPerStream);
         self.0.queued.load(Ordering::Relaxed) < most && self.0.limits.has_budget(&self.0.payer)
     }
 
@@ -389,9 +382,10 @@ impl Drop for Piece {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limits::Limits;
 
     fn limits(unread: u64, per_caller: u64) -> InForce {
-        InForce::new(Limits { unread, unread_per_caller: Some(per_caller), ..Limits::none() })
+        InForce::new(Limits::none().with(Limit::Unread, unread).with(Limit::UnreadPerCaller, per_caller))
     }
 
     fn tally(limits: &InForce, last: u8) -> Arc<Tally> {

@@ -15,6 +15,6 @@ pub(crate) struct Truth {
     /// The world and the robots, in the order in which the trainer has asked for them; without an outcome.
     pub(crate) standing: v1::WorldResult,
     pub(crate) ending: Option<Ending>,
-    /// How often each robot had collided before the era: never before a reset, and maybe before a state was restored.
+    /// The collisions of each robot before the era: none before a reset, maybe some before a state was restored.
     pub(crate) collisions_before: Vec<u64>,
 }

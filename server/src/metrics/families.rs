@@ -102,13 +102,13 @@ fn write_limits(limits: &InForce, text: &mut String) {
     );
     let mut refused =
         Family::counter("baudbot_limit_refused_total", "How often something was refused for a limit.");
-    for (limit, value, in_use, times) in limits.usage() {
-        let labels = [("limit", limit.name())];
-        values.add(&labels, value);
-        if let Some(in_use) = in_use {
-            used.add(&labels, in_use);
+    for limit in limits.usage() {
+        let labels = [("limit", limit.info.name)];
+        values.add(&labels, limit.value as f64);
+        if let Some(in_use) = limit.used {
+            used.add(&labels, in_use as f64);
         }
-        refused.add(&labels, times as f64);
+        refused.add(&labels, limit.refused as f64);
     }
     values.write(text);
     used.write(text);

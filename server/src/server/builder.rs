@@ -21,7 +21,7 @@ use crate::address::Address;
 use crate::audit::AuditLog;
 use crate::control::{Control, Told};
 use crate::gate::{Gate, Incoming, Tls};
-use crate::limits::{InForce, Limits};
+use crate::limits::{InForce, Limit, Limits};
 use crate::message::RecordConfig;
 use crate::pace::Pace;
 use crate::page::Film;
@@ -263,7 +263,7 @@ impl Builder {
     /// `UNAVAILABLE`, and may succeed later.
     #[must_use]
     pub fn connections(mut self, connections: usize) -> Self {
-        self.limits.connections = connections;
+        self.limits = self.limits.with(Limit::Connections, connections as u64);
         self
     }
 
@@ -323,13 +323,10 @@ impl Builder {
     async fn start(mut self, listens: bool) -> Result<Server, ServerError> {
         let listeners = self.listeners(listens).await?;
         let most = usual_connections();
-        if self.limits.connections > most {
-            tracing::warn!(
-                wanted = self.limits.connections,
-                most,
-                "the limit of open files (ulimit -n) allows fewer connections"
-            );
-            self.limits.connections = most;
+        let wanted = self.limits.count(Limit::Connections);
+        if wanted > most {
+            tracing::warn!(wanted, most, "the limit of open files (ulimit -n) allows fewer connections");
+            self.limits = self.limits.with(Limit::Connections, most as u64);
         }
         let limits = InForce::new(self.limits);
         let registry = Registry::new(limits.clone()).keeping(self.state);

@@ -17,6 +17,7 @@ use super::ServerError;
 use crate::brain_link::{BrainLink, BrainLinkServer};
 use crate::control::{Control, ControlServer};
 use crate::gate::{CheckCalls, Gate};
+use crate::limits::Limit;
 use crate::observe::{Observe, ObserveServer};
 use crate::trainer::Trainer;
 
@@ -103,7 +104,7 @@ async fn with_operator(
 
 /// The layers that all services share.
 fn transport(check: &CheckCalls, gate: &Gate) -> Transport<Stack<CheckCalls, Identity>> {
-    let streams = gate.limits().limits().streams_per_connection;
+    let streams = gate.limits().count(Limit::StreamsPerConnection);
     Transport::builder()
         // The brains of a machine that has vanished are detached after a while.
         .http2_keepalive_interval(Some(KEEPALIVE))

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use baudbot_client::Channel;
-use baudbot_server::{Embedded, Limits};
+use baudbot_server::{Embedded, Limit, Limits};
 use bytes::Bytes;
 use serde_json::Value;
 use tokio::runtime::{Builder, Runtime};
@@ -44,7 +44,7 @@ impl Page {
         let runtime =
             Builder::new_current_thread().enable_time().on_thread_park(move || noted.note()).build()?;
         // Nobody else is there to take more than their share, or to be harmed by a world that lags.
-        let limits = Limits { memory_bytes: MEMORY_BYTES, overload_after_s: 0, ..Limits::default() };
+        let limits = Limits::default().with(Limit::Memory, MEMORY_BYTES).with(Limit::OverloadAfter, 0);
         let server = Embedded::new(limits, recordings);
         Ok(Self { runtime, parked, server, ports: BTreeMap::new(), outbox: Outbox::default() })
     }

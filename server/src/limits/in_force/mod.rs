@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use super::Limits;
-use super::accounts::{Account, Accounts, Counted, Taken, Tally, count_up};
-use super::limit::{Exceeded, Limit};
+use super::accounts::{Account, Accounts, Taken, Tally, count_up};
+use super::limit::{Counted, Exceeded, LIMITS, Limit, LimitInfo};
 use super::making::Making;
 use super::memory::Memory;
 use super::overload::Overload;
@@ -31,31 +31,32 @@ struct Shared {
     lags: Throttle,
     unread: Unread,
     making: Making,
-    /// Of what a whole server has: connections, worlds, robots, snapshots.
-    counts: [AtomicUsize; 4],
-    refused: [AtomicU64; Limit::ALL.len()],
-    logged: [Throttle; Limit::ALL.len()],
+    /// Places of the server that are taken, by limit.
+    counts: [AtomicUsize; LIMITS.len()],
+    refused: [AtomicU64; LIMITS.len()],
+    logged: [Throttle; LIMITS.len()],
 }
 
-/// A total of a whole server.
-#[derive(Clone, Copy, Debug)]
-enum Whole {
-    Connections,
-    Worlds,
-    Robots,
-    Snapshots,
+/// A limit as it stands.
+pub(crate) struct Usage {
+    pub(crate) info: &'static LimitInfo,
+    pub(crate) value: u64,
+    /// `None` if that is not counted for the server; of a limit for each caller, what the one has that has most.
+    pub(crate) used: Option<u64>,
+    /// The number of refusals.
+    pub(crate) refused: u64,
 }
 
 /// Places that are taken until this is dropped.
 pub(crate) struct Place {
     limits: InForce,
-    of: Whole,
+    limit: Limit,
     count: usize,
 }
 
 impl Drop for Place {
     fn drop(&mut self) {
-        self.limits.0.counts[self.of as usize].fetch_sub(self.count, Ordering::Relaxed);
+        self.limits.0.counts[self.limit as usize].fetch_sub(self.count, Ordering::Relaxed);
     }
 }
 
@@ -64,11 +65,11 @@ impl InForce {
         Self(Arc::new(Shared {
             accounts: Accounts::default(),
             memory: Arc::default(),
-            parsing: Parsing::new(limits.parsing),
+            parsing: Parsing::new(limits.count(Limit::Parsing)),
             overload: Overload::default(),
             lags: Throttle::each(EACH_MINUTE),
             unread: Unread::default(),
-            making: Making::new(limits.parsing),
+            making: Making::new(limits.count(Limit::Parsing)),
             counts: Default::default(),
             refused: Default::default(),
             logged: Default::default(),
@@ -76,8 +77,19 @@ impl InForce {
         }))
     }
 
-    pub(crate) fn limits(&self) -> &Limits {
-        &self.0.limits
+    /// The value of a limit.
+    pub(crate) fn value(&self, limit: Limit) -> u64 {
+        self.0.limits.value(limit)
+    }
+
+    /// The value of a limit that counts what is in this process.
+    pub(crate) fn count(&self, limit: Limit) -> usize {
+        self.0.limits.count(limit)
+    }
+
+    /// The value of a limit for one caller, if it holds for this one.
+    pub(super) fn value_for(&self, limit: Limit, tally: &Tally) -> Option<u64> {
+        self.0.limits.value_for(limit, tally.account())
     }
 
     /// The counts of an account.
@@ -85,59 +97,66 @@ impl InForce {
         self.0.accounts.of(account)
     }
 
-    /// The figures for metrics: of each limit its value, its use, if that is counted, and the number of refusals.
-    pub(crate) fn usage(&self) -> impl Iterator<Item = (Limit, f64, Option<f64>, u64)> {
-        Limit::ALL.into_iter().map(|limit| {
-            let refused = self.0.refused[limit as usize].load(Ordering::Relaxed);
-            let (value, used) = self.value_and_used(limit);
-            (limit, value, used, refused)
+    /// All limits with their values, their use, and the number of refusals.
+    pub(crate) fn usage(&self) -> impl Iterator<Item = Usage> {
+        LIMITS.iter().map(|info| Usage {
+            info,
+            value: self.value(info.limit),
+            used: self.used(info),
+            refused: self.0.refused[info.limit as usize].load(Ordering::Relaxed),
         })
     }
 
-    fn value_and_used(&self, limit: Limit) -> (f64, Option<f64>) {
-        let Shared { limits, accounts, memory, parsing, overload, counts, .. } = &*self.0;
-        let whole = |what: Whole| Some(counts[what as usize].load(Ordering::Relaxed) as f64);
-        let most = |what| Some(accounts.most(what) as f64);
-        let or = |set: Option<usize>, usual: usize| set.unwrap_or(usual) as f64;
-        match limit {
-            Limit::Connections => (limits.connections as f64, whole(Whole::Connections)),
-            Limit::ConnectionsPerAddress => {
-                (or(limits.connections_per_address, limits.half_of_connections()), most(Counted::Connections))
-            }
-            Limit::ConnectionsPerToken => {
-                (or(limits.connections_per_token, Limits::CONNECTIONS_PER_TOKEN), None)
-            }
-            Limit::StreamsPerConnection => (limits.streams_per_connection as f64, None),
-            Limit::StreamsPerCaller => {
-                (or(limits.streams_per_caller, Limits::STREAMS_PER_CALLER), most(Counted::Calls))
-            }
-            Limit::Requests => (f64::from(limits.requests_per_s.unwrap_or(Limits::REQUESTS_PER_S)), None),
-            Limit::Worlds => (limits.worlds as f64, whole(Whole::Worlds)),
-            Limit::WorldsPerCaller => {
-                (or(limits.worlds_per_caller, Limits::WORLDS_PER_CALLER), most(Counted::Worlds))
-            }
-            Limit::Robots => (limits.robots as f64, whole(Whole::Robots)),
-            Limit::RobotsPerWorld => (limits.robots_per_world as f64, None),
-            Limit::Snapshots => (limits.snapshots as f64, whole(Whole::Snapshots)),
-            Limit::SnapshotsPerWorld => (limits.snapshots_per_world as f64, None),
-            Limit::Memory => (limits.memory_bytes as f64, Some(memory.held() as f64)),
-            Limit::Waiting => (limits.waiting as f64, Some(parsing.counts().0 as f64)),
-            Limit::Overload => (limits.overload_after_s as f64, Some(overload.seconds(clock::now()) as f64)),
-            Limit::UnreadPerStream => (limits.unread_per_stream as f64, None),
-            Limit::UnreadPerCaller => {
-                let most = limits.unread_per_caller.unwrap_or(Limits::UNREAD_PER_CALLER);
-                (most as f64, Some(accounts.most_unread() as f64))
-            }
-            Limit::Unread => (limits.unread as f64, Some(self.unread().held() as f64)),
-        }
+    fn used(&self, info: &LimitInfo) -> Option<u64> {
+        let Shared { accounts, memory, parsing, overload, unread, counts, .. } = &*self.0;
+        Some(match info.counted {
+            Counted::InServer => counts[info.limit as usize].load(Ordering::Relaxed) as u64,
+            Counted::ByCaller => accounts.most(info.limit),
+            Counted::Elsewhere => return None,
+            Counted::Memory => memory.held(),
+            Counted::Parsing => parsing.counts().1 as u64,
+            Counted::Waiting => parsing.counts().0 as u64,
+            Counted::Lag => overload.seconds(clock::now()),
+            Counted::Unread => unread.held(),
+            Counted::UnreadByCaller => accounts.most_unread(),
+        })
     }
 
     /// Counts something that was refused, or that had to go.
     pub(crate) fn note(&self, limit: Limit, what: &str) {
         self.0.refused[limit as usize].fetch_add(1, Ordering::Relaxed);
         if let Some(times) = self.0.logged[limit as usize].note(clock::now()) {
-            tracing::warn!(times, limit = limit.name(), option = limit.option(), what, "a limit is reached");
+            let LimitInfo { name, option, .. } = limit.info();
+            tracing::warn!(times, limit = name, option, what, "a limit is reached");
         }
+    }
+
+    /// Another one of what this limits for the caller, in these words.
+    ///
+    /// # Errors
+    /// If it has too many.
+    pub(crate) fn take(&self, limit: Limit, tally: &Arc<Tally>, things: &str) -> Result<Taken, Exceeded> {
+        let most = self.value_for(limit, tally).map_or(usize::MAX, |most| most as usize);
+        tally
+            .take(limit, most)
+            .ok_or_else(|| self.refuse(limit, format!("{} has {most} {things}", tally.account()), None))
+    }
+
+    /// The place of another one of what this limits for the server, in these words.
+    ///
+    /// # Errors
+    /// If the server has too many.
+    pub(crate) fn one(&self, limit: Limit, things: &str) -> Result<Place, Exceeded> {
+        self.place(limit, 1)
+            .ok_or_else(|| self.refuse(limit, format!("the server has {} {things}", self.value(limit)), None))
+    }
+
+    /// Places of the server for so many more of what this limits; `None` if there are not so many.
+    fn place(&self, limit: Limit, count: usize) -> Option<Place> {
+        let most = self.count(limit);
+        let more = |n: usize| n.checked_add(count).filter(|&sum| sum <= most);
+        self.0.counts[limit as usize].fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).ok()?;
+        Some(Place { limits: self.clone(), limit, count })
     }
 
     /// Counts a refusal, with its words.
@@ -151,42 +170,13 @@ impl InForce {
 impl InForce {
     /// All places for connections are taken.
     pub(crate) fn no_connection(&self) -> Exceeded {
-        let what = format!("the server has {} connections", self.limits().connections);
+        let what = format!("the server has {} connections", self.value(Limit::Connections));
         self.refuse(Limit::Connections, what, None)
     }
 
     /// So many connections have a place.
     pub(crate) fn note_connections(&self, taken: usize) {
-        self.0.counts[Whole::Connections as usize].store(taken, Ordering::Relaxed);
-    }
-
-    /// A connection from this address, or of this user.
-    ///
-    /// # Errors
-    /// If there are too many.
-    pub(crate) fn connection_of_address(&self, tally: &Arc<Tally>) -> Result<Taken, Exceeded> {
-        let limits = self.limits();
-        let most = tally.account().most(limits.connections_per_address, limits.half_of_connections());
-        self.take(tally, Counted::Connections, most, Limit::ConnectionsPerAddress, "connections")
-    }
-
-    /// A connection of the holder of this token.
-    ///
-    /// # Errors
-    /// If there are too many.
-    pub(crate) fn connection_of_token(&self, tally: &Arc<Tally>) -> Result<Taken, Exceeded> {
-        let set = self.limits().connections_per_token;
-        let most = tally.account().most(set, Limits::CONNECTIONS_PER_TOKEN);
-        self.take(tally, Counted::Connections, most, Limit::ConnectionsPerToken, "connections")
-    }
-
-    /// A call of this caller.
-    ///
-    /// # Errors
-    /// If too many are open.
-    pub(crate) fn call(&self, tally: &Arc<Tally>) -> Result<Taken, Exceeded> {
-        let most = tally.account().most(self.limits().streams_per_caller, Limits::STREAMS_PER_CALLER);
-        self.take(tally, Counted::Calls, most, Limit::StreamsPerCaller, "open calls")
+        self.0.counts[Limit::Connections as usize].store(taken, Ordering::Relaxed);
     }
 
     /// Another call on a connection that has so many.
@@ -194,7 +184,7 @@ impl InForce {
     /// # Errors
     /// If that is too many.
     pub(crate) fn call_on_connection(&self, open: &AtomicUsize) -> Result<(), Exceeded> {
-        let most = self.limits().streams_per_connection;
+        let most = self.count(Limit::StreamsPerConnection);
         if count_up(open, most) {
             return Ok(());
         }
@@ -207,13 +197,23 @@ impl InForce {
     /// # Errors
     /// If there are too many in a second.
     pub(crate) fn request(&self, tally: &Tally) -> Result<(), Exceeded> {
-        let Some(per_s) = tally.account().most(self.limits().requests_per_s, Limits::REQUESTS_PER_S) else {
-            return Ok(());
-        };
-        tally.request(clock::now(), per_s, Limits::burst(per_s)).map_err(|wait| {
+        let Some(per_s) = self.requests_per_s(tally) else { return Ok(()) };
+        tally.request(clock::now(), per_s, burst(per_s)).map_err(|wait| {
             let what = format!("{} has made {per_s} requests in a second", tally.account());
-            self.refuse(Limit::Requests, what, Some(wait))
+            self.refuse(Limit::RequestsPerS, what, Some(wait))
         })
+    }
+
+    /// Whether this caller has been told no more than it may be.
+    pub(super) fn has_budget(&self, tally: &Tally) -> bool {
+        let per_s = self.requests_per_s(tally);
+        per_s.is_none_or(|per_s| tally.has_budget(clock::now(), per_s, burst(per_s)))
+    }
+
+    /// Requests that this caller may make in a second, if there is an end to them.
+    pub(super) fn requests_per_s(&self, tally: &Tally) -> Option<u32> {
+        let per_s = self.value_for(Limit::RequestsPerS, tally)?;
+        Some(u32::try_from(per_s).unwrap_or(u32::MAX))
     }
 
     /// Those who make answers.
@@ -225,20 +225,11 @@ impl InForce {
     pub(super) fn unread(&self) -> &Unread {
         &self.0.unread
     }
+}
 
-    fn take(
-        &self,
-        tally: &Arc<Tally>,
-        counted: Counted,
-        most: Option<usize>,
-        limit: Limit,
-        things: &str,
-    ) -> Result<Taken, Exceeded> {
-        tally.take(counted, most).ok_or_else(|| {
-            let what = format!("{} has {} {things}", tally.account(), most.unwrap_or_default());
-            self.refuse(limit, what, None)
-        })
-    }
+/// Calls that a caller may begin at once that has made none for a while.
+fn burst(per_s: u32) -> u32 {
+    per_s.saturating_mul(2)
 }
 
 /// The interval of the reports that worlds lag.

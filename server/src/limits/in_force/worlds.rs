@@ -1,18 +1,16 @@
 //! The limits of worlds, and of what is in them: their places, their memory, and the load that they are.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use baudbot_sim::Scenario;
 use tonic::Status;
 
-use super::{InForce, Place, Whole};
+use super::{InForce, Place};
 use crate::clock;
-use crate::limits::accounts::{Counted, Taken, Tally};
 use crate::limits::memory::{Held, ScenarioHeld};
 use crate::limits::parsing::{Cancelled, Waiter};
-use crate::limits::{Exceeded, Limit, Limits, SOON};
+use crate::limits::{Exceeded, Limit, SOON};
 use crate::system::blocking;
 
 impl InForce {
@@ -22,12 +20,8 @@ impl InForce {
     /// If there are too many worlds, or robots.
     pub(crate) fn world(&self, robots: usize) -> Result<(Place, Place), Exceeded> {
         self.check_robots(robots)?;
-        let limits = self.limits();
-        let (worlds, most) = (limits.worlds, limits.robots);
-        let world = self.place(Whole::Worlds, 1, worlds);
-        let world = world
-            .ok_or_else(|| self.refuse(Limit::Worlds, format!("the server has {worlds} worlds"), None))?;
-        let robots = self.place(Whole::Robots, robots, most).ok_or_else(|| {
+        let (world, most) = (self.one(Limit::Worlds, "worlds")?, self.value(Limit::Robots));
+        let robots = self.place(Limit::Robots, robots).ok_or_else(|| {
             let what = format!("with {robots} more robots the server would have more than {most}");
             self.refuse(Limit::Robots, what, None)
         })?;
@@ -39,7 +33,7 @@ impl InForce {
     /// # Errors
     /// If there are too many.
     pub(crate) fn check_robots(&self, robots: usize) -> Result<(), Exceeded> {
-        let most = self.limits().robots_per_world;
+        let most = self.count(Limit::RobotsPerWorld);
         if robots <= most {
             return Ok(());
         }
@@ -47,34 +41,19 @@ impl InForce {
         Err(self.refuse(Limit::RobotsPerWorld, what, None))
     }
 
-    /// A world that this caller creates.
-    ///
-    /// # Errors
-    /// If it has too many.
-    pub(crate) fn world_of(&self, tally: &Arc<Tally>) -> Result<Taken, Exceeded> {
-        let most = tally.account().most(self.limits().worlds_per_caller, Limits::WORLDS_PER_CALLER);
-        self.take(tally, Counted::Worlds, most, Limit::WorldsPerCaller, "worlds")
-    }
-
     /// The place of another snapshot.
     ///
     /// # Errors
     /// If there are too many.
     pub(crate) fn snapshot(&self) -> Result<Place, Exceeded> {
-        let most = self.limits().snapshots;
-        self.place(Whole::Snapshots, 1, most)
+        let most = self.value(Limit::Snapshots);
+        self.place(Limit::Snapshots, 1)
             .ok_or_else(|| self.refuse(Limit::Snapshots, format!("the server keeps {most} snapshots"), None))
-    }
-
-    fn place(&self, of: Whole, count: usize, most: usize) -> Option<Place> {
-        let more = |n: usize| n.checked_add(count).filter(|&sum| sum <= most);
-        self.0.counts[of as usize].fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).ok()?;
-        Some(Place { limits: self.clone(), of, count })
     }
 
     /// Memory that is not held.
     pub(crate) fn free_bytes(&self) -> u64 {
-        self.limits().memory_bytes.saturating_sub(self.0.memory.held())
+        self.value(Limit::Memory).saturating_sub(self.0.memory.held())
     }
 
     /// Memory for something.
@@ -82,7 +61,7 @@ impl InForce {
     /// # Errors
     /// If there is not so much.
     pub(crate) fn hold(&self, bytes: u64) -> Result<Held, Exceeded> {
-        let most = self.limits().memory_bytes;
+        let most = self.value(Limit::Memory);
         self.0.memory.hold(bytes, most).ok_or_else(|| {
             let free = self.free_bytes();
             let what = format!(
@@ -118,13 +97,13 @@ impl InForce {
     /// # Errors
     /// If those that are there lag already.
     pub(crate) fn check_load(&self) -> Result<(), Exceeded> {
-        let after = self.limits().overload_after_s;
+        let after = self.value(Limit::OverloadAfter);
         let seconds = self.0.overload.seconds(clock::now());
         if after == 0 || seconds < after {
             return Ok(());
         }
         let what = format!("worlds in real time have lagged for {seconds} s, {after} s or more");
-        Err(self.refuse(Limit::Overload, what, None))
+        Err(self.refuse(Limit::OverloadAfter, what, None))
     }
 
     /// Memory that is there already, and is counted whatever the limit.
@@ -145,7 +124,7 @@ impl InForce {
     ) -> Result<T, Status> {
         // The request itself is in memory while it waits.
         let held = self.hold(bytes)?;
-        let most = self.limits().waiting;
+        let most = self.count(Limit::Waiting);
         let Some(permit) = self.0.parsing.turn(most).await else {
             let what = format!("{most} requests wait until theirs is read");
             return Err(self.refuse(Limit::Waiting, what, Some(SOON)).into());
