@@ -91,6 +91,15 @@ macro_rules! plain {
     };
 }
 
+/// What has several parts, and whether it is a list.
+macro_rules! parts {
+    ($($method:ident($($type:ty),*): $is_list:literal),*) => {
+        $(fn $method(self, $(_: $type),*) -> Result<Self::SerializeSeq, fmt::Error> {
+            Ok(self.parts($is_list))
+        })*
+    };
+}
+
 impl<'a> Serializer for Place<'a> {
     type Ok = ();
     type Error = fmt::Error;
@@ -157,45 +166,11 @@ impl<'a> Serializer for Place<'a> {
         self.value(value)
     }
 
-    fn serialize_seq(self, _: Option<usize>) -> Result<Parts<'a>, fmt::Error> {
-        Ok(self.parts(true))
-    }
-
-    fn serialize_tuple(self, _: usize) -> Result<Parts<'a>, fmt::Error> {
-        Ok(self.parts(false))
-    }
-
-    fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Parts<'a>, fmt::Error> {
-        Ok(self.parts(false))
-    }
-
-    fn serialize_tuple_variant(
-        self,
-        _: &'static str,
-        _: u32,
-        _: &'static str,
-        _: usize,
-    ) -> Result<Parts<'a>, fmt::Error> {
-        Ok(self.parts(false))
-    }
-
-    fn serialize_map(self, _: Option<usize>) -> Result<Parts<'a>, fmt::Error> {
-        Ok(self.parts(true))
-    }
-
-    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Parts<'a>, fmt::Error> {
-        Ok(self.parts(false))
-    }
-
-    fn serialize_struct_variant(
-        self,
-        _: &'static str,
-        _: u32,
-        _: &'static str,
-        _: usize,
-    ) -> Result<Parts<'a>, fmt::Error> {
-        Ok(self.parts(false))
-    }
+    parts!(
+        serialize_seq(Option<usize>): true, serialize_tuple(usize): false, serialize_tuple_struct(&'static str, usize): false,
+        serialize_tuple_variant(&'static str, u32, &'static str, usize): false, serialize_map(Option<usize>): false,
+        serialize_struct(&'static str, usize): false, serialize_struct_variant(&'static str, u32, &'static str, usize): false
+    );
 
     fn collect_str<T: fmt::Display + ?Sized>(self, _: &T) -> Result<(), fmt::Error> {
         Ok(())
@@ -206,13 +181,14 @@ impl<'a> Serializer for Place<'a> {
     }
 }
 
-macro_rules! parts {
-    ($($kind:ident: $method:ident),*) => {
+/// Each part of it, which may come with a name.
+macro_rules! each_part {
+    ($($kind:ident: $method:ident($($name:ty)?)),*) => {
         $(impl $kind for Parts<'_> {
             type Ok = ();
             type Error = fmt::Error;
 
-            fn $method<T: Serialize + ?Sized>(&mut self, part: &T) -> Result<(), fmt::Error> {
+            fn $method<T: Serialize + ?Sized>(&mut self, $(_: $name,)? part: &T) -> Result<(), fmt::Error> {
                 self.part(part)
             }
 
@@ -224,40 +200,23 @@ macro_rules! parts {
     };
 }
 
-macro_rules! named_parts {
-    ($($kind:ident),*) => {
-        $(impl $kind for Parts<'_> {
-            type Ok = ();
-            type Error = fmt::Error;
-
-            fn serialize_field<T: Serialize + ?Sized>(&mut self, _: &'static str, part: &T) -> Result<(), fmt::Error> {
-                self.part(part)
-            }
-
-            fn end(self) -> Result<(), fmt::Error> {
-                self.finish();
-                Ok(())
-            }
-        })*
-    };
-}
-
-parts!(
-    SerializeSeq: serialize_element, SerializeTuple: serialize_element, SerializeTupleStruct: serialize_field,
-    SerializeTupleVariant: serialize_field
+each_part!(
+    SerializeSeq: serialize_element(), SerializeTuple: serialize_element(), SerializeTupleStruct: serialize_field(),
+    SerializeTupleVariant: serialize_field(), SerializeStruct: serialize_field(&'static str),
+    SerializeStructVariant: serialize_field(&'static str)
 );
-named_parts!(SerializeStruct, SerializeStructVariant);
 
+/// Only [optional parts](crate::optional) are a map, which is a struct in memory.
 impl SerializeMap for Parts<'_> {
     type Ok = ();
     type Error = fmt::Error;
 
-    fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Result<(), fmt::Error> {
-        self.part(key)
+    fn serialize_key<T: Serialize + ?Sized>(&mut self, _: &T) -> Result<(), fmt::Error> {
+        Ok(())
     }
 
-    fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), fmt::Error> {
-        self.part(value)
+    fn serialize_value<T: Serialize + ?Sized>(&mut self, part: &T) -> Result<(), fmt::Error> {
+        self.part(part)
     }
 
     fn end(self) -> Result<(), fmt::Error> {
