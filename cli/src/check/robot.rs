@@ -59,8 +59,8 @@ fn equipment(robot: &RobotSpec) -> Vec<(&'static str, String)> {
         facts.push(("actuators", actuators.collect::<Vec<_>>().join(", ")));
     }
     if let Some(battery) = &robot.battery {
-        let capacity = handy(battery.capacity_c / 3.6);
-        let battery = format!("{} V, {capacity} mAh, {} full", battery.nominal_v, percent(robot.charge));
+        let capacity = handy(battery.capacity_c() / 3.6);
+        let battery = format!("{} V, {capacity} mAh, {} full", battery.nominal_v, percent(battery.charge));
         facts.push(("battery", battery));
     }
     facts

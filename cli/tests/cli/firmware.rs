@@ -168,7 +168,7 @@ fn wires_that_nobody_would_make_are_refused_by_their_pin() {
         ("terminal", "9 = \"motors.left.speed\"", "motors.left"),
         ("wheel", "9 = \"motors.middle.pwm\"", "`middle` is not a wheel"),
         ("option", "A0 = { to = \"sensors.ir\", colour = 3 }", "unknown field `colour`"),
-        ("number", "A0 = 3", "takes a text, a list, or a table with `to`, not integer"),
+        ("number", "A0 = 3", "must be a text, a list, or a table with `to`, is 3"),
         (
             "meaningless-option",
             "A0 = { to = \"sensors.ir\", pull = \"external\" }",

@@ -13,6 +13,7 @@ pub mod endpoint;
 #[cfg(feature = "toml")]
 mod misread;
 mod nearest;
+pub mod number;
 pub mod printable;
 #[cfg(feature = "toml")]
 mod read;
@@ -32,6 +33,7 @@ pub use cause::Cause;
 #[cfg(feature = "toml")]
 pub use misread::Misread;
 pub use nearest::{edits, nearest};
+use number::{Rule, to_ns};
 use printable::Printable;
 #[cfg(feature = "toml")]
 pub use read::read;
@@ -108,37 +110,14 @@ impl Path {
         if is_given { Err(self.field(field).error(problem)) } else { Ok(()) }
     }
 
-    /// A finite number.
-    pub fn finite(&self, field: &str, value: f64) -> Result<f64, FieldError> {
-        self.rule(field, value, value.is_finite(), "must be a finite number")
+    /// An error for the first of several fields that is given and must not be.
+    pub fn refuse_all(&self, fields: &[(&str, bool)], problem: &str) -> Result<(), FieldError> {
+        fields.iter().try_for_each(|(field, is_given)| self.refuse(field, *is_given, problem))
     }
 
-    /// A number above 0.
-    pub fn positive(&self, field: &str, value: f64) -> Result<f64, FieldError> {
-        self.rule(field, value, value.is_finite() && value > 0.0, "must be positive")
-    }
-
-    /// A coordinate in metres: no arena is a million metres wide.
-    pub fn coordinate(&self, field: &str, value: f64) -> Result<f64, FieldError> {
-        self.finite(field, value)?;
-        self.within(field, value, -MAX_M, MAX_M)
-    }
-
-    /// A length in metres.
-    pub fn length(&self, field: &str, value: f64) -> Result<f64, FieldError> {
-        self.positive(field, value)?;
-        self.within(field, value, MIN_M, MAX_M)
-    }
-
-    /// A standard deviation.
-    pub fn sigma(&self, field: &str, value: f64) -> Result<f64, FieldError> {
-        self.not_negative(field, value)?;
-        self.within(field, value, 0.0, MAX_SIGMA)
-    }
-
-    /// A number of 0 or more.
-    pub fn not_negative(&self, field: &str, value: f64) -> Result<f64, FieldError> {
-        self.rule(field, value, value.is_finite() && value >= 0.0, "must not be negative")
+    /// A number that keeps to a rule.
+    pub fn number<R: Rule>(&self, field: &str, written: R::Written) -> Result<R::Value, FieldError> {
+        number::checked::<R>(written).map_err(|problem| self.field(field).error(problem.to_string()))
     }
 
     /// A number in a closed interval.
@@ -164,20 +143,7 @@ impl Path {
         Ok(to_ns(self.within(field, value, min_ms, max_ms)?, 1e6))
     }
 
-    /// Microseconds to nanoseconds.
-    pub fn us(&self, field: &str, value: f64, max_us: f64) -> Result<u64, FieldError> {
-        Ok(to_ns(self.within(field, value, 0.0, max_us)?, 1e3))
-    }
-
     fn rule(&self, field: &str, value: f64, sound: bool, rule: &str) -> Result<f64, FieldError> {
         if sound { Ok(value) } else { Err(self.field(field).error(format!("{rule}, is {value}"))) }
     }
-}
-
-const MAX_M: f64 = 1e6;
-const MIN_M: f64 = 1e-6;
-const MAX_SIGMA: f64 = 1e3;
-
-fn to_ns(value: f64, factor: f64) -> u64 {
-    (value * factor + 0.5) as u64
 }

@@ -7,10 +7,11 @@ use alloc::vec::Vec;
 use baudbot_geometry::Point;
 
 use super::arena::{arena, each, surroundings};
-use super::context::{self, MIN_PERIOD_MS, Step};
+use super::context::{self, Step};
 use super::names::Names;
 use super::robots;
 use super::shapes::disc;
+use baudbot_fields::number::{Millis, Number, Rule};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::scenario::{End, Scenario, Source};
 
@@ -60,7 +61,7 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
         noise: raw.noise,
         collision: collision(&path, &raw.collision, raw.wall_friction)?,
         rules: rules(&path, &raw.end, &raw.metrics, (&arena, &surroundings), &robots)?,
-        end: end(&path.field("end"), raw.end)?,
+        end: end(raw.end),
         arena: arena.into(),
         surroundings,
         movers,
@@ -95,20 +96,20 @@ fn collision(path: &Path, raw: &raw::Collision, friction: Option<f64>) -> Result
 const WOOD_ON_WOOD: f64 = 0.3;
 
 fn step(path: &Path, raw: &raw::Scenario) -> Result<Step> {
-    let step_ns = path.ms("step_ms", raw.step_ms, MIN_PERIOD_MS, 1000.0)?;
-    let substeps = path.whole_within("substeps", u64::from(raw.substeps), 1, context::MAX_SUBSTEPS)?;
-    if step_ns % substeps != 0 {
-        let fits = |count: &u64| step_ns % count == 0;
+    let step_ms = raw.step_ms.get();
+    let step_ns = Millis::<raw::Step>::value(step_ms);
+    let substeps = u64::from(raw.substeps.get());
+    if !step_ns.is_multiple_of(substeps) {
+        let fits = |count: &u64| step_ns.is_multiple_of(*count);
         let below = (1..substeps).rev().find(fits).unwrap_or(1);
         let above = (substeps + 1..=context::MAX_SUBSTEPS).find(fits);
         let above = above.map(|above| format!(" or {above}")).unwrap_or_default();
         let problem = format!(
-            "{substeps} substeps do not divide {} ms into whole nanoseconds; {below}{above} do",
-            raw.step_ms
+            "{substeps} substeps do not divide {step_ms} ms into whole nanoseconds; {below}{above} do"
         );
         return Err(path.field("substeps").error(problem));
     }
-    Ok(Step { step_ms: raw.step_ms, step_ns, substeps })
+    Ok(Step { step_ns, substeps })
 }
 
 /// What moves and what is pushed, where it starts: pushed things must stand free, of movers too. A door may sit in a
@@ -136,11 +137,9 @@ fn stand(path: &Path, movers: &[Mover], movables: &[Movable], arena: &Arena) -> 
     Ok(bodies)
 }
 
-fn end(path: &Path, raw: raw::End) -> Result<End> {
-    let after = raw.after_s.map(|s| path.s("after_s", s, 1e-9, 1e8)).transpose()?;
-    let goal =
-        raw.goal.map(|goal| disc(&path.field("goal"), goal.x_m, goal.y_m, goal.radius_m)).transpose()?;
-    Ok(End { after: after.map(SimTime::from_ns), goal })
+fn end(raw: raw::End) -> End {
+    let after = raw.after_s.map(|after| SimTime::from_ns(after.get()));
+    End { after, goal: raw.goal.map(|goal| disc(goal.x_m, goal.y_m, goal.radius_m)) }
 }
 
 fn rules(
@@ -152,12 +151,10 @@ fn rules(
 ) -> Result<Rules> {
     let (at, end_at) = (path.field("metrics"), path.field("end"));
     let starts: Vec<Point> = robots.iter().map(|robot| robot.start.pose.position).collect();
-    let floor = |cell_m| Floor::new(arena, cell_m, &starts);
+    let floor = |cell_m: Number<_>| Floor::new(arena, cell_m.get(), &starts);
     let floor = metrics.cell_m.map(floor).transpose();
     let floor = floor.map_err(|error| at.field("cell_m").error(format!("{error}")))?;
-    let share =
-        |field, share: Option<f64>| share.map(|share| end_at.within(field, share, 0.0, 1.0)).transpose();
-    let (covered, sensed) = (share("covered", end.covered)?, share("sensed", end.sensed)?);
+    let (covered, sensed) = (end.covered.map(Number::get), end.sensed.map(Number::get));
     if (covered.is_some() || sensed.is_some() || metrics.sensed_by.is_some()) && floor.is_none() {
         return Err(at.field("cell_m").error("is missing: the size of the floor's cells that are counted"));
     }
@@ -171,8 +168,8 @@ fn rules(
             .sensed_by
             .as_deref()
             .map_or(Ok(Vec::new()), |name| sensed_by(&at, name, robots))?,
-        sense_ns: at.ms("sense_ms", metrics.sense_ms.unwrap_or(100.0), 0.01, 1e6)?,
-        collisions: end.collisions,
+        sense_ns: metrics.sense_ms.map_or(USUAL_SENSE_NS, Number::get),
+        collisions: end.collisions.map(Number::get),
         all_goals: end.all_goals,
         covered,
         sensed,
@@ -180,6 +177,9 @@ fn rules(
         missed_deadline: robots.iter().any(|robot| robot.deadline.on_late == Some(OnLate::End)),
     })
 }
+
+/// How often rays are counted if nothing is said, in nanoseconds.
+const USUAL_SENSE_NS: u64 = 100_000_000;
 
 /// Refuses ends that cannot come, or that have come already.
 fn can_end(path: &Path, end: &raw::End, surroundings: &Surroundings, robots: &[RobotSpec]) -> Result<()> {
@@ -189,7 +189,7 @@ fn can_end(path: &Path, end: &raw::End, surroundings: &Surroundings, robots: &[R
     if end.battery_empty && robots.iter().all(|robot| robot.battery.is_none()) {
         return Err(path.field("battery_empty").error("no robot has a battery"));
     }
-    end.collisions.map_or(Ok(()), |n| path.whole_within("collisions", n, 1, u64::MAX).map(|_| ()))
+    Ok(())
 }
 
 /// A scenario's name, which lists and pictures show.

@@ -8,8 +8,8 @@ use baudbot_wire::codec::Pace;
 use baudbot_wire::create::{MOST_STREAMED, STREAM_PERIOD_NS, Version};
 use baudbot_wire::{Encoding, frame, khepera};
 
-use super::context::MIN_PERIOD_MS;
 use super::{create, raw};
+use baudbot_fields::number::{Millis, Number, Rule};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::drive::Drive;
 use baudbot_sim::firmware::{Firmware, Mode, Protocol};
@@ -25,7 +25,7 @@ pub(super) fn firmware(
     (raw, spoken): (&raw::Firmware, raw::Protocol),
     sensors: &[&Sensor],
     motors: Vec<Encoding>,
-    step_ms: f64,
+    step_ns: u64,
     link: &Link,
 ) -> Result<Firmware> {
     let no_ages = |name: &str| path.refuse("ages", raw.ages.is_some(), &format!("{name} carries no ages"));
@@ -53,23 +53,20 @@ pub(super) fn firmware(
             create::protocol(path, version, sensors, &motors)?
         }
     };
-    let mode = mode(path, (raw, protocol.pace()), step_ms)?;
+    let mode = mode(path, (raw, protocol.pace()), step_ns)?;
     let named: Vec<_> = sensors.iter().map(|sensor| (&*sensor.name, sensor.encodings.as_slice())).collect();
     Ok(Firmware::new(protocol, mode, &named, motors))
 }
 
-fn mode(path: &Path, (raw, pace): (&raw::Firmware, Pace), step_ms: f64) -> Result<Mode> {
+fn mode(path: &Path, (raw, pace): (&raw::Firmware, Pace), step_ns: u64) -> Result<Mode> {
     let (is_khepera, is_create) = (pace == Pace::Asked, pace == Pace::Opened);
-    let usual_ms = if is_create { STREAM_PERIOD_NS as f64 * 1e-6 } else { step_ms };
+    let usual_ns = if is_create { STREAM_PERIOD_NS } else { step_ns };
     let usual = if is_khepera { raw::Mode::Poll } else { raw::Mode::Stream };
     match raw.mode.unwrap_or(usual) {
         raw::Mode::Stream => {
             path.refuse("mode", is_khepera, "must be \"poll\": the khepera protocol answers when asked; to stream, take `protocol` = \"framed\"")?;
-            let period_ns = path.ms("period_ms", raw.period_ms.unwrap_or(usual_ms), MIN_PERIOD_MS, 1e7)?;
-            Ok(Mode::Stream(Schedule::new(
-                period_ns,
-                path.ms("phase_ms", raw.phase_ms.unwrap_or(0.0), 0.0, 1e7)?,
-            )))
+            let period_ns = raw.period_ms.map_or(usual_ns, Number::get);
+            Ok(Mode::Stream(Schedule::new(period_ns, raw.phase_ms.map_or(0, Number::get))))
         }
         raw::Mode::Poll => {
             let problem = "must be \"stream\": a Create streams for a brain of messages, and answers one of bytes that asks";
@@ -148,12 +145,13 @@ pub(super) fn speeds(
 
 /// Silence that ends a bare message. The bytes of a message follow each other at the pace of the line, so
 /// it must be longer than a character, and than what an adapter can hold one back.
-fn gap_ns(path: &Path, gap_ms: Option<f64>, link: &Link) -> Result<u64> {
+fn gap_ns(path: &Path, gap_ms: Option<Number<raw::Gap>>, link: &Link) -> Result<u64> {
     let (character_ns, pause_ns) = (link.burst_ns(1), link.pause_ns());
     let Some(gap_ms) = gap_ms else {
         return Ok(DEFAULT_GAP_NS.max(4 * character_ns) + (pause_ns - character_ns));
     };
-    let gap_ns = path.ms("gap_ms", gap_ms, MIN_PERIOD_MS, 1e6)?;
+    let gap_ms = gap_ms.get();
+    let gap_ns = Millis::<raw::Gap>::value(gap_ms);
     if gap_ns <= pause_ns {
         let what = match pause_ns == character_ns {
             true => "a character on this link",

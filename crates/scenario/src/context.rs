@@ -8,6 +8,13 @@ use baudbot_sim::movable::Body;
 use baudbot_sim::scenario::SerialPort;
 use baudbot_sim::surroundings::Surroundings;
 
+baudbot_fields::rules! {
+    /// The period of anything that repeats, in milliseconds: below the least a run would do nothing else.
+    Period: Any, MIN_PERIOD_MS, 1e7;
+    /// A time that something lasts, in seconds.
+    Lasting: Any, 1e-9, 1e8;
+}
+
 /// Shortest period of anything that repeats: below it a run would do nothing else.
 pub(super) const MIN_PERIOD_MS: f64 = 0.01;
 /// Most Euler steps in a tick.
@@ -16,7 +23,6 @@ pub(super) const MAX_SUBSTEPS: u64 = 10_000;
 /// The length of a tick, which several checks need.
 #[derive(Clone, Copy)]
 pub(super) struct Step {
-    pub(super) step_ms: f64,
     pub(super) step_ns: u64,
     pub(super) substeps: u64,
 }

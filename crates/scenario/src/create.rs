@@ -80,7 +80,7 @@ pub(super) fn tell_battery(sensors: &mut [Sensor], battery: Option<&Battery>) {
             *charge = Encoding::Level {
                 bits: 16,
                 min: 0.0,
-                max: MOST_CODE * COULOMBS_PER_MAH / battery.capacity_c,
+                max: MOST_CODE * COULOMBS_PER_MAH / battery.capacity_c(),
             };
         }
     }

@@ -4,18 +4,26 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
+use baudbot_fields::number::{Between, Number, Rule, Seconds, Share};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::fault::{Fault, FaultKind, When};
 use baudbot_sim::link::Link;
 use baudbot_sim::model::{Deadline, OnLate};
 use baudbot_sim::random::Stream;
 use baudbot_sim::sensor::Sensor;
-use baudbot_sim::time::{SECOND_NS, SimTime};
+use baudbot_sim::time::SimTime;
+
+use crate::context::Lasting;
 
 type Result<T> = core::result::Result<T, FieldError>;
 
 /// Most faults of a robot.
 const MAX_FAULTS: usize = 64;
+
+baudbot_fields::rules! {
+    /// A span of time in which something comes once, in seconds.
+    Span: Any, 1e-6, 1e8;
+}
 
 /// A fault of a robot.
 #[derive(Debug, serde::Deserialize)]
@@ -24,15 +32,15 @@ const MAX_FAULTS: usize = 64;
 pub(super) struct RawFault {
     /// What fails.
     kind: Kind,
-    /// When it comes. Default: this or `every_s`. Range: 0 to 10^8.
-    from_s: Option<f64>,
-    /// It comes once in each such span of time. Default: this or `from_s`. Range: 10^−6 to 10^8.
-    every_s: Option<f64>,
-    /// How long it lasts. Range: 10^−9 to 10^8, at most `every_s`.
-    for_s: f64,
+    /// When it comes. Default: this or `every_s`.
+    from_s: Option<Number<Seconds<Between<0, 100_000_000>>>>,
+    /// It comes once in each such span of time. Default: this or `from_s`.
+    every_s: Option<Number<Seconds<Span>>>,
+    /// How long it lasts. Range: at most `every_s`.
+    for_s: Number<Seconds<Lasting>>,
     /// Probability that a byte sent meanwhile arrives with a wrong bit. The cable's own rate counts if it is
-    /// larger. Default: required for `byte-errors`. Range: 0 to 1; only `byte-errors`.
-    byte_error_rate: Option<f64>,
+    /// larger. Default: required for `byte-errors`. Range: only `byte-errors`.
+    byte_error_rate: Option<Number<Share>>,
     /// The sensor's name. Default: required for `sensor` and `lost-signal`. Range: only `sensor` and
     /// `lost-signal`.
     sensor: Option<String>,
@@ -49,35 +57,19 @@ enum Kind {
     LostSignal,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub(super) enum RawOnLate {
-    #[default]
-    Hold,
-    Stop,
-    End,
-}
-
 /// The deadline of a brain: Δt, and nothing follows from it, unless the file states one.
 pub(super) fn deadline(
     path: &Path,
-    deadline_ms: Option<f64>,
-    on_late: Option<RawOnLate>,
+    within_ns: Option<u64>,
+    on_late: Option<OnLate>,
     step_ns: u64,
 ) -> Result<Deadline> {
     let path = path.field("brain");
-    let Some(deadline_ms) = deadline_ms else {
+    let Some(within_ns) = within_ns else {
         path.refuse("on_late", on_late.is_some(), "needs a deadline: deadline_ms")?;
         return Ok(Deadline { within_ns: step_ns, on_late: None });
     };
-    let on_late = match on_late.unwrap_or_default() {
-        RawOnLate::Hold => OnLate::Hold,
-        RawOnLate::Stop => OnLate::Stop,
-        RawOnLate::End => OnLate::End,
-    };
-    let within_ns = path.ms("deadline_ms", deadline_ms, 0.01, 1e8)?;
-    Ok(Deadline { within_ns, on_late: Some(on_late) })
+    Ok(Deadline { within_ns, on_late: Some(on_late.unwrap_or_default()) })
 }
 
 /// The parts of a robot that faults may concern.
@@ -106,18 +98,17 @@ pub(super) fn faults(path: &Path, raw: &[RawFault], mut parts: Parts<'_>) -> Res
 }
 
 fn when(path: &Path, raw: &RawFault, key: u64) -> Result<When> {
-    let ns = |field, s, min| path.within(field, s, min, 1e8).map(|s| (s * SECOND_NS as f64 + 0.5) as u64);
-    let for_ns = ns("for_s", raw.for_s, 1e-9)?;
+    let for_ns = raw.for_s.get();
     match (raw.from_s, raw.every_s) {
         (Some(from_s), None) => {
-            let from = SimTime::from_ns(ns("from_s", from_s, 0.0)?);
+            let from = SimTime::from_ns(from_s.get());
             Ok(When::Once { from, until: from + for_ns })
         }
         (None, Some(every_s)) => {
-            let every_ns = ns("every_s", every_s, 1e-6)?;
+            let every_ns = every_s.get();
             if for_ns > every_ns {
-                let problem =
-                    format!("must not be longer than every_s, which is {every_s}, is {}", raw.for_s);
+                let [every_s, for_s] = [every_ns, for_ns].map(Seconds::<Lasting>::written);
+                let problem = format!("must not be longer than every_s, which is {every_s}, is {for_s}");
                 return Err(path.field("for_s").error(problem));
             }
             Ok(When::Each { every_ns, for_ns, key })
@@ -142,9 +133,7 @@ fn kind(path: &Path, raw: &RawFault, parts: &Parts<'_>) -> Result<FaultKind> {
         Kind::Brain => Ok(FaultKind::Brain),
         Kind::ByteErrors => {
             let missing = || path.field("byte_error_rate").error("is missing: the probability for each byte");
-            Ok(FaultKind::ByteErrors {
-                rate: path.within("byte_error_rate", rate.ok_or_else(missing)?, 0.0, 1.0)?,
-            })
+            Ok(FaultKind::ByteErrors { rate: rate.ok_or_else(missing)?.get() })
         }
         Kind::Sensor => {
             let (sensor, name) = sensor(path, raw, parts.sensors, "sticks")?;

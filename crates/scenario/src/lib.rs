@@ -20,6 +20,11 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
+/// The names of some fields of a table, and whether each is given.
+macro_rules! given {
+    ($raw:expr; $($field:ident),+) => { [$((stringify!($field), $raw.$field.is_some())),+] };
+}
+
 mod actuators;
 mod arena;
 mod build;

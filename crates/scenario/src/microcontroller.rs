@@ -1,34 +1,25 @@
 //! From the raw microcontroller to the cost of its tasks, and when it begins.
 
 use super::raw;
+use baudbot_fields::number::Number;
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::firmware::{Firmware, Mode};
 use baudbot_sim::link::Link;
 use baudbot_sim::processor::Processor;
 use baudbot_sim::sensor::Sensor;
-use baudbot_sim::time::SECOND_NS;
 
 type Result<T> = core::result::Result<T, FieldError>;
 
-/// Longest wait of a bootloader, in seconds.
-const MOST_BOOTLOADER_S: f64 = 60.0;
-
 /// What its tasks cost.
-pub(super) fn processor(path: &Path, raw: &raw::Microcontroller) -> Result<Processor> {
-    Ok(Processor {
-        framing_ns_per_byte: path.us("framing_us_per_byte", raw.framing_us_per_byte, 1e6)?,
-        receiving_ns_per_byte: path.us("receiving_us_per_byte", raw.receiving_us_per_byte, 1e6)?,
-        obeying_ns: path.us("obeying_us", raw.obeying_us, 1e6)?,
-        operations_per_s: raw
-            .operations_per_s
-            .map(|n| path.within("operations_per_s", n, 1.0, 1e12))
-            .transpose()?,
+pub(super) fn processor(raw: &raw::Microcontroller) -> Processor {
+    Processor {
+        framing_ns_per_byte: raw.framing_us_per_byte.get(),
+        receiving_ns_per_byte: raw.receiving_us_per_byte.get(),
+        obeying_ns: raw.obeying_us.get(),
+        operations_per_s: raw.operations_per_s.map(Number::get),
         ram_bytes: raw.ram_bytes,
-        bootloader_ns: {
-            let s = path.within("bootloader_s", raw.bootloader_s, 0.0, MOST_BOOTLOADER_S)?;
-            (s * SECOND_NS as f64 + 0.5) as u64
-        },
-    })
+        bootloader_ns: raw.bootloader_s.get(),
+    }
 }
 
 /// Nothing is due before the bootloader starts the firmware, and then all is due as much later.

@@ -1,12 +1,15 @@
 //! The forms in which a file may say what is on a pin, and which program runs.
 
 use alloc::collections::BTreeMap;
-use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::String;
+use alloc::vec;
 use alloc::vec::Vec;
+use core::fmt::Formatter;
 
 use baudbot_fields::Path;
-use toml::Value;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 
 use crate::pins::{Inline, Options};
 
@@ -15,8 +18,7 @@ use crate::pins::{Inline, Options};
 #[serde(transparent)]
 pub(super) struct Pins(BTreeMap<String, OnPin>);
 
-#[derive(Clone, Debug, serde::Deserialize)]
-#[serde(try_from = "Value")]
+#[derive(Clone, Debug)]
 struct OnPin(Vec<Connection>);
 
 #[derive(Clone, Debug)]
@@ -25,29 +27,56 @@ enum Connection {
     With(Options),
 }
 
-impl TryFrom<Value> for OnPin {
-    type Error = String;
+// Both are read by hand, because an untagged enum reads a copy, of which errors do not say the field.
+impl<'de> Deserialize<'de> for OnPin {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OneOrMany;
 
-    fn try_from(value: Value) -> Result<Self, String> {
-        if let Value::Array(many) = value {
-            return many.into_iter().map(Connection::try_from).collect::<Result<_, _>>().map(Self);
+        impl<'de> Visitor<'de> for OneOrMany {
+            type Value = OnPin;
+
+            fn expecting(&self, f: &mut Formatter<'_>) -> core::fmt::Result {
+                f.write_str("a text, a list, or a table with `to`")
+            }
+
+            fn visit_str<E: Error>(self, to: &str) -> Result<OnPin, E> {
+                Ok(OnPin(vec![Connection::Plain(to.into())]))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<OnPin, A::Error> {
+                Connection::deserialize(MapAccessDeserializer::new(map)).map(|one| OnPin(vec![one]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, many: A) -> Result<OnPin, A::Error> {
+                Vec::deserialize(SeqAccessDeserializer::new(many)).map(OnPin)
+            }
         }
-        Connection::try_from(value).map(|one| Self(alloc::vec![one]))
+
+        deserializer.deserialize_any(OneOrMany)
     }
 }
 
-impl TryFrom<Value> for Connection {
-    type Error = String;
+impl<'de> Deserialize<'de> for Connection {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct One;
 
-    fn try_from(value: Value) -> Result<Self, String> {
-        let kind = value.type_str();
-        if let Value::String(to) = value {
-            return Ok(Self::Plain(to));
+        impl<'de> Visitor<'de> for One {
+            type Value = Connection;
+
+            fn expecting(&self, f: &mut Formatter<'_>) -> core::fmt::Result {
+                f.write_str("a text, or a table with `to`")
+            }
+
+            fn visit_str<E: Error>(self, to: &str) -> Result<Connection, E> {
+                Ok(Connection::Plain(to.into()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Connection, A::Error> {
+                Options::deserialize(MapAccessDeserializer::new(map)).map(Connection::With)
+            }
         }
-        let Value::Table(table) = value else {
-            return Err(format!("takes a text, a list, or a table with `to`, not {kind}"));
-        };
-        table.try_into().map(Self::With).map_err(|error| error.message().to_string())
+
+        deserializer.deserialize_any(One)
     }
 }
 

@@ -3,6 +3,10 @@
 use alloc::string::String;
 
 use baudbot_board::{Decay, LitBy, Pull};
+use baudbot_fields::number::{Between, Number, Share};
+
+/// A voltage by any unit of a sensor.
+type Volts = Between<-1_000_000_000_000, 1_000_000_000_000>;
 
 /// A connection with numbers of its own.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
@@ -11,18 +15,18 @@ use baudbot_board::{Decay, LitBy, Pull};
 pub(super) struct Options {
     /// What is on the pin, such as `sensors.ir_left`.
     pub(super) to: String,
-    /// Of a voltage: what the pin has at the value 0, in volts. Default: 0.0. Range: −10^12 to 10^12.
-    pub(super) volts_at_0: Option<f64>,
+    /// Of a voltage: what the pin has at the value 0, in volts. Default: 0.0.
+    pub(super) volts_at_0: Option<Number<Volts>>,
     /// Of a voltage: how much more for each unit of the value, in volts. Default: the range of the sensor's
-    /// code is that of the supply. Range: −10^12 to 10^12.
-    pub(super) volts_per_unit: Option<f64>,
-    /// Of a voltage: the share that the pin gets. Default: 1.0. Range: 0 to 1.
-    pub(super) divider: Option<f64>,
+    /// code is that of the supply.
+    pub(super) volts_per_unit: Option<Number<Volts>>,
+    /// Of a voltage: the share that the pin gets. Default: 1.0.
+    pub(super) divider: Option<Number<Share>>,
     /// Of a switch: what makes its open pin high. Default: `"internal"`.
     pub(super) pull: Option<Pull>,
     /// Of a motor's driver: what it takes from the motor, in volts. Default: 2.55 of an L298N, 0.5 of a TB6612,
-    /// else 0.0. Range: 0 to 100.
-    pub(super) drop_v: Option<f64>,
+    /// else 0.0.
+    pub(super) drop_v: Option<Number<Between<0, 100>>>,
     /// Of a driver with PWM and direction: what the motor does in the pauses. Default: `"brake"`.
     pub(super) decay: Option<Decay>,
     /// Of a light: the level that lights it. Default: `"high"`.

@@ -7,10 +7,13 @@ mod robot;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-pub(super) use cable::{Adapter, AdapterKind, Firmware, Link, LinkKind, Mode, Outage, Protocol};
+use baudbot_fields::number::{Coordinate, Length, Millis, Number, Seconds, Share, Whole};
+
+pub(super) use cable::{Adapter, AdapterKind, Depth, Firmware, Gap, Link, LinkKind, Mode, Outage, Protocol};
 pub(super) use robot::{Body, Brain, Microcontroller, Robot, Start, Tables};
 
 use super::arena::RawArena;
+use super::context::{Lasting, MAX_SUBSTEPS, MIN_PERIOD_MS};
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -26,13 +29,12 @@ pub(super) struct Scenario {
     /// Seed of all random streams ([determinism](../explanation/determinism.md)). Range: 0 to 2^63 − 1.
     #[serde(default = "default::seed")]
     pub(super) seed: u64,
-    /// Length of a tick Δt ([timing](../explanation/timing.md)). Range: 0.01 to 1000.
-    #[serde(default = "default::step_ms")]
-    pub(super) step_ms: f64,
-    /// Euler steps of the bodies in a tick. They must divide the tick into whole nanoseconds. Range: 1 to
-    /// 10,000.
-    #[serde(default = "default::substeps")]
-    pub(super) substeps: u32,
+    /// Length of a tick Δt ([timing](../explanation/timing.md)).
+    #[serde(default = "Number::<Step>::constant::<10>")]
+    pub(super) step_ms: Number<Step>,
+    /// Euler steps of the bodies in a tick. They must divide the tick into whole nanoseconds.
+    #[serde(default = "Substeps::constant::<1>")]
+    pub(super) substeps: Substeps,
     /// Whether sensors and motors are noisy. Byte errors of the link do not count as noise and remain.
     #[serde(default = "default::yes")]
     pub(super) noise: bool,
@@ -41,6 +43,7 @@ pub(super) struct Scenario {
     pub(super) collision: Collision,
     /// Coefficient of sliding friction between robots and what they slide along. 0 lets them slide freely; `inf` holds them as
     /// `stop-robot` does. Default: 0.3, wood on wood. Range: not negative; only with `slide`.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub(super) wall_friction: Option<f64>,
     /// When the run ends. Default: none.
     #[serde(default)]
@@ -52,6 +55,7 @@ pub(super) struct Scenario {
     #[serde(default)]
     pub(super) arena: RawArena,
     /// The robots. Their order in the file changes nothing. Range: at most 10,000 robots.
+    #[cfg_attr(feature = "schema", schemars(length(max = 10_000)))]
     #[serde(default)]
     pub(super) robots: Vec<Robot>,
 }
@@ -70,20 +74,20 @@ pub(super) enum Collision {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct End {
-    /// The run ends at the end of the first tick that ends at or after this time. Range: 10^−9 to 10^8.
-    pub(super) after_s: Option<f64>,
+    /// The run ends at the end of the first tick that ends at or after this time.
+    pub(super) after_s: Option<Number<Seconds<Lasting>>>,
     /// The run ends when the centre of any robot is in this disc at the end of a tick.
     pub(super) goal: Option<Goal>,
-    /// The run ends when all robots together have had this number of collisions. Range: at least 1.
-    pub(super) collisions: Option<u64>,
+    /// The run ends when all robots together have had this number of collisions.
+    pub(super) collisions: Option<Number<Whole<1, { u64::MAX }>>>,
     /// The run ends when every zone that is a goal has had a robot's centre in it. Range: needs a zone with
     /// `goal`.
     #[serde(default)]
     pub(super) all_goals: bool,
-    /// The run ends when this share of the free floor is covered. Range: 0 to 1; needs `metrics.cell_m`.
-    pub(super) covered: Option<f64>,
-    /// The run ends when this share of the free floor is sensed. Range: 0 to 1; needs `metrics.sensed_by`.
-    pub(super) sensed: Option<f64>,
+    /// The run ends when this share of the free floor is covered. Range: needs `metrics.cell_m`.
+    pub(super) covered: Option<Number<Share>>,
+    /// The run ends when this share of the free floor is sensed. Range: needs `metrics.sensed_by`.
+    pub(super) sensed: Option<Number<Share>>,
     /// The run ends when any battery is empty. Range: needs a robot with a battery.
     #[serde(default)]
     pub(super) battery_empty: bool,
@@ -93,39 +97,40 @@ pub(super) struct End {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Metrics {
-    /// Side of a cell. Without it nothing is counted. The arena must have walls around the robots. Range: 10^−6
-    /// to 10^6; at most 4,000,000 cells.
-    pub(super) cell_m: Option<f64>,
+    /// Side of a cell. Without it nothing is counted. The arena must have walls around the robots. Range: at
+    /// most 4,000,000 cells.
+    pub(super) cell_m: Option<Number<Length>>,
     /// The sensor whose rays are counted, on each robot that has one of this name. Range: name of a sensor with
     /// rays and a range; needs `cell_m`.
     pub(super) sensed_by: Option<String>,
     /// How often its rays are cast, at the end of a tick. This takes time on your machine, not in the
-    /// simulation. Default: 100.0. Range: 0.01 to 10^6.
-    pub(super) sense_ms: Option<f64>,
+    /// simulation. Default: 100.0.
+    pub(super) sense_ms: Option<Number<Millis<Sensing>>>,
 }
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Goal {
-    /// Centre of the disc. Range: −10^6 to 10^6.
-    pub(super) x_m: f64,
-    /// Centre of the disc. Range: −10^6 to 10^6.
-    pub(super) y_m: f64,
-    /// Radius of the disc. Range: 10^−6 to 10^6.
-    pub(super) radius_m: f64,
+    /// Centre of the disc.
+    pub(super) x_m: Number<Coordinate>,
+    /// Centre of the disc.
+    pub(super) y_m: Number<Coordinate>,
+    /// Radius of the disc.
+    pub(super) radius_m: Number<Length>,
 }
+
+baudbot_fields::rules! {
+    /// The length of a tick, in milliseconds.
+    Step: Any, MIN_PERIOD_MS, 1e3;
+    /// The period in which rays are counted, in milliseconds.
+    Sensing: Any, MIN_PERIOD_MS, 1e6;
+}
+
+type Substeps = Number<Whole<1, MAX_SUBSTEPS, u32>>;
 
 mod default {
     pub(super) fn seed() -> u64 {
-        1
-    }
-
-    pub(super) fn step_ms() -> f64 {
-        10.0
-    }
-
-    pub(super) fn substeps() -> u32 {
         1
     }
 

@@ -15,6 +15,7 @@ use super::starts::{self, Place};
 use super::{
     actuators, cable, chip, create, faults, link, microcontroller, raw, sensors, serial_ports, shapes,
 };
+use baudbot_fields::number::Number;
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::battery::Battery;
@@ -117,8 +118,8 @@ fn model(
     let dead_time_ns = motors.dead_time_ns;
     let body = path.field("body");
     let (outline, radius_m) = outline(&body, &raw.body)?;
-    let drive = drive(&body, &raw.body, radius_m, motors)?;
-    let Equipment { actuators, battery, charge, mut sensors } = equipment(path, &mut raw, radius_m, context)?;
+    let drive = drive(&raw.body, radius_m, motors);
+    let Equipment { actuators, battery, mut sensors } = equipment(path, &mut raw, radius_m, context)?;
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
     motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
     let motor = cable::speeds(raw.firmware.protocol(&raw.microcontroller), motor, &drive, &sensors);
@@ -127,14 +128,14 @@ fn model(
         mind(path, &raw, &mut sensors, encodings, context.step)?;
     let parts = chip::Parts { sensors: &sensors, motors: &drive.motor, actuators: &actuators, link: &link };
     let chip = chip::chip(path, &raw, &parts)?;
+    let within_ns = raw.brain.deadline_ms.map(Number::get);
     let model = RobotModel {
         drive,
         outline,
-        look: shapes::look(&body, raw.body.height_m, raw.body.color)?,
+        look: shapes::look(raw.body.height_m, raw.body.color),
         signal_limit,
         actuators,
         battery,
-        charge,
         command_timeout_ns: timeout,
         dead_time_ns,
         sensors: sensors.into(),
@@ -144,7 +145,7 @@ fn model(
         link,
         thinking_ns,
         writes: writes(&path.field("brain"), raw.brain.writes.as_deref())?,
-        deadline: faults::deadline(path, raw.brain.deadline_ms, raw.brain.on_late, context.step.step_ns)?,
+        deadline: faults::deadline(path, within_ns, raw.brain.on_late, context.step.step_ns)?,
         faults: Vec::new(),
         brain_operations: raw.brain.operations,
         brain_memory_bytes: raw.brain.memory_bytes,
@@ -183,7 +184,7 @@ fn mind(
     motors: Vec<Encoding>,
     step: Step,
 ) -> Result<Mind> {
-    let processor = microcontroller::processor(&path.field("microcontroller"), &raw.microcontroller)?;
+    let processor = microcontroller::processor(&raw.microcontroller);
     let link = link::link(&path.field("link"), &raw.link)?;
     let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
     let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
@@ -193,7 +194,7 @@ fn mind(
         (&raw.firmware, raw.firmware.protocol(&raw.microcontroller)),
         &on_wire,
         motors,
-        step.step_ms,
+        step.step_ns,
         &link,
     )?;
     cable::check_sizes(path, &firmware, &link)?;
@@ -205,19 +206,15 @@ fn mind(
 struct Equipment {
     actuators: Vec<Actuator>,
     battery: Option<Battery>,
-    /// How full that is at the start.
-    charge: f64,
     sensors: Vec<Sensor>,
 }
 
 fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut World<'_>) -> Result<Equipment> {
     let tables = core::mem::take(&mut raw.actuators);
     let actuators = each_named(&path.field("actuators"), tables, actuators::actuator)?;
-    let battery =
-        raw.battery.take().map(|raw| actuators::battery(&path.field("battery"), raw)).transpose()?;
-    let (battery, charge) = battery.unzip();
+    let battery = raw.battery.take().map(|raw| raw.checked(&path.field("battery"))).transpose()?;
     let mut context = sensors::Context {
-        step_ms: context.step.step_ms,
+        step_ns: context.step.step_ns,
         radius_m,
         onboard: raw.link.kind == raw::LinkKind::Onboard
             && !raw.firmware.protocol(&raw.microcontroller).is_dialogue(),
@@ -238,13 +235,13 @@ fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut Wor
     }
     // Those on the wire keep their order and come first, so that their places are those on the wire.
     sensors.sort_by_key(|sensor| !sensor.is_on_wire());
-    Ok(Equipment { actuators, battery, charge: charge.unwrap_or(1.0), sensors })
+    Ok(Equipment { actuators, battery, sensors })
 }
 
 /// Corners of the body and the radius of the disc that it is, or fits in.
 fn outline(path: &Path, raw: &raw::Body) -> Result<(Vec<Point>, f64)> {
     match (raw.radius_m, &raw.outline_m) {
-        (Some(radius), None) => Ok((Vec::new(), path.length("radius_m", radius)?)),
+        (Some(radius), None) => Ok((Vec::new(), radius.get())),
         (None, Some(corners)) => {
             let at = path.field("outline_m");
             let corners = shapes::outline(&at, corners)?;
@@ -277,48 +274,35 @@ fn each_named<T>(
     Ok(made)
 }
 
-fn drive(path: &Path, body: &raw::Body, radius_m: f64, motors: ParsedMotors) -> Result<Drive> {
-    let half_track_m = path.length("half_track_m", body.half_track_m.unwrap_or(radius_m))?;
-    let wheel_radius_m = path.length("wheel_radius_m", body.wheel_radius_m)?;
-    let mass_kg = path.positive("mass_kg", body.mass_kg)?;
-    let inertia_kg_m2 = path.positive("inertia_kg_m2", body.inertia_kg_m2)?;
-    let wheel = Wheel {
-        mass_kg: path.not_negative("wheel_mass_kg", body.wheel_mass_kg)?,
-        inertia_kg_m2: path.not_negative("wheel_inertia_kg_m2", body.wheel_inertia_kg_m2)?,
-    };
-    Ok(Drive {
+fn drive(body: &raw::Body, radius_m: f64, motors: ParsedMotors) -> Drive {
+    let half_track_m = body.half_track_m.map_or(radius_m, Number::get);
+    let wheel_radius_m = body.wheel_radius_m.get();
+    let (mass_kg, inertia_kg_m2) = (body.mass_kg.get(), body.inertia_kg_m2.get());
+    let wheel = Wheel { mass_kg: body.wheel_mass_kg.get(), inertia_kg_m2: body.wheel_inertia_kg_m2.get() };
+    Drive {
         radius_m,
         half_track_m,
         wheel_radius_m,
         mass_kg,
         inertia_kg_m2,
-        damping_n_s_m: path.not_negative("damping_n_s_m", body.damping_n_s_m)?,
-        turn_damping_nm_s: path.not_negative("turn_damping_nm_s", body.turn_damping_nm_s)?,
+        damping_n_s_m: body.damping_n_s_m.get(),
+        turn_damping_nm_s: body.turn_damping_nm_s.get(),
         forward_gain: forward_gain(mass_kg, wheel_radius_m, wheel),
         turn_gain: turn_gain(inertia_kg_m2, half_track_m, wheel_radius_m, wheel),
         motor: motors.motors,
         motor_noise: motors.noise,
         motor_track_factor: motors.track_factor,
-        deviation: deviation(path, body, half_track_m)?,
-    })
+        deviation: deviation(body, half_track_m),
+    }
 }
 
 /// How a robot differs from its data sheet; none that does in nothing.
-fn deviation(path: &Path, body: &raw::Body, half_track_m: f64) -> Result<Option<Deviation>> {
-    let factor = |field: &str, given: Option<f64>| {
-        path.within(field, given.unwrap_or(1.0), LEAST_DEVIATION, MOST_DEVIATION)
-    };
-    let wheel_ratio = factor("wheel_ratio", body.wheel_ratio)?;
-    let wheel_scale = factor("wheel_scale", body.wheel_scale)?;
-    let track_ratio = factor("track_ratio", body.track_ratio)?;
+fn deviation(body: &raw::Body, half_track_m: f64) -> Option<Deviation> {
+    let factors = [body.wheel_ratio, body.wheel_scale, body.track_ratio];
+    let [wheel_ratio, wheel_scale, track_ratio] = factors.map(|factor| factor.map_or(1.0, Number::get));
     let differs = [wheel_ratio, wheel_scale, track_ratio] != [1.0; 3];
-    Ok(differs.then(|| Deviation::new(wheel_ratio, wheel_scale, track_ratio * half_track_m)))
+    differs.then(|| Deviation::new(wheel_ratio, wheel_scale, track_ratio * half_track_m))
 }
-
-/// No wheel and no track is so far from its data sheet.
-const LEAST_DEVIATION: f64 = 0.5;
-/// The same, upwards.
-const MOST_DEVIATION: f64 = 2.0;
 
 /// When a brain writes, if that is stated.
 fn writes(path: &Path, raw: Option<&str>) -> Result<Option<Writes>> {
@@ -334,14 +318,9 @@ fn writes(path: &Path, raw: Option<&str>) -> Result<Option<Writes>> {
 fn brain(path: &Path, raw: &raw::Brain, processor: &Processor, link: &Link) -> Result<u64> {
     let path = path.field("brain");
     let onboard = matches!(link, Link::Onboard);
-    for (field, given) in
-        [("operations", raw.operations.is_some()), ("memory_bytes", raw.memory_bytes.is_some())]
-    {
-        if given && !onboard {
-            let problem =
-                "is for a brain that is the microcontroller's program: link = { kind = \"onboard\" }";
-            return Err(path.field(field).error(problem));
-        }
+    if !onboard {
+        let problem = "is for a brain that is the microcontroller's program: link = { kind = \"onboard\" }";
+        path.refuse_all(&given!(raw; operations, memory_bytes), problem)?;
     }
     if let (Some(needs), Some(has)) = (raw.memory_bytes, processor.ram_bytes)
         && needs > has
@@ -351,7 +330,7 @@ fn brain(path: &Path, raw: &raw::Brain, processor: &Processor, link: &Link) -> R
     }
     match (raw.thinking_us, raw.operations) {
         (Some(_), Some(_)) => Err(path.field("operations").error("give either this or thinking_us")),
-        (thinking, None) => path.us("thinking_us", thinking.unwrap_or(0.0), MAX_THINKING_US),
+        (thinking, None) => Ok(thinking.map_or(0, Number::get)),
         (None, Some(operations)) => operations_ns(&path.field("operations"), operations, processor),
     }
 }

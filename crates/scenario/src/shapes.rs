@@ -4,6 +4,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+use baudbot_fields::number::{Coordinate, Length, Number};
 use baudbot_fields::{FieldError, Path};
 use baudbot_geometry::polygon::{Defect, defect, without_repeats};
 use baudbot_geometry::{Circle, Point, Segment};
@@ -14,14 +15,18 @@ const MAX_POINTS: usize = 4096;
 
 type Result<T> = core::result::Result<T, FieldError>;
 
+/// Points for a JSON Schema.
+#[cfg(feature = "schema")]
+pub(super) type Corners = Vec<[Number<Coordinate>; 2]>;
+
 /// A disc.
-pub(super) fn disc(path: &Path, x_m: f64, y_m: f64, radius_m: f64) -> Result<Circle> {
-    Ok(Circle { center: point(path, x_m, y_m)?, radius: path.length("radius_m", radius_m)? })
+pub(super) fn disc(x_m: Number<Coordinate>, y_m: Number<Coordinate>, radius_m: Number<Length>) -> Circle {
+    Circle { center: point(x_m, y_m), radius: radius_m.get() }
 }
 
 /// A point.
-pub(super) fn point(path: &Path, x_m: f64, y_m: f64) -> Result<Point> {
-    Ok(Point::new(path.coordinate("x_m", x_m)?, path.coordinate("y_m", y_m)?))
+pub(super) fn point(x_m: Number<Coordinate>, y_m: Number<Coordinate>) -> Point {
+    Point::new(x_m.get(), y_m.get())
 }
 
 /// Points in order.
@@ -33,7 +38,7 @@ pub(super) fn points(path: &Path, raw: &[[f64; 2]]) -> Result<Vec<Point>> {
     }
     let corner = |(i, &[x, y]): (usize, &[f64; 2])| {
         let at = path.index(i);
-        Ok(Point::new(at.coordinate("x", x)?, at.coordinate("y", y)?))
+        Ok(Point::new(at.number::<Coordinate>("x", x)?, at.number::<Coordinate>("y", y)?))
     };
     raw.iter().enumerate().map(corner).collect()
 }
@@ -76,7 +81,6 @@ fn no_inside(defect: Defect) -> String {
 }
 
 /// Height and colour; what has no height reaches up to every sensor.
-pub(super) fn look(path: &Path, height_m: Option<f64>, color: Option<[u8; 3]>) -> Result<Look> {
-    let height_m = height_m.map_or(Ok(f64::INFINITY), |height| path.length("height_m", height))?;
-    Ok(Look { height_m, color: color.unwrap_or(Look::WALL.color) })
+pub(super) fn look(height_m: Option<Number<Length>>, color: Option<[u8; 3]>) -> Look {
+    Look { height_m: height_m.map_or(f64::INFINITY, Number::get), color: color.unwrap_or(Look::WALL.color) }
 }

@@ -43,8 +43,7 @@ pub(super) fn places(
         if raw.name.is_some() {
             return Err(at.field("name").error("only one of several `starts` has a name of its own"));
         }
-        let start = start(&at, raw)?;
-        return Ok(alloc::vec![(Place { robot: path.clone(), start: at }, table, start)]);
+        return Ok(alloc::vec![(Place { robot: path.clone(), start: at }, table, start(raw))]);
     };
     if raw.start.is_some() {
         return Err(at.error("give either this or `starts`"));
@@ -57,8 +56,7 @@ pub(super) fn places(
         let at = at.index(i);
         let name = raw.name.clone().unwrap_or_else(|| numbered(&table, i));
         let name = names.take(&at.field("name"), &name)?;
-        let start = start(&at, raw)?;
-        Ok((Place { robot: at.clone(), start: at }, name, start))
+        Ok((Place { robot: at.clone(), start: at }, name, start(raw)))
     };
     starts.iter().enumerate().map(place).collect()
 }
@@ -68,15 +66,13 @@ pub(super) fn numbered(table: &str, i: usize) -> String {
     format!("{table}-{}", i + 1)
 }
 
-fn start(path: &Path, raw: &raw::Start) -> Result<Start> {
-    let (x, y) = (path.coordinate("x_m", raw.x_m)?, path.coordinate("y_m", raw.y_m)?);
-    let heading = angle::wrap(path.within("heading_rad", raw.heading_rad, -1e3, 1e3)?);
-    Ok(Start {
-        pose: Pose::new(x, y, heading),
-        speed_m_s: path.within("speed_m_s", raw.speed_m_s, -1e3, 1e3)?,
-        turn_rate_rad_s: path.within("turn_rate_rad_s", raw.turn_rate_rad_s, -1e3, 1e3)?,
+fn start(raw: &raw::Start) -> Start {
+    Start {
+        pose: Pose::new(raw.x_m.get(), raw.y_m.get(), angle::wrap(raw.heading_rad.get())),
+        speed_m_s: raw.speed_m_s.get(),
+        turn_rate_rad_s: raw.turn_rate_rad_s.get(),
         wheels_at_rest: raw.wheels_at_rest,
-    })
+    }
 }
 
 /// Nothing may stand in the arena, in what moves or is pushed, or in another robot.

@@ -175,7 +175,7 @@ fn fields_of_another_link_or_adapter_are_refused_by_name() {
     adapter("\"usb\"", "kind", "must be one of `ftdi`, `cdc`, `bluetooth`, is `usb`");
     adapter("\"ftdi\", latency_ms = 0.5", "latency_ms", "must be between 1 and 255, is 0.5");
     adapter("\"ftdi\", latency_ms = 256", "latency_ms", "must be between 1 and 255, is 256");
-    adapter("\"ftdi\", packet_bytes = 0", "packet_bytes", "must be between 1 and 510, is 0");
+    adapter("\"ftdi\", packet_bytes = 0", "packet_bytes", "must be between 1 and 4096, is 0");
     adapter("\"ftdi\", burst_ms = 1", "burst_ms", "only a radio has that");
     adapter("\"cdc\", latency_ms = 1", "latency_ms", "no latency timer; did you mean kind = \"ftdi\"?");
     adapter("\"bluetooth\", frame_ms = 1", "frame_ms", "a radio has no USB frames");
@@ -491,7 +491,7 @@ fn no_field_and_no_speaker_is_so_strong_that_readings_are_infinite() {
     refused(&robot(field), "arena.fields[0].background", "must be between");
     refused(
         &robot(&field.replace("background = 1e308", "")),
-        "arena.fields[0].slope_per_m.x",
+        "arena.fields[0].slope_per_m[0]",
         "must be between",
     );
     let horn = "[robots.actuators.horn]\nkind = \"speaker\"\nlevel = 1e308";
@@ -540,7 +540,7 @@ fn a_cable_that_no_message_gets_through_is_refused() {
 #[test]
 fn ends_that_cannot_come_or_have_come_already_are_refused() {
     let end = |field: &str| format!("[end]\n{field}\n{}", robot(""));
-    refused(&end("collisions = 0"), "end.collisions", "must be between 1 and");
+    refused(&end("collisions = 0"), "end.collisions", "must be at least 1, is 0");
     refused(&end("all_goals = true"), "end.all_goals", "no zone of the arena has goal = true");
     refused(&end("battery_empty = true"), "end.battery_empty", "no robot has a battery");
     let goal = "[[arena.zones]]\nname = \"there\"\nx_m = 1.0\ny_m = 1.0\nradius_m = 0.1\ngoal = true\n";

@@ -4,6 +4,8 @@ use alloc::string::String;
 
 use serde::{Deserialize, Serialize};
 
+use baudbot_fields::number::{Between, Number, Positive, UpTo};
+
 use crate::motor::PositionalServo;
 
 /// The kind and the limits of an actuator.
@@ -22,17 +24,32 @@ pub enum ActuatorKind {
     /// range.
     Turret(PositionalServo),
     /// A lamp over the robot's centre: 1 is full brightness, 0 and less is dark.
-    Lamp {
-        /// Luminous intensity at signal 1, in candela.
-        intensity_cd: f64,
-        /// The height, in metres.
-        height_m: f64,
-    },
+    Lamp(Lamp),
     /// A loudspeaker in the robot's centre: 1 is full loudness, 0 and less is silence.
-    Speaker {
-        /// Loudness at a metre at signal 1.
-        level: f64,
-    },
+    Speaker(Speaker),
+}
+
+/// What a lamp is.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Lamp {
+    /// Luminous intensity at signal 1, the same in all directions, in candela.
+    #[serde(with = "Number::<Positive>")]
+    pub intensity_cd: f64,
+    /// Height above the floor.
+    #[serde(default, with = "Number::<Between<0, 1000>>")]
+    pub height_m: f64,
+}
+
+/// What a loudspeaker is.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Speaker {
+    /// Loudness at signal 1, at a distance of 1 m.
+    #[serde(with = "Number::<UpTo<1_000_000_000>>")]
+    pub level: f64,
 }
 
 /// State of an actuator.

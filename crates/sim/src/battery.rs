@@ -14,28 +14,57 @@
 
 use alloc::vec::Vec;
 
+use baudbot_fields::number::{Between, NotNegative, Number, Positive, Share};
+use baudbot_fields::{FieldError, Path};
 use baudbot_geometry::math;
 use serde::{Deserialize, Serialize};
 
-use crate::curve;
+use crate::curve::{self, LeastShare};
 
-/// The model of a battery.
-#[derive(Clone, Debug, PartialEq)]
+baudbot_fields::rules! {
+    /// The voltage of a battery, in volts.
+    Voltage: Positive, 1e-3, 1e6;
+}
+
+/// What a battery is.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Battery {
-    /// Nominal voltage, in V.
+    /// Nominal voltage.
+    #[serde(with = "Number::<Voltage>")]
     pub nominal_v: f64,
-    /// Charge when full, in C; 1 mAh is 3.6 C.
-    pub capacity_c: f64,
-    /// Internal resistance R, in ohms; 0 is an ideal source.
+    /// Charge when full, in mAh.
+    #[serde(with = "Number::<Positive>")]
+    pub capacity_mah: f64,
+    /// Lowers the voltage under load.
+    #[serde(default, with = "Number::<NotNegative>")]
     pub internal_resistance_ohm: f64,
-    /// Open-circuit voltage as a share of the nominal one, over the share of the charge that is left, which
-    /// increases: linear in between, held beyond the ends.
+    /// Voltage without load, relative to the nominal one, over the remaining share of the charge: linear
+    /// between the points, constant beyond the ends. Type: list of `[charge, voltage]`. Default: one for NiMH
+    /// cells. Range: at least 1 point; charges 0 to 1, increasing; voltages 0 to 10.
+    #[cfg_attr(feature = "schema", schemars(with = "curve::Points<Share, Between<0, 10>>", length(min = 1)))]
+    #[serde(rename = "curve_share_v", default = "Battery::nimh_curve")]
     pub curve: Vec<(f64, f64)>,
-    /// Current in A and share of the capacity that it gets out of a full battery, currents increasing: linear in between,
-    /// held beyond the ends. Empty if every current gets all of it.
+    /// Share of the capacity that a constant current in A gets out of the full battery: linear between the
+    /// points, constant beyond the ends. Without it every current gets all of it. Type: list of `[current,
+    /// share]`. Default: none. Range: currents 0 to 10^6, increasing; shares 0.001 to 1.
+    #[cfg_attr(feature = "schema", schemars(with = "curve::Points<Current, LeastShare>"))]
+    #[serde(rename = "capacity_a_share", default)]
     pub yields: Vec<(f64, f64)>,
-    /// The constant power of the robot's electronics, in W.
+    /// Constant power of the robot's electronics.
+    #[serde(default, with = "Number::<NotNegative>")]
     pub idle_w: f64,
+    /// Share of the charge at the start.
+    #[serde(default = "full", with = "Number::<Share>")]
+    pub charge: f64,
+}
+
+/// A current, in A.
+type Current = Between<0, 1_000_000>;
+
+fn full() -> f64 {
+    1.0
 }
 
 /// The state of a battery.
@@ -52,15 +81,35 @@ pub struct BatteryState {
 }
 
 impl Battery {
-    /// Charge of so many milliampere hours, in C.
-    pub fn coulombs(mah: f64) -> f64 {
-        mah * 3.6
+    /// The battery whose table stands at `path`, if its curves are some.
+    ///
+    /// # Errors
+    /// Names the first point that is out of place.
+    pub fn checked(self, path: &Path) -> Result<Self, FieldError> {
+        let at = path.field("curve_share_v");
+        curve::check::<Share, Between<0, 10>>(&at, &self.curve, ["share", "voltage"])?;
+        if self.curve.is_empty() {
+            return Err(at.error("needs at least one pair of charge left and share of the nominal voltage"));
+        }
+        let at = path.field("capacity_a_share");
+        curve::check::<Current, LeastShare>(&at, &self.yields, ["current", "share"])?;
+        Ok(self)
+    }
+
+    /// Charge when full, in C.
+    pub fn capacity_c(&self) -> f64 {
+        self.capacity_mah * 3.6
     }
 
     /// A curve for cells of nickel-metal hydride, such as four AA cells of 4.8 V together: flat for most of
     /// its length, with a knee at 1.0 V a cell. A guess after the look of data sheets, not a measurement.
     pub fn nimh_curve() -> Vec<(f64, f64)> {
         [(0.0, 0.0), (0.02, KNEE), (0.15, 0.95), (0.5, 1.0), (1.0, 1.1)].into()
+    }
+
+    /// This battery as it is at the start.
+    pub fn at_start(&self) -> BatteryState {
+        self.charged_to(self.charge)
     }
 
     /// This battery, full.
@@ -70,7 +119,7 @@ impl Battery {
 
     /// This battery with so much of its charge, from 0 to 1.
     pub fn charged_to(&self, share: f64) -> BatteryState {
-        BatteryState { charge_c: share * self.capacity_c, current_a: 0.0, used_j: 0.0, charged_j: 0.0 }
+        BatteryState { charge_c: share * self.capacity_c(), current_a: 0.0, used_j: 0.0, charged_j: 0.0 }
     }
 
     /// Voltage without a current, in V, when this share of the charge is left.
@@ -101,7 +150,7 @@ impl Battery {
 impl BatteryState {
     pub(crate) fn is_sound(&self, battery: &Battery) -> bool {
         crate::sound::numbers([self.current_a, self.used_j, self.charged_j])
-            && (0.0..=battery.capacity_c).contains(&self.charge_c)
+            && (0.0..=battery.capacity_c()).contains(&self.charge_c)
     }
 
     /// Draws this power for `dt_s`, or what the battery can give, and says how much energy that was, in J.
@@ -130,10 +179,10 @@ impl BatteryState {
             return 0.0;
         }
         let source_v = battery.open_circuit_v(self.share(battery)).max(KNEE * battery.nominal_v);
-        let room_c = battery.capacity_c - self.charge_c;
+        let room_c = battery.capacity_c() - self.charge_c;
         let current_a = battery.charging_a(source_v, power_w).min(room_c / dt_s);
         let energy = (source_v + battery.internal_resistance_ohm * current_a) * current_a * dt_s;
-        self.charge_c = (self.charge_c + current_a * dt_s).min(battery.capacity_c);
+        self.charge_c = (self.charge_c + current_a * dt_s).min(battery.capacity_c());
         self.current_a = -current_a;
         self.charged_j += energy;
         energy
@@ -141,7 +190,7 @@ impl BatteryState {
 
     /// Share of the capacity that is left, from 0 to 1.
     pub fn share(&self, battery: &Battery) -> f64 {
-        self.charge_c / battery.capacity_c
+        self.charge_c / battery.capacity_c()
     }
 
     /// Voltage at the terminals, in V, at this current in A, negative while charging.
@@ -177,11 +226,12 @@ mod tests {
     fn cells() -> Battery {
         Battery {
             nominal_v: 4.8,
-            capacity_c: Battery::coulombs(2000.0),
+            capacity_mah: 2000.0,
             internal_resistance_ohm: 0.1,
             curve: Battery::nimh_curve(),
             yields: Vec::new(),
             idle_w: 0.1,
+            charge: 1.0,
         }
     }
 
@@ -200,7 +250,7 @@ mod tests {
             seconds += 1;
             energy += before.voltage_v(battery, state.current_a) * state.current_a;
             charge += state.current_a;
-            assert!((0.0..=battery.capacity_c).contains(&state.charge_c), "{state:?}");
+            assert!((0.0..=battery.capacity_c()).contains(&state.charge_c), "{state:?}");
             assert!(seconds < 100_000, "{state:?}");
         }
     }
@@ -212,7 +262,7 @@ mod tests {
         let (seconds, energy, charge) =
             until_it_ends(&battery, &mut state, |state| state.draw(&battery, 5.0, 1.0));
         assert!((energy - state.used_j).abs() < 1e-6, "{energy} and {state:?}");
-        assert!((battery.capacity_c - charge - state.charge_c).abs() < 1e-6, "{charge} and {state:?}");
+        assert!((battery.capacity_c() - charge - state.charge_c).abs() < 1e-6, "{charge} and {state:?}");
         // Nominally 34.6 kJ, 6912 s at 5 W; the resistance takes about 2 %.
         assert!((6600..7000).contains(&seconds), "{seconds}");
         assert!(energy < 4.8 * 7200.0, "{energy}");
@@ -242,7 +292,7 @@ mod tests {
         let used = state.used_j;
         assert_eq!((state.draw(&battery, 1.0, 1.0), state.used_j), (0.0, used));
         until_it_ends(&battery, &mut state, |state| state.charge(&battery, 10.0, 1.0));
-        assert_eq!((state.charge_c, state.share(&battery)), (battery.capacity_c, 1.0));
+        assert_eq!((state.charge_c, state.share(&battery)), (battery.capacity_c(), 1.0));
         assert!(!state.is_empty(&battery) && state.charged_j > used, "{state:?}");
     }
 
@@ -253,6 +303,6 @@ mod tests {
         until_it_ends(&battery, &mut state, |state| state.draw(&battery, 50.0, 1.0));
         assert!(state.is_empty(&battery), "{state:?}");
         until_it_ends(&battery, &mut state, |state| state.charge(&battery, 50.0, 1.0));
-        assert_eq!(state.charge_c, battery.capacity_c);
+        assert_eq!(state.charge_c, battery.capacity_c());
     }
 }

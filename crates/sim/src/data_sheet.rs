@@ -57,7 +57,7 @@ fn motor_kind(motors: &Motors) -> MotorKind {
 
 fn actuator(spec: &actuator::Actuator) -> Actuator {
     let (kind, range_rad) = match &spec.kind {
-        actuator::ActuatorKind::Turret(servo) => (ActuatorKind::Turret, Some(servo.range_rad)),
+        actuator::ActuatorKind::Turret(servo) => (ActuatorKind::Turret, Some([servo.min_rad, servo.max_rad])),
         actuator::ActuatorKind::Lamp { .. } => (ActuatorKind::Lamp, None),
         actuator::ActuatorKind::Speaker { .. } => (ActuatorKind::Speaker, None),
     };

@@ -61,8 +61,6 @@ pub struct RobotModel {
     pub actuators: Vec<Actuator>,
     /// The battery, if that can run out.
     pub battery: Option<Battery>,
-    /// The charge of that at the start, in [0, 1].
-    pub charge: f64,
     /// Motors stand still if no command comes for so long, in nanoseconds.
     pub command_timeout_ns: Option<u64>,
     /// The delay from the microcontroller's obedience until commands reach the motors, in nanoseconds. Other
@@ -178,9 +176,12 @@ pub struct Deadline {
 }
 
 /// The consequence when a cycle is not closed by its deadline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum OnLate {
     /// The old command stays in force.
+    #[default]
     Hold,
     /// The motors are switched off until the next command is obeyed.
     Stop,

@@ -66,14 +66,17 @@ pub enum Path {
 }
 
 /// The behaviour of a thing at the end of its path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema, Serialize))]
 pub enum AfterLast {
-    /// It stays there.
-    Stay,
+    /// It goes all the way back.
+    #[default]
+    Return,
     /// It goes straight to the first point.
     Cycle,
-    /// It goes all the way back.
-    Return,
+    /// It stays there.
+    Stay,
 }
 
 /// The pose and the progress of such a thing.

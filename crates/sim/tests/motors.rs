@@ -343,7 +343,7 @@ fn fields_of_another_kind_and_numbers_that_make_no_sense_name_their_path() {
     refused("kind = \"stepper\", steps_per_turn = 0.5", "robots[0].motors.steps_per_turn: must be between 1");
     refused(
         "kind = \"stepper\", max_rate_steps_s = nan",
-        "robots[0].motors.max_rate_steps_s: must be between",
+        "robots[0].motors.max_rate_steps_s: must be positive",
     );
     let servo = |more: &str, expected: &str| {
         refused(&format!("kind = \"servo\", {more}"), &format!("robots[0].motors.{expected}"));
@@ -351,7 +351,7 @@ fn fields_of_another_kind_and_numbers_that_make_no_sense_name_their_path() {
     servo("curve_us_rpm = []", "curve_us_rpm: a curve has 1 to 1000 points; this one has 0");
     servo(
         "curve_us_rpm = [[1500, 0], [1400, 3]]",
-        "curve_us_rpm[1]: pulses must increase, and 1400 follows 1500",
+        "curve_us_rpm[1]: pulses must increase, 1400 follows 1500",
     );
     servo("curve_us_rpm = [[nan, 0]]", "curve_us_rpm[0].pulse_us: must be between 0 and 1000000, is NaN");
     servo("curve_us_rpm = [[1500, 1e9]]", "curve_us_rpm[0].rpm: must be between");
@@ -359,7 +359,7 @@ fn fields_of_another_kind_and_numbers_that_make_no_sense_name_their_path() {
     servo("frame_ms = -1", "frame_ms: must be between 0");
     refused("dead_time_ms = -1", "robots[0].motors.dead_time_ms: must be between 0 and 1000, is -1");
     refused("dead_time_ms = 1001", "robots[0].motors.dead_time_ms: must be between 0 and 1000, is 1001");
-    refused("kind = \"stepper\", timer_hz = 0", "robots[0].motors.timer_hz: must be between");
+    refused("kind = \"stepper\", timer_hz = 0", "robots[0].motors.timer_hz: must be positive, is 0");
     refused("kind = \"stepper\", hold_ms = -1", "robots[0].motors.hold_ms: must be between 0 and 1000000");
     refused("kind = \"servo\", timer_hz = 10", "robots[0].motors.timer_hz: unknown field `timer_hz`");
     let curve = |points: &str, expected: &str| {
@@ -370,5 +370,5 @@ fn fields_of_another_kind_and_numbers_that_make_no_sense_name_their_path() {
     };
     curve("[[-0.1, 1.0]]", "[0].signal: must be between 0 and 1, is -0.1");
     curve("[[0.1, 1.5]]", "[0].share: must be between 0.001 and 1, is 1.5");
-    curve("[[0.5, 1.0], [0.5, 0.9]]", "[1]: signals must increase, and 0.5 follows 0.5");
+    curve("[[0.5, 1.0], [0.5, 0.9]]", "[1]: signals must increase, 0.5 follows 0.5");
 }

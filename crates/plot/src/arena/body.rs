@@ -1,7 +1,7 @@
 //! A robot's body: rim, wheels, heading, and the actuators on it.
 
 use baudbot_geometry::{Circle, Point, Pose, math};
-use baudbot_sim::actuator::{Actuator, ActuatorKind};
+use baudbot_sim::actuator::{Actuator, ActuatorKind, Lamp, Speaker};
 use baudbot_sim::arena::Look;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Device;
@@ -105,7 +105,7 @@ fn draw_actuator(canvas: &mut Canvas, view: &View, robot: &RobotSpec, actuator: 
     let name = &actuator.name;
     match &actuator.kind {
         ActuatorKind::Turret(servo) => {
-            let [min, max] = servo.range_rad;
+            let (min, max) = (servo.min_rad, servo.max_rad);
             let title = format!("turret {name}: turns from {} to {} rad", handy(min), handy(max));
             canvas.open(Element::group().set("stroke", INNER).titled(&title));
             let sector = view.line(arc(pose, 0.46 * radius, min, max));
@@ -120,11 +120,11 @@ fn draw_actuator(canvas: &mut Canvas, view: &View, robot: &RobotSpec, actuator: 
             canvas.put(ring(0.28).set("fill", "none").set("stroke-width", "1.6"));
             canvas.close("g");
         }
-        ActuatorKind::Lamp { intensity_cd, .. } => {
+        ActuatorKind::Lamp(Lamp { intensity_cd, .. }) => {
             let title = format!("lamp {name}: up to {} cd", handy(*intensity_cd));
             canvas.put(ring(0.09).set("fill", LAMP).set("stroke", LAMP_RIM).titled(&title));
         }
-        ActuatorKind::Speaker { level } => {
+        ActuatorKind::Speaker(Speaker { level }) => {
             let title = format!("loudspeaker {name}: up to {}", handy(*level));
             let back = Pose { heading: pose.heading + std::f64::consts::PI, ..*pose };
             let waves: String =

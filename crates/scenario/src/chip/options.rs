@@ -45,17 +45,7 @@ const fn known(kind: &Kind, is_floor: bool) -> &'static [&'static str] {
 impl Options {
     /// The names of those that are given.
     fn given(&self) -> impl Iterator<Item = &'static str> + use<> {
-        let Self { to: _, volts_at_0, volts_per_unit, divider, pull, drop_v, decay, lit_by, rc } = self;
-        let given = [
-            ("volts_at_0", volts_at_0.is_some()),
-            ("volts_per_unit", volts_per_unit.is_some()),
-            ("divider", divider.is_some()),
-            ("pull", pull.is_some()),
-            ("drop_v", drop_v.is_some()),
-            ("decay", decay.is_some()),
-            ("lit_by", lit_by.is_some()),
-            ("rc", rc.is_some()),
-        ];
+        let given = given!(self; volts_at_0, volts_per_unit, divider, pull, drop_v, decay, lit_by, rc);
         given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name)
     }
 }

@@ -8,6 +8,7 @@ use baudbot_board::{
     BridgeKind, Channels, Compass, Decay, Encoder, HcSr04, Kind, Led, LitBy, Net, Piezo, Ping, Pull,
     RangeFinder, Reflectance, ServoKind, Switch, Voltage, Wiring,
 };
+use baudbot_fields::number::Number;
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::chip::{Attached, Side};
@@ -284,7 +285,7 @@ impl Part<'_> {
             }
             (false, _) => None,
         };
-        let given = self.option(|options| options.volts_per_unit);
+        let given = self.option(|options| options.volts_per_unit.map(Number::get));
         let Some(volts_per_unit) = given.or_else(|| usual.map(|usual| usual.1)) else {
             let problem = format!(
                 "needs volts_per_unit, {{ to = \"…\", volts_per_unit = 0.01 }}: sensor `{}` has no `bits` that would say which \
@@ -293,13 +294,10 @@ impl Part<'_> {
             );
             return Err(self.path.error(problem));
         };
-        let volts_at_0 = self.option(|options| options.volts_at_0);
+        let volts_at_0 = self.option(|options| options.volts_at_0.map(Number::get));
         let volts_at_0 = volts_at_0
             .unwrap_or_else(|| if given.is_some() { 0.0 } else { usual.map_or(0.0, |usual| usual.0) });
-        let volts_at_0 = self.path.within("volts_at_0", volts_at_0, -1e12, 1e12)?;
-        let volts_per_unit = self.path.within("volts_per_unit", volts_per_unit, -1e12, 1e12)?;
-        let divider = self.option(|options| options.divider).unwrap_or(1.0);
-        let ratio = self.path.within("divider", divider, 0.0, 1.0)?;
+        let ratio = self.option(|options| options.divider).map_or(1.0, Number::get);
         let attached = Attached::Voltage { sensor: place, value, volts_at_0, volts_per_unit };
         Ok((Kind::Voltage(Voltage { ratio }), attached))
     }
@@ -319,7 +317,7 @@ impl Part<'_> {
     fn motor(&self, side: Side, motors: &Motors) -> Result<(Kind, Attached)> {
         match motors {
             Motors::Servo(_) => Ok((Kind::Servo(ServoKind::Continuous), Attached::WheelServo(side))),
-            Motors::Dc(_) | Motors::Velocity(_) => Ok((Kind::Bridge(self.bridge()?), Attached::Motor(side))),
+            Motors::Dc(_) | Motors::Velocity(_) => Ok((Kind::Bridge(self.bridge()), Attached::Motor(side))),
             Motors::Stepper(_) => Err(self
                 .path
                 .error("stepper motors have no driver for a chip's pins yet; take dc, velocity or servo")),
@@ -327,11 +325,10 @@ impl Part<'_> {
     }
 
     /// Which H-bridge it is: its terminals tell.
-    fn bridge(&self) -> Result<BridgeKind> {
-        let drop_v = self.option(|options| options.drop_v);
-        let drop_v = drop_v.map(|drop_v| self.path.within("drop_v", drop_v, 0.0, 100.0)).transpose()?;
+    fn bridge(&self) -> BridgeKind {
+        let drop_v = self.option(|options| options.drop_v).map(Number::get);
         let has_inputs = self.uses("in1") || self.uses("in2");
-        Ok(match (has_inputs, self.uses("standby"), drop_v) {
+        match (has_inputs, self.uses("standby"), drop_v) {
             (true, true, None) => BridgeKind::TB6612,
             (true, true, Some(drop_v)) => BridgeKind::Tb6612 { drop_v },
             (true, false, None) => BridgeKind::L298N,
@@ -340,7 +337,7 @@ impl Part<'_> {
                 let decay = self.option(|options| options.decay).unwrap_or(Decay::Brake);
                 BridgeKind::Directed { decay, drop_v: drop_v.unwrap_or(0.0) }
             }
-        })
+        }
     }
 }
 

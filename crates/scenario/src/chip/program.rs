@@ -7,6 +7,7 @@ use baudbot_avr::fuses::Taken;
 use baudbot_avr::{Fuses, Part, Program};
 use baudbot_board::{ChipClock, Net};
 use baudbot_fields::Path;
+use baudbot_fields::number::Number;
 use baudbot_geometry::math;
 
 use super::Result;
@@ -25,11 +26,11 @@ pub(super) fn part(path: &Path, raw: &raw::Microcontroller) -> Result<Part> {
 
 /// Its clock source.
 pub(super) fn clock(path: &Path, raw: &raw::Microcontroller) -> Result<ChipClock> {
-    let hz = path.within("clock_hz", raw.clock_hz.unwrap_or(USUAL_HZ), LEAST_HZ, MOST_HZ)?;
+    let hz = raw.clock_hz.map_or(USUAL_HZ, Number::get);
     if math::floor(hz) != hz {
         return Err(path.field("clock_hz").error(format!("must be a whole number of hertz, is {hz}")));
     }
-    let ppm = path.within("clock_ppm", raw.clock_ppm.unwrap_or(0.0), -MOST_PPM, MOST_PPM)?;
+    let ppm = raw.clock_ppm.map_or(0.0, Number::get);
     let clock = ChipClock::exact(hz as u32).and_then(|clock| clock.with_ppb(math::round(ppm * 1e3) as i64));
     clock.map_err(|error| path.field("clock_ppm").error(error.to_string()))
 }
@@ -109,6 +110,3 @@ pub(super) fn check_pin(path: &Path, pin: &str, fuses: Option<Fuses>) -> Result<
 }
 
 const USUAL_HZ: f64 = 16e6;
-const LEAST_HZ: f64 = 32_000.0;
-const MOST_HZ: f64 = 32e6;
-const MOST_PPM: f64 = 100_000.0;

@@ -2,7 +2,21 @@
 
 use alloc::vec::Vec;
 
+use baudbot_fields::number::{Between, Micros, Millis, NotNegative, Number, Seconds, Share, Whole};
+use baudbot_sim::link::{LEAST_BAUD, MOST_BAUD};
+
 use super::robot::Microcontroller;
+use crate::context::{MIN_PERIOD_MS, Period};
+
+baudbot_fields::rules! {
+    /// A USB frame, in milliseconds; 0.125 ms is a high-speed microframe.
+    Frame: Any, 0.125, 100.0;
+    /// Silence that ends a message, in milliseconds.
+    Gap: Any, MIN_PERIOD_MS, 1e6;
+}
+
+/// How many bytes a buffer or a frame holds.
+pub(crate) type Depth = Whole<1, { 1 << 20 }, u32>;
 
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -14,16 +28,15 @@ pub(crate) struct Firmware {
     /// Readings on a schedule, or in answer to each command (framed: and to each poll; `khepera`: to each poll
     /// alone). Default: `"stream"`; `"poll"` for `khepera`, its only mode.
     pub(crate) mode: Option<Mode>,
-    /// Time between two messages of readings. Default: `step_ms`. Range: 0.01 to 10^7; only `stream`.
-    pub(crate) period_ms: Option<f64>,
-    /// When the first message is due. Default: 0.0. Range: 0 to 10^7; only `stream`.
-    pub(crate) phase_ms: Option<f64>,
+    /// Time between two messages of readings. Default: `step_ms`. Range: only `stream`.
+    pub(crate) period_ms: Option<Number<Millis<Period>>>,
+    /// When the first message is due. Default: 0.0. Range: only `stream`.
+    pub(crate) phase_ms: Option<Number<Millis<Between<0, 10_000_000>>>>,
     /// Whether each reading carries its age, at a byte each. Default: true. Range: only `framed`.
     pub(crate) ages: Option<bool>,
     /// Silence after which a partial message is discarded. Default: 20.0, or 4 characters if longer, plus the
-    /// longest delay of a byte in an adapter. Range: 0.01 to 10^6, longer than a character plus that delay;
-    /// only `bare`.
-    pub(crate) gap_ms: Option<f64>,
+    /// longest delay of a byte in an adapter. Range: longer than a character plus that delay; only `bare`.
+    pub(crate) gap_ms: Option<Number<Gap>>,
 }
 
 impl Firmware {
@@ -75,36 +88,37 @@ pub(crate) struct Link {
     /// the brain [is on board](#the-brain-on-board). `ideal` has no other field but `serial_port`, `onboard`
     /// has none.
     pub(crate) kind: LinkKind,
-    /// Bits a second. Default: required for `uart`. Range: 50 to 100,000,000; only `uart`.
-    pub(crate) baud: Option<u64>,
+    /// Bits a second. Default: required for `uart`. Range: only `uart`.
+    pub(crate) baud: Option<Number<Whole<LEAST_BAUD, MOST_BAUD>>>,
     /// 8 as the lecture notes count, 10 for 8N1, 11 with parity or a second stop bit. Default: 10. Range: 8, 10
     /// or 11; only `uart`.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = [8, 10, 11])))]
     pub(crate) bits_per_character: Option<u64>,
-    /// Unread characters that the microcontroller can hold; more are lost. Default: 64. Range: 1 to 1,048,576;
-    /// only `uart`.
-    pub(crate) receive_depth: Option<u64>,
+    /// Unread characters that the microcontroller can hold; more are lost. Default: 64. Range: only `uart`.
+    pub(crate) receive_depth: Option<Number<Depth>>,
     /// Unsent characters that it can hold, including the one being sent; when the buffer is full it waits.
-    /// Default: 64. Range: 1 to 1,048,576; only `uart`.
-    pub(crate) transmit_depth: Option<u64>,
+    /// Default: 64. Range: only `uart`.
+    pub(crate) transmit_depth: Option<Number<Depth>>,
     /// Bytes that the laptop's driver holds each way: to be sent (more are refused) and to be read by the brain
-    /// (more are lost). Default: 4096. Range: 1 to 1,048,576, at least the longest message.
-    pub(crate) laptop_buffer_bytes: Option<u64>,
-    /// Probability that a byte arrives with one wrong bit, in either direction. Default: 0.0. Range: 0 to 1;
-    /// only `uart`.
-    pub(crate) byte_error_rate: Option<f64>,
+    /// (more are lost). Default: 4096. Range: at least the longest message.
+    pub(crate) laptop_buffer_bytes: Option<Number<Depth>>,
+    /// Probability that a byte arrives with one wrong bit, in either direction. Default: 0.0. Range: only
+    /// `uart`.
+    pub(crate) byte_error_rate: Option<Number<Share>>,
     /// Both directions share the wire ([timing](../explanation/timing.md#half-duplex)). Default: false. Range:
     /// only `uart`.
     pub(crate) half_duplex: Option<bool>,
     /// Pause from the end of one side's last character to the start of the other's first. Default: 0.0. Range:
-    /// 0 to 10^6; only with `half_duplex`.
-    pub(crate) turnaround_us: Option<f64>,
+    /// only with `half_duplex`.
+    pub(crate) turnaround_us: Option<Number<Micros<Between<0, 1_000_000>>>>,
     /// The adapter between the serial cable and the laptop. Range: only `uart`.
     pub(crate) adapter: Option<Adapter>,
-    /// Length of a USB frame. Default: 1.0. Range: 0.125 to 100; only `usb`.
-    pub(crate) frame_ms: Option<f64>,
-    /// Bytes each way in a frame: 19 packets of 64. Default: 1216. Range: 1 to 1,048,576; only `usb`.
-    pub(crate) bytes_per_frame: Option<u64>,
+    /// Length of a USB frame. Default: 1.0. Range: only `usb`.
+    pub(crate) frame_ms: Option<Number<Millis<Frame>>>,
+    /// Bytes each way in a frame: 19 packets of 64. Default: 1216. Range: only `usb`.
+    pub(crate) bytes_per_frame: Option<Number<Depth>>,
     /// When the cable is out. Range: at most 1000 outages.
+    #[cfg_attr(feature = "schema", schemars(length(max = 1000)))]
     pub(crate) outages: Option<Vec<Outage>>,
     /// Where `baudbot serve` opens [serial ports](ports.md#ports-in-a-scenario) at the laptop's end, for
     /// programs of others. No part of the world: it changes no run, and other commands ignore it. Type: text,
@@ -132,29 +146,29 @@ pub(crate) struct Adapter {
     /// A USB serial port with a latency timer; one without (CP210x, CH340, CDC-ACM); or a radio.
     pub(crate) kind: AdapterKind,
     /// Period of the latency timer; or mean latency of a radio's packet. Default: `ftdi` 16.0, `bluetooth`
-    /// 30.0. Range: 0 to 10^4; `ftdi` 1 to 255.
-    pub(crate) latency_ms: Option<f64>,
+    /// 30.0. Range: `ftdi` 1 to 255.
+    pub(crate) latency_ms: Option<Number<Between<0, 10_000>>>,
     /// Bytes that make a chip send a packet at once; or the maximum in a radio's packet. Default: `ftdi` 62,
-    /// `bluetooth` 330. Range: 1 to 4096; `ftdi` at most 510.
-    pub(crate) packet_bytes: Option<u64>,
-    /// Length of a USB frame. Default: 1.0. Range: 0.125 to 100; only `ftdi` and `cdc`.
-    pub(crate) frame_ms: Option<f64>,
-    /// Whole frames that bytes to the laptop need besides, by the program of the chip. Default: 0. Range: 0 to
-    /// 100; only `ftdi` and `cdc`.
-    pub(crate) extra_frames: Option<u64>,
+    /// `bluetooth` 330. Range: `ftdi` at most 510.
+    pub(crate) packet_bytes: Option<Number<Whole<1, 4096, u32>>>,
+    /// Length of a USB frame. Default: 1.0. Range: only `ftdi` and `cdc`.
+    pub(crate) frame_ms: Option<Number<Millis<Frame>>>,
+    /// Whole frames that bytes to the laptop need besides, by the program of the chip. Default: 0. Range: only
+    /// `ftdi` and `cdc`.
+    pub(crate) extra_frames: Option<Number<Whole<0, 100, u32>>>,
     /// Bytes are at the laptop up to this long after the frame's boundary: a random time, uniform, one for all
-    /// bytes of a packet. Default: 0.0. Range: 0 to 10^5; only `ftdi` and `cdc`.
-    pub(crate) jitter_us: Option<f64>,
+    /// bytes of a packet. Default: 0.0. Range: only `ftdi` and `cdc`.
+    pub(crate) jitter_us: Option<Number<Micros<Between<0, 100_000>>>>,
     /// Time from a brain's write until the bytes are at the chip. Without it they wait for the next frame.
-    /// Range: 0 to 10^5; only `ftdi` and `cdc`.
-    pub(crate) down_us: Option<f64>,
+    /// Range: only `ftdi` and `cdc`.
+    pub(crate) down_us: Option<Number<Micros<Between<0, 100_000>>>>,
     /// A packet's latency is uniform within `latency_ms` ± this. Default: 10.0, or `latency_ms` if shorter.
-    /// Range: 0 to `latency_ms`; only `bluetooth`.
-    pub(crate) spread_ms: Option<f64>,
-    /// Probability that a packet is held up. Default: 0.02. Range: 0 to 1; only `bluetooth`.
-    pub(crate) burst_probability: Option<f64>,
-    /// Its additional delay then. Default: 100.0. Range: 0 to 10^4; only `bluetooth`.
-    pub(crate) burst_ms: Option<f64>,
+    /// Range: to `latency_ms`; only `bluetooth`.
+    pub(crate) spread_ms: Option<Number<NotNegative>>,
+    /// Probability that a packet is held up. Default: 0.02. Range: only `bluetooth`.
+    pub(crate) burst_probability: Option<Number<Share>>,
+    /// Its additional delay then. Default: 100.0. Range: only `bluetooth`.
+    pub(crate) burst_ms: Option<Number<Millis<Between<0, 10_000>>>>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
@@ -170,8 +184,8 @@ pub(crate) enum AdapterKind {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Outage {
-    /// When the cable is pulled. Range: 0 to 10^8, not before the end of the outage before.
-    pub(crate) from_s: f64,
-    /// Time until it is plugged in again. Range: 0 to 10^8.
-    pub(crate) for_s: f64,
+    /// When the cable is pulled. Range: not before the end of the outage before.
+    pub(crate) from_s: Number<Between<0, 100_000_000>>,
+    /// Time until it is plugged in again.
+    pub(crate) for_s: Number<Seconds<Between<0, 100_000_000>>>,
 }

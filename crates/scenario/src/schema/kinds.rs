@@ -8,6 +8,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use baudbot_sim::sensor::{Place, SensorKind};
+use baudbot_sim::{actuator, motor};
 use schemars::JsonSchema;
 use serde_json::{Map, Value, json};
 
@@ -45,10 +46,10 @@ impl Kind {
 /// The motors' table; and what one is that says no kind, where no preset does.
 pub(super) fn motors() -> (Value, Value) {
     let kinds = alloc::vec![
-        Kind::of::<motors::RawDcMotor>("dc"),
-        Kind::of::<motors::RawVelocityMotor>("velocity"),
-        Kind::of::<motors::RawServo>("servo"),
-        Kind::of::<motors::RawStepper>("stepper"),
+        Kind::of::<motor::DcMotor>("dc"),
+        Kind::of::<motor::VelocityMotor>("velocity"),
+        Kind::of::<motor::Servo>("servo"),
+        Kind::of::<motor::Stepper>("stepper"),
     ];
     let common = alloc::vec![table::<motors::RawMotors>()];
     Kinds { usual: Some("dc"), presets: Some(PresetKind::Motors), common, kinds }.schema_and_usual()
@@ -57,9 +58,9 @@ pub(super) fn motors() -> (Value, Value) {
 /// An actuator's table.
 pub(super) fn actuators() -> Value {
     let kinds = alloc::vec![
-        Kind::of::<actuators::RawTurret>("turret"),
-        Kind::of::<actuators::RawLamp>("lamp"),
-        Kind::of::<actuators::RawSpeaker>("speaker"),
+        Kind::of::<motor::PositionalServo>("turret"),
+        Kind::of::<actuator::Lamp>("lamp"),
+        Kind::of::<actuator::Speaker>("speaker"),
     ];
     let kind = table::<actuators::RawActuatorKind>();
     let common = alloc::vec![json!({ "properties": { "kind": kind }, "required": ["kind"] })];

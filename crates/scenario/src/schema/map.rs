@@ -4,6 +4,8 @@ use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+use baudbot_fields::number::{Coordinate, Length, Number, UpTo};
+
 /// The fields of a map.
 #[derive(schemars::JsonSchema)]
 #[schemars(deny_unknown_fields)]
@@ -19,14 +21,14 @@ pub(super) struct Map {
     /// A plan in SVG. Filled shapes become solid; other lines become walls without thickness. Default: this or
     /// `ros`.
     svg: Option<String>,
-    /// Metres per unit of the drawing. Default: required with `svg`. Range: above 0, at most 10^6.
-    m_per_unit: Option<f64>,
+    /// Metres per unit of the drawing. Default: required with `svg`.
+    m_per_unit: Option<Number<UpTo<1_000_000>>>,
     /// Position of the drawing's lower left corner. Type: `[x, y]`. Default: `[0, 0]`. Range: each −10^6 to
     /// 10^6; only with `svg`.
-    origin_m: Option<[f64; 2]>,
-    /// Maximum distance of a straight segment from the curve that it approximates. Default: 0.005. Range:
-    /// 10^−6 to 10^6; only with `svg`.
-    tolerance_m: Option<f64>,
+    origin_m: Option<[Number<Coordinate>; 2]>,
+    /// Maximum distance of a straight segment from the curve that it approximates. Default: 0.005. Range: only
+    /// with `svg`.
+    tolerance_m: Option<Number<Length>>,
     /// Which shapes are walls: those that one of these chooses. Each is `layer=NAME`, `id=NAME`, `class=NAME`, `fill=COLOR` or
     /// `stroke=COLOR`; `*` stands for any part of a name, and `none` for no colour. Default: all. Range: only with `svg`.
     only: Option<Vec<String>>,

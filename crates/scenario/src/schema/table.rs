@@ -86,14 +86,22 @@ fn tidy(node: &mut Value) {
         map.insert("additionalItems".into(), false.into());
     }
     for keyword in ["items", "additionalProperties"] {
-        map.get_mut(keyword).into_iter().for_each(tidy);
+        map.get_mut(keyword).into_iter().for_each(tidy_element);
     }
     for keyword in ["items", "anyOf"] {
-        map.get_mut(keyword).and_then(Value::as_array_mut).into_iter().flatten().for_each(tidy);
+        map.get_mut(keyword).and_then(Value::as_array_mut).into_iter().flatten().for_each(tidy_element);
     }
     if let Some(Value::Object(fields)) = map.get_mut("properties") {
         fields.values_mut().for_each(tidy);
         describe(map);
+    }
+}
+
+/// An element of a list has bounds, and no description that would say them.
+fn tidy_element(node: &mut Value) {
+    tidy(node);
+    if let Value::Object(map) = node {
+        map.remove(range::RULE);
     }
 }
 
@@ -148,7 +156,10 @@ fn describe(table: &mut Map<String, Value>) {
     for (name, field) in fields {
         let Value::Object(field) = field else { continue };
         let mut text = Text::of(field.get("description").and_then(Value::as_str).unwrap_or_default());
-        range::apply(field, &text);
+        if let Some(pattern) = text.range.as_deref().and_then(range::pattern) {
+            field.insert("pattern".into(), pattern.into());
+        }
+        text.range = range::whole(field, text.range.take());
         defaults(field, &mut text, needs.always.contains(name));
         let whole = text.whole();
         let plain = without_links(&whole);
@@ -187,18 +198,9 @@ fn in_words(value: &Value) -> String {
         Value::Array(list) if list.is_empty() => "empty".into(),
         Value::String(_) | Value::Array(_) => format!("`{value}`").replace(',', ", "),
         Value::Number(number) if number.as_f64() == Some(core::f64::consts::PI) => "π".into(),
-        Value::Number(number) => grouped(&format!("{number}")),
+        Value::Number(number) => range::grouped(&format!("{number}")),
         Value::Bool(_) | Value::Null | Value::Object(_) => format!("{value}"),
     }
-}
-
-/// Long whole numbers with commas.
-fn grouped(digits: &str) -> String {
-    if digits.len() < 5 || digits.contains(['.', 'e']) {
-        return digits.into();
-    }
-    let (before, last) = digits.split_at(digits.len() - 3);
-    format!("{},{last}", if before.len() > 3 { grouped(before) } else { before.into() })
 }
 
 /// Which fields a table must have, and which it may have only if it is of some kind.

@@ -3,7 +3,7 @@
 //! - ``Type: list of `[x, y]`.``, where JSON's words for types say too little;
 //! - ``Default: half the period.``, where the default is not that of the code; also ``this or `other` ``, which says that one of them must be
 //!   given, ``required with `other` ``, and ``required for `kind` ``;
-//! - ``Range: 0 to 10^6; only `uart`.``, which [`super::range`] reads.
+//! - ``Range: only `uart`.``, where the type does not say it: what a number's rule says stands before it ([`super::range`]).
 
 use alloc::borrow::ToOwned;
 use alloc::format;

@@ -6,7 +6,7 @@ use core::f64::consts::TAU;
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::link::Link;
 use baudbot_sim::sensor::Device;
-use baudbot_sim::sensor::dialogue::{Begin, Dialogue};
+use baudbot_sim::sensor::dialogue::Dialogue;
 use baudbot_sim::sensor::port::{Format, Port};
 use baudbot_wire::scip::device::{Description, Model};
 
@@ -42,10 +42,6 @@ pub(super) fn dialogue(
         last_step: format.last_step,
         front_step: (format.first_step + format.last_step) / 2,
         turns_per_minute: (60e9 / clock_ns.max(1) as f64 + 0.5) as u16,
-    };
-    let begin = match begin {
-        raw::Dialogue::Asked => Begin::Asked,
-        raw::Dialogue::Driver => Begin::Driver,
     };
     Ok(Some(Box::new(Dialogue::new(description, begin, &port.link))))
 }

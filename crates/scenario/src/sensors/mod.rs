@@ -14,7 +14,8 @@ use baudbot_wire::scip;
 use toml::Table;
 
 use super::error::Sheet;
-use super::{context::MIN_PERIOD_MS, link};
+use super::{context::Period, link};
+use baudbot_fields::number::{Millis, Number, Rule};
 use baudbot_fields::{Cause, FieldError, Fields, Path};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::arena::Arena;
@@ -33,7 +34,7 @@ type Result<T> = core::result::Result<T, FieldError>;
 
 /// The parts of a robot that a sensor may depend on.
 pub(super) struct Context<'a> {
-    pub(super) step_ms: f64,
+    pub(super) step_ns: u64,
     /// Radius of the body, in metres.
     pub(super) radius_m: f64,
     /// Whether its brain is, so that there is no cable.
@@ -54,7 +55,6 @@ pub(super) fn sensor(
 ) -> Result<Sensor> {
     let common: Common = Sheet::from(take(&mut table, &COMMON)).read(path)?;
     let built = built(path, &common, table, context).map_err(|error| with_common_fields(path, error))?;
-    let period_ms = common.period_ms.unwrap_or(context.step_ms);
     let mut port =
         common.port.as_ref().map(|raw| port(&path.field("port"), raw, &built.device)).transpose()?;
     if port.is_none() && !context.onboard && built.device.values() > usize::from(u8::MAX) {
@@ -67,20 +67,20 @@ pub(super) fn sensor(
     if port.is_some() && common.bits.is_some() {
         return Err(path.field("bits").error("what goes over a port of its own has its own form"));
     }
-    let noise = with_shorthands(path, common.noise.checked(&path.field("noise"))?, &built)?;
-    let clock = clock(path, common.clock, &built.device, (period_ms, common.phase_ms), port.is_some())?;
+    let noise = with_shorthands(path, common.noise, &built)?;
+    let (phase_ns, acquisition_ns) = (common.phase_ms.get(), common.acquisition_us.get());
+    let period_ns = common.period_ms.map_or(context.step_ns, Number::get);
+    let clock = clock(path, common.clock, &built.device, (period_ns, phase_ns), port.is_some())?;
     if let Some((port, raw)) = port.as_mut().zip(common.port.as_ref()) {
         let clock_ns = clock.as_ref().map_or(0, |clock| clock.period_ns);
         port.dialogue = dialogue::dialogue(&path.field("port"), raw, &built.device, (port, clock_ns))?;
     }
-    let period_ns = path.ms("period_ms", period_ms, MIN_PERIOD_MS, 1e7)?;
-    let phase_ns = path.ms("phase_ms", common.phase_ms, 0.0, 1e7)?;
     Ok(Sensor {
         name,
         device: built.device,
         noise,
         schedule: Schedule::new(period_ns, phase_ns),
-        acquisition_ns: path.us("acquisition_us", common.acquisition_us, 1e9)?,
+        acquisition_ns,
         own_clock: clock,
         port,
         encodings: built.encodings,
@@ -95,7 +95,11 @@ fn built(path: &Path, common: &Common, mut table: Table, context: &mut Context<'
         Place::Rim => place::centre(path, &mut table, context)?,
     };
     let (battery, surroundings) = (context.battery, context.surroundings);
-    common.kind.build(Sheet::from(table), path, Fit { mount, bits: common.bits, battery, surroundings })
+    common.kind.build(
+        Sheet::from(table),
+        path,
+        Fit { mount, bits: common.bits.map(Number::get), battery, surroundings },
+    )
 }
 
 /// What can stand in the table of any sensor, behind what can stand in that of its kind.
@@ -131,7 +135,7 @@ fn with_shorthands(path: &Path, mut noise: Noise, built: &Built<Device>) -> Resu
 }
 
 /// Takes some fields out of a table.
-fn take(table: &mut Table, fields: &[&str]) -> Table {
+pub(super) fn take(table: &mut Table, fields: &[&str]) -> Table {
     fields.iter().filter_map(|&field| table.remove_entry(field)).collect()
 }
 
@@ -140,7 +144,7 @@ fn clock(
     path: &Path,
     raw: Option<raw::Clock>,
     device: &Device,
-    (period_ms, phase_ms): (f64, f64),
+    (period_ns, phase_ns): (u64, u64),
     has_port: bool,
 ) -> Result<Option<OwnClock>> {
     let sweep_ns = if let Device::Laser(laser) = device { laser.sweep_ns } else { 0 };
@@ -148,8 +152,7 @@ fn clock(
         if !has_port && !matches!(device, Device::Laser(_)) {
             return Ok(None);
         }
-        let period_ns = path.ms("period_ms", period_ms, MIN_PERIOD_MS, 1e7)?;
-        let phase_ns = Some(path.ms("phase_ms", phase_ms, 0.0, 1e7)?);
+        let phase_ns = Some(phase_ns);
         fits(path, sweep_ns, period_ns)?;
         return Ok(Some(OwnClock { period_ns, spread_ns: 0, jitter_ns: 0, phase_ns, latency_ns: 0 }));
     };
@@ -157,13 +160,14 @@ fn clock(
         return Err(path.field("clock").error(why));
     }
     let path = path.field("clock");
-    let period_ns = path.ms("period_ms", raw.period_ms, MIN_PERIOD_MS, 1e7)?;
+    let period_ms = raw.period_ms.get();
+    let period_ns = Millis::<Period>::value(period_ms);
     let clock = OwnClock {
         period_ns,
-        spread_ns: path.ms("spread_ms", raw.spread_ms, 0.0, 0.9 * raw.period_ms)?,
-        jitter_ns: path.ms("jitter_ms", raw.jitter_ms, 0.0, raw.period_ms)?,
-        phase_ns: raw.phase_ms.map(|ms| path.ms("phase_ms", ms, 0.0, 1e7)).transpose()?,
-        latency_ns: path.ms("latency_ms", raw.latency_ms, 0.0, 1e6)?,
+        spread_ns: path.ms("spread_ms", raw.spread_ms.get(), 0.0, 0.9 * period_ms)?,
+        jitter_ns: path.ms("jitter_ms", raw.jitter_ms.get(), 0.0, period_ms)?,
+        phase_ns: raw.phase_ms.map(Number::get),
+        latency_ns: raw.latency_ms.get(),
     };
     fits(&path, sweep_ns + clock.latency_ns + clock.jitter_ns, period_ns - clock.spread_ns)?;
     Ok(Some(clock))
@@ -182,10 +186,9 @@ fn fits(path: &Path, takes_ns: u64, period_ns: u64) -> Result<()> {
 fn port(path: &Path, raw: &raw::Port, device: &Device) -> Result<Port> {
     let problem = format!("a sensor of kind `{}` has none", device.kind());
     let (is_laser, is_gps) = (matches!(device, Device::Laser(_)), matches!(device, Device::Gps(_)));
-    path.refuse("characters", raw.characters.is_some() && !is_laser, &problem)?;
-    path.refuse("first_step", raw.first_step.is_some() && !is_laser, &problem)?;
-    path.refuse("dialogue", raw.dialogue.is_some() && !is_laser, &problem)?;
-    path.refuse("model", raw.model.is_some() && !is_laser, &problem)?;
+    if !is_laser {
+        path.refuse_all(&given!(raw; characters, first_step, dialogue, model), &problem)?;
+    }
     path.refuse("sentences", raw.sentences.is_some() && !is_gps, &problem)?;
     let format = if let Device::Laser(laser) = device {
         scip_format(path, raw, laser.rays())?
@@ -214,7 +217,7 @@ fn scip_format(path: &Path, raw: &raw::Port, rays: usize) -> Result<Format> {
         3 => scip::Characters::Three,
         n => return Err(path.field("characters").error(format!("must be 2 or 3, is {n}"))),
     };
-    let first = path.whole_within("first_step", raw.first_step.unwrap_or(0), 0, 9999)?;
+    let first = raw.first_step.map_or(0, Number::get);
     let last = path.whole_within("first_step", first + rays as u64 - 1, 0, 9999)?;
     Ok(Format::Scip(scip::Format {
         characters,

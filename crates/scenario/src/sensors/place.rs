@@ -2,7 +2,6 @@
 
 use alloc::format;
 use alloc::string::String;
-use core::f64::consts::TAU;
 
 use baudbot_geometry::{Direction, Pose};
 use toml::Table;
@@ -11,6 +10,7 @@ use super::raw::{PLACE, Place};
 use super::{Context, Path, Result, take};
 use crate::error::Sheet;
 use baudbot_fields::Fields;
+use baudbot_fields::number::{Between, Number};
 use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::sensor::Height;
 use baudbot_sim::sensor::Mount;
@@ -20,22 +20,21 @@ pub(super) fn mount(path: &Path, table: &mut Table, context: &mut Context<'_>) -
     let raw: Place = Sheet::from(take(table, &PLACE)).read(path)?;
     let pose = match (raw.bearing_rad, raw.mount) {
         (Some(bearing), None) => {
-            let bearing = path.within("bearing_rad", bearing, -TAU, TAU)?;
+            let bearing = bearing.get();
             let rim = Direction::from_angle(bearing).vector() * context.radius_m;
             Pose::new(rim.x, rim.y, bearing)
         }
         (None, Some(mount)) => {
             let path = path.field("mount");
-            let heading = path.within("heading_rad", mount.heading_rad, -TAU, TAU)?;
             // Farther out a sensor would look through walls that the body has not reached.
             let reach = 2.0 * context.radius_m;
             let x = path.within("x_m", mount.x_m, -reach, reach)?;
-            Pose::new(x, path.within("y_m", mount.y_m, -reach, reach)?, heading)
+            Pose::new(x, path.within("y_m", mount.y_m, -reach, reach)?, mount.heading_rad.get())
         }
         _ => return Err(path.error("needs either `bearing_rad` (on the rim, looking outwards) or `mount`")),
     };
     let turret = raw.turret.map(|name| turret(path, &name, context)).transpose()?;
-    Ok(Mount { pose, turret, height: height(path, raw.height_m, context)? })
+    Ok(Mount { pose, turret, height: height(raw.height_m, context) })
 }
 
 /// As [`mount`] for a sensor that sits in the robot's centre and only looks somewhere.
@@ -44,14 +43,13 @@ pub(super) fn centre(path: &Path, table: &mut Table, context: &mut Context<'_>) 
     if raw.mount.is_some() || raw.turret.is_some() {
         return Err(path.error("is a part of the rim: it takes `bearing_rad`, no `mount` and no `turret`"));
     }
-    let bearing = path.within("bearing_rad", raw.bearing_rad.unwrap_or(0.0), -TAU, TAU)?;
-    let height = height(path, raw.height_m, context)?;
+    let bearing = raw.bearing_rad.map_or(0.0, Number::get);
+    let height = height(raw.height_m, context);
     Ok(Mount { pose: Pose::new(0.0, 0.0, bearing), turret: None, height })
 }
 
-fn height(path: &Path, height_m: Option<f64>, context: &mut Context<'_>) -> Result<Height> {
-    let above_floor_m = path.within("height_m", height_m.unwrap_or(0.0), 0.0, 100.0)?;
-    Ok(context.arena.height(above_floor_m))
+fn height(height_m: Option<Number<Between<0, 100>>>, context: &mut Context<'_>) -> Height {
+    context.arena.height(height_m.map_or(0.0, Number::get))
 }
 
 fn turret(path: &Path, name: &String, context: &Context<'_>) -> Result<usize> {

@@ -2,8 +2,11 @@
 
 use alloc::string::String;
 
+use baudbot_fields::number::{Between, Micros, Millis, NotNegative, Number, Turn, Whole};
+use baudbot_sim::sensor::dialogue::Begin;
 use baudbot_sim::sensor::{Noise, SensorKind};
 
+use crate::context::Period;
 use crate::raw::Link;
 
 /// The fields that every kind of sensor has.
@@ -14,18 +17,18 @@ pub(crate) struct Common {
     /// The device: one of the kinds of this page.
     #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
     pub(crate) kind: SensorKind,
-    /// Time between two reads by the microcontroller. Default: `step_ms`. Range: 0.01 to 10^7.
-    pub(crate) period_ms: Option<f64>,
-    /// Instant of the first read. Range: 0 to 10^7.
+    /// Time between two reads by the microcontroller. Default: `step_ms`.
+    pub(crate) period_ms: Option<Number<Millis<Period>>>,
+    /// Instant of the first read.
     #[serde(default)]
-    pub(crate) phase_ms: f64,
+    pub(crate) phase_ms: Number<Millis<Between<0, 10_000_000>>>,
     /// How long a read keeps the microcontroller busy. What the device itself keeps it waiting (`sonar`,
-    /// `photoresistor`) comes on top. Range: 0 to 10^9.
+    /// `photoresistor`) comes on top.
     #[serde(default)]
-    pub(crate) acquisition_us: f64,
-    /// Bits of each value on the wire. Without it a value crosses as an exact 64-bit number. Range: 1 to 32;
+    pub(crate) acquisition_us: Number<Micros<Between<0, 1_000_000_000>>>,
+    /// Bits of each value on the wire. Without it a value crosses as an exact 64-bit number. Range:
     /// `encoders`, `steps`, `optical-flow` 8 to 32; not with `port`.
-    pub(crate) bits: Option<u64>,
+    pub(crate) bits: Option<Number<Whole<1, 32, u8>>>,
     /// What disturbs its readings: [noise](#noise). Default: none. Range: not for digital kinds.
     #[serde(default)]
     pub(crate) noise: Noise,
@@ -43,21 +46,20 @@ pub(crate) const COMMON: [&str; 8] =
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Clock {
-    /// Time between the starts of two measurements. Range: 0.01 to 10^7.
-    pub(crate) period_ms: f64,
-    /// How far a specimen's period may be off, either way. Uniform, drawn once a run. Range: 0 to 0.9 periods.
+    /// Time between the starts of two measurements.
+    pub(crate) period_ms: Number<Period>,
+    /// How far a specimen's period may be off, either way. Uniform, drawn once a run. Range: to 0.9 periods.
     #[serde(default)]
-    pub(crate) spread_ms: f64,
-    /// How far each measurement may begin late. Uniform, drawn each time. It does not add up. Range: 0 to one
+    pub(crate) spread_ms: Number<NotNegative>,
+    /// How far each measurement may begin late. Uniform, drawn each time. It does not add up. Range: to one
     /// period.
     #[serde(default)]
-    pub(crate) jitter_ms: f64,
-    /// When the first measurement begins. Default: anywhere in the first period, drawn once a run. Range: 0 to
-    /// 10^7.
-    pub(crate) phase_ms: Option<f64>,
-    /// Time from the end of a measurement until its value is at the output. Range: 0 to 10^6.
+    pub(crate) jitter_ms: Number<NotNegative>,
+    /// When the first measurement begins. Default: anywhere in the first period, drawn once a run.
+    pub(crate) phase_ms: Option<Number<Millis<Between<0, 10_000_000>>>>,
+    /// Time from the end of a measurement until its value is at the output.
     #[serde(default)]
-    pub(crate) latency_ms: f64,
+    pub(crate) latency_ms: Number<Millis<Between<0, 1_000_000>>>,
 }
 
 /// A cable of a device's own.
@@ -68,27 +70,20 @@ pub(crate) struct Port {
     /// The cable, with the fields of [`robots.link`](scenario.md#robotslink). Range: any link but `onboard`.
     pub(crate) link: Link,
     /// Characters of a distance: 2 reach 4.095 m, 3 reach 262 m. Default: 3. Range: 2 or 3; only `laser`.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = [2, 3])))]
     pub(crate) characters: Option<u64>,
-    /// Number of the first ray in the messages. Default: 0. Range: 0 to 9999, the last step included; only
+    /// Number of the first ray in the messages. Default: 0. Range: the last step included; only
     /// `laser`.
-    pub(crate) first_step: Option<u64>,
+    pub(crate) first_step: Option<Number<Whole<0, 9999>>>,
     /// What a receiver says of each fix: `RMC` alone, or `GGA`, `GSA`, three `GSV` and `RMC`. Default: `"all"`.
     /// Range: only `gps`.
     pub(crate) sentences: Option<Sentences>,
     /// Without it the device speaks by itself from the beginning. `"asked"`: it is silent and
     /// [answers](#dialogues-on-a-port). `"driver"`: the same, but a driver of the laptop's starts its scans.
     /// Range: only `laser`, not `clockwise`; not with `turnaround_us`.
-    pub(crate) dialogue: Option<Dialogue>,
+    pub(crate) dialogue: Option<Begin>,
     /// Which commands it knows, and what it calls itself. Default: `"urg-04lx"`. Range: only with `dialogue`.
     pub(crate) model: Option<Model>,
-}
-
-#[derive(Clone, Copy, PartialEq, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub(crate) enum Dialogue {
-    Asked,
-    Driver,
 }
 
 #[derive(Clone, Copy, PartialEq, serde::Deserialize)]
@@ -114,12 +109,12 @@ pub(crate) enum Sentences {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Place {
     /// On the body's rim at this angle from the heading, looking outwards. Of a body with corners the rim is
-    /// that of the disc around it. Default: this one, or `mount`. Range: −2π to 2π.
-    pub(crate) bearing_rad: Option<f64>,
+    /// that of the disc around it. Default: this one, or `mount`.
+    pub(crate) bearing_rad: Option<Number<Turn>>,
     /// Anywhere on the robot, looking any way. Default: this one, or `bearing_rad`.
     pub(crate) mount: Option<Mount>,
-    /// How high it sits. It sees what reaches up to there. Default: 0.0. Range: 0 to 100.
-    pub(crate) height_m: Option<f64>,
+    /// How high it sits. It sees what reaches up to there. Default: 0.0.
+    pub(crate) height_m: Option<Number<Between<0, 100>>>,
     /// It sits on it and turns with it about the robot's centre. Bearing and mount are then those at the
     /// turret's 0. Range: name of a [turret](actuators.md#kind--turret-a-servo-that-turns-sensors) of the
     /// robot.
@@ -138,7 +133,7 @@ pub(crate) struct Mount {
     /// To the left of the robot's centre. Range: at most two body radii either way.
     #[serde(default)]
     pub(crate) y_m: f64,
-    /// Which way it looks, from the robot's heading. Range: −2π to 2π.
+    /// Which way it looks, from the robot's heading.
     #[serde(default)]
-    pub(crate) heading_rad: f64,
+    pub(crate) heading_rad: Number<Turn>,
 }

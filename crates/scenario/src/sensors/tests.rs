@@ -11,9 +11,7 @@ fn path() -> Path {
 }
 
 fn noise(toml: &str) -> Result<Noise, String> {
-    let noise = Sheet::from(toml.parse::<toml::Table>().unwrap())
-        .read(&path())
-        .and_then(|noise: Noise| noise.checked(&path()));
+    let noise = Sheet::from(toml.parse::<toml::Table>().unwrap()).read(&path());
     noise.map_err(|error| error.to_string())
 }
 

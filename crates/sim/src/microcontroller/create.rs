@@ -279,7 +279,7 @@ fn fed(spec: &RobotSpec, robot: &Condition<'_>, packet: Packet) -> i32 {
     if packet == Packet::Current {
         whole(-state.current_a * 1e3, [-32_768.0, 32_767.0])
     } else if packet == Packet::Capacity {
-        whole(battery.capacity_c / 3.6, [0.0, 65_535.0])
+        whole(battery.capacity_c() / 3.6, [0.0, 65_535.0])
     } else {
         // Full charging, and the home base.
         2 * i32::from(robot.charges())

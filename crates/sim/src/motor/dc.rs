@@ -4,27 +4,65 @@
 //! sgn(0) open: at standstill Coulomb friction opposes the torque and holds the motor up to its own size,
 //! as in ARSim. The output torque is limited to ±τ_max, which §3.2.4 allows for.
 
-/// The model of a motor and its gear box. Values hold at the shaft unless stated otherwise.
-#[derive(Clone, Debug, PartialEq)]
+use baudbot_fields::number::{NotNegative, Number, Positive, Share, UpTo};
+use serde::Deserialize;
+
+/// The model of a motor and its gear box. The defaults are ARSim's motor, made for a robot of a few kg.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DcMotor {
-    /// Voltage at motor signal 1, in volts.
+    /// Voltage at motor signal 1.
+    #[serde(with = "Number::<Positive>")]
     pub voltage_v: f64,
-    /// Torque per current c_t, in N m / A.
+    /// c_t of Eq. (1.8), N m / A.
+    #[serde(with = "Number::<Positive>")]
     pub torque_constant_nm_a: f64,
-    /// Back-EMF per shaft speed c_e, in V s / rad.
+    /// c_e of Eq. (1.8), V s / rad.
+    #[serde(with = "Number::<NotNegative>")]
     pub emf_constant_v_s: f64,
-    /// Resistance R of the armature, in ohms.
+    /// R of Eq. (1.8).
+    #[serde(with = "Number::<Positive>")]
     pub resistance_ohm: f64,
-    /// Coulomb friction c_C, in N m.
+    /// c_C of Eq. (1.9), at the motor's shaft.
+    #[serde(with = "Number::<NotNegative>")]
     pub coulomb_friction_nm: f64,
-    /// Viscous friction c_v, in N m s / rad.
+    /// c_v of Eq. (1.9), at the motor's shaft.
+    #[serde(with = "Number::<NotNegative>")]
     pub viscous_friction_nm_s: f64,
-    /// Gear ratio G (1.10): turns of the shaft a turn of the wheel.
+    /// G of Eq. (1.10): turns of the shaft a turn of the wheel.
+    #[serde(with = "Number::<Positive>")]
     pub gear_ratio: f64,
-    /// Share of the torque that passes the gear box, in (0, 1].
+    /// Share of the torque that the gear box transmits.
+    #[serde(with = "Number::<UpTo<1>>")]
     pub gear_efficiency: f64,
-    /// Largest torque on the wheel τ_max, in N m.
+    /// Largest torque on the wheel.
+    #[serde(with = "Number::<Positive>")]
     pub max_torque_nm: f64,
+    /// ARSim's quirk: a command may exceed ±1. Without it such a command is rejected. Range: only without
+    /// `signal_bits`.
+    pub unlimited_signals: bool,
+    /// ARSim's quirk at 0.5: the share of the half track that counts for the wheel speeds in the motor model.
+    #[serde(with = "Number::<Share>")]
+    pub track_factor: f64,
+}
+
+impl Default for DcMotor {
+    fn default() -> Self {
+        Self {
+            voltage_v: 12.0,
+            torque_constant_nm_a: 0.0333,
+            emf_constant_v_s: 0.0333,
+            resistance_ohm: 0.62,
+            coulomb_friction_nm: 0.008,
+            viscous_friction_nm_s: 0.02,
+            gear_ratio: 2.0,
+            gear_efficiency: 1.0,
+            max_torque_nm: 1.0,
+            unlimited_signals: false,
+            track_factor: 1.0,
+        }
+    }
 }
 
 impl DcMotor {
@@ -87,17 +125,7 @@ mod tests {
     use super::DcMotor;
 
     fn arsim() -> DcMotor {
-        DcMotor {
-            voltage_v: 12.0,
-            torque_constant_nm_a: 0.0333,
-            emf_constant_v_s: 0.0333,
-            resistance_ohm: 0.62,
-            coulomb_friction_nm: 0.008,
-            viscous_friction_nm_s: 0.02,
-            gear_ratio: 2.0,
-            gear_efficiency: 1.0,
-            max_torque_nm: 1.0,
-        }
+        DcMotor::default()
     }
 
     #[test]

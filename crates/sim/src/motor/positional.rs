@@ -5,26 +5,50 @@
 //! notes have no servos. Data sheets give the rate as a time: 60° in 0.19 s (Hitec HS-311) or 0.23 s (Futaba
 //! S3003), at 4.8 V.
 
+use baudbot_fields::number::{Between, Millis, Number, Opening, Positive, Rule, Share};
+use serde::Deserialize;
+
 use super::frame;
 use crate::time::SimTime;
 
+baudbot_fields::rules! {
+    /// An angle of up to a turn to the right, in radians.
+    ToTheRight: Any, -core::f64::consts::TAU, 0.0;
+}
+
 /// The model of a positional servo.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PositionalServo {
-    /// Least and greatest angle, in rad, with 0 between them.
-    pub range_rad: [f64; 2],
-    /// The rate of turning, in rad/s.
+    /// Limit to the right.
+    #[serde(with = "Number::<ToTheRight>")]
+    pub min_rad: f64,
+    /// Limit to the left.
+    #[serde(with = "Number::<Opening>")]
+    pub max_rad: f64,
+    /// How fast it turns.
+    #[serde(with = "Number::<Positive>")]
     pub rate_rad_s: f64,
-    /// It stays where it is when the angle asked for is as near as this, in rad.
+    /// The turret does not move if the commanded angle is this close.
+    #[serde(default, with = "Number::<Share>")]
     pub dead_band_rad: f64,
-    /// Time between two pulses, in ns; 0 is a servo that obeys at once.
+    /// Time between two pulses. A command takes effect with the next one; with 0, immediately.
+    #[serde(rename = "frame_ms", default = "usual_frame_ns", with = "Number::<FrameMs>")]
     pub frame_ns: u64,
+}
+
+type FrameMs = Millis<Between<0, 1000>>;
+
+/// That of servos for models.
+fn usual_frame_ns() -> u64 {
+    FrameMs::value(20.0)
 }
 
 impl PositionalServo {
     /// The angle that it goes for at this signal, in rad: ±1 is the end that is farther from 0, and the other end holds.
     pub fn target_rad(&self, signal: f64) -> f64 {
-        let [min, max] = self.range_rad;
+        let (min, max) = (self.min_rad, self.max_rad);
         (signal * max.max(-min)).max(min).min(max)
     }
 
@@ -60,7 +84,8 @@ mod tests {
 
     fn hs311() -> PositionalServo {
         PositionalServo {
-            range_rad: [-1.0, 1.5],
+            min_rad: -1.0,
+            max_rad: 1.5,
             rate_rad_s: FRAC_PI_3 / 0.19,
             dead_band_rad: 0.01,
             frame_ns: 20_000_000,
@@ -84,7 +109,7 @@ mod tests {
             [1.0, 0.5, -0.5, -1.0, 9.0].map(|signal| servo.target_rad(signal)),
             [1.5, 0.75, -0.75, -1.0, 1.5]
         );
-        let to_the_right = PositionalServo { range_rad: [-1.0, 0.0], ..hs311() };
+        let to_the_right = PositionalServo { max_rad: 0.0, ..hs311() };
         assert_eq!([1.0, -0.5, -1.0].map(|signal| to_the_right.target_rad(signal)), [0.0, -0.5, -1.0]);
         assert_eq!(servo.step(0.2, 0.21, 1.0), 0.2);
         assert_eq!(servo.step(0.2, 0.211, 1.0), 0.211);

@@ -11,37 +11,89 @@
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
+use baudbot_fields::number::{Between, Millis, NotNegative, Number, Thousandths, UpTo};
+use baudbot_fields::{FieldError, Path};
 use baudbot_geometry::math;
+use serde::Deserialize;
 
 use super::frame;
 use crate::curve;
 use crate::time::SimTime;
 
-/// The model of a servo for continuous rotation.
-#[derive(Clone, Debug, PartialEq)]
+/// The width of a pulse, in µs: none is longer than a second.
+type Width = Between<0, 1_000_000>;
+/// Turns a minute.
+type Rpm = Between<-1_000_000, 1_000_000>;
+
+/// The model of a servo for continuous rotation. The defaults are the Parallax 900-00008.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Servo {
-    /// Pulse width in µs and speed in turns a minute, widths increasing, at least one: linear in between,
-    /// held beyond the ends.
+    /// Turns a minute over the pulse width in µs: linear between the points, constant beyond the ends. Type:
+    /// list of `[width, speed]`. Default: the Parallax's: ±48 a minute, flat beyond 1.4 and 1.6 ms. Range: 1 to
+    /// 1000 points; widths 0 to 10^6, increasing; speeds −10^6 to 10^6.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "curve::Points<Width, Rpm>", length(min = 1, max = 1000))
+    )]
+    #[serde(rename = "curve_us_rpm")]
     pub curve: Vec<(f64, f64)>,
-    /// Pulse width at signal 0, in µs.
+    /// Width at signal 0.
+    #[serde(with = "Number::<Width>")]
     pub neutral_us: f64,
-    /// The additional width of the pulse at signal 1, in µs.
+    /// How much wider the pulse is at signal 1.
+    #[serde(with = "Number::<UpTo<1_000_000>>")]
     pub half_range_us: f64,
-    /// Pulses within so much of the servo's own neutral width stop it, in µs.
+    /// Pulses this close to the servo's own neutral width stop it.
+    #[serde(with = "Number::<Width>")]
     pub dead_band_us: f64,
-    /// The difference of the servo's own neutral width, which a screw sets, over `neutral_us`, in µs.
+    /// How far the servo's own neutral width, adjusted by a screw, is above `neutral_us`.
+    #[serde(with = "Number::<Between<-1_000_000, 1_000_000>>")]
     pub trim_us: f64,
-    /// Time constant with which the speed follows, in s; 0 is at once.
+    /// Time constant of its speed.
+    #[serde(rename = "lag_ms", with = "Number::<Thousandths<Between<0, 1_000_000>>>")]
     pub lag_s: f64,
-    /// Time between two pulses, in ns; 0 is a servo that obeys at once.
+    /// Time between two pulses. A command takes effect with the next one; with 0, immediately.
+    #[serde(rename = "frame_ms", with = "Number::<Millis<Between<0, 1000>>>")]
     pub frame_ns: u64,
-    /// Electrical power that it takes standing still, in W.
+    /// Electrical power at standstill.
+    #[serde(with = "Number::<NotNegative>")]
     pub idle_w: f64,
-    /// Electrical power that it takes turning, in W.
+    /// Electrical power while turning.
+    #[serde(with = "Number::<NotNegative>")]
     pub running_w: f64,
 }
 
+impl Default for Servo {
+    /// Times and dead band are guesses; 15 mA standing still and up to 200 mA turning, at 6 V.
+    fn default() -> Self {
+        Self {
+            curve: Self::parallax_curve(),
+            neutral_us: 1500.0,
+            half_range_us: 200.0,
+            dead_band_us: 5.0,
+            trim_us: 0.0,
+            lag_s: 0.06,
+            frame_ns: 20_000_000,
+            idle_w: 0.09,
+            running_w: 1.2,
+        }
+    }
+}
+
 impl Servo {
+    /// The servo whose table stands at `path`, if its curve is one.
+    ///
+    /// # Errors
+    /// Names the first point that is out of place.
+    pub fn checked(self, path: &Path) -> Result<Self, FieldError> {
+        let path = path.field("curve_us_rpm");
+        curve::has_points(&path, &self.curve, 1)?;
+        curve::check::<Width, Rpm>(&path, &self.curve, ["pulse_us", "rpm"])?;
+        Ok(self)
+    }
+
     /// The curve of the Parallax 900-00008. Its manual gives about 48 turns a minute at the ends, and
     /// little change beyond 1.4 and 1.6 ms; the points between are guesses of that shape, good to a few
     /// turns a minute.

@@ -16,28 +16,57 @@
 
 use core::f64::consts::TAU;
 
+use baudbot_fields::number::{Between, NotNegative, Number, Thousandths, UpTo};
 use baudbot_geometry::math;
 use serde::{Deserialize, Serialize};
 
 use crate::wheels::Wheels;
 
-/// The model of a stepper motor and its gear box.
-#[derive(Clone, Debug, PartialEq)]
+/// The model of a stepper motor and its gear box. The defaults are the e-puck's (e-puck.org, mechanics); acceleration and power are
+/// guesses.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Stepper {
-    /// Steps a turn of the wheel, gear box included.
+    /// Steps per turn of the wheel, including the gear box.
+    #[serde(with = "Number::<Between<1, 1_000_000_000>>")]
     pub steps_per_turn: f64,
-    /// Pulses a second at motor signal 1.
+    /// Pulses a second at signal 1.
+    #[serde(with = "Number::<Rate>")]
     pub full_rate_steps_s: f64,
-    /// Pull-out rate: with more pulses a second than these the rotor stands still.
-    pub max_rate_steps_s: f64,
-    /// The greatest change of the rotor's rate, in steps per s².
+    /// With more pulses a second the rotor stalls. Default: `full_rate_steps_s`.
+    pub max_rate_steps_s: Option<Number<Rate>>,
+    /// How fast the rotor's rate can change.
+    #[serde(with = "Number::<Rate>")]
     pub max_acceleration_steps_s2: f64,
-    /// Electrical power that its coils take while they are on, in W.
+    /// Electrical power of its coils while they are on, turning or not.
+    #[serde(with = "Number::<NotNegative>")]
     pub holding_w: f64,
-    /// Rate of the timer that makes the pulses, in Hz; `None` can make any rate of pulses.
-    pub timer_hz: Option<f64>,
-    /// For how long coils are on after a step at most, in s; `None` leaves them on.
-    pub hold_s: Option<f64>,
+    /// Rate of the timer that makes the pulses. The speed asked for is rounded to whole steps a second, v, and
+    /// a pulse comes every ⌊timer_hz / v⌋ ticks of the timer: with 10,000, 950 steps/s become 1000 and 800
+    /// become 833.3. Without it any rate can be made.
+    pub timer_hz: Option<Number<Rate>>,
+    /// The coils are switched off so long after a step, which saves power below 1 / `hold_ms` steps/s. Without
+    /// it they are always on.
+    #[serde(rename = "hold_ms")]
+    pub hold_s: Option<Number<Thousandths<Between<0, 1_000_000>>>>,
+}
+
+/// Steps or ticks a second.
+type Rate = UpTo<1_000_000_000>;
+
+impl Default for Stepper {
+    fn default() -> Self {
+        Self {
+            steps_per_turn: 1000.0,
+            full_rate_steps_s: 1000.0,
+            max_rate_steps_s: None,
+            max_acceleration_steps_s2: 4000.0,
+            holding_w: 0.5,
+            timer_hz: None,
+            hold_s: None,
+        }
+    }
 }
 
 /// The steps of one motor.
@@ -93,20 +122,21 @@ impl Stepper {
         if whole == 0.0 {
             return 0.0;
         }
+        let timer_hz = timer_hz.get();
         let ticks = math::floor(timer_hz / whole.abs()).max(1.0);
         (timer_hz / ticks).copysign(whole)
     }
 
     /// Electrical power that it takes at this signal, in W: the coils' current does not depend on what the rotor does.
     pub fn power_w(&self, signal: f64) -> f64 {
-        let share = self.hold_s.map_or(1.0, |hold_s| (hold_s * self.pulses_per_s(signal).abs()).min(1.0));
+        let share = self.hold_s.map_or(1.0, |hold| (hold.get() * self.pulses_per_s(signal).abs()).min(1.0));
         share * self.holding_w
     }
 
     /// The rotor's next rate. A change that it can follow gives the commanded rate itself, so that no step
     /// is lost to rounding.
     fn rate_steps_s(&self, rate: f64, commanded: f64, dt_s: f64) -> f64 {
-        if commanded.abs() > self.max_rate_steps_s {
+        if commanded.abs() > self.max_rate_steps_s.map_or(self.full_rate_steps_s, Number::get) {
             return 0.0;
         }
         let (change, reach) = (commanded - rate, self.max_acceleration_steps_s2 * dt_s);
@@ -117,24 +147,17 @@ impl Stepper {
 #[cfg(test)]
 mod tests {
     use super::{Stepper, StepperState};
+    use baudbot_fields::number::Number;
 
     /// The e-puck's: 20 steps a turn and a gear box of 50 : 1, at most 1000 steps/s (e-puck.org,
     /// mechanics).
     fn epuck() -> Stepper {
-        Stepper {
-            steps_per_turn: 1000.0,
-            full_rate_steps_s: 1000.0,
-            max_rate_steps_s: 1000.0,
-            max_acceleration_steps_s2: 4000.0,
-            holding_w: 0.5,
-            timer_hz: None,
-            hold_s: None,
-        }
+        Stepper { max_rate_steps_s: Some(Number::of(1000.0)), ..Stepper::default() }
     }
 
     /// With what its firmware does: a timer of 10 kHz, and coils that are on for 1/650 s after a step.
     fn epuck_firmware() -> Stepper {
-        Stepper { timer_hz: Some(10_000.0), hold_s: Some(1.0 / 650.0), ..epuck() }
+        Stepper { timer_hz: Some(Number::of(10_000.0)), hold_s: Some(Number::of(1000.0 / 650.0)), ..epuck() }
     }
 
     /// The wheel's speed after these steps of 1 ms.
@@ -165,7 +188,7 @@ mod tests {
             [1.2, -1.2, 0.0004, 0.0].map(|signal| motor.pulses_per_s(signal)),
             [1000.0, -1000.0, 0.0, 0.0]
         );
-        let slow = Stepper { timer_hz: Some(300.0), ..motor };
+        let slow = Stepper { timer_hz: Some(Number::of(300.0)), ..motor };
         assert_eq!(slow.pulses_per_s(1.0), 300.0);
     }
 

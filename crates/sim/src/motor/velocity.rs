@@ -10,25 +10,56 @@
 
 use alloc::vec::Vec;
 
-use crate::curve;
+use baudbot_fields::number::{Number, Positive, Share, UpTo};
+use baudbot_fields::{FieldError, Path};
+use serde::Deserialize;
 
-/// The model of a velocity-regulated motor.
-#[derive(Clone, Debug, PartialEq)]
+use crate::curve::{self, LeastShare};
+
+/// The model of a velocity-regulated motor. The defaults suit ARSim's body: without damping its time constant is 0.1 s, and its top
+/// speed is about the same.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VelocityMotor {
-    /// K of (3.15): torque on the wheel per difference of rim speeds, in N m per m/s, which is N s.
+    /// K of Eq. (3.15): torque on the wheel for each m/s of speed error.
+    #[serde(with = "Number::<Positive>")]
     pub gain_n_s: f64,
-    /// Largest torque on the wheel τ_max, in N m.
+    /// Largest torque on the wheel.
+    #[serde(with = "Number::<Positive>")]
     pub max_torque_nm: f64,
-    /// Reference speed v_ref of the wheel's rim at motor signal 1, in m/s.
+    /// Commanded speed of the wheel's rim at signal 1.
+    #[serde(with = "Number::<UpTo<1000>>")]
     pub full_speed_m_s: f64,
-    /// Mechanical power per electrical power, in (0, 1].
+    /// Mechanical power per electrical power, for the battery.
+    #[serde(with = "Number::<LeastShare>")]
     pub efficiency: f64,
-    /// Size of the signal and share of v_ref that is reached at it, signals increasing: linear in between, held beyond the
-    /// ends. Empty if all of it is reached.
+    /// Share of the commanded speed that is reached, over the size of the signal: linear between the points,
+    /// constant beyond the ends. Without it all of it is reached. Type: list of `[signal, share]`. Default:
+    /// none. Range: at most 1000 points; signals 0 to 1, increasing; shares 0.001 to 1.
+    #[cfg_attr(feature = "schema", schemars(with = "curve::Points<Share, LeastShare>", length(max = 1000)))]
+    #[serde(rename = "curve_signal_share")]
     pub reached: Vec<(f64, f64)>,
 }
 
+impl Default for VelocityMotor {
+    fn default() -> Self {
+        Self { gain_n_s: 1.5, max_torque_nm: 1.0, full_speed_m_s: 0.8, efficiency: 0.7, reached: Vec::new() }
+    }
+}
+
 impl VelocityMotor {
+    /// The motor whose table stands at `path`, if its curve is one.
+    ///
+    /// # Errors
+    /// Names the first point that is out of place.
+    pub fn checked(self, path: &Path) -> Result<Self, FieldError> {
+        let path = path.field("curve_signal_share");
+        curve::has_points(&path, &self.reached, 0)?;
+        curve::check::<Share, LeastShare>(&path, &self.reached, ["signal", "share"])?;
+        Ok(self)
+    }
+
     /// Torque on the wheel, in N m, at this signal and speed of the wheel's rim: (3.15), then the limit.
     pub fn torque_nm(&self, signal: f64, rim_speed_m_s: f64) -> f64 {
         let reference = self.reference_m_s(signal);

@@ -28,7 +28,7 @@ pub use writes::Exceptions;
 use writes::WriteWatch;
 
 use crate::actuator::ActuatorState;
-use crate::battery::BatteryState;
+use crate::battery::{Battery, BatteryState};
 use crate::collision::Partner;
 use crate::drive::{Motion, Wheels};
 use crate::laptop::Laptop;
@@ -157,7 +157,7 @@ impl Robot {
                 .collect(),
             actuators: spec.actuators.iter().map(|_| ActuatorState::default()).collect(),
             parts: OptionalParts {
-                battery: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
+                battery: spec.battery.as_ref().map(Battery::at_start),
                 delay_line: (spec.dead_time_ns > 0).then(Box::default),
                 dialogues: dialogues(spec, seed),
                 chip: spec.chip.as_ref().map(|chip| Box::new(ChipState::new(chip, spec))),

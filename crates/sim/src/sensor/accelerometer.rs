@@ -13,39 +13,30 @@ use super::Measurement;
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use super::lowpass::{LowPass, time_constant_s};
 use crate::random::Stream;
+use baudbot_fields::number::{Number, Positive};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of an accelerometer.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Accelerometer {
-    /// No reading is larger, in m/s².
-    pub range_m_s2: f64,
-    /// The bandwidth, in hertz; `None`: it follows at once.
-    pub bandwidth_hz: Option<f64>,
-}
-
-/// The fields of its table.
-#[derive(Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub(crate) struct Sheet {
-    /// No reading is larger, either way. Range: positive.
-    range_m_s2: f64,
-    /// It follows as a low-pass filter of first order does. Without it, at once. Range: positive.
-    bandwidth_hz: Option<f64>,
+pub struct Accelerometer {
+    /// No reading is larger, either way.
+    #[serde(with = "Number::<Positive>")]
+    pub range_m_s2: f64,
+    /// It follows as a low-pass filter of first order does. Without it, at once.
+    pub bandwidth_hz: Option<Number<Positive>>,
 }
 
 impl Sense for Accelerometer {
     const NAME: &str = "accelerometer";
     const PLACE: Place = Place::Inside;
-    type Sheet = Sheet;
+    type Sheet = Self;
     type Memory = [LowPass; 2];
 
-    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let range_m_s2 = path.positive("range_m_s2", sheet.range_m_s2)?;
-        let bandwidth_hz = sheet.bandwidth_hz.map(|hz| path.positive("bandwidth_hz", hz)).transpose()?;
-        let device = Self { range_m_s2, bandwidth_hz };
-        Ok(Built::new(device, levels(path, fit.bits, 2, -range_m_s2, range_m_s2)?))
+    fn new(sheet: Self, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let encodings = levels(fit.bits, 2, -sheet.range_m_s2, sheet.range_m_s2);
+        Ok(Built::new(sheet, encodings))
     }
 
     fn components(&self) -> Vec<Component> {

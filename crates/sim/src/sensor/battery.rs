@@ -20,8 +20,8 @@ impl Sense for BatteryGauge {
 
     fn new(_: NoFields, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
         let battery = fit.battery.ok_or_else(|| path.error("the robot has no `battery` to gauge"))?;
-        let voltage = level(path, fit.bits, 0.0, 2.0 * battery.nominal_v)?;
-        Ok(Built::new(Self, vec![voltage, level(path, fit.bits, 0.0, 1.0)?]))
+        let voltage = level(fit.bits, 0.0, 2.0 * battery.nominal_v);
+        Ok(Built::new(Self, vec![voltage, level(fit.bits, 0.0, 1.0)]))
     }
 
     fn components(&self) -> Vec<Component> {

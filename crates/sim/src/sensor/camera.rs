@@ -4,7 +4,6 @@
 use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::TAU;
 
 use baudbot_geometry::Fan;
 use serde::Deserialize;
@@ -13,6 +12,7 @@ use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use super::style::Style;
 use super::{Measurement, Mount, NOTHING};
 use crate::random::Stream;
+use baudbot_fields::number::{Number, Opening, Whole};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of a line camera.
@@ -35,23 +35,27 @@ pub struct LineCamera {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Field of view. Range: 0 to 2π.
-    opening_rad: f64,
-    /// A ray for each. Range: 1 to 4096.
-    columns: u64,
-    /// How far it sees. Range: 10^−6 to 65.
-    range_m: f64,
+    /// Field of view.
+    opening_rad: Number<Opening>,
+    /// A ray for each.
+    columns: Pixels,
+    /// How far it sees.
+    range_m: Number<Sight>,
     /// What it sees where there is nothing. Type: `[red, green, blue]`. Range: each 0 to 255.
     #[serde(default)]
     background: [u8; 3],
-    /// Rows of the image on a port, all alike: they cost time on the cable and show nothing more. Range: 1 to
-    /// 4096; at most 1,048,576 pixels.
-    #[serde(default = "one_row")]
-    rows: u64,
+    /// Rows of the image on a port, all alike: they cost time on the cable and show nothing more.
+    /// Range: at most 1,048,576 pixels.
+    #[serde(default = "Pixels::constant::<1>")]
+    rows: Pixels,
 }
 
-fn one_row() -> u64 {
-    1
+/// A side of an image.
+type Pixels = Number<Whole<1, 4096, u16>>;
+
+baudbot_fields::rules! {
+    /// How far a camera sees, in metres: depths are sent in millimetres.
+    Sight: Any, 1e-6, 65.0;
 }
 
 /// Most pixels of an image.
@@ -72,18 +76,15 @@ impl Sense for LineCamera {
     type Memory = ();
 
     fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let columns = path.whole_within("columns", sheet.columns, 1, 4096)? as usize;
-        let opening_rad = path.within("opening_rad", sheet.opening_rad, 0.0, TAU)?;
-        let range_m = path.within("range_m", sheet.range_m, 1e-6, 65.0)?;
-        let rows = path.whole_within("rows", sheet.rows, 1, 4096)? as u16;
+        let (columns, rows) = (usize::from(sheet.columns.get()), sheet.rows.get());
         if columns * usize::from(rows) > MAX_PIXELS {
             let problem = format!("{columns} columns and {rows} rows are more than {MAX_PIXELS} pixels");
             return Err(path.field("rows").error(problem));
         }
-        let fan = Fan::new(opening_rad, columns);
+        let (fan, range_m) = (Fan::new(sheet.opening_rad.get(), columns), sheet.range_m.get());
         let device = Self { mount: fit.mount, fan, range_m, background: sheet.background, rows };
-        let mut encodings = levels(path, fit.bits, 3 * columns, 0.0, 1.0)?;
-        encodings.extend(levels(path, fit.bits, columns, -1.0, range_m)?);
+        let mut encodings = levels(fit.bits, 3 * columns, 0.0, 1.0);
+        encodings.extend(levels(fit.bits, columns, -1.0, range_m));
         Ok(Built::new(device, encodings))
     }
 

@@ -2,7 +2,7 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::PI;
 
 use baudbot_geometry::{angle, math};
 use serde::Deserialize;
@@ -10,6 +10,7 @@ use serde::Deserialize;
 use super::Measurement;
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use crate::random::Stream;
+use baudbot_fields::number::{Number, Sigma, Turn};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of a compass.
@@ -26,16 +27,16 @@ pub struct Compass {
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Short for `noise.additive`. Range: 0 to 1000.
-    sigma_rad: f64,
-    /// Size of the error of something magnetic on the robot. Range: −2π to 2π.
-    hard_iron_rad: f64,
-    /// Where in the turn that error is. Range: −2π to 2π.
-    hard_iron_phase_rad: f64,
-    /// Size of the error of iron on the robot. Range: −2π to 2π.
-    soft_iron_rad: f64,
-    /// Where in the turn that error is. Range: −2π to 2π.
-    soft_iron_phase_rad: f64,
+    /// Short for `noise.additive`.
+    sigma_rad: Number<Sigma>,
+    /// Size of the error of something magnetic on the robot.
+    hard_iron_rad: Number<Turn>,
+    /// Where in the turn that error is.
+    hard_iron_phase_rad: Number<Turn>,
+    /// Size of the error of iron on the robot.
+    soft_iron_rad: Number<Turn>,
+    /// Where in the turn that error is.
+    soft_iron_phase_rad: Number<Turn>,
 }
 
 impl Sense for Compass {
@@ -44,20 +45,12 @@ impl Sense for Compass {
     type Sheet = Sheet;
     type Memory = ();
 
-    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let additive = path.sigma("sigma_rad", sheet.sigma_rad)?;
-        let angle = |field, value| path.within(field, value, -TAU, TAU);
+    fn new(sheet: Sheet, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
         let device = Self {
-            hard_iron_rad: (
-                angle("hard_iron_rad", sheet.hard_iron_rad)?,
-                angle("hard_iron_phase_rad", sheet.hard_iron_phase_rad)?,
-            ),
-            soft_iron_rad: (
-                angle("soft_iron_rad", sheet.soft_iron_rad)?,
-                angle("soft_iron_phase_rad", sheet.soft_iron_phase_rad)?,
-            ),
+            hard_iron_rad: (sheet.hard_iron_rad.get(), sheet.hard_iron_phase_rad.get()),
+            soft_iron_rad: (sheet.soft_iron_rad.get(), sheet.soft_iron_phase_rad.get()),
         };
-        Ok(Built { additive, ..Built::new(device, levels(path, fit.bits, 1, -PI, PI)?) })
+        Ok(Built { additive: sheet.sigma_rad.get(), ..Built::new(device, levels(fit.bits, 1, -PI, PI)) })
     }
 
     fn components(&self) -> Vec<Component> {

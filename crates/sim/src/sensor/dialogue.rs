@@ -28,7 +28,9 @@ pub struct Dialogue {
 }
 
 /// The end that speaks first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Begin {
     /// Nobody: the device is silent until something is written to its port.
     Asked,

@@ -14,16 +14,22 @@ use super::kind::{Built, Component, Effect, Fit, NoFields, Place, Sense, counter
 use crate::drive::Wheels;
 use crate::random::Stream;
 use crate::sound;
+use baudbot_fields::number::{Number, Share, Whole};
 use baudbot_fields::{FieldError, Path};
 
 /// An encoder on each wheel.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Encoders {
     /// Counts a turn of the wheel.
+    #[serde(with = "Number::<Whole<1, 1_000_000, u32>>")]
     pub counts_per_turn: u32,
-    /// Whether they tell the direction (Fig. 1.6, right).
+    /// It tells the direction, and counts backwards. `false`: a single detector that counts up both ways.
+    #[serde(default = "yes")]
     pub quadrature: bool,
-    /// Probability that a mark passes unseen.
+    /// Probability that a mark passes unseen. Only with noise.
+    #[serde(default, with = "Number::<Share>")]
     pub loss: f64,
 }
 
@@ -42,21 +48,6 @@ impl Seen {
     }
 }
 
-/// The fields of its table.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub(crate) struct Sheet {
-    /// Counts a turn of the wheel. Range: 1 to 1,000,000.
-    counts_per_turn: u64,
-    /// It tells the direction, and counts backwards. `false`: a single detector that counts up both ways.
-    #[serde(default = "yes")]
-    quadrature: bool,
-    /// Probability that a mark passes unseen. Only with noise. Range: 0 to 1.
-    #[serde(default)]
-    loss: f64,
-}
-
 fn yes() -> bool {
     true
 }
@@ -65,17 +56,11 @@ impl Sense for Encoders {
     const NAME: &str = "encoders";
     const PLACE: Place = Place::Inside;
     const IS_ANALOG: bool = false;
-    type Sheet = Sheet;
+    type Sheet = Self;
     type Memory = Seen;
 
-    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let device = Self {
-            counts_per_turn: path.whole_within("counts_per_turn", sheet.counts_per_turn, 1, 1_000_000)?
-                as u32,
-            quadrature: sheet.quadrature,
-            loss: path.within("loss", sheet.loss, 0.0, 1.0)?,
-        };
-        Ok(Built::new(device, counters(path, fit.bits)?))
+    fn new(sheet: Self, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        Ok(Built::new(sheet, counters(path, fit.bits)?))
     }
 
     fn components(&self) -> Vec<Component> {

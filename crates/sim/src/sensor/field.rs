@@ -12,6 +12,7 @@ use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels, maximum};
 use super::style::{Style, Symbol};
 use super::{Measurement, Mount};
 use crate::random::Stream;
+use baudbot_fields::number::{Number, Positive};
 use baudbot_fields::{FieldError, Path};
 
 /// A sensor of one of the scenario's fields.
@@ -30,8 +31,8 @@ pub struct FieldSensor {
 pub(crate) struct FieldSheet {
     /// What it measures. Range: name of one of the arena's fields.
     field: String,
-    /// Value of the largest code. Default: required with `bits`. Range: positive.
-    max: Option<f64>,
+    /// Value of the largest code. Default: required with `bits`.
+    max: Option<Number<Positive>>,
 }
 
 impl Sense for FieldSensor {
@@ -53,7 +54,7 @@ impl Sense for FieldSensor {
             };
             path.field("field").error(problem)
         })?;
-        let encodings = levels(path, fit.bits, 1, 0.0, maximum(path, sheet.max, fit.bits)?)?;
+        let encodings = levels(fit.bits, 1, 0.0, maximum(path, sheet.max, fit.bits)?);
         Ok(Built::new(Self { mount: fit.mount, field }, encodings))
     }
 
@@ -82,8 +83,8 @@ pub struct Microphone;
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct MicrophoneSheet {
-    /// Value of the largest code. Default: required with `bits`. Range: positive.
-    max: Option<f64>,
+    /// Value of the largest code. Default: required with `bits`.
+    max: Option<Number<Positive>>,
 }
 
 impl Sense for Microphone {
@@ -94,7 +95,7 @@ impl Sense for Microphone {
     type Memory = ();
 
     fn new(sheet: MicrophoneSheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let encodings = levels(path, fit.bits, 1, 0.0, maximum(path, sheet.max, fit.bits)?)?;
+        let encodings = levels(fit.bits, 1, 0.0, maximum(path, sheet.max, fit.bits)?);
         Ok(Built::new(Self, encodings))
     }
 

@@ -17,24 +17,34 @@ use super::Measurement;
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, level};
 use crate::random::Stream;
 use crate::time::{SECOND_NS, SimTime};
+use baudbot_fields::number::{Between, Number, Positive, Seconds, Sigma};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of a satellite receiver.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Gps {
-    /// Standard deviation of the wandering error, along x and y each, in metres.
+    /// Standard deviation of an error that wanders slowly, along x and y each.
+    #[serde(default, with = "Number::<Sigma>")]
     pub wander_sigma_m: f64,
-    /// Time in which the error forgets itself, in seconds.
+    /// Time constant of that error.
+    #[serde(default = "wander_time_s", with = "Number::<Positive>")]
     pub wander_time_s: f64,
-    /// Standard deviation of a second error, which wanders faster, along x and y each, in metres.
+    /// Standard deviation of a second error, which wanders faster, along x and y each.
+    #[serde(default, with = "Number::<Sigma>")]
     pub short_wander_sigma_m: f64,
-    /// Time in which the second error forgets itself, in seconds.
+    /// Time constant of the second error.
+    #[serde(default = "short_wander_time_s", with = "Number::<Positive>")]
     pub short_wander_time_s: f64,
-    /// Standard deviation of what is added to each fix, in metres.
+    /// Standard deviation of what is added to each fix, along x and y each.
+    #[serde(default, with = "Number::<Sigma>")]
     pub sigma_m: f64,
-    /// Standard deviation of the speed over ground, in m/s.
+    /// Standard deviation of what is added to the speed.
+    #[serde(default, with = "Number::<Sigma>")]
     pub speed_sigma_m_s: f64,
-    /// Time with sky until a lost fix is back, in nanoseconds.
+    /// How long the sky must be seen until a lost fix is back.
+    #[serde(rename = "reacquire_s", default, with = "Number::<Seconds<Between<0, 1_000_000>>>")]
     pub reacquire_ns: u64,
 }
 
@@ -58,34 +68,6 @@ impl Wander {
     }
 }
 
-/// The fields of its table.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub(crate) struct Sheet {
-    /// Standard deviation of an error that wanders slowly, along x and y each. Range: 0 to 1000.
-    #[serde(default)]
-    wander_sigma_m: f64,
-    /// Time constant of that error. Range: positive.
-    #[serde(default = "wander_time_s")]
-    wander_time_s: f64,
-    /// Standard deviation of a second error, which wanders faster, along x and y each. Range: 0 to 1000.
-    #[serde(default)]
-    short_wander_sigma_m: f64,
-    /// Time constant of the second error. Range: positive.
-    #[serde(default = "short_wander_time_s")]
-    short_wander_time_s: f64,
-    /// Standard deviation of what is added to each fix, along x and y each. Range: 0 to 1000.
-    #[serde(default)]
-    sigma_m: f64,
-    /// Standard deviation of what is added to the speed. Range: 0 to 1000.
-    #[serde(default)]
-    speed_sigma_m_s: f64,
-    /// How long the sky must be seen until a lost fix is back. Range: 0 to 10^6.
-    #[serde(default)]
-    reacquire_s: f64,
-}
-
 fn wander_time_s() -> f64 {
     200.0
 }
@@ -98,23 +80,12 @@ impl Sense for Gps {
     const NAME: &str = "gps";
     const PLACE: Place = Place::Inside;
     const IS_ANALOG: bool = false;
-    type Sheet = Sheet;
+    type Sheet = Self;
     type Memory = Box<Wander>;
 
-    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let reacquire_s = path.within("reacquire_s", sheet.reacquire_s, 0.0, 1e6)?;
-        let device = Self {
-            wander_sigma_m: path.sigma("wander_sigma_m", sheet.wander_sigma_m)?,
-            wander_time_s: path.positive("wander_time_s", sheet.wander_time_s)?,
-            short_wander_sigma_m: path.sigma("short_wander_sigma_m", sheet.short_wander_sigma_m)?,
-            short_wander_time_s: path.positive("short_wander_time_s", sheet.short_wander_time_s)?,
-            sigma_m: path.sigma("sigma_m", sheet.sigma_m)?,
-            speed_sigma_m_s: path.sigma("speed_sigma_m_s", sheet.speed_sigma_m_s)?,
-            reacquire_ns: (reacquire_s * SECOND_NS as f64) as u64,
-        };
+    fn new(sheet: Self, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
         let ranges = [(-90.0, 90.0), (-180.0, 180.0), (0.0, 1.0), (0.0, 100.0), (-PI, PI)];
-        let encodings = ranges.map(|(min, max)| level(path, fit.bits, min, max));
-        Ok(Built::new(device, encodings.into_iter().collect::<Result<_, _>>()?))
+        Ok(Built::new(sheet, ranges.map(|(min, max)| level(fit.bits, min, max)).into()))
     }
 
     fn components(&self) -> Vec<Component> {

@@ -12,39 +12,30 @@ use super::Measurement;
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use super::lowpass::{LowPass, time_constant_s};
 use crate::random::Stream;
+use baudbot_fields::number::{Number, Positive};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of a gyroscope.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Gyroscope {
-    /// No reading is larger, in rad/s.
-    pub range_rad_s: f64,
-    /// The bandwidth, in hertz; `None`: it follows at once.
-    pub bandwidth_hz: Option<f64>,
-}
-
-/// The fields of its table.
-#[derive(Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub(crate) struct Sheet {
-    /// No reading is larger, either way. Range: positive.
-    range_rad_s: f64,
-    /// It follows as a low-pass filter of first order does. Without it, at once. Range: positive.
-    bandwidth_hz: Option<f64>,
+pub struct Gyroscope {
+    /// No reading is larger, either way.
+    #[serde(with = "Number::<Positive>")]
+    pub range_rad_s: f64,
+    /// It follows as a low-pass filter of first order does. Without it, at once.
+    pub bandwidth_hz: Option<Number<Positive>>,
 }
 
 impl Sense for Gyroscope {
     const NAME: &str = "gyroscope";
     const PLACE: Place = Place::Inside;
-    type Sheet = Sheet;
+    type Sheet = Self;
     type Memory = LowPass;
 
-    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let range_rad_s = path.positive("range_rad_s", sheet.range_rad_s)?;
-        let bandwidth_hz = sheet.bandwidth_hz.map(|hz| path.positive("bandwidth_hz", hz)).transpose()?;
-        let device = Self { range_rad_s, bandwidth_hz };
-        Ok(Built::new(device, levels(path, fit.bits, 1, -range_rad_s, range_rad_s)?))
+    fn new(sheet: Self, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let encodings = levels(fit.bits, 1, -sheet.range_rad_s, sheet.range_rad_s);
+        Ok(Built::new(sheet, encodings))
     }
 
     fn components(&self) -> Vec<Component> {

@@ -12,16 +12,16 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::PI;
 
 use baudbot_geometry::{Fan, Pencil, math};
 use serde::Deserialize;
 
-use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
+use super::kind::{Built, Component, Effect, Fit, Place, Rays, Sense, levels};
 use super::lookup::{Lookup, Sheet as LookupSheet};
 use super::style::Style;
 use super::{Measurement, Mount, light};
 use crate::random::Stream;
+use baudbot_fields::number::{HalfOpening, Length, NotNegative, Number, Positive, Sigma, Whole};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of an IR sensor.
@@ -90,32 +90,31 @@ pub enum InfraredModel {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Opening angle γ. Range: 0 to π.
-    opening_rad: f64,
-    /// Number of rays N. One ray looks straight ahead. Range: 1 to 10,000.
-    rays: u64,
-    /// Range D. Range: 10^−6 to 10^6.
-    range_m: f64,
-    /// c₁ of Eq. (3.13). Default: this, `lookup` or `ambient_saturation_lux`. Range: not negative.
-    c1_m2: Option<f64>,
-    /// c₂ of Eq. (3.13). Default: required with `c1_m2`. Range: not negative.
-    c2: Option<f64>,
+    /// Opening angle γ.
+    opening_rad: Number<HalfOpening>,
+    /// Number of rays N. One ray looks straight ahead.
+    rays: Rays,
+    /// Range D.
+    range_m: Number<Length>,
+    /// c₁ of Eq. (3.13). Default: this, `lookup` or `ambient_saturation_lux`.
+    c1_m2: Option<Number<NotNegative>>,
+    /// c₂ of Eq. (3.13). Default: required with `c1_m2`.
+    c2: Option<Number<NotNegative>>,
     /// Samples of a real sensor. Type: table, or the name of a
     /// [file](scenario.md#files-that-a-scenario-refers-to). Default: this, `c1_m2` or `ambient_saturation_lux`.
     lookup: Option<LookupSheet>,
     /// It measures the light around it: 1 in the dark, falling to 0 at so many lux, within `opening_rad`. With
-    /// one ray it sees no lamp unless that is straight ahead. Default: this, `c1_m2` or `lookup`. Range:
-    /// positive.
-    ambient_saturation_lux: Option<f64>,
-    /// Short for `noise.multiplicative`, σ of Eq. (3.1). Range: 0 to 1000.
+    /// one ray it sees no lamp unless that is straight ahead. Default: this, `c1_m2` or `lookup`.
+    ambient_saturation_lux: Option<Number<Positive>>,
+    /// Short for `noise.multiplicative`, σ of Eq. (3.1).
     #[serde(default)]
-    sigma: f64,
+    sigma: Number<Sigma>,
     /// The code of a reading of 1. A Thymio II sends 13 bits, but nothing above 4505. Default: 2^`bits` − 1.
-    /// Range: 1 to 2^`bits` − 1; with `bits`.
-    full_scale: Option<u64>,
+    /// Range: to 2^`bits` − 1; with `bits`.
+    full_scale: Option<Number<Whole<1, { u64::MAX }>>>,
     /// Bits of its converter, if the lower bits of its codes are always 0: with 8 of 10 all codes are multiples
-    /// of 4, and 1020 is the largest. Default: `bits`. Range: 1 to `bits`; with `bits`.
-    converter_bits: Option<u64>,
+    /// of 4, and 1020 is the largest. Default: `bits`. Range: to `bits`; with `bits`.
+    converter_bits: Option<Number<Whole<1, { u64::MAX }>>>,
 }
 
 impl Sense for Infrared {
@@ -126,11 +125,10 @@ impl Sense for Infrared {
     type Memory = ();
 
     fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let multiplicative = path.sigma("sigma", sheet.sigma)?;
-        let fan = fan(path, sheet.opening_rad, PI, sheet.rays)?;
-        let range_m = path.length("range_m", sheet.range_m)?;
+        let fan = Fan::new(sheet.opening_rad.get(), sheet.rays.get().into());
+        let (multiplicative, range_m) = (sheet.sigma.get(), sheet.range_m.get());
         let (max, converter) = codes(path, &sheet, fit.bits)?;
-        let encodings = levels(path, fit.bits, 1, 0.0, max)?;
+        let encodings = levels(fit.bits, 1, 0.0, max);
         let device = Self { mount: fit.mount, fan, range_m, model: model(path, sheet)?, converter };
         Ok(Built { multiplicative, ..Built::new(device, encodings) })
     }
@@ -172,19 +170,19 @@ impl Sense for Infrared {
 }
 
 /// The reading that the largest code stands for, and the converter that makes the codes, if it is a coarser one.
-fn codes(path: &Path, sheet: &Sheet, bits: Option<u64>) -> Result<(f64, Option<Converter>), FieldError> {
+fn codes(path: &Path, sheet: &Sheet, bits: Option<u8>) -> Result<(f64, Option<Converter>), FieldError> {
     let Some(bits) = bits else {
         let problem = "goes with `bits`, which is missing";
         path.refuse("full_scale", sheet.full_scale.is_some(), problem)?;
         path.refuse("converter_bits", sheet.converter_bits.is_some(), problem)?;
         return Ok((1.0, None));
     };
-    let bits = path.whole_within("bits", bits, 1, 32)?;
     let largest = (1_u64 << bits) - 1;
-    let full_scale = path.whole_within("full_scale", sheet.full_scale.unwrap_or(largest), 1, largest)?;
-    let converter = |own_bits| {
-        let own_bits = path.whole_within("converter_bits", own_bits, 1, bits)?;
-        let step = 1_u64 << (bits - own_bits);
+    let full_scale = sheet.full_scale.map_or(largest, Number::get);
+    path.whole_within("full_scale", full_scale, 1, largest)?;
+    let converter = |own_bits: Number<_>| {
+        let own_bits = path.whole_within("converter_bits", own_bits.get(), 1, bits.into())?;
+        let step = 1_u64 << (u64::from(bits) - own_bits);
         Ok(Converter { step: step as f64 / full_scale as f64, top: (full_scale / step) as f64 })
     };
     Ok((largest as f64 / full_scale as f64, sheet.converter_bits.map(converter).transpose()?))
@@ -192,16 +190,14 @@ fn codes(path: &Path, sheet: &Sheet, bits: Option<u64>) -> Result<(f64, Option<C
 
 fn model(path: &Path, sheet: Sheet) -> Result<InfraredModel, FieldError> {
     match (sheet.c1_m2, sheet.c2, sheet.lookup, sheet.ambient_saturation_lux) {
-        (Some(c1), Some(c2), None, None) => Ok(InfraredModel::Phenomenological {
-            c1_m2: path.not_negative("c1_m2", c1)?,
-            c2: path.not_negative("c2", c2)?,
-        }),
+        (Some(c1), Some(c2), None, None) => {
+            Ok(InfraredModel::Phenomenological { c1_m2: c1.get(), c2: c2.get() })
+        }
         (None, None, Some(samples), None) => {
             Ok(InfraredModel::Lookup(samples.lookup(&path.field("lookup"))?))
         }
         (None, None, None, Some(lux)) => {
-            let saturation_lux = path.positive("ambient_saturation_lux", lux)?;
-            Ok(InfraredModel::Ambient { saturation_lux, opening_rad: sheet.opening_rad })
+            Ok(InfraredModel::Ambient { saturation_lux: lux.get(), opening_rad: sheet.opening_rad.get() })
         }
         (Some(_), None, None, None) => Err(path.field("c2").error("goes with c1_m2 and is missing")),
         (None, Some(_), None, None) => Err(path.field("c1_m2").error("goes with c2 and is missing")),

@@ -15,6 +15,7 @@ use crate::battery::Battery;
 use crate::random::Stream;
 use crate::scene::Ping;
 use crate::surroundings::Surroundings;
+use baudbot_fields::number::{Number, Positive, Whole};
 use baudbot_fields::{FieldError, Path};
 
 /// A kind of sensor: its data sheet, what it remembers, and how it reads.
@@ -115,8 +116,8 @@ pub struct Fit<'a> {
     /// The place and the direction.
     pub mount: Mount,
     /// Bits of each value on the wire, if the scenario says how many.
-    pub bits: Option<u64>,
-    /// The robot's battery.
+    pub bits: Option<u8>,
+    /// What feeds its robot.
     pub battery: Option<&'a Battery>,
     /// The surroundings besides shapes.
     pub surroundings: &'a Surroundings,
@@ -147,37 +148,32 @@ impl<D> Built<D> {
 }
 
 /// The encodings of `values` values that all lie between `min` and `max`.
-pub(super) fn levels(
-    path: &Path,
-    bits: Option<u64>,
-    values: usize,
-    min: f64,
-    max: f64,
-) -> Result<Vec<Encoding>, FieldError> {
-    Ok(alloc::vec![level(path, bits, min, max)?; values])
+pub(super) fn levels(bits: Option<u8>, values: usize, min: f64, max: f64) -> Vec<Encoding> {
+    alloc::vec![level(bits, min, max); values]
 }
 
 /// The encoding of a value between `min` and `max`.
-pub(super) fn level(path: &Path, bits: Option<u64>, min: f64, max: f64) -> Result<Encoding, FieldError> {
-    let Some(bits) = bits else { return Ok(Encoding::Float64) };
-    let bits = path.whole_within("bits", bits, 1, 32)? as u8;
-    Ok(Encoding::Level { bits, min, max })
+pub(super) fn level(bits: Option<u8>, min: f64, max: f64) -> Encoding {
+    bits.map_or(Encoding::Float64, |bits| Encoding::Level { bits, min, max })
 }
 
 /// The encodings of two counters.
-pub(super) fn counters(path: &Path, bits: Option<u64>) -> Result<Vec<Encoding>, FieldError> {
+pub(super) fn counters(path: &Path, bits: Option<u8>) -> Result<Vec<Encoding>, FieldError> {
     let Some(bits) = bits else { return Ok(alloc::vec![Encoding::Float64; 2]) };
     if bits < 8 {
         return Err(path.field("bits").error(alloc::format!("a counter has 8 to 32 bits, not {bits}")));
     }
-    let bits = path.whole_within("bits", bits, 8, 32)? as u8;
     Ok(alloc::vec![Encoding::Counter { bits }; 2])
 }
 
 /// The largest value that a sensor of so many bits can tell, where nothing else says it.
-pub(super) fn maximum(path: &Path, max: Option<f64>, bits: Option<u64>) -> Result<f64, FieldError> {
+pub(super) fn maximum(
+    path: &Path,
+    max: Option<Number<Positive>>,
+    bits: Option<u8>,
+) -> Result<f64, FieldError> {
     match (max, bits) {
-        (Some(max), _) => path.positive("max", max),
+        (Some(max), _) => Ok(max.get()),
         (None, None) => Ok(f64::MAX),
         (None, Some(_)) => {
             Err(path.field("max").error("is needed with `bits`: the value of the largest code"))
@@ -185,11 +181,8 @@ pub(super) fn maximum(path: &Path, max: Option<f64>, bits: Option<u64>) -> Resul
     }
 }
 
-/// A fan of `rays` rays over `opening_rad`, which is `max_rad` at most.
-pub(super) fn fan(path: &Path, opening_rad: f64, max_rad: f64, rays: u64) -> Result<Fan, FieldError> {
-    let opening_rad = path.within("opening_rad", opening_rad, 0.0, max_rad)?;
-    Ok(Fan::new(opening_rad, path.whole_within("rays", rays, 1, 10_000)? as usize))
-}
+/// How many rays a fan has.
+pub(super) type Rays = Number<Whole<1, 10_000, u16>>;
 
 /// The data sheet of a kind that has no fields of its own.
 #[derive(Deserialize)]

@@ -9,17 +9,17 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::TAU;
 use core::ops::Range;
 
 use baudbot_geometry::{Bundle, Carried, Fan, Twist, vectors};
 use serde::Deserialize;
 
-use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
+use super::kind::{Built, Component, Effect, Fit, Place, Rays, Sense, levels};
 use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::time::{SECOND_NS, SimTime};
+use baudbot_fields::number::{Between, Length, Millis, NotNegative, Number, Opening};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of a laser range finder.
@@ -44,18 +44,18 @@ pub struct Laser {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Angle between the first ray and the last. Of a full turn the two coincide. Range: 0 to 2π.
-    opening_rad: f64,
-    /// How many distances a scan has. Range: 1 to 10,000.
-    rays: u64,
-    /// What is nearer is read as this. Range: 0 to `range_m`.
+    /// Angle between the first ray and the last. Of a full turn the two coincide.
+    opening_rad: Number<Opening>,
+    /// How many distances a scan has.
+    rays: Rays,
+    /// What is nearer is read as this. Range: to `range_m`.
     #[serde(default)]
-    min_m: f64,
-    /// Range D. Range: 10^−6 to 10^6.
-    range_m: f64,
-    /// Time from the first ray to the last. Range: 0 to 10^6, not longer than a period.
+    min_m: Number<NotNegative>,
+    /// Range D.
+    range_m: Number<Length>,
+    /// Time from the first ray to the last. Range: not longer than a period.
     #[serde(default)]
-    sweep_ms: f64,
+    sweep_ms: Number<Millis<Between<0, 1_000_000>>>,
     /// It sweeps from left to right, and its values come in that order.
     #[serde(default)]
     clockwise: bool,
@@ -69,16 +69,16 @@ impl Sense for Laser {
     type Memory = ();
 
     fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let range_m = path.length("range_m", sheet.range_m)?;
+        let range_m = sheet.range_m.get();
         let device = Self {
             mount: fit.mount,
-            fan: fan(path, sheet.opening_rad, TAU, sheet.rays)?,
-            min_m: path.within("min_m", sheet.min_m, 0.0, range_m)?,
+            fan: Fan::new(sheet.opening_rad.get(), sheet.rays.get().into()),
+            min_m: path.within("min_m", sheet.min_m.get(), 0.0, range_m)?,
             range_m,
-            sweep_ns: path.ms("sweep_ms", sheet.sweep_ms, 0.0, 1e6)?,
+            sweep_ns: sheet.sweep_ms.get(),
             clockwise: sheet.clockwise,
         };
-        let encodings = levels(path, fit.bits, device.rays(), -1.0, range_m)?;
+        let encodings = levels(fit.bits, device.rays(), -1.0, range_m);
         Ok(Built::new(device, encodings))
     }
 

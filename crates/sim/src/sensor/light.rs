@@ -5,7 +5,7 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::PI;
 
 use baudbot_geometry::{Direction, Ray, angle, math};
 use serde::Deserialize;
@@ -15,6 +15,7 @@ use super::lowpass::LowPass;
 use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
+use baudbot_fields::number::{Between, Number, Opening, Positive};
 use baudbot_fields::{FieldError, Path};
 
 /// A sensor of illuminance.
@@ -35,18 +36,18 @@ pub struct LightSensor {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Lamps within it are seen. Range: 0 to 2π.
+    /// Lamps within it are seen.
     #[serde(default = "half_turn")]
-    opening_rad: f64,
-    /// No reading is larger. Range: positive.
-    range_lux: f64,
-    /// Time constant with which it follows. Range: 0 to 1000.
+    opening_rad: Number<Opening>,
+    /// No reading is larger.
+    range_lux: Number<Positive>,
+    /// Time constant with which it follows.
     #[serde(default)]
-    lag_s: f64,
+    lag_s: Number<Between<0, 1000>>,
 }
 
-pub(super) fn half_turn() -> f64 {
-    PI
+pub(super) fn half_turn() -> Number<Opening> {
+    Number::of(PI)
 }
 
 impl Sense for LightSensor {
@@ -56,15 +57,15 @@ impl Sense for LightSensor {
     type Sheet = Sheet;
     type Memory = LowPass;
 
-    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let range_lux = path.positive("range_lux", sheet.range_lux)?;
+    fn new(sheet: Sheet, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let range_lux = sheet.range_lux.get();
         let device = Self {
             mount: fit.mount,
-            opening_rad: path.within("opening_rad", sheet.opening_rad, 0.0, TAU)?,
+            opening_rad: sheet.opening_rad.get(),
             range_lux,
-            lag_s: path.within("lag_s", sheet.lag_s, 0.0, 1e3)?,
+            lag_s: sheet.lag_s.get(),
         };
-        Ok(Built::new(device, levels(path, fit.bits, 1, 0.0, range_lux)?))
+        Ok(Built::new(device, levels(fit.bits, 1, 0.0, range_lux)))
     }
 
     fn components(&self) -> Vec<Component> {

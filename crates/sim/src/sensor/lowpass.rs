@@ -1,5 +1,6 @@
 //! A low-pass filter of first order: how fast a sensor can follow.
 
+use baudbot_fields::number::{Number, Positive};
 use baudbot_geometry::math;
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +32,6 @@ impl LowPass {
 }
 
 /// The time constant of a filter of this bandwidth in hertz; 0 if it has none.
-pub(super) fn time_constant_s(bandwidth_hz: Option<f64>) -> f64 {
-    bandwidth_hz.map_or(0.0, |hz| 1.0 / (core::f64::consts::TAU * hz))
+pub(super) fn time_constant_s(bandwidth_hz: Option<Number<Positive>>) -> f64 {
+    bandwidth_hz.map_or(0.0, |hz| 1.0 / (core::f64::consts::TAU * hz.get()))
 }

@@ -31,24 +31,29 @@ use serde::{Deserialize, Serialize};
 
 use crate::random::Stream;
 use crate::time::{SECOND_NS, SimTime};
-use baudbot_fields::{FieldError, Path};
+use baudbot_fields::number::{Between, Number, Share, Sigma};
 
 /// Noise of one sensor, applied to each of its readings in the order of the fields. 0 and `None` are off.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Noise {
-    /// Standard deviation of the specimen's gain, N(1, σ), drawn once a run. Range: 0 to 1000.
+    /// Standard deviation of the specimen's gain, N(1, σ), drawn once a run.
+    #[serde(with = "Number::<Sigma>")]
     pub gain_spread: f64,
-    /// Standard deviation of the specimen's offset, drawn once a run, in the reading's unit. Range: 0 to 1000.
+    /// Standard deviation of the specimen's offset, drawn once a run, in the reading's unit.
+    #[serde(with = "Number::<Sigma>")]
     pub offset_spread: f64,
     /// A bias that wanders.
     pub drift: Option<Drift>,
-    /// σ of Eq. (3.1): each reading is multiplied by an N(1, σ). Range: 0 to 1000.
+    /// σ of Eq. (3.1): each reading is multiplied by an N(1, σ).
+    #[serde(with = "Number::<Sigma>")]
     pub multiplicative: f64,
-    /// Standard deviation of what is added to each reading, in its unit. Range: 0 to 1000.
+    /// Standard deviation of what is added to each reading, in its unit.
+    #[serde(with = "Number::<Sigma>")]
     pub additive: f64,
-    /// Half width of a uniform noise that is added, in the reading's unit. Range: 0 to 10^9.
+    /// Half width of a uniform noise that is added, in the reading's unit.
+    #[serde(with = "Number::<Distance>")]
     pub uniform: f64,
     /// Readings that are far off now and then.
     pub spikes: Option<Spikes>,
@@ -62,9 +67,11 @@ pub struct Noise {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Drift {
-    /// Standard deviation of the bias at any instant, in the reading's unit. Range: 0 to 1000.
+    /// Standard deviation of the bias at any instant, in the reading's unit.
+    #[serde(with = "Number::<Sigma>")]
     pub sigma: f64,
-    /// After this time the bias has forgotten 63 % of what it was. Range: 10^−6 to 10^9.
+    /// After this time the bias has forgotten 63 % of what it was.
+    #[serde(with = "Number::<TimeConstant>")]
     pub time_constant_s: f64,
 }
 
@@ -73,9 +80,11 @@ pub struct Drift {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spikes {
-    /// That a reading has one. Range: 0 to 1.
+    /// That a reading has one.
+    #[serde(with = "Number::<Share>")]
     pub probability: f64,
-    /// Each value gets a number added that is uniform within ± this, in its unit. Range: 0 to 10^9.
+    /// Each value gets a number added that is uniform within ± this, in its unit.
+    #[serde(with = "Number::<Distance>")]
     pub magnitude: f64,
 }
 
@@ -84,14 +93,23 @@ pub struct Spikes {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Dropout {
-    /// That a reading fails. Range: 0 to 1.
+    /// That a reading fails.
+    #[serde(with = "Number::<Share>")]
     pub probability: f64,
-    /// What all its values then are. Range: −10^9 to 10^9.
+    /// What all its values then are.
+    #[serde(with = "Number::<Reading>")]
     pub value: f64,
 }
 
-/// No sensor reads more, in any unit.
-const MAX_VALUE: f64 = 1e9;
+/// A number that a reading may be, in any unit.
+type Reading = Between<-1_000_000_000, 1_000_000_000>;
+/// How far a reading may be off, in any unit.
+type Distance = Between<0, 1_000_000_000>;
+
+baudbot_fields::rules! {
+    /// The time constant of a bias, in seconds.
+    TimeConstant: Positive, 1e-6, 1e9;
+}
 
 /// The part of the noise that a specimen keeps from reading to reading. Each list has an entry a component, or none
 /// if it is off.
@@ -105,35 +123,6 @@ pub(crate) struct NoiseState {
 }
 
 impl Noise {
-    /// The noise whose table stands at `path`, if each of its fields is in its range.
-    ///
-    /// # Errors
-    /// Names the first field that is not.
-    pub fn checked(self, path: &Path) -> Result<Self, FieldError> {
-        path.sigma("gain_spread", self.gain_spread)?;
-        path.sigma("offset_spread", self.offset_spread)?;
-        if let Some(Drift { sigma, time_constant_s }) = self.drift {
-            let path = path.field("drift");
-            path.positive("time_constant_s", time_constant_s)?;
-            path.sigma("sigma", sigma)?;
-            path.within("time_constant_s", time_constant_s, 1e-6, 1e9)?;
-        }
-        path.sigma("multiplicative", self.multiplicative)?;
-        path.sigma("additive", self.additive)?;
-        path.within("uniform", self.uniform, 0.0, MAX_VALUE)?;
-        if let Some(Spikes { probability, magnitude }) = self.spikes {
-            let path = path.field("spikes");
-            path.within("probability", probability, 0.0, 1.0)?;
-            path.within("magnitude", magnitude, 0.0, MAX_VALUE)?;
-        }
-        if let Some(Dropout { probability, value }) = self.dropout {
-            let path = path.field("dropout");
-            path.within("probability", probability, 0.0, 1.0)?;
-            path.within("value", value, -MAX_VALUE, MAX_VALUE)?;
-        }
-        Ok(self)
-    }
-
     /// Whether readings stay as they are and nothing is drawn.
     pub fn is_none(&self) -> bool {
         let sigmas =

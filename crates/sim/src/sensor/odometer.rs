@@ -17,6 +17,7 @@ use super::{Measurement, noise};
 use crate::drive::Wheels;
 use crate::random::Stream;
 use crate::sound;
+use baudbot_fields::number::{Length, Number, Sigma};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of an odometer.
@@ -49,17 +50,12 @@ impl Estimate {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Standard deviation of the noise on each wheel's displacement, a read. Range: 0 to 1000.
+    /// Standard deviation of the noise on each wheel's displacement, a read.
     #[serde(default)]
-    sigma_m: f64,
+    sigma_m: Number<Sigma>,
     /// With `bits`: x and y cross as levels from minus this to this, the heading as a level from −π to π.
-    /// Range: 10^−6 to 10^6.
-    #[serde(default = "position_range_m")]
-    position_range_m: f64,
-}
-
-fn position_range_m() -> f64 {
-    10.0
+    #[serde(default = "Number::<Length>::constant::<10>")]
+    position_range_m: Number<Length>,
 }
 
 impl Sense for Odometer {
@@ -69,12 +65,11 @@ impl Sense for Odometer {
     type Sheet = Sheet;
     type Memory = Estimate;
 
-    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let sigma_m = path.sigma("sigma_m", sheet.sigma_m)?;
-        let range = path.length("position_range_m", sheet.position_range_m)?;
-        let position = level(path, fit.bits, -range, range)?;
-        let encodings = vec![position, position, level(path, fit.bits, -PI, PI)?];
-        Ok(Built::new(Self { sigma_m }, encodings))
+    fn new(sheet: Sheet, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let range = sheet.position_range_m.get();
+        let position = level(fit.bits, -range, range);
+        let encodings = vec![position, position, level(fit.bits, -PI, PI)];
+        Ok(Built::new(Self { sigma_m: sheet.sigma_m.get() }, encodings))
     }
 
     fn components(&self) -> Vec<Component> {

@@ -28,6 +28,7 @@ use super::{Measurement, Mount, noise};
 use crate::random::Stream;
 use crate::sound;
 use crate::time::{SECOND_NS, SimTime};
+use baudbot_fields::number::{Between, Number, Positive, Sigma};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of an optical-flow sensor.
@@ -68,17 +69,16 @@ impl Track {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Resolution. 400 counts an inch are 15,748 a metre. Brains are told. Range: 1 to 10^6.
-    counts_per_m: f64,
-    /// If it went faster since the last read, it has lost track and counts nothing. Range: positive.
-    max_speed_m_s: f64,
-    /// Standard deviation of the specimen's gain, N(1, σ), drawn once a run. Range: 0 to 1000.
+    /// Resolution. 400 counts an inch are 15,748 a metre. Brains are told.
+    counts_per_m: Number<Between<1, 1_000_000>>,
+    /// If it went faster since the last read, it has lost track and counts nothing.
+    max_speed_m_s: Number<Positive>,
+    /// Standard deviation of the specimen's gain, N(1, σ), drawn once a run.
     #[serde(default)]
-    gain_spread: f64,
+    gain_spread: Number<Sigma>,
     /// Standard deviation of the error of each axis after a metre of way. It grows as the root of the way.
-    /// Range: 0 to 1000.
     #[serde(default)]
-    sigma_m: f64,
+    sigma_m: Number<Sigma>,
 }
 
 impl Sense for OpticalFlow {
@@ -96,11 +96,11 @@ impl Sense for OpticalFlow {
         let half = fit.bits.map_or(f64::INFINITY, |bits| (1_u64 << (bits - 1)) as f64);
         let device = Self {
             mount: fit.mount,
-            counts_per_m: path.within("counts_per_m", sheet.counts_per_m, 1.0, 1e6)?,
-            max_speed_m_s: path.positive("max_speed_m_s", sheet.max_speed_m_s)?,
+            counts_per_m: sheet.counts_per_m.get(),
+            max_speed_m_s: sheet.max_speed_m_s.get(),
             range_counts: [-half, half - 1.0],
-            gain_spread: path.sigma("gain_spread", sheet.gain_spread)?,
-            sigma_m: path.sigma("sigma_m", sheet.sigma_m)?,
+            gain_spread: sheet.gain_spread.get(),
+            sigma_m: sheet.sigma_m.get(),
         };
         Ok(Built::new(device, encodings))
     }

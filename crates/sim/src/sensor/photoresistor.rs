@@ -8,7 +8,6 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::TAU;
 
 use baudbot_geometry::math;
 use serde::Deserialize;
@@ -19,6 +18,7 @@ use super::lowpass::LowPass;
 use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
+use baudbot_fields::number::{Between, Micros, Number, Opening, Positive, Whole};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of a photoresistor and its capacitor.
@@ -43,35 +43,32 @@ pub struct Photoresistor {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Lamps within it are seen. Range: 0 to 2π.
+    /// Lamps within it are seen.
     #[serde(default = "light::half_turn")]
-    opening_rad: f64,
-    /// Time constant with which the resistance follows the light. Range: 0 to 1000.
+    opening_rad: Number<Opening>,
+    /// Time constant with which the resistance follows the light.
     #[serde(default)]
-    lag_s: f64,
-    /// Resistance at 10 lx. Range: positive.
-    resistance_10lux_ohm: f64,
-    /// Steepness γ: the resistance at E lux is R₁₀ (E / 10 lx)^−γ. Range: positive.
-    gamma: f64,
-    /// Of the capacitor, in µF. Range: positive.
-    capacitance_uf: f64,
-    /// Length of a count. Range: 0.001 to 10^6.
-    #[serde(default = "unit_us")]
-    unit_us: f64,
-    /// Where the count ends. Range: 1 to 2^32 − 1.
-    #[serde(default = "max_counts")]
-    max_counts: u64,
+    lag_s: Number<Between<0, 1000>>,
+    /// Resistance at 10 lx.
+    resistance_10lux_ohm: Number<Positive>,
+    /// Steepness γ: the resistance at E lux is R₁₀ (E / 10 lx)^−γ.
+    gamma: Number<Positive>,
+    /// Of the capacitor, in µF.
+    capacitance_uf: Number<Positive>,
+    /// Length of a count.
+    #[serde(default = "Unit::constant::<2>")]
+    unit_us: Unit,
+    /// Where the count ends.
+    #[serde(default = "Counts::constant::<65_535>")]
+    max_counts: Counts,
 }
 
-/// Shortest count, in microseconds: a nanosecond.
-const LEAST_UNIT_US: f64 = 1e-3;
+type Unit = Number<Micros<UnitUs>>;
+type Counts = Number<Whole<1, { u32::MAX as u64 }, u32>>;
 
-fn unit_us() -> f64 {
-    2.0
-}
-
-fn max_counts() -> u64 {
-    65_535
+baudbot_fields::rules! {
+    /// The length of a count, in microseconds: a nanosecond at least.
+    UnitUs: Any, 1e-3, 1e6;
 }
 
 impl Sense for Photoresistor {
@@ -82,27 +79,23 @@ impl Sense for Photoresistor {
     type Sheet = Sheet;
     type Memory = LowPass;
 
-    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+    fn new(sheet: Sheet, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
         let light = LightSensor {
             mount: fit.mount,
-            opening_rad: path.within("opening_rad", sheet.opening_rad, 0.0, TAU)?,
+            opening_rad: sheet.opening_rad.get(),
             range_lux: f64::INFINITY,
-            lag_s: path.within("lag_s", sheet.lag_s, 0.0, 1e3)?,
+            lag_s: sheet.lag_s.get(),
         };
-        let max_counts = path.whole_within("max_counts", sheet.max_counts, 1, u64::from(u32::MAX))? as u32;
-        let unit_ns = path.us("unit_us", sheet.unit_us, 1e6)?;
-        if sheet.unit_us < LEAST_UNIT_US {
-            return Err(path.field("unit_us").error("must be at least a nanosecond"));
-        }
+        let max_counts = sheet.max_counts.get();
         let device = Self {
             light,
-            resistance_10lux_ohm: path.positive("resistance_10lux_ohm", sheet.resistance_10lux_ohm)?,
-            gamma: path.positive("gamma", sheet.gamma)?,
-            capacitance_f: path.positive("capacitance_uf", sheet.capacitance_uf)? * 1e-6,
-            unit_ns,
+            resistance_10lux_ohm: sheet.resistance_10lux_ohm.get(),
+            gamma: sheet.gamma.get(),
+            capacitance_f: sheet.capacitance_uf.get() * 1e-6,
+            unit_ns: sheet.unit_us.get(),
             max_counts,
         };
-        Ok(Built::new(device, levels(path, fit.bits, 1, 0.0, f64::from(max_counts))?))
+        Ok(Built::new(device, levels(fit.bits, 1, 0.0, f64::from(max_counts))))
     }
 
     fn components(&self) -> Vec<Component> {

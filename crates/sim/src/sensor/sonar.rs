@@ -9,17 +9,17 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::PI;
 
 use baudbot_geometry::{Direction, Fan, Ray, math};
 use serde::Deserialize;
 
-use super::kind::{Built, Component, Effect, Fit, Place, Sense, TIMED_BY_PROCESSOR, fan, levels};
+use super::kind::{Built, Component, Effect, Fit, Place, Rays, Sense, TIMED_BY_PROCESSOR, levels};
 use super::style::Style;
 use super::{Echo, Measurement, Mount};
 use crate::random::Stream;
 use crate::scene::Ping;
 use crate::time::{SECOND_NS, SimTime};
+use baudbot_fields::number::{Between, HalfOpening, Length, Micros, Millis, NotNegative, Number, Share};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of a sonar.
@@ -61,41 +61,39 @@ pub enum CrossTalk {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Opening angle of the cone. Range: 0 to π.
-    opening_rad: f64,
-    /// Rays over it; the notes have about 3. Range: 1 to 10,000.
-    rays: u64,
-    /// D_min: what is nearer is read as this. Range: 0 to `max_m`.
-    min_m: f64,
-    /// D_max: the range, and the reading when nothing is heard. Range: 10^−6 to 10^6.
-    max_m: f64,
-    /// p: probability that an echo is heard. Only with noise. Range: 0 to 1.
-    #[serde(default = "certain")]
-    detection: f64,
-    /// Speed of sound. Range: 1 to 10^5.
-    #[serde(default = "sound_m_s")]
-    sound_m_s: f64,
-    /// Time from the trigger until the sensor listens. Range: 0 to 10^6.
+    /// Opening angle of the cone.
+    opening_rad: Number<HalfOpening>,
+    /// Rays over it; the notes have about 3.
+    rays: Rays,
+    /// D_min: what is nearer is read as this. Range: to `max_m`.
+    min_m: Number<NotNegative>,
+    /// D_max: the range, and the reading when nothing is heard.
+    max_m: Number<Length>,
+    /// p: probability that an echo is heard. Only with noise.
+    #[serde(default = "Number::<Share>::constant::<1>")]
+    detection: Number<Share>,
+    /// Speed of sound.
+    #[serde(default = "Number::<Speed>::constant::<340>")]
+    sound_m_s: Number<Speed>,
+    /// Time from the trigger until the sensor listens.
     #[serde(default)]
-    holdoff_us: f64,
-    /// How long it listens at most. Default: the way to `max_m` and back. Range: 0.001 to 10^6.
-    timeout_ms: Option<f64>,
+    holdoff_us: Number<Micros<Between<0, 1_000_000>>>,
+    /// How long it listens at most. Default: the way to `max_m` and back.
+    timeout_ms: Option<Number<Millis<Timeout>>>,
     /// Whether it sends pulses that other robots' sonars take for echoes, and does so with theirs. Both need
     /// it. A pulse is heard from the next tick on, for 30 ms.
     #[serde(default)]
     cross_talk: bool,
     /// How far away a wide wall would be heard if it listened that long. With it, [small
-    /// targets](#small-targets) are lost before `max_m`. Range: `max_m` to 10^6.
-    wall_range_m: Option<f64>,
+    /// targets](#small-targets) are lost before `max_m`. Range: at least `max_m`.
+    wall_range_m: Option<Number<Length>>,
 }
 
-fn certain() -> f64 {
-    1.0
-}
+type Speed = Between<1, 100_000>;
 
-/// The notes' figure (§1.2.2).
-fn sound_m_s() -> f64 {
-    340.0
+baudbot_fields::rules! {
+    /// How long a sonar listens, in milliseconds.
+    Timeout: Any, 1e-3, 1e6;
 }
 
 impl Sense for Sonar {
@@ -107,24 +105,28 @@ impl Sense for Sonar {
     type Memory = ();
 
     fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let max_m = path.length("max_m", sheet.max_m)?;
-        let sound_m_s = path.within("sound_m_s", sheet.sound_m_s, 1.0, 1e5)?;
+        let (max_m, sound_m_s) = (sheet.max_m.get(), sheet.sound_m_s.get());
         let echo_ms = 2.0 * max_m / sound_m_s * 1e3;
-        let wall_range_m =
-            sheet.wall_range_m.map(|range_m| path.within("wall_range_m", range_m, max_m, 1e6)).transpose()?;
+        let wall_range_m = sheet
+            .wall_range_m
+            .map(|range_m| path.within("wall_range_m", range_m.get(), max_m, 1e6))
+            .transpose()?;
         let device = Self {
             mount: fit.mount,
-            fan: fan(path, sheet.opening_rad, PI, sheet.rays)?,
-            min_m: path.within("min_m", sheet.min_m, 0.0, max_m)?,
+            fan: Fan::new(sheet.opening_rad.get(), sheet.rays.get().into()),
+            min_m: path.within("min_m", sheet.min_m.get(), 0.0, max_m)?,
             max_m,
-            detection: path.within("detection", sheet.detection, 0.0, 1.0)?,
+            detection: sheet.detection.get(),
             sound_m_s,
-            holdoff_ns: path.us("holdoff_us", sheet.holdoff_us, 1e6)?,
-            timeout_ns: path.ms("timeout_ms", sheet.timeout_ms.unwrap_or(echo_ms), 0.001, 1e6)?,
+            holdoff_ns: sheet.holdoff_us.get(),
+            timeout_ns: match sheet.timeout_ms {
+                Some(timeout) => timeout.get(),
+                None => path.number::<Millis<Timeout>>("timeout_ms", echo_ms)?,
+            },
             cross_talk: if sheet.cross_talk { CrossTalk::On } else { CrossTalk::Off },
             echo: wall_range_m.map(|range_m| Echo::new(range_m, sound_m_s)),
         };
-        Ok(Built::new(device, levels(path, fit.bits, 1, 0.0, max_m)?))
+        Ok(Built::new(device, levels(fit.bits, 1, 0.0, max_m)))
     }
 
     fn components(&self) -> Vec<Component> {

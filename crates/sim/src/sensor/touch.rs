@@ -5,16 +5,16 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::TAU;
 
 use baudbot_geometry::{Fan, Ray};
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
+use super::kind::{Built, Component, Effect, Fit, Place, Rays, Sense, levels};
 use super::style::{Style, Symbol};
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::time::SimTime;
+use baudbot_fields::number::{Between, Length, Millis, Number, Opening};
 use baudbot_fields::{FieldError, Path};
 
 /// A wire that sticks out.
@@ -69,15 +69,14 @@ impl Contact {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct WhiskerSheet {
-    /// How far it reaches. Range: 10^−6 to 10^6.
-    length_m: f64,
+    /// How far it reaches.
+    length_m: Number<Length>,
     /// A pressed contact reads 0, a free one 1, as on a Boe-Bot.
     #[serde(default)]
     active_low: bool,
     /// How long after each change the contact bounces: until then it reads 0 or 1 by chance. Only with noise.
-    /// Range: 0 to 10,000.
     #[serde(default)]
-    bounce_ms: f64,
+    bounce_ms: Bounce,
 }
 
 /// The fields of its table.
@@ -85,30 +84,27 @@ pub(crate) struct WhiskerSheet {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct BumperSheet {
-    /// How much of the rim it covers, about its bearing. Range: 0 to 2π.
-    opening_rad: f64,
-    /// Directions, from the robot's centre, in which it feels. Range: 1 to 10,000.
-    #[serde(default = "bumper_rays")]
-    rays: u64,
+    /// How much of the rim it covers, about its bearing.
+    opening_rad: Number<Opening>,
+    /// Directions, from the robot's centre, in which it feels.
+    #[serde(default = "Rays::constant::<9>")]
+    rays: Rays,
     /// How far from the rim something presses it. A robot stops up to a substep's way short of what it runs
-    /// into: a smaller travel may feel nothing. Range: 10^−6 to 10^6.
+    /// into: a smaller travel may feel nothing.
     #[serde(default = "travel_m")]
-    travel_m: f64,
+    travel_m: Number<Length>,
     /// A pressed contact reads 0, a free one 1.
     #[serde(default)]
     active_low: bool,
     /// How long after each change the contact bounces: until then it reads 0 or 1 by chance. Only with noise.
-    /// Range: 0 to 10,000.
     #[serde(default)]
-    bounce_ms: f64,
+    bounce_ms: Bounce,
 }
 
-fn bumper_rays() -> u64 {
-    9
-}
+type Bounce = Number<Millis<Between<0, 10_000>>>;
 
-fn travel_m() -> f64 {
-    0.005
+fn travel_m() -> Number<Length> {
+    Number::of(0.005)
 }
 
 impl Sense for Whisker {
@@ -119,10 +115,10 @@ impl Sense for Whisker {
     type Sheet = WhiskerSheet;
     type Memory = Contact;
 
-    fn new(sheet: WhiskerSheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let length_m = path.length("length_m", sheet.length_m)?;
-        let switch = Switch::new(path, sheet.active_low, sheet.bounce_ms)?;
-        Ok(Built::new(Self { mount: fit.mount, length_m, switch }, levels(path, fit.bits, 1, 0.0, 1.0)?))
+    fn new(sheet: WhiskerSheet, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let switch = Switch { active_low: sheet.active_low, bounce_ns: sheet.bounce_ms.get() };
+        let device = Self { mount: fit.mount, length_m: sheet.length_m.get(), switch };
+        Ok(Built::new(device, levels(fit.bits, 1, 0.0, 1.0)))
     }
 
     fn components(&self) -> Vec<Component> {
@@ -164,14 +160,14 @@ impl Sense for Bumper {
     type Sheet = BumperSheet;
     type Memory = Contact;
 
-    fn new(sheet: BumperSheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+    fn new(sheet: BumperSheet, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
         let device = Self {
             mount: fit.mount,
-            fan: fan(path, sheet.opening_rad, TAU, sheet.rays)?,
-            travel_m: path.length("travel_m", sheet.travel_m)?,
-            switch: Switch::new(path, sheet.active_low, sheet.bounce_ms)?,
+            fan: Fan::new(sheet.opening_rad.get(), sheet.rays.get().into()),
+            travel_m: sheet.travel_m.get(),
+            switch: Switch { active_low: sheet.active_low, bounce_ns: sheet.bounce_ms.get() },
         };
-        Ok(Built::new(device, levels(path, fit.bits, 1, 0.0, 1.0)?))
+        Ok(Built::new(device, levels(fit.bits, 1, 0.0, 1.0)))
     }
 
     fn components(&self) -> Vec<Component> {
@@ -207,10 +203,6 @@ impl Sense for Bumper {
 }
 
 impl Switch {
-    fn new(path: &Path, active_low: bool, bounce_ms: f64) -> Result<Self, FieldError> {
-        Ok(Self { active_low, bounce_ns: path.ms("bounce_ms", bounce_ms, 0.0, 1e4)? })
-    }
-
     /// The reading of a free contact.
     fn free(self) -> f64 {
         f64::from(u8::from(self.active_low))

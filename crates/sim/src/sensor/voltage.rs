@@ -7,15 +7,16 @@
 use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::PI;
 
 use baudbot_geometry::Fan;
 use serde::Deserialize;
 
-use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
+use super::kind::{Built, Component, Effect, Fit, Place, Rays, Sense, levels};
 use super::style::Style;
 use super::{Measurement, Mount};
+use crate::curve;
 use crate::random::Stream;
+use baudbot_fields::number::{HalfOpening, Length, NotNegative, Number, Positive};
 use baudbot_fields::{FieldError, Path};
 
 /// The model of a voltage sensor.
@@ -40,19 +41,23 @@ pub struct VoltageRanger {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Opening angle of its beam. Range: 0 to π.
-    opening_rad: f64,
-    /// Rays over it. The nearest counts. Range: 1 to 10,000.
-    rays: u64,
-    /// Beyond this nothing comes back. Range: 10^−6 to 10^6.
-    range_m: f64,
+    /// Opening angle of its beam.
+    opening_rad: Number<HalfOpening>,
+    /// Rays over it. The nearest counts.
+    rays: Rays,
+    /// Beyond this nothing comes back.
+    range_m: Number<Length>,
     /// Straight lines in between, the ends beyond. Type: list of `[distance, voltage]`. Range: at least 2
     /// points; distances not negative, increasing; voltages not negative.
-    curve_m_v: Vec<[f64; 2]>,
-    /// Voltage when nothing comes back. Range: 0 to `supply_v`.
-    idle_v: f64,
-    /// No output is higher. Range: positive.
-    supply_v: f64,
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "curve::Points<NotNegative, NotNegative>", length(min = 2))
+    )]
+    curve_m_v: Vec<(f64, f64)>,
+    /// Voltage when nothing comes back. Range: to `supply_v`.
+    idle_v: Number<NotNegative>,
+    /// No output is higher.
+    supply_v: Number<Positive>,
 }
 
 impl Sense for VoltageRanger {
@@ -63,17 +68,22 @@ impl Sense for VoltageRanger {
     type Memory = ();
 
     fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        check_curve(&path.field("curve_m_v"), &sheet.curve_m_v)?;
-        let supply_v = path.positive("supply_v", sheet.supply_v)?;
+        let at = path.field("curve_m_v");
+        if sheet.curve_m_v.len() < 2 {
+            let points = sheet.curve_m_v.len();
+            return Err(at.error(format!("needs at least 2 pairs of distance and voltage, has {points}")));
+        }
+        curve::check::<NotNegative, NotNegative>(&at, &sheet.curve_m_v, ["distance", "voltage"])?;
+        let supply_v = sheet.supply_v.get();
         let device = Self {
             mount: fit.mount,
-            fan: fan(path, sheet.opening_rad, PI, sheet.rays)?,
-            range_m: path.length("range_m", sheet.range_m)?,
-            curve: sheet.curve_m_v.into_iter().map(|[d, v]| (d, v)).collect(),
-            idle_v: path.within("idle_v", sheet.idle_v, 0.0, supply_v)?,
+            fan: Fan::new(sheet.opening_rad.get(), sheet.rays.get().into()),
+            range_m: sheet.range_m.get(),
+            curve: sheet.curve_m_v,
+            idle_v: path.within("idle_v", sheet.idle_v.get(), 0.0, supply_v)?,
             supply_v,
         };
-        Ok(Built::new(device, levels(path, fit.bits, 1, 0.0, supply_v)?))
+        Ok(Built::new(device, levels(fit.bits, 1, 0.0, supply_v)))
     }
 
     fn components(&self) -> Vec<Component> {
@@ -104,21 +114,6 @@ impl Sense for VoltageRanger {
     fn bound(&self, values: &mut [f64]) {
         values[0] = values[0].clamp(0.0, self.supply_v);
     }
-}
-
-fn check_curve(at: &Path, curve: &[[f64; 2]]) -> Result<(), FieldError> {
-    if curve.len() < 2 {
-        return Err(at.error(format!("needs at least 2 pairs of distance and voltage, has {}", curve.len())));
-    }
-    for (i, pair) in curve.iter().enumerate() {
-        at.index(i).not_negative("distance", pair[0])?;
-        at.index(i).not_negative("voltage", pair[1])?;
-        if i > 0 && pair[0] <= curve[i - 1][0] {
-            let problem = format!("distances must increase, {} follows {}", pair[0], curve[i - 1][0]);
-            return Err(at.index(i).error(problem));
-        }
-    }
-    Ok(())
 }
 
 impl VoltageRanger {

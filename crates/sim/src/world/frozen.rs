@@ -3,7 +3,7 @@
 use baudbot_geometry::{Circle, Pose};
 
 use super::World;
-use crate::actuator::ActuatorKind;
+use crate::actuator::{ActuatorKind, Lamp, Speaker};
 use crate::arena::Look;
 use crate::movable::Form;
 use crate::scenario::Scenario;
@@ -61,14 +61,14 @@ impl World {
             match actuator.kind {
                 _ if strength == 0.0 => {}
                 ActuatorKind::Turret(_) => {}
-                ActuatorKind::Lamp { intensity_cd, height_m } => frozen.lights.push(Lit {
+                ActuatorKind::Lamp(Lamp { intensity_cd, height_m }) => frozen.lights.push(Lit {
                     position: from,
                     height_m,
                     intensity_cd: strength * intensity_cd,
                     shadows: true,
                     robot: Some(i),
                 }),
-                ActuatorKind::Speaker { level } => {
+                ActuatorKind::Speaker(Speaker { level }) => {
                     frozen.sounds.push(Sound { robot: i, from, level: strength * level });
                 }
             }

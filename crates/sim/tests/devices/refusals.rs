@@ -88,7 +88,7 @@ fn optical_flow_that_cannot_be() {
     sensor(&format!("{flow}\ngain_spread = -0.1"), ".gain_spread: must not be negative, is -0.1");
     sensor(&format!("{flow}\nsigma_m = nan"), ".sigma_m: must not be negative, is NaN");
     sensor(&format!("{flow}\nbits = 7"), ".bits: a counter has 8 to 32 bits, not 7");
-    sensor(&format!("{flow}\nbits = 64"), ".bits: must be between 8 and 32, is 64");
+    sensor(&format!("{flow}\nbits = 64"), ".bits: must be between 1 and 32, is 64");
     sensor(
         &format!("{flow}\nnoise = {{ additive = 0.1 }}"),
         ".noise: a sensor of kind `optical-flow` is digital",
@@ -426,7 +426,7 @@ fn things_to_push_zones_and_lights() {
 fn ends_that_a_run_can_never_have_or_has_at_once() {
     top("[end]\nall_goals = true\n", "end.all_goals: no zone of the arena has goal = true");
     top("[end]\nbattery_empty = true\n", "end.battery_empty: no robot has a battery");
-    top("[end]\ncollisions = 0\n", "end.collisions: must be between 1");
+    top("[end]\ncollisions = 0\n", "end.collisions: must be at least 1");
     top("[end]\ncovered = 0.5\n", "metrics.cell_m: is missing");
     top("[metrics]\ncell_m = 0.1\n", "metrics.cell_m: ");
     let room = "[[arena.polygons]]\nname = \"room\"\nsolid = false\npoints_m = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n[metrics]\ncell_m = 0.1\n";

@@ -49,7 +49,7 @@ impl Discharge {
     fn discharge(&self, battery: &Battery, mut state: BatteryState, current_a: f64) -> f64 {
         let mut seconds = 0.0;
         while state.charge_c > 0.0 {
-            let open_v = battery.open_circuit_v(state.charge_c / battery.capacity_c);
+            let open_v = battery.open_circuit_v(state.charge_c / battery.capacity_c());
             let power_w = current_a * (open_v - current_a * battery.internal_resistance_ohm);
             if power_w <= 0.0 || state.draw(battery, power_w, STEP_S) <= 0.0 {
                 break;

@@ -4,7 +4,7 @@
 use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::PI;
+use core::f64::consts::{PI, TAU};
 
 use baudbot_geometry::{Circle, Point, Pose, Ray, angle, math};
 use proptest::prelude::*;
