@@ -14,18 +14,21 @@ pub(crate) enum Viewer {
     At(SocketAddr),
 }
 
-impl FromStr for Viewer {
-    type Err = String;
+/// A text that is no place for the page.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is neither an IP:PORT such as 127.0.0.1:7401 nor `off`")]
+pub(crate) struct BadViewer(String);
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for Viewer {
+    type Err = BadViewer;
+
+    fn from_str(text: &str) -> Result<Self, BadViewer> {
         if text == "off" {
             return Ok(Self::Off);
         }
         match text.trim_end_matches('/').parse() {
             Ok(Address::Tcp(address)) => Ok(Self::At(address)),
-            Ok(Address::Unix(_)) | Err(_) => {
-                Err(format!("`{text}` is neither an IP:PORT such as 127.0.0.1:7401 nor `off`"))
-            }
+            Ok(Address::Unix(_)) | Err(_) => Err(BadViewer(text.to_owned())),
         }
     }
 }
@@ -59,6 +62,6 @@ mod tests {
             assert_eq!(text.parse(), Ok(at("127.0.0.1:80")));
         }
         let problem = "7401".parse::<Viewer>().unwrap_err();
-        assert_eq!(problem, "`7401` is neither an IP:PORT such as 127.0.0.1:7401 nor `off`");
+        assert_eq!(problem.to_string(), "`7401` is neither an IP:PORT such as 127.0.0.1:7401 nor `off`");
     }
 }

@@ -9,6 +9,7 @@ use baudbot_access::{Token, TokenFile};
 use baudbot_server::{AuditLog, Builder, Tls, TlsError};
 use clap::Args;
 
+use super::value::ValueError;
 use crate::error::Refused;
 
 #[derive(Debug, Args)]
@@ -45,16 +46,17 @@ pub(crate) struct AccessArgs {
 pub(crate) struct HostName(String);
 
 impl FromStr for HostName {
-    type Err = String;
+    type Err = ValueError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, ValueError> {
         let fits = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '.' | '_');
         let is_name = (1..=253).contains(&text.len()) && text.chars().all(fits);
         if is_name || text.parse::<IpAddr>().is_ok() {
             return Ok(Self(text.to_owned()));
         }
-        Err("must be a name such as robots.lab, or an address, without https:// and without a port"
-            .to_owned())
+        Err(ValueError::Form(
+            "must be a name such as robots.lab, or an address, without https:// and without a port",
+        ))
     }
 }
 
@@ -66,14 +68,14 @@ pub(crate) struct TlsFiles {
 }
 
 impl FromStr for TlsFiles {
-    type Err = String;
+    type Err = ValueError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, ValueError> {
         match text.split_once(',') {
             Some((certificate, key)) if !certificate.is_empty() && !key.is_empty() => {
                 Ok(Self { certificate: certificate.into(), key: key.into() })
             }
-            Some(_) | None => Err("must be two files, as in server.pem,server.key".to_owned()),
+            Some(_) | None => Err(ValueError::Form("must be two files, as in server.pem,server.key")),
         }
     }
 }
@@ -131,7 +133,7 @@ mod tests {
             assert!(host.parse::<HostName>().is_ok(), "{host}");
         }
         for bad in ["", "*", "a b", "robots.lab:7401", "https://robots.lab/", "[::1]:80"] {
-            assert!(bad.parse::<HostName>().unwrap_err().contains("without a port"), "{bad}");
+            assert!(bad.parse::<HostName>().unwrap_err().to_string().contains("without a port"), "{bad}");
         }
     }
 }

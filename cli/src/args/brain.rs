@@ -4,6 +4,7 @@ use baudbot_client::Reconnect;
 use clap::Args;
 
 use super::ConnectArgs;
+use super::value::whole;
 
 #[derive(Debug, Args)]
 pub(crate) struct BrainArgs {
@@ -22,7 +23,7 @@ pub(crate) struct BrainArgs {
     #[arg(long = "robot", value_name = "ROBOT")]
     pub(crate) robots: Vec<String>,
     /// Seed of the brain's own random numbers
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0_u64..=u64::MAX))]
     pub(crate) seed: u64,
     /// Seconds for which to try to reconnect to a lost server; `off` for never
     #[arg(long, value_name = "S|off", default_value = "600")]

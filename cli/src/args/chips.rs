@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::GdbAddress;
+use super::value::ValueError;
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Firmware")]
@@ -31,11 +32,11 @@ pub(crate) struct ChipOutput {
 }
 
 /// Parses `ROBOT=FILE`. Names of robots have no `=`.
-pub(super) fn output(text: &str) -> Result<ChipOutput, String> {
+pub(super) fn output(text: &str) -> Result<ChipOutput, ValueError> {
     match text.split_once('=') {
         Some((robot, file)) if !robot.is_empty() && !file.is_empty() => {
             Ok(ChipOutput { robot: robot.to_owned(), file: file.into() })
         }
-        Some(_) | None => Err("write ROBOT=FILE".to_owned()),
+        Some(_) | None => Err(ValueError::Form("write ROBOT=FILE")),
     }
 }

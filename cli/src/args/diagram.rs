@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::value::whole;
 use super::{ChangeArgs, instant, span};
 
 #[derive(Debug, Args)]
@@ -27,7 +28,7 @@ pub(crate) struct DiagramArgs {
     /// Show the N-th control cycle, from reading its sensors to its command; what takes longer than Δt is red [default: a window
     /// around the third; for a robot with a program of your own, the first round of its main loop in which it reads a sensor and
     /// then drives a wheel differently, or else where it first sends a character or drives a wheel]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u32..=100_000))]
     pub(crate) cycle: Option<u32>,
     /// Length of the window, in simulated milliseconds [default: 3 Δt, or the whole cycle]
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = span)]

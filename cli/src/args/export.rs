@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::chips::ChipOutput;
+use super::value::{ValueError, finite, whole};
 
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
@@ -78,7 +79,7 @@ pub(crate) struct WindowArgs {
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct RowArgs {
     /// Only every N-th tick in --csv and --parquet, and for what --rosbag2 writes at each tick
-    #[arg(long, value_name = "N", conflicts_with = "hz", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", conflicts_with = "hz", value_parser = whole(1_u64..=u64::MAX))]
     pub(crate) every: Option<u64>,
     /// About this many ticks per simulated second in --csv, --parquet and --rosbag2, at a fixed interval of whole ticks
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = positive)]
@@ -89,13 +90,13 @@ pub(crate) struct RowArgs {
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct FilmArgs {
     /// Frames per second of film
-    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=50))]
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = whole(1_u32..=50))]
     pub(crate) fps: u32,
     /// Simulated seconds per second of film
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
     pub(crate) speed: f64,
     /// Width of a film, in pixels
-    #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u32).range(160..=3840))]
+    #[arg(long, value_name = "N", default_value_t = 800, value_parser = whole(160_u32..=3840))]
     pub(crate) width_px: u32,
     /// Colours of a film
     #[arg(long, value_name = "THEME", default_value = "light")]
@@ -147,9 +148,9 @@ const OUTPUTS: [&str; 12] = [
     "serial",
 ];
 
-fn positive(text: &str) -> Result<f64, String> {
-    let fits = |number: &f64| *number > 0.0 && number.is_finite();
-    text.parse().ok().filter(fits).ok_or_else(|| format!("must be a positive number, is `{text}`"))
+fn positive(text: &str) -> Result<f64, ValueError> {
+    let error = || ValueError::Text { form: "a positive number", text: text.to_owned() };
+    finite(text).ok().filter(|number| *number > 0.0).ok_or_else(error)
 }
 
 pub(super) const EXAMPLES: &str = "\

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::value::whole;
+
 #[derive(Debug, Args)]
 pub(crate) struct GradeArgs {
     /// A built-in exercise, or an exercise file (docs/how-to/grading.md); without one, lists the built-in ones
@@ -40,7 +42,7 @@ pub(crate) struct GradeArgs {
     #[arg(long, value_name = "SEEDS")]
     pub(crate) seeds: Option<String>,
     /// Number of parallel runs [default: the number of processors]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u16..=1024))]
     pub(crate) jobs: Option<u16>,
     /// Show on stderr what brains that are programs print; by default, only the last lines of one that fails
     #[arg(long)]

@@ -6,6 +6,8 @@ use std::str::FromStr;
 use baudbot_server::{LIMITS, Limit, LimitInfo, Limits, Unit};
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 
+use super::value::{ValueError, whole};
+
 /// The limits that were given, in the order of the table.
 #[derive(Debug, Default)]
 pub(crate) struct LimitArgs(Vec<(Limit, Given)>);
@@ -26,10 +28,10 @@ enum Size {
 }
 
 impl FromStr for Size {
-    type Err = String;
+    type Err = ValueError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || format!("must be a size such as 500M, 8G or 25%, is `{text}`");
+    fn from_str(text: &str) -> Result<Self, ValueError> {
+        let wrong = || ValueError::Text { form: "a size such as 500M, 8G or 25%", text: text.to_owned() };
         let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
         let number: u64 = digits.parse().map_err(|_| wrong())?;
         let bytes = |shift: u32| number.checked_shl(shift).filter(|bytes| bytes >> shift == number);
@@ -73,10 +75,9 @@ fn arg(info: &LimitInfo) -> Arg {
     let arg = Arg::new(info.option).long(info.option.trim_start_matches("--")).help_heading(super::LIMITS);
     let arg = if more.is_empty() { arg } else { arg.long_help(format!("{words}\n\n{more}")) };
     let arg = arg.help(words);
-    let number = |least, most| value_parser!(u32).range(i64::from(least)..=i64::from(most));
     match info.unit {
-        Unit::Things(least, most) => arg.value_name("N").value_parser(number(least, most)),
-        Unit::Seconds(least, most) => arg.value_name("S").value_parser(number(least, most)),
+        Unit::Things(least, most) => arg.value_name("N").value_parser(whole(least..=most)),
+        Unit::Seconds(least, most) => arg.value_name("S").value_parser(whole(least..=most)),
         Unit::Bytes => arg.value_name("SIZE").value_parser(value_parser!(Size)),
     }
 }
@@ -137,7 +138,7 @@ mod tests {
         assert_eq!("8G".parse(), Ok(Size::Bytes(8 << 30)));
         assert_eq!("25%".parse(), Ok(Size::Percent(25)));
         for wrong in ["", "8", "G", "0G", "8g", "0%", "101%", "8 G", "99999999999T", "-1G", "1.5G"] {
-            let error = wrong.parse::<Size>().unwrap_err();
+            let error = wrong.parse::<Size>().unwrap_err().to_string();
             assert!(error.starts_with("must be a size such as 500M"), "{wrong}: {error}");
         }
     }

@@ -6,6 +6,7 @@ use baudbot_brains::localization::{laser, refine};
 use baudbot_geometry::{Pose, angle};
 use clap::{Args, ValueEnum};
 
+use super::value::{Bounds, OptionError, ValueError, whole};
 use super::{ChangeArgs, finite};
 
 #[derive(Debug, Args)]
@@ -28,7 +29,7 @@ pub(crate) struct LocateArgs {
     #[arg(long, value_name = "METHOD", default_value = "search")]
     pub(crate) method: Search,
     /// Approximate number of rays of the scan to match
-    #[arg(long, value_name = "N", default_value_t = 171, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 171, value_parser = whole(1_u32..=100_000))]
     pub(crate) rays: u32,
     #[command(flatten)]
     pub(crate) search: SearchArgs,
@@ -66,7 +67,7 @@ pub(crate) struct SearchArgs {
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true, value_parser = finite)]
     threshold: Option<f64>,
     /// search: maximum number of poses besides the guess [default: 300]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u32..=100_000))]
     iterations: Option<u32>,
     /// search: shrink the box after failures, unlike the lecture notes
     #[arg(long)]
@@ -77,7 +78,7 @@ pub(crate) struct SearchArgs {
 #[derive(Debug, Args)]
 pub(crate) struct RefineArgs {
     /// refine: maximum number of starts besides the guess [default: 8]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    #[arg(long, value_name = "N", value_parser = whole(0_u32..=1000))]
     starts: Option<u32>,
     /// refine: standard deviation of the guess in x and in y, in metres [default: 0.2]
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = finite)]
@@ -101,17 +102,12 @@ impl SearchArgs {
     }
 
     /// The parameters for the library, or the option that cannot be so.
-    pub(crate) fn parameters(&self) -> Result<laser::Parameters, String> {
+    pub(crate) fn parameters(&self) -> Result<laser::Parameters, OptionError> {
         let default = laser::Parameters::default();
         Ok(laser::Parameters {
             box_m: positive("--box-m", self.box_m.unwrap_or(default.box_m))?,
             box_rad: positive("--box-rad", self.box_rad.unwrap_or(default.box_rad))?,
-            threshold: match self.threshold.unwrap_or(default.threshold) {
-                threshold if threshold < 0.0 => {
-                    return Err(format!("--threshold: must be 0 or more, is {threshold}"));
-                }
-                threshold => threshold,
-            },
+            threshold: checked("--threshold", Bounds::AtLeast0, self.threshold.unwrap_or(default.threshold))?,
             iterations: self.iterations.map_or(default.iterations, |n| n as usize),
             shrink: self.shrink.then(Default::default),
         })
@@ -136,27 +132,31 @@ impl RefineArgs {
     }
 
     /// The uncertainty of the guess, in metres and radians, or the option that cannot be so.
-    pub(crate) fn deviations(&self) -> Result<(f64, f64), String> {
+    pub(crate) fn deviations(&self) -> Result<(f64, f64), OptionError> {
         let sd_m = positive("--sd-m", self.sd_m.unwrap_or(UNSURE))?;
         Ok((sd_m, positive("--sd-rad", self.sd_rad.unwrap_or(UNSURE))?))
     }
 }
 
 /// A length or an angle that is one.
-fn positive(option: &str, number: f64) -> Result<f64, String> {
-    let fits = number > 0.0 && number <= MOST;
-    if fits { Ok(number) } else { Err(format!("{option}: must be above 0 and at most {MOST}, is {number}")) }
+fn positive(option: &'static str, number: f64) -> Result<f64, OptionError> {
+    checked(option, Bounds::Above0AtMost(MOST), number)
 }
 
-fn pose(text: &str) -> Result<Pose, String> {
+fn checked(option: &'static str, bounds: Bounds, number: f64) -> Result<f64, OptionError> {
+    bounds.checked(number).map_err(|error| OptionError { option, error })
+}
+
+fn pose(text: &str) -> Result<Pose, ValueError> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|number| finite(number.trim()).ok()).collect();
     match numbers.as_deref() {
         Some(&[x, y, heading]) if [x, y, heading].iter().all(|number| number.abs() <= MOST_PLACE) => {
             Ok(Pose::new(x, y, angle::wrap(heading)))
         }
-        _ => Err(format!(
-            "must be x, y and heading with commas between them, in metres and radians, such as 1.5,-2,0.1; is `{text}`"
-        )),
+        _ => Err(ValueError::Example {
+            form: "x, y and heading with commas between them, in metres and radians, such as 1.5,-2,0.1",
+            text: text.to_owned(),
+        }),
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::finite;
+use super::value::{Bounds, ValueError, whole};
 use crate::escapes::unescaped;
 
 #[derive(Debug, Subcommand)]
@@ -24,13 +25,13 @@ pub(crate) enum MeasureCommand {
 #[derive(Debug, Args)]
 pub(crate) struct PortArgs {
     /// Baud rate: 8 bits, no parity, 1 stop bit
-    #[arg(long, value_name = "N", default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(50..=4_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 115_200, value_parser = whole(50_u32..=4_000_000))]
     pub(crate) baud: u32,
     /// Wait at most this long for an answer, in milliseconds
-    #[arg(long, value_name = "MS", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=60_000))]
+    #[arg(long, value_name = "MS", default_value_t = 1000, value_parser = whole(1_u32..=60_000))]
     pub(crate) timeout_ms: u32,
     /// Wait this long after the port is opened, in milliseconds: an Arduino restarts then
-    #[arg(long, value_name = "MS", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(..=60_000))]
+    #[arg(long, value_name = "MS", default_value_t = 2000, value_parser = whole(0_u32..=60_000))]
     pub(crate) settle_ms: u32,
 }
 
@@ -40,13 +41,13 @@ pub(crate) struct EchoArgs {
     #[arg(long, value_name = "PATH")]
     pub(crate) device: Option<PathBuf>,
     /// Messages to send
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(1_u32..=10_000_000))]
     pub(crate) count: u32,
     /// Bytes of each message
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1_u32..=4096))]
     pub(crate) bytes: u32,
     /// Pause between an echo and the next message, in milliseconds
-    #[arg(long, value_name = "MS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=60_000))]
+    #[arg(long, value_name = "MS", default_value_t = 0, value_parser = whole(0_u32..=60_000))]
     pub(crate) pause_ms: u32,
     /// Write the table to this file; `-` is stdout, and the summary then goes to stderr
     #[arg(short, long, value_name = "FILE", default_value = "echo.csv")]
@@ -73,10 +74,10 @@ pub(crate) struct CurveArgs {
     #[arg(long, value_name = "TEXT", requires = "device", value_parser = bytes)]
     pub(crate) ask: Option<Bytes>,
     /// Which number of the answer is the reading
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1_u16..=1000))]
     pub(crate) number: u16,
     /// Readings at each distance
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole(1_u32..=100_000))]
     pub(crate) readings: u32,
     /// Name of the sensor, for a column `sensor`: curves of several sensors can be in one file
     #[arg(long, value_name = "NAME", value_parser = word)]
@@ -97,7 +98,7 @@ pub(crate) struct StepArgs {
     #[arg(long, value_name = "TEXT", value_parser = bytes)]
     pub(crate) ask: Bytes,
     /// Which number of the answer is the left count; the right one is the next
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1_u16..=1000))]
     pub(crate) number: u16,
     /// Command for the left motor, in the robot's own units
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = finite)]
@@ -115,7 +116,7 @@ pub(crate) struct StepArgs {
     #[arg(long, value_name = "S", default_value_t = 0.5, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) rest_s: f64,
     /// Time between two samples, in milliseconds
-    #[arg(long, value_name = "MS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=60_000))]
+    #[arg(long, value_name = "MS", default_value_t = 20, value_parser = whole(1_u32..=60_000))]
     pub(crate) period_ms: u32,
     /// Distance per count of a wheel, in metres: adds a column speed_m_s
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
@@ -137,34 +138,31 @@ pub(crate) struct StepArgs {
 #[derive(Clone, Debug)]
 pub(crate) struct Bytes(pub(crate) Vec<u8>);
 
-fn bytes(text: &str) -> Result<Bytes, String> {
-    match unescaped(text) {
-        Ok(bytes) if bytes.is_empty() => Err("must have at least one byte".to_owned()),
-        Ok(bytes) => Ok(Bytes(bytes)),
-        Err(error) => Err(error.to_string()),
-    }
+fn bytes(text: &str) -> Result<Bytes, ValueError> {
+    let bytes = unescaped(text)?;
+    if bytes.is_empty() { Err(ValueError::Form("must have at least one byte")) } else { Ok(Bytes(bytes)) }
 }
 
-fn template(text: &str) -> Result<String, String> {
-    unescaped(text).map_err(|error| error.to_string())?;
+fn template(text: &str) -> Result<String, ValueError> {
+    unescaped(text)?;
     let is_whole = ["{left}", "{right}"].iter().all(|part| text.contains(part));
-    is_whole.then(|| text.to_owned()).ok_or_else(|| "must have {left} and {right} in it".to_owned())
+    is_whole.then(|| text.to_owned()).ok_or(ValueError::Form("must have {left} and {right} in it"))
 }
 
 /// A word that needs no quotes in a table.
-fn word(text: &str) -> Result<String, String> {
+fn word(text: &str) -> Result<String, ValueError> {
     let is_word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
     let is_fine = !text.is_empty() && text.chars().all(is_word);
-    is_fine.then(|| text.to_owned()).ok_or_else(|| "must consist of letters, digits, _, - and .".to_owned())
+    let error = ValueError::Form("must consist of letters, digits, _, - and .");
+    is_fine.then(|| text.to_owned()).ok_or(error)
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    finite(text).ok().filter(|number| *number > 0.0).ok_or_else(|| format!("must be above 0, is {text}"))
+fn positive(text: &str) -> Result<f64, ValueError> {
+    Bounds::Above0.parsed(text)
 }
 
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    let fits = |seconds: &f64| *seconds > 0.0 && *seconds <= MOST_S;
-    finite(text).ok().filter(fits).ok_or_else(|| format!("must be above 0 and at most {MOST_S}, is {text}"))
+pub(super) fn seconds(text: &str) -> Result<f64, ValueError> {
+    Bounds::Above0AtMost(MOST_S).parsed(text)
 }
 
 /// Nobody lets a robot drive for longer than that without looking.

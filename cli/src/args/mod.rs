@@ -17,7 +17,6 @@ mod list;
 mod locate;
 mod measure;
 mod new;
-mod numbers;
 mod over;
 mod pace;
 mod places;
@@ -28,6 +27,7 @@ mod record;
 mod state;
 mod token;
 mod umbmark;
+mod value;
 mod work;
 
 use std::path::PathBuf;
@@ -57,7 +57,6 @@ pub(crate) use self::list::{CompletionsArgs, InitArgs, ListArgs, ManArgs};
 pub(crate) use self::locate::{LocateArgs, Search};
 pub(crate) use self::measure::{Bytes, CurveArgs, EchoArgs, MeasureCommand, PortArgs, StepArgs};
 pub(crate) use self::new::{FirmwareLanguage, Language, NewBrainArgs, NewCommand, NewFirmwareArgs};
-use self::numbers::{finite, instant, patience, span};
 pub(crate) use self::over::Over;
 pub(crate) use self::pace::{PaceName, WatchdogArgs};
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
@@ -68,6 +67,7 @@ pub(crate) use self::record::{RecordArgs, ReplayArgs};
 pub(crate) use self::state::{CheckStateArgs, RecoverArgs, StateCommand};
 pub(crate) use self::token::{ListTokensArgs, NewTokenArgs, RevokeTokenArgs, TokenCommand, TokenFileArgs};
 pub(crate) use self::umbmark::UmbmarkArgs;
+use self::value::{finite, instant, patience, span, whole};
 pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
 use crate::logs::{LogFilter, LogFormat};
 
@@ -196,7 +196,7 @@ pub(crate) struct RunArgs {
     #[arg(long = "parameter", value_name = "NAME=VALUE")]
     pub(crate) parameters: Vec<String>,
     /// Before the run begins, wait until other programs have attached to N robots; robots that no --brain names are left to them
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u16..=u16::MAX))]
     pub(crate) external: Option<u16>,
     /// Show on stderr what brains that are programs print; by default, only the last lines of one that fails
     #[arg(long)]
@@ -209,7 +209,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "S", conflicts_with = "ticks", allow_negative_numbers = true, value_parser = finite)]
     pub(crate) seconds: Option<f64>,
     /// End after this many ticks
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u64..=u64::MAX))]
     pub(crate) ticks: Option<u64>,
     /// Write the state at every tick as a table; `-` is stdout, and the summary then goes to stderr
     #[arg(long, value_name = "FILE")]
@@ -266,7 +266,7 @@ pub(crate) struct ServeArgs {
     #[arg(long, value_name = "FOLDER")]
     pub(crate) state: Option<PathBuf>,
     /// After Ctrl-C or SIGTERM, end with exit code 1 if worlds and recordings have not been closed within this time
-    #[arg(long, value_name = "S", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=3600))]
+    #[arg(long, value_name = "S", default_value_t = 10, value_parser = whole(1_u32..=3600))]
     pub(crate) stop_within: u32,
     /// Listen for trainers, which drive robots and get their true poses: 127.0.0.1:PORT or unix:/PATH
     ///
@@ -361,7 +361,7 @@ pub(crate) struct ChangeArgs {
     #[arg(long, value_name = "ROBOT=FILE")]
     pub(crate) firmware: Vec<String>,
     /// Seed of all random numbers in the world, and of the brains in this process
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(0_u64..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
     /// Switch off sensor noise
     #[arg(long)]

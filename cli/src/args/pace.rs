@@ -6,6 +6,7 @@ use std::time::Duration;
 use baudbot_server::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 use clap::{Args, ValueEnum};
 
+use super::value::{ValueError, whole};
 use crate::error::Refused;
 
 /// A pace as the command line has it, its watchdog apart.
@@ -17,18 +18,20 @@ pub(crate) enum PaceName {
 }
 
 impl FromStr for PaceName {
-    type Err = String;
+    type Err = ValueError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, ValueError> {
         match text.split_once(':') {
             None if text == "lockstep" => Ok(Self::Lockstep),
             None if text == "real-time" => Ok(Self::Timed(1.0)),
             None if text == "free" => Ok(Self::Free),
             Some(("scaled", factor)) => match factor.parse() {
                 Ok(factor) if f64::is_finite(factor) && factor > 0.0 => Ok(Self::Timed(factor)),
-                _ => Err(format!("the factor must be a positive number, is `{factor}`")),
+                _ => Err(ValueError::Factor(factor.to_owned())),
             },
-            _ => Err("a pace is lockstep, real-time, scaled:X (such as scaled:2.5) or free".to_owned()),
+            _ => {
+                Err(ValueError::Form("a pace is lockstep, real-time, scaled:X (such as scaled:2.5) or free"))
+            }
         }
     }
 }
@@ -48,7 +51,7 @@ impl PaceName {
 #[command(next_help_heading = super::PACE)]
 pub(crate) struct WatchdogArgs {
     /// In lockstep: wall-clock time that a brain may take to answer [default: 10000]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u32..=u32::MAX))]
     pub(crate) watchdog_ms: Option<u32>,
     /// In lockstep: what happens when a brain takes longer [default: wait]
     #[arg(long, value_name = "POLICY")]
@@ -58,7 +61,7 @@ pub(crate) struct WatchdogArgs {
     #[arg(long, value_name = "on|off")]
     pub(crate) lookahead: Option<Lookahead>,
     /// In real and scaled time: the most wall-clock lag that the world catches up on; the rest is dropped [default: 100]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u32..=u32::MAX))]
     pub(crate) max_lag_ms: Option<u32>,
 }
 

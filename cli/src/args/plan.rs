@@ -6,6 +6,7 @@ use baudbot_brains::planning::{Heuristic, Moves};
 use baudbot_geometry::Point;
 use clap::{Args, ValueEnum};
 
+use super::value::ValueError;
 use super::{ChangeArgs, finite};
 
 #[derive(Debug, Args)]
@@ -108,11 +109,14 @@ impl From<Estimate> for Heuristic {
     }
 }
 
-fn point(text: &str) -> Result<Point, String> {
+fn point(text: &str) -> Result<Point, ValueError> {
     let numbers = text.split_once(',').map(|(x, y)| (finite(x.trim()), finite(y.trim())));
     match numbers {
         Some((Ok(x), Ok(y))) => Ok(Point::new(x, y)),
-        _ => Err(format!("must be two numbers with a comma between them, such as 1.5,-2; is `{text}`")),
+        _ => Err(ValueError::Example {
+            form: "two numbers with a comma between them, such as 1.5,-2",
+            text: text.to_owned(),
+        }),
     }
 }
 

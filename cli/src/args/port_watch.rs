@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::ConnectArgs;
+use super::value::whole;
 
 #[derive(Debug, Args)]
 pub(crate) struct WatchPortArgs {
@@ -12,6 +13,6 @@ pub(crate) struct WatchPortArgs {
     #[arg(value_name = "ROBOT[/SENSOR]", default_value = "", hide_default_value = true)]
     pub(crate) cable: String,
     /// End after this many rows
-    #[arg(long, value_name = "ROWS")]
+    #[arg(long, value_name = "ROWS", value_parser = whole(0_u64..=u64::MAX))]
     pub(crate) rows: Option<u64>,
 }

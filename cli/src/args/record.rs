@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::places::ListenArgs;
+use super::value::{Bounds, ValueError};
 use super::{PaceName, WatchdogArgs, instant};
 
 /// Heading of the options of recordings.
@@ -52,13 +53,15 @@ pub(crate) struct ReplayArgs {
     pub(crate) listen: ListenArgs,
 }
 
-fn file(text: &str) -> Result<PathBuf, String> {
-    if text == "-" { Err("must be a file; stdout cannot be read again".to_owned()) } else { Ok(text.into()) }
+fn file(text: &str) -> Result<PathBuf, ValueError> {
+    match text {
+        "-" => Err(ValueError::Form("must be a file; stdout cannot be read again")),
+        _ => Ok(text.into()),
+    }
 }
 
-fn rate(text: &str) -> Result<f64, String> {
-    let fits = |hz: &f64| (0.0..=MOST_HZ).contains(hz);
-    text.parse().ok().filter(fits).ok_or_else(|| format!("must be from 0 to {MOST_HZ}, is `{text}`"))
+fn rate(text: &str) -> Result<f64, ValueError> {
+    Bounds::Between(0.0, MOST_HZ).parsed(text)
 }
 
 /// The greatest rate: more than any viewer shows.

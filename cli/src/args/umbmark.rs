@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::value::{Bounds, ValueError, whole};
 use super::{ChangeArgs, finite};
 
 #[derive(Debug, Args)]
@@ -20,7 +21,7 @@ pub(crate) struct UmbmarkArgs {
     #[arg(long, value_name = "M", default_value_t = 4.0, allow_negative_numbers = true, value_parser = side)]
     pub(crate) side_m: f64,
     /// Runs in each direction
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole(1_u32..=1000))]
     pub(crate) runs: u32,
     /// Speed on the sides, in metres per second [default: 0.2, or what suits a slower or faster robot]
     #[arg(long, value_name = "M/S", allow_negative_numbers = true, value_parser = finite)]
@@ -39,12 +40,8 @@ pub(crate) struct UmbmarkArgs {
 }
 
 /// The side of a square that a robot can drive round.
-fn side(text: &str) -> Result<f64, String> {
-    let fits = |side_m: &f64| (LEAST_SIDE_M..=MOST_SIDE_M).contains(side_m);
-    finite(text)
-        .ok()
-        .filter(fits)
-        .ok_or_else(|| format!("must be from {LEAST_SIDE_M} to {MOST_SIDE_M}, is {text}"))
+fn side(text: &str) -> Result<f64, ValueError> {
+    Bounds::Between(LEAST_SIDE_M, MOST_SIDE_M).parsed(text)
 }
 
 const LEAST_SIDE_M: f64 = 0.1;

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use baudbot_experiment::Shard;
 use clap::Args;
 
+use super::value::whole;
+
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
     #[command(flatten)]
@@ -48,7 +50,7 @@ pub(crate) struct WorkArgs {
     #[arg(long)]
     pub(crate) fresh: bool,
     /// Number of parallel runs [default: the number of processors]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u16..=1024))]
     pub(crate) jobs: Option<u16>,
     /// Run on a server instead of in this process: HOST:PORT or unix:/PATH
     #[arg(long, value_name = "ADDR")]

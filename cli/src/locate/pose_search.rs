@@ -40,7 +40,7 @@ enum Plan {
 impl SearchResult {
     /// Searches from the guess of the command line.
     pub(super) fn new(args: &LocateArgs, map: &Map, scan: &Scan, seed: u64) -> anyhow::Result<Self> {
-        let plan = Plan::new(args).map_err(Refused::error)?;
+        let plan = Plan::new(args)?;
         let (mut tried, mut chance) = (Vec::new(), Chance::new(seed, "locate"));
         let watch = |pose: &Tried| tried.push(*pose);
         let (found, fit) = match plan {
@@ -87,18 +87,22 @@ impl SearchResult {
 }
 
 impl Plan {
-    fn new(args: &LocateArgs) -> Result<Self, String> {
+    fn new(args: &LocateArgs) -> anyhow::Result<Self> {
         let strange = match args.method {
             Search::Search => args.refine.given().next().map(|option| (option, "refine")),
             Search::Refine => args.search.given().next().map(|option| (option, "search")),
         };
         if let Some((option, method)) = strange {
-            return Err(format!("{option}: belongs to --method {method}; leave it out, or use that method"));
+            let text = format!("{option}: belongs to --method {method}; leave it out, or use that method");
+            return Err(Refused::error(text));
         }
         Ok(match args.method {
-            Search::Search => Self::Search(args.search.parameters()?),
+            Search::Search => {
+                Self::Search(args.search.parameters().map_err(|error| Refused::error(error.to_string()))?)
+            }
             Search::Refine => {
-                let (sd_m, sd_rad) = args.refine.deviations()?;
+                let (sd_m, sd_rad) =
+                    args.refine.deviations().map_err(|error| Refused::error(error.to_string()))?;
                 Self::Refine { parameters: args.refine.parameters(), sd_m, sd_rad }
             }
         })

@@ -21,19 +21,29 @@ use tracing_subscriber::{Layer, Registry, fmt};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LogFilter(Targets);
 
-impl FromStr for LogFilter {
-    type Err = String;
+/// A reason why a text is no filter.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum FilterError {
+    /// A part of it names no level.
+    #[error("must be off, error, warn, info, debug or trace, or a list such as warn,baudbot_server=info")]
+    Level,
+    /// The library does not take it.
+    #[error(transparent)]
+    Target(#[from] tracing_subscriber::filter::ParseError),
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for LogFilter {
+    type Err = FilterError;
+
+    fn from_str(text: &str) -> Result<Self, FilterError> {
         // A word without a level would be the name of a part of the program, and a slip of the pen pass for one.
         for part in text.split(',') {
             let level = part.rsplit_once('=').map_or(part, |(_, level)| level);
             if level.is_empty() || level.parse::<LevelFilter>().is_err() {
-                let text = "must be off, error, warn, info, debug or trace, or a list such as warn,baudbot_server=info";
-                return Err(text.to_owned());
+                return Err(FilterError::Level);
             }
         }
-        text.parse().map(Self).map_err(|error: tracing_subscriber::filter::ParseError| error.to_string())
+        Ok(Self(text.parse()?))
     }
 }
 
