@@ -130,6 +130,8 @@ pub(crate) struct Step<'a> {
     pub(crate) arena: &'a Arena,
     /// Other obstacles, such as doors.
     pub(crate) obstacles: &'a [Body],
+    /// The movables, once they have been pushed: nobody is to slide into them. No robot is in one before the step or after it.
+    pub(crate) movables: &'a [Body],
     /// The robots' shapes.
     pub(crate) form: &'a (dyn Fn(usize) -> Form<'a> + Sync),
     pub(crate) ways: &'a mut [Way],
@@ -141,6 +143,28 @@ pub(crate) struct Step<'a> {
 pub(crate) fn swept(form: &Form<'_>, way: &Way) -> Circle {
     let long = math::sqrt(way.vector().norm_squared());
     Circle { center: way.before.position, radius: form.reach_m() + long }
+}
+
+/// The poses of a body on its way at which it is looked at, the last one of them. Half a radius is the longest way between two,
+/// of a body with corners its thickness, its farthest corner's turning included: it cannot get past anything in between.
+fn looks(form: &Form<'_>, before: &Pose, after: &Pose) -> impl Iterator<Item = Pose> {
+    let (before, after) = (*before, *after);
+    let way = after.position - before.position;
+    let turn = angle::difference(after.heading, before.heading);
+    let looks = match form {
+        Form::Disc { radius_m } => way.norm() / (0.5 * radius_m),
+        Form::Polygon(_) => (way.norm() + turn.abs() * form.reach_m()) / form.thickness_m(),
+    };
+    let looks = math::ceil(looks).clamp(1.0, MAX_LOOKS);
+    (1..=looks as u32).map(move |i| {
+        let mut pose = after;
+        if f64::from(i) != looks {
+            let part = f64::from(i) / looks;
+            pose.position = before.position + way * part;
+            pose.heading = before.heading + turn * part;
+        }
+        pose
+    })
 }
 
 impl Way {
@@ -198,30 +222,13 @@ impl Step<'_> {
         mine.overlaps(&its_form.at(&its_way.before)) || !form.at(&way.before).overlaps(&its)
     }
 
-    /// Half a radius is the longest way between two looks, of a body with corners its thickness, its farthest corner's
-    /// turning included: it cannot get past anything in between.
     fn met_on_the_way(&self, own: usize) -> Option<Met> {
         let Way { before, after, room, .. } = &self.ways[own];
         if self.obstacles.is_empty() && room.contains(before) && room.contains(after) {
             return None;
         }
-        let way = self.ways[own].vector();
-        let turn = angle::difference(after.heading, before.heading);
         let form = (self.form)(own);
-        let looks = match form {
-            Form::Disc { radius_m } => way.norm() / (0.5 * radius_m),
-            Form::Polygon(_) => (way.norm() + turn.abs() * form.reach_m()) / form.thickness_m(),
-        };
-        let looks = math::ceil(looks).clamp(1.0, MAX_LOOKS);
-        (1..=looks as u32).find_map(|i| {
-            let mut pose = *after;
-            if f64::from(i) != looks {
-                let part = f64::from(i) / looks;
-                pose.position = before.position + way * part;
-                pose.heading = before.heading + turn * part;
-            }
-            self.met_at(&form.at(&pose))
-        })
+        looks(&form, before, after).find_map(|pose| self.met_at(&form.at(&pose)))
     }
 
     fn met_at(&self, body: &Body) -> Option<Met> {
@@ -310,7 +317,14 @@ mod tests {
         let way = |(&before, &after)| Way::new(before, after);
         let mut ways: Vec<_> = before.iter().zip(after).map(way).collect();
         crowd.rebuild(forms.iter().zip(&ways).map(|(form, way)| swept(form, way)));
-        look(Step { arena, obstacles: &[], form: &|i| forms[i], ways: &mut ways, crowd: &crowd })
+        look(Step {
+            arena,
+            obstacles: &[],
+            movables: &[],
+            form: &|i| forms[i],
+            ways: &mut ways,
+            crowd: &crowd,
+        })
     }
 
     fn held(forms: &[Form<'_>], before: &[Pose], after: &[Pose]) -> Vec<Option<Met>> {

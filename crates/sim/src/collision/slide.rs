@@ -13,14 +13,15 @@
 //! Deviations.
 //! - Wheels give way sideways without friction of their own: they resist nothing but the motors.
 //! - Nothing turns the robot: neither friction at its rim nor a wall at its corners.
-//! - Nobody is pushed: a robot or mover that is slid along stays as it is.
+//! - Nobody is pushed: a robot or mover that is slid along stays as it is. Movables have been pushed before: a robot that would slide
+//!   into one stays where it was.
 //! - Corners that turn into something do not turn on, as with robots that stop.
 
 use alloc::vec::Vec;
 
 use baudbot_geometry::{Circle, Pose, Vector, math};
 
-use super::{Step, Way};
+use super::{Step, Way, looks};
 use crate::drive::{Drive, Motion};
 use crate::motor::Motors;
 use crate::movable::{Body, Chain, Form, Touch, touches};
@@ -125,7 +126,16 @@ impl Step<'_> {
                 best = Some(Slid { after, speed_m_s: sign * speed, wheels_m_s });
             }
         }
-        best
+        best.filter(|slid: &Slid| self.is_clear_of_movables(own, &way.before, &slid.after))
+    }
+
+    /// Whether the way leads through no movable.
+    fn is_clear_of_movables(&self, own: usize, before: &Pose, after: &Pose) -> bool {
+        let form = (self.form)(own);
+        self.movables.is_empty()
+            || looks(&form, before, after)
+                .map(|pose| form.at(&pose))
+                .all(|body| !self.movables.iter().any(|movable| movable.overlaps(&body)))
     }
 
     /// A body with corners keeps its heading if it would turn into something.

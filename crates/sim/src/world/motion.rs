@@ -31,6 +31,7 @@ pub(super) struct Lists {
     held_first: Vec<Option<Met>>,
     found: Vec<Option<Found>>,
     obstacles: Vec<Body>,
+    movables: Vec<Body>,
 }
 
 impl World {
@@ -60,9 +61,12 @@ impl World {
         self.drive_all(scenario, lists, now, dt);
         self.note_obstacles(scenario, &mut lists.obstacles);
         lists.held_first.clear();
+        lists.movables.clear();
         gather(scenario, lists);
         if !scenario.movables.is_empty() {
             self.push(scenario, lists, dt);
+            let movables = scenario.movables.iter().zip(&self.state.movables);
+            lists.movables.extend(movables.map(|(movable, state)| movable.shape.form().at(&state.pose)));
             for (way, robot) in lists.ways.iter_mut().zip(&self.state.robots) {
                 way.after = robot.motion.pose;
             }
@@ -110,9 +114,9 @@ impl World {
     /// move.
     fn push(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
         if scenario.collision != CollisionPolicy::StopRun {
-            let Lists { ways, crowd, held_first, found, obstacles, .. } = lists;
+            let Lists { ways, crowd, held_first, found, obstacles, movables, .. } = lists;
             let is_parallel = self.is_parallel;
-            step(scenario, obstacles, ways, crowd, |mut step| {
+            step(scenario, (obstacles, movables), ways, crowd, |mut step| {
                 step.hold_back(scenario.collision.friction(), held_first, found, is_parallel);
             });
             for own in (0..held_first.len()).filter(|&own| held_first[own].is_some()) {
@@ -163,8 +167,8 @@ impl World {
     }
 
     fn stop_run(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
-        let Lists { ways, crowd, held, obstacles, .. } = lists;
-        step(scenario, obstacles, ways, crowd, |step| {
+        let Lists { ways, crowd, held, obstacles, movables, .. } = lists;
+        step(scenario, (obstacles, movables), ways, crowd, |step| {
             held.clear();
             held.extend((0..step.ways.len()).map(|own| step.partner(own)));
         });
@@ -176,9 +180,9 @@ impl World {
     }
 
     fn stop_robots(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
-        let Lists { ways, crowd, held, found, obstacles, .. } = lists;
+        let Lists { ways, crowd, held, found, obstacles, movables, .. } = lists;
         let is_parallel = self.is_parallel;
-        step(scenario, obstacles, ways, crowd, |mut step| {
+        step(scenario, (obstacles, movables), ways, crowd, |mut step| {
             step.hold_back(scenario.collision.friction(), held, found, is_parallel);
         });
         for own in 0..lists.held.len() {
@@ -314,13 +318,13 @@ fn gather(scenario: &Scenario, lists: &mut Lists) {
 /// Looks at a step of all robots.
 fn step<T>(
     scenario: &Scenario,
-    obstacles: &[Body],
+    (obstacles, movables): (&[Body], &[Body]),
     ways: &mut [Way],
     crowd: &Crowd,
     look: impl FnOnce(Step<'_>) -> T,
 ) -> T {
     let form = |i: usize| scenario.robots[i].form();
-    look(Step { arena: &scenario.arena, obstacles, form: &form, ways, crowd })
+    look(Step { arena: &scenario.arena, obstacles, movables, form: &form, ways, crowd })
 }
 
 fn pusher<'a>(robot: &Robot, spec: &'a RobotSpec, before: &Pose) -> Pusher<'a> {
