@@ -527,6 +527,7 @@ fn asked() -> Vec<(&'static str, Vec<u8>)> {
         ),
         ("StopRecording", of(&v1::StopRecordingRequest { world: name() })),
         ("ListRecordings", Vec::new()),
+        ("GetLimits", Vec::new()),
         ("OpenRecording", of(&v1::OpenRecordingRequest { recording: film.clone(), world: film.clone() })),
         ("DescribeReplay", of(&v1::DescribeReplayRequest { world: film.clone() })),
         ("SeekReplay", of(&v1::SeekReplayRequest { world: film.clone(), tick: 0 })),

@@ -575,6 +575,48 @@ async fn all_limits_are_told_with_their_values() {
     server.shutdown().await;
 }
 
+/// The limits that this operator is told.
+async fn limits_of(operator: &mut Operator) -> Vec<v1::ServerLimit> {
+    operator.get_limits(v1::GetLimitsRequest {}).await.unwrap().into_inner().limits
+}
+
+/// The value of a limit, what is used of it, and the number of refusals.
+fn standing(limits: &[v1::ServerLimit], limit: Limit) -> (Option<u64>, Option<u64>, u64) {
+    let limit = limits.iter().find(|found| found.name == limit.info().name).unwrap();
+    (limit.value, limit.used, limit.refused)
+}
+
+#[tokio::test]
+async fn each_caller_is_told_the_limits_that_hold_for_it() {
+    let limits = Limits::default().with(Limit::Worlds, 5).with(Limit::WorldsPerCaller, 2);
+    let (server, [alice, bob], _folder) = serve_class(limits.clone()).await;
+    let mut alice = operator_of(&server, Some(&alice)).await;
+    for name in ["a", "b"] {
+        alice.create_world(create(name, WANDER)).await.unwrap();
+    }
+    let refused = alice.create_world(create("c", WANDER)).await.unwrap_err();
+    assert_eq!(refused.code(), Code::ResourceExhausted);
+    let (to_alice, to_bob) =
+        (limits_of(&mut alice).await, limits_of(&mut operator_of(&server, Some(&bob)).await).await);
+    let to_this_process = limits_of(&mut operator(&server).await).await;
+    assert_eq!(standing(&to_alice, Limit::WorldsPerCaller), (Some(2), Some(2), 1));
+    assert_eq!(standing(&to_bob, Limit::WorldsPerCaller), (Some(2), Some(0), 1));
+    assert_eq!(standing(&to_this_process, Limit::WorldsPerCaller).0, None);
+    for told in [&to_alice, &to_bob, &to_this_process] {
+        assert_eq!(standing(told, Limit::Worlds), (Some(5), Some(3), 0));
+        assert_eq!(standing(told, Limit::RobotsPerWorld), (Some(10_000), None, 0));
+        assert!(
+            told.iter().all(|limit| !limit.meaning.is_empty() && limit.unit() != v1::LimitUnit::Unspecified)
+        );
+    }
+    assert_eq!(to_bob.len(), LIMITS.len());
+    for (limit, info) in to_bob.iter().zip(&LIMITS) {
+        assert_eq!((&*limit.name, &*limit.option), (info.name, info.option));
+        assert_eq!(limit.value, Some(limits.value(info.limit)), "{}", info.name);
+    }
+    server.shutdown().await;
+}
+
 /// The experience of operators and a world in real time beside so many worlds in free pace: the median and the
 /// longest time of GetWorld, and the fraction of the real-time world's ticks that ended late by a tick or more.
 async fn beside_free_worlds(count: usize) -> (Duration, Duration, f64) {

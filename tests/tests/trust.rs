@@ -105,6 +105,7 @@ const CALLS: &[(&str, &[(&str, &str)])] = &[
             ("SeekReplay", "operator"),
             ("ForkReplay", "operator"),
             ("DeleteWorld", "operator"),
+            ("GetLimits", "observer operator trainer tutor"),
         ],
     ),
     (

@@ -114,6 +114,7 @@ class Session {
         return answer("deleteWorld", world);
       }
       case "getBudget":
+      case "getLimits":
         throw new Refusal("UNIMPLEMENTED", "the mock does not do that");
       default: {
         const world = this.find(request.value.world);

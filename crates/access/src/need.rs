@@ -107,6 +107,7 @@ const CONTROL: &[(&str, Need)] = &[
     ("SeekReplay", Need::Operate),
     ("ForkReplay", Need::Operate),
     ("DeleteWorld", Need::Operate),
+    ("GetLimits", Need::Observe),
 ];
 
 const OBSERVE: &[(&str, Need)] = &[

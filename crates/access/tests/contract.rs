@@ -60,7 +60,7 @@ fn a_right_allows_what_it_says() {
         all.filter(|(service, _)| service.starts_with("baudbot")).map(|(_, method)| method).collect()
     };
     let set = |names: &str| names.split_whitespace().map(str::to_owned).collect::<BTreeSet<_>>();
-    let reading = "ListWorlds GetWorld GetBudget ListRecordings DescribeReplay DescribeWorld Watch GetCoverage WatchCable";
+    let reading = "ListWorlds GetWorld GetBudget ListRecordings DescribeReplay GetLimits DescribeWorld Watch GetCoverage WatchCable";
     assert_eq!(allowed("observe"), set(reading));
     assert_eq!(allowed("train"), set(&format!("{reading} Train")));
     assert_eq!(allowed("drive wander/alice"), set("Attach"));

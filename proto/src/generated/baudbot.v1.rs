@@ -1414,6 +1414,43 @@ pub struct DetachBrain {
     #[prost(bool, tag = "2")]
     pub restart: bool,
 }
+/// Asks for the limits of the server.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct GetLimitsRequest {}
+/// The limits of the server.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct GetLimitsResponse {
+    /// All of them, in the order of the manual.
+    #[prost(message, repeated, tag = "1")]
+    pub limits: ::prost::alloc::vec::Vec<ServerLimit>,
+}
+/// A limit of the server. What would go beyond it is refused with RESOURCE_EXHAUSTED, a connection with UNAVAILABLE.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct ServerLimit {
+    /// The name, as in the metrics, such as `worlds_per_caller`.
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// The option of the server that changes the limit, such as `--max-worlds-per-caller`.
+    #[prost(string, tag = "2")]
+    pub option: ::prost::alloc::string::String,
+    /// The thing that is limited, in one line.
+    #[prost(string, tag = "3")]
+    pub meaning: ::prost::alloc::string::String,
+    /// The unit of value and used.
+    #[prost(enumeration = "LimitUnit", tag = "4")]
+    pub unit: i32,
+    /// The greatest value that used may have for who asks. Absent if the limit does not hold for them, or the machine does not say
+    /// how much memory it has.
+    #[prost(uint64, optional, tag = "5")]
+    pub value: ::core::option::Option<u64>,
+    /// The part that is used: of a limit for each caller, by who asks; of others, by all. Absent if it is counted for each
+    /// connection, world or stream.
+    #[prost(uint64, optional, tag = "6")]
+    pub used: ::core::option::Option<u64>,
+    /// The number of refusals since the server started, of all callers.
+    #[prost(uint64, tag = "7")]
+    pub refused: u64,
+}
 /// What can happen in a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
@@ -1455,6 +1492,43 @@ impl ReplayEventKind {
             "REPLAY_EVENT_KIND_CHANGE" => Some(Self::Change),
             "REPLAY_EVENT_KIND_ENDING" => Some(Self::Ending),
             "REPLAY_EVENT_KIND_ORDER" => Some(Self::Order),
+            _ => None,
+        }
+    }
+}
+/// The unit of a limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum LimitUnit {
+    /// Never sent.
+    Unspecified = 0,
+    /// Things that are counted, or of `requests_per_s` such things in a second.
+    Count = 1,
+    /// Seconds.
+    Seconds = 2,
+    /// Bytes.
+    Bytes = 3,
+}
+impl LimitUnit {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "LIMIT_UNIT_UNSPECIFIED",
+            Self::Count => "LIMIT_UNIT_COUNT",
+            Self::Seconds => "LIMIT_UNIT_SECONDS",
+            Self::Bytes => "LIMIT_UNIT_BYTES",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "LIMIT_UNIT_UNSPECIFIED" => Some(Self::Unspecified),
+            "LIMIT_UNIT_COUNT" => Some(Self::Count),
+            "LIMIT_UNIT_SECONDS" => Some(Self::Seconds),
+            "LIMIT_UNIT_BYTES" => Some(Self::Bytes),
             _ => None,
         }
     }
@@ -2096,6 +2170,31 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "DeleteWorld"));
             self.inner.unary(req, path, codec).await
         }
+        /// Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something.
+        pub async fn get_limits(
+            &mut self,
+            request: impl tonic::IntoRequest<super::GetLimitsRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::GetLimitsResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/baudbot.v1.ControlService/GetLimits",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("baudbot.v1.ControlService", "GetLimits"));
+            self.inner.unary(req, path, codec).await
+        }
     }
 }
 /// Generated server implementations.
@@ -2288,6 +2387,14 @@ pub mod control_service_server {
             request: tonic::Request<super::DeleteWorldRequest>,
         ) -> std::result::Result<
             tonic::Response<super::DeleteWorldResponse>,
+            tonic::Status,
+        >;
+        /// Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something.
+        async fn get_limits(
+            &self,
+            request: tonic::Request<super::GetLimitsRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::GetLimitsResponse>,
             tonic::Status,
         >;
     }
@@ -3346,6 +3453,51 @@ pub mod control_service_server {
                     let inner = self.inner.clone();
                     let fut = async move {
                         let method = DeleteWorldSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/baudbot.v1.ControlService/GetLimits" => {
+                    #[allow(non_camel_case_types)]
+                    struct GetLimitsSvc<T: ControlService>(pub Arc<T>);
+                    impl<
+                        T: ControlService,
+                    > tonic::server::UnaryService<super::GetLimitsRequest>
+                    for GetLimitsSvc<T> {
+                        type Response = super::GetLimitsResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::GetLimitsRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as ControlService>::get_limits(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = GetLimitsSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(

@@ -2,6 +2,7 @@
 
 mod budget_queue;
 mod create;
+mod limits;
 mod list;
 mod recordings;
 mod reset;
@@ -307,6 +308,13 @@ impl ControlService for Control {
     ) -> Result<Response<v1::ForkReplayResponse>, Status> {
         let status = self.fork(request.into_inner()).await?;
         Ok(Response::new(v1::ForkReplayResponse { status }))
+    }
+
+    async fn get_limits(
+        &self,
+        request: Request<v1::GetLimitsRequest>,
+    ) -> Result<Response<v1::GetLimitsResponse>, Status> {
+        Ok(Response::new(limits::response(self.registry.limits(), payer(&request).as_ref())))
     }
 
     async fn get_budget(

@@ -44,6 +44,11 @@ impl Account {
         }
     }
 
+    /// Whether it is that of a token.
+    pub(super) fn is_token(&self) -> bool {
+        matches!(self, Self::Token(..))
+    }
+
     /// Whether it is the user's who runs the server, or of this machine.
     pub(super) fn is_own(&self) -> bool {
         match self {
@@ -114,6 +119,11 @@ impl Tally {
     pub(super) fn take(self: &Arc<Self>, limit: Limit, most: usize) -> Option<Taken> {
         let counted = count_up(&self.counts[limit as usize], most);
         counted.then(|| Taken { tally: Arc::clone(self), limit })
+    }
+
+    /// The number of things that it has of what this limits.
+    pub(super) fn taken(&self, limit: Limit) -> u64 {
+        self.counts[limit as usize].load(Ordering::Relaxed) as u64
     }
 
     /// Counts a request.
@@ -191,7 +201,7 @@ impl Accounts {
 
     /// The count of the account that has most of what this limits.
     pub(super) fn most(&self, limit: Limit) -> u64 {
-        self.most_of(|tally| tally.counts[limit as usize].load(Ordering::Relaxed) as u64)
+        self.most_of(|tally| tally.taken(limit))
     }
 
     /// Bytes that wait for the account that leaves most unread.

@@ -144,6 +144,16 @@ pub(super) enum Counted {
     UnreadByCaller,
 }
 
+impl Usual {
+    /// Whether it holds for others than the user who runs the server.
+    pub(super) const fn is_for_others(self) -> bool {
+        match self {
+            Self::ForOthers(_) | Self::HalfOfConnections => true,
+            Self::Number(_) | Self::Files | Self::HalfOfMemory | Self::Processors => false,
+        }
+    }
+}
+
 impl Limit {
     /// Its description.
     pub const fn info(self) -> &'static LimitInfo {

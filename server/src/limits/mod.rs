@@ -36,7 +36,7 @@ use std::time::Duration;
 
 pub(crate) use accounts::{Account, Payer, Peer, Taken, Tally};
 pub(crate) use charges::{Charges, SnapshotCharge};
-pub(crate) use in_force::{InForce, Place};
+pub(crate) use in_force::{InForce, Place, Usage};
 pub(crate) use limit::Exceeded;
 pub use limit::{LIMITS, Limit, LimitInfo, Unit, Usual};
 pub(crate) use memory::{Held, ScenarioHeld};

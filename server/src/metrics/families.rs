@@ -104,7 +104,7 @@ fn write_limits(limits: &InForce, text: &mut String) {
         Family::counter("baudbot_limit_refused_total", "How often something was refused for a limit.");
     for limit in limits.usage() {
         let labels = [("limit", limit.info.name)];
-        values.add(&labels, limit.value as f64);
+        values.add(&labels, limit.value.unwrap_or(u64::MAX) as f64);
         if let Some(in_use) = limit.used {
             used.add(&labels, in_use as f64);
         }

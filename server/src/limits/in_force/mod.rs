@@ -40,7 +40,8 @@ struct Shared {
 /// A limit as it stands.
 pub(crate) struct Usage {
     pub(crate) info: &'static LimitInfo,
-    pub(crate) value: u64,
+    /// `None` if it does not hold.
+    pub(crate) value: Option<u64>,
     /// `None` if that is not counted for the server; of a limit for each caller, what the one has that has most.
     pub(crate) used: Option<u64>,
     /// The number of refusals.
@@ -101,10 +102,32 @@ impl InForce {
     pub(crate) fn usage(&self) -> impl Iterator<Item = Usage> {
         LIMITS.iter().map(|info| Usage {
             info,
-            value: self.value(info.limit),
+            value: Some(self.value(info.limit)).filter(|&value| value != u64::MAX),
             used: self.used(info),
             refused: self.0.refused[info.limit as usize].load(Ordering::Relaxed),
         })
+    }
+
+    /// A limit as it stands for one caller.
+    pub(crate) fn of_caller(&self, usage: Usage, tally: &Tally) -> Usage {
+        let limit = usage.info.limit;
+        if !usage.info.usual.is_for_others() {
+            return usage;
+        }
+        // A connection is counted for its address, whose token comes later.
+        let is_of_address = limit == Limit::ConnectionsPerAddress && tally.account().is_token();
+        let used = match usage.info.counted {
+            Counted::ByCaller => (!is_of_address).then(|| tally.taken(limit)),
+            Counted::UnreadByCaller => Some(tally.unread()),
+            Counted::InServer
+            | Counted::Elsewhere
+            | Counted::Memory
+            | Counted::Parsing
+            | Counted::Waiting
+            | Counted::Lag
+            | Counted::Unread => usage.used,
+        };
+        Usage { value: self.value_for(limit, tally), used, ..usage }
     }
 
     fn used(&self, info: &LimitInfo) -> Option<u64> {

@@ -56,6 +56,34 @@ REPLAY_EVENT_KIND_ORDER: ReplayEventKind.ValueType  # 5
 """The holder of a token requested something: the name of the token, and what."""
 Global___ReplayEventKind: _TypeAlias = ReplayEventKind  # noqa: Y015
 
+class _LimitUnit:
+    ValueType = _typing.NewType("ValueType", _builtins.int)
+    V: _TypeAlias = ValueType  # noqa: Y015
+
+class _LimitUnitEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_LimitUnit.ValueType], _builtins.type):
+    DESCRIPTOR: _descriptor.EnumDescriptor
+    LIMIT_UNIT_UNSPECIFIED: _LimitUnit.ValueType  # 0
+    """Never sent."""
+    LIMIT_UNIT_COUNT: _LimitUnit.ValueType  # 1
+    """Things that are counted, or of `requests_per_s` such things in a second."""
+    LIMIT_UNIT_SECONDS: _LimitUnit.ValueType  # 2
+    """Seconds."""
+    LIMIT_UNIT_BYTES: _LimitUnit.ValueType  # 3
+    """Bytes."""
+
+class LimitUnit(_LimitUnit, metaclass=_LimitUnitEnumTypeWrapper):
+    """The unit of a limit."""
+
+LIMIT_UNIT_UNSPECIFIED: LimitUnit.ValueType  # 0
+"""Never sent."""
+LIMIT_UNIT_COUNT: LimitUnit.ValueType  # 1
+"""Things that are counted, or of `requests_per_s` such things in a second."""
+LIMIT_UNIT_SECONDS: LimitUnit.ValueType  # 2
+"""Seconds."""
+LIMIT_UNIT_BYTES: LimitUnit.ValueType  # 3
+"""Bytes."""
+Global___LimitUnit: _TypeAlias = LimitUnit  # noqa: Y015
+
 @_typing.final
 class CreateWorldRequest(_message.Message):
     """Asks for a world."""
@@ -1421,3 +1449,101 @@ class DetachBrain(_message.Message):
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
 Global___DetachBrain: _TypeAlias = DetachBrain  # noqa: Y015
+
+@_typing.final
+class GetLimitsRequest(_message.Message):
+    """Asks for the limits of the server."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    def __init__(
+        self,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___GetLimitsRequest: _TypeAlias = GetLimitsRequest  # noqa: Y015
+
+@_typing.final
+class GetLimitsResponse(_message.Message):
+    """The limits of the server."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    LIMITS_FIELD_NUMBER: _builtins.int
+    @_builtins.property
+    def limits(self) -> _containers.RepeatedCompositeFieldContainer[Global___ServerLimit]:
+        """All of them, in the order of the manual."""
+
+    def __init__(
+        self,
+        *,
+        limits: _abc.Iterable[Global___ServerLimit] | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["limits", b"limits"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___GetLimitsResponse: _TypeAlias = GetLimitsResponse  # noqa: Y015
+
+@_typing.final
+class ServerLimit(_message.Message):
+    """A limit of the server. What would go beyond it is refused with RESOURCE_EXHAUSTED, a connection with UNAVAILABLE."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    NAME_FIELD_NUMBER: _builtins.int
+    OPTION_FIELD_NUMBER: _builtins.int
+    MEANING_FIELD_NUMBER: _builtins.int
+    UNIT_FIELD_NUMBER: _builtins.int
+    VALUE_FIELD_NUMBER: _builtins.int
+    USED_FIELD_NUMBER: _builtins.int
+    REFUSED_FIELD_NUMBER: _builtins.int
+    name: _builtins.str
+    """The name, as in the metrics, such as `worlds_per_caller`."""
+    option: _builtins.str
+    """The option of the server that changes the limit, such as `--max-worlds-per-caller`."""
+    meaning: _builtins.str
+    """The thing that is limited, in one line."""
+    unit: Global___LimitUnit.ValueType
+    """The unit of value and used."""
+    value: _builtins.int
+    """The greatest value that used may have for who asks. Absent if the limit does not hold for them, or the machine does not say
+    how much memory it has.
+    """
+    used: _builtins.int
+    """The part that is used: of a limit for each caller, by who asks; of others, by all. Absent if it is counted for each
+    connection, world or stream.
+    """
+    refused: _builtins.int
+    """The number of refusals since the server started, of all callers."""
+    def __init__(
+        self,
+        *,
+        name: _builtins.str = ...,
+        option: _builtins.str = ...,
+        meaning: _builtins.str = ...,
+        unit: Global___LimitUnit.ValueType = ...,
+        value: _builtins.int | None = ...,
+        used: _builtins.int | None = ...,
+        refused: _builtins.int = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_used", b"_used", "_value", b"_value", "used", b"used", "value", b"value"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_used", b"_used", "_value", b"_value", "meaning", b"meaning", "name", b"name", "option", b"option", "refused", b"refused", "unit", b"unit", "used", b"used", "value", b"value"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__used: _TypeAlias = _typing.Literal["used"]  # noqa: Y015
+    _WhichOneofArgType__used: _TypeAlias = _typing.Literal["_used", b"_used"]  # noqa: Y015
+    _WhichOneofReturnType__value: _TypeAlias = _typing.Literal["value"]  # noqa: Y015
+    _WhichOneofArgType__value: _TypeAlias = _typing.Literal["_value", b"_value"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__used) -> _WhichOneofReturnType__used | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__value) -> _WhichOneofReturnType__value | None: ...
+
+Global___ServerLimit: _TypeAlias = ServerLimit  # noqa: Y015

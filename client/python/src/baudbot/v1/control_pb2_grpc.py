@@ -146,6 +146,11 @@ class ControlServiceStub(object):
                 request_serializer=baudbot_dot_v1_dot_control__pb2.DeleteWorldRequest.SerializeToString,
                 response_deserializer=baudbot_dot_v1_dot_control__pb2.DeleteWorldResponse.FromString,
                 _registered_method=True)
+        self.GetLimits = channel.unary_unary(
+                '/baudbot.v1.ControlService/GetLimits',
+                request_serializer=baudbot_dot_v1_dot_control__pb2.GetLimitsRequest.SerializeToString,
+                response_deserializer=baudbot_dot_v1_dot_control__pb2.GetLimitsResponse.FromString,
+                _registered_method=True)
 
 
 class ControlServiceServicer(object):
@@ -311,6 +316,13 @@ class ControlServiceServicer(object):
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
+    def GetLimits(self, request, context):
+        """Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
 
 def add_ControlServiceServicer_to_server(servicer, server):
     rpc_method_handlers = {
@@ -423,6 +435,11 @@ def add_ControlServiceServicer_to_server(servicer, server):
                     servicer.DeleteWorld,
                     request_deserializer=baudbot_dot_v1_dot_control__pb2.DeleteWorldRequest.FromString,
                     response_serializer=baudbot_dot_v1_dot_control__pb2.DeleteWorldResponse.SerializeToString,
+            ),
+            'GetLimits': grpc.unary_unary_rpc_method_handler(
+                    servicer.GetLimits,
+                    request_deserializer=baudbot_dot_v1_dot_control__pb2.GetLimitsRequest.FromString,
+                    response_serializer=baudbot_dot_v1_dot_control__pb2.GetLimitsResponse.SerializeToString,
             ),
     }
     generic_handler = grpc.method_handlers_generic_handler(
@@ -1020,6 +1037,33 @@ class ControlService(object):
             '/baudbot.v1.ControlService/DeleteWorld',
             baudbot_dot_v1_dot_control__pb2.DeleteWorldRequest.SerializeToString,
             baudbot_dot_v1_dot_control__pb2.DeleteWorldResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def GetLimits(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/baudbot.v1.ControlService/GetLimits',
+            baudbot_dot_v1_dot_control__pb2.GetLimitsRequest.SerializeToString,
+            baudbot_dot_v1_dot_control__pb2.GetLimitsResponse.FromString,
             options,
             channel_credentials,
             insecure,

@@ -87,6 +87,8 @@ class ControlServiceStub:
     """Makes a live world of one that replays: it continues from its current tick, and brains can attach to it."""
     DeleteWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.DeleteWorldRequest, _control_pb2.DeleteWorldResponse]
     """Ends a world; its brains' and observers' streams end."""
+    GetLimits: _grpc.UnaryUnaryMultiCallable[_control_pb2.GetLimitsRequest, _control_pb2.GetLimitsResponse]
+    """Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something."""
 
 @_typing.type_check_only
 class ControlServiceAsyncStub(ControlServiceStub):
@@ -146,6 +148,8 @@ class ControlServiceAsyncStub(ControlServiceStub):
     """Makes a live world of one that replays: it continues from its current tick, and brains can attach to it."""
     DeleteWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.DeleteWorldRequest, _control_pb2.DeleteWorldResponse]  # type: ignore[assignment]
     """Ends a world; its brains' and observers' streams end."""
+    GetLimits: _aio.UnaryUnaryMultiCallable[_control_pb2.GetLimitsRequest, _control_pb2.GetLimitsResponse]  # type: ignore[assignment]
+    """Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something."""
 
 class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
     """For the operator: makes worlds and runs them."""
@@ -334,5 +338,13 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.DeleteWorldResponse, _abc.Awaitable[_control_pb2.DeleteWorldResponse]]:
         """Ends a world; its brains' and observers' streams end."""
+
+    @_abc_1.abstractmethod
+    def GetLimits(
+        self,
+        request: _control_pb2.GetLimitsRequest,
+        context: _ServicerContext,
+    ) -> _typing.Union[_control_pb2.GetLimitsResponse, _abc.Awaitable[_control_pb2.GetLimitsResponse]]:
+        """Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something."""
 
 def add_ControlServiceServicer_to_server(servicer: ControlServiceServicer, server: _typing.Union[_grpc.Server, _aio.Server]) -> None: ...
