@@ -368,7 +368,11 @@ async fn worlds_that_cannot_be_trained_are_refused_and_all_robots_released() {
     let many: Vec<_> = (0..1025).map(|i| hello(&i.to_string())).collect();
     let cases = [
         (vec![], Code::InvalidArgument, "open.worlds: must name at least one world"),
-        (many, Code::ResourceExhausted, "open.worlds: there are 1025, the limit is 1024"),
+        (
+            many,
+            Code::ResourceExhausted,
+            "open.worlds: there are 1025, more than 1024, which is its limit; open several streams, or start it with a larger --max-worlds-per-trainer",
+        ),
         (vec![hello("a"), hello("x")], Code::NotFound, "open.worlds[1].world: there is no world `x`"),
         (vec![hello("a"), hello("a")], Code::InvalidArgument, "open.worlds[1].world: `a` is named twice"),
         (

@@ -53,6 +53,8 @@ limits! {
         "Robots in all worlds", "delete a world";
     RobotsPerWorld: "robots_per_world", "--max-robots-per-world", NONE_OR_MORE, Usual::Number(10_000), Counted::Elsewhere,
         "Robots in one world", "make several worlds";
+    WorldsPerTrainer: "worlds_per_trainer", "--max-worlds-per-trainer", ONE_OR_MORE, Usual::Number(1024), Counted::Elsewhere,
+        "Worlds that one stream of a trainer opens", "open several streams";
     Snapshots: "snapshots", "--max-snapshots", NONE_OR_MORE, Usual::Number(65_536), Counted::InServer,
         "Snapshots of all worlds", "delete a world that has some";
     SnapshotsPerWorld: "snapshots_per_world", "--max-snapshots-per-world", ONE_OR_MORE, Usual::Number(64), Counted::Elsewhere,

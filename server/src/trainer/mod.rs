@@ -18,12 +18,10 @@ use tonic::{Request, Response, Status, Streaming};
 
 use crate::audit::call::note_robots;
 use crate::brain_link::next_request;
+use crate::limits::Limit;
 use crate::registry::Registry;
 use cycle::{act, checked};
 use world::Trained;
-
-/// Most worlds of one stream.
-const MAX_TRAINED: usize = 1024;
 
 pub(crate) struct Trainer {
     pub(crate) registry: Registry,
@@ -67,11 +65,8 @@ impl Trainer {
         if count == 0 {
             return Err(Status::invalid_argument("open.worlds: must name at least one world"));
         }
-        if count > MAX_TRAINED {
-            let text =
-                format!("open.worlds: there are {count}, the limit is {MAX_TRAINED}; open several streams");
-            return Err(Status::resource_exhausted(text));
-        }
+        let limits = self.registry.limits();
+        limits.check(Limit::WorldsPerTrainer, count, |count| format!("open.worlds: there are {count}"))?;
         note_robots(&open.worlds);
         let mut worlds: Vec<Trained> = Vec::with_capacity(count);
         for (i, hello) in open.worlds.into_iter().enumerate() {

@@ -33,12 +33,24 @@ impl InForce {
     /// # Errors
     /// If there are too many.
     pub(crate) fn check_robots(&self, robots: usize) -> Result<(), Exceeded> {
-        let most = self.count(Limit::RobotsPerWorld);
-        if robots <= most {
+        self.check(Limit::RobotsPerWorld, robots, |robots| format!("the world would have {robots} robots"))
+    }
+
+    /// Checks the number of things of one request, which are in these words.
+    ///
+    /// # Errors
+    /// If there are too many.
+    pub(crate) fn check(
+        &self,
+        limit: Limit,
+        count: usize,
+        words: impl FnOnce(usize) -> String,
+    ) -> Result<(), Exceeded> {
+        let most = self.count(limit);
+        if count <= most {
             return Ok(());
         }
-        let what = format!("the world would have {robots} robots, more than {most}");
-        Err(self.refuse(Limit::RobotsPerWorld, what, None))
+        Err(self.refuse(limit, format!("{}, more than {most}", words(count)), None))
     }
 
     /// The place of another snapshot.
