@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 
 use baudbot_brains::catalogue::catalogue;
-use baudbot_budget::{Budget, RobotBudget};
 use baudbot_plot::quantity::duration;
+use baudbot_scenario::budget::{Budget, RobotBudget};
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Sensor;

@@ -128,7 +128,7 @@ impl Task {
             );
             return Err(invalid(py, &problem, None));
         }
-        let budget = apart(py, || baudbot_budget::Budget::of(base))?;
+        let budget = apart(py, || baudbot_scenario::budget::Budget::of(base))?;
         serde_json::to_string(&budget).map_err(|error| invalid(py, &error.to_string(), None))
     }
 }

@@ -2,7 +2,7 @@
 //! often on a faster cable, and drives as far.
 
 use baudbot_brains::catalogue::catalogue;
-use baudbot_budget::RobotBudget;
+use baudbot_scenario::budget::RobotBudget;
 use baudbot_sim::Scenario;
 use baudbot_tests::{InProcess, scenario};
 

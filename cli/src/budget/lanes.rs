@@ -1,8 +1,8 @@
 //! One typical cycle as the timing diagram of Fig. 3.2: its parts one after the other.
 
-use baudbot_budget::{Part, RobotBudget, Verdict};
 use baudbot_plot::quantity::duration;
 use baudbot_plot::timing::{Bar, Class, Diagram, Group, Lane, Mark};
+use baudbot_scenario::budget::{Part, RobotBudget, Verdict};
 
 /// The diagram of a robot's typical cycle; `None` if no cycle is ever completed.
 pub(crate) fn diagram(world: &str, budget: &RobotBudget) -> Option<Diagram> {
@@ -83,7 +83,7 @@ fn place(part: Part) -> (&'static str, Group, Class) {
 
 #[cfg(test)]
 mod tests {
-    use baudbot_budget::Budget;
+    use baudbot_scenario::budget::Budget;
 
     use super::*;
 

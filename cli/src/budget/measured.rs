@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use baudbot_budget::Thinking;
 use baudbot_plot::quantity::{count, duration};
 use baudbot_proto::v1;
+use baudbot_scenario::budget::Thinking;
 use baudbot_sim::model::RobotSpec;
 
 use crate::error::Refused;

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use baudbot_budget::{Budget, RobotBudget, Verdict};
+use baudbot_scenario::budget::{Budget, RobotBudget, Verdict};
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 use serde::Serialize;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use baudbot_budget::{Cost, Remedy, RobotBudget, Span, Verdict};
 use baudbot_plot::quantity::{NOTHING, count, duration, handy};
+use baudbot_scenario::budget::{Cost, Remedy, RobotBudget, Span, Verdict};
 
 use crate::text::{percent, table};
 

@@ -125,7 +125,7 @@ fn what_is_not_there_for_programs_is_refused_with_what_is() {
 }
 
 /// Three compasses at 9600 baud, and a brain that is to answer within 13 ms.
-const COMPASSES: &str = include_str!("../../../crates/budget/tests/every_tick.toml");
+const COMPASSES: &str = include_str!("../../../crates/scenario/tests/budget/every_tick.toml");
 
 /// A verdict holds for the brain that it names, and a run says if the brain was not as it was taken to be.
 #[test]

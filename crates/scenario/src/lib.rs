@@ -12,6 +12,8 @@
 //! [`warnings`] reports what is allowed and hardly intended. With the feature `schema`, `schema` is a JSON Schema of all this, made of
 //! the types of `raw` and their comments; the tables of `docs/reference/scenario.md` are made of it.
 //!
+//! [`budget`] computes what a control cycle of such a scenario costs, without a run.
+//!
 //! This crate has no files and no clock, as [`baudbot_sim`]: text comes in, types go out.
 
 #![no_std]
@@ -27,6 +29,7 @@ macro_rules! given {
 
 mod actuators;
 mod arena;
+pub mod budget;
 mod build;
 mod cable;
 mod chip;

@@ -1,5 +1,6 @@
 //! Scenario files: what they may contain, what is refused, presets, what the documentation says of them, and their schema.
 
+mod budget;
 #[path = "../../sim/tests/common/mod.rs"]
 mod common;
 mod documentation;

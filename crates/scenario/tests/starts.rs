@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::common::{BODY, refusal, run, world};
-use baudbot_budget::Budget;
 use baudbot_scenario::Override;
+use baudbot_scenario::budget::Budget;
 use baudbot_sim::World;
 
 /// What the robots of these tests have, with noise and chance of their own.

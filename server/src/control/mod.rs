@@ -9,9 +9,9 @@ mod reset;
 mod service;
 mod status;
 
-use baudbot_budget::{Allowance, RobotBudget};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_server::ControlService;
+use baudbot_scenario::budget::{Allowance, RobotBudget};
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 use tonic::{Code, Request, Response, Status};

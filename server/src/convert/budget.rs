@@ -1,7 +1,7 @@
 //! Budgets: the cost of a robot's control cycle.
 
-use baudbot_budget::{Age, Chip, Cost, Load, Part, Rate, Remedy, RobotBudget, Row, Span, Verdict};
 use baudbot_proto::v1;
+use baudbot_scenario::budget::{Age, Chip, Cost, Load, Part, Rate, Remedy, RobotBudget, Row, Span, Verdict};
 
 /// A robot's budget.
 pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {

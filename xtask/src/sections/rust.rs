@@ -153,7 +153,7 @@ pub(super) fn documentation(shell: &Shell) -> Result<(), Failure> {
 }
 
 /// The crates that know no operating system.
-const PURE: [&str; 9] = [
+const PURE: [&str; 8] = [
     "baudbot-fields",
     "baudbot-geometry",
     "baudbot-wire",
@@ -162,7 +162,6 @@ const PURE: [&str; 9] = [
     "baudbot-brain",
     "baudbot-sim",
     "baudbot-scenario",
-    "baudbot-budget",
 ];
 
 fn check_for<'a>(

@@ -10,7 +10,7 @@ mod watch;
 
 use std::sync::Arc;
 
-use baudbot_budget::{Span, Verdict};
+use baudbot_scenario::budget::{Span, Verdict};
 use baudbot_sim::Scenario;
 use serde::Serialize;
 

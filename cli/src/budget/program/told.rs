@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use baudbot_budget::{Span, Verdict};
 use baudbot_plot::quantity::{NOTHING, count, duration, handy};
+use baudbot_scenario::budget::{Span, Verdict};
 
 use super::ProgramBudget;
 use crate::text::{percent, table};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use baudbot_budget::Span;
+use baudbot_scenario::budget::Span;
 use baudbot_sim::chip::{Board, ChipSpec, Edge, Seen, WheelPins};
 use baudbot_sim::link::LineCounters;
 use baudbot_sim::model::RobotSpec;

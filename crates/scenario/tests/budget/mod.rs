@@ -1,7 +1,5 @@
 //! The budget against runs: what it foretells is what happens, and its bounds hold whatever the scenario.
 
-#[path = "../../sim/tests/common/mod.rs"]
-mod common;
 mod examples;
 mod limits;
 mod random;

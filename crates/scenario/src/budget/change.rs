@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use baudbot_wire::Encoding;
 
 use super::report::Cost;
-use baudbot_scenario::presets::{Preset, PresetKind, presets};
+use crate::presets::{Preset, PresetKind, presets};
 use baudbot_sim::fault::{Fault, FaultKind};
 use baudbot_sim::firmware::{Mode, Protocol};
 use baudbot_sim::link::{Adapter, Link, Uart};

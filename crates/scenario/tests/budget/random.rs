@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use baudbot_budget::{RobotBudget, Span, Thinking};
+use baudbot_scenario::budget::{RobotBudget, Span, Thinking};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
+use crate::budget::run::{Measured, run, run_thinking};
 use crate::common::BODY;
-use crate::run::{Measured, run, run_thinking};
 
 /// One of these.
 fn one_of(values: &'static [&'static str]) -> impl Strategy<Value = &'static str> {

@@ -20,12 +20,6 @@
 //! *Deviations.* The notes add up the events of one Δt. Here a message may take longer than Δt, and the next be under
 //! way meanwhile; the cycle is then longer than Δt, and the verdict is that the robot does not keep its step.
 
-#![no_std]
-
-extern crate alloc;
-#[cfg(test)]
-extern crate std;
-
 mod ages;
 mod allowance;
 mod apply;

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use baudbot_wire::Encoding;
 
 use super::change::{Change, MS, Robot, chip, has_many_bits, has_many_signal_bits};
-use baudbot_scenario::presets::Preset;
+use crate::presets::Preset;
 use baudbot_sim::firmware::{Firmware, Mode, Protocol};
 use baudbot_sim::link::{Adapter, Frames, Ftdi, Link, Uart, Usb};
 use baudbot_sim::model::RobotModel;

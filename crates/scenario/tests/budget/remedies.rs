@@ -1,13 +1,13 @@
 //! The remedies of a robot: the scenario with a remedy's overrides has the budget that the remedy foretells.
 
-use baudbot_budget::{Budget, Cost, Remedy, RobotBudget, Verdict};
 use baudbot_scenario::Override;
+use baudbot_scenario::budget::{Budget, Cost, Remedy, RobotBudget, Verdict};
 use baudbot_sim::Scenario;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
+use crate::budget::random::scenarios;
 use crate::common::{BODY, WANDER};
-use crate::random::scenarios;
 
 fn scenario(toml: &str, changes: &[String]) -> Scenario {
     let changes: Vec<_> = changes.iter().map(|text| Override::parse(text).unwrap()).collect();
@@ -90,7 +90,7 @@ fn a_laser_is_given_a_faster_port() {
 
 #[test]
 fn a_brain_on_board_gets_another_chip_or_a_laptop() {
-    let toml = include_str!("../../../catalogue/scenarios/devices/onboard.toml");
+    let toml = include_str!("../../../../catalogue/scenarios/devices/onboard.toml");
     let dc = ["robots.robot.motors={ kind = \"dc\", signal_bits = 8 }", "substeps=1000"];
     let remedies = check(toml, &dc);
     has(&remedies, "the processor basicx");
@@ -160,7 +160,7 @@ fn what_is_promised_of_each_device_is_what_comes_of_it() {
 
 #[test]
 fn a_khepera_speaks_only_when_asked_and_is_never_told_to_stream() {
-    let device = include_str!("../../../catalogue/scenarios/devices/khepera-ascii.toml");
+    let device = include_str!("../../../../catalogue/scenarios/devices/khepera-ascii.toml");
     let mut plain = format!(
         "[[robots]]\nname = \"khepera\"\n{BODY}\nmotors = {{ signal_bits = 8 }}\n\
          firmware = {{ protocol = \"khepera\" }}\nlink = {{ kind = \"uart\", baud = 9600 }}\n"
@@ -182,7 +182,7 @@ fn a_khepera_speaks_only_when_asked_and_is_never_told_to_stream() {
 
 #[test]
 fn a_cable_with_byte_errors_is_not_told_to_be_usb() {
-    let toml = include_str!("../../../catalogue/scenarios/wander.toml");
+    let toml = include_str!("../../../../catalogue/scenarios/wander.toml");
     let fault = "[{ kind = \"byte-errors\", from_s = 1.0, for_s = 1.0, byte_error_rate = 0.1 }]";
     let remedies = check(toml, &[&format!("robots.robot.faults={fault}")]);
     assert!(remedies.iter().all(|remedy| !remedy.contains("USB")), "{remedies:?}");
@@ -192,7 +192,7 @@ fn a_cable_with_byte_errors_is_not_told_to_be_usb() {
 
 #[test]
 fn a_deadline_stays_when_the_brain_moves_to_a_laptop() {
-    let toml = include_str!("../../../catalogue/scenarios/devices/onboard.toml");
+    let toml = include_str!("../../../../catalogue/scenarios/devices/onboard.toml");
     let changes = ["robots.robot.brain.deadline_ms=25", "robots.robot.brain.on_late=\"stop\""];
     let remedies = check_if_sound(toml, &changes.map(str::to_owned));
     has(&remedies, "a laptop on the robot, at 115200 baud");

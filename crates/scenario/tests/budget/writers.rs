@@ -4,18 +4,18 @@
 //! 200 scenarios here. A thousand, with how tight the bounds are:
 //!
 //! ```sh
-//! PROPTEST_CASES=1000 BUDGET_SECONDS=10 cargo test --release -p baudbot-budget --test against_runs writers -- --nocapture
+//! PROPTEST_CASES=1000 BUDGET_SECONDS=10 cargo test --release -p baudbot-scenario --test files budget::writers -- --nocapture
 //! ```
 
 use std::sync::Arc;
 
-use baudbot_budget::{RobotBudget, Verdict};
+use baudbot_scenario::budget::{RobotBudget, Verdict};
 use baudbot_sim::Scenario;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 
-use crate::random::{config, scenarios};
-use crate::run::{Measured, Writer, run_writing};
+use crate::budget::random::{config, scenarios};
+use crate::budget::run::{Measured, Writer, run_writing};
 
 /// A scenario whose brain is stated to write as this one does.
 fn told(toml: &str, writer: Writer) -> Scenario {

@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
-use baudbot_budget::{Budget, RobotBudget, Verdict};
+use baudbot_scenario::budget::{Budget, RobotBudget, Verdict};
 use baudbot_sim::sensor::port::Format;
 use baudbot_sim::timeline::What;
 use baudbot_sim::{Input, World};
 
+use crate::budget::run::{per_s, run};
 use crate::common::{BODY, KHEPERA};
-use crate::run::{per_s, run};
 
 /// A robot with `sensors` compasses of one byte each, as in `timing.rs`.
 fn bare(sensors: usize, link: &str) -> String {
@@ -300,7 +300,7 @@ fn a_laser_that_its_cable_cannot_carry_is_the_bottleneck() {
 
 #[test]
 fn a_basic_stamp_does_40_operations_in_10_ms_and_has_26_bytes() {
-    let toml = include_str!("../../../catalogue/scenarios/devices/onboard.toml");
+    let toml = include_str!("../../../../catalogue/scenarios/devices/onboard.toml");
     let chip = budget(toml).chip;
     assert_eq!((chip.operations_per_step, chip.brain_operations), (Some(40.0), Some(120.0)));
     assert_eq!((chip.ram_bytes, chip.brain_memory_bytes), (Some(26), Some(20)));

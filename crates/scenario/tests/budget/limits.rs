@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use baudbot_budget::{Allowance, Budget, RobotBudget, Verdict};
+use baudbot_scenario::budget::{Allowance, Budget, RobotBudget, Verdict};
 use baudbot_sim::Scenario;
 
 use crate::common::{BODY, WANDER, refusal};
