@@ -28,8 +28,8 @@ pub enum ImportError {
 }
 
 impl ImportError {
-    pub(crate) fn field(path: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self::Field { path: path.into(), problem: problem.into() }
+    pub(crate) fn field(path: impl Into<String>, problem: impl ToString) -> Self {
+        Self::Field { path: path.into(), problem: problem.to_string() }
     }
 }
 
@@ -41,8 +41,8 @@ pub(crate) struct FileError {
 }
 
 impl FileError {
-    pub(crate) fn new(file: &Path, problem: impl Into<String>) -> Self {
-        Self { file: file.display().to_string(), problem: one_line(&problem.into()) }
+    pub(crate) fn new(file: &Path, problem: impl ToString) -> Self {
+        Self { file: file.display().to_string(), problem: one_line(&problem.to_string()) }
     }
 
     /// The error, once it is known which field refers to the file.

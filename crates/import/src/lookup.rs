@@ -40,6 +40,35 @@ fn samples(path: &Path) -> Result<InlineTable, FileError> {
     table.map_err(|problem| FileError::new(path, problem))
 }
 
+/// A reason why a file has no samples, in the words that follow its name.
+#[derive(Debug, thiserror::Error)]
+enum SamplesError {
+    #[error("is empty: the first line names the columns, {DISTANCE},{ANGLE},{READING}")]
+    Empty,
+    #[error(
+        "column `{column}` is none of {DISTANCE}, {ANGLE}, {READING}: rename it or take it out; there are {there}"
+    )]
+    UnknownColumn { column: String, there: String },
+    #[error("column {column} appears more than once: {there}")]
+    ColumnTwice { column: &'static str, there: String },
+    #[error("column {column} is missing; there are {there}")]
+    NoColumn { column: &'static str, there: String },
+    #[error("line {line}: has {found} columns, the header has {expected}")]
+    Length { line: usize, found: u64, expected: u64 },
+    #[error("line {line}: is not text in UTF-8")]
+    Encoding { line: usize },
+    #[error("line {line}, column {column}: `{text}` is not a finite number")]
+    Number { line: usize, column: &'static str, text: String },
+    #[error(transparent)]
+    Csv(csv::Error),
+    #[error("has samples at {0} distances, needs 2 or more")]
+    Distances(usize),
+    #[error(
+        "has no sample at distance_m = {distance_m}, angle_rad = {angle_rad}: every distance needs one at every angle"
+    )]
+    Gap { distance_m: f64, angle_rad: f64 },
+}
+
 struct Samples {
     has_angles: bool,
     rows: Vec<Sample>,
@@ -52,16 +81,20 @@ struct Sample {
 }
 
 impl Samples {
-    fn parse(text: &[u8]) -> Result<Self, String> {
+    fn parse(text: &[u8]) -> Result<Self, SamplesError> {
         let mut reader = csv::ReaderBuilder::new().trim(Trim::All).from_reader(text);
-        let columns = Columns::find(reader.headers().map_err(|error| problem(text, &error))?)?;
+        let columns = Columns::find(reader.headers().map_err(|error| problem(text, error))?)?;
         let mut rows = Vec::new();
         for record in reader.records() {
-            let record = record.map_err(|error| problem(text, &error))?;
-            let number = |column, name| {
-                let number = number(record.get(column).unwrap_or_default());
-                number
-                    .map_err(|problem| format!("{}, column {name}: {problem}", line(text, record.position())))
+            let record = record.map_err(|error| problem(text, error))?;
+            let number = |at, column| {
+                let found = record.get(at).unwrap_or_default();
+                let line = || line(text, record.position());
+                number(found).ok_or_else(|| SamplesError::Number {
+                    line: line(),
+                    column,
+                    text: found.to_owned(),
+                })
             };
             rows.push(Sample {
                 distance_m: number(columns.distance, DISTANCE)?,
@@ -73,11 +106,11 @@ impl Samples {
     }
 
     /// The samples by distance and angle, and what these are.
-    fn table(mut self) -> Result<InlineTable, String> {
+    fn table(mut self) -> Result<InlineTable, SamplesError> {
         let distances = self.sorted(|sample| sample.distance_m);
         let angles = self.sorted(|sample| sample.angle_rad);
         if distances.len() < 2 {
-            return Err(format!("has samples at {} distances, needs 2 or more", distances.len()));
+            return Err(SamplesError::Distances(distances.len()));
         }
         let samples = self.grid(&distances, &angles)?;
         let mut table = InlineTable::new();
@@ -97,7 +130,7 @@ impl Samples {
     }
 
     /// A list of readings for each distance and angle; none may be empty.
-    fn grid(&mut self, distances: &[f64], angles: &[f64]) -> Result<Array, String> {
+    fn grid(&mut self, distances: &[f64], angles: &[f64]) -> Result<Array, SamplesError> {
         // The sort is stable: readings of one place stay in the order of the file.
         self.rows
             .sort_by(|a, b| a.distance_m.total_cmp(&b.distance_m).then(a.angle_rad.total_cmp(&b.angle_rad)));
@@ -110,10 +143,7 @@ impl Samples {
                     |sample: &&Sample| (sample.distance_m, sample.angle_rad) == (distance_m, angle_rad);
                 let (here, others) = rest.split_at(rest.iter().take_while(is_here).count());
                 if here.is_empty() {
-                    return Err(format!(
-                        "has no sample at distance_m = {distance_m}, angle_rad = {angle_rad}: every distance \
-                         needs one at every angle"
-                    ));
+                    return Err(SamplesError::Gap { distance_m, angle_rad });
                 }
                 rest = others;
                 row.push(Array::from_iter(here.iter().map(|sample| sample.reading)));
@@ -132,54 +162,49 @@ struct Columns {
 }
 
 impl Columns {
-    fn find(header: &StringRecord) -> Result<Self, String> {
+    fn find(header: &StringRecord) -> Result<Self, SamplesError> {
         let names: Vec<&str> = header.iter().collect();
         if names.is_empty() {
-            return Err(format!("is empty: the first line names the columns, {DISTANCE},{ANGLE},{READING}"));
+            return Err(SamplesError::Empty);
         }
         let there = names.join(", ");
         // One that is misspelt would otherwise be missed in silence.
         let known = [DISTANCE, ANGLE, READING];
         if let Some(other) = names.iter().find(|name| !known.contains(name)) {
-            return Err(format!(
-                "column `{other}` is none of {}: rename it or take it out; there are {there}",
-                known.join(", ")
-            ));
+            return Err(SamplesError::UnknownColumn { column: (*other).to_owned(), there });
         }
         if let Some(twice) = known.iter().find(|name| names.iter().filter(|other| other == name).count() > 1)
         {
-            return Err(format!("column {twice} appears more than once: {there}"));
+            return Err(SamplesError::ColumnTwice { column: twice, there });
         }
         let find = |name: &str| names.iter().position(|other| *other == name);
         let required =
-            |name: &str| find(name).ok_or_else(|| format!("column {name} is missing; there are {there}"));
+            |column| find(column).ok_or_else(|| SamplesError::NoColumn { column, there: there.clone() });
         Ok(Self { distance: required(DISTANCE)?, angle: find(ANGLE), reading: required(READING)? })
     }
 }
 
-fn number(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number + 0.0), // no -0: it is the same place as 0
-        Ok(_) | Err(_) => Err(format!("`{text}` is not a finite number")),
-    }
+/// A finite number, and no -0, which is the same place as 0.
+fn number(text: &str) -> Option<f64> {
+    text.parse::<f64>().ok().filter(|number| number.is_finite()).map(|number| number + 0.0)
 }
 
 #[expect(clippy::wildcard_enum_match_arm, reason = "the enum is not exhaustive")]
-fn problem(text: &[u8], error: &csv::Error) -> String {
+fn problem(text: &[u8], error: csv::Error) -> SamplesError {
     match error.kind() {
         ErrorKind::UnequalLengths { pos, expected_len, len } => {
-            format!("{}: has {len} columns, the header has {expected_len}", line(text, pos.as_ref()))
+            SamplesError::Length { line: line(text, pos.as_ref()), found: *len, expected: *expected_len }
         }
-        ErrorKind::Utf8 { pos, .. } => format!("{}: is not text in UTF-8", line(text, pos.as_ref())),
-        _ => error.to_string(),
+        ErrorKind::Utf8 { pos, .. } => SamplesError::Encoding { line: line(text, pos.as_ref()) },
+        _ => SamplesError::Csv(error),
     }
 }
 
 /// A record's line, counted from 1. Its position is that of the empty lines before it.
-fn line(text: &[u8], position: Option<&csv::Position>) -> String {
+fn line(text: &[u8], position: Option<&csv::Position>) -> usize {
     let start = position.map_or(0, |position| position.byte() as usize).min(text.len());
     let empty = text[start..].iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
-    format!("line {}", 1 + text[..start + empty].iter().filter(|&&byte| byte == b'\n').count())
+    1 + text[..start + empty].iter().filter(|&&byte| byte == b'\n').count()
 }
 
 const DISTANCE: &str = "distance_m";

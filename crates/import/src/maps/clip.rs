@@ -4,6 +4,7 @@ use baudbot_geometry::{Point, polygon};
 use usvg::{ClipPath, Group, Transform};
 
 use super::outlines::{self, Outline, Placement};
+use super::problem::ShapeError;
 use super::shape::ON_EDGE_M;
 
 /// The part of a shape that a clip path leaves.
@@ -17,7 +18,7 @@ pub(crate) fn clipped(
     outlines: &[Outline],
     clips: &[(&ClipPath, Transform)],
     placement: &Placement,
-) -> Result<Clipped, String> {
+) -> Result<Clipped, ShapeError> {
     for (clip, place) in clips {
         let mut windows = Vec::new();
         windows_of(clip, *place, placement, &mut windows)?;
@@ -28,9 +29,7 @@ pub(crate) fn clipped(
             });
             let is_cut = outlines.iter().any(|outline| window.iter().any(|edge| crosses(outline, edge)));
             if is_cut || (inside != 0 && inside != all) {
-                return Err("is cut by its clip path: cut it in the editor (as Path > Intersection does), or leave it out by \
-                            `without`"
-                    .into());
+                return Err(ShapeError::Cut);
             }
             if inside == 0 {
                 return Ok(Clipped::Away);
@@ -49,7 +48,7 @@ fn windows_of(
     place: Transform,
     placement: &Placement,
     windows: &mut Vec<Window>,
-) -> Result<(), String> {
+) -> Result<(), ShapeError> {
     if let Some(outer) = clip.clip_path() {
         windows_of(outer, place, placement, windows)?;
     }
@@ -59,13 +58,18 @@ fn windows_of(
     Ok(())
 }
 
-fn gather(group: &Group, place: Transform, placement: &Placement, window: &mut Window) -> Result<(), String> {
+fn gather(
+    group: &Group,
+    place: Transform,
+    placement: &Placement,
+    window: &mut Window,
+) -> Result<(), ShapeError> {
     for node in group.children() {
         match node {
             usvg::Node::Group(group) => gather(group, place, placement, window)?,
             usvg::Node::Path(path) => {
                 let outlines = outlines::of_path_at(path, place.pre_concat(path.abs_transform()), placement);
-                let outlines = outlines.map_err(|problem| format!("has a clip path that {problem}"))?;
+                let outlines = outlines.map_err(|problem| ShapeError::ClipPath(problem.into()))?;
                 window.extend(outlines.iter().map(Outline::chain).filter(|chain| chain.len() > 2));
             }
             usvg::Node::Image(_) | usvg::Node::Text(_) => {}

@@ -9,6 +9,8 @@ use serde::de::{Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_saphyr::Error;
 use serde_saphyr::options::{DuplicateKeyPolicy, NonFiniteFloatPolicy};
 
+use super::problem::DescriptionError;
+
 /// The names and values of the file, in its order. Map servers and their friends may have more than we know.
 pub(crate) struct Description(Vec<(String, Value)>);
 
@@ -24,16 +26,16 @@ enum Value {
 }
 
 impl Description {
-    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+    pub(crate) fn parse(text: &str) -> Result<Self, DescriptionError> {
         let options = serde_saphyr::options! {
             duplicate_keys: DuplicateKeyPolicy::PassThrough,
             non_finite_float_policy: NonFiniteFloatPolicy::PassThrough,
         };
-        let Entries(entries) = serde_saphyr::from_str_with_options(text, options)
-            .map_err(|error| format!("is not a description of a map: {}", in_words(&error)))?;
+        let Entries(mut entries) = serde_saphyr::from_str_with_options(text, options)
+            .map_err(|error| DescriptionError::Yaml(in_words(&error)))?;
         let is_twice = |i: usize| entries[..i].iter().any(|(name, _)| *name == entries[i].0);
         if let Some(i) = (0..entries.len()).find(|&i| is_twice(i)) {
-            return Err(format!("{} stands there twice: leave one of them", entries[i].0));
+            return Err(DescriptionError::Twice(entries.swap_remove(i).0));
         }
         Ok(Self(entries))
     }
@@ -44,31 +46,31 @@ impl Description {
         value.filter(|value| !matches!(value, Value::Nothing))
     }
 
-    pub(crate) fn text(&self, name: &str) -> Result<Option<String>, String> {
+    pub(crate) fn text(&self, name: &str) -> Result<Option<String>, DescriptionError> {
         match self.value(name) {
             None => Ok(None),
             Some(value @ (Value::Text(_) | Value::Number(_) | Value::Flag(_))) => Ok(Some(value.to_string())),
-            Some(other) => Err(format!("{name}: must be a text, is {other}")),
+            Some(other) => Err(form(name, "a text", other)),
         }
     }
 
-    pub(crate) fn number(&self, name: &str) -> Result<Option<f64>, String> {
+    pub(crate) fn number(&self, name: &str) -> Result<Option<f64>, DescriptionError> {
         let Some(value) = self.value(name) else { return Ok(None) };
-        value.number().map(Some).ok_or_else(|| format!("{name}: must be a number, is {value}"))
+        value.number().map(Some).ok_or_else(|| form(name, "a number", value))
     }
 
     /// The numbers of a list.
-    pub(crate) fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>, String> {
+    pub(crate) fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>, DescriptionError> {
         let Some(value) = self.value(name) else { return Ok(None) };
         let numbers = match value {
             Value::List(values) => values.iter().map(Value::number).collect(),
             Value::Nothing | Value::Flag(_) | Value::Number(_) | Value::Text(_) | Value::Table => None,
         };
-        numbers.map(Some).ok_or_else(|| format!("{name}: must be a list of numbers, is {value}"))
+        numbers.map(Some).ok_or_else(|| form(name, "a list of numbers", value))
     }
 
     /// A number that is 0 or 1, or a word for it.
-    pub(crate) fn flag(&self, name: &str) -> Result<bool, String> {
+    pub(crate) fn flag(&self, name: &str) -> Result<bool, DescriptionError> {
         let Some(value) = self.value(name) else { return Ok(false) };
         let is_set = match value {
             Value::Flag(is_set) => Some(*is_set),
@@ -80,8 +82,13 @@ impl Description {
             Value::Number(number) => zero_or_one(*number),
             Value::Nothing | Value::List(_) | Value::Table => None,
         };
-        is_set.ok_or_else(|| format!("{name}: must be 0, 1, true or false, is {value}"))
+        is_set.ok_or_else(|| form(name, "0, 1, true or false", value))
     }
+}
+
+/// The value behind this name has another form than this.
+fn form(name: &str, form: &'static str, value: &Value) -> DescriptionError {
+    DescriptionError::Form { name: name.to_owned(), form, value: value.to_string() }
 }
 
 fn zero_or_one(number: f64) -> Option<bool> {

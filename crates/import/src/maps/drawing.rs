@@ -10,6 +10,8 @@ use svgtypes::{NumberListParser, PathParser, Transform, ViewBox};
 use usvg::roxmltree::{Document, Node, ParsingOptions};
 use usvg::{ImageHrefResolver, Options, Tree};
 
+use super::problem::DrawingError;
+
 /// The text of a drawing in its own units, its upper left corner at (0, 0).
 pub(crate) struct Drawing {
     text: String,
@@ -32,14 +34,14 @@ pub(crate) struct Element {
 impl Drawing {
     /// # Errors
     /// If it is no drawing, or has something that the parser would ignore silently.
-    pub(crate) fn read(text: &str) -> Result<Self, String> {
+    pub(crate) fn read(text: &str) -> Result<Self, DrawingError> {
         let document = document(text)?;
         check(&document)?;
         Ok(Self { text: rewritten(text, &document) })
     }
 
     /// The tree that `usvg` makes of it with a style sheet of ours.
-    pub(crate) fn tree(&self, style: Option<&str>) -> Result<Tree, String> {
+    pub(crate) fn tree(&self, style: Option<&str>) -> Result<Tree, DrawingError> {
         let options = Options {
             style_sheet: style.map(str::to_owned),
             // An image may be any file on this machine.
@@ -49,11 +51,10 @@ impl Drawing {
             },
             ..Options::default()
         };
-        Tree::from_xmltree(&document(&self.text)?, &options)
-            .map_err(|error| format!("is not a valid SVG: {error}"))
+        Tree::from_xmltree(&document(&self.text)?, &options).map_err(DrawingError::Svg)
     }
 
-    pub(crate) fn elements(&self) -> Result<Elements, String> {
+    pub(crate) fn elements(&self) -> Result<Elements, DrawingError> {
         let document = document(&self.text)?;
         let with_ids = || document.descendants().filter_map(|node| Some((node.attribute("id")?, node)));
         let all: HashMap<&str, Node<'_, '_>> = with_ids().collect();
@@ -72,7 +73,7 @@ impl Drawing {
     }
 
     /// The number of images and of texts, which are passed over.
-    pub(crate) fn passed_over(&self) -> Result<[usize; 2], String> {
+    pub(crate) fn passed_over(&self) -> Result<[usize; 2], DrawingError> {
         let document = document(&self.text)?;
         let count = |name| document.descendants().filter(|node| node.tag_name().name() == name).count();
         Ok(["image", "text"].map(count))
@@ -124,29 +125,26 @@ fn is_kept(node: &Node<'_, '_>) -> bool {
     names.contains(&node.tag_name().name())
 }
 
-fn document(text: &str) -> Result<Document<'_>, String> {
+fn document(text: &str) -> Result<Document<'_>, DrawingError> {
     let options = ParsingOptions { allow_dtd: true, nodes_limit: MAX_NODES, ..ParsingOptions::default() };
-    Document::parse_with_options(text, options).map_err(|error| format!("is not XML: {error}"))
+    Document::parse_with_options(text, options).map_err(DrawingError::Xml)
 }
 
 /// Refuses what the parser would ignore silently.
-fn check(document: &Document<'_>) -> Result<(), String> {
+fn check(document: &Document<'_>) -> Result<(), DrawingError> {
     let root = document.root_element();
     if root.tag_name().name() != "svg" {
-        return Err(format!("is not an SVG: its outermost element is `{}`", root.tag_name().name()));
+        return Err(DrawingError::Root(root.tag_name().name().to_owned()));
     }
     match root.attribute("viewBox") {
         Some(view_box) => {
-            ViewBox::from_str(view_box).map_err(|error| format!("viewBox: {error}"))?;
+            ViewBox::from_str(view_box).map_err(DrawingError::ViewBox)?;
         }
         None => {
             let is_length =
                 |name| root.attribute(name).is_some_and(|length| !length.trim_end().ends_with('%'));
             if !is_length("width") || !is_length("height") {
-                return Err(
-                    "has neither a viewBox nor width and height: where its lower left corner is, is unknown"
-                        .into(),
-                );
+                return Err(DrawingError::NoSize);
             }
         }
     }
@@ -154,7 +152,8 @@ fn check(document: &Document<'_>) -> Result<(), String> {
         for attribute in node.attributes().filter(|attribute| attribute.namespace().is_none()) {
             if let Err(error) = sound(node.tag_name().name(), attribute.name(), attribute.value()) {
                 let line = document.text_pos_at(attribute.range().start).row;
-                return Err(format!("line {line}, `{}`: {error}", attribute.name()));
+                let attribute = attribute.name().to_owned();
+                return Err(DrawingError::Attribute { line, attribute, error });
             }
         }
     }

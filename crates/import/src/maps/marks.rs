@@ -5,6 +5,7 @@ use usvg::Tree;
 
 use super::entry::{Purpose, Wanted};
 use super::outlines::Placement;
+use super::problem::DrawingError;
 use super::shape::tidy;
 use crate::error::ImportError;
 use crate::tables;
@@ -20,20 +21,21 @@ pub(crate) struct Mark {
 
 impl Wanted {
     /// The place of its shape in the drawing.
-    pub(crate) fn find(&self, tree: &Tree, placement: &Placement) -> Result<Mark, String> {
+    pub(crate) fn find(&self, tree: &Tree, placement: &Placement) -> Result<Mark, DrawingError> {
         let id = &self.id;
         let node = tree.node_by_id(id);
-        let node =
-            node.ok_or_else(|| format!("has no shape with the id `{id}`, which {} names", self.purpose))?;
+        let no_place = || DrawingError::NoPlace { id: id.clone(), purpose: self.purpose.clone() };
+        let node = node.ok_or_else(no_place)?;
         let around = node.abs_bounding_box();
         let middle =
             [0.5 * (around.left() + around.right()), 0.5 * (around.top() + around.bottom())].map(f64::from);
         let sides = [around.width(), around.height()].map(f64::from);
-        let center_m =
-            placement.of_drawing(middle).map_err(|problem| format!("the shape `{id}` {problem}"))?;
+        let center_m = placement
+            .of_drawing(middle)
+            .map_err(|problem| DrawingError::Shape { shape: format!("the shape `{id}`"), problem })?;
         let radius_m = tidy(0.5 * sides[0].min(sides[1]) * placement.scale.m_per_unit);
         if matches!(self.purpose, Purpose::Goal) && radius_m <= 0.0 {
-            return Err(format!("the shape `{id}` has no area, and a goal is a disc"));
+            return Err(DrawingError::NoArea(id.clone()));
         }
         Ok(Mark { purpose: self.purpose.clone(), center_m, radius_m })
     }

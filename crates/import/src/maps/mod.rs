@@ -7,6 +7,7 @@ mod entry;
 mod mapped;
 mod marks;
 mod outlines;
+mod problem;
 mod raster;
 mod ros;
 mod select;

@@ -6,6 +6,7 @@ use usvg::FillRule;
 use usvg::tiny_skia_path::PathSegment;
 
 use super::entry::Scale;
+use super::problem::ShapeError;
 use super::shape::{MAX_POSITION, tidy};
 
 /// Corners in order, in metres; neighbours differ.
@@ -25,7 +26,7 @@ pub(crate) struct Placement {
 
 /// The outlines of a path, its curves as chords. One that ends where it began is closed, whether it says so
 /// or not.
-pub(crate) fn of_path(path: &usvg::Path, placement: &Placement) -> Result<Vec<Outline>, String> {
+pub(crate) fn of_path(path: &usvg::Path, placement: &Placement) -> Result<Vec<Outline>, ShapeError> {
     of_path_at(path, path.abs_transform(), placement)
 }
 
@@ -34,7 +35,7 @@ pub(crate) fn of_path_at(
     path: &usvg::Path,
     transform: usvg::Transform,
     placement: &Placement,
-) -> Result<Vec<Outline>, String> {
+) -> Result<Vec<Outline>, ShapeError> {
     let mut pen = Pen::new(placement.scale.tolerance);
     let place = |point: usvg::tiny_skia_path::Point| placement.place(transform, point);
     for segment in path.data().segments() {
@@ -60,12 +61,9 @@ pub(crate) enum Rim {
 }
 
 /// The rim that each of the closed outlines of a filled path is.
-pub(crate) fn rims(outlines: &[&Outline], rule: FillRule) -> Result<Vec<Rim>, String> {
+pub(crate) fn rims(outlines: &[&Outline], rule: FillRule) -> Result<Vec<Rim>, ShapeError> {
     if outlines.len() > MAX_COMPARED {
-        return Err(format!(
-            "has {} closed outlines, the limit is {MAX_COMPARED}: break it apart",
-            outlines.len()
-        ));
+        return Err(ShapeError::Outlines(outlines.len()));
     }
     let chains: Vec<_> = outlines.iter().map(|outline| outline.chain()).collect();
     let turns: Vec<i32> = chains.iter().map(|chain| turn(chain)).collect();
@@ -95,7 +93,7 @@ pub(crate) fn rims(outlines: &[&Outline], rule: FillRule) -> Result<Vec<Rim>, St
 
 impl Placement {
     /// The place of a point of the drawing, in metres.
-    pub(crate) fn of_drawing(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], String> {
+    pub(crate) fn of_drawing(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], ShapeError> {
         let point = usvg::tiny_skia_path::Point::from_xy(x as f32, y as f32);
         self.place(usvg::Transform::identity(), point).map(|placed| [tidy(placed.x), tidy(placed.y)])
     }
@@ -106,7 +104,7 @@ impl Placement {
         &self,
         transform: usvg::Transform,
         point: usvg::tiny_skia_path::Point,
-    ) -> Result<kurbo::Point, String> {
+    ) -> Result<kurbo::Point, ShapeError> {
         let (x, y) = (f64::from(point.x), f64::from(point.y));
         let [sx, ky, kx, sy, tx, ty] =
             [transform.sx, transform.ky, transform.kx, transform.sy, transform.tx, transform.ty]
@@ -121,10 +119,7 @@ impl Placement {
         if placed.x.abs() <= MAX_POSITION && placed.y.abs() <= MAX_POSITION {
             return Ok(placed);
         }
-        Err(format!(
-            "reaches ({}, {}), the limit is ±{MAX_POSITION} m: fix m_per_unit or origin_m",
-            placed.x, placed.y
-        ))
+        Err(ShapeError::Far { x_m: placed.x, y_m: placed.y })
     }
 }
 
@@ -148,7 +143,7 @@ impl Pen {
         (self.start, self.at) = (to, to);
     }
 
-    fn draw(&mut self, piece: PathEl) -> Result<(), String> {
+    fn draw(&mut self, piece: PathEl) -> Result<(), ShapeError> {
         self.current.reach(self.at);
         kurbo::flatten([PathEl::MoveTo(self.at), piece], self.tolerance, |chord| {
             if let PathEl::LineTo(to) = chord {
@@ -159,7 +154,7 @@ impl Pen {
         if self.current.points.len() <= MAX_POINTS {
             return Ok(());
         }
-        Err(format!("has more than {MAX_POINTS} corners in a row: raise tolerance_m, or break it apart"))
+        Err(ShapeError::Corners)
     }
 
     fn close(&mut self) {
@@ -209,7 +204,7 @@ fn turn(chain: &[Point]) -> i32 {
 }
 
 /// Most corners of one polygon in a scenario.
-const MAX_POINTS: usize = 4096;
+pub(crate) const MAX_POINTS: usize = 4096;
 
 /// Each outline of a path is compared with all others.
-const MAX_COMPARED: usize = 1000;
+pub(crate) const MAX_COMPARED: usize = 1000;

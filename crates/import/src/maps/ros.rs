@@ -15,6 +15,7 @@ use baudbot_geometry::math;
 use super::description::Description;
 use super::entry::Unknown;
 use super::mapped::Mapped;
+use super::problem::DescriptionError;
 use super::raster;
 use super::shape::{FileNote, MAX_POSITION, MAX_SHAPES, Shape, tidy};
 use crate::error::FileError;
@@ -40,54 +41,58 @@ pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Mapped, FileError>
         return Err(FileError::new(&image, problem));
     }
     let shapes = rectangles.iter().map(|rectangle| map.shape(rectangle, bitmap.height));
-    let shapes = shapes.collect::<Result<_, _>>().map_err(|problem| FileError::new(path, problem))?;
+    let shapes =
+        shapes.collect::<Result<_, DescriptionError>>().map_err(|problem| FileError::new(path, problem))?;
     let note = (unknown == Unknown::Occupied).then(|| seen.without_unknown(&map)).flatten();
     Ok(Mapped { shapes, notes: note.into_iter().collect(), marks: Vec::new() })
 }
 
 /// Reads the description, as the map server and its friends understand it.
-fn map(text: &str) -> Result<Map, String> {
+fn map(text: &str) -> Result<Map, DescriptionError> {
     let description = Description::parse(text)?;
     let Some(image) = description.text("image")?.filter(|image| !image.is_empty()) else {
-        return Err("image is missing: the name of a PGM or PNG file".into());
+        return Err(missing("image", "the name of a PGM or PNG file"));
     };
     let Some(resolution) = description.number("resolution")? else {
-        return Err("resolution is missing: metres a cell".into());
+        return Err(missing("resolution", "metres a cell"));
     };
     if !(MIN_RESOLUTION..=MAX_RESOLUTION).contains(&resolution) {
-        return Err(format!(
-            "resolution: must be from {MIN_RESOLUTION} to {MAX_RESOLUTION} metres a cell, is {resolution}"
-        ));
+        return Err(DescriptionError::Resolution(resolution));
     }
     let [x, y, yaw] = origin(&description)?;
     let free = description.number("free_thresh")?.unwrap_or(OLD_FREE_THRESH);
     let occupied = description.number("occupied_thresh")?.unwrap_or(OLD_OCCUPIED_THRESH);
     if !(0.0 <= free && free <= occupied && occupied <= 1.0) {
-        let problem = "must be from 0 to 1, the first not above the second";
-        return Err(format!("free_thresh and occupied_thresh: {problem}; they are {free} and {occupied}"));
+        return Err(DescriptionError::Thresholds { free, occupied });
     }
     let is_negative = description.flag("negate")?;
     let mode = match description.text("mode")? {
         None => Mode::default(),
         Some(word) => {
-            Mode::of(&word).ok_or_else(|| format!("mode: must be one of trinary, scale, raw, is {word}"))?
+            let (name, form) = ("mode".to_owned(), "one of trinary, scale, raw");
+            Mode::of(&word).ok_or(DescriptionError::Form { name, form, value: word })?
         }
     };
     let (origin, turn) = ([x, y], math::sin_cos(yaw));
     Ok(Map { image, resolution, origin, turn, is_negative, free, occupied, mode })
 }
 
-fn origin(description: &Description) -> Result<[f64; 3], String> {
+fn missing(name: &'static str, meaning: &'static str) -> DescriptionError {
+    DescriptionError::Missing { name, meaning }
+}
+
+fn origin(description: &Description) -> Result<[f64; 3], DescriptionError> {
     let Some(origin) = description.numbers("origin")? else {
-        return Err("origin is missing: [x, y, yaw] of the lower left corner".into());
+        return Err(missing("origin", "[x, y, yaw] of the lower left corner"));
     };
     let Ok([x, y, yaw]) = <[f64; 3]>::try_from(origin.as_slice()) else {
-        return Err(format!("origin: must be [x, y, yaw], is {origin:?}"));
+        let (name, form) = ("origin".to_owned(), "[x, y, yaw]");
+        return Err(DescriptionError::Form { name, form, value: format!("{origin:?}") });
     };
     if x.abs() <= MAX_POSITION && y.abs() <= MAX_POSITION && yaw.abs() <= MAX_YAW {
         return Ok([x, y, yaw]);
     }
-    Err(format!("origin: must be within ±{MAX_POSITION} metres and ±{MAX_YAW} radians, is {origin:?}"))
+    Err(DescriptionError::Origin(origin))
 }
 
 #[derive(Clone, Copy, Default, PartialEq)]
@@ -144,7 +149,7 @@ impl Map {
     }
 
     /// A rectangle of cells as a polygon. Rows are counted from the top of an image with so many.
-    fn shape(&self, rectangle: &Rectangle, rows: usize) -> Result<Shape, String> {
+    fn shape(&self, rectangle: &Rectangle, rows: usize) -> Result<Shape, DescriptionError> {
         let [x, y] = self.origin;
         let (sin, cos) = self.turn;
         let (left, right) = (rectangle.first.column, rectangle.first.column + rectangle.columns);
@@ -154,10 +159,8 @@ impl Map {
             let (along, up) = (f64::from(column) * self.resolution, f64::from(row) * self.resolution);
             [tidy(x + (along * cos - up * sin)), tidy(y + (along * sin + up * cos))]
         });
-        if let Some([x, y]) = points.iter().find(|point| point.iter().any(|x| x.abs() > MAX_POSITION)) {
-            return Err(format!(
-                "the map reaches ({x}, {y}), the limit is ±{MAX_POSITION} m: fix resolution or origin"
-            ));
+        if let Some(far) = points.iter().find(|point| point.iter().any(|x| x.abs() > MAX_POSITION)) {
+            return Err(DescriptionError::Far(*far));
         }
         Ok(Shape { points: points.to_vec(), solid: true, closed: true })
     }
@@ -235,12 +238,12 @@ const UNKNOWN_GREY: usize = 205;
 const LIGHTEST_GREY: usize = 253;
 
 /// In metres a cell. Corners are rounded to a micrometre, which must be little beside a cell.
-const MIN_RESOLUTION: f64 = 1e-4;
-const MAX_RESOLUTION: f64 = 1e3;
+pub(crate) const MIN_RESOLUTION: f64 = 1e-4;
+pub(crate) const MAX_RESOLUTION: f64 = 1e3;
 
 /// The map server's own values of old, for files that have none. A map saver's unknown cells are a little above the first.
 const OLD_FREE_THRESH: f64 = 0.196;
 const OLD_OCCUPIED_THRESH: f64 = 0.65;
 
 /// In radians.
-const MAX_YAW: f64 = 1e3;
+pub(crate) const MAX_YAW: f64 = 1e3;

@@ -6,6 +6,8 @@ use std::str::FromStr;
 
 use svgtypes::Color;
 
+use super::problem::SelectorError;
+
 /// One of the things that a shape may be chosen by, such as `layer=Walls` or `stroke=#000000`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Selector {
@@ -44,11 +46,10 @@ pub(crate) struct Traits {
 }
 
 impl FromStr for Selector {
-    type Err = String;
+    type Err = SelectorError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        const FORM: &str = "must be layer=NAME, id=NAME, class=NAME, fill=COLOR or stroke=COLOR";
-        let wrong = || format!("{FORM}, is {text:?}");
+    fn from_str(text: &str) -> Result<Self, SelectorError> {
+        let wrong = || SelectorError::Form(text.to_owned());
         let (kind, value) = text.split_once('=').ok_or_else(wrong)?;
         let value = value.trim();
         if value.is_empty() {
@@ -73,14 +74,13 @@ impl fmt::Display for Selector {
 }
 
 impl FromStr for Paint {
-    type Err = String;
+    type Err = SelectorError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, SelectorError> {
         if text == "none" {
             return Ok(Self::Nothing);
         }
-        let color = Color::from_str(text)
-            .map_err(|_| format!("must be none or a colour, such as black or #1a2b3c, is {text:?}"))?;
+        let color = Color::from_str(text).map_err(|_| SelectorError::Paint(text.to_owned()))?;
         Ok(Self::Rgb(color.red, color.green, color.blue))
     }
 }
@@ -158,7 +158,7 @@ mod tests {
         assert!("layer=Walls *".parse::<Selector>().is_ok());
         assert_eq!("stroke=BLACK".parse::<Selector>().unwrap().by, By::Stroke(Paint::Rgb(0, 0, 0)));
         for wrong in ["walls", "layer=", "fill=blackish", "layers=a", "=a"] {
-            assert!(wrong.parse::<Selector>().unwrap_err().starts_with("must be "), "{wrong}");
+            assert!(wrong.parse::<Selector>().unwrap_err().to_string().starts_with("must be "), "{wrong}");
         }
     }
 

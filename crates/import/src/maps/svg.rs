@@ -17,6 +17,7 @@ use super::entry::{Choice, Plan, Wanted};
 use super::mapped::Mapped;
 use super::marks::Mark;
 use super::outlines::{self, Outline, Placement, Rim};
+use super::problem::{DrawingError, ShapeError};
 use super::select::{Paint, Selector, Traits, listed};
 use super::shape::{FileNote, MAX_SHAPES, Shape};
 use crate::error::FileError;
@@ -31,15 +32,17 @@ pub(crate) fn shapes(path: &Path, plan: &Plan) -> Result<Mapped, FileError> {
 
 /// The parser goes down into each element within another, up to 1024 of them, on its thread's stack; those
 /// of most threads are too small for that. It is not our code: should it panic, the file is refused.
-fn on_a_large_stack<T: Send>(work: impl FnOnce() -> Result<T, String> + Send) -> Result<T, String> {
+fn on_a_large_stack<T: Send>(
+    work: impl FnOnce() -> Result<T, DrawingError> + Send,
+) -> Result<T, DrawingError> {
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
-        let thread = thread.map_err(|error| format!("cannot be parsed: no thread for it: {error}"))?;
-        thread.join().unwrap_or_else(|_| Err("cannot be parsed: its parser gave up".into()))
+        let thread = thread.map_err(DrawingError::NoThread)?;
+        thread.join().unwrap_or_else(|_| Err(DrawingError::ParserGaveUp))
     })
 }
 
-fn drawing(text: &str, plan: &Plan) -> Result<Mapped, String> {
+fn drawing(text: &str, plan: &Plan) -> Result<Mapped, DrawingError> {
     let drawing = Drawing::read(text)?;
     let tree = drawing.tree(Some(STYLE))?;
     let placement = Placement { scale: plan.scale, height: f64::from(tree.size().height()) };
@@ -50,7 +53,7 @@ fn drawing(text: &str, plan: &Plan) -> Result<Mapped, String> {
     for (i, (found_path, traits)) in found.paths.iter().zip(&traits).enumerate() {
         let path = found_path.path;
         let name = name(path, i);
-        let of_element = |problem| format!("{name} {problem}");
+        let of_element = |problem| DrawingError::Shape { shape: name.clone(), problem };
         if found_path.is_in(&plan.marks) {
             // A place is no wall.
         } else if !plan.choice.takes(traits) {
@@ -64,9 +67,7 @@ fn drawing(text: &str, plan: &Plan) -> Result<Mapped, String> {
             }
         }
         if walls.shapes.len() > MAX_SHAPES || walls.corners > MAX_CORNERS {
-            return Err(format!(
-                "has more than {MAX_SHAPES} shapes or {MAX_CORNERS} corners: raise tolerance_m, or leave details out"
-            ));
+            return Err(DrawingError::Size);
         }
     }
     let marks: Vec<Mark> =
@@ -101,19 +102,16 @@ impl Walls {
 }
 
 /// The shapes of a path: solid where it is filled and has no hole.
-fn shapes_of(path: &usvg::Path, outlines: Vec<Outline>) -> Result<Vec<Shape>, String> {
+fn shapes_of(path: &usvg::Path, outlines: Vec<Outline>) -> Result<Vec<Shape>, ShapeError> {
     let fill = path.fill().filter(|fill| fill.opacity().get() > 0.0);
     let mut rims = Vec::new();
     if let Some(fill) = fill {
         let closed: Vec<_> = outlines.iter().filter(|outline| outline.closed).collect();
         if let Some(outline) = closed.iter().find(|outline| outline.points.len() < 3) {
-            return Err(format!("is filled and has {} corners, needs 3 or more", outline.points.len()));
+            return Err(ShapeError::TooFewCorners(outline.points.len()));
         }
         if !closed.iter().all(|outline| outline.is_simple()) {
-            return Err(
-                "crosses or touches itself, so its inside is not defined: break it apart, or do not fill it"
-                    .into(),
-            );
+            return Err(ShapeError::CrossesItself);
         }
         rims = outlines::rims(&closed, fill.rule())?;
     }
@@ -179,7 +177,7 @@ fn collect<'a>(group: &'a Group, above: &mut Above<'a>, found: &mut Found<'a>) {
 }
 
 /// The traits by which shapes can be chosen; none are collected without a choice.
-fn traits(drawing: &Drawing, paths: &[FoundPath<'_>], choice: &Choice) -> Result<Vec<Traits>, String> {
+fn traits(drawing: &Drawing, paths: &[FoundPath<'_>], choice: &Choice) -> Result<Vec<Traits>, DrawingError> {
     if choice.selectors().next().is_none() {
         return Ok(paths.iter().map(|_| Traits::default()).collect());
     }
@@ -236,7 +234,7 @@ fn notes(
     found: &Found<'_>,
     (walls, traits): (&Walls, &[Traits]),
     plan: &Plan,
-) -> Result<Vec<FileNote>, String> {
+) -> Result<Vec<FileNote>, DrawingError> {
     let warning = |text| FileNote { weight: Weight::Warning, field: "svg", text };
     let mut notes = Vec::new();
     for (field, selectors) in [("only", &plan.choice.only), ("without", &plan.choice.without)] {
@@ -269,7 +267,7 @@ fn notes(
 }
 
 /// The kinds of elements that are no wall and no place, each with its number.
-fn left_out(drawing: &Drawing, found: &Found<'_>, walls: &Walls) -> Result<Vec<String>, String> {
+fn left_out(drawing: &Drawing, found: &Found<'_>, walls: &Walls) -> Result<Vec<String>, DrawingError> {
     let [images, texts] = drawing.passed_over()?;
     let mut left_out = Vec::new();
     if let Some(names) = listed(walls.left_out.iter().map(|name| short(name)).collect::<Vec<_>>().iter()) {
@@ -322,7 +320,7 @@ const STYLE: &str = "* { stroke: black !important; stroke-width: 1 !important; s
 const STACK: usize = 256 << 20;
 
 /// Of all shapes of a drawing. Whether one crosses itself takes time in proportion to the square of its corners.
-const MAX_CORNERS: usize = 1_000_000;
+pub(crate) const MAX_CORNERS: usize = 1_000_000;
 
 impl Choice {
     fn selectors(&self) -> impl Iterator<Item = &Selector> {
