@@ -13,8 +13,8 @@ const BESIDE: [&str; 7] =
 
 struct Recipe {
     title: &'static str,
-    /// The example's name as it may stand in a file: `optical_flow`, `optical-flow`, `OpticalFlow`, `opticalFlow`.
-    forms: [String; 4],
+    /// The example's name as it may stand in a file: `optical_flow`, `optical-flow`, `OpticalFlow`, `opticalFlow`, `OPTICAL_FLOW`.
+    forms: [String; 5],
     /// The paths that it names; folders end in `/`.
     paths: Vec<&'static str>,
     /// Whether it names every file that mentions the example.
@@ -49,7 +49,7 @@ impl Recipe {
 }
 
 /// A name in snake or camel case, in all cases.
-fn forms(name: &str) -> [String; 4] {
+fn forms(name: &str) -> [String; 5] {
     let mut words: Vec<String> = Vec::new();
     for letter in name.chars() {
         if letter == '_' || letter.is_uppercase() || words.is_empty() {
@@ -59,7 +59,8 @@ fn forms(name: &str) -> [String; 4] {
     }
     let camel: String = words.iter().map(|word| word[..1].to_uppercase() + &word[1..]).collect();
     let lower = camel[..1].to_lowercase() + &camel[1..];
-    [words.join("_"), words.join("-"), camel, lower]
+    let upper = words.join("_").to_uppercase();
+    [words.join("_"), words.join("-"), camel, lower, upper]
 }
 
 /// The files below a folder with their text, by their paths from the root; what is hidden, built or fetched is left out.
@@ -125,7 +126,7 @@ fn a_recipe_names_all_that_its_example_took() {
 
 #[test]
 fn a_name_has_its_forms() {
-    let expected = ["optical_flow", "optical-flow", "OpticalFlow", "opticalFlow"];
+    let expected = ["optical_flow", "optical-flow", "OpticalFlow", "opticalFlow", "OPTICAL_FLOW"];
     assert_eq!(forms("optical_flow"), expected);
     assert_eq!(forms("OpticalFlow"), expected);
 }

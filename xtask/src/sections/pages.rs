@@ -47,9 +47,11 @@ pub(super) fn viewer(shell: &Shell) -> Result<(), Failure> {
     diff.args(["-r", "viewer/dist"]).arg(&new);
     if !shell.status(diff)?.success() {
         return Err(Failure::Wrong(
-            "viewer/dist is not what viewer/src makes: npm run build there, and commit it".to_owned(),
+            "viewer/dist is not what viewer/src makes: run npm run --prefix viewer build, and commit it"
+                .to_owned(),
         ));
     }
+    shell.run(npm(shell, "check", &[]))?;
     shell.run(npm(shell, "test", &[]))
 }
 
