@@ -4,8 +4,8 @@
 //! cargo run -p baudbot-brains --example colony
 //! ```
 //!
-//! The attractant has a Gaussian peak in the middle of a square, at whose sides cells are held. A cell moves all
-//! the time: straight on while it swims, and while it tumbles along headings that are drawn again again and again.
+//! The attractant has a Gaussian peak in the middle of a square, at whose sides cells are held. A cell moves all the
+//! time: straight on while it swims, and while it tumbles along headings that are drawn again and again.
 //!
 //! The notes give 100 cells, a = b = 1, T = 0, 10 s and steps of 0.01 s. Speed, width, dish and tumbling are ours,
 //! so the figures that the tests compare with are those of this completion.
@@ -34,7 +34,7 @@ fn main() {
     }
 }
 
-/// As many as in the figure.
+/// The number of cells in the figure.
 const CELLS: usize = 100;
 
 /// A dish and its cells.
@@ -46,7 +46,7 @@ struct Parameters {
     half_side_m: f64,
     /// σ of the attractant exp(−r²/2σ²).
     width_m: f64,
-    /// Of a cell that swims, and of one that tumbles.
+    /// The speeds of a cell that swims, and of one that tumbles.
     speed_m_s: f64,
     /// The rate at which a cell that tumbles takes a new heading, per second.
     tumble_hz: f64,
@@ -88,7 +88,7 @@ impl Colony {
         Self { parameters, cells, chance }
     }
 
-    /// All cells live on for `dt_s` seconds. Says how many of them swim.
+    /// All cells live on for `dt_s` seconds. Returns how many of them swim.
     fn step(&mut self, dt_s: f64) -> usize {
         self.step_as(dt_s, |brain, concentration, _| brain.step(concentration, dt_s))
     }
@@ -158,8 +158,7 @@ mod tests {
         outcomes.iter().map(of).sum::<f64>() / outcomes.len() as f64
     }
 
-    /// Of 300 colonies that were computed independently the ratio was 0.163 ± 0.011, and 0.792 of the time was
-    /// swum.
+    /// The ratio was 0.163 ± 0.011 in 300 colonies that were computed independently, and 0.792 of the time was swum.
     #[test]
     fn cells_gather_at_the_peak_as_in_figure_4_2() {
         let outcomes: Vec<_> = (0..30).map(|seed| run(seed, |brain, x, _| brain.step(x, 0.01))).collect();

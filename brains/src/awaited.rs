@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-/// A sensor that somebody waits for.
+/// A sensor for whose reading a brain waits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Awaited {
-    /// Its name.
+    /// The sensor's name.
     pub sensor: String,
-    /// When its last reading came, in nanoseconds; 0 if none has.
+    /// The instant at which the sensor's last reading came, in nanoseconds; 0 if none has.
     pub since_ns: u64,
 }
 

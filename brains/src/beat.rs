@@ -6,19 +6,19 @@
 
 use baudbot_brain::Body;
 
-/// When the messages of a microcontroller come that streams them.
+/// The arrival times of the messages of a microcontroller that streams them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Beat {
     /// Time that a command takes on the cable, in nanoseconds.
     command_ns: u64,
-    /// When the last one came.
+    /// The instant at which the last message came.
     heard_ns: Option<u64>,
     /// The intervals between the last ones, the newest first.
     intervals_ns: [Option<u64>; 4],
 }
 
 impl Beat {
-    /// That of a robot with this body, of which nothing has come.
+    /// A `Beat` of a robot with this body, of which nothing has come.
     pub(crate) fn new(body: &Body) -> Self {
         Self { command_ns: body.command_ns(), heard_ns: None, intervals_ns: [None; 4] }
     }
@@ -33,12 +33,12 @@ impl Beat {
         true
     }
 
-    /// Until when a command waits for the next message, in nanoseconds, if one that is sent at this instant could still be on the
-    /// cable then. A message that has just come is answered.
+    /// The instant until which a command waits for the next message, in nanoseconds, if one that is sent at this
+    /// instant could still be on the cable then. A message that has just come is answered.
     pub(crate) fn in_the_way_of(&self, at_ns: u64) -> Option<u64> {
         let (heard_ns, [shortest_ns, longest_ns]) = (self.heard_ns?, self.usual_ns()?);
         let soonest_ns = heard_ns.saturating_add(shortest_ns);
-        // To wait for longer is not worth it.
+        // A longer wait does not pay.
         let worth_ns = soonest_ns.saturating_add(self.command_ns.saturating_mul(4));
         let latest_ns = heard_ns.saturating_add(longest_ns).saturating_add(longest_ns / 4).min(worth_ns);
         // Messages that come faster than commands go cannot be answered each, whenever one is sent.
@@ -47,7 +47,7 @@ impl Beat {
         (heard_ns != at_ns && !is_too_fast && is_in_the_way).then_some(latest_ns)
     }
 
-    /// When it is silent for too long, so that the last command is said again.
+    /// The instant from which on the microcontroller is silent for too long, so that the last command is repeated.
     pub(crate) fn silent_ns(&self) -> u64 {
         let twice_ns = |[_, longest_ns]: [u64; 2]| longest_ns.saturating_mul(2).min(10 * REPEAT_NS);
         let silence_ns = self.usual_ns().map_or(0, twice_ns);

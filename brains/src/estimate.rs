@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Estimate {
     /// Robot in the world.
     pub world_from_robot: Pose,
-    /// Of x and y in metres, along the world's axes, and of the heading in radians.
+    /// The covariance of x and y in metres, along the world's axes, and of the heading in radians.
     pub covariance: Matrix3<f64>,
 }
 

@@ -22,7 +22,7 @@ pub struct Given {
 }
 
 impl Given {
-    /// With this seed, and the parameters of the environment.
+    /// The parameters of the environment, with this seed.
     ///
     /// # Errors
     /// If those are no object of numbers.
@@ -41,7 +41,7 @@ impl Given {
         self.parameters.get(name).copied().unwrap_or(default)
     }
 
-    /// As settings of a description: paths and numbers.
+    /// The parameters as settings of a description: paths and numbers.
     pub(crate) fn settings(&self) -> Vec<(String, f64)> {
         self.parameters.iter().map(|(path, &value)| (path.clone(), value)).collect()
     }

@@ -115,7 +115,7 @@ mod tests {
     use super::*;
     use crate::test_body::{body, turn};
 
-    /// Signals for a robot whose odometer says these positions, starting at (1, 2) and along a 3-4-5 triangle.
+    /// Signals for a robot whose odometer gives these positions, starting at (1, 2) and along a 3-4-5 triangle.
     fn signals(navigate: &mut Navigate, moved: &[f64]) -> Vec<f64> {
         let body = body(&[(ODOMETER, "odometer", 0.0)]);
         let step = |(tick, moved): (usize, &f64)| {

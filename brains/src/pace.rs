@@ -1,9 +1,9 @@
-//! When a brain sends its commands, for all brains of this crate and on all cables.
+//! The times at which a brain sends its commands, for all brains of this crate and on all cables.
 //!
-//! Each message of the microcontroller is answered with a command, also one without a new reading; what is heard of is answered
-//! at once. When nothing comes, the last command is repeated now and then, since the cable may have lost it. No command is
-//! sent before the last one is off the cable: one that waits behind others comes too late. What comes while the cable is
-//! taken is answered with the next message, if that is due soon ([`Beat`]).
+//! Each message of the microcontroller is answered with a command, also one without a new reading; a new message is
+//! answered at once. When nothing comes, the last command is repeated now and then, since the cable may have lost it.
+//! No command is sent before the last one is off the cable: one that waits behind others comes too late. What comes
+//! while the cable is taken is answered with the next message, if that is due soon ([`Beat`]).
 //!
 //! A firmware that answers only when asked is asked once for each answer ([`Questions`]).
 
@@ -12,7 +12,7 @@ use baudbot_brain::{Body, Turn};
 use crate::beat::{Beat, REPEAT_NS};
 use crate::questions::Questions;
 
-/// When a brain may send, of which this is told each turn.
+/// The times at which a brain may send, kept up to date by each turn.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pace {
     /// Time that a command takes on the cable, in nanoseconds.
@@ -26,14 +26,14 @@ pub(crate) struct Pace {
 /// The source of messages.
 #[derive(Clone, Debug, PartialEq)]
 enum Talk {
-    /// They come by themselves.
+    /// The messages come by themselves.
     Streams(Beat),
     /// Commands ask for them.
     Asks(Questions),
 }
 
 impl Pace {
-    /// That of a robot with this body, of which nothing has come.
+    /// A `Pace` of a robot with this body, of which nothing has come.
     pub(crate) fn new(body: &Body) -> Self {
         let talk = match body.firmware.period_ns {
             Some(_) => Talk::Streams(Beat::new(body)),
@@ -53,7 +53,7 @@ impl Pace {
         };
     }
 
-    /// Whether a command goes out at this instant. `is_other`: it says something else than the last one.
+    /// Whether a command goes out at this instant. `is_other`: it differs from the last one.
     pub(crate) fn sends(&self, at_ns: u64, is_other: bool) -> bool {
         if !self.is_free(at_ns) {
             return false;
@@ -68,7 +68,7 @@ impl Pace {
             }
     }
 
-    /// The earliest instant at which it [sends](Self::sends) that, if nothing is heard.
+    /// The earliest instant at which it [sends](Self::sends) that, if no message comes.
     pub(crate) fn next_ns(&self, at_ns: u64, is_other: bool) -> u64 {
         let Some(sent_ns) = self.sent_ns else { return at_ns };
         let due_ns = match &self.talk {

@@ -9,7 +9,7 @@ use thiserror::Error;
 /// One parameter of a brain whose parameters are a `P`.
 pub(crate) struct Parameter<P> {
     pub(crate) name: &'static str,
-    /// Its meaning, with its unit.
+    /// The meaning of the parameter, with its unit.
     pub(crate) meaning: &'static str,
     /// The values that make sense.
     pub(crate) range: RangeInclusive<f64>,
@@ -27,7 +27,7 @@ pub(crate) const SIGNAL: RangeInclusive<f64> = -10.0..=10.0;
 /// Probabilities, and other parts of a whole.
 pub(crate) const PROBABILITY: RangeInclusive<f64> = 0.0..=1.0;
 
-/// A reason why parameters make no sense, or not for this robot.
+/// A reason why parameters are invalid, or not for this robot.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ParameterError {
     /// A number that the parameter cannot be.
@@ -40,7 +40,7 @@ pub enum ParameterError {
         /// The number given.
         found: f64,
     },
-    /// Another value that makes no sense.
+    /// Another invalid value.
     #[error("{parameter}: {problem}")]
     Value {
         /// The parameter.

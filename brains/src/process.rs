@@ -58,7 +58,7 @@ pub struct Beliefs {
 
 /// A process that drives.
 pub trait MotorBehavior: Send {
-    /// It is activated.
+    /// The behaviour is activated.
     fn enter(&mut self, _: &mut StepContext<'_>) {}
 
     /// One step. `None` leaves the motors as they are.
@@ -76,12 +76,12 @@ pub trait MotorBehavior: Send {
 
 /// A process that does not drive.
 pub trait CognitiveProcess: Send {
-    /// It is activated.
+    /// The process is activated.
     fn enter(&mut self, _: &mut StepContext<'_>) {}
 
     /// One step.
     fn step(&mut self, context: &mut StepContext<'_>);
 
-    /// It is active no longer.
+    /// The process is no longer active.
     fn leave(&mut self, _: &mut StepContext<'_>) {}
 }

@@ -87,7 +87,8 @@ pub fn described(registry: &Registry) -> ExitCode {
     ended(file, run_file(file, &arguments, registry))
 }
 
-/// The arguments of this process. If they make no sense, or ask for help, that is told, and the process ends with this code.
+/// The arguments of this process. If they are invalid, or ask for help, a message is printed and the process ends with
+/// this code.
 fn given_to(command: Command) -> Result<ArgMatches, ExitCode> {
     command.try_get_matches().map_err(|error| {
         let written = error.print().and_then(|()| io::stdout().flush());
@@ -102,10 +103,10 @@ fn given_to(command: Command) -> Result<ArgMatches, ExitCode> {
     })
 }
 
-/// The exit code of a command line that makes no sense.
+/// The exit code of an invalid command line.
 const USAGE: u8 = 2;
 
-/// Tells how it went.
+/// Prints the result of a run, and gives the exit code.
 fn ended(name: &str, driven: anyhow::Result<()>) -> ExitCode {
     match driven {
         Ok(()) => ExitCode::SUCCESS,
@@ -130,7 +131,7 @@ fn drive<B: Brain, E: Display>(
     let driving = attachment.drive(make, |line| eprintln!("{line}"));
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let summary = runtime.block_on(driving).map_err(|error| anyhow::anyhow!("{error}"))?;
-    // The run is over whether anybody reads that or not.
+    // The run is over even if stdout is closed.
     let _ = writeln!(
         io::stdout(),
         "the run is over after {} turns, at tick {}",
@@ -140,7 +141,7 @@ fn drive<B: Brain, E: Display>(
     Ok(())
 }
 
-/// Of a brain of processes, none of which says how long it thought.
+/// The attachment of a brain of processes, none of which has a thinking time.
 fn attachment(brain: String, arguments: &ArgMatches) -> Attachment {
     let robots = arguments.get_many("robot").unwrap_or_default();
     Attachment {

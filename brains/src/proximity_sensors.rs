@@ -14,7 +14,7 @@ pub(crate) struct ProximitySensors {
     near: Near,
 }
 
-/// From where on something is near.
+/// The thresholds from which on something is near.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Near {
     /// The distance from a sonar within which an object on the robot's way is near, in metres.
@@ -30,7 +30,7 @@ struct Feeler {
     is_sonar: bool,
     /// Half the opening angle of its cone, in radians.
     half_rad: f64,
-    /// Its last reading; `None` if that does not count.
+    /// The last reading; `None` if it does not count.
     value: Option<f64>,
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct Echo {
 }
 
 impl ProximitySensors {
-    /// Those of a robot with this body; there may be none.
+    /// The `ProximitySensors` of a robot with this body; there may be none.
     pub(crate) fn new(body: &Body, near: Near) -> Self {
         let feeler = |(sensor, described): (usize, &Sensor)| Feeler {
             sensor,
@@ -144,8 +144,8 @@ pub(crate) fn is_in_way(point_in_robot: Point, ahead_m: f64, radius_m: f64) -> b
     point_in_robot.x > 0.0 && off.norm() < radius_m
 }
 
-/// Room that there must be beside a disc that is a little ahead, as a part of how far that is. A sonar does not say where in its
-/// cone something is: with half a cone of 0.2 rad and 0.15 m to go, 3 cm to the side.
+/// Room that there must be beside a disc that is a little ahead, as a part of how far that is. A sonar's reading has no
+/// direction within its cone: with half a cone of 0.2 rad and 0.15 m to go, 3 cm to the side.
 const ALMOST: f64 = 0.2;
 /// Cosine of the greatest angle at which a sensor looks ahead: 80°.
 const AHEAD_COS: f64 = 0.17;

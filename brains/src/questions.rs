@@ -1,9 +1,10 @@
 //! The questions to a firmware that answers only when asked.
 //!
-//! Each command is a question, and the answer to one is what the next waits for. If none comes the question is repeated, since
-//! it or its answer may be lost: after one and a half times as long as answers take, and then ever more seldom. If it was only slow, two
-//! answers come. Who answered both would have two questions on their way for ever, each behind the other; so an answer that comes
-//! too soon behind a question is taken for one that had been given up.
+//! Each command is a question, and the answer to one is what the next waits for. If none comes the question is
+//! repeated, since it or its answer may be lost: after one and a half times as long as answers take, and then ever more
+//! seldom. If it was only slow, two answers come. A brain that answered both would have two questions on their way for
+//! ever, each behind the other; so an answer that comes too soon behind a question is taken for one that had been given
+//! up.
 
 use baudbot_brain::Body;
 
@@ -24,16 +25,16 @@ pub(crate) struct Questions {
     more_ns: u64,
     /// Questions since the last answer.
     open: u32,
-    /// When the last of these was asked.
+    /// The instant at which the last of these was asked.
     asked_ns: u64,
     /// Questions before the last answer that were given up, whose answers may come after all.
     given_up: u32,
-    /// When these are not waited for any more.
+    /// The instant at which these are not waited for any more.
     forgotten_ns: u64,
 }
 
 impl Questions {
-    /// Those of a brain that has asked nothing yet.
+    /// The `Questions` of a brain that has asked nothing yet.
     pub(crate) fn new(body: &Body) -> Self {
         let command_ns = body.command_ns();
         Self {
@@ -88,7 +89,7 @@ impl Questions {
         at_ns >= self.over_ns()
     }
 
-    /// When that will be.
+    /// The instant at which the wait ends.
     pub(crate) fn over_ns(&self) -> u64 {
         let overdue_ns = self.usual_ns().saturating_add(self.usual_ns() / 2).saturating_add(self.more_ns);
         let first_ns = if self.known < FEW { overdue_ns.max(REPEAT_NS) } else { overdue_ns };
@@ -97,7 +98,7 @@ impl Questions {
         self.asked_ns.saturating_add(waits_ns)
     }
 
-    /// The usual time until an answer. Before the first nobody knows what is between brain and cable.
+    /// The usual time until an answer. Before the first answer the delay between brain and cable is unknown.
     fn usual_ns(&self) -> u64 {
         self.slowest_ns.unwrap_or(REPEAT_NS).max(self.cable_ns)
     }

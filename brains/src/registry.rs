@@ -15,7 +15,7 @@ use crate::process::{CognitiveProcess, MotorBehavior};
 
 /// The context in which a process is built.
 pub struct BuildContext<'a> {
-    /// Its name in the repertoire.
+    /// The name of the process in the repertoire.
     pub name: &'a str,
     /// The robot's body.
     pub body: &'a Body,
@@ -68,8 +68,8 @@ impl<P: ?Sized> Default for Kinds<P> {
 }
 
 impl<P: ?Sized> Kinds<P> {
-    /// Adds a kind. `make` gets its parameters as they are in the description, with defaults where those have any, and says why
-    /// it cannot be made: `range_m: must be positive, is -1`.
+    /// Adds a kind. `make` gets its parameters as they are in the description, with defaults where those have any, and
+    /// returns why it cannot be made: `range_m: must be positive, is -1`.
     pub fn add<T, B>(
         &mut self,
         kind: &'static str,
@@ -86,7 +86,7 @@ impl<P: ?Sized> Kinds<P> {
         self
     }
 
-    /// Their names, in order.
+    /// The names of the kinds, in order.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         self.0.keys().copied()
     }

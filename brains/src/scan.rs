@@ -14,15 +14,15 @@ pub struct Scan {
     pub robot_from_laser: Pose,
     /// Angle from the first ray to the last, in radians.
     pub opening_rad: f64,
-    /// Its range, in metres.
+    /// The laser's range, in metres.
     pub range_m: f64,
     /// In metres: positive, infinite if nothing was within range, NaN if that is not known.
     pub distances_m: Vec<f64>,
 }
 
 impl Scan {
-    /// A reading of a `laser` that does not sit on a turret; `None` of anything else, or if its data sheet does not say how wide
-    /// it opens.
+    /// A reading of a `laser` that does not sit on a turret; `None` of anything else, or if its data sheet does not
+    /// state how wide it opens.
     #[must_use]
     pub fn of(sensor: &Sensor, reading: &Reading) -> Option<Self> {
         let (range_m, mount, opening_rad) = (sensor.range_m?, sensor.mount?, sensor.opening_rad?);
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
     use crate::test_body::{body, turn};
 
-    /// Of a laser that opens by 3 rad.
+    /// A scan of a laser that opens by 3 rad.
     fn scan_of(values: &[f64], clockwise: bool) -> Option<Scan> {
         let mut body = body(&[("urg", "laser", 0.25)]);
         body.sensors[0].range_m = Some(4.0);

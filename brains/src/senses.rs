@@ -10,14 +10,14 @@ pub use crate::network::Network;
 pub struct Senses {
     variables: Vec<StateVariable>,
     values: Vec<f64>,
-    /// When each sensor's last new reading came.
+    /// The instants at which each sensor's last new reading came.
     news_ns: Vec<Option<u64>>,
 }
 
 /// One state variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateVariable {
-    /// Its name.
+    /// The variable's name.
     pub name: String,
     /// The readings that it is made of.
     pub sources: Vec<Source>,
@@ -30,20 +30,20 @@ pub struct StateVariable {
 /// A value of a reading, or several.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// By its place in [`Body::sensors`].
+    /// The sensor's place in [`Body::sensors`].
     pub sensor: usize,
     /// The range of its values.
     pub values: std::ops::Range<usize>,
 }
 
-/// From values to one number.
+/// The function from values to one number.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mapping {
     /// Eq. (8.1): the weighted sum. As many weights as values.
     Sum(Vec<f64>),
-    /// Eq. (8.2).
+    /// The minimum, Eq. (8.2).
     Min,
-    /// Eq. (8.3).
+    /// The maximum, Eq. (8.3).
     Max,
     /// A neural network, whose last layer has one neuron.
     Network(Network),
@@ -57,7 +57,7 @@ pub enum SourceError {
     Sensor {
         /// The name given.
         name: String,
-        /// Those that there are.
+        /// The sensors that exist.
         known: Vec<String>,
     },
     /// The sensor has no such part.
@@ -67,13 +67,14 @@ pub enum SourceError {
         sensor: String,
         /// The part given.
         part: String,
-        /// Those that it has, by name or by number.
+        /// The parts of the sensor, by name or by number.
         known: Vec<String>,
     },
 }
 
 impl Source {
-    /// From a text: `SENSOR` is all its values, `SENSOR.PART` those of one component, `SENSOR.3` its fourth value.
+    /// The source of a text: `SENSOR` is all its values, `SENSOR.PART` those of one component, `SENSOR.3` its fourth
+    /// value.
     ///
     /// # Errors
     /// If the body has no such sensor, or the sensor no such part.
@@ -105,7 +106,7 @@ impl Source {
         Err(SourceError::Part { sensor: name.to_owned(), part: part.to_owned(), known })
     }
 
-    /// Its first value of the last reading; `None` if nothing came yet.
+    /// The first value of the sensor's last reading; `None` if there is none yet.
     pub fn first(&self, turn: &Turn) -> Option<f64> {
         turn.readings.get(self.sensor)?.as_ref()?.values.get(self.values.start).copied()
     }
@@ -128,7 +129,7 @@ impl Senses {
         self.variables.iter().map(|variable| variable.name.as_str())
     }
 
-    /// Takes in what has come, and says how the state variables are then.
+    /// Takes in what has come, and returns the state variables.
     pub fn take(&mut self, turn: &Turn) -> &[f64] {
         for (news_ns, reading) in self.news_ns.iter_mut().zip(&turn.readings) {
             if reading.as_ref().is_some_and(|reading| reading.readable) {

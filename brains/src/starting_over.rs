@@ -1,5 +1,5 @@
-//! Brains of the catalogue start over when their time does. Whoever remembers when it last did something would otherwise wait until
-//! then comes again.
+//! Brains of the catalogue start over when their time does. A brain that remembers the instant of its last action would
+//! otherwise wait until that comes again.
 
 use baudbot_brain::{Body, Brain, EachRun};
 

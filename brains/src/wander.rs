@@ -5,8 +5,8 @@
 //! probabilities are per step, so a brain that steps more seldom than the listing's 100 times a second turns
 //! more seldom and for longer. What it has decided is sent as often as the cable wants it. It sees nothing; in a closed room it runs into the wall.
 //!
-//! A wart of the listing that we keep: its "left turn" drives the left wheel forwards and the right one
-//! backwards, which turns the robot to its right. With equal probabilities nobody notices.
+//! A wart of the listing that we keep: its "left turn" drives the left wheel forwards and the right one backwards,
+//! which turns the robot to its right. The difference is invisible with equal probabilities.
 
 use baudbot_brain::{Action, Brain, Signals, Turn};
 
@@ -94,7 +94,7 @@ enum State {
 }
 
 impl Wander {
-    /// A brain at its start; `chance` says when it turns and which way.
+    /// A brain at its start; `chance` decides when it turns and which way.
     pub fn new(parameters: Parameters, chance: Chance) -> Self {
         Self { parameters, chance, state: State::Forward, signals: Signals::default(), throttle: None }
     }

@@ -1,14 +1,14 @@
 //! The utility of amounts: Fig. 7.1.
 //!
-//! The notes draw such a curve through points that somebody was asked for, and give no formula for it. Two common
-//! ones are here, each with the one number that a single question leaves open, and Bernoulli's logarithm, of (7.3).
+//! The notes draw such a curve through points that a person was asked for, and give no formula for it. Two common ones
+//! are here, each with the one number that a single question leaves open, and Bernoulli's logarithm, of (7.3).
 
 use baudbot_geometry::math;
 
 /// The utility u(x) of an amount x. But for [`Curve::Logarithmic`] nothing is worth 0 and `top` is worth 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Curve {
-    /// x / top.
+    /// The straight line x / top.
     Linear {
         /// The amount that is worth 1.
         top: f64,
@@ -17,14 +17,14 @@ pub(crate) enum Curve {
     Exponential {
         /// The amount that is worth 1.
         top: f64,
-        /// R, the risk tolerance, an amount. Negative for somebody who likes risk; not 0.
+        /// R, the risk tolerance, an amount. Negative for a person who likes risk; not 0.
         tolerance: f64,
     },
     /// (x / top)^exponent, for amounts of 0 and more.
     Power {
         /// The amount that is worth 1.
         top: f64,
-        /// Below 1 for somebody who dislikes risk; positive.
+        /// Below 1 for a person who dislikes risk; positive.
         exponent: f64,
     },
     /// ln(W + x) − ln W: Bernoulli's, in (7.3). What costs all that one has is worth −∞.
@@ -73,7 +73,7 @@ impl Curve {
         is_inside(amount, utility, top).then_some(Self::Power { top, exponent })
     }
 
-    /// u(x).
+    /// The utility u(x) of an amount.
     pub(crate) fn utility(&self, amount: f64) -> f64 {
         match *self {
             Self::Linear { top } => amount / top,
@@ -129,7 +129,7 @@ const STEEPEST: f64 = 700.0;
 /// More than enough to come from 1400 to the last bit of a number that matters.
 const HALVINGS: usize = 200;
 
-/// With a risk tolerance of so many times `top` the curve is straight up to a millionth, and the exponential
+/// The ratio of the risk tolerance to `top` beyond which the curve is straight up to a millionth, and the exponential
 /// formula would lose more than that to rounding.
 const FLAT: f64 = 1e6;
 

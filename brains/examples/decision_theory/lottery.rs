@@ -10,7 +10,7 @@ use crate::curve::Curve;
 /// outright, as in (7.6), they can stand for the amounts, and [`expected_payoff`](Self::expected_payoff) is U(c).
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Lottery {
-    /// Probability and amount.
+    /// The outcomes: probability and amount.
     outcomes: Vec<(f64, f64)>,
 }
 
@@ -36,7 +36,7 @@ pub(crate) enum LotteryError {
     /// Something else can happen, or too much.
     #[error("the probabilities must add up to 1, not {found}")]
     Sum {
-        /// Their sum.
+        /// The sum of the probabilities.
         found: f64,
     },
 }

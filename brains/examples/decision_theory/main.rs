@@ -4,9 +4,9 @@
 //! cargo run -p baudbot-brains --example decision_theory
 //! ```
 //!
-//! A [`Lottery`] is a mixed consequence: amounts, each with its probability. Its expected payoff is (7.1), but what
-//! it is worth to somebody is its expected utility (7.5), and that depends on a [`Curve`], the utility of each
-//! amount. A rational agent takes the action whose expected utility is [`greatest`].
+//! A [`Lottery`] is a mixed consequence: amounts, each with its probability. Its expected payoff is (7.1), but its
+//! worth to a person is its expected utility (7.5), and that depends on a [`Curve`], the utility of each amount. A
+//! rational agent takes the action whose expected utility is [`greatest`].
 
 mod curve;
 mod lottery;
@@ -35,7 +35,7 @@ fn bets() -> Result<(), LotteryError> {
     Ok(())
 }
 
-/// (7.6) to (7.9).
+/// The example of the street, (7.6) to (7.9).
 fn street() -> Result<(), LotteryError> {
     let cross = Lottery::new(&[(0.2, 5.0), (0.8, -10.0)])?.expected_payoff();
     println!("\nTo cross the street has a utility of {cross} (7.6). To stay has by (7.9)");
@@ -47,7 +47,7 @@ fn street() -> Result<(), LotteryError> {
     Ok(())
 }
 
-/// (7.10), Fig. 7.1.
+/// The curves of (7.10), Fig. 7.1.
 fn curves() -> Result<(), LotteryError> {
     println!("\n30 for certain, as good as a fair coin for 100 or nothing (7.10):");
     println!("  curve        u(25)  u(50)  u(75)  the coin  attitude");
@@ -73,7 +73,7 @@ fn curves() -> Result<(), LotteryError> {
     Ok(())
 }
 
-/// (7.2), (7.3).
+/// The St Petersburg paradox, (7.2), (7.3).
 fn st_petersburg() {
     println!("\nThe St Petersburg game: its expected payoff is infinite (7.2). The highest fee by (7.3) is");
     for wealth in [2.0, 10.0, 100.0, 1000.0, 1e6] {
@@ -83,8 +83,8 @@ fn st_petersburg() {
     }
 }
 
-/// The utility of a consequence that somebody likes neither more nor less than a lottery of a better one, with
-/// `probability`, and else a worse one: (7.8). This is how a utility function is found by asking.
+/// The utility of a consequence that a person values as much as a lottery of a better one, with `probability`, and else
+/// a worse one: (7.8). This is how a utility function is found by asking.
 fn utility_of_equal(probability: f64, better: f64, worse: f64) -> f64 {
     probability * better + (1.0 - probability) * worse
 }
@@ -93,7 +93,7 @@ fn utility_of_equal(probability: f64, better: f64, worse: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Not to cross the street, (7.9), for somebody daring and for somebody careful.
+    /// The decision not to cross the street, (7.9), of a daring and of a careful person.
     #[test]
     fn the_daring_cross_the_street_and_the_careful_stay() {
         assert!((utility_of_equal(0.1, 5.0, -10.0) - -8.5).abs() < 1e-12);

@@ -1,12 +1,12 @@
 //! The St Petersburg paradox: (7.2), (7.3).
 //!
-//! A fair coin is tossed until it shows heads, after k tosses, and the player gets 2ᵏ. Each k adds 1 to the
-//! expected payoff, so that is infinite, and yet nobody pays much to play. To somebody who has W, Bernoulli says,
-//! an amount is worth its logarithm; then the game is worth a small fee.
+//! A fair coin is tossed until it shows heads, after k tosses, and the player gets 2ᵏ. Each k adds 1 to the expected
+//! payoff, so that is infinite, and yet people pay little to play. By Bernoulli, an amount is worth its logarithm to a
+//! person who has W; then the game is worth a small fee.
 
 use crate::curve::Curve;
 
-/// The subjective value P_s of playing for a fee r, of somebody who has W: (7.3). `None` unless W is positive and
+/// The subjective value P_s of playing for a fee r, of a person who has W: (7.3). `None` unless W is positive and
 /// something is left after the fee and the smallest prize, W − r + 2 > 0.
 pub(crate) fn subjective_payoff(wealth: f64, fee: f64) -> Option<f64> {
     let possible = wealth > 0.0 && wealth.is_finite() && wealth - fee + 2.0 > 0.0 && fee.is_finite();
@@ -33,7 +33,7 @@ pub(crate) fn highest_fee(wealth: f64) -> Option<f64> {
     }
 }
 
-/// So many terms of (7.3).
+/// The sum of this number of terms of (7.3).
 fn payoff(wealth: f64, fee: f64, terms: usize) -> f64 {
     let curve = Curve::Logarithmic { wealth };
     let (mut prize, mut probability, mut sum) = (1.0, 1.0, 0.0);

@@ -6,9 +6,9 @@ use baudbot_geometry::angle;
 /// The stimuli on both sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sides {
-    /// On the left.
+    /// The value on the left.
     pub left: f64,
-    /// On the right.
+    /// The value on the right.
     pub right: f64,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct Sense {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Receptor {
     sensor: usize,
-    /// To the left, if positive.
+    /// The receptor's distance to the left, if positive.
     aside: f64,
     felt: Option<Felt>,
 }
@@ -40,7 +40,7 @@ impl Sense {
         let sensors = body.sensors.iter().enumerate().filter(|(_, sensor)| sensor.kind == *kind);
         let receptors = sensors.map(|(sensor, described)| {
             let mount = described.mount.unwrap_or_default();
-            // The direction of a sensor says more about its side than its place does.
+            // The direction of a sensor is a better sign of its side than its place.
             let aside = if mount.heading_rad == 0.0 { mount.y_m } else { angle::wrap(mount.heading_rad) };
             Receptor { sensor, aside, felt: None }
         });
@@ -61,7 +61,7 @@ impl Sense {
         news
     }
 
-    /// Whether a sensor has had nothing to say for too long.
+    /// Whether a sensor has had no new reading for too long.
     pub(super) fn is_numb(&self, at_ns: u64) -> bool {
         let is_old = |felt: Felt| at_ns.saturating_sub(felt.at_ns) > STALE_NS;
         self.receptors.iter().any(|receptor| receptor.felt.is_none_or(is_old))
@@ -86,8 +86,8 @@ impl Sense {
     }
 }
 
-/// Light, from the counts of a photoresistor: few in bright light, and 0 where it was too dark to count. How it
-/// depends on the illuminance, the data sheet does not say; it only grows with it.
+/// Light, from the counts of a photoresistor: few in bright light, and 0 where it was too dark to count. How it depends
+/// on the illuminance, the data sheet does not state; it only grows with it.
 fn brightness(counts: f64) -> f64 {
     if counts > 0.0 { 1000.0 / counts } else { 0.0 }
 }

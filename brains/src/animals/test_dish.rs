@@ -19,8 +19,8 @@ impl Dish {
         Self { body, half_side_m, pose, signals: Signals::default(), at_ns: 0 }
     }
 
-    /// So many seconds in steps of 20 ms, in each of which all sensors have a new reading, of where they are and
-    /// look.
+    /// Runs for `seconds` in steps of 20 ms, in each of which all sensors have a new reading by their places and
+    /// directions.
     pub(super) fn run(&mut self, brain: &mut impl Brain, seconds: f64, read: impl Fn(&Pose, &Sensor) -> f64) {
         for _ in 0..(seconds / STEP_S) as u32 {
             let readings = self.body.sensors.iter().map(|sensor| {
@@ -48,7 +48,7 @@ impl Dish {
     }
 }
 
-/// As ARSim's robot with the signal 1.
+/// The speed of ARSim's robot with the signal 1.
 pub(super) const FULL_SPEED_M_S: f64 = 0.785;
 
 const STEP_S: f64 = 0.02;

@@ -1,4 +1,4 @@
-//! From an animal's motion to the wheels of a robot.
+//! The conversion of an animal's motion to the wheels of a robot.
 
 use baudbot_brain::{Action, Body, Signals, Turn};
 use baudbot_geometry::Twist;
@@ -9,13 +9,13 @@ use crate::throttle::CommandThrottle;
 /// The motion of an animal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Forwards, in m/s.
+    /// The speed forwards, in m/s.
     pub speed_m_s: f64,
-    /// To the left, in rad/s.
+    /// The rate of turning to the left, in rad/s.
     pub turn_rate_rad_s: f64,
 }
 
-/// The parameter that says how fast the robot is, of which the data sheet says nothing.
+/// The parameter for the robot's speed, which is not in its data sheet.
 pub(super) const fn full_speed<P>(field: fn(&mut P) -> &mut f64) -> Parameter<P> {
     let meaning = "speed of the robot with the signal 1, in m/s";
     Parameter { name: "full_speed_m_s", meaning, range: 0.01..=100.0, field }

@@ -10,8 +10,8 @@
 //! - **Stroll**: where all is clear, turn on the spot for a while now and then, at random, so that every
 //!   part of the room is visited.
 //!
-//! Whenever a sensor has had no new reading for too long (the cable is cut, or the run has just begun) the
-//! brain tells the motors to stand still.
+//! Whenever a sensor has had no new reading for too long (the cable is cut, or the run has just begun) the brain sends
+//! signals of 0.
 //!
 //! A robot runs into whatever no sensor sees: ARSim's own pair, at 45° to the left and right, looks past a box that
 //! stands straight ahead.
@@ -41,7 +41,7 @@ pub struct Avoid {
     /// New readings have come since the last decision.
     news: bool,
     decided_ns: u64,
-    /// It has said that it stands still, because it sees nothing.
+    /// The brain has sent that it stands still, because no sensor gives a reading.
     stands: bool,
     pace: Pace,
 }
@@ -50,9 +50,9 @@ pub struct Avoid {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Eye {
     sensor: usize,
-    /// To the left of the robot's heading, in radians.
+    /// The direction to the left of the robot's heading, in radians.
     bearing_rad: f64,
-    /// When its last new reading came.
+    /// The instant at which the sensor's last new reading came.
     seen_ns: Option<u64>,
     reading: f64,
 }
@@ -98,7 +98,7 @@ impl Avoid {
         }
     }
 
-    /// Whether any sensor has had nothing new to say for too long.
+    /// Whether any sensor has had no new reading for too long.
     fn is_blind(&self, at_ns: u64) -> bool {
         let stale_ns = (self.parameters.stale_s * 1e9) as u64;
         self.eyes.iter().any(|eye| eye.seen_ns.is_none_or(|seen_ns| at_ns.saturating_sub(seen_ns) > stale_ns))
@@ -167,7 +167,8 @@ impl Brain for Avoid {
 }
 
 impl Avoid {
-    /// When there is something to do though no news have come. That it has become blind is something else to be said.
+    /// The instant of the next step that is due without a new reading: a command may be sent, or the oldest reading
+    /// becomes stale.
     fn awake_ns(&self, at_ns: u64) -> u64 {
         let is_blind = self.is_blind(at_ns);
         let next_ns = self.pace.next_ns(at_ns, is_blind && !self.stands);

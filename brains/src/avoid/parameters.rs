@@ -38,8 +38,8 @@ pub struct Parameters {
     pub stroll_rate_hz: f64,
     /// The rate at which such turns end, per second of turning.
     pub stop_stroll_rate_hz: f64,
-    /// After so long without a new reading of a sensor it stands still, in seconds. In that time it goes 0.2 m
-    /// at most, and less than the 0.41 m at which it would have turned away.
+    /// The time without a new reading of a sensor after which the robot stands still, in seconds. In that time it goes
+    /// 0.2 m at most, and less than the 0.41 m at which it would have turned away.
     pub stale_s: f64,
 }
 

@@ -187,8 +187,8 @@ fn turns_at_9600_baud() -> impl Iterator<Item = (bool, u64)> {
     (0..500_u64).flat_map(|i| [(false, 20 * i * MS), (true, 20 * i * MS + 487_000)])
 }
 
-/// After a stall a brain says at the end of a tick that it stands still, and half a millisecond later, while that is on the
-/// cable, the next message comes.
+/// A brain reports at the end of a tick, after a stall, that it stands still, and half a millisecond later, while that
+/// is on the cable, the next message comes.
 #[test]
 fn after_a_stall_it_soon_answers_each_message_with_its_command_again() {
     for stall_ms in [1, 10, 33, 100, 110, 600, 1500] {

@@ -8,12 +8,12 @@ use crate::process::{MotorBehavior, StepContext};
 /// and speakers is not passed on.
 pub struct BrainBehavior<B> {
     brain: B,
-    /// Its last signals: it need not repeat them when it is activated again.
+    /// The last signals, which the brain need not repeat when it is activated again.
     signals: Option<Signals>,
 }
 
 impl<B> BrainBehavior<B> {
-    /// Of this brain.
+    /// A `BrainBehavior` of this brain.
     pub fn new(brain: B) -> Self {
         Self { brain, signals: None }
     }

@@ -15,7 +15,7 @@ use crate::senses::Source;
 pub struct Parameters {
     /// The charger's place, `[x, y]` in metres, in the frame of the believed pose.
     pub charger_m: [f64; 2],
-    /// It stands within this distance, in metres.
+    /// The robot stands within this distance, in metres.
     #[serde(default = "reached_m")]
     pub reached_m: f64,
     /// The reading that gives the charge of the battery, from 0 to 1: `SENSOR.PART`.
@@ -51,7 +51,7 @@ fn stay_gamma() -> f64 {
 /// A behaviour that charges the battery.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Charge {
-    /// In the repertoire.
+    /// The name in the repertoire.
     name: String,
     charger: Point,
     parameters: Parameters,
@@ -60,8 +60,8 @@ pub struct Charge {
 }
 
 impl Charge {
-    /// For a robot with this body, by the name that the behaviour has in the repertoire; an error if nothing says how full its
-    /// battery is.
+    /// A `Charge` for a robot with this body, by the name that the behaviour has in the repertoire; an error if no
+    /// sensor measures its battery.
     ///
     /// # Errors
     /// See [`ParameterError`].

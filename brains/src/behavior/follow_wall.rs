@@ -6,7 +6,7 @@ use serde::Deserialize;
 use crate::parameter::ParameterError;
 use crate::process::{MotorBehavior, StepContext};
 
-/// The side, the distance and the gain.
+/// The parameters: the side, the distance and the gain.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
@@ -20,7 +20,7 @@ pub struct Parameters {
     pub forward: f64,
     /// The difference of the signals for a reading that is off by 1.
     pub gain: f64,
-    /// They never differ by more than that.
+    /// The signals of the wheels never differ by more than this.
     pub limit: f64,
 }
 
@@ -28,10 +28,10 @@ pub struct Parameters {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
-    /// To the left of the heading.
+    /// The side to the left of the heading.
     #[default]
     Left,
-    /// To the right of it.
+    /// The side to the right of the heading.
     Right,
 }
 
@@ -50,7 +50,7 @@ pub struct FollowWall {
 }
 
 impl FollowWall {
-    /// For a robot with this body; an error if it has no such sensor.
+    /// A `FollowWall` for a robot with this body; an error if it has no such sensor.
     ///
     /// # Errors
     /// See [`ParameterError`].

@@ -9,7 +9,7 @@ use crate::navigation::Goals;
 use crate::parameter::ParameterError;
 use crate::process::{MotorBehavior, StepContext};
 
-/// The goal.
+/// The points of the tour and the steering.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
@@ -18,7 +18,7 @@ pub struct Parameters {
     /// A point is reached within this distance, in metres.
     #[serde(default = "reached_m")]
     pub reached_m: f64,
-    /// After the last point comes the first again.
+    /// The first point comes again after the last.
     #[serde(default)]
     pub again: bool,
     /// The gains and speeds of its steering.
@@ -38,10 +38,10 @@ pub struct GoTo {
 }
 
 impl GoTo {
-    /// At its start.
+    /// A `GoTo` at its start.
     ///
     /// # Errors
-    /// If the parameters make no sense.
+    /// If the parameters are invalid.
     pub fn new(parameters: &Parameters) -> Result<Self, ParameterError> {
         let Parameters { points_m, reached_m, again, steering } = parameters;
         steering.check()?;
@@ -62,7 +62,7 @@ impl GoTo {
 }
 
 impl MotorBehavior for GoTo {
-    /// It begins with the first point again if it had arrived; a tour that was interrupted goes on.
+    /// The tour begins with the first point again if the robot had arrived; one that was interrupted goes on.
     fn enter(&mut self, _: &mut StepContext<'_>) {
         self.goals.begin();
     }

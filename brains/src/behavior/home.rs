@@ -24,13 +24,13 @@ pub struct Parameters {
     pub meander_hz: f64,
     /// The reading that shows its home: `SENSOR.PART`. Without it it stops where the vector home ends.
     pub nest: Option<String>,
-    /// It is at home if it senses more than that.
+    /// The robot is at home if the sensor's reading is above this.
     pub nest_above: f64,
-    /// It searches once the vector home is shorter than this, in metres.
+    /// The search begins once the vector home is shorter than this, in metres.
     pub near_m: f64,
-    /// From one loop of the search to the next, in metres.
+    /// The distance from one loop of the search to the next, in metres.
     pub pitch_m: f64,
-    /// Its speed, in metres a second.
+    /// The robot's speed, in metres a second.
     pub speed_m_s: f64,
     /// The highest rate of turning, in radians a second.
     pub turn_rad_s: f64,
@@ -64,16 +64,16 @@ pub struct Home {
     nest: Option<Source>,
     half_track_m: f64,
     ant: Ant,
-    /// Its last pose.
+    /// The last pose.
     last: Option<Pose>,
     driven_m: f64,
 }
 
 impl Home {
-    /// For a robot with this body.
+    /// A `Home` for a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense.
+    /// If the parameters are invalid.
     pub fn new(parameters: Parameters, context: &BuildContext<'_>) -> Result<Self, ParameterError> {
         let p = &parameters;
         check(p)?;
@@ -92,7 +92,7 @@ impl Home {
         Ok(Self { parameters, nest, half_track_m, ant, last: None, driven_m: 0.0 })
     }
 
-    /// Its present activity.
+    /// The behaviour's present activity.
     pub fn phase(&self) -> Phase {
         self.ant.phase()
     }

@@ -48,16 +48,16 @@ pub struct Square {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     Side(u8),
-    /// At the end of this side.
+    /// The corner at the end of this side.
     Corner(u8),
     Arrived,
 }
 
 impl Square {
-    /// For a robot with this body.
+    /// A `Square` for a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense.
+    /// If the parameters are invalid.
     pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, ParameterError> {
         parameters.steering.check()?;
         check_positive([("side_m", parameters.side_m)])?;
@@ -146,7 +146,7 @@ const REACHED_M: f64 = 0.005;
 const LOOK_AHEAD_M: f64 = 0.3;
 /// A turn ends so far before its heading, in radians.
 const TURNED_RAD: f64 = 0.01;
-/// From here on it turns more slowly, in radians.
+/// The angle from which on the robot turns more slowly, in radians.
 const SLOW_RAD: f64 = 0.5;
 /// Part of its speed that is left at the end of a turn.
 const SLOWEST: f64 = 0.25;
@@ -156,7 +156,7 @@ mod tests {
     use super::*;
     use crate::test_body::body;
 
-    /// Drives round with wheels that do what they are told, and says where it is after each stage.
+    /// Drives round with wheels that obey commands, and returns where it is after each stage.
     fn corners(clockwise: bool, side_m: f64) -> Vec<Pose> {
         let body = body(&[]);
         let steering = Steering { full_speed_m_s: 1.0, ..Steering::default() };

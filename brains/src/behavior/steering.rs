@@ -1,4 +1,4 @@
-//! From where to go to wheel speeds: the P-regulation of Wahde 2016, Eqs. (6.4) to (6.7), with pure rotations.
+//! The way from a target to wheel speeds: the P-regulation of Wahde 2016, Eqs. (6.4) to (6.7), with pure rotations.
 
 use baudbot_brain::Signals;
 use baudbot_geometry::{Point, Pose, angle, math};
@@ -20,8 +20,8 @@ pub struct Steering {
     pub rotate_above_rad: f64,
     /// ... until it is off by less than that.
     pub rotate_until_rad: f64,
-    /// The speed of a wheel at a signal of 1, in metres a second. No data sheet says it; a robot that is faster or
-    /// slower than that drives faster or slower than it is told to, and goes the same way.
+    /// The speed of a wheel at a signal of 1, in metres a second. No data sheet states it; a robot that is faster or
+    /// slower than that drives faster or slower than it is commanded to, and goes the same way.
     pub full_speed_m_s: f64,
 }
 
@@ -116,7 +116,7 @@ pub(crate) fn braking(left_m: f64) -> f64 {
     (left_m / BRAKING_M).clamp(SLOWEST, 1.0)
 }
 
-/// From this distance on it slows down, in metres.
+/// The distance from which on the robot slows down, in metres.
 const BRAKING_M: f64 = 0.3;
 /// Part of its speed that is left at the end.
 const SLOWEST: f64 = 0.25;

@@ -40,7 +40,7 @@ pub struct Taxis {
 }
 
 impl Taxis {
-    /// For a robot with this body; an error if it has not these sensors.
+    /// A `Taxis` for a robot with this body; an error if it has not these sensors.
     ///
     /// # Errors
     /// See [`ParameterError`].

@@ -41,7 +41,8 @@ struct Eye {
 }
 
 impl TurnAway {
-    /// For a robot with this body; an error if it has nothing that sees how near something is on both sides.
+    /// A `TurnAway` for a robot with this body; an error if it has nothing that sees how near something is on both
+    /// sides.
     ///
     /// # Errors
     /// See [`ParameterError`].

@@ -31,7 +31,7 @@ pub fn brain(description: &str, seed: u64, body: &Body) -> Result<Box<dyn Brain 
 /// Whether there is a brain of this name, or a file. It may still not fit a given robot.
 ///
 /// # Errors
-/// As [`brain`] says it.
+/// See [`brain`].
 pub fn check(description: &str) -> Result<(), CatalogueError> {
     let (name, settings) = description.split_once(':').unwrap_or((description, ""));
     match Text::find(name)? {
@@ -40,10 +40,10 @@ pub fn check(description: &str) -> Result<(), CatalogueError> {
     }
 }
 
-/// When the brain that `description` describes writes, at most.
+/// The most frequent writing of the brain that `description` describes.
 ///
 /// # Errors
-/// As [`brain`] says it.
+/// See [`brain`].
 pub fn writes(description: &str) -> Result<Writes, CatalogueError> {
     let (name, settings) = description.split_once(':').unwrap_or((description, ""));
     match Text::find(name)? {

@@ -19,7 +19,7 @@ pub(super) struct Text {
 /// Kinds of processes that must know where each scan was taken.
 const PLACING: &[&str] = &["explore", "laser_localization", "particle_localization", "slam", "vfh"];
 
-/// Those that are part of the program.
+/// The repertoires that are part of the program.
 const BUILT_IN: &[(&str, &str)] = &[
     ("forager", include_str!("../../repertoires/forager.toml")),
     ("errands", include_str!("../../repertoires/errands.toml")),
@@ -31,7 +31,7 @@ const BUILT_IN: &[(&str, &str)] = &[
     ("wedge", include_str!("../../repertoires/wedge.toml")),
 ];
 
-/// Those that are part of the program.
+/// The repertoires that are part of the program.
 pub(super) fn entries() -> impl Iterator<Item = Entry> {
     BUILT_IN.iter().map(|&(name, toml)| {
         let description = Description::parse(toml);
@@ -58,7 +58,7 @@ impl Text {
         }
     }
 
-    /// With numbers set: `PATH=NUMBER,…`.
+    /// The description with numbers set: `PATH=NUMBER,…`.
     pub(super) fn read(&self, settings: &str) -> Result<Description, CatalogueError> {
         let settings = self.settings(settings)?;
         Description::with_settings(&self.toml, &settings).map_err(|error| self.error(error))
@@ -101,7 +101,7 @@ impl Text {
     }
 }
 
-/// The text of a file. What is not a plain file is refused: a pipe may have nobody at its other end.
+/// The text of a file. Anything but a plain file is refused: a pipe may have no writer.
 pub(crate) fn text_of(file: &Path) -> io::Result<String> {
     if fs::metadata(file)?.is_file() {
         fs::read_to_string(file)

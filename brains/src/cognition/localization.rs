@@ -32,7 +32,7 @@ pub struct Parameters {
     /// The search for a match.
     #[serde(default)]
     pub method: Method,
-    /// So many rays are matched at most.
+    /// The most rays that are matched.
     #[serde(default = "rays")]
     pub rays: usize,
     /// Poses that the notes' search tries at most: N.
@@ -46,9 +46,9 @@ pub struct Parameters {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// As in the notes: at random around the odometry's pose, Eq. (6.8).
+    /// The notes' search: at random around the odometry's pose, Eq. (6.8).
     Search,
-    /// By least squares on the rays, robustly.
+    /// A search by least squares on the rays, robustly.
     #[default]
     Refine,
 }
@@ -81,7 +81,7 @@ pub struct Localize {
 }
 
 impl Localize {
-    /// For a robot with this body; an error if it has no such laser.
+    /// A `Localize` for a robot with this body; an error if it has no such laser.
     ///
     /// # Errors
     /// See [`ParameterError`].
@@ -181,7 +181,7 @@ impl CognitiveProcess for Localize {
     }
 }
 
-/// After so long a wait for a scan the process reports it, in nanoseconds.
+/// The wait for a scan after which the process reports it, in nanoseconds.
 const OVERDUE_NS: u64 = 2_000_000_000;
 /// So long a robot takes to stand still, in nanoseconds.
 const SETTLE_NS: u64 = 500_000_000;

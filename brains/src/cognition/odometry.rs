@@ -15,7 +15,7 @@ pub struct Parameters {
     /// Name of a sensor of kind `encoders` or `odometer`.
     pub sensor: String,
     /// The pose at the start, `[x in m, y in m, heading in rad]`. Without it encoders start at the origin, and an
-    /// odometer where it says.
+    /// odometer at its own pose.
     pub start: Option<[f64; 3]>,
     /// Variance of the error of a wheel's way, in square metres for each metre that it goes.
     pub variance_m2_per_m: f64,
@@ -46,7 +46,7 @@ pub struct CountWheels {
 }
 
 impl CountWheels {
-    /// For a robot with this body; an error if it has no such sensor.
+    /// A `CountWheels` for a robot with this body; an error if it has no such sensor.
     ///
     /// # Errors
     /// See [`ParameterError`].

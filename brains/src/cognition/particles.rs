@@ -1,8 +1,9 @@
-//! [Particles](crate::localization::particles) as a cognitive process: where the robot may be, by a map and its scans. As soon as
-//! that is one place, odometry is corrected for the instant of the scan, with all that came after.
+//! [Particles](crate::localization::particles) as a cognitive process: the places where the robot may be, by a map and
+//! its scans. As soon as that is one place, odometry is corrected for the instant of the scan, with all that came
+//! after.
 //!
-//! It needs a process of kind `odometry`. With `everywhere` nobody needs to say where the robot begins; it must move to find
-//! out. Scans count only after some motion: of a robot that stands the same scan would be counted again and again.
+//! It needs a process of kind `odometry`. With `everywhere` the start need not be known; it must move to find out.
+//! Scans count only after some motion: of a robot that stands the same scan would be counted again and again.
 
 use baudbot_geometry::Pose;
 use serde::Deserialize;
@@ -29,13 +30,13 @@ pub struct Parameters {
     /// Name of the laser.
     #[serde(default = "laser_name")]
     pub laser: String,
-    /// So many particles there are.
+    /// The number of particles.
     #[serde(default = "count")]
     pub particles: usize,
-    /// So many beams of a scan are held against the map, about.
+    /// The number of beams of a scan that are compared with the map, about.
     #[serde(default = "beams")]
     pub beams: usize,
-    /// They begin anywhere in the map, and not where odometry does.
+    /// The particles begin anywhere in the map, and not at the pose of odometry.
     #[serde(default)]
     pub everywhere: bool,
     /// Odometry is corrected when they are spread no more than this, as a standard deviation in metres.
@@ -73,17 +74,17 @@ pub struct Disperse {
     scanner: Scanner,
     chance: Chance,
     particles: Option<Particles>,
-    /// It has known where the robot is.
+    /// The robot's pose has been known.
     has_found: bool,
-    /// When the last scan was taken, and how the robot has moved from the last one that counted.
+    /// The instant of the last scan, and the robot's motion since the last one that counted.
     last: Option<(u64, Pose)>,
 }
 
 impl Disperse {
-    /// For a robot with this body.
+    /// A `Disperse` for a robot with this body.
     ///
     /// # Errors
-    /// If a parameter makes no sense, or the robot has no such laser.
+    /// If a parameter is invalid, or the robot has no such laser.
     pub fn new(parameters: Parameters, context: &BuildContext<'_>) -> Result<Self, ParameterError> {
         check_positive([("sure_m", parameters.sure_m), ("every_m", parameters.every_m)])?;
         if !(1..=100_000).contains(&parameters.particles) {
@@ -138,7 +139,7 @@ impl Disperse {
                 particles.advance(&moved);
                 particles
             }
-            // There was no scan for so long that nobody knows how the robot has moved.
+            // The last scan is so old that the robot's motion since then is unknown.
             _ => self.disperse(&now),
         };
         let particles = self.particles.insert(particles);
@@ -153,7 +154,7 @@ impl Disperse {
     }
 }
 
-/// The fraction of a scan's beams that end where the map says that they should from this pose.
+/// The fraction of a scan's beams that end at the distance in the map from this pose.
 fn fit(map: &Map, scan: &Scan, world_from_robot: &Pose) -> f64 {
     let laser = VirtualLaser::like(scan);
     let mut virtual_m = vec![0.0; laser.rays()];
@@ -177,7 +178,7 @@ impl CognitiveProcess for Disperse {
         }
     }
 
-    /// It does not know of anything that happened meanwhile.
+    /// Events while the process was inactive are unknown to it.
     fn enter(&mut self, _: &mut StepContext<'_>) {
         self.scanner.forget();
         self.last = None;

@@ -1,7 +1,7 @@
 //! *Proximity detection* as a cognitive process (Section 6.1): whether something is close ahead that the laser may look over.
 //! Other processes find that among the brain's beliefs; and a behaviour that is named gets a large Γ as long as it is so.
 //!
-//! *Deviation*: the notes assume such a process, and only say that its sensors should be mounted at another height than the
+//! *Deviation*: the notes assume such a process, and state only that its sensors should be mounted at another height than the
 //! laser.
 
 use baudbot_brain::Body;
@@ -45,10 +45,10 @@ pub struct DetectProximity {
 }
 
 impl DetectProximity {
-    /// For a robot with this body.
+    /// A `DetectProximity` for a robot with this body.
     ///
     /// # Errors
-    /// If a parameter makes no sense, or no infra-red sensor or sonar looks ahead.
+    /// If a parameter is invalid, or no infra-red sensor or sonar looks ahead.
     pub fn new(parameters: Parameters, context: &BuildContext<'_>) -> Result<Self, ParameterError> {
         let Parameters { near_m, near_reading, raise, gamma } = parameters;
         let near_m = near_m.unwrap_or_else(|| proximity_sensors::near_m(context.body.radius_m));

@@ -22,7 +22,7 @@ pub struct Parameters {
     /// Side of the grid's cells, in metres.
     #[serde(default = "cell_m")]
     pub cell_m: f64,
-    /// So many rays are matched, about.
+    /// The number of rays that are matched, about.
     #[serde(default = "rays")]
     pub rays: usize,
 }
@@ -45,11 +45,11 @@ pub struct MakeMap {
     slam: Slam,
 }
 
-/// With fewer rays a scan says too little.
+/// A scan with fewer rays does not determine a pose.
 const LEAST_RAYS: usize = 20;
 
 impl MakeMap {
-    /// For a robot with this body; an error if it has no such laser.
+    /// A `MakeMap` for a robot with this body; an error if it has no such laser.
     ///
     /// # Errors
     /// See [`ParameterError`].

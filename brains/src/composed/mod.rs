@@ -33,21 +33,21 @@ pub struct Composed {
 
 /// A motor behaviour of a repertoire.
 pub struct Motor {
-    /// Its name in the repertoire.
+    /// The behaviour's name in the repertoire.
     pub name: String,
     /// The behaviour itself.
     pub behavior: Box<dyn MotorBehavior>,
-    /// By which it is chosen, where utilities decide.
+    /// The utility by which it is chosen, where utilities decide.
     pub utility: Utility,
 }
 
 /// A cognitive process of a repertoire.
 pub struct Cognitive {
-    /// Its name in the repertoire.
+    /// The process's name in the repertoire.
     pub name: String,
     /// The process itself.
     pub process: Box<dyn CognitiveProcess>,
-    /// By which it is active, where utilities decide. Otherwise it always is.
+    /// The utility by which it is active, where utilities decide. Otherwise it always is.
     pub utility: Utility,
     /// Whether it is active.
     pub active: bool,
@@ -56,13 +56,13 @@ pub struct Cognitive {
 /// The choice of the active behaviour.
 #[derive(Clone, Debug)]
 pub enum Decision {
-    /// By the greatest utility.
+    /// The behaviour of the greatest utility is active.
     Utility,
-    /// By a finite-state machine.
+    /// A finite-state machine chooses.
     Machine(Machine),
-    /// By layers.
+    /// Layers choose: the highest one all of whose conditions hold.
     Layers(Layers),
-    /// By a behaviour tree.
+    /// A behaviour tree chooses.
     Tree(Tree),
 }
 
@@ -129,7 +129,7 @@ impl Composed {
         }
     }
 
-    /// Leaves and enters.
+    /// Leaves the active behaviours and processes that are no longer chosen, and enters the chosen ones.
     fn activate(&mut self, chosen: usize, turn: &Turn, dt_s: f64, state: &[f64]) {
         let by_utility = matches!(self.decision, Decision::Utility);
         let (beliefs, gammas) = (&mut self.beliefs, &mut self.gammas);
@@ -227,7 +227,7 @@ impl Brain for Composed {
     }
 }
 
-/// Nobody needs to see more points of a way.
+/// More points of a path make no visible difference.
 const SHOWN_POINTS: usize = 1000;
 
 #[cfg(test)]

@@ -16,8 +16,8 @@ fn going() -> Composed {
     Description::parse(toml).unwrap().brain(1, &robot(), &Registry::standard()).unwrap()
 }
 
-/// Its stated intention, and the signal of the left wheel if it sends one, in a turn with a reading of this age, or
-/// with none.
+/// The brain's stated intention, and the signal of the left wheel if it sends one, in a turn with a reading of this
+/// age, or with none.
 fn step(brain: &mut Composed, at_ms: u64, age_ms: Option<u64>) -> (String, Option<f64>) {
     let mut turn = turn(&robot(), at_ms * MS, &[age_ms.map(|_| &[0.0; 3][..])]);
     if let (Some(age_ms), Some(reading)) = (age_ms, &mut turn.readings[0]) {

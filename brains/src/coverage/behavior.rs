@@ -22,7 +22,7 @@ use crate::process::{MotorBehavior, StepContext};
 pub struct Parameters {
     /// Walls of the map, `[x, y, x, y]` in metres, in the frame of the believed pose.
     pub walls_m: Vec<[f64; 4]>,
-    /// From one row to the next, in metres; without it one and a half times the body's radius.
+    /// The distance from one row to the next, in metres; without it one and a half times the body's radius.
     pub row_m: Option<f64>,
     /// Room that is kept between the body and each wall, in metres. By default a quarter of its radius.
     pub clearance_m: Option<f64>,
@@ -31,10 +31,10 @@ pub struct Parameters {
     /// The distance on a row at which it aims, in metres.
     #[serde(default = "look_ahead_m")]
     pub look_ahead_m: f64,
-    /// It turns at the end of a row within this distance, in metres.
+    /// The robot turns at the end of a row within this distance, in metres.
     #[serde(default = "reached_m")]
     pub reached_m: f64,
-    /// It finds its way back to its row if it is farther from it than this, in metres.
+    /// The robot plans a path back to its row if it is farther from it than this, in metres.
     #[serde(default = "stray_m")]
     pub stray_m: f64,
     /// The gains and speeds of its steering.
@@ -59,19 +59,20 @@ fn stray_m() -> f64 {
 pub struct CoverRows {
     floor: Floor,
     parts: Parts,
-    /// Those of the whole map, with rows along each axis.
+    /// The regions of the whole map, with rows along each axis.
     regions: [(Rows, Vec<Region>); 2],
     rows: Rows,
     /// Cells from one row to the next.
     apart: usize,
-    /// Those that are left; `None` before it is known where the robot is, and so what it can reach.
+    /// The regions that are left; `None` before the robot's pose is known, and with it the part of the floor that it
+    /// can reach.
     left: Option<Vec<Region>>,
     /// Straight pieces of the path that is left in this region.
     wheels: VecDeque<Path>,
     pursuit: Option<Pursuit>,
     /// The path to the next region that is being planned.
     passage: Option<Passage>,
-    /// It has strayed, or was interrupted: from where it finds back, to the rest of its leg.
+    /// The start of the way back and the rest of the leg, after the robot has strayed or was interrupted.
     back: Option<(Point, Vec<Point>)>,
     search: ThetaStar,
     helm: Helm,
@@ -82,10 +83,10 @@ pub struct CoverRows {
 }
 
 impl CoverRows {
-    /// For a robot with this body.
+    /// A `CoverRows` for a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense.
+    /// If the parameters are invalid.
     pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, ParameterError> {
         let p = parameters;
         p.steering.check()?;
@@ -176,7 +177,7 @@ impl CoverRows {
         Poll::Ready(())
     }
 
-    /// It is to find back to its leg.
+    /// The robot plans a path back to its leg.
     fn lose(&mut self, here: Point) {
         let rest: Vec<_> = self.pursuit.iter().flat_map(Pursuit::rest).collect();
         self.back = (!rest.is_empty()).then_some((here, rest));
@@ -214,7 +215,8 @@ impl CoverRows {
 }
 
 impl MotorBehavior for CoverRows {
-    /// It finds its way back to where it was interrupted. The path to a region that it was planning began elsewhere.
+    /// The robot goes back to the place of the interruption. The path to a region that was being planned began
+    /// elsewhere.
     fn enter(&mut self, context: &mut StepContext<'_>) {
         self.passage = None;
         if let Some(estimate) = context.beliefs.pose {
@@ -226,7 +228,7 @@ impl MotorBehavior for CoverRows {
         let world_from_robot = context.beliefs.pose?.world_from_robot;
         let place = self.floor.nearest_free(world_from_robot.position);
         if !self.floor.is_free(place) {
-            // It may believe to be elsewhere soon, and then goes on where it was.
+            // The believed pose may change soon; then the robot goes on at its row.
             context.beliefs.intention = "is not on its map".to_owned();
             return Some(Signals::default());
         }
@@ -256,7 +258,7 @@ impl MotorBehavior for CoverRows {
 
 /// Part of a cell by which a distance may fall short of a whole number of cells and still count as that.
 const ROUNDING: f64 = 1e-9;
-/// At a bend of more than this, in radians, it turns on the spot.
+/// The bend above which the robot turns on the spot, in radians.
 const BEND_RAD: f64 = 0.6;
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ pub(super) struct Passage {
 struct Entry {
     straight_m: f64,
     region: usize,
-    /// Its rows from there on; of each first the near end.
+    /// The rows from there on; of each first the near end.
     rows: Vec<[Point; 2]>,
 }
 
@@ -45,7 +45,7 @@ struct Best {
 }
 
 impl Passage {
-    /// From this place to one of these regions.
+    /// A `Passage` from this place to one of these regions.
     pub(super) fn new(floor: &Floor, regions: &[Region], rows: Rows, rows_apart: usize, from: Point) -> Self {
         let points = |row: [Cell; 2]| row.map(|cell| floor.grid().center(cell));
         let of_region = |(region, each): (usize, &Region)| {

@@ -56,7 +56,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Those of this grid.
+    /// The `Parts` of this grid.
     pub fn new(grid: &Grid) -> Self {
         let rows = stretches(grid, Rows::AlongX);
         let mut joined = Joined::default();
@@ -70,7 +70,7 @@ impl Parts {
         Self { rows: rows.into_iter().map(with_part).collect() }
     }
 
-    /// To which part a cell of the grid belongs; a blocked one to none.
+    /// The part of a cell of the grid; a blocked one has none.
     pub fn of(&self, cell: Cell) -> Option<u32> {
         let (row, place) = (usize::try_from(cell.row).ok()?, usize::try_from(cell.column).ok()?);
         let mut stretches = self.rows.get(row)?.iter();
@@ -132,7 +132,7 @@ pub fn regions(grid: &Grid, rows: Rows, jump: usize) -> Vec<Region> {
     for (line, stretches) in stretches(grid, rows).into_iter().enumerate() {
         let before: Vec<_> =
             stretches.iter().map(|&stretch| before(&open, &stretches, stretch, jump)).collect();
-        // At most one stretch goes on with a region.
+        // At most one stretch continues a region.
         let mut old: Vec<_> = open.into_iter().map(Some).collect();
         open = Vec::with_capacity(stretches.len());
         for (&stretch, before) in stretches.iter().zip(before) {
@@ -185,7 +185,7 @@ fn stretches(grid: &Grid, rows: Rows) -> Vec<Vec<Stretch>> {
     }
 }
 
-/// Those of a row.
+/// The stretches of a row.
 fn along(blocked: &[bool]) -> Vec<Stretch> {
     let (mut found, mut at) = (Vec::new(), 0);
     let next = |from: usize, what: bool| blocked[from..].iter().position(|&blocked| blocked == what);
@@ -197,7 +197,7 @@ fn along(blocked: &[bool]) -> Vec<Stretch> {
     found
 }
 
-/// Those of each column, from the rows.
+/// The cells of each column, from the rows.
 fn across<'a>(rows: impl Iterator<Item = &'a [bool]>, columns: usize) -> Vec<Vec<Stretch>> {
     let mut found: Vec<Vec<Stretch>> = vec![Vec::new(); columns];
     let before_all = vec![true; columns];
@@ -216,7 +216,7 @@ fn across<'a>(rows: impl Iterator<Item = &'a [bool]>, columns: usize) -> Vec<Vec
     found
 }
 
-/// At this place a column becomes blocked, or free.
+/// Notes that a column becomes blocked, or free, at this place.
 fn turn(stretches: &mut Vec<Stretch>, place: usize, is_blocked: bool) {
     match stretches.last_mut() {
         Some((_, last)) if is_blocked => *last = place - 1,
@@ -233,7 +233,7 @@ mod tests {
         Grid::from_text(text).unwrap().grid
     }
 
-    /// Of each region its first line and how many lines it has.
+    /// The first line of each region, and the number of its lines.
     fn lines(text: &str, jump: usize) -> Vec<(usize, usize)> {
         let found = regions(&grid(text), Rows::AlongX, jump);
         found.iter().map(|region| (region.first_line, region.stretches.len())).collect()

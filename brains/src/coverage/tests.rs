@@ -1,4 +1,4 @@
-//! A robot whose wheels do at once what they are told, and which knows where it is.
+//! A robot whose wheels obey commands at once, and which knows where it is.
 
 use super::*;
 use crate::estimate::Estimate;
@@ -112,7 +112,7 @@ fn who_is_on_no_floor_waits_until_it_is_and_who_is_close_to_a_wall_begins_there(
     assert!(intention.ends_with(" regions left") && !close.has_covered(), "{intention}");
 }
 
-/// With small cells a plan takes many steps. It stands meanwhile, and may be interrupted.
+/// A plan with small cells takes many steps. The robot stands meanwhile, and may be interrupted.
 #[test]
 fn who_plans_for_many_steps_stands_and_has_not_covered_all() {
     let (body, mut cover) = (body(&[]), made("cell_m = 0.005\nrow_m = 1.0").unwrap());

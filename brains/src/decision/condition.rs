@@ -5,7 +5,7 @@ use thiserror::Error;
 /// A state variable that is compared with a number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
-    /// By its place.
+    /// The variable's place.
     variable: usize,
     comparison: Comparison,
     number: f64,
@@ -22,7 +22,7 @@ enum Comparison {
 /// A reason why a text is no condition.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ConditionError {
-    /// It is not a name, a comparison and a number.
+    /// The text is not a name, a comparison and a number.
     #[error("`{text}` is not a condition such as `{known} > 0.5`")]
     Form {
         /// The text given.
@@ -35,16 +35,16 @@ pub enum ConditionError {
     Variable {
         /// The name given.
         name: String,
-        /// Those that there are.
+        /// The variables that exist.
         known: Vec<String>,
     },
-    /// It does not compare.
+    /// The text has no comparison.
     #[error("`{found}` is not a comparison; there are: <, <=, >, >=")]
     Comparison {
         /// The text in that place.
         found: String,
     },
-    /// It compares with no number.
+    /// The right side of the comparison is not a number.
     #[error("`{found}` is not a number")]
     Number {
         /// The text in that place.
@@ -53,7 +53,7 @@ pub enum ConditionError {
 }
 
 impl Condition {
-    /// From a text: `VARIABLE < NUMBER`, or with `<=`, `>` or `>=`. `variables` are their names, in order.
+    /// The condition of a text: `VARIABLE < NUMBER`, or with `<=`, `>` or `>=`. `variables` are their names, in order.
     ///
     /// # Errors
     /// What is wrong with it.
@@ -79,7 +79,7 @@ impl Condition {
         Ok(Self { variable, comparison, number })
     }
 
-    /// Whether it holds.
+    /// Whether the condition holds for these state variables.
     pub fn holds(&self, state: &[f64]) -> bool {
         let Some(value) = state.get(self.variable) else { return false };
         match self.comparison {

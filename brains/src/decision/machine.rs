@@ -12,9 +12,9 @@ pub struct Machine {
 /// A way from a behaviour to another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transition {
-    /// From which; `None`: from each.
+    /// The state that the transition leaves; `None`: any state.
     pub from: Option<usize>,
-    /// To which.
+    /// The state that the transition enters.
     pub to: usize,
     /// All of these must hold.
     pub when: Vec<Condition>,
@@ -26,7 +26,7 @@ impl Machine {
         Self { active: start, transitions }
     }
 
-    /// One transition at most: the first whose conditions hold. Says which behaviour is active then.
+    /// One transition at most: the first whose conditions hold. Returns which behaviour is active then.
     pub fn step(&mut self, state: &[f64]) -> usize {
         let possible = self.transitions.iter().find(|transition| {
             transition.from.is_none_or(|from| from == self.active)

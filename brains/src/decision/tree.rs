@@ -42,7 +42,7 @@ impl Tree {
         Self { tree: BT::new(root.behavior(), ()), active: start }
     }
 
-    /// Goes through the tree. Says which behaviour is active then: if none was reached, that of before.
+    /// Goes through the tree. Returns which behaviour is active then: if none was reached, that of before.
     pub fn step(&mut self, state: &[f64]) -> usize {
         let event: Event = UpdateArgs::zero_dt().into();
         let mut active = self.active;

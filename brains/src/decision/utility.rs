@@ -79,7 +79,7 @@ impl Utility {
         let part_s = dt_s / parts;
         for _ in 0..parts as u32 {
             let target = self.function.target(state, self.gamma);
-            // Of a reading that is no number nothing follows.
+            // A reading that is no number changes nothing.
             let target = if target.is_finite() { target } else { self.value };
             // After a pause of minutes even the parts are too long; then it is simply where it tends to.
             self.value += (target - self.value) * (part_s / self.function.tau_s).min(1.0);

@@ -1,4 +1,4 @@
-//! From a description to a brain for a robot.
+//! The construction of a brain for a robot from its description.
 
 use baudbot_brain::Body;
 

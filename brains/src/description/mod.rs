@@ -88,7 +88,7 @@ impl Description {
         Ok(Self { raw })
     }
 
-    /// Its own description.
+    /// The summary in the description.
     pub fn summary(&self) -> &str {
         &self.raw.description
     }
@@ -98,7 +98,7 @@ impl Description {
         self.raw.motor.values().chain(self.raw.cognitive.values()).map(|process| process.kind.as_str())
     }
 
-    /// When it writes, at most. A policy answers whatever comes, though the cable may still be taken.
+    /// The most frequent writing. A policy answers each message, though the cable may still be taken.
     pub fn writes(&self) -> Writes {
         if self.raw.policy.is_some() { Writes::EveryTick } else { Writes::WhenFree }
     }

@@ -11,7 +11,7 @@ use crate::policy::{Policy, input_names};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawPolicy {
-    /// Of its format; files of before there was one do not say.
+    /// The version of the format; absent in files from before there was one.
     version: Option<u32>,
     layers: Vec<Vec<Vec<f64>>>,
     offset: Option<Vec<f64>>,
@@ -19,7 +19,7 @@ pub(super) struct RawPolicy {
     #[serde(default)]
     ages: bool,
     max_age_s: Option<f64>,
-    /// Those of the robot that it was learnt on; files of earlier versions do not say.
+    /// The sensors of the robot that the policy was learnt on; absent in files of earlier versions.
     sensors: Option<Vec<RawSensor>>,
 }
 
@@ -32,7 +32,7 @@ struct RawSensor {
     values: usize,
 }
 
-/// Of the format.
+/// The version of the format.
 const VERSION: u32 = 1;
 
 impl RawPolicy {
@@ -137,5 +137,5 @@ fn problem(field: &str, problem: impl Into<String>) -> DescriptionError {
 /// Ages above it are given as it, unless the description has another, in seconds. That of environments.
 const MAX_AGE_S: f64 = 1.0;
 
-/// So many inputs are named in an error: a laser has hundreds.
+/// The most inputs that an error names: a laser has hundreds.
 const SHOWN: usize = 32;

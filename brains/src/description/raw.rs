@@ -151,7 +151,7 @@ impl Raw {
 }
 
 impl RawProcess {
-    /// Its utility, or one of this bias if the description has none.
+    /// The utility of the process, or one of this bias if the description has none.
     pub(super) fn utility(&self, bias: f64) -> RawUtility {
         self.utility.clone().unwrap_or_else(|| RawUtility { bias, ..RawUtility::default() })
     }
@@ -212,5 +212,5 @@ impl RawUtility {
     }
 }
 
-/// Of so many a brain may say how useful it finds them.
+/// The limit of processes for which a brain publishes utilities.
 const MOST_PROCESSES: usize = 256;

@@ -84,7 +84,7 @@ root = { select = [{ sequence = ["near > 0.2", "turn"] }, "stroll"] }"#;
     }
 }
 
-/// Turns on the spot; an own behaviour of somebody who uses this crate.
+/// A behaviour of a user of this crate, which turns on the spot.
 struct Spin(f64);
 
 #[derive(Deserialize)]

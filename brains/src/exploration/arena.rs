@@ -1,4 +1,4 @@
-//! Arenas for tests, and a robot in them that moves as it is told: a disc with a laser, without mass or delay.
+//! Arenas for tests, and a robot in them that obeys its commands at once: a disc with a laser, without mass or delay.
 
 use std::f64::consts::PI;
 
@@ -93,7 +93,7 @@ impl Arena {
         poses
     }
 
-    /// Between the walls, and in no box.
+    /// Whether a point is between the walls, and in no box.
     fn is_floor(&self, point: Point) -> bool {
         !self.boxes.iter().chain(&self.low).any(|points| polygon::contains(points, point))
     }

@@ -10,7 +10,7 @@ use crate::mapping::{PlacedScan, View};
 /// The state of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// Nobody was there yet.
+    /// The robot was not there yet.
     Pending,
     /// The robot was there.
     Completed,
@@ -21,11 +21,11 @@ pub enum Status {
 /// A node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
-    /// Its place, in metres in the world.
+    /// The node's place, in metres in the world.
     pub place: Point,
-    /// Its state.
+    /// The node's state.
     pub status: Status,
-    /// It was not placed: the robot has come there otherwise.
+    /// The node was not placed by a scan: the robot has come there otherwise.
     is_passed: bool,
     /// The last scan from there.
     scan: Option<PlacedScan>,
@@ -51,7 +51,7 @@ pub struct Graph {
 
 /// The shortest paths between one node, the root, and all others, in one direction.
 pub(super) struct Paths {
-    /// For each node the length in metres, and its neighbour on the way; infinite if there is no path.
+    /// The length in metres to each node, and its neighbour on the way; infinite if there is no path.
     reached: Vec<(f64, usize)>,
 }
 
@@ -140,8 +140,8 @@ impl Graph {
         self.search(root, |near, far| (near, far))
     }
 
-    /// Dijkstra's algorithm, simply, as there are few nodes. `path` says in which direction a way is gone between two
-    /// nodes, of which the first is nearer to the root.
+    /// Dijkstra's algorithm, simply, as there are few nodes. `path` gives the direction of a way between two nodes, of
+    /// which the first is nearer to the root.
     fn search(&self, root: usize, path: impl Fn(usize, usize) -> (usize, usize)) -> Paths {
         let mut reached = vec![(f64::INFINITY, root); self.nodes.len()];
         let mut open: Vec<usize> = (0..self.nodes.len()).collect();

@@ -105,7 +105,7 @@ impl Rest<'_> {
         math::hypot(wide(|cell| cell.column), wide(|cell| cell.row)) >= 2.0 * self.half_width_m
     }
 
-    /// For each cell whether a robot is on it that is at one of these.
+    /// Whether each cell is under a robot at one of these places.
     fn covered(&self, reached: &[Cell]) -> Vec<bool> {
         let [columns, rows] = self.grid.size();
         let mut covered = vec![false; columns * rows];

@@ -6,15 +6,15 @@
 //! | [`Nodes`] | nodes that it has placed about a metre around each other | Wahde 2016, §6.1 |
 //! | [`Frontiers`] | the nearest place from which something unknown can be seen | Yamauchi 1997 |
 //!
-//! An [`Explorer`] is a state machine without a body: it is told where the robot is believed to be and what it has
-//! seen, and says where to turn or to drive. As in the notes, the pose is taken as true. [`Explore`] gives it a body and a
-//! pose, and [`behavior`] makes it one of many in a brain whose other processes know the pose.
+//! An [`Explorer`] is a state machine without a body: it gets the believed pose and the scans, and returns where to
+//! turn or to drive. As in the notes, the pose is taken as true. [`Explore`] gives it a body and a pose, and
+//! [`behavior`] makes it one of many in a brain whose other processes know the pose.
 //!
 //! For proximity a robot uses its laser and whatever infra-red sensors and sonars look ahead; they should be mounted lower than
 //! the laser. Something counts as near, too, if the robot ought to drive and has not moved for two seconds.
 //!
-//! All lengths follow the body's radius, but for those of which somebody says otherwise. Progress is watched: a goal that is not
-//! reached in some times its way is given up, and who has not got on for most of a minute ends; both name what they leave out. The
+//! All lengths follow the body's radius, but for those that are set. Progress is watched: a goal that is not reached in
+//! some times its way is given up, and who has not got on for most of a minute ends; both name what they leave out. The
 //! robot stands while something walks in front of it.
 
 mod approach;
@@ -49,7 +49,7 @@ pub use nodes::Nodes;
 pub struct Input<'a> {
     /// The believed pose.
     pub world_from_robot: Pose,
-    /// Its laser's last scan; `None` until there is one.
+    /// The laser's last scan; `None` until there is one.
     pub scan: Option<&'a PlacedScan>,
     /// Something is close ahead, the notes' proximity detection. It should see what is too low for the laser.
     pub near: bool,
@@ -102,15 +102,15 @@ pub trait Explorer {
     /// Since the last step something else may have driven the robot.
     fn interrupt(&mut self);
 
-    /// Its present goal, from here.
+    /// The explorer's present goal, from here.
     fn goal(&self, here: &Pose) -> Option<Goal>;
 
-    /// It does not get to its goal: it leaves that out.
+    /// The robot does not get to its goal, which is then left out.
     fn abandon(&mut self);
 
-    /// It does not get on at all: it ends, and leaves out all that is still to be seen.
+    /// The robot makes no progress at all: exploration ends, and all that is still to be seen is left out.
     fn finish(&mut self, here: &Pose);
 
-    /// Its map of the floor.
+    /// The explorer's map of the floor.
     fn grid(&self) -> &Occupancy;
 }

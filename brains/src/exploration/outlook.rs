@@ -1,11 +1,11 @@
-//! From where something can be seen that is still dark.
+//! The places from which something can be seen that is still dark.
 
 use std::collections::BTreeSet;
 
 use crate::mapping::frontier::Dark;
 use crate::mapping::{Cell, Occupancy};
 
-/// For each cell of a grid the nearest dark one that can be seen from there, of those that are looked for.
+/// The nearest dark cell that can be seen from each cell of a grid, of those that are looked for.
 pub(super) struct Outlook<'a> {
     grid: &'a Occupancy,
     wanted: Vec<Cell>,
@@ -14,7 +14,7 @@ pub(super) struct Outlook<'a> {
 }
 
 impl<'a> Outlook<'a> {
-    /// From where these cells can be seen within so many metres.
+    /// An `Outlook` over the places from which these cells can be seen within so many metres.
     pub(super) fn new(grid: &'a Occupancy, dark: &Dark<'_>, wanted: Vec<Cell>, view_m: f64) -> Self {
         let [columns, rows] = grid.size();
         let mut seen: Vec<Option<u32>> = vec![None; columns * rows];

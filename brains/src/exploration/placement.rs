@@ -111,8 +111,7 @@ mod tests {
     const PLACEMENT: Placement =
         Placement { distance_m: 1.0, margin_m: 0.4, width_rad: 0.6, separation_m: 0.75 };
 
-    /// Half a turn with a ray each degree, which runs as far as `distance_m` says of its angle in degrees, from the
-    /// right.
+    /// Half a turn with a ray each degree, whose length is `distance_m` of its angle in degrees, from the right.
     fn scan(distance_m: impl Fn(usize) -> f64) -> PlacedScan {
         scan_of((0..=180).map(distance_m).collect())
     }
@@ -141,7 +140,7 @@ mod tests {
         let nodes = intervals.iter().map(|interval| PLACEMENT.directions(interval).len());
         assert_eq!(nodes.collect::<Vec<_>>(), [1, 2]);
         let places = PLACEMENT.places(&figure());
-        // Its middle is 40 degrees from the right, and the robot looks up.
+        // The middle of the interval is 40 degrees from the right, and the robot's heading is along y.
         let angle = 40_f64.to_radians();
         assert!(
             (places[0] - Point::new(2.0 + angle.cos(), 3.0 + angle.sin())).norm() < 1e-9,

@@ -8,8 +8,8 @@ use baudbot_geometry::{Point, Pose};
 use crate::mapping::disc::Disc;
 use crate::mapping::{Occupancy, PlacedScan};
 
-/// The greatest speed at which a robot stops before somebody who walks ahead of it can reach it, in metres a second; infinite if
-/// nobody does. The scan was taken so many seconds ago.
+/// The greatest speed at which a robot stops before a person who walks ahead of it can reach it, in metres a second;
+/// infinite if there is none. The scan was taken so many seconds ago.
 pub(super) fn safe_m_s(
     grid: &Occupancy,
     scan: &PlacedScan,
@@ -37,7 +37,7 @@ pub(super) fn safe_m_s(
 
 /// So fast people walk indoors, in metres a second.
 const WALKER_M_S: f64 = 0.5;
-/// From when something is seen until the robot has stopped for it, in seconds.
+/// The time from when something is seen until the robot has stopped for it, in seconds.
 const HALT_S: f64 = 0.9;
 /// So near to anything what is met may be that, by the laser's error and that of the pose, in metres.
 const BESIDE_M: f64 = 0.05;
@@ -59,7 +59,7 @@ mod tests {
         PlacedScan::new(Pose::new(0.0, 0.0, 0.0), scan)
     }
 
-    /// A wall ahead is known; then somebody steps in between, and stays.
+    /// A wall ahead is known; then a person steps in between, and stays.
     #[test]
     fn who_comes_walks_and_what_stays_stands() {
         let mut grid = Occupancy::new(0.025);

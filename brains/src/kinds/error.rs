@@ -15,7 +15,7 @@ pub enum CatalogueError {
     Brain {
         /// The name given.
         name: String,
-        /// Those that exist, the nearest first.
+        /// The brains that exist, the nearest name first.
         known: Vec<&'static str>,
     },
     /// The brain has no such parameter.
@@ -25,7 +25,7 @@ pub enum CatalogueError {
         brain: &'static str,
         /// The name given.
         name: String,
-        /// Those that it has, the nearest first.
+        /// The parameters of the brain, the nearest name first.
         known: Vec<&'static str>,
     },
     /// A setting without a value.
@@ -46,7 +46,7 @@ pub enum CatalogueError {
         /// The text given.
         found: String,
     },
-    /// A number that makes no sense.
+    /// An invalid number.
     #[error("brain `{brain}`: {parameter} must be from {} to {}, not {found}", range.start(), range.end())]
     Range {
         /// Name of the brain.

@@ -25,11 +25,11 @@ use crate::{Avoid, Constant, Explore, Navigate, Wander, avoid, constant, navigat
 /// A kind of brain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Its name.
+    /// The brain's name.
     pub name: &'static str,
-    /// Its description, in a line.
+    /// The brain's description, in a line.
     pub summary: String,
-    /// When it writes, at most: what a budget takes for granted of it.
+    /// The most frequent writing, which a budget assumes.
     pub writes: Writes,
     /// The settings; a brain that is described in TOML has any number of them, by their paths.
     pub parameters: Vec<Setting>,
@@ -41,11 +41,11 @@ pub struct Entry {
 /// A parameter of a kind of brain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// Its name.
+    /// The setting's name.
     pub name: &'static str,
-    /// Its meaning, with its unit.
+    /// The meaning of the setting, with its unit.
     pub meaning: &'static str,
-    /// Its value if it is not set.
+    /// The setting's default.
     pub default: f64,
     /// The values that it can be set to.
     pub range: RangeInclusive<f64>,

@@ -15,7 +15,7 @@ use baudbot_geometry::{Direction, Pose, angle, math};
 
 use crate::scan::Scan;
 
-/// When the rays of a scan were taken: evenly one after the other.
+/// The times of the rays of a scan, evenly one after the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sweep {
     /// The instant of the first ray, the rightmost, in nanoseconds.
@@ -105,7 +105,7 @@ fn between(from: f64, to: f64, last: usize) -> Range<usize> {
 /// Neighbours whose distances differ by more than this part are on two surfaces.
 const JUMP: f64 = 0.1;
 
-/// So many rays beside the ends an end still counts.
+/// The number of rays beside the ends within which an end still counts.
 const SLACK: f64 = 0.01;
 
 #[cfg(test)]

@@ -46,11 +46,11 @@ pub struct Parameters {
 /// The reduction of the box when a search fails.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shrink {
-    /// So many failures, one after the other, make it smaller.
+    /// The number of failures, one after the other, that makes it smaller.
     pub failures: usize,
-    /// Its widths are then multiplied by this.
+    /// The widths of the search are multiplied by this at each step.
     pub factor: f64,
-    /// They do not become less than this part of the first ones.
+    /// The least width as a fraction of the first one.
     pub floor: f64,
 }
 
@@ -71,7 +71,7 @@ impl Default for Shrink {
 pub struct Match {
     /// The best pose of the robot.
     pub world_from_robot: Pose,
-    /// Its matching error, infinite if no pose had enough common rays.
+    /// The matching error, infinite if no pose had enough common rays.
     pub error: f64,
     /// Virtual scans that were made, that at the guess included.
     pub scans: usize,
@@ -86,7 +86,7 @@ pub fn localize(map: &Map, scan: &Scan, guess: &Pose, parameters: &Parameters, c
     localize_watched(map, scan, guess, parameters, chance, |_| ())
 }
 
-/// The same search, of which each pose that is tried is told: first the guess.
+/// The same search, with a call for each pose that is tried: first the guess.
 ///
 /// # Panics
 /// If the scan has no rays.
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn the_error_is_that_of_the_equation() {
         let far = f64::INFINITY;
-        // Of five rays two are common; they are off by a half and by nothing.
+        // Two of five rays are common; they are off by a half and by nothing.
         assert_eq!(matching_error(&[2.0, 1.0, far, 3.0, far], &[1.0, 1.0, 1.0, far, far]), 0.125_f64.sqrt());
         assert_eq!(matching_error(&[f64::NAN, 1.0], &[1.0, 1.5]), 0.5);
     }

@@ -122,7 +122,7 @@ impl VirtualLaser {
         scan
     }
 
-    /// A virtual scan that also says at which angle each ray meets its surface; `None` where nothing is within range.
+    /// A virtual scan with the angle at which each ray meets its surface; `None` where nothing is within range.
     pub fn echoes<'a>(
         &'a self,
         map: &'a Map,

@@ -45,7 +45,7 @@ type Look<'a> = dyn FnMut(Taken) -> Scan + 'a;
 /// The motion of the laser during a scan.
 #[derive(Clone, Copy)]
 enum Taken {
-    /// At once, and now.
+    /// The scan was taken at once, and now.
     Now,
     /// Ray by ray in the last step but one, as a laser does whose scan then has to cross a cable.
     Late,
@@ -119,7 +119,7 @@ fn track(
     [(squares / steps.len() as f64).sqrt(), most, (turned / steps.len() as f64).sqrt()]
 }
 
-/// When a scan is taken that has come in this step.
+/// The times of a scan that has come in this step.
 fn late(step: u64) -> Sweep {
     Sweep { right_ns: (step - 2) * STEP_NS, left_ns: (step - 1) * STEP_NS }
 }
@@ -167,7 +167,7 @@ fn by_refinement(map: &Map, laser: &VirtualLaser, seed: u64) -> [f64; 3] {
     })
 }
 
-/// As by refinement, but with scans that come late, and are taken to be what they are, or not.
+/// The errors by refinement, but with scans that come late, and are taken to be what they are, or not.
 fn by_late_scans(map: &Map, laser: &VirtualLaser, seed: u64, is_known: bool) -> [f64; 3] {
     let mut chance = Chance::new(seed, "refine");
     let parameters = refine::Parameters::default();
@@ -205,7 +205,7 @@ fn by_particles(map: &Map, laser: &VirtualLaser, seed: u64) -> [f64; 3] {
     })
 }
 
-/// Without the map: the robot makes its own of its scans, of all rays, twice a second.
+/// The errors without the map: the robot makes its own of its scans, of all rays, twice a second.
 fn by_slam(map: &Map, _: &VirtualLaser, seed: u64) -> [f64; 3] {
     let mut slam = Slam::new(slam::Parameters::default());
     let mut grid = slam.grid();
@@ -219,7 +219,7 @@ fn by_slam(map: &Map, _: &VirtualLaser, seed: u64) -> [f64; 3] {
     })
 }
 
-/// Of some seeds the median of each figure, and the worst error.
+/// The median of each figure over some seeds, and the worst error.
 fn figures(by: fn(&Map, &VirtualLaser, u64) -> [f64; 3], seeds: u64) -> ([f64; 3], f64) {
     let (map, laser) = (office(), urg(171));
     let runs: Vec<_> = (1..=seeds).map(|seed| by(&map, &laser, seed)).collect();

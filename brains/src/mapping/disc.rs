@@ -5,12 +5,12 @@ use baudbot_geometry::math;
 /// The cells whose centres are within some distance of that of one cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Disc {
-    /// Of each row how far it is from the middle one, and how many cells it has on each side of its own middle.
+    /// The distance of each row from the middle one, and the number of its cells on each side of its own middle.
     pub(crate) rows: Vec<(i32, i32)>,
 }
 
 impl Disc {
-    /// With this radius, in cells.
+    /// A `Disc` with this radius, in cells.
     pub(crate) fn new(radius: f64) -> Self {
         let most = math::floor(radius) as i32;
         let is_in = |row: i32, column: i32| f64::from(row * row + column * column) <= radius * radius;

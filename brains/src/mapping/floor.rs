@@ -42,8 +42,8 @@ enum Kind {
 }
 
 impl<'a> Floor<'a> {
-    /// The places for a disc with this radius, in metres, that is now at `here`, and to which `ease_m` more room is
-    /// as good as any. The points of `obstacles` count as occupied, whatever the grid says.
+    /// The places for a disc with this radius, in metres, that is now at `here`, and to which `ease_m` more room is as
+    /// good as any. The points of `obstacles` count as occupied, whatever their cells.
     #[must_use]
     pub(crate) fn new(
         dark: &Dark<'a>,

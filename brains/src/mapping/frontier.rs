@@ -101,7 +101,7 @@ pub fn is_edge(grid: &Occupancy, cell: Cell) -> bool {
     grid.state(cell) == Occupied::Unknown && cell.sides().any(|beside| grid.state(beside) == Occupied::Free)
 }
 
-/// Those of some cells that touch, at a corner too, in groups.
+/// The groups of cells that touch, at a corner too.
 #[must_use]
 pub fn groups(cells: &[Cell]) -> Vec<Vec<Cell>> {
     let mut waiting: std::collections::BTreeSet<_> = cells.iter().copied().collect();
@@ -123,7 +123,7 @@ pub fn groups(cells: &[Cell]) -> Vec<Vec<Cell>> {
 struct Sums {
     wide: usize,
     high: usize,
-    /// Of each cell, and one more a row and a column, those below and to the left.
+    /// The number below and to the left of each cell, and one more a row and a column.
     below: Vec<u32>,
 }
 

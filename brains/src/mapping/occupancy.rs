@@ -18,11 +18,11 @@ use super::placed::PlacedScan;
 /// The knowledge about a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occupied {
-    /// Nothing is there.
+    /// The cell is free.
     Free,
-    /// Something is there.
+    /// The cell is occupied.
     Occupied,
-    /// It was not seen, or it was seen both ways.
+    /// The cell was not seen, or it was seen both ways.
     Unknown,
 }
 
@@ -32,9 +32,9 @@ pub struct Occupancy {
     /// The origin of the world is a corner of cells.
     grid: Grid,
     log_odds: Vec<f32>,
-    /// For each cell where rays have ended in it.
+    /// The ends of rays in each cell.
     ends: Vec<Ends>,
-    /// For each cell the number of the last scan that changed it.
+    /// The number of the last scan that changed each cell.
     changed: Vec<u32>,
     scans: u32,
 }
@@ -43,7 +43,7 @@ pub struct Occupancy {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Ends {
     count: f32,
-    /// Their mean, from the cell's centre, in cells.
+    /// The mean of the rays' ends, from the cell's centre, in cells.
     aside: [f32; 2],
 }
 
@@ -60,7 +60,7 @@ impl Ends {
 struct Change<'a> {
     log_odds: &'a mut [f32],
     changed: &'a mut [u32],
-    /// Its number.
+    /// The scan's number.
     scan: u32,
 }
 
@@ -177,7 +177,7 @@ impl Occupancy {
         grid::line(self.grid.grid_from_world(from), self.grid.grid_from_world(to))
     }
 
-    /// Adds a scan. Says whether it did: a scan that would make the grid larger than 4 million cells is left out.
+    /// Adds a scan. Returns whether it did: a scan that would make the grid larger than 4 million cells is left out.
     pub fn add(&mut self, scan: &PlacedScan) -> bool {
         let from = scan.world_from_laser().position;
         let ends: Vec<_> = scan.ends().collect();
@@ -244,7 +244,7 @@ impl Occupancy {
         Change { log_odds: &mut self.log_odds, changed: &mut self.changed, scan: self.scans }
     }
 
-    /// Makes the grid so large that it has these points' cells; says whether that is not too large.
+    /// Makes the grid so large that it has these points' cells; returns whether that is not too large.
     fn grow(&mut self, points: impl Iterator<Item = Point>) -> bool {
         let is_new = self.log_odds.is_empty();
         let old = (!is_new).then(|| (self.grid.cells.first, self.grid.cells.last()));
@@ -290,9 +290,9 @@ const HIT: f32 = 0.847;
 const MISS: f32 = -0.405;
 /// Cells are never surer than this, p = 0.97, so that what has moved is believed in a few scans.
 const MOST: f32 = 3.5;
-/// So many ends at most have a part in the mean of a cell's.
+/// The most ends with a part in the mean of a cell's.
 const MOST_ENDS: f32 = 50.0;
-/// So many cells more than needed on each side, so that not every scan makes the grid grow.
+/// The number of cells more than needed on each side, so that not every scan makes the grid grow.
 const SPARE: i32 = 16;
 /// A square kilometre in cells of half a metre, 200 m by 200 m in cells of 10 cm, or 50 m by 50 m in cells of 2.5 cm.
 const MOST_CELLS: i64 = 4_000_000;

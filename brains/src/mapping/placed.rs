@@ -82,7 +82,7 @@ impl PlacedScan {
     }
 
     /// Whether a disc of radius `half_width_m` can go from where the robot was straight to the point `to`, as far as
-    /// the scan says. What is behind the robot is in no way.
+    /// the scan shows. What is behind the robot is in no way.
     #[must_use]
     pub fn view(&self, to: Point, half_width_m: f64) -> View {
         let path = Segment { start: self.world_from_robot.position, end: to };

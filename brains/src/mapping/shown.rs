@@ -41,7 +41,7 @@ impl Occupancy {
     }
 }
 
-/// From 0 to 254.
+/// The brightness of a cell, 0 to 254.
 fn byte(log_odds: f32) -> u8 {
     math::round(254.0 / (1.0 + math::exp(-f64::from(log_odds)))) as u8
 }
@@ -53,7 +53,7 @@ fn union((low, high): (Cell, Cell), (other_low, other_high): (Cell, Cell)) -> (C
 }
 
 const UNKNOWN: u8 = 255;
-/// Of a belief a server takes 256 KiB, and 4096 cells a side.
+/// The most cells of a belief, of which a server takes 256 KiB, and 4096 cells a side.
 const MOST_CELLS: usize = 200_000;
 const MOST_A_SIDE: usize = 4096;
 

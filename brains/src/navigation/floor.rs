@@ -13,7 +13,7 @@ use crate::planning::{Cell, CellGrid, End, Grid, PlanError, ThetaStar, line_of_s
 pub struct Floor {
     walls: Vec<Segment>,
     grid: Grid,
-    /// For ways through convex cells.
+    /// The convex cells for ways through them.
     cells: Option<CellGrid>,
 }
 

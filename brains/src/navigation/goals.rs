@@ -18,7 +18,7 @@ impl Goals {
     /// first if it goes round `again`.
     ///
     /// # Errors
-    /// If there is none, or a number makes no sense.
+    /// If there is none, or a number is invalid.
     pub(crate) fn new(
         name: &str,
         points_m: &[[f64; 2]],
@@ -36,7 +36,7 @@ impl Goals {
         Ok(Self { points, reached_m, again, next: 0 })
     }
 
-    /// All of them.
+    /// All goals.
     pub(crate) fn points(&self) -> &[Point] {
         &self.points
     }
@@ -46,7 +46,7 @@ impl Goals {
         self.reached_m
     }
 
-    /// Those that are left of this round.
+    /// The goals that are left of this round.
     pub(crate) fn left(&self) -> &[Point] {
         self.points.get(self.next..).unwrap_or_default()
     }

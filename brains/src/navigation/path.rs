@@ -6,7 +6,7 @@ use baudbot_geometry::{Point, Segment, angle, math};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Path {
     points: Vec<Point>,
-    /// Of each point, how far it is from the first.
+    /// The distance of each point from the first, in metres.
     along_m: Vec<f64>,
 }
 

@@ -20,7 +20,7 @@ pub struct Pursuit {
 }
 
 impl Pursuit {
-    /// At the beginning of a path, with a look-ahead distance in metres.
+    /// A `Pursuit` at the beginning of a path, with a look-ahead distance in metres.
     pub fn new(path: Path, look_ahead_m: f64) -> Self {
         Self { path, look_ahead_m, along_m: 0.0 }
     }

@@ -2,13 +2,13 @@
 
 use crate::awaited::Awaited;
 
-/// When the readings of a sensor come, and how old they are then.
+/// The arrival times and ages of a sensor's readings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Arrivals {
     sensor: String,
-    /// When the last one came.
+    /// The instant at which the last reading came.
     heard_ns: Option<u64>,
-    /// The age on arrival, as far as its protocol says.
+    /// The age on arrival, as far as its protocol gives it.
     age_ns: u64,
     /// The intervals before the last, and before its predecessor.
     intervals_ns: [Option<u64>; 2],
@@ -32,7 +32,7 @@ impl Arrivals {
         self.intervals_ns.iter().flatten().min().copied().unwrap_or_default()
     }
 
-    /// When the last one came, in nanoseconds; 0 if none has.
+    /// The instant at which the last reading came, in nanoseconds; 0 if none has.
     pub(super) fn heard_ns(&self) -> u64 {
         self.heard_ns.unwrap_or_default()
     }
@@ -47,7 +47,7 @@ impl Arrivals {
         PATIENCE.saturating_mul(self.interval_ns())
     }
 
-    /// That it is waited for, and since when.
+    /// The sensor as one that is waited for, and since when.
     pub(super) fn awaited(&self) -> Awaited {
         Awaited { sensor: self.sensor.clone(), since_ns: self.heard_ns() }
     }

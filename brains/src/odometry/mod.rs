@@ -55,7 +55,7 @@ pub struct Parameters {
     pub variance_m2_per_m: f64,
     /// The length of the memory of poses, in nanoseconds: those of readings, and those that were corrected.
     pub past_ns: u64,
-    /// By what this robot is known to differ from the above.
+    /// The robot's calibration: its deviations from the above.
     pub calibration: Calibration,
 }
 
@@ -70,7 +70,7 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// A robot that is as its data sheet says.
+    /// A robot without deviations from its data sheet.
     pub const NONE: Self = Self { wheels: [1.0; 2], track: 1.0 };
 }
 
@@ -96,9 +96,9 @@ struct Past {
 
 /// An instant of the past.
 enum Place<'a> {
-    /// It is that of this estimate, or later than all of them.
+    /// The instant of this estimate, or one later than all of them.
     At(&'a Estimate),
-    /// It is between these.
+    /// An instant between these two.
     Between(&'a Past, &'a Past),
 }
 
@@ -110,9 +110,9 @@ enum Last {
 }
 
 impl Parameters {
-    /// Those of a body with the encoders of this name, or with the odometer; `None` if there is no such
-    /// sensor, or its data sheet does not say what it counts, as that of a step counter. No data sheet
-    /// says how good the wheels are: here they err by a centimetre after a metre.
+    /// The `Parameters` of a body with the encoders of this name, or with the odometer; `None` if there is no such
+    /// sensor, or its data sheet does not state what it counts, as that of a step counter. No data sheet states how
+    /// good the wheels are: here they err by a centimetre after a metre.
     #[must_use]
     pub fn of(body: &Body, sensor: &str) -> Option<Self> {
         let sensor = body.sensor(sensor)?;
@@ -140,8 +140,8 @@ impl Odometry {
         Self { parameters, past, corrected_ns: at_ns, last: None, arrivals: Arrivals::default() }
     }
 
-    /// Starts when this sensor, encoders or an odometer, has its first reading: at a pose that is known, or where the
-    /// odometer says. `None` before that, and if nothing says where.
+    /// Starts when this sensor, encoders or an odometer, has its first reading: at a pose that is known, or at the
+    /// odometer's pose. `None` before that, and if the pose is unknown.
     #[must_use]
     pub fn starting(
         parameters: Parameters,
@@ -161,8 +161,8 @@ impl Odometry {
         Some(Self::new(parameters, at_ns, Estimate::exact(world_from_robot.or(said)?)))
     }
 
-    /// Takes the reading of this sensor, encoders or an odometer, if the turn brought a new one. Its instant is
-    /// that of its sample, or of the turn if the protocol does not say. Returns whether there was one.
+    /// Takes the reading of this sensor, encoders or an odometer, if the turn brought a new one. Its instant is that of
+    /// its sample, or of the turn if the protocol does not give it. Returns whether there was one.
     pub fn read(&mut self, turn: &Turn, sensor: &str) -> bool {
         let Some(reading) = turn.reading(sensor).filter(|reading| reading.readable) else { return false };
         let at_ns = reading.sampled_at_ns.unwrap_or(turn.at_ns);
@@ -192,14 +192,15 @@ impl Odometry {
         self.arrivals.patience_ns()
     }
 
-    /// That its sensor is waited for, and since when.
+    /// The sensor as one that is waited for, and since when.
     #[must_use]
     pub fn awaited(&self) -> Awaited {
         self.arrivals.awaited()
     }
 
-    /// At which part of its speed a robot may drive by it whose commands take so long on the cable, in nanoseconds: 1, unless
-    /// its readings are so old that it would be too far on its way, or too far round, before it could heed them.
+    /// The part of its speed at which a robot may drive by it whose commands take so long on the cable, in nanoseconds:
+    /// 1, unless its readings are so old that it would be too far on its way, or too far round, before it could heed
+    /// them.
     #[must_use]
     pub fn haste(&self, command_ns: u64) -> f64 {
         let blind_ns = self.arrivals.lag_ns().saturating_add(command_ns).max(1);
@@ -233,7 +234,7 @@ impl Odometry {
         self.newest().estimate
     }
 
-    /// When the last reading was sampled.
+    /// The instant at which the last reading was sampled.
     #[must_use]
     pub fn at_ns(&self) -> u64 {
         self.newest().at_ns
@@ -369,14 +370,14 @@ fn fraction(from_ns: u64, at_ns: u64, to_ns: u64) -> f64 {
 
 /// Odometry of which nothing has come for so long is overdue, if it is not always so slow, in nanoseconds.
 pub(crate) const OVERDUE_NS: u64 = 500_000_000;
-/// From a reading's sample until a command that heeds it is obeyed it may take so long at full speed, in nanoseconds. At 0.4 m/s
+/// The time from a reading's sample until a command that heeds it is obeyed, at full speed, in nanoseconds. At 0.4 m/s
 /// and 0.9 rad/s that is 0.1 m and 0.22 rad, and controllers with a gain of 2 a second do not overshoot.
 const CALM_NS: f64 = 250e6;
-/// Between two readings that are farther apart, in nanoseconds, a robot has not gone evenly: it may have stopped when the cable
-/// was pulled.
+/// The distance of two readings, in nanoseconds, beyond which a robot has not gone evenly: it may have stopped when the
+/// cable was pulled.
 const EVEN_NS: u64 = 600_000_000;
 /// The length of the memory of poses, in nanoseconds. A scan of a laser with a slow cable of its own is two seconds
 /// old when it comes, and odometry may be as late as that.
 const PAST_NS: u64 = 10_000_000_000;
-/// So many poses are kept at most: those of ten seconds at 500 Hz.
+/// The most poses that are kept: those of ten seconds at 500 Hz.
 const MOST_POSES: usize = 5_000;

@@ -21,7 +21,7 @@ impl Default for Step {
 }
 
 impl Step {
-    /// That of wheels which went so far, in metres, at constant speeds.
+    /// The step of wheels which went so far, in metres, at constant speeds.
     pub(super) fn of_wheels(ways_m: [f64; 2], half_track_m: f64) -> Self {
         Self { then_from_now: Twist::of_wheels(ways_m, half_track_m).then_from_now(), ways_m }
     }

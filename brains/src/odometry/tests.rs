@@ -63,7 +63,7 @@ fn turning_on_the_spot_stays_on_it() {
 
 #[test]
 fn counters_wrap_forwards_and_backwards() {
-    // The wire's counters of 8 bits say -128 to 127.
+    // The wire's counters of 8 bits go from -128 to 127.
     let mut odometry = odometry(Parameters { modulus: Some(256.0), ..PARAMETERS }, Pose::new(0.0, 0.0, 0.0));
     for (i, count) in [100.0, -56.0, 44.0, -112.0].into_iter().enumerate() {
         odometry.encoders(i as u64 + 1, [count; 2]);
@@ -213,7 +213,7 @@ fn a_reset_forgets_the_past_but_not_the_counts() {
 #[test]
 fn only_the_changes_of_an_odometer_count() {
     let mut odometry = Odometry::new(PARAMETERS, 0, Estimate::exact(Pose::new(1.0, 1.0, FRAC_PI_2)));
-    // Its own world begins elsewhere, and its way has a corner that no arc has.
+    // The odometer's frame begins elsewhere, and its way has a corner that no arc has.
     let places = [(9.0, 9.0, PI), (8.0, 9.0, PI), (8.0, 8.0, -FRAC_PI_2)];
     for (i, (x, y, heading)) in places.into_iter().enumerate() {
         odometry.odometer(i as u64, Pose::new(x, y, heading));
@@ -306,7 +306,8 @@ fn a_track_has_the_same_poses_in_whatever_order() {
     }
 }
 
-/// A robot whose right wheel is 2 % larger than the left one, and whose wheels are 5 % farther apart than it says.
+/// A robot whose right wheel is 2 % larger than the left one, and whose wheels are 5 % farther apart than in its data
+/// sheet.
 const MEASURED: Calibration = Calibration { wheels: [0.99, 1.0098], track: 1.05 };
 
 #[test]

@@ -96,7 +96,7 @@ impl Search {
         }
     }
 
-    /// Looks at the neighbours of a node.
+    /// Expands a node: visits its neighbours.
     fn expand(&mut self, graph: &impl Graph, node: usize) {
         let predecessor = self.predecessors[node];
         for (next, step) in graph.neighbours(node) {

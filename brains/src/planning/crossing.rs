@@ -10,7 +10,7 @@ use super::cells::{CellGrid, Door, middle};
 pub(super) struct Crossing {
     /// The cells of the start and of the target, and where in them they are.
     ends: [(usize, Point); 2],
-    /// For each cell the node of its first door; behind the last cell the node of the start.
+    /// The node of each cell's first door; behind the last cell the node of the start.
     first_nodes: Vec<usize>,
     nodes: Vec<Node>,
 }

@@ -19,12 +19,12 @@ pub enum GridError {
     /// None or too many cells.
     #[error("a grid has 1 to {} cells, not {columns} columns by {rows} rows", Grid::MOST_CELLS)]
     Size {
-        /// Columns asked for.
+        /// The requested number of columns.
         columns: usize,
-        /// Rows asked for.
+        /// The requested number of rows.
         rows: usize,
     },
-    /// A number that makes no sense.
+    /// A parameter outside its range.
     #[error("{name} must be {range}, not {found}")]
     Number {
         /// The name of the number.
@@ -40,9 +40,9 @@ pub enum GridError {
     /// A character of a sketch.
     #[error("line {line}, column {column}: `{found}` is not a cell; write `.`, `#`, `S` or `T`")]
     Character {
-        /// Line, from 1.
+        /// The line, from 1.
         line: usize,
-        /// Column, from 1.
+        /// The column, from 1.
         column: usize,
         /// The character.
         found: char,
@@ -50,7 +50,7 @@ pub enum GridError {
     /// A sketch with a ragged edge.
     #[error("line {line} has {found} cells, the first line {expected}")]
     Ragged {
-        /// Line, from 1.
+        /// The line, from 1.
         line: usize,
         /// Cells of this line.
         found: usize,

@@ -87,8 +87,8 @@ impl Grid {
     }
 }
 
-/// By so much, in metres, a cell may be nearer than the clearance and still be free: a wall and a clearance that
-/// are whole numbers of cells shall not block a cell more for a rounding.
+/// The length, in metres, by which a cell may be nearer than the clearance and still be free: a wall and a clearance
+/// that are whole numbers of cells shall not block a cell more for a rounding.
 const ROUNDING_M: f64 = 1e-9;
 
 #[cfg(test)]
@@ -111,7 +111,7 @@ mod tests {
         let grid = Grid::from_segments(&walls, cell_m, clearance_m).unwrap();
         let mut free = 0;
         for cell in grid.cells() {
-            // Of a square the points of its border are the nearest ones.
+            // The nearest points of a square are those of its border.
             let along = |i: u32| f64::from(i) * cell_m / 20.0;
             let offsets = (0..=20).flat_map(|i| {
                 let (a, b) = (along(i), along(20));

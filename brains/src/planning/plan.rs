@@ -57,7 +57,7 @@ pub enum PlanError {
     Blocked {
         /// The end that is at fault.
         end: End,
-        /// Its cell.
+        /// The blocked cell.
         cell: Cell,
     },
     /// Walls part the ends.
@@ -75,7 +75,7 @@ pub enum PlanError {
         cell: Cell,
         /// The number of moves.
         moves: usize,
-        /// Its way until there, the start included.
+        /// The way until there, the start included.
         walked: Vec<Cell>,
         /// The cells that were examined, in this order: its path and the free neighbours of that.
         touched: Vec<Cell>,

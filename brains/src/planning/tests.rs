@@ -41,7 +41,7 @@ impl Task {
         walk(&self.grid, self.start, self.target, moves, Euclidean).unwrap()
     }
 
-    /// A plan leads from start to target by allowed moves, and is as long as it says.
+    /// A plan leads from start to target by allowed moves, and has the stated length.
     fn check(&self, plan: &Plan, moves: Moves) {
         assert_eq!((plan.cells[0], plan.cells[plan.cells.len() - 1]), (self.start, self.target));
         let steps = plan.cells.windows(2).map(|pair| {
@@ -250,7 +250,7 @@ proptest! {
             prop_assert!(any_angle.cells.windows(2).all(|pair| line_of_sight(grid, pair[0], pair[1])));
             let straight = Euclidean.estimate(*start, *target);
             prop_assert!(any_angle.length_m >= straight - 1e-9);
-            // Nobody has proved that it is never longer, though none of 20,000 such ways was.
+            // A proof that the path is never longer is missing, though none of 20,000 such paths was.
             prop_assert!(any_angle.length_m <= shortest.length_m * 1.02);
         }
     }

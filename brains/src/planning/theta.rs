@@ -28,7 +28,7 @@ pub fn theta_star(grid: &Grid, start: Cell, target: Cell) -> Result<Plan, PlanEr
 /// [`theta_star`] a few cells at a time, for brains that have little time in each step.
 #[derive(Clone, Debug, Default)]
 pub struct ThetaStar {
-    /// Between which cells a path is being looked for.
+    /// The cells between which a path is being looked for.
     ends: Option<(Cell, Cell)>,
     search: Search,
 }

@@ -12,8 +12,7 @@ use super::heuristic::Heuristic;
 use super::moves::Moves;
 use super::plan::{Plan, PlanError, check_ends};
 
-/// Walks as Fig. 6.7 says. Of neighbours that seem equally near, the first in the order of
-/// [`Moves::neighbours`] is taken.
+/// Walks by Fig. 6.7. Of neighbours that seem equally near, the first in the order of [`Moves::neighbours`] is taken.
 ///
 /// # Errors
 /// [`PlanError::DeadEnd`] if it gets stuck, or if an end is outside the grid or blocked.

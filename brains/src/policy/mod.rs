@@ -24,7 +24,7 @@ pub struct Policy {
     values: Vec<f64>,
     sensors: Vec<Heard>,
     is_asked: bool,
-    /// When it last answered, or else its first turn.
+    /// The instant of the last answer, or else of the first turn.
     stepped_ns: Option<u64>,
 }
 
@@ -33,7 +33,7 @@ pub struct Policy {
 struct Heard {
     /// The number of its values.
     count: usize,
-    /// When it was sampled, if its message says so, and else when it came.
+    /// The instant at which the reading was sampled, if the message has it, and else of its arrival.
     sampled_ns: Option<u64>,
     is_new: bool,
 }
@@ -135,12 +135,13 @@ pub fn input_names(body: &Body, with_ages: bool) -> Vec<String> {
     names
 }
 
-/// As an environment's arrays have it, which are of single precision.
+/// The number in the precision of an environment's arrays, which is single.
 fn coarse(number: f64) -> f64 {
     f64::from(number as f32)
 }
 
-/// It waits so long for a message, in nanoseconds of simulated time, as an environment does: what was lost does not come.
+/// The longest wait for a message, in nanoseconds of simulated time, as in an environment: a lost message does not
+/// come.
 const PATIENCE_NS: u64 = 1_000_000_000;
 
 #[cfg(test)]

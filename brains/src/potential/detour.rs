@@ -15,12 +15,12 @@ pub(super) struct Detour {
 }
 
 impl Detour {
-    /// At the start of a path, for a body of this radius.
+    /// A `Detour` at the start of a path, for a body of this radius.
     pub(super) fn new(path: Path, radius_m: f64) -> Self {
         Self { path, reached: 0, look_ahead_m: LOOK_AHEAD * radius_m }
     }
 
-    /// All other ways are closed, as far as anybody knows.
+    /// All other ways are closed, as far as the map has them.
     pub(super) fn is_forced(&self) -> bool {
         self.path.is_forced
     }
@@ -29,7 +29,7 @@ impl Detour {
     pub(super) fn next(&mut self, here: Point) -> Point {
         let points = &self.path.points;
         let near = |i: &usize| distance(points[*i], here);
-        // It may not skip to a later part of the path that passes near by.
+        // The target may not skip to a later part of the path that passes near by.
         let window = self.reached..points.len().min(self.reached + WINDOW);
         self.reached = window.min_by(|a, b| near(a).total_cmp(&near(b))).unwrap_or(self.reached);
         let later = points[self.reached..].iter().find(|at| distance(**at, here) >= self.look_ahead_m);

@@ -11,9 +11,9 @@ use serde::Deserialize;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Potential {
-    /// x_p, in metres.
+    /// The place x_p along x, in metres.
     pub x_m: f64,
-    /// y_p, in metres.
+    /// The place y_p along y, in metres.
     pub y_m: f64,
     /// α: its height; negative attracts.
     pub alpha: f64,
@@ -26,18 +26,18 @@ pub struct Potential {
 /// The sum of potentials, Eq. (6.2).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Field {
-    /// Those that it is the sum of.
+    /// The potentials whose sum the field is.
     pub potentials: Vec<Potential>,
 }
 
 impl Potential {
-    /// Its height at a place.
+    /// The height of the potential at a place.
     pub fn height(&self, at: Point) -> f64 {
         let (u, v) = ((at.x - self.x_m) / self.beta_m, (at.y - self.y_m) / self.gamma_m);
         self.alpha * math::exp(-u * u - v * v)
     }
 
-    /// Its gradient at a place, per metre.
+    /// The gradient of the potential at a place, per metre.
     pub fn gradient(&self, at: Point) -> Vector {
         let (x, y) = (at.x - self.x_m, at.y - self.y_m);
         let height = self.height(at);
@@ -54,12 +54,12 @@ impl Potential {
 }
 
 impl Field {
-    /// Its height at a place.
+    /// The height of the field at a place.
     pub fn height(&self, at: Point) -> f64 {
         self.potentials.iter().map(|potential| potential.height(at)).sum()
     }
 
-    /// Its gradient at a place, per metre.
+    /// The gradient of the field at a place, per metre.
     pub fn gradient(&self, at: Point) -> Vector {
         self.potentials.iter().fold(Vector::zeros(), |sum, potential| sum + potential.gradient(at))
     }

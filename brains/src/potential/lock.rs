@@ -13,7 +13,7 @@ struct Low {
     height: f64,
     /// The place at which the robot got lower last.
     place: Point,
-    /// When, in nanoseconds.
+    /// The instant, in nanoseconds.
     at_ns: u64,
 }
 

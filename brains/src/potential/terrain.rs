@@ -20,10 +20,10 @@ pub(super) struct Terrain {
 /// A path to a target.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Path {
-    /// From where the robot was to the target.
+    /// The points from the robot's place at planning to the target.
     pub(super) points: Vec<Point>,
-    /// It leads through a hill or over a mark, not only out of one at its start or into one at its end: all other ways are
-    /// closed.
+    /// The path leads through a hill or over a mark, not only out of one at its start or into one at its end: all other
+    /// ways are closed.
     pub(super) is_forced: bool,
 }
 

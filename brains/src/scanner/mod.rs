@@ -1,4 +1,4 @@
-//! From a laser's readings to scans of one instant.
+//! The way from a laser's readings to scans of one instant.
 //!
 //! A reading comes late, and is of a robot that moved. It waits until the odometry has come to the end of its sweep, and
 //! then is [corrected](crate::localization::deskew) by what that says. On a slow cable odometry comes later than the next
@@ -21,20 +21,20 @@ use crate::scan::Scan;
 pub struct Scanner {
     sensor: usize,
     sweep: Sweep,
-    /// So many rays are kept, about.
+    /// The number of rays that are kept, about.
     rays: usize,
     name: String,
-    /// When its last reading came, in nanoseconds; 0 if none has.
+    /// The instant at which the laser's last reading came, in nanoseconds; 0 if none has.
     heard_ns: u64,
     /// Readings, and when each was begun, until the odometry knows where that was; the oldest first.
     waiting: VecDeque<(u64, Scan)>,
 }
 
 impl Scanner {
-    /// For the laser of this name. About so many of its rays are kept.
+    /// A `Scanner` for the laser of this name. About so many of its rays are kept.
     ///
     /// # Errors
-    /// In words, if the body has no such laser, or its data sheet does not say what must be known of it.
+    /// In words, if the body has no such laser, or its data sheet does not state what must be known of it.
     pub fn new(body: &Body, laser: &str, rays: usize) -> Result<Self, ParameterError> {
         let sensor =
             body.sensor_index(laser).filter(|&sensor| body.sensors[sensor].kind == SensorKind::Laser);
@@ -118,13 +118,13 @@ impl Scanner {
         self.waiting.clear();
     }
 
-    /// Those that wait and were begun before this instant, in nanoseconds, are not of interest any more.
+    /// Drops the scans that wait and were begun before this instant, in nanoseconds.
     pub fn forget_before(&mut self, at_ns: u64) {
         self.waiting.retain(|(begun_ns, _)| *begun_ns >= at_ns);
     }
 }
 
-/// So many readings wait at most: those of a laser at 100 Hz while odometry is five seconds late.
+/// The most readings that wait: those of a laser at 100 Hz while odometry is five seconds late.
 const MOST_WAITING: usize = 512;
 
 #[cfg(test)]

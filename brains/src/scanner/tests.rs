@@ -82,7 +82,7 @@ proptest! {
         let sweep_ms = laser.period_ms.min(67);
         let mut bench = Bench::new(sweep_ms);
         let scans: Vec<_> = laser.samples(6000).map(|(at_ms, come_ms)| (at_ms, come_ms + sweep_ms)).collect();
-        // The first reading of an odometer only says where it begins.
+        // The first reading of an odometer is only its origin.
         let lost = std::iter::once(false).chain(is_lost.iter().copied());
         let heard: Vec<_> =
             odometer.samples(6000).zip(lost).filter(|(_, is_lost)| !is_lost).map(|(sample, _)| sample).collect();
@@ -117,7 +117,7 @@ fn without_odometry_no_more_scans_are_kept_than_are_of_use() {
         assert!(bench.step(10 * (i + 1), Some(10 * i), None).is_empty());
     }
     assert_eq!(bench.scanner.waiting.len(), MOST_WAITING);
-    // The first reading of an odometer says where it is, the second how far it went since.
+    // The first reading of an odometer is its pose, the second adds the way since.
     assert_eq!(bench.step(100_000, None, Some(99_999)).len(), 0);
     assert!(!bench.step(100_020, None, Some(100_019)).is_empty(), "those that waited");
     assert_eq!(bench.step(100_030, Some(100_000), None), [100_000], "and then the next");

@@ -27,11 +27,11 @@ use crate::scan::Scan;
 /// The outcome of matching a scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Match {
-    /// It was taken here.
+    /// The scan was taken here.
     Found(Estimate),
     /// The map knows too little of where its rays end.
     New,
-    /// It fits nowhere near the guess.
+    /// The scan fits nowhere near the guess.
     Poor,
 }
 
@@ -60,13 +60,13 @@ struct Problem<'a> {
     /// The ends of rays, in the robot's frame, in metres.
     ends: Vec<Vector>,
     guess: &'a Estimate,
-    /// Σ₀⁻¹.
+    /// The inverse covariance Σ₀⁻¹ of the guess.
     certainty: Matrix3<f64>,
     /// Standard deviations of the guess's position, in metres, and heading, in radians.
     deviations: (f64, f64),
 }
 
-/// The sum at a pose, and what its derivatives say.
+/// The sum at a pose, and its derivatives.
 #[derive(Clone, Copy)]
 struct At {
     pose: Pose,
@@ -177,7 +177,7 @@ impl<'a> Problem<'a> {
             for (across, up) in window(places) {
                 let position = position + Vector::new(f64::from(across), f64::from(up)) * cell_m;
                 let sum: f64 = arms.iter().map(|arm| wall(self.grid, position + arm)).sum();
-                // Of equal ones the nearest to the guess.
+                // Among equal sums the one nearest to the guess wins.
                 let sum = sum - NEARER * f64::from(across * across + up * up + turn * turn);
                 if sum > best.0 {
                     best = (sum, Pose { position, heading });
@@ -192,7 +192,7 @@ fn window(most: i32) -> impl Iterator<Item = (i32, i32)> {
     (-most..=most).flat_map(move |up| (-most..=most).map(move |across| (across, up)))
 }
 
-/// At least as large as `wanted`, but not larger than `most`.
+/// A whole number at least as large as `wanted`, but not larger than `most`.
 fn whole(wanted: f64, most: i32) -> i32 {
     // The conversion saturates.
     (math::ceil(wanted) as i32).clamp(1, most)
@@ -248,7 +248,7 @@ const DONE_RAD: f64 = 1e-4;
 const MOST_STEPS: usize = 20;
 /// No search is made if this part of the rays fits.
 const ENOUGH: f64 = 0.85;
-/// So many rays must end where something is known, ...
+/// The number of rays that must end where something is known, ...
 const LEAST_RAYS: i32 = 10;
 /// ... and this part of all that met something.
 const LEAST_KNOWN: f64 = 0.2;

@@ -34,7 +34,7 @@ use matching::Match;
 pub struct Parameters {
     /// Side of the grid's cells, in metres.
     pub cell_m: f64,
-    /// So many rays are matched, about. All of them are added.
+    /// The number of rays that are matched, about. All of them are added.
     pub rays: usize,
     /// A scan is added when the robot has moved so far since the last one, in metres, ...
     pub step_m: f64,
@@ -59,7 +59,7 @@ pub struct Slam {
 }
 
 impl Slam {
-    /// At its start.
+    /// A `Slam` at its start.
     #[must_use]
     pub fn new(parameters: Parameters) -> Self {
         Self { parameters, added: None }

@@ -69,7 +69,7 @@ fn a_scan_that_fits_nowhere_near_changes_nothing() {
     assert_eq!(grid, before);
 }
 
-/// The walls say how far the robot is from them, and not how far along.
+/// The walls determine the distance to them, and not the place along them.
 #[test]
 fn along_a_corridor_the_odometry_is_believed() {
     let wall = |y: f64| Segment { start: Point::new(-50.0, y), end: Point::new(50.0, y) };

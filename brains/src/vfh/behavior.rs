@@ -24,10 +24,10 @@ pub struct Parameters {
     /// A goal is reached within this distance, in metres.
     #[serde(default = "reached_m")]
     pub reached_m: f64,
-    /// After the last goal comes the first again.
+    /// The first goal comes again after the last.
     #[serde(default)]
     pub again: bool,
-    /// By which sensors it sees.
+    /// The sensors that are used.
     #[serde(default)]
     pub sight: sight::Parameters,
     /// Room to be kept beside the body, in metres: r_s. By default three quarters of its radius.
@@ -40,7 +40,7 @@ pub struct Parameters {
     /// The time without sight, in seconds, after which an object is forgotten.
     #[serde(default = "forget_s")]
     pub forget_s: f64,
-    /// Directions that it tells apart.
+    /// The number of directions in the histogram.
     #[serde(default = "sectors")]
     pub sectors: usize,
     /// τ_low: a direction with less becomes free.
@@ -58,19 +58,20 @@ pub struct Parameters {
     /// Radius of the turns that it makes, in metres; 0 if it turns on the spot.
     #[serde(default)]
     pub turn_radius_m: f64,
-    /// It begins to slow down with so much room ahead, in metres.
+    /// The robot slows down with less room ahead than this, in metres.
     #[serde(default = "slow_m")]
     pub slow_m: f64,
-    /// It drives no further with so much room ahead, in metres. By default half of the body's radius.
+    /// The robot stops with less room ahead than this, in metres. By default half of the body's radius.
     pub stop_m: Option<f64>,
-    /// So fast somebody may walk into its path, in metres a second; 0 if nobody does. Only by lasers alone it heeds that. Who is slower
-    /// than [`Memory::slowest_m_s`] is taken to stand.
+    /// The greatest speed at which a person may walk into the robot's path, in metres a second; 0 if there are no
+    /// people. Only scans of lasers alone are used for that. A person slower than [`Memory::slowest_m_s`] is taken to
+    /// stand.
     #[serde(default = "walker_m_s")]
     pub walker_m_s: f64,
-    /// From when something is seen until it has stopped for that, in seconds.
+    /// The time from when something is seen until the robot has stopped for that, in seconds.
     #[serde(default = "halt_s")]
     pub halt_s: f64,
-    /// It stands still if it has seen nothing for so long, in seconds.
+    /// The robot stands still if there was no reading for so long, in seconds.
     #[serde(default = "stale_s")]
     pub stale_s: f64,
     /// The gains and speeds of its steering.
@@ -126,7 +127,7 @@ fn stale_s() -> f64 {
     0.5
 }
 
-/// Those of the parameters that follow the body, in metres.
+/// The parameters that follow from the body, in metres.
 #[derive(Clone, Copy, Debug)]
 struct Lengths {
     clearance_m: f64,
@@ -157,15 +158,15 @@ pub struct Vfh {
     lengths: Lengths,
     previous_rad: Option<f64>,
     seen_ns: Option<u64>,
-    /// When the newest scan was taken.
+    /// The instant at which the newest scan was taken.
     taken_ns: u64,
 }
 
 impl Vfh {
-    /// For a robot with this body.
+    /// A `Vfh` for a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense, or it sees nothing.
+    /// If the parameters are invalid, or it sees nothing.
     pub fn new(parameters: Parameters, body: &Body) -> Result<Self, ParameterError> {
         let p = &parameters;
         p.steering.check()?;
@@ -269,7 +270,8 @@ impl Vfh {
         self.memory.walkers(counts).map(safe_m_s).fold(f64::INFINITY, f64::min)
     }
 
-    /// Signals towards a direction, with as much speed as there is room, at most a part of the whole; and what it says.
+    /// Signals towards a direction, with as much speed as there is room, at most a part of the whole; and the stated
+    /// intention.
     fn signals(
         &mut self,
         world_from_robot: &Pose,
@@ -292,7 +294,7 @@ impl Vfh {
         (if is_off { Signals { left: -signal, right: signal } } else { Signals::default() }, why)
     }
 
-    /// Signals on the way to a goal, and what it says.
+    /// Signals on the way to a goal, and the stated intention.
     fn drive(&mut self, world_from_robot: &Pose, goal: Point, now_ns: u64) -> (Signals, &'static str) {
         let most =
             if self.goals.is_last() { braking((goal - world_from_robot.position).norm()) } else { 1.0 };
@@ -338,7 +340,7 @@ fn check(p: &Parameters, lengths: &Lengths) -> Result<(), ParameterError> {
 }
 
 impl MotorBehavior for Vfh {
-    /// It begins with the first goal again if it had arrived, and remembers nothing of what it saw before.
+    /// The tour begins with the first goal again if the robot had arrived; the memory of obstacles is empty.
     fn enter(&mut self, _: &mut StepContext<'_>) {
         self.goals.begin();
         self.sight.forget();

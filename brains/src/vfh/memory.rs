@@ -16,7 +16,7 @@ pub struct Memory {
     cell_m: f64,
     window_m: f64,
     forget_ns: u64,
-    /// By column and row.
+    /// The cells, by column and row.
     cells: BTreeMap<(i64, i64), Cell>,
     newest_ns: u64,
 }
@@ -24,9 +24,9 @@ pub struct Memory {
 /// A cell in which something is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cell {
-    /// When it came.
+    /// The instant at which the obstacle came.
     since_ns: u64,
-    /// When it was seen last.
+    /// The instant at which the obstacle was seen last.
     seen_ns: u64,
 }
 
@@ -48,7 +48,7 @@ impl Memory {
         }
         let (cell_m, window_m, forget_ns) = (self.cell_m, self.window_m, self.forget_ns);
         self.cells.retain(|&place, cell| {
-            // At an edge one ray goes past what another one meets.
+            // One ray goes past an edge that another one meets.
             if hits.contains(&place) {
                 return true;
             }
@@ -112,7 +112,7 @@ fn is_seen_through(scan: &Scan, place: Point, cell_m: f64) -> bool {
     if bearing < 0.0 || bearing > scan.opening_rad {
         return false;
     }
-    // Of a ray that met nothing the range is known to be free; of one that is not known nothing is.
+    // A ray that met nothing is free up to the range; an unknown ray gives nothing.
     let free_m = scan.distances_m.get(ray as usize).map_or(f64::NAN, |m| m.min(scan.range_m));
     let known_m =
         if scan.distances_m.get(ray as usize).is_some_and(|m| m.is_nan()) { f64::NAN } else { free_m };
@@ -157,7 +157,7 @@ mod tests {
         let mut memory = Memory::new(0.1, 2.0, 5.0);
         let walkers = |memory: &Memory| memory.walkers(|_| true).count();
         for i in 0..10 {
-            // To the left a post, and somebody who comes from ahead at 0.5 m/s.
+            // A post stands to the left, and a person comes from ahead at 0.5 m/s.
             let ahead_m = 1.2 - 0.05 * f64::from(i);
             let noise_m = 0.02 * f64::from(i % 2);
             let scan = scan([FREE, FREE, ahead_m, FREE, 1.05 + noise_m]);

@@ -1,7 +1,7 @@
 //! VFH+: to a goal among obstacles that no map has. Ulrich and Borenstein 1998, *VFH+: Reliable Obstacle Avoidance for Fast
 //! Mobile Robots*.
 //!
-//! From what the robot's sensors see to where it drives, in the paper's stages:
+//! The stages of the paper, from readings to the direction of driving:
 //!
 //! 1. [`Sight`] makes scans of readings, and [`Memory`] keeps what was seen as cells of a grid that moves with the robot.
 //! 2. [`Histogram`] has how much is in each direction, every cell as wide as the robot (primary polar histogram, Eqs. (1) to

@@ -18,7 +18,7 @@ pub struct Parameters {
     /// Names of sensors of the kinds `laser`, `sonar` and `ir`. Without them it is all lasers, of a robot without a laser all
     /// sonars, and of one without these all infra-red sensors.
     pub names: Vec<String>,
-    /// The opening of a sonar or an infra-red sensor, in radians, if it is not as its data sheet says.
+    /// The opening of a sonar or an infra-red sensor, in radians, if it is not as in its data sheet.
     pub cone_rad: Option<f64>,
     /// The constants of the infra-red sensors' readings c₁ / d² + c₂ (3.13).
     pub ir: Option<Infrared>,
@@ -30,7 +30,7 @@ pub struct Parameters {
 pub struct Infrared {
     /// c₁, in square metres.
     pub c1_m2: f64,
-    /// c₂.
+    /// The constant c₂.
     pub c2: f64,
 }
 
@@ -45,7 +45,7 @@ pub struct Sight {
 /// A scan, and whence it was taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seen {
-    /// When, in nanoseconds.
+    /// The instant, in nanoseconds.
     pub at_ns: u64,
     /// The view: all of it at that instant.
     pub scan: Scan,
@@ -53,19 +53,19 @@ pub struct Seen {
     pub world_from_robot: Pose,
 }
 
-/// A sensor that says one distance.
+/// A sensor that measures one distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cone {
     opening_rad: f64,
-    /// Those of an infra-red sensor; a sonar says metres.
+    /// The parameters of an infra-red sensor; the readings of a sonar are metres.
     infrared: Option<Infrared>,
 }
 
 impl Sight {
-    /// That of a robot with this body.
+    /// A `Sight` of a robot with this body.
     ///
     /// # Errors
-    /// If it has no such sensor, or something is missing that its data sheet does not say.
+    /// If it has no such sensor, or something is missing that its data sheet does not state.
     pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, ParameterError> {
         let mut sight = Self { lasers: Vec::new(), cones: Vec::new() };
         for i in chosen(parameters, body)? {
@@ -149,9 +149,9 @@ impl Cone {
 
 impl Infrared {
     /// The distance of an object by a reading, in metres: (3.13) the other way round, for a ray straight ahead. Rays
-    /// aside reflect less, so the true distance is rather less than more. Where nothing is, it is infinite. The
-    /// reading is the mean of the sensor's rays (3.12): one that is less than that of a whole hit at the range, and
-    /// more than nothing, is of something that a few rays meet, and nobody knows how far away.
+    /// aside reflect less, so the true distance is rather less than more. Where nothing is, it is infinite. The reading
+    /// is the mean of the sensor's rays (3.12): one that is less than that of a whole hit at the range, and more than
+    /// nothing, is of something that a few rays meet at an unknown distance.
     fn distance_m(&self, reading: f64, range_m: f64) -> f64 {
         let least = self.c1_m2 / (range_m * range_m) + self.c2;
         if reading.is_nan() {
@@ -198,7 +198,7 @@ fn fixed(sensor: &Sensor) -> Option<(f64, Pose)> {
 }
 
 fn cone(parameters: &Parameters, sensor: &Sensor) -> Result<Cone, ParameterError> {
-    // One ray alone does not say how wide a sensor opens.
+    // The opening of a sensor cannot be derived from one ray.
     let of_sheet = sensor.opening_rad.filter(|opening_rad| *opening_rad > 0.0).map(|rad| rad.min(PI));
     let opening_rad = parameters.cone_rad.or(of_sheet).unwrap_or(CONE_RAD);
     if !(opening_rad > 0.0 && opening_rad <= PI) {
@@ -215,7 +215,7 @@ fn cone(parameters: &Parameters, sensor: &Sensor) -> Result<Cone, ParameterError
     Ok(Cone { opening_rad, infrared: Some(constants.ok_or_else(missing)?) })
 }
 
-/// From the one that sees best to the one that sees least.
+/// The kinds of sensors, the most informative first.
 const KINDS: [SensorKind; 3] = [SensorKind::Laser, SensorKind::Sonar, SensorKind::Infrared];
 /// The opening of a sonar or an infra-red sensor without a figure for it, in radians.
 const CONE_RAD: f64 = 0.5;
@@ -263,7 +263,7 @@ mod tests {
         body
     }
 
-    /// It drives along x at 0.1 m/s, and its odometer says so ten times a second.
+    /// The robot drives along x at 0.1 m/s, and its odometer has a reading ten times a second.
     fn odometry(until_ns: u64) -> Odometry {
         let parameters = odometry::Parameters {
             half_track_m: 0.2,

@@ -1,4 +1,4 @@
-//! A robot whose wheels do at once what they are told, with a laser that sees pillars and a room's walls.
+//! A robot whose wheels obey commands at once, with a laser that sees pillars and a room's walls.
 
 use baudbot_brain::{Sweep, Turn};
 use baudbot_geometry::{Circle, Segment};
@@ -62,7 +62,7 @@ fn drive(vfh: &mut Vfh, map: &Map, mut pose: Pose) -> (f64, bool) {
     for i in 0..1200 {
         let turn = turn(&body, i * 100_000_000, &[Some(&scan(map, &pose))]);
         let (Signals { left, right }, _) = signals(vfh, &turn, pose);
-        // Between two scans it goes on as it was told.
+        // The robot goes on with its last command between two scans.
         for _ in 0..10 {
             pose.heading += (right - left) * 0.5 / 0.4 * 0.1 * DT_S;
             pose.position += pose.direction().vector() * ((left + right) * 0.25 * 0.1 * DT_S);
@@ -105,7 +105,7 @@ fn among_pillars_at_random_it_arrives_and_touches_nothing() {
     }
 }
 
-/// Somebody comes from the left at 0.5 m/s, across the path. Something of his size that stands there is passed.
+/// A person comes from the left at 0.5 m/s, across the path. An object of the same size that stands there is passed.
 #[test]
 fn who_walks_into_its_way_is_waited_for() {
     let last = |walks: bool| {

@@ -28,7 +28,7 @@ use crate::Chance;
 /// Parameters of an ant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// Its speed, in m/s.
+    /// The ant's speed, in m/s.
     pub speed_m_s: f64,
     /// The highest rate of turning, in rad/s.
     pub turn_rad_s: f64,
@@ -36,12 +36,12 @@ pub struct Parameters {
     pub steering_hz: f64,
     /// The rate at which it changes its rate of turning while it forages, per second.
     pub meander_hz: f64,
-    /// It searches once the vector home is shorter than this, in metres.
+    /// The search begins once the vector home is shorter than this, in metres.
     pub near_m: f64,
-    /// From one loop of the search to the next, in metres. Less than twice as far as it sees the nest, with room for
-    /// the corners that it cuts and for its compass.
+    /// The distance from one loop of the search to the next, in metres. Less than twice as far as it sees the nest,
+    /// with room for the corners that it cuts and for its compass.
     pub pitch_m: f64,
-    /// It is home if what it sees differs from the snapshot by less than this: see [`Snapshot::mismatch`].
+    /// The ant is home if its view differs from the snapshot by less than this: see [`Snapshot::mismatch`].
     pub match_below: f64,
 }
 
@@ -64,13 +64,13 @@ impl Default for Parameters {
 pub struct Sensed<'a> {
     /// The distance since the last step, in metres.
     pub distance_m: f64,
-    /// Its heading by its compass, in radians counter-clockwise.
+    /// The ant's heading by its compass, in radians counter-clockwise.
     pub heading_rad: f64,
     /// The bearings of landmarks, in radians to the left of its heading; in any order, the same ones as on leaving.
     pub landmarks_rad: &'a [f64],
-    /// It has found food.
+    /// Whether the ant has found food.
     pub food: bool,
-    /// It sees the nest.
+    /// Whether the ant sees the nest.
     pub nest: bool,
 }
 
@@ -81,13 +81,13 @@ pub enum Phase {
     Forage,
     /// Home by the vector.
     Return,
-    /// For the nest, which must be near.
+    /// The ant searches for the nest, which must be near.
     Search,
-    /// At the nest.
+    /// The ant is at the nest.
     Home,
 }
 
-/// An ant.
+/// An ant: its snapshot, its vector home and its activity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ant {
     parameters: Parameters,
@@ -113,7 +113,7 @@ impl Ant {
         }
     }
 
-    /// Its present activity.
+    /// The ant's present activity.
     pub fn phase(&self) -> Phase {
         self.phase
     }
@@ -123,7 +123,7 @@ impl Ant {
         self.path.home()
     }
 
-    /// Its motion for `dt_s` seconds. With its first step it takes its snapshot.
+    /// The ant's motion for `dt_s` seconds. The snapshot is taken in the first step.
     pub fn step(&mut self, sensed: &Sensed<'_>, dt_s: f64) -> Motion {
         self.path.face(sensed.heading_rad);
         self.path.walk(sensed.distance_m);

@@ -15,24 +15,24 @@ pub struct PathIntegrator {
 }
 
 impl Default for PathIntegrator {
-    /// At the nest, looking along the x axis.
+    /// A `PathIntegrator` at the nest, looking along the x axis.
     fn default() -> Self {
         Self { from_nest: Vector::zeros(), heading_rad: 0.0 }
     }
 }
 
 impl PathIntegrator {
-    /// It looks this way now, as its compass says, in radians.
+    /// Sets the heading by the compass, in radians.
     pub fn face(&mut self, heading_rad: f64) {
         self.heading_rad = heading_rad;
     }
 
-    /// It has turned to the left by so many radians.
+    /// Adds a turn to the left, in radians.
     pub fn turn(&mut self, turn_rad: f64) {
         self.heading_rad = angle::wrap(self.heading_rad + turn_rad);
     }
 
-    /// It has gone so many metres the way that it looks.
+    /// Adds a way in the direction of the present heading, in metres.
     pub fn walk(&mut self, distance_m: f64) {
         self.from_nest += Direction::from_angle(self.heading_rad).vector() * distance_m;
     }
@@ -71,8 +71,7 @@ mod tests {
         assert!((path.home() - Vector::new(0.0, -2.0)).norm() < 1e-15, "{}", path.home());
     }
 
-    /// By how much the vector is off to the side after so many steps straight on: the root of the mean square of
-    /// 1000 ants.
+    /// The error of the vector to the side after so many steps straight on: the root of the mean square of 1000 ants.
     fn error(steps: u32, step: impl Fn(&mut PathIntegrator, f64)) -> f64 {
         let mut chance = Chance::new(2, "ants");
         let squares = (0..1000).map(|_| {

@@ -22,8 +22,8 @@ impl Snapshot {
         Self { average: sum / landmarks_rad.len().max(1) as f64 }
     }
 
-    /// About the way from where this view was taken to where the other one was. Its length says how different the
-    /// views are, and not how far the way is.
+    /// A vector about along the way from the place of this view to that of the other one. Its length is the difference
+    /// of the views, and not the length of the way.
     pub fn displacement_to(&self, other: &Self) -> Vector {
         self.average - other.average
     }

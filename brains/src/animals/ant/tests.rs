@@ -15,7 +15,7 @@ struct Journey {
     /// Length of the way back by the vector, and how far from the nest it ended.
     return_m: f64,
     missed_m: f64,
-    /// The ant's last position, if it says that it is home.
+    /// The ant's last position, once its activity is to be at home.
     home: Option<Point>,
 }
 

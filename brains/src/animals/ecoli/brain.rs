@@ -123,7 +123,7 @@ impl EColiBrain {
         let Parameters { decay_hz, gain_hz, threshold, .. } = self.parameters;
         let fresh = EColi::new(CellParameters { decay_hz, gain_hz, threshold }, self.sense.mean());
         let cell = self.cell.get_or_insert(fresh);
-        // After a longer pause than that the memory has settled.
+        // The memory has settled after a longer pause than that.
         let dt_s = (at_ns.saturating_sub(self.felt_ns) as f64 * 1e-9).min(1.0 / decay_hz);
         self.wanted = cell.step(self.sense.mean(), dt_s);
         self.felt_ns = at_ns;

@@ -16,7 +16,7 @@ use crate::parameter::Parameter;
 /// The robot's parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// The larva.
+    /// The parameters of the larva as a model, which the robot follows.
     pub larva: LarvaParameters,
     /// Speed of the robot with the signal 1, in m/s; that of ARSim's robot by default.
     pub full_speed_m_s: f64,
@@ -89,7 +89,7 @@ pub struct LarvaBrain {
     wheels: WheelCommands,
     larva: Larva,
     turn_rad_s: f64,
-    /// Until when it turns about.
+    /// The instant until which the larva turns about.
     about_until_ns: u64,
 }
 
@@ -198,7 +198,7 @@ mod tests {
         let about = step(200, 1.0);
         assert!(about.left < 0.0 && about.left == -about.right);
         assert_eq!(step(2000, 0.0), about);
-        // At 1 rad/s half a turn takes 2.6 s to 3.6 s.
+        // Half a turn at 1 rad/s takes 2.6 s to 3.6 s.
         assert_eq!(step(4000, 0.0), ahead);
     }
 

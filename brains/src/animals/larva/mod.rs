@@ -41,7 +41,7 @@ pub struct Parameters {
     pub full_contrast: f64,
     /// τ_fatigue, in seconds: so long it can turn with all its might. Infinite for a reflex that does not tire.
     pub fatigue_s: f64,
-    /// τ_recovery, in seconds.
+    /// The time constant of recovery τ_recovery, in seconds.
     pub recovery_s: f64,
     /// The swing of its head to either side, in radians.
     pub swing_rad: f64,
@@ -88,7 +88,7 @@ impl Larva {
         self.swing.angle_rad()
     }
 
-    /// Its motion for `dt_s` seconds with so much light on its left and on its right.
+    /// The larva's motion for `dt_s` seconds with so much light on its left and on its right.
     pub fn step(&mut self, light: Sides, dt_s: f64) -> Motion {
         let p = self.parameters;
         let contrast = contrast(light);
@@ -135,7 +135,7 @@ mod tests {
         cos.max(0.0) / to_lamp.norm_squared()
     }
 
-    /// That on an eye that looks to the left, or to the right if negative.
+    /// The light on an eye whose direction is this bearing: to the left, or to the right if negative.
     fn seen(pose: &Pose, bearing_rad: f64) -> f64 {
         light(&pose.compose(&Pose::new(0.0, 0.0, bearing_rad)))
     }
@@ -159,7 +159,8 @@ mod tests {
         for step in [two_eyes, one_eye] {
             for i in 0..16 {
                 let mut larva = Larva::new(Parameters::default());
-                // From nearly towards the lamp to away from it: a larva that looks straight at it sees no contrast.
+                // The headings go from nearly towards the lamp to away from it: a larva that points straight at it sees
+                // no contrast.
                 let mut pose = Pose::new(1.0, 0.0, PI - 0.2 - 0.38 * f64::from(i));
                 for _ in 0..2500 {
                     pose = moved(&pose, step(&mut larva, &pose));
@@ -172,8 +173,8 @@ mod tests {
         }
     }
 
-    /// When a larva leaves a tunnel of 1 m with a dead end; `None` if it does not within five minutes. The walls
-    /// hold its body within 0.8 rad of their direction, and at the end they turn it about.
+    /// The time, in seconds, after which a larva leaves a tunnel of 1 m with a dead end; `None` if it does not within
+    /// five minutes. The walls hold its body within 0.8 rad of their direction, and at the end they turn it about.
     fn leaves_tunnel_after_s(parameters: Parameters) -> (Option<f64>, f64) {
         let mut larva = Larva::new(parameters);
         // The lamp is 0.2 m in front of the entrance.

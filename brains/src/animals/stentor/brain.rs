@@ -18,7 +18,7 @@ use crate::parameter::Parameter;
 /// The robot's parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// The model.
+    /// The parameters of the cell as a model, which the robot follows.
     pub cell: CellParameters,
     /// X for each unit of what the sensors feel. The model's constants suit an X up to 1 or so.
     pub sensitivity: f64,
@@ -112,7 +112,7 @@ pub struct StentorBrain {
     wheels: WheelCommands,
     cell: Stentor,
     behaviour: Behaviour,
-    /// To the left if positive.
+    /// The rate of turning, in rad/s; to the left if positive.
     turn_rad_s: f64,
 }
 
@@ -207,7 +207,7 @@ const NAMES: [(Behaviour, &str); 5] = [
     (Behaviour::Detach, "detach"),
 ];
 
-/// A fifth of the least time constant that a Stentor has unless told otherwise.
+/// A fifth of the least time constant that a Stentor has by default.
 const LONGEST_STEP_S: f64 = 0.05;
 
 #[cfg(test)]
@@ -223,7 +223,7 @@ mod tests {
         StentorBrain::new(parameters, Chance::new(1, "alice/stentor"), body).unwrap()
     }
 
-    /// Its behaviours in turn for so many seconds, from the middle of something noxious, and its last distance.
+    /// The behaviours in turn for so many seconds, from the middle of something noxious, and the last distance from it.
     fn escapes(seconds: f64, strength: f64) -> (Vec<Behaviour>, f64) {
         let body = body(&[("skin", "field", 0.0)]);
         let mut brain = brain(&body);

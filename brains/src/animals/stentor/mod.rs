@@ -22,15 +22,15 @@ use crate::decision::utility::greatest;
 /// A behaviour of a Stentor, in the order of costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Behaviour {
-    /// B₁.
+    /// The behaviour B₁.
     Feed,
-    /// B₂.
+    /// The behaviour B₂.
     TurnAway,
-    /// B₃.
+    /// The behaviour B₃.
     ReverseCilia,
-    /// B₄.
+    /// The behaviour B₄.
     Contract,
-    /// B₅.
+    /// The behaviour B₅.
     Detach,
 }
 
@@ -70,7 +70,7 @@ impl Stentor {
         Self { feeding, avoidance }
     }
 
-    /// U₁ to U₅.
+    /// The utilities U₁ to U₅.
     pub fn utilities(&self) -> [f64; 5] {
         let [u2, u3, u4, u5] = self.avoidance.map(|integrator| integrator.value);
         [self.feeding, u2, u3, u4, u5]
@@ -157,7 +157,7 @@ mod tests {
             for (time, figure) in times[1..].iter().zip([0.37, 1.71, 3.35, 5.13]) {
                 assert!((time - figure).abs() < 0.02, "{dt_s}: {time} instead of {figure}");
             }
-            // From then on the mild ones are skipped.
+            // The mild behaviours are skipped after the first four.
             let rest = &behaviours[4..];
             assert!(rest.len() > 6, "{rest:?}");
             assert!(

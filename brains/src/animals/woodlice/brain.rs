@@ -11,7 +11,7 @@ use crate::parameter::Parameter;
 /// The robot's parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// The louse.
+    /// The parameters of the louse as a model, which the robot follows.
     pub louse: LouseParameters,
     /// Speed of the robot with the signal 1, in m/s; that of ARSim's robot by default.
     pub full_speed_m_s: f64,

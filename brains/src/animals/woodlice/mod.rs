@@ -51,7 +51,7 @@ impl Woodlouse {
         Self { parameters, turn_rate_rad_s: 0.0 }
     }
 
-    /// Its speed at a humidity, in m/s.
+    /// The woodlouse's speed at a humidity, in m/s.
     pub fn speed_m_s(&self, humidity: f64) -> f64 {
         let p = self.parameters;
         // Never a division by 0: without a range it changes at a step.
@@ -60,7 +60,7 @@ impl Woodlouse {
         p.dry_speed_m_s + part * (p.damp_speed_m_s - p.dry_speed_m_s)
     }
 
-    /// Its motion for `dt_s` seconds.
+    /// The woodlouse's motion for `dt_s` seconds.
     pub fn step(&mut self, humidity: f64, dt_s: f64, chance: &mut Chance) -> Motion {
         if chance.happens(self.parameters.turn_hz * dt_s) {
             self.turn_rate_rad_s = self.parameters.turn_rad_s * (2.0 * chance.uniform() - 1.0);

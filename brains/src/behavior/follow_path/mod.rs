@@ -38,10 +38,10 @@ pub struct Parameters {
     /// A goal is reached within this distance, in metres.
     #[serde(default = "reached_m")]
     pub reached_m: f64,
-    /// It replans if it is farther from its path than this, in metres.
+    /// The path is planned again if the robot is farther from it than this, in metres.
     #[serde(default = "stray_m")]
     pub stray_m: f64,
-    /// After the last goal comes the first again.
+    /// The first goal comes again after the last.
     #[serde(default)]
     pub again: bool,
     /// The gains and speeds of its steering.
@@ -66,26 +66,26 @@ fn stray_m() -> f64 {
 pub struct FollowPath {
     floor: Floor,
     goals: Goals,
-    /// To each goal the path from the one before it; to the first one that from the last, if it goes round.
+    /// The path to each goal from the one before it; to the first one that from the last, if it goes round.
     paths: Vec<Option<Vec<Point>>>,
     helm: Helm,
     half_track_m: f64,
     look_ahead_m: f64,
     stray_m: f64,
-    /// To which goal, by its place, and the way there.
+    /// The goal, by its place, and the way there.
     pursuit: Option<(usize, Pursuit)>,
     /// A path that is being planned: to which goal, and from where.
     planned: Option<(usize, Point)>,
     search: ThetaStar,
-    /// It has found no path to this goal, and tries again at this instant.
+    /// The goal to which there was no path, and the instant of the next attempt.
     retry: Option<(usize, u64)>,
 }
 
 impl FollowPath {
-    /// For a robot with this body.
+    /// A `FollowPath` for a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense, a goal is too near to a wall, or no path leads from one goal to the next.
+    /// If the parameters are invalid, a goal is too near to a wall, or no path leads from one goal to the next.
     pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, ParameterError> {
         let p = parameters;
         p.steering.check()?;
@@ -198,7 +198,8 @@ fn paths(floor: &Floor, goals: &[Point], again: bool) -> Result<Vec<Option<Vec<P
 }
 
 impl MotorBehavior for FollowPath {
-    /// It begins with the first goal again if it had arrived; a tour that was interrupted goes on, on a new path.
+    /// The tour begins with the first goal again if the robot had arrived; one that was interrupted goes on, on a new
+    /// path.
     fn enter(&mut self, _: &mut StepContext<'_>) {
         self.goals.begin();
         (self.pursuit, self.planned, self.retry) = (None, None, None);

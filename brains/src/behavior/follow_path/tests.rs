@@ -1,4 +1,4 @@
-//! A robot whose wheels do at once what they are told, and which knows where it is.
+//! A robot whose wheels obey commands at once, and which knows where it is.
 
 use super::*;
 use crate::estimate::Estimate;
@@ -15,7 +15,7 @@ fn made(more: &str) -> Result<FollowPath, String> {
     FollowPath::new(&parameters, &body(&[])).map_err(|error| error.to_string())
 }
 
-/// One step at this pose: the wheels' speeds, in metres a second, and what it says.
+/// One step at this pose: the wheels' speeds, in metres a second, and the stated intention.
 fn step(follow: &mut FollowPath, pose: Pose, at_ns: u64) -> ([f64; 2], Beliefs) {
     let mut beliefs = Beliefs { pose: Some(Estimate::exact(pose)), ..Beliefs::default() };
     let turn = turn(&body(&[]), at_ns, &[]);
@@ -99,7 +99,7 @@ fn the_way_to_a_next_goal_is_known_and_one_from_elsewhere_is_planned_in_parts() 
     let mut follow = made(goals).unwrap();
     let (_, beliefs) = step(&mut follow, Pose::new(0.5, 0.51, 0.0), 0);
     assert_eq!((beliefs.path.last(), beliefs.path.len() > 2), (Some(&Point::new(3.5, 0.5)), true));
-    // Pushed away it stands for some steps, and says why.
+    // A robot that is pushed away stands for some steps, and states the reason.
     let pushed = Pose::new(1.4, 0.6, 0.0);
     let planning = (1..200).take_while(|i| {
         let ([left, right], beliefs) = step(&mut follow, pushed, i * 20_000_000);
@@ -130,7 +130,7 @@ fn a_goal_to_which_no_way_leads_is_named() {
     assert_eq!(problem("goals_m = [[1, 1]]\nlook_ahead_m = 0"), "look_ahead_m: must be positive, is 0");
     assert_eq!(problem("goals_m = [[1, 1]]\nclearance_m = -1"), "clearance_m: must not be negative, is -1");
     assert!(problem("goals_m = [[1, 1]]\nmethod = \"magic\"").contains("is `magic`"));
-    // Of the first goal only the robot can tell, which then stands and says so.
+    // Only the robot can notice a fault of the first goal; it then stands, and states the reason.
     let mut follow = made("goals_m = [[3.5, 2.5]]").unwrap();
     let said: Vec<_> = (0..20)
         .map(|_| {

@@ -22,17 +22,17 @@ pub struct ExploreFloor {
     scout: Scout,
     scanner: Scanner,
     scan: Option<PlacedScan>,
-    /// The instant of odometry's newest reading, and when that was heard.
+    /// The instant of odometry's newest reading, and that of its arrival.
     heard_ns: Option<(u64, u64)>,
-    /// It has just been activated, and the motors do what another wanted.
+    /// The behaviour has just been activated, and the motors still have the signals of another.
     is_new: bool,
 }
 
 impl ExploreFloor {
-    /// For a robot with this body, by its first laser that sits on that.
+    /// An `ExploreFloor` for a robot with this body, by its first laser that sits on that.
     ///
     /// # Errors
-    /// If a parameter makes no sense, or the robot has no laser of which scans can be made.
+    /// If a parameter is invalid, or the robot has no laser of which scans can be made.
     pub fn new(mut parameters: Parameters, body: &Body) -> Result<Self, ParameterError> {
         if parameters.slam != 0.0 {
             let problem = "a process of kind `slam` beside this one makes the map";

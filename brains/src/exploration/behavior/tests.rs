@@ -22,7 +22,8 @@ fn made(toml: &str) -> Result<ExploreFloor, String> {
     ExploreFloor::new(parameters, &robot()).map_err(|error| error.to_string())
 }
 
-/// Its step at this instant, with a new scan of a round room if `is_seen`, for a robot whose odometry has come to `known_ns`.
+/// The behaviour's step at this instant, with a new scan of a round room if `is_seen`, for a robot whose odometry has
+/// come to `known_ns`.
 fn step(
     explore: &mut ExploreFloor,
     at_ns: u64,
@@ -70,7 +71,7 @@ fn it_stands_while_nobody_says_where_it_is() {
         (signals, beliefs.intention)
     };
     assert_eq!(said(10 * MS, None), lost);
-    // A reading that was long on its way is a reading.
+    // A reading that was long on its way counts as one all the same.
     assert_eq!(said(700 * MS, Some(100 * MS)).1, "waits for a scan");
     assert_eq!(said(1200 * MS, Some(100 * MS)).0, None);
     assert_eq!(said(1201 * MS, Some(100 * MS)), lost);

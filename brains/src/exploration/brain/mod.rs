@@ -35,12 +35,12 @@ pub struct Explore {
     stale_ns: u64,
     scout: Scout,
     scanner: Scanner,
-    /// The last one.
+    /// The last scan.
     scan: Option<PlacedScan>,
     /// Time that a command takes on the wire.
     command_ns: u64,
     wheels: odometry::Parameters,
-    /// `None` until the odometer has said where it is.
+    /// `None` before the odometer's first pose.
     odometry: Option<Odometry>,
     /// The corrections of the odometer, and its map; `None` if the odometer is believed.
     slam: Option<(Slam, Occupancy)>,
@@ -81,7 +81,7 @@ impl Explore {
         self.scout.command()
     }
 
-    /// Takes in what is new; says whether the odometer had news.
+    /// Takes in what is new; returns whether the odometer had news.
     fn look(&mut self, turn: &Turn) -> bool {
         if self.odometry.is_none() {
             self.odometry = Odometry::starting(self.wheels, turn, ODOMETER, None);
@@ -157,7 +157,7 @@ impl Brain for Explore {
         self.has_news |= self.look(turn);
         self.pace.hear(turn);
         let action = self.act(turn);
-        // It may have become blind by then.
+        // The sensors may have become silent by then.
         let latest_ns = turn.at_ns.saturating_add(self.command_ns.max(REPEAT_NS));
         let next_ns = self.pace.next_ns(turn.at_ns, false);
         action.until_message_or(next_ns.clamp(turn.at_ns.saturating_add(1), latest_ns))
@@ -178,5 +178,5 @@ fn slam(parameters: &Parameters) -> Option<(Slam, Occupancy)> {
     Some((slam, grid))
 }
 
-/// Variance of what the odometer says a wheel has gone, in square metres for each metre, if it is corrected.
+/// Variance of a wheel's way by the odometer, in square metres for each metre, if it is corrected.
 const WHEELS_M2_PER_M: f64 = 1e-3;

@@ -41,7 +41,7 @@ pub struct Parameters {
     pub near_m: f64,
     /// An infra-red reading from which something is near.
     pub near_reading: f64,
-    /// After so long without a reading of the odometer it stands still, in seconds.
+    /// The time without a reading of the odometer after which the robot stands still, in seconds.
     pub stale_s: f64,
 }
 
@@ -57,7 +57,7 @@ impl Parameters {
         let nodes = nodes::Parameters::of_body(radius_m);
         let or = |set: f64, of_body: f64| if set > 0.0 { set } else { of_body };
         let distance_m = or(self.distance_m, nodes.placement.distance_m);
-        // Those follow the distance, whoever says what that is.
+        // The nodes' distances follow from this one, whatever its source.
         let times = distance_m / nodes.placement.distance_m;
         Self {
             distance_m,

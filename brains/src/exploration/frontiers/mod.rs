@@ -47,7 +47,7 @@ pub struct Frontiers {
     /// The number of times that the bumps were forgotten.
     forgotten: usize,
     given_up: BTreeSet<Cell>,
-    /// To these it did not get.
+    /// The cells that the robot did not get to.
     missed: BTreeSet<Cell>,
     /// The number of times that each cell to which a plan led was no longer part of the edge.
     resolved: BTreeMap<Cell, usize>,
@@ -130,7 +130,7 @@ impl Explorer for Frontiers {
         let dark = Dark::new(&self.grid, self.parameters.wide_m());
         let wanted = dark.edge(|cell| self.given_up.contains(cell));
         let reached: Vec<_> = self.floor(&dark, here, &self.bumps).search(here.position).collect();
-        // These cells can be reached, and were not.
+        // The wanted cells can be reached, and were not.
         self.missed.extend(&wanted);
         let left_out = self.left_out(here, &dark, &wanted, &reached);
         self.state = State::Ended(Command::Done(left_out));
@@ -172,7 +172,7 @@ impl Frontiers {
         }
     }
 
-    /// Puts a new scan into the grid, and gives up a plan that is no good after it. Says whether there was one.
+    /// Puts a new scan into the grid, and gives up a plan that is no good after it. Returns whether there was one.
     pub(super) fn remember(&mut self, input: &Input<'_>) -> bool {
         let Some(scan) = input.scan.filter(|scan| self.last_scan.as_ref() != Some(scan)) else {
             return false;
@@ -346,10 +346,10 @@ pub(super) const HERE: f64 = 0.25;
 /// Beyond half a path so much room is as good as any.
 const EASE: f64 = 0.5;
 
-/// Of a cell, in cells, and a little more.
+/// Half the diagonal of a cell, in cells, and a little more.
 const HALF_DIAGONAL: f64 = 0.71;
 
-/// By so much less room a path is not closed that was open.
+/// A path that was open is not closed by a loss of room below this.
 const NOISE: f64 = 0.05;
 
 /// The radius, in metres, within which other cells are given up with a cell.

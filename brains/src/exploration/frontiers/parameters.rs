@@ -16,14 +16,14 @@ pub struct Parameters {
 }
 
 impl Default for Parameters {
-    /// Those of a robot of 0.4 m.
+    /// The `Parameters` of a robot of 0.4 m.
     fn default() -> Self {
         Self::of_body(0.2)
     }
 }
 
 impl Parameters {
-    /// Those of a robot with this radius, in metres.
+    /// The `Parameters` of a robot with this radius, in metres.
     #[must_use]
     pub fn of_body(radius_m: f64) -> Self {
         Self { cell_m: CELL * radius_m, radius_m, view_m: VIEW * radius_m, attempts: 2 }
@@ -50,7 +50,7 @@ impl Parameters {
 
 /// Side of a cell, in radii of the body, as are all lengths here that are not in metres.
 const CELL: f64 = 0.125;
-/// From so far dark cells are viewed.
+/// The distance from which dark cells are viewed.
 const VIEW: f64 = 5.0;
 /// Room beside the robot on its way: what it drives beside the straight line, a twentieth, and what the end of a wall may
 /// reach beyond where its last cell was met, half a cell.

@@ -29,7 +29,7 @@ fn a_room_is_seen_from_30_random_starts_almost_without_driving() {
     assert!(most < 5.0, "mean {mean} m, most {most} m");
 }
 
-/// By nodes it takes 78 m on average, and so 35 m.
+/// The path by nodes takes 78 m on average, and so 35 m.
 #[test]
 fn an_office_is_seen_on_less_than_six_tenths_of_the_way_that_nodes_take() {
     let (x, y, heading) = FIXED;

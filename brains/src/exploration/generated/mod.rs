@@ -1,4 +1,4 @@
-//! Arenas that nobody has drawn: rooms, offices and corridors with tables and pillars, each chosen by a number.
+//! Random arenas: rooms, offices and corridors with tables and pillars, each chosen by a number.
 //!
 //! They are for tests of explorers, here and of the whole system, and no part of what this crate promises.
 
@@ -12,20 +12,20 @@ mod tests;
 /// A corridor's course.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Course {
-    /// Straight on, 8 m long.
+    /// A straight corridor, 8 m long.
     Straight,
     /// 8 m, round a corner, and 6 m.
     Bent,
     /// A spine with four teeth of 3 m.
     Comb,
-    /// Inwards, round eight corners.
+    /// A spiral inwards, round eight corners.
     Spiral,
     /// 8 m, and 5 m from its middle.
     Branching,
 }
 
 impl Course {
-    /// All of them.
+    /// All courses.
     pub const ALL: [Self; 5] = [Self::Straight, Self::Bent, Self::Comb, Self::Spiral, Self::Branching];
 }
 
@@ -34,9 +34,9 @@ impl Course {
 pub struct Plan {
     /// Width and height, with one corner at the origin, in metres.
     pub size_m: (f64, f64),
-    /// From one point to another: x, y, x, y, in metres. Those around the whole are not among them.
+    /// Walls from one point to another: x, y, x, y, in metres. Those around the whole are not among them.
     pub walls: Vec<[f64; 4]>,
-    /// Polygons, in metres.
+    /// The boxes as polygons, in metres.
     pub boxes: Vec<Vec<Point>>,
     chance: Chance,
 }
@@ -105,7 +105,7 @@ impl Plan {
     fn empty(number: u64) -> Self {
         let mut chance = Chance::new(number, "arena");
         let size_m = (between(&mut chance, 5.0, 12.0), between(&mut chance, 4.0, 9.0));
-        // To whole cells of the floor that is counted.
+        // The size is rounded to whole cells of the floor that is counted.
         let size_m = ((size_m.0 * 10.0).round() / 10.0, (size_m.1 * 10.0).round() / 10.0);
         Self { size_m, walls: vec![], boxes: vec![], chance }
     }
@@ -189,7 +189,7 @@ fn between(chance: &mut Chance, least: f64, most: f64) -> f64 {
 
 const DOORS_M: [f64; 5] = [0.6, 0.7, 0.8, 1.0, 1.2];
 const CORRIDORS_M: [f64; 5] = [0.9, 1.0, 1.2, 1.5, 2.0];
-/// What is solid between two teeth of a comb.
+/// The width of the solid part between two teeth of a comb.
 const TOOTH_GAP_M: f64 = 0.5;
 /// Room that there is at least between things.
 const PASSAGE_M: f64 = 0.9;

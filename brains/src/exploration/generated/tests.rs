@@ -10,7 +10,7 @@ fn arena(number: u64) -> Arena {
     Arena::new(size_m, &walls, boxes, vec![])
 }
 
-/// Explores arenas from a start each, and says which ended badly.
+/// Explores arenas from a start each, and returns which ended badly.
 fn explore<E: Explorer>(numbers: std::ops::Range<u64>, new: impl Fn() -> E) -> Vec<(u64, Run)> {
     let run = |number| {
         let arena = arena(number);

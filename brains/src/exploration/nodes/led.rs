@@ -14,7 +14,7 @@ impl Nodes {
         State::Led { ended: self.map.ended(), leg: None }
     }
 
-    /// Goes where the map says, until it has looked at something; then places nodes there.
+    /// Follows the path of the map until the target has been seen; then places nodes there.
     pub(super) fn follow(&mut self, input: &Input<'_>, ended: usize, leg: Option<Point>) -> Option<Command> {
         let here = &input.world_from_robot;
         let command = self.map.step(input);
@@ -30,7 +30,7 @@ impl Nodes {
         (!has_looked).then_some(command)
     }
 
-    /// It is here, on a straight path from the active node: at a node that is here, or a new one.
+    /// The robot is here, on a straight path from the active node: at a node that is here, or a new one.
     fn pass(&mut self, here: &Pose) {
         let is_here = |node: &usize| self.distance(here, *node) <= self.parameters.reach_m();
         let known = self.graph.having(Status::Completed).find(is_here);

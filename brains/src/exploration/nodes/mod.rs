@@ -50,10 +50,10 @@ pub struct Nodes {
     parameters: Parameters,
     graph: Graph,
     map: Frontiers,
-    /// The last node.
+    /// The place of the node that the robot reached last.
     active: usize,
     target: Option<usize>,
-    /// From these nodes the direct way to the target was not to be gone.
+    /// The nodes from which the direct way to the target was not passable.
     not_directly_from: Vec<usize>,
     /// The nodes that it could not reach since it was at the active node.
     tried: Vec<usize>,
@@ -69,26 +69,26 @@ pub struct Nodes {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum State {
     Start,
-    /// At the active node, to place others around it and to see which can be gone to, once it faces this path; and then the
-    /// same of what is behind it, if there is `more`.
+    /// The robot is at the active node, to place others around it and to see which can be gone to, once it faces this
+    /// path; and then the same of what is behind it, if there is `more`.
     LookRound {
         heading_rad: f64,
         more: bool,
     },
-    /// At the active node, which is new, to place others around it.
+    /// The robot is at the active node, which is new, to place others around it.
     Place,
-    /// At a node or on the way.
+    /// The robot is at a node or on the way, and the next command is to be chosen.
     Decide,
-    /// Looks whether the direct way to a node is clear.
+    /// Checks whether the direct way to a node is clear.
     Look {
         node: usize,
     },
-    /// Goes by the map, after it has looked so often, to the end of a straight path.
+    /// Follows the map to the end of a straight path, after so many checks of the direct way.
     Led {
         ended: usize,
         leg: Option<Point>,
     },
-    /// Somewhere, after something else has driven the robot.
+    /// The robot is somewhere, after something else has driven it.
     Resume,
     Go(Leg),
     Ended(Command),
@@ -277,7 +277,7 @@ impl Nodes {
         None
     }
 
-    /// As [`place`](Self::place), and joins the active node with those to which a path is seen to be clear.
+    /// The same as [`place`](Self::place), and joins the active node with those to which a path is seen to be clear.
     fn look_round(&mut self, input: &Input<'_>, heading_rad: f64, more: bool) -> Option<Command> {
         if let Some(turn) = self.place(input, heading_rad) {
             return Some(turn);
@@ -293,7 +293,7 @@ impl Nodes {
         None
     }
 
-    /// Faces a node, and goes there if the scan says that it can.
+    /// Faces a node, and goes there if the scan shows a free way.
     fn look(&mut self, input: &Input<'_>, node: usize) -> Option<Command> {
         let here = &input.world_from_robot;
         if let Some(turn) = turn(here, heading_to(here, self.graph.place(node))) {

@@ -10,20 +10,20 @@ pub struct Parameters {
     pub placement: Placement,
     /// The greatest distance of a target that is gone to directly, L, in metres: at most the laser's range.
     pub sight_m: f64,
-    /// Those of the map.
+    /// The parameters of the map.
     pub map: frontiers::Parameters,
 }
 
 impl Default for Parameters {
-    /// Those of a robot of 0.4 m.
+    /// The `Parameters` of a robot of 0.4 m.
     fn default() -> Self {
         Self::of_body(0.2)
     }
 }
 
 impl Parameters {
-    /// Those of a robot with this radius, in metres. Rooms do not become smaller with the robot, so that nodes are half a metre away at
-    /// least.
+    /// The `Parameters` of a robot with this radius, in metres. Rooms do not become smaller with the robot, so that
+    /// nodes are half a metre away at least.
     #[must_use]
     pub fn of_body(radius_m: f64) -> Self {
         let map = frontiers::Parameters::of_body(radius_m);

@@ -52,7 +52,7 @@ impl Nodes {
         pending.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, node)| node)
     }
 
-    /// From the active node on; `None` if there is no path to the target.
+    /// The state from the active node on; `None` if there is no path to the target.
     fn leave(&self, here: &Pose, target: usize, paths: &Paths) -> Option<State> {
         let next = paths.next(self.active);
         let is_near = self.distance(here, target) <= self.parameters.sight_m;
@@ -71,8 +71,8 @@ impl Nodes {
         Some(State::Go(leg))
     }
 
-    /// From between two nodes on: to a node in sight from which there is a path to the target, or else back, since there
-    /// may be more to be seen; `None` if it can do neither.
+    /// The state from between two nodes on: to a node in sight from which there is a path to the target, or else back,
+    /// since there may be more to be seen; `None` if it can do neither.
     fn rejoin(&self, here: &Pose, target: usize, paths: &Paths) -> Option<State> {
         let in_sight = |node: &usize| self.distance(here, *node) <= self.parameters.sight_m;
         let nodes = self.graph.having(Status::Completed).chain([target]);

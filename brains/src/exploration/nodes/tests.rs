@@ -111,7 +111,7 @@ fn an_arena_without_walls_is_given_up() {
                 distances_m: vec![f64::INFINITY; 41],
             },
         );
-        // It is at once where it wants to be.
+        // The simulated robot carries each command out at once.
         match nodes.step(&Input { world_from_robot: here, scan: Some(&scan), near: false }) {
             Command::Turn { heading_rad } => here.heading = heading_rad,
             Command::Drive { to } => here.position = to,

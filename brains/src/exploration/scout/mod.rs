@@ -1,4 +1,4 @@
-//! A robot that explores, once somebody says where it is: what it feels, and signals for what its explorer wants.
+//! A robot that explores, once its pose is known: its readings, and signals for the commands of its explorer.
 //!
 //! Turns and ways become motor signals by proportional control of heading and speed, closed over the believed pose.
 //!
@@ -37,17 +37,17 @@ pub(super) struct Scout {
     /// Since when something has been near.
     near_since: Option<u64>,
     watch: Watch,
-    /// When it was last asked whether the explorer gets on.
+    /// The instant of the last check that the explorer makes progress.
     watched_ns: Option<u64>,
     /// The last scan, and when it came.
     scan: Option<(PlacedScan, u64)>,
-    /// The greatest speed that somebody who walks leaves it, in metres a second.
+    /// The greatest speed that is safe with people near, in metres a second.
     safe_m_s: f64,
     command: Command,
 }
 
 impl Scout {
-    /// That of a robot with this body, and a laser of this range.
+    /// A `Scout` of a robot with this body, and a laser of this range.
     pub(super) fn new(parameters: Parameters, body: &Body, range_m: f64) -> Self {
         let parameters = parameters.of_body(body.radius_m);
         let near = Near { near_m: parameters.near_m, near_reading: parameters.near_reading };
@@ -131,12 +131,12 @@ impl Scout {
         self.safe_m_s = walkers::safe_m_s(self.explorer.grid(), scan, here, body, age_s);
     }
 
-    /// Somebody walks so near that it may not drive.
+    /// A person is so near that the robot may not drive.
     fn waits_for_somebody(&self) -> bool {
         self.safe_m_s < CRAWL_M_S
     }
 
-    /// It stands, for another reason than its own.
+    /// The robot stands for a reason outside of exploration.
     pub(super) fn pause(&mut self) {
         self.driving_since = None;
     }
@@ -159,7 +159,7 @@ impl Scout {
         matches!(self.command, Command::Wait)
     }
 
-    /// Its present activity, in words.
+    /// The robot's present activity, in words.
     pub(super) fn intention(&self) -> String {
         match self.command {
             Command::Wait => "waits for a scan".to_owned(),
@@ -236,7 +236,7 @@ impl Scout {
     }
 }
 
-/// Whether a scan shows what a sonar heard.
+/// Whether a scan contains the object of a sonar's echo.
 fn shows(scan: &PlacedScan, here: &Pose, echo: &Echo) -> bool {
     let world_from_sonar = here.compose(&echo.robot_from_sensor);
     scan.ends().any(|(end, met)| {

@@ -13,11 +13,11 @@ use crate::exploration::Goal;
 /// The result of watching.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// It gets on, or there is time yet.
+    /// The robot makes progress, or there is time yet.
     GoesOn,
-    /// It does not get to its goal.
+    /// The robot does not get to its goal.
     Abandon,
-    /// It does not get on at all.
+    /// The robot makes no progress at all.
     Ends,
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Watch {
     tried: BTreeMap<(i64, i64), Tried>,
     /// The area of the floor that was known when it last got on, in square metres.
     known_m2: f64,
-    /// For how long it has not got on, in seconds.
+    /// The time for which it has made no progress, in seconds.
     quiet_s: f64,
 }
 
@@ -48,13 +48,14 @@ struct Tried {
 }
 
 impl Watch {
-    /// For a robot with this radius, in metres, that drives at this speed, in metres a second, where it has room.
+    /// A `Watch` for a robot with this radius, in metres, that drives at this speed, in metres a second, where it has
+    /// room.
     pub(super) fn new(radius_m: f64, speed_m_s: f64) -> Self {
         let speed_m_s = SLOW * speed_m_s;
         Self { side_m: 2.0 * radius_m, speed_m_s, tried: BTreeMap::new(), known_m2: 0.0, quiet_s: 0.0 }
     }
 
-    /// So many seconds have passed with this goal, and so much of the floor is known, in square metres.
+    /// Notes the time with this goal, and the known part of the floor, in square metres.
     pub(super) fn look(&mut self, passed_s: f64, goal: Option<Goal>, known_m2: f64) -> Verdict {
         self.quiet_s += passed_s;
         if known_m2 > self.known_m2 + self.side_m * self.side_m {
@@ -99,7 +100,7 @@ const SLOW: f64 = 0.5;
 const GRACE_S: f64 = 20.0;
 /// A goal to which the robot has not come nearer for so many seconds is given up.
 const QUIET_S: f64 = 15.0;
-/// A robot that has not got on for so many seconds ends.
+/// The time without progress after which a robot ends, in seconds.
 const PATIENCE_S: f64 = 45.0;
 
 #[cfg(test)]
@@ -108,7 +109,8 @@ mod tests {
 
     use super::*;
 
-    /// When a robot gives up for the first time that has these goals and this way left at an instant, in seconds, and when it ends.
+    /// The instants at which a robot with these goals and this way left at an instant, in seconds, first abandons a
+    /// goal, and at which it ends.
     fn ends(goal: impl Fn(f64) -> (f64, f64)) -> (Option<f64>, Option<f64>) {
         let mut watch = Watch::new(0.2, 0.3);
         let (mut abandoned_s, mut ended_s) = (None, None);

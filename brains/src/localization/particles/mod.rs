@@ -51,7 +51,7 @@ pub struct Parameters {
     pub noise_m: f64,
     /// The additional deviation for each metre of the distance.
     pub noise_ratio: f64,
-    /// z: part of the beams that say nothing about the map, in (0, 1).
+    /// z: part of the beams that do not depend on the map, in (0, 1).
     pub outliers: f64,
     /// Particles are drawn again when the effective number falls below this part of them.
     pub resample_below: f64,
@@ -129,7 +129,7 @@ impl Particles {
         Self { parameters, particles: poses.into_iter().map(particle).collect(), fits: None, chance }
     }
 
-    /// All of them.
+    /// All particles.
     #[must_use]
     pub fn particles(&self) -> &[Particle] {
         &self.particles
@@ -141,7 +141,7 @@ impl Particles {
         1.0 / self.particles.iter().map(|particle| particle.weight * particle.weight).sum::<f64>()
     }
 
-    /// Moves them all as the odometry says that the robot moved since the last time: its new frame in its old one.
+    /// Moves them all by the odometry's motion of the robot since the last time: its new frame in its old one.
     pub fn advance(&mut self, then_from_now: &Pose) {
         let [first, displacement, second] = turn_way_turn(then_from_now);
         let [a1, a2, a3, a4] = self.parameters.alphas;

@@ -47,7 +47,8 @@ pub struct Parameters {
     pub enough: f64,
     /// Virtual scans at most from each start.
     pub scans: usize,
-    /// After so many of all starts no other start is tried: a match must end while it is of use.
+    /// The number of virtual scans of all starts after which no other start is tried: a match must end while it is of
+    /// use.
     pub all_scans: usize,
 }
 
@@ -69,8 +70,8 @@ pub struct Refined {
     pub scans: usize,
 }
 
-/// Searches from a guess for the pose at which a laser in this map sees the scan. The guess must say how sure it is, at
-/// least by how far the pose may be off.
+/// Searches from a guess for the pose at which a laser in this map sees the scan. The guess must have its certainty, at
+/// least the possible error of the pose.
 ///
 /// # Panics
 /// If the scan has no rays.
@@ -122,12 +123,12 @@ struct Problem<'a> {
     scan: &'a Scan,
     laser: VirtualLaser,
     guess: &'a Estimate,
-    /// Σ₀⁻¹.
+    /// The inverse covariance Σ₀⁻¹ of the guess.
     certainty: Matrix3<f64>,
     parameters: &'a Parameters,
 }
 
-/// The sum at a pose, and what its derivatives say.
+/// The sum at a pose, and its derivatives.
 struct Look {
     pose: Pose,
     cost: f64,

@@ -6,7 +6,7 @@ use crate::localization::test_arena::{self, error, free_pose, noisy_scan, office
 const EXACT: Parameters =
     Parameters { noise_m: 0.0, noise_ratio: 0.01, starts: 8, enough: 0.98, scans: 60, all_scans: 1000 };
 
-/// As sure as a guess may be that is off by up to 0.2 m and 0.2 rad.
+/// A guess whose stated certainty fits an error of up to 0.2 m and 0.2 rad.
 fn guess(pose: Pose) -> Estimate {
     guess_within(pose, 0.2)
 }
@@ -120,7 +120,8 @@ fn its_covariance_is_honest() {
     let surprises: Vec<_> = found.iter().map(|(found, truth)| surprise(&found.estimate, truth)).collect();
     let median = quantile(&surprises, 0.5);
     assert!((1.8..3.0).contains(&median), "of χ² it is 2.37: {median}");
-    // With only one wall in sight the pose stays as uncertain as it was, and that is said. Few are truly wrong.
+    // With only one wall in sight the pose stays as uncertain as it was, and the covariance has it. Few are truly
+    // wrong.
     let wrong = surprises.iter().filter(|surprise| **surprise > 16.3).count();
     assert!(wrong <= 4, "{wrong} of 120, in place of 0.1 %");
 }

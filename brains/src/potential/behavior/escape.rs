@@ -60,7 +60,7 @@ impl PotentialField {
         }
     }
 
-    /// No way is open. What was felt may not be there: it looks round. Who feels nothing stands.
+    /// No way is open. What was felt may not be there: it looks round. A robot without readings of obstacles stands.
     fn look_for_a_way(&mut self) -> Signals {
         if self.felt.is_senseless() {
             return Signals::default();
@@ -117,5 +117,5 @@ const ROLL: f64 = 0.2;
 const MOST_ROLL: f64 = 4.0;
 /// So often the path of a detour is doubled at most.
 const MOST_DOUBLED: u32 = 16;
-/// It thinks its path over so often, in nanoseconds.
+/// The period in which the detour is planned again, in nanoseconds.
 const THINK_NS: u64 = 500_000_000;

@@ -41,13 +41,13 @@ pub struct Parameters {
     /// L: a waypoint goes within this distance, in metres.
     #[serde(default = "passed_m")]
     pub passed_m: f64,
-    /// It has arrived within this distance of the goal, in metres.
+    /// The robot has arrived within this distance of the goal, in metres.
     #[serde(default = "passed_m")]
     pub arrived_m: f64,
     /// So long it may get no lower in the field before it is locked, in seconds; 0: for ever.
     #[serde(default = "escape_after_s")]
     pub escape_after_s: f64,
-    /// By which sensors it feels what the field does not know.
+    /// The sensors for obstacles that the field does not contain.
     #[serde(default)]
     pub sight: sight::Parameters,
     /// The gains and speeds of its steering.
@@ -70,7 +70,7 @@ pub struct PotentialField {
     radius_m: f64,
     waypoints: VecDeque<Potential>,
     helm: Helm,
-    /// It steers by that on a detour.
+    /// The steering on a detour.
     careful: Helm,
     arrived: bool,
     lock: Lock,
@@ -78,17 +78,17 @@ pub struct PotentialField {
     detour: Option<Detour>,
     /// The start of the detour, and the number of detours on the way to this target.
     begun: (Point, u32),
-    /// When the detour was thought over last, in nanoseconds.
+    /// The instant at which the detour was planned last, in nanoseconds.
     thought_ns: u64,
     /// Since when it stands before something that it feels, in nanoseconds.
     stands_ns: Option<u64>,
 }
 
 impl PotentialField {
-    /// At its start, for a robot with this body.
+    /// A `PotentialField` at its start, for a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense.
+    /// If the parameters are invalid.
     pub fn new(parameters: Parameters, body: &Body) -> Result<Self, ParameterError> {
         parameters.steering.check()?;
         let after_s = parameters.escape_after_s;
@@ -122,7 +122,7 @@ impl PotentialField {
         self.arrived
     }
 
-    /// Signals at this believed pose and instant, and what it says.
+    /// Signals at this believed pose and instant, and the stated intention.
     fn drive(&mut self, pose: &Pose, at_ns: u64) -> (Signals, &'static str) {
         let (p, at) = (&self.parameters, pose.position);
         self.arrived |= distance(p.goal.center(), at) <= p.arrived_m;
@@ -194,7 +194,7 @@ impl PotentialField {
     }
 }
 
-/// Refuses potentials that make no sense.
+/// Refuses invalid potentials.
 fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     let named = [("obstacles", &parameters.obstacles), ("waypoints", &parameters.waypoints)];
     let named = named
@@ -208,7 +208,8 @@ fn check(parameters: &Parameters) -> Result<(), ParameterError> {
 }
 
 impl PotentialField {
-    /// Its earlier way does not count: it may have been led elsewhere, also away from the goal. Its feelings do.
+    /// The earlier way does not count: it may have led elsewhere, also away from the goal. The obstacles that were
+    /// sensed do count.
     fn begin(&mut self) {
         self.arrived = false;
         self.lock.begin();
@@ -245,7 +246,7 @@ pub(super) fn distance(a: Point, b: Point) -> f64 {
 const AHEAD: f64 = 1.0;
 /// A robot with no more room ahead than this does not drive on, in radii of the body.
 const STOP: f64 = 0.3;
-/// With so much room more it drives at its full speed, in radii of the body.
+/// The additional room with which it drives at its full speed, in radii of the body.
 const SLOW: f64 = 1.5;
 /// On a detour it turns on the spot if the heading is off by more than that, in radians: it may be narrow there.
 const ROTATE_ABOVE_RAD: f64 = 0.35;
@@ -274,7 +275,7 @@ mod tests {
         PotentialField::new(parameters, &body(&[])).unwrap()
     }
 
-    /// A robot of half track 0.2 m whose wheels do at once what they are told: where it is, when it arrived, and how often it
+    /// A robot of half track 0.2 m whose wheels obey commands at once: where it is, when it arrived, and how often it
     /// began to turn on the spot.
     fn drive(mut field: PotentialField, y_m: f64, for_s: f64) -> (Pose, Option<f64>, u32) {
         let (mut pose, dt_s, mut rotations, mut rotated) = (Pose::new(-1.0, y_m, 0.0), 0.01, 0, false);

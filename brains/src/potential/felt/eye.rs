@@ -15,12 +15,12 @@ pub(super) struct Eye {
     pub(super) robot_from_sensor: Pose,
     pub(super) opening_rad: f64,
     pub(super) range_m: f64,
-    /// Those of an infra-red sensor; a sonar says metres.
+    /// The parameters of an infra-red sensor; the readings of a sonar are metres.
     infrared: Option<Infrared>,
     /// Nothing is taken to be nearer than that, in metres.
     least_m: f64,
     pub(super) stale_ns: u64,
-    /// When its last reading came, in nanoseconds, and what it said.
+    /// The instant at which the last reading came, in nanoseconds, and its value.
     pub(super) heard: Option<(u64, f64)>,
 }
 
@@ -81,8 +81,8 @@ impl Eye {
         }
     }
 
-    /// The possible error of a mark's place, in metres: nearer than where a whole cone reads 1 nothing tells the
-    /// distance.
+    /// The possible error of a mark's place, in metres: within the distance at which a whole cone reads 1 the distance
+    /// is unknown.
     pub(super) fn blur_m(&self) -> f64 {
         let range_m = self.range_m;
         self.infrared.map_or(0.0, |constants| BLUR * constants.far_m(1.0, range_m).min(0.5 * range_m))
@@ -144,5 +144,5 @@ const UNSURE: f64 = 0.25;
 const LEAST: f64 = 0.36;
 /// No cone is taken to be narrower, in radians.
 const LEAST_CONE_RAD: f64 = 0.1;
-/// A sensor that is silent for so long, and for five of its periods, is not heard any more, in nanoseconds.
+/// The silence, in nanoseconds, after which a sensor is no longer used, if it is also five of its periods.
 const STALE_NS: u64 = 500_000_000;

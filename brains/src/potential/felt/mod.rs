@@ -24,15 +24,16 @@ pub(super) struct Felt {
     radius_m: f64,
     cell_m: f64,
     marks: BTreeSet<(i64, i64)>,
-    /// Marks came since somebody asked.
+    /// Marks came since the last query.
     has_news: bool,
 }
 
 impl Felt {
-    /// That of a robot with this body: by the sensors that are named, or by all infra-red sensors and sonars that sit on it.
+    /// A `Felt` of a robot with this body: by the sensors that are named, or by all infra-red sensors and sonars that
+    /// sit on it.
     ///
     /// # Errors
-    /// If a parameter makes no sense.
+    /// If a parameter is invalid.
     pub(super) fn new(parameters: &sight::Parameters, body: &Body) -> Result<Self, ParameterError> {
         let infrared = parameters.ir.unwrap_or(ARSIM);
         if !(infrared.c1_m2.is_finite() && infrared.c1_m2 > 0.0 && infrared.c2.is_finite()) {
@@ -172,7 +173,7 @@ impl Felt {
         marks.chain(felt).fold(f64::INFINITY, f64::min)
     }
 
-    /// The nearest places of objects that are felt now.
+    /// The nearest places of objects that are sensed now.
     fn near_by(&self, world_from_robot: &Pose) -> impl Iterator<Item = Point> + use<'_> {
         let world_from_robot = *world_from_robot;
         self.eyes.iter().flat_map(move |eye| {

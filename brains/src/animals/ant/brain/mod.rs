@@ -23,11 +23,11 @@ use crate::parameter::Parameter;
 /// The robot's parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// The ant.
+    /// The parameters of the ant as a model, which the robot follows.
     pub ant: AntParameters,
-    /// It turns home after so many seconds.
+    /// The ant turns home after this time, in seconds.
     pub forage_s: f64,
-    /// It turns aside from what is nearer than this ahead, in metres from the laser.
+    /// The ant turns aside from what is nearer ahead than this, in metres from the laser.
     pub aside_m: f64,
     /// Speed of the robot with the signal 1, in m/s.
     pub full_speed_m_s: f64,
@@ -104,7 +104,7 @@ pub struct AntBrain {
     odometer: Option<(Vector, f64)>,
     /// The same when it left: where its nest is.
     nest: Option<Vector>,
-    /// Its headings at past instants, by the compass, the newest last.
+    /// The headings at past instants, by the compass, the newest last.
     headings: VecDeque<(u64, f64)>,
     /// Landmarks of the last scan, with bearings by the compass.
     landmarks: Option<Vec<Landmark>>,
@@ -119,7 +119,7 @@ pub struct AntBrain {
 struct Places {
     laser: usize,
     range_m: f64,
-    /// From its first ray to its last, in radians, and whether the first is the leftmost.
+    /// The angle from the first ray to the last, in radians, and whether the first is the leftmost.
     opening_rad: f64,
     clockwise: bool,
     /// The laser's direction, in radians to the left of the robot.
@@ -159,7 +159,7 @@ impl AntBrain {
         })
     }
 
-    /// Its present activity.
+    /// The ant's present activity.
     pub fn phase(&self) -> Phase {
         self.ant.phase()
     }
@@ -305,7 +305,7 @@ const JUMP_M: f64 = 0.3;
 /// Room that it leaves between its rim and the near side of a landmark's middle, in metres.
 const CLEAR_M: f64 = 0.15;
 
-/// It stands still and turns where a landmark is nearer to its rim than this, in metres.
+/// The ant stands still and turns where a landmark is nearer to its rim than this, in metres.
 const STOP_M: f64 = 0.05;
 
 /// So long it goes straight on after it has turned aside, in nanoseconds, ...
