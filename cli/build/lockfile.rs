@@ -52,7 +52,7 @@ impl<'a> Package<'a> {
     }
 }
 
-/// The name and, if it says that, the version of what a line ` "NAME VERSION",` of a package depends on.
+/// The name and, if it is there, the version of the dependency in a line ` "NAME VERSION",` of a package.
 fn dependency(line: &str) -> Option<(&str, Option<&str>)> {
     let mut words = line.strip_prefix(" \"")?.trim_end_matches("\",").split(' ');
     Some((words.next()?, words.next()))

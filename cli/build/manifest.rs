@@ -32,7 +32,7 @@ fn key(line: &str) -> Option<String> {
     (!name.is_empty() && !name.starts_with(['#', '['])).then(|| name.to_owned())
 }
 
-/// Those tables of a file that are kept by their headers, each with the comment before it.
+/// The tables of a file that are kept by their headers, each with the comment before it.
 fn tables(toml: &str, keeps: impl Fn(&str) -> bool) -> String {
     let (mut kept, mut is_kept, mut before) = (String::new(), false, String::new());
     for line in toml.lines() {

@@ -31,12 +31,12 @@ pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec], shown: &[&str])
             format!("--brain: {error}")
         })
     })?;
-    // One that is not there, or whose file is wrong, is told before anything is started for it.
+    // The error for a brain that does not exist, or whose file is wrong, comes before anything is started for it.
     assigned.brains.iter().try_for_each(|assignment| check_name(&assignment.brain))?;
     Ok(assigned)
 }
 
-/// Sets what `--parameter` arguments say of all brains that have it.
+/// Sets the parameters of `--parameter` arguments for all brains that have them.
 pub(crate) fn set_parameters(assigned: &mut Assigned, arguments: &[String]) -> anyhow::Result<()> {
     for argument in arguments {
         let Some((name, value)) = argument.split_once('=').filter(|(name, _)| !name.is_empty()) else {
@@ -65,7 +65,7 @@ pub(crate) async fn drive(mut brains: AttachedBrains) -> anyhow::Result<Attached
     Ok(brains)
 }
 
-/// The error of brains that do not attach, as users are told it.
+/// The error of brains that do not attach, in the words for users.
 pub(crate) fn refused(error: AssignmentError) -> anyhow::Error {
     if let AssignmentError::Brain(error) = error { Refused::error(error.to_string()) } else { error.into() }
 }

@@ -44,7 +44,7 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
         world,
         robots,
         brain: catalogue::shown_name(&brain),
-        // No brain of the catalogue says how long it thought.
+        // The brains of the catalogue do not state a thinking time.
         thinks_as_scenario: true,
         reconnect: args.reconnect,
     };
@@ -56,7 +56,7 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
         }
     })?;
     let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
-    // It was over before.
+    // The run was over before the brain attached.
     let again =
         if turns == 0 { "; the server's operator can reset the world (Reset on the page)" } else { "" };
     text::print(&format!("the run is over after {}{again}\n", count(turns, "turn")))
@@ -68,7 +68,7 @@ fn named(args: &BrainArgs) -> Option<(String, Vec<String>)> {
     Some((args.server.world.clone().filter(|_| are_names)?, args.robots.clone()))
 }
 
-/// The world and the robots, as the server has them.
+/// The world and the robots by the server.
 async fn found(args: &BrainArgs) -> anyhow::Result<(String, Vec<String>)> {
     let channel = connect::channel(&args.server).await?;
     let world = match connect::world(channel.clone(), &args.server).await {

@@ -38,7 +38,7 @@ impl Class {
                 for file in sorted(path)? {
                     match brain_in(&file, with) {
                         Some(brain) => entries.push((file, brain)),
-                        // It may be notes, or the brain of somebody who would miss the grading.
+                        // It may be notes, or the brain of a person who would miss the grading.
                         None if is_hidden(&file) => {}
                         None => tell!("note: {} is no brain, and is left out", file.display()),
                     }
@@ -71,7 +71,7 @@ impl Class {
     }
 }
 
-/// The words on a command line for the brain in this file, or in this folder of somebody's own.
+/// The words on a command line for the brain in this file, or in this folder of the user's.
 fn brain_in(path: &Path, with: Option<&str>) -> Option<String> {
     if path.is_dir() {
         let inside = ["brain.toml", "brain.py"].map(|name| path.join(name));
@@ -116,7 +116,7 @@ fn sorted(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 /// The result of one: a grading, or the reason why there is none.
 type Outcome = Result<Grading, String>;
 
-/// Gives brains that are named as `--brain` has them to robots.
+/// Gives brains to robots, by arguments of `--brain`.
 type Assign<'a> = &'a dyn Fn(&[String]) -> anyhow::Result<Assigned>;
 
 /// The exit code of a brain that is not good enough.

@@ -15,11 +15,11 @@ use tokio::sync::oneshot;
 /// A table that is being written, on its world's thread.
 pub(crate) struct Table {
     out: BufWriter<Box<dyn Write + Send>>,
-    /// For each robot and each sensor column, which of the robot's values stands there.
+    /// The place of the robot's value for each robot and each sensor column.
     cells: Vec<Vec<Option<usize>>>,
     /// The same for the columns of the robots' own state.
     state_cells: Vec<Vec<Option<usize>>>,
-    /// Taken when the first write fails; otherwise told when the table is done.
+    /// The sender, taken when the first write fails; otherwise used when the table is done.
     outcome: Option<oneshot::Sender<io::Result<()>>>,
     values: Vec<f64>,
     /// The header above the rows; taken with the first.

@@ -40,7 +40,7 @@ impl fmt::Display for ReaderGone {
 
 impl Error for ReaderGone {}
 
-/// That an output, such as stdout, could not be written.
+/// The error that an output, such as stdout, could not be written.
 pub(crate) fn from_output(error: io::Error, name: &str) -> anyhow::Error {
     if error.kind() == io::ErrorKind::BrokenPipe {
         return ReaderGone.into();
@@ -48,7 +48,7 @@ pub(crate) fn from_output(error: io::Error, name: &str) -> anyhow::Error {
     anyhow::Error::from(error).context(format!("cannot write {name}"))
 }
 
-/// The error with its causes. A cause that the text before it already tells is left out.
+/// The error with its causes. A cause that is in the text before it already is left out.
 pub(crate) fn text(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {

@@ -1,4 +1,4 @@
-//! Bytes as a command line has them: text with escapes.
+//! Bytes on a command line: text with escapes.
 
 /// A text with `\n`, `\r`, `\t`, `\\` and `\xNN` as the bytes that they stand for.
 ///

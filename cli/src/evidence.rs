@@ -1,4 +1,4 @@
-//! `baudbot evidence`: presets held against measurements of real robots, and the page of that.
+//! `baudbot evidence`: presets compared with measurements of real robots, and the page of that.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -20,7 +20,7 @@ pub(crate) fn evidence(args: &EvidenceArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// Does experiments, and tells what came of them. Fails if a point disagrees that is not known to.
+/// Does experiments, and prints the results. Fails if a point disagrees that is not known to.
 fn compare(args: &EvidenceArgs) -> anyhow::Result<ExitCode> {
     let chosen = chosen(&args.names)?;
     let mut told = Vec::new();

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use crate::error::{self, ReaderGone, Refused};
 use crate::text::tell;
 
-/// Tells what went wrong, unless nobody is there any more to whom it matters, and gives the exit code.
+/// Prints the error, unless stderr is closed, and gives the exit code.
 pub(crate) fn told(error: &anyhow::Error) -> ExitCode {
     if !error.is::<ReaderGone>() {
         tell!("error: {}", error::text(error));

@@ -52,7 +52,7 @@ impl Debuggers {
         }
     }
 
-    /// Says how to connect.
+    /// Prints how to connect.
     pub(crate) fn tell(&self, scenario: &Scenario) {
         for (robot, server) in &self.0 {
             tell!(

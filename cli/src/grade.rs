@@ -64,7 +64,7 @@ pub(crate) async fn grade(args: GradeArgs) -> anyhow::Result<ExitCode> {
     work::until_stopped(move |stop| run(&exercise, &args, &assigned, stop)).await
 }
 
-/// Without an exercise there is nothing that a brain could do.
+/// A brain has nothing to do without an exercise.
 fn refuse_brains(args: &GradeArgs) -> anyhow::Result<()> {
     if args.brains.is_empty() && args.class.is_empty() && args.junit.is_none() {
         return Ok(());
@@ -150,7 +150,7 @@ fn check(assigned: &Assigned, scenario: &Scenario) -> Result<(), String> {
         }
     }
     for task in &assigned.programs {
-        // Its words have been read once, so there is a first one.
+        // The words have been parsed before, so there is a first one.
         let words = shlex::split(&task.program.to_string()).unwrap_or_default();
         if let Some(program) = words.into_iter().next().filter(|program| !is_there(program)) {
             return Err(Problem::Missing(program).to_string());

@@ -3,7 +3,7 @@
 use baudbot_plot::quantity::{count, duration, handy};
 use baudbot_sim::link::{Adapter, Frames, Link, Uart, Usb};
 
-/// As the scenario file calls it.
+/// The link's kind in the word of the scenario file.
 pub(crate) fn kind(link: &Link) -> &'static str {
     match link {
         Link::Ideal => "ideal",

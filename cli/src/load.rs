@@ -12,7 +12,7 @@ pub(crate) struct Load {
 }
 
 impl Load {
-    /// From now on.
+    /// The load from now on.
     pub(crate) fn begin() -> Self {
         Self { since: Instant::now(), processor: processor() }
     }

@@ -102,7 +102,7 @@ fn main() -> ExitCode {
     let (filter, format) = (cli.log.clone(), cli.log_format);
     let command = cli.into_command();
     let serves = matches!(command, Command::Run(_) | Command::Serve(_));
-    // Until the end: what is to be exported goes out when it is dropped.
+    // The logs live until the end: what is to be exported goes out when they are dropped.
     let _logs = logs::start(filter, format, serves);
     match execute(command) {
         Ok(code) => code,
@@ -115,7 +115,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime = runtime.context("cannot start the runtime")?;
     let done = execute_on(&runtime, command);
-    // Whatever still hangs, such as a disk, keeps nobody waiting.
+    // The exit does not wait for work that still hangs, such as a disk.
     runtime.shutdown_timeout(PATIENCE);
     done
 }

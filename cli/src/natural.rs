@@ -1,6 +1,6 @@
 //! The order in which people look for names: `cell-2` before `cell-10`. Worlds, JSON and tables have the plain order of names.
 
-/// These things in the natural order of their names.
+/// The things in the natural order of their names.
 pub(crate) fn sorted<T>(things: impl IntoIterator<Item = T>, name: impl Fn(&T) -> &str) -> Vec<T> {
     let mut things: Vec<_> = things.into_iter().collect();
     things.sort_by(|one, other| alphanumeric_sort::compare_str(name(one), name(other)));

@@ -21,7 +21,7 @@ use crate::error::{self, Refused};
 pub(crate) struct Files(JoinSet<anyhow::Result<()>>);
 
 impl Files {
-    /// Watches a file with this name. Its writer tells an error as soon as one occurs, or else the end.
+    /// Watches a file with this name. Its writer sends an error as soon as one occurs, or else the end.
     pub(crate) fn watch(&mut self, name: String, outcome: oneshot::Receiver<io::Result<()>>) {
         self.0.spawn(async move {
             match outcome.await {
@@ -42,7 +42,7 @@ impl Files {
         std::future::pending().await
     }
 
-    /// Waits for their ends, or the first failure that was not told before.
+    /// Waits for their ends, or the first failure that was not reported before.
     pub(crate) async fn finish(mut self) -> anyhow::Result<()> {
         while let Some(done) = self.0.join_next().await {
             done.context("a file's watch panicked")??;
@@ -140,7 +140,7 @@ impl Inputs {
         Ok(())
     }
 
-    /// Those that can be overwritten: a pipe cannot, and must not be read twice.
+    /// The outputs that can be overwritten: a pipe cannot, and must not be read twice.
     fn with_references(self) -> Vec<(&'static str, PathBuf)> {
         let mut all = self.0;
         all.retain(|(_, path)| path.is_file());
@@ -155,7 +155,7 @@ impl Inputs {
     }
 }
 
-/// The files that a scenario or an exercise refers to; none if it cannot be read, which is told elsewhere.
+/// The files that a scenario or an exercise refers to; none if it cannot be read, which is reported elsewhere.
 fn references(word: &str, path: &Path) -> Vec<(&'static str, PathBuf)> {
     let kind = match word {
         SCENARIO => Kind::Scenario,
@@ -177,7 +177,7 @@ fn references(word: &str, path: &Path) -> Vec<(&'static str, PathBuf)> {
     found
 }
 
-/// The kind of file that a string in TOML refers to, as the key before it says.
+/// The kind of file that a string in TOML refers to, by the key before it.
 fn referred(before: &str) -> Option<&'static str> {
     let key = before.trim_end().strip_suffix('=')?.trim_end();
     let key = key.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next()?;
@@ -224,7 +224,7 @@ impl Write for Replaced {
         self.file.write(bytes)
     }
 
-    /// Whoever flushes has come to the end, also of what is empty.
+    /// A flush is the end of an output, also of an empty one.
     fn flush(&mut self) -> io::Result<()> {
         if matches!(self.state, State::New(_)) {
             self.state = State::Written;

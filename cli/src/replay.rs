@@ -36,7 +36,7 @@ struct Finding {
     /// Nothing that was recorded is missing before the last tick.
     complete: bool,
     compared_ticks: u64,
-    /// The number of ticks; `None` if the end is missing and nothing tells where it was.
+    /// The number of ticks; `None` if the end is missing and its place is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     recorded_ticks: Option<u64>,
     /// The first tick that differs, and what of it.
@@ -152,7 +152,7 @@ pub(crate) fn go_on(
     Ok(())
 }
 
-/// The pace that is asked for, or that of the recording, with what the options say of it.
+/// The pace that is asked for, or that of the recording, with the options for it.
 pub(crate) fn pace(
     asked: Option<PaceName>,
     watchdog: &WatchdogArgs,
@@ -174,7 +174,7 @@ pub(crate) fn refused(path: &Path, error: &RecordingError) -> anyhow::Error {
     }
 }
 
-/// Goes where `--to` says.
+/// Goes to the tick of `--to`.
 fn to(args: &ReplayArgs, replay: &mut Replay, world: &mut World) -> anyhow::Result<()> {
     let recorded = Arc::clone(replay.recorded());
     let Some(to_s) = args.to else {

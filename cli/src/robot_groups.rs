@@ -22,7 +22,7 @@ pub(crate) fn first_of_each<'a>(
     firsts
 }
 
-/// A line that says for how many others this robot stands; empty if for none.
+/// A line with the number of other robots that this one stands for; empty if none.
 pub(crate) fn others(robot: &RobotSpec, count: usize) -> String {
     match (&robot.group, count) {
         (Some(table), 2..) => {

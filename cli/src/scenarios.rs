@@ -67,7 +67,7 @@ impl Source {
     }
 }
 
-/// That a name is a brain's or a preset's, and the command for that.
+/// The message that a name is a brain's or a preset's, with the command for that.
 pub(crate) fn brain_or_preset(name: &str) -> Option<String> {
     if presets::preset(name).is_some() {
         return Some(format!("`{name}` is a preset: `baudbot preset {name}`"));
@@ -83,7 +83,7 @@ pub(crate) fn warnings(source: &Source, scenario: &Scenario) -> Vec<String> {
     of_files.chain(of_scenario).collect()
 }
 
-/// Tells what is allowed and yet hardly meant.
+/// Prints warnings about what is allowed and yet hardly intended.
 pub(crate) fn warn(source: &Source, scenario: &Scenario) {
     for warning in warnings(source, scenario) {
         tell!("warning: {warning}");

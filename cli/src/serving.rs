@@ -1,4 +1,4 @@
-//! A server of worlds in this program: what `serve` and `replay` start, and what they tell about it.
+//! A server of worlds in this program: the part that `serve` and `replay` share, with its messages.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -40,7 +40,7 @@ pub(crate) struct Serving<'a> {
     builder: Builder,
     listen: &'a ListenArgs,
     worlds: Vec<Described>,
-    /// The live worlds, of which a summary is told at the end.
+    /// The live worlds, which have a summary at the end.
     live: Vec<(String, Arc<Scenario>)>,
     /// The ends of their runs.
     runs: Vec<(String, Arc<Progress>)>,
@@ -172,7 +172,7 @@ impl<'a> Serving<'a> {
         let limit = Instant::now() + stop_within;
         let ports = timeout_at(limit, open.close()).await;
         text::print(&ports.unwrap_or_default())?;
-        // As at the end of `run`. A server that does not answer keeps nobody from stopping it.
+        // The patience is that at the end of `run`. A server that does not answer does not delay the stop.
         let patience = limit.min(Instant::now() + PATIENCE);
         if let Ok(summaries) = timeout_at(patience, summaries(&server, &live)).await {
             text::print(&summaries?)?;
@@ -219,7 +219,8 @@ async fn end(mut server: Server, limit: Instant, within: Duration) -> anyhow::Re
     Ok(())
 }
 
-/// Tells when the runs of worlds end, each for the first time: with a brain that is trained a run may end many times a second.
+/// Prints the ends of worlds' runs, each for the first time: with a brain that is trained a run may end many times a
+/// second.
 fn tell_ends(control: &ControlServiceClient<Channel>, runs: Vec<(String, Arc<Progress>)>) -> JoinSet<()> {
     let tell_end = |(world, run): (String, Arc<Progress>)| {
         let mut control = control.clone();
@@ -240,14 +241,14 @@ fn tell_ends(control: &ControlServiceClient<Channel>, runs: Vec<(String, Arc<Pro
     runs.into_iter().map(tell_end).collect()
 }
 
-/// Worlds of which a whole summary is told at the end; of each of more, a line.
+/// Worlds with a whole summary at the end; of each of more, a line.
 const MOST_IN_FULL: usize = 4;
 
 /// The summaries of the worlds that are still there and have begun.
 async fn summaries(server: &Server, worlds: &[(String, Arc<Scenario>)]) -> anyhow::Result<String> {
     let mut control = connect::control(server.channel().await?.into());
     let mut text = String::new();
-    // Of many, nobody reads pages.
+    // Full summaries of many worlds would be pages that are not read.
     let many = worlds.len() > MOST_IN_FULL;
     for (name, scenario) in worlds {
         let request = v1::GetWorldRequest { world: name.clone() };
@@ -317,7 +318,7 @@ fn describe(world: &str, scenario: &Scenario) -> String {
     format!("world {world}: {robots}\n")
 }
 
-/// The time that worlds have to end in good order, unless the command line says otherwise.
+/// The time that worlds have to end in good order, unless the command line sets another.
 const STOP_WITHIN: Duration = Duration::from_secs(10);
 
 /// The time that the server may take beyond that: connections are closed, and the system has work to do at an end.

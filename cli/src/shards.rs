@@ -34,8 +34,8 @@ fn default_folder(experiment: &Experiment, shard: Shard) -> PathBuf {
     work::default_out(experiment, "shards").join(shard.folder())
 }
 
-/// The report at the end of a shard, and the exit code. Runs that failed are results: the merge tells them, and the same
-/// command does them again.
+/// The report at the end of a shard, and the exit code. Runs that failed are results: the merge reports them, and the
+/// same command does them again.
 pub(crate) fn show(args: &SweepArgs, shard: Shard, out: &Path, swept: &Swept) -> anyhow::Result<ExitCode> {
     let journal = out.join("rows.jsonl");
     if args.work.json {
@@ -100,5 +100,5 @@ fn command(experiment: &Experiment, args: &SweepArgs, missing: &MissingShard) ->
     shlex::try_join(words.iter().map(String::as_str)).context("a path has a byte that no shell takes")
 }
 
-/// Commands that are told.
+/// Commands that are shown.
 const MOST_COMMANDS: usize = 20;

@@ -13,12 +13,12 @@ use crate::text::tell;
 
 /// The wish of a person or a system that the program ends.
 ///
-/// A thread of its own hears the signals, as a file or a pipe may block all others: the first signal is
-/// passed on, so that all ends in good order, and the second Ctrl-C or SIGTERM ends the program at once.
+/// A thread of its own receives the signals, as a file or a pipe may block all others: the first signal is passed on,
+/// so that all ends in good order, and the second Ctrl-C or SIGTERM ends the program at once.
 pub(crate) struct Stop(watch::Receiver<bool>);
 
 impl Stop {
-    /// From now on a single signal does not kill the program.
+    /// A single signal no longer kills the program from now on.
     pub(crate) fn listen() -> io::Result<Self> {
         let (stop, stopped) = watch::channel(false);
         let (ready, readiness) = mpsc::channel();
@@ -36,14 +36,14 @@ impl Stop {
         *self.0.borrow()
     }
 
-    /// Says whether there has been a signal, in other threads.
+    /// A function that returns whether there has been a signal, for other threads.
     pub(crate) fn flag(&self) -> impl Fn() -> bool + Send + Sync + use<> {
         let stopped = self.0.clone();
         move || *stopped.borrow()
     }
 
-    /// Ends the program so long after the first signal, if it has not ended by itself: all other threads may be waiting for a disk.
-    /// `words` are those of the error, and are told why.
+    /// Ends the program so long after the first signal, if it has not ended by itself: all other threads may be waiting
+    /// for a disk. `words` makes the error's text of the reason.
     pub(crate) fn exit_after(
         &self,
         limit: Duration,
@@ -65,7 +65,7 @@ impl Stop {
     /// Waits for the first signal; returns at once if it has been there.
     pub(crate) async fn wait(&mut self) {
         if self.0.wait_for(|stop| *stop).await.is_err() {
-            // Nobody hears signals any more.
+            // The sender of signals is gone, so none will come.
             std::future::pending::<()>().await;
         }
     }
@@ -86,7 +86,8 @@ async fn hear(stop: &watch::Sender<bool>, ready: &mpsc::Sender<io::Result<()>>) 
         let asks = tokio::select! {
             _ = interrupt.recv() => true,
             _ = terminate.recv() => true,
-            // A terminal that is closed says so more than once: from the shell, and from the system when that has ended.
+            // A terminal that is closed sends its signal more than once: from the shell, and from the system when that
+            // has ended.
             () = received(&mut hangup) => false,
         };
         stop.send_replace(true);
@@ -103,12 +104,13 @@ async fn received(signal: &mut Option<Signal>) {
     }
 }
 
-/// Whether it was started with `nohup`: then a terminal that is closed ends nothing. Who cannot say it, has not been.
+/// Whether it was started with `nohup`: then a terminal that is closed ends nothing. Without an answer of the system it
+/// was not.
 fn ignores_hangup() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 1 == 1)
 }
 
-/// The exit code of what was ended by Ctrl-C, as shells have it.
+/// The exit code after Ctrl-C, by the convention of shells.
 pub(crate) const INTERRUPTED: u8 = 130;

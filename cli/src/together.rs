@@ -48,8 +48,8 @@ fn has_both(spec: &RobotSpec, kinds: [&str; 2]) -> bool {
     kinds.iter().all(|kind| of_kind(spec, kind).next().is_some())
 }
 
-/// That readings of the second kind are older when they come than those of the first, and older than the time from one of these
-/// to the next.
+/// A warning that readings of the second kind are older when they come than those of the first, and older than the time
+/// from one of these to the next.
 fn warning(
     [kind, kind_of_late]: [&'static str; 2],
     spec: &RobotSpec,

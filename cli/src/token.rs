@@ -44,7 +44,7 @@ fn new(args: NewTokenArgs) -> anyhow::Result<()> {
     let new = NewGrant { name: args.name.clone(), rights, expires_at: end.transpose()? };
     let words = new.to_string();
     let token = file.add(new, now).map_err(refused)?;
-    // Nobody has a token that was not printed.
+    // A token that was not printed is lost, so it is revoked.
     if let Err(error) = text::print(&format!("{}\n", token.reveal())) {
         let _ = file.revoke(&args.name);
         return Err(error);

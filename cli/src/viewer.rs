@@ -8,9 +8,9 @@ use baudbot_server::{Address, Builder, Server};
 /// The place of the page for `--viewer`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Viewer {
-    /// Nowhere.
+    /// The page is not served.
     Off,
-    /// Here.
+    /// The page is served at this address.
     At(SocketAddr),
 }
 
@@ -47,7 +47,7 @@ pub(crate) fn link(server: &Server) -> Option<String> {
     server.viewer_links().first().map(|link| format!("open in a browser: {link}"))
 }
 
-/// Beside the place that servers listen at.
+/// The usual address of the page, beside the one of servers.
 const USUAL: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 7401);
 
 #[cfg(test)]

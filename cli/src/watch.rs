@@ -67,7 +67,7 @@ async fn show(args: &WatchArgs, in_place: bool) -> anyhow::Result<()> {
     }
 }
 
-/// The next frame. A world that stands still gives none; then it is said why, and `once` is an error.
+/// The next frame. A world that stands still gives none; then the reason is printed, and `once` is an error.
 async fn next(
     frames: &mut Streaming<v1::WatchResponse>,
     channel: &Channel,
@@ -119,7 +119,7 @@ struct View {
     map: Option<Map>,
     /// Rows and columns that a frame may take.
     size: (usize, usize),
-    /// The last ones.
+    /// The last collisions.
     collisions: Vec<String>,
 }
 
@@ -222,7 +222,7 @@ fn is_one_of_many(column: &str) -> bool {
     last.is_some_and(|place| place > 0)
 }
 
-/// From the top of the screen, each line's rest erased, and what is below.
+/// The text written from the top of the screen, each line's rest erased, and what is below.
 fn in_place_of_the_last(text: &str) -> String {
     format!("\x1b[H{}\x1b[J", text.replace('\n', "\x1b[K\n"))
 }
@@ -230,7 +230,7 @@ fn in_place_of_the_last(text: &str) -> String {
 const CLEAR_AND_HIDE_CURSOR: &str = "\x1b[2J\x1b[?25l";
 const SHOW_CURSOR: &str = "\x1b[?25h";
 
-/// After this long without a frame it is asked whether the world stands still.
+/// The time without a frame after which it is asked whether the world stands still.
 const STILL: Duration = Duration::from_secs(1);
 
 /// Collisions on the screen.

@@ -63,13 +63,13 @@ pub(crate) fn jobs(args: &WorkArgs) -> usize {
     jobs_of(args.jobs)
 }
 
-/// As many as there are processors, unless the arguments say how many.
+/// The number of processors, unless the arguments have one.
 pub(crate) fn jobs_of(jobs: Option<u16>) -> usize {
     let processors = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     jobs.map_or_else(processors, usize::from)
 }
 
-/// The folder for what comes of it.
+/// The folder for the results.
 pub(crate) fn out(args: &WorkArgs, experiment: &Experiment, ending: &str) -> PathBuf {
     args.out.clone().unwrap_or_else(|| default_out(experiment, ending))
 }
@@ -109,7 +109,7 @@ pub(crate) fn tell(bar: &ProgressBar, quiet: bool, told: &Told) {
     }
 }
 
-/// Shows how many runs of how many are done. Those of an earlier command say nothing about the time that is needed.
+/// Shows how many runs of how many are done. Those of an earlier command are no measure of the time that is needed.
 pub(crate) fn advance(bar: &ProgressBar, done: u64, total: u64) {
     let is_first = bar.length().is_none();
     bar.set_length(total);

@@ -2,7 +2,7 @@
 
 #![allow(clippy::wildcard_enum_match_arm, reason = "what a test does not expect makes it fail")]
 
-// They are about all that a program can have.
+// The modules test all that a program can have.
 #[cfg(feature = "full")]
 mod cli;
 mod state;

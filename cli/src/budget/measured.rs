@@ -54,14 +54,14 @@ impl Measured {
         )))
     }
 
-    /// That of a robot, if it was measured.
+    /// The thinking time of a robot, if it was measured.
     pub(super) fn of(&self, robot: &RobotSpec) -> Option<Thinking> {
         let (durations, _) = self.0.get(&robot.name)?;
         let v1::Durations { min_ns, p50_ns, max_ns, .. } = *durations;
         Some(Thinking { least_ns: min_ns, typical_ns: p50_ns, most_ns: max_ns })
     }
 
-    /// In words.
+    /// The thinking time of a robot in words, if it was measured.
     pub(super) fn told(&self, robot: &RobotSpec) -> Option<String> {
         let Some((durations, clock)) = self.0.get(&robot.name) else {
             return (!self.0.is_empty())

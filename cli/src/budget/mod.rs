@@ -58,7 +58,7 @@ pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
     Ok(code(args, &computed, &programs))
 }
 
-/// The assignment of the robots, as far as that is known; `scenario` says afterwards when they write.
+/// The assignment of the robots, as far as that is known; `scenario` has afterwards the times at which they write.
 fn assigned(args: &BudgetArgs, source: &Source, scenario: &mut Scenario) -> anyhow::Result<Assigned> {
     let mut brains = args.brains.clone();
     let is_open = !brains.iter().any(|brain| assignment::is_for_all(brain));
@@ -78,7 +78,7 @@ fn assigned(args: &BudgetArgs, source: &Source, scenario: &mut Scenario) -> anyh
     Ok(assigned)
 }
 
-/// For which brain the verdict holds.
+/// The brain for which the verdict holds.
 fn brain(robot: &RobotBudget, brain: Option<&str>) -> String {
     let writes = robot.writes.phrase();
     match brain {

@@ -125,7 +125,7 @@ fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
     .collect()
 }
 
-/// As `--port` takes them.
+/// The ports as `--port` takes them.
 fn serial_ports(ports: &[SerialPort]) -> String {
     let port = |SerialPort { robot, sensor, endpoint }: &SerialPort| {
         let sensor = sensor.as_ref().map_or_else(String::new, |sensor| format!("/{sensor}"));

@@ -44,7 +44,7 @@ pub(super) fn describe(robot: &RobotSpec) -> String {
     text
 }
 
-/// Its pose, and its equipment besides sensors.
+/// The robot's pose, and its equipment besides sensors.
 fn equipment(robot: &RobotSpec) -> Vec<(&'static str, String)> {
     let Pose { position, heading } = robot.start.pose;
     let encoding = encoding(robot.firmware.motor_encoding());

@@ -16,7 +16,8 @@ use super::ticks::Tick;
 pub(super) enum Begins {
     /// A round of the main loop in which the program reacts to a reading.
     Reacts {
-        /// When the round begins, when the sensor is read last before the change, and when that is, in nanoseconds.
+        /// The instant at which the round begins, when the sensor is read last before the change, and when that is, in
+        /// nanoseconds.
         round_ns: u64,
         read_ns: u64,
         change_ns: u64,

@@ -10,17 +10,17 @@ use baudbot_sim::timeline::{Event, What};
 /// obeyed.
 #[derive(Debug, PartialEq)]
 pub(super) struct Cycle {
-    /// From 1 on.
+    /// The number of the cycle, from 1.
     pub(super) number: u32,
-    /// When the first read begins whose value is in the message.
+    /// The instant at which the first read begins whose value is in the message.
     pub(super) start: SimTime,
-    /// When it began: when the message was begun, less what the reads took.
+    /// The instant at which it began: when the message was begun, less what the reads took.
     pub(super) begun: SimTime,
-    /// When the command is obeyed that answers it, if one is.
+    /// The instant at which the command is obeyed that answers it, if one is.
     pub(super) obeyed: Option<SimTime>,
-    /// When the actuators take that up, if they do.
+    /// The instant at which the actuators take that up, if they do.
     pub(super) act: Option<SimTime>,
-    /// Its events, by their places.
+    /// The places of the cycle's events.
     pub(super) events: BTreeSet<usize>,
 }
 
@@ -51,8 +51,8 @@ impl Cycle {
         Some(found)
     }
 
-    /// From when on it is late, in nanoseconds since the start of the run: the time step must be longer than all that
-    /// takes place in it (§3.2.1), unless the scenario states another deadline.
+    /// The instant from which on it is late, in nanoseconds since the start of the run: the time step must be longer
+    /// than all that takes place in it (§3.2.1), unless the scenario states another deadline.
     pub(super) fn late_from_ns(&self, robot: &RobotSpec) -> u64 {
         self.begun.as_ns().saturating_add(robot.deadline.within_ns)
     }

@@ -1,4 +1,4 @@
-//! Events of a robot that does as the scenario `wander` says, made up for tests.
+//! Events of a robot in the scenario `wander`, made up for tests.
 
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
@@ -17,7 +17,7 @@ pub(super) fn wander(start_ns: u64, cycles: u64) -> (Scenario, Vec<Event>) {
     (scenario, events)
 }
 
-/// These events as they are kept of a run.
+/// These events in the form in which a run keeps them.
 pub(super) fn kept(robot: &RobotSpec, events: Vec<Event>) -> Kept {
     Kept { events, said: Vec::new(), pins: Pins::new(robot) }
 }

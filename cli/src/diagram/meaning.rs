@@ -7,12 +7,12 @@ use baudbot_sim::timeline::{Event, What};
 use baudbot_sim::{SimTime, World};
 use baudbot_wire::meaning::{Direction, Item};
 
-/// Something that was said on a cable.
+/// Something that was sent on a cable.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Said {
     pub(super) cable: Cable,
     pub(super) direction: Direction,
-    /// When its last byte was at the end of the cable.
+    /// The instant at which its last byte was at the end of the cable.
     pub(super) at: SimTime,
     /// The end of the message on the wire that its last byte is of, if it is known.
     pub(super) message_until: Option<SimTime>,
@@ -46,7 +46,7 @@ impl Listeners {
     }
 }
 
-/// By the places of events, what was said in them: each text with the message that its last byte is of.
+/// The texts of what was sent in events, by the places of these: each text with the message that its last byte is of.
 pub(super) fn meanings(events: &[Event], said: &[Said]) -> BTreeMap<usize, String> {
     let mut by_end = BTreeMap::new();
     for (i, event) in events.iter().enumerate() {

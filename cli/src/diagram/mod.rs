@@ -1,12 +1,12 @@
-//! `baudbot diagram`: what happened when, as the timing diagram of the lecture notes (Fig. 3.2).
+//! `baudbot diagram`: the events of a run and their times, as the timing diagram of the lecture notes (Fig. 3.2).
 //!
 //! From the command inwards:
 //!
-//! This file is the command. `source` is the scenario or the recording. `record` says which part of a run is wanted (`begins`, if
-//! nobody says, of a run of a program of the user's own), and runs a world for it, whose `ticks` are done in this thread or, if a
-//! brain is a program, on a server of its own; `cycle` finds a control cycle among the events; `meaning` knows what was said in
-//! those on cables, `pins` what is on the pins of a chip, and `parts` what that makes lamps, buzzers and servos do; `table` writes
-//! all that as text, and [`baudbot_plot::timing`] draws it.
+//! This file is the command. `source` is the scenario or the recording. `record` finds the part of a run that is wanted
+//! (`begins` by default, of a run of a program of the user's own), and runs a world for it, whose `ticks` are done in
+//! this thread or, if a brain is a program, on a server of its own; `cycle` finds a control cycle among the events;
+//! `meaning` knows what was said in those on cables, `pins` what is on the pins of a chip, and `parts` what that makes
+//! lamps, buzzers and servos do; `table` writes all that as text, and [`baudbot_plot::timing`] draws it.
 
 mod begins;
 mod cycle;

@@ -78,5 +78,5 @@ pub(super) fn scope(robot: &RobotSpec, finest_ns: u64) -> Option<Scope> {
     robot.chip.as_ref().map(|chip| Scope::new(chip, finest_ns))
 }
 
-/// Of the time before a window so much is kept: pulses may be told later than a level that follows.
+/// The part of the time before a window that is kept: a pulse may be reported later than a level that follows it.
 const KEPT: usize = 2;

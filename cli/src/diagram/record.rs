@@ -17,7 +17,7 @@ use crate::error::Refused;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Wanted {
     pub(super) place: Place,
-    /// In nanoseconds.
+    /// The length of the window, in nanoseconds.
     pub(super) span_ns: Option<u64>,
 }
 
@@ -60,9 +60,9 @@ pub(super) struct Window {
 }
 
 impl Wanted {
-    /// Runs a world for as long as needed: `tick` does one tick, adds what is new of the robot, and says the time after it, in
-    /// nanoseconds, or nothing if the run was over before. Gives back all events that may be wanted, in the order in which they
-    /// came, the last of what was said, and what is on the pins.
+    /// Runs a world for as long as needed: `tick` does one tick, adds what is new of the robot, and returns the time
+    /// after it, in nanoseconds, or nothing if the run was over before. Gives back all events that may be wanted, in
+    /// the order in which they came, the last messages, and the signals of the pins.
     pub(super) fn record(
         &self,
         robot: &RobotSpec,
@@ -87,7 +87,7 @@ impl Wanted {
             for event in fresh.events.drain(..) {
                 if is_anchor(event.what) {
                     cycles += 1;
-                    // It is answered later, and what is noted after its end comes later still.
+                    // The answer comes later, and what is noted after its end comes later still.
                     if Some(cycles) == self.cycle() {
                         until_ns = now.saturating_add(self.span(step_ns)).saturating_add(SLACK_NS);
                     }
@@ -117,13 +117,13 @@ impl Wanted {
         }
     }
 
-    /// Until when it is wanted, as far as it is known now.
+    /// The instant until which it is wanted, as far as it is known now.
     fn pins_until(&self, step_ns: u64, now: u64) -> u64 {
         let from = match self.place {
             Place::At(from_ns) => from_ns,
             Place::Cycle(_) | Place::Usual => now,
         };
-        // Pulses that go on are told late.
+        // Pulses that go on are reported late.
         from.saturating_add(self.span(step_ns).saturating_mul(2)).saturating_add(step_ns.saturating_mul(2))
     }
 
@@ -147,7 +147,7 @@ impl Wanted {
                 let from_ns = boundary(cycle.start, step_ns).saturating_sub(step_ns);
                 Window::new(from_ns, span_ns, None)
             }
-            // It was not found out why: there is nothing to show.
+            // No cycle was found: the window begins with the run.
             (Place::Cycle(_) | Place::Usual, None) => Window::new(0, span_ns, None),
         }
     }
@@ -207,7 +207,7 @@ impl Window {
         Self { from_ns, until_ns: from_ns.saturating_add(span_ns.max(1)), cycle }
     }
 
-    /// Whether something from an instant to another is in it.
+    /// Whether something from an instant to another is in the window.
     pub(super) fn has(&self, start_ns: u64, end_ns: u64) -> bool {
         start_ns < self.until_ns && (end_ns > self.from_ns || start_ns >= self.from_ns)
     }
@@ -226,7 +226,7 @@ const SLACK_NS: u64 = 5_000_000_000;
 const PATIENCE_NS: u64 = 3_600_000_000_000;
 /// Most events of a diagram.
 const MOST_EVENTS: usize = 4_000_000;
-/// Of what was said, the last so much is kept, which is more than is said in the time that a run goes on behind its window.
+/// The number of messages that are kept, which is more than are sent in the time that a run goes on behind its window.
 const MOST_SAID: usize = 400_000;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Whose events a diagram shows: those of a scenario's run, or of a recorded one.
+//! The source of a diagram's events: a scenario's run, or a recorded one.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ pub(super) struct Run {
 }
 
 enum Way {
-    /// It is done now, with these brains.
+    /// The run is made now, with these brains.
     Now(Assigned),
     Recorded(Arc<RecordedRun>),
 }
@@ -69,7 +69,7 @@ impl Run {
         Ok(Self { scenario, name, way: Way::Recorded(recorded) })
     }
 
-    /// Its ticks, with what is new of the robot in this place.
+    /// The ticks of the run, with what is new of the robot in this place.
     pub(super) fn ticks<'a>(
         &'a self,
         place: usize,

@@ -14,14 +14,14 @@ use baudbot_sim::timeline::Event;
 use super::parts::{self, Deed};
 use super::record::{Kept, Window};
 
-/// Something that happened, and what was said in it.
+/// An event, and the text that was sent in it.
 pub(super) struct Row {
     deed: Deed,
     meaning: String,
 }
 
-/// The events of a window, by their beginnings: the lane, and the event. What is of the cycle that the window is
-/// about has a `*`. With those of `meanings` is what was said in them; of the pins, those that have lanes are there.
+/// The events of a window, by their beginnings: the lane, and the event. What is of the cycle that the window is about
+/// has a `*`. The texts of `meanings` are with their events; of the pins, those that have lanes are there.
 pub(super) fn rows(
     robot: &RobotSpec,
     (kept, chosen): (&Kept, Option<&[Net]>),
@@ -68,7 +68,7 @@ pub(super) fn csv(rows: &[Row]) -> anyhow::Result<String> {
 }
 
 impl Deed {
-    /// Its beginning and its duration, in milliseconds.
+    /// The deed's beginning and duration, in milliseconds.
     fn times(&self, decimals: usize) -> [String; 2] {
         [self.start_ns, self.end_ns.saturating_sub(self.start_ns)].map(|ns| ms(ns, decimals))
     }
@@ -133,7 +133,7 @@ fn is_of_cycle(window: &Window, place: usize) -> bool {
     window.cycle.as_ref().is_some_and(|cycle| cycle.events.contains(&place))
 }
 
-/// Of a millisecond.
+/// The decimals of a millisecond.
 const DECIMALS: usize = 3;
-/// Characters of what was said.
+/// The most characters of a message.
 const MOST_TEXT: usize = 160;

@@ -17,16 +17,16 @@ use crate::assignment::Assigned;
 use crate::error::Refused;
 use crate::trace::unseen;
 
-/// Does a tick, adds the new events of a robot and what was said on its cables, and says the time until which they are known, in nanoseconds; nothing if the
-/// run is over.
+/// Does a tick, adds the new events of a robot and what was said on its cables, and returns the time until which they
+/// are known, in nanoseconds; nothing if the run is over.
 pub(super) type Tick<'a> = Box<dyn FnMut(&mut Recorded) -> anyhow::Result<Option<u64>> + 'a>;
 
 /// The view of the pins of the robot's chip, if it has one.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum View {
-    /// Its signals; pulses with a period below this, in nanoseconds, are summed up.
+    /// The signals of the chip; pulses with a period below this, in nanoseconds, are summed up.
     Signals(u64),
-    /// Each edge.
+    /// The view has each edge.
     Edges,
 }
 
@@ -80,7 +80,7 @@ fn from_run(error: baudbot_experiment::Error) -> anyhow::Error {
     anyhow!("{error}")
 }
 
-/// Looks at a robot's events.
+/// The reader of a robot's events.
 struct Look {
     place: usize,
     /// The number of events that have been seen.
@@ -151,7 +151,7 @@ impl Look {
 }
 
 impl Seen {
-    /// Adds it to what is known, and says the time until which it is known.
+    /// Adds it to what is known, and returns the time until which it is known.
     fn put(self, recorded: &mut Recorded) -> u64 {
         recorded.events.extend(self.fresh.events);
         recorded.said.extend(self.fresh.said);

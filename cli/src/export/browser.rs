@@ -82,7 +82,7 @@ impl Browser {
         self.child.wait().await
     }
 
-    /// The last lines that it said.
+    /// The last lines of the browser's output.
     pub(super) fn last_words(&mut self) -> String {
         let mut said = Vec::new();
         let read = self.log.seek(SeekFrom::Start(0)).and_then(|_| self.log.read_to_end(&mut said));
@@ -97,7 +97,7 @@ impl Browser {
 
 impl Drop for Browser {
     fn drop(&mut self) {
-        // Its helpers, too; those of one that has ended end by themselves, or now.
+        // The group includes the browser's helpers; those of one that has ended end by themselves, or now.
         if let Some(group) = self.group {
             let _ = kill_process_group(group, Signal::KILL);
         }
@@ -126,5 +126,5 @@ const OPTIONS: [&str; 13] = [
     "--mute-audio",
 ];
 
-/// Of a window in which the page has room.
+/// The height of a window in which the page has room.
 const LEAST_HEIGHT_PX: u32 = 720;

@@ -17,7 +17,7 @@ use crate::trace::unseen;
 /// A table that is being written.
 pub(super) struct Events {
     out: csv::Writer<Out>,
-    /// Those of the recording, in the order of ticks.
+    /// The events of the recording, in the order of ticks.
     recorded: Vec<RecordedEvent>,
     /// The next of these.
     next: usize,

@@ -89,7 +89,7 @@ impl<'a> Films<'a> {
         Ok(())
     }
 
-    /// Makes them, one after the other. Says whether it came to its end, before a signal did.
+    /// Makes them, one after the other. Returns whether it came to its end, before a signal did.
     pub(super) async fn make(
         &mut self,
         recorded: &Arc<RecordedRun>,

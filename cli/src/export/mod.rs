@@ -4,7 +4,7 @@
 //! 2. [`pass`] simulates the run once more, a [`window`] of it, and shows every tick to all outputs at once: those of
 //!    `baudbot run` ([`watched`]), `rows` of Parquet, a bag of ROS ([`rosbag`]), [`events`], [`trails`] for a picture, the pins of chips ([`vcd`]) and what they sent ([`serial`]), and
 //!    [`beliefs`], which are in the recording's frames.
-//!    [`ran`] is what pictures tell of the run.
+//!    [`ran`] has the text of pictures about the run.
 //! 3. [`film`] lets a [`browser`] film the viewer's page, which replays the recording.
 //! 4. [`summary`] describes a recording if no output is requested.
 

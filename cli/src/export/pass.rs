@@ -23,9 +23,9 @@ pub(super) trait Sink {
 
 /// A file that is being written.
 pub(super) struct Output {
-    /// For errors.
+    /// The output's name, for errors.
     pub(super) name: String,
-    /// It sees every so many ticks.
+    /// The number of ticks from one that the output gets to the next.
     pub(super) every: u64,
     pub(super) sink: Box<dyn Sink>,
 }
@@ -43,7 +43,7 @@ impl Output {
     }
 }
 
-/// Shows all ticks of a window to all outputs, and ends these. Says whether it came to its end, before a signal did.
+/// Shows all ticks of a window to all outputs, and ends these. Returns whether it came to its end, before a signal did.
 pub(super) fn run(
     (mut replay, mut world): (Replay, World),
     window: &Window,

@@ -13,7 +13,7 @@ pub(super) struct Ran {
     brains: Vec<String>,
     links: Vec<String>,
     seed: u64,
-    /// Ticks before which somebody changed something by hand.
+    /// Ticks before which a manual change was made.
     changed: BTreeSet<u64>,
 }
 
@@ -33,7 +33,7 @@ impl Ran {
         Self { about, brains, links: Vec::new(), seed: scenario.seed, changed }
     }
 
-    /// Whether somebody changed something by hand before this tick.
+    /// Whether a manual change was made before this tick.
     pub(super) fn is_changed(&self, tick: u64) -> bool {
         self.changed.contains(&tick)
     }
@@ -58,7 +58,7 @@ impl Ran {
     }
 }
 
-/// The brain that came, if an event tells of that: names of robots have no backticks.
+/// The brain that came, if the event is about that: names of robots have no backticks.
 fn brain(event: &str) -> Option<&str> {
     event.strip_prefix('`')?.rsplit_once("` drives `").map(|(brain, _)| brain)
 }

@@ -13,11 +13,11 @@ use crate::csv::{collect, shared};
 
 /// A table that is being written, some rows at a time.
 pub(super) struct Rows {
-    /// Until the first row.
+    /// The output; none until the first row.
     out: Option<Out>,
     writer: Option<Writer<Out>>,
     names: Vec<(String, Kind)>,
-    /// For each robot and each sensor column, which of the robot's values stands there.
+    /// The place of the robot's value for each robot and each sensor column.
     cells: Vec<Vec<Option<usize>>>,
     /// The same for the columns of the robots' own state.
     state_cells: Vec<Vec<Option<usize>>>,

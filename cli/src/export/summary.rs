@@ -23,7 +23,7 @@ struct Summary<'a> {
     world: &'a str,
     scenario: &'a str,
     seed: u64,
-    /// When it began, in UTC.
+    /// The start of the run, in UTC.
     started: String,
     step_ns: u64,
     first_tick: u64,

@@ -20,7 +20,7 @@ pub(super) struct Picture {
     scenario: Arc<Scenario>,
     label: String,
     ran: Ran,
-    /// When it begins and ends.
+    /// The instants at which it begins and ends.
     span: Option<(SimTime, SimTime)>,
     /// The last tick that was seen.
     tick: u64,
@@ -123,7 +123,7 @@ impl TrailBuilder {
         let motion = robot.motion();
         let (from, to) = (self.trail.end.position, motion.pose.position);
         let moved = (to - from).norm();
-        // Nobody drives that far in a tick: it was moved by hand.
+        // A robot cannot drive that far in a tick: it was moved by hand.
         let is_jump = changed && moved > 2.0 * motion.speed_m_s.abs() * step_s + self.tolerance_m;
         if is_jump {
             return self.leap(motion.pose);
@@ -135,7 +135,7 @@ impl TrailBuilder {
         self.trail.end = motion.pose;
     }
 
-    /// Goes on elsewhere; how it came there nobody saw.
+    /// Goes on elsewhere; the way there is unknown.
     fn leap(&mut self, to: Pose) {
         self.keep(self.trail.end.position);
         self.trail.pieces.push(vec![to.position]);

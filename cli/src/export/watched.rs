@@ -1,4 +1,4 @@
-//! The writers of `baudbot run`, which tell by a channel how they fare.
+//! The writers of `baudbot run`, which send their result by a channel.
 
 use std::io;
 
@@ -36,7 +36,7 @@ impl<W> Sink for Watched<W> {
 
     fn finish(self: Box<Self>) -> io::Result<()> {
         let Self { writer, mut outcome, .. } = *self;
-        // Its end is told when it is dropped.
+        // The end is signalled when the writer is dropped.
         drop(writer);
         outcome.try_recv().unwrap_or_else(|_| Err(lost()))
     }

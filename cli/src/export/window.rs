@@ -12,7 +12,8 @@ use crate::error::Refused;
 pub(super) struct Window {
     pub(super) from_tick: u64,
     pub(super) to_tick: u64,
-    /// When the first of them begins; nothing before it is wanted. The start of the run, if the recording's is wanted.
+    /// The instant at which the first of them begins; nothing before it is wanted. The start of the run, if the
+    /// recording's is wanted.
     pub(super) from: SimTime,
 }
 
@@ -43,7 +44,7 @@ impl Window {
     }
 }
 
-/// When a tick begins.
+/// The instant at which a tick begins.
 pub(super) fn seconds(recorded: &RecordedRun, tick: u64) -> String {
     handy(SimTime::from_ns(tick.saturating_mul(recorded.header().step_ns)).as_seconds())
 }

@@ -1,7 +1,7 @@
 //! `baudbot fit`: numbers of a robot from a log of a real one.
 //!
-//! [`subject`] makes the robot of a preset or scenario, [`source`] reads the log or the table of a recording, [`report`] says
-//! what `baudbot-fit` found.
+//! [`subject`] makes the robot of a preset or scenario, [`source`] reads the log or the table of a recording,
+//! [`report`] puts the results of `baudbot-fit` into words.
 
 mod report;
 mod source;

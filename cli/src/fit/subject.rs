@@ -53,7 +53,7 @@ impl Subject {
     fn of_preset(name: &str, sets: Vec<Override>) -> anyhow::Result<Self> {
         let preset = preset(name).ok_or_else(|| Refused::error(format!("--preset: {}", unknown(name))))?;
         let mut last = None;
-        // As many substeps as the body needs.
+        // The number of substeps is as large as the body needs.
         for substeps in [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] {
             let text = scenario_of(preset, substeps);
             match baudbot_scenario::parse_with(&text, &sets) {

@@ -49,7 +49,7 @@ struct Show {
     server: WebSocketServerHandle,
     messages: FoxgloveEncoder,
     channels: BTreeMap<Arc<str>, Arc<RawChannel>>,
-    /// Of each topic, for clients that connect late.
+    /// The last message of each topic, for clients that connect late.
     last: BTreeMap<Arc<str>, FoxgloveMessage>,
     time_ns: u64,
     has_ended: bool,
@@ -135,10 +135,10 @@ struct Subscribed(UnboundedSender<(Option<SinkId>, String)>);
 
 impl ServerListener for Subscribed {
     fn on_subscribe(&self, client: Client, channel: ChannelView) {
-        // Nobody is shown anything any more when nobody receives this.
+        // The send fails only if the receiver is gone, and then there is nothing to show.
         let _ = self.0.send((client.sink_id(), channel.topic().to_owned()));
     }
 }
 
-/// As many robots as a server tells details of.
+/// The most robots for which a server sends details.
 const DETAILS: usize = 64;

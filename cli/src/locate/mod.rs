@@ -64,7 +64,7 @@ struct Told<'a> {
     scan_source: ScanSource<'a>,
     search: &'a SearchResult,
     scan: &'a Scan,
-    /// Of the whole scan.
+    /// The number of rays of the whole scan.
     rays: usize,
     truth: Pose,
     error_at_truth: f64,
@@ -85,7 +85,7 @@ struct Found<'a> {
     error: f64,
     off_m: f64,
     off_rad: f64,
-    /// Of refinement: part of the rays that fit.
+    /// The fraction of the rays that fit; only with refinement.
     #[serde(skip_serializing_if = "Option::is_none")]
     fit: Option<f64>,
     poses_tried: usize,

@@ -16,7 +16,7 @@ pub(super) struct SearchResult {
     pub(super) found: Pose,
     /// All poses in the order in which they were tried, the guess first.
     pub(super) steps: Vec<Step>,
-    /// Of refinement, part of the rays that fit in the end.
+    /// The part of the rays that fit in the end, of refinement.
     pub(super) fit: Option<f64>,
 }
 

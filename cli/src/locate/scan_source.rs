@@ -27,7 +27,7 @@ pub(super) struct ScanSource<'a> {
 }
 
 impl<'a> ScanSource<'a> {
-    /// Those that are named, or the first that there are.
+    /// The sources that are named, or the first that exist.
     pub(super) fn find(args: &LocateArgs, robots: &'a [RobotSpec]) -> anyhow::Result<Self> {
         let named = |(_, robot): &(usize, &RobotSpec)| match &args.robot {
             Some(name) => robot.name == *name,
@@ -43,7 +43,7 @@ impl<'a> ScanSource<'a> {
         let wanted = |(_, sensor, _): &(usize, &Sensor, &Laser)| {
             args.laser.as_ref().is_none_or(|name| sensor.name == *name)
         };
-        // Of those that may be chosen one on the body itself, rather than on a turret.
+        // A laser on the body itself is chosen rather than one on a turret.
         let on_body = |(_, _, laser): &(usize, &Sensor, &Laser)| laser.mount.turret.is_none();
         let found = lasers(robot).filter(wanted).find(on_body).or_else(|| lasers(robot).find(wanted));
         let Some((sensor, _, laser)) = found else {

@@ -25,12 +25,12 @@ use crate::text::tell;
 pub(crate) struct Export {
     traces: SdkTracerProvider,
     logs: SdkLoggerProvider,
-    /// Its thread has the connection, so that this lives on when the program's own runtime is over.
+    /// The exporter's thread holds the connection, so the exporter outlives the program's own runtime.
     _runtime: Runtime,
 }
 
 impl Export {
-    /// Adds what hears spans and events.
+    /// Adds the listener for spans and events.
     pub(crate) fn start(listeners: &mut Vec<Listener>) -> anyhow::Result<Self> {
         let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("otlp").enable_all().build();
         let runtime = runtime.context("cannot start a runtime")?;
@@ -61,7 +61,7 @@ impl Drop for Export {
     }
 }
 
-/// The name of the exporter. `OTEL_SERVICE_NAME` may say otherwise.
+/// The name of the exporter. `OTEL_SERVICE_NAME` replaces it.
 fn resource() -> Resource {
     let resource = Resource::builder();
     match std::env::var_os("OTEL_SERVICE_NAME") {

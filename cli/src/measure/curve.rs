@@ -45,7 +45,7 @@ enum Source {
     Person,
 }
 
-/// Distance by distance, until Ctrl-D, or Ctrl-C, of which it says whether it was.
+/// Collects readings distance by distance, until Ctrl-D or Ctrl-C; returns whether it was Ctrl-C.
 fn collect(args: &CurveArgs, table: &mut Table, source: &mut Source, stop: &Stop) -> anyhow::Result<bool> {
     loop {
         let line = match ask(PROMPT, stop)? {

@@ -50,7 +50,7 @@ pub(super) fn echo(args: &EchoArgs) -> anyhow::Result<ExitCode> {
 
 /// The result of the echoes.
 struct Outcome {
-    /// In milliseconds.
+    /// The times of the echoes, in milliseconds.
     times_ms: Vec<f64>,
     lost: u32,
     is_stopped: bool,
@@ -130,9 +130,9 @@ impl Outcome {
     }
 }
 
-/// So many lost messages at the start mean that nobody answers.
+/// The number of lost messages at the start after which the device is taken not to answer.
 const GIVES_UP_AFTER: u32 = 5;
-/// After a message that was lost it must be quiet for so long, or for the time-out if that is less.
+/// The time for which it must be quiet after a lost message, or the time-out if that is less.
 const LONGEST_QUIET_MS: u32 = 200;
 
 /// The sketch that makes a board send all bytes back.

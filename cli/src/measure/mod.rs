@@ -1,8 +1,8 @@
 //! `baudbot measure`: what is measured at a real robot on the desk, as tables that `baudbot fit` reads.
 //!
-//! [`echo`] times bytes on a serial port, [`curve`] collects a sensor's readings at distances, [`step`] watches wheels that
-//! are told to turn. [`port`] is the serial port, [`table`] a table that can be continued,
-//! [`typed`] asks a person, [`numbers`] finds numbers in replies.
+//! [`echo`] times bytes on a serial port, [`curve`] collects a sensor's readings at distances, [`step`] measures wheels
+//! that are commanded to turn. [`port`] is the serial port, [`table`] a table that can be continued, [`typed`] asks a
+//! person, [`numbers`] finds numbers in replies.
 
 mod curve;
 mod echo;
@@ -29,7 +29,7 @@ pub(crate) fn measure(command: &MeasureCommand) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// A bar for so many things, if somebody looks.
+/// A bar for so many things, if stderr is a terminal.
 fn progress(number: u32, what: &str, quiet: bool) -> ProgressBar {
     if quiet || !io::stderr().is_terminal() {
         return ProgressBar::hidden();

@@ -23,7 +23,7 @@ use crate::error::Refused;
 pub(super) struct Port {
     file: File,
     path: PathBuf,
-    /// Its settings when it was opened.
+    /// The port's settings when it was opened.
     before: Termios,
 }
 
@@ -40,7 +40,7 @@ impl Port {
         flock(&file, FlockOperation::NonBlockingLockExclusive).map_err(|_| busy(device))?;
         let port = Self { file, path: device.to_owned(), before };
         port.configure(args.baud)?;
-        // Others who open it from now on are told that it is busy.
+        // Programs that open the port from now on get the error that it is busy.
         ioctl_tiocexcl(&port.file).with_context(|| port.trouble("cannot be locked"))?;
         thread::sleep(Duration::from_millis(args.settle_ms.into()));
         port.discard()?;
@@ -134,7 +134,7 @@ impl Port {
         }
     }
 
-    /// Its name, for messages.
+    /// The port's name, for messages.
     pub(super) fn name(&self) -> String {
         self.path.display().to_string()
     }
@@ -155,14 +155,14 @@ impl Drop for Port {
     }
 }
 
-/// The properties of a port that matter to its timing, as the system has them: names and values.
+/// The properties of a port that matter to its timing, by the system: names and values.
 pub(super) fn about(device: &Path) -> Vec<(&'static str, String)> {
     let real = fs::canonicalize(device).unwrap_or_else(|_| device.to_owned());
     let Some(name) = real.file_name() else { return Vec::new() };
     let system = Path::new("/sys/class/tty").join(name).join("device");
     let driver = fs::read_link(system.join("driver")).ok();
     let driver = driver.and_then(|driver| Some(driver.file_name()?.to_str()?.to_owned()));
-    // Of FTDI's adapters only.
+    // The latency timer exists for FTDI's adapters only.
     let timer = fs::read_to_string(system.join("latency_timer")).ok().map(|timer| timer.trim().to_owned());
     [("driver", driver), ("latency_timer_ms", timer)]
         .into_iter()

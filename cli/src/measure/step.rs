@@ -79,7 +79,7 @@ fn head(args: &StepArgs) -> String {
     header(&notes, &columns)
 }
 
-/// Watches the robot at rest, driving, and at rest again. Says whether Ctrl-C ended it.
+/// Watches the robot at rest, driving, and at rest again. Returns whether Ctrl-C ended it.
 fn drive(args: &StepArgs, robot: &mut Robot<'_>, log: &mut Log<'_>, stop: &Stop) -> anyhow::Result<bool> {
     let rest = (args.rest_s, [0.0; 2]);
     let mut end_s = 0.0;
@@ -107,7 +107,7 @@ fn drive(args: &StepArgs, robot: &mut Robot<'_>, log: &mut Log<'_>, stop: &Stop)
     Ok(false)
 }
 
-/// A robot that is told to stop whatever happens.
+/// A robot that is stopped whatever happens.
 struct Robot<'a> {
     port: Port,
     args: &'a StepArgs,
@@ -179,7 +179,7 @@ impl Log<'_> {
         let [left, right] = command.map(|command| command / self.args.full);
         let mut row = format!("{time_s:.6},{left},{right},{},{}", counts[0], counts[1]);
         if let Some(m_per_count) = self.args.m_per_count {
-            // Of the first row nothing is known: its cells stay empty.
+            // The cells of the first row stay empty, as there is no row before it.
             let speeds = self.last.map(|(before_s, before)| {
                 [0, 1].map(|i| (counts[i] - before[i]) * m_per_count / (time_s - before_s))
             });
@@ -205,7 +205,7 @@ impl Log<'_> {
     }
 }
 
-/// So many questions without an answer at the start mean that nobody answers.
+/// The number of questions without an answer at the start after which the device is taken not to answer.
 const GIVES_UP_AFTER: u32 = 3;
-/// Between two commands to stop.
+/// The pause between two commands to stop.
 const STOP_PAUSE: Duration = Duration::from_millis(20);

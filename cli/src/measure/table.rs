@@ -82,7 +82,7 @@ impl Table {
     fn write(&self) -> anyhow::Result<()> {
         let unwritable = || format!("cannot write {}", self.path.display());
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        // As any other new file: what the user's mask leaves of it.
+        // The permissions are those of any other new file, less the user's mask.
         let mut builder = tempfile::Builder::new();
         builder.permissions(Permissions::from_mode(0o666));
         let mut file =

@@ -1,4 +1,4 @@
-//! Lines that a person types, while Ctrl-C is heard.
+//! Lines that a person types, until Ctrl-C.
 
 use std::io;
 use std::time::Duration;
@@ -16,11 +16,11 @@ pub(super) enum Typed {
     Line(String),
     /// Ctrl-D, or the end of a file.
     End,
-    /// Ctrl-C.
+    /// The input ended by Ctrl-C.
     Stopped,
 }
 
-/// Asks for a line. A terminal has it when Enter was pressed; of a pipe no byte too many is read.
+/// Asks for a line. On a terminal the line ends with Enter; of a pipe no byte too many is read.
 pub(super) fn ask(prompt: &str, stop: &Stop) -> io::Result<Typed> {
     text::prompt(prompt);
     let stdin = io::stdin();

@@ -111,7 +111,7 @@ fn source(clone: &Path) -> anyhow::Result<String> {
     Ok(source.display().to_string())
 }
 
-/// The package for brains is in no registry, so that the project has it with it.
+/// The package for brains is in no registry, so the project contains it.
 fn python(name: &str) -> anyhow::Result<Vec<File>> {
     let readme = include_str!("../../templates/python/README.md").replace("{name}", name);
     let example = include_str!("../../../client/python/examples/avoid.py");

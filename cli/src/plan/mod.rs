@@ -231,7 +231,7 @@ fn square(grid: &Grid, cell: Cell) -> Bounds {
     Bounds { min: grid.corner(cell), max: grid.corner(cell.offset(1, 1)) }
 }
 
-/// To a tenth of a millimetre, so that lengths can be compared.
+/// The length to a tenth of a millimetre, so that lengths can be compared.
 fn metres(length_m: f64) -> String {
     format!("{length_m:.4}")
 }

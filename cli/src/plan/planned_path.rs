@@ -19,7 +19,7 @@ pub(super) struct PlannedPath {
     pub(super) touched: BTreeSet<Cell>,
     /// The convex cells, of the method that has these.
     pub(super) cells: Vec<Bounds>,
-    /// It did not get to the target.
+    /// The path does not reach the target.
     pub(super) is_stuck: bool,
 }
 
@@ -83,7 +83,7 @@ impl PlannedPath {
     }
 }
 
-/// Without the points at which a line goes straight on.
+/// The points without those at which a line goes straight on.
 fn bends(points: &[Point]) -> Vec<Point> {
     let goes_on = |a: Point, b: Point, c: Point| {
         let (there, on) = (b - a, c - b);

@@ -72,8 +72,8 @@ pub(crate) fn by_robot(ports: &[PortAddress], robots: &[String], open: bool) -> 
     Ok(by_robot)
 }
 
-/// These ports, and those that a scenario asks for. Ports that are given for a cable take the place of all that the scenario
-/// asks for there.
+/// These ports, and those of a scenario. Ports that are given for a cable take the place of all that the scenario has
+/// there.
 pub(crate) fn with_those_of_scenario(
     given: &PortsByRobot,
     scenario: &[SerialPort],
@@ -90,7 +90,7 @@ pub(crate) fn with_those_of_scenario(
     Ok(all)
 }
 
-/// Whose programs may open ports.
+/// The users whose programs may open ports.
 pub(crate) fn reach(open: bool) -> Reach {
     if open { Reach::Anyone } else { Reach::OwnUser }
 }
@@ -113,8 +113,8 @@ pub(crate) struct OpenPorts {
 }
 
 impl OpenPorts {
-    /// Opens the ports of robots of these worlds. What is known of a port by the names of its world, its robot and its device is asked
-    /// for, to tell where no driver will understand what is spoken.
+    /// Opens the ports of robots of these worlds. The names of a world, a robot and a device give the protocol of a
+    /// port, for the note that no driver will understand it.
     pub(crate) async fn open(
         channel: Channel,
         worlds: &[(String, PortsByRobot)],
@@ -180,7 +180,7 @@ impl OpenPorts {
 
     /// Closes the ports. Gives what each has done, for people.
     pub(crate) async fn close(mut self) -> String {
-        // Nobody may be left who listens.
+        // The receiver may be gone.
         let _ = self.stop.send(true);
         let mut text = String::new();
         while let Some(Ok((robot, reports))) = self.tasks.join_next().await {

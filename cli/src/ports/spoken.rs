@@ -1,5 +1,4 @@
-//! The language at a serial port, if a driver of the real robot or sensor would hear something that it does not
-//! understand.
+//! The protocol at a serial port, if a driver of the real robot or sensor would not understand it.
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::firmware::Protocol;
@@ -83,7 +82,7 @@ mod tests {
         }
     }
 
-    /// Protocols of real robots are not spoken of, nor what a program of the user's own says.
+    /// There is no note about protocols of real robots, nor about a program of the user's own.
     #[test]
     fn only_what_no_real_robot_speaks_is_told() {
         let framed = robot(Protocol::Framed(v1::firmware::Framed { ages: false }));

@@ -35,7 +35,7 @@ fn facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
     if !robot.has_program_only() {
         let brain = match (robot.brain.as_str(), robot.turns) {
             ("", 0) => "none",
-            // It may have left, or there never was one: turns are those of the robot.
+            // The brain may have left, or there never was one: turns are those of the robot.
             ("", _) => "none at the end",
             (brain, _) => brain,
         };
@@ -86,8 +86,8 @@ fn habit(robot: &Robot, simulated_s: f64) -> Option<String> {
     Some(format!("the brain wrote {times} times as often as a message came: one command for each is enough"))
 }
 
-/// The number of commands for each message, if there were too many: each takes the cable from the next. Where little
-/// is heard it is right to repeat oneself.
+/// The number of commands for each message, if there were too many: each takes the cable from the next. Repetitions are
+/// right where few messages come.
 fn times_too_often(commands: u64, messages: u64, simulated_s: f64) -> Option<String> {
     let enough = (messages as f64).max(REPEATS_PER_S * simulated_s);
     (messages > 0 && commands as f64 > OFTEN * enough)
@@ -97,7 +97,7 @@ fn times_too_often(commands: u64, messages: u64, simulated_s: f64) -> Option<Str
 /// So often a brain may repeat its command without news.
 const REPEATS_PER_S: f64 = 10.0;
 
-/// So many times as many commands as are enough are too many.
+/// The ratio of commands to those that are enough, above which there are too many.
 const OFTEN: f64 = 1.5;
 
 /// The events of a chip, the bytes that it sent, and the acts of its program or its wiring that are hardly meant.
@@ -197,7 +197,7 @@ fn thinking(Thinking { turns, durations }: &Thinking, clock: &str) -> String {
     format!("{turns} took {least} to {most} by {clock}; half at most {median}, 95 % {p95}, 99 % {p99}")
 }
 
-/// With three digits: quantiles are right to no more than 0.8 %.
+/// The number with three digits: quantiles are right to no more than 0.8 %.
 fn about(number: f64) -> f64 {
     if number == 0.0 || !number.is_finite() {
         return number;
@@ -265,7 +265,7 @@ fn lines(robot: &Robot) -> Vec<[String; 8]> {
     rows
 }
 
-/// The cable of a program whose bytes are messages to nobody here.
+/// The cable of a program whose bytes have no meaning here.
 fn program_lines(robot: &Robot) -> Vec<[String; 5]> {
     let head = ["", "bytes", "used", "lost", "corrupted"].map(str::to_owned);
     let row = |[name, bytes, _, used, lost, corrupted, ..]: [String; 8]| [name, bytes, used, lost, corrupted];

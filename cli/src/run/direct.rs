@@ -14,7 +14,7 @@ use tonic::Status;
 use super::{Outside, Plan, progress};
 use crate::error::{Refused, from_builder, from_server};
 
-/// Lets brains drive their robots until the run is over, and says how the world then is.
+/// Lets brains drive their robots until the run is over, and returns the state of the world then.
 pub(super) async fn run(
     plan: &Plan,
     on_tick: Option<OnTick>,
@@ -37,7 +37,7 @@ pub(super) async fn run(
 struct Running<'a> {
     plan: &'a Plan,
     driven: DrivenWorld<DirectWorld, AnyBrain>,
-    /// When the brain of each robot is asked what it believes.
+    /// The instants at which the brain of each robot is asked for its beliefs.
     looks: Vec<Looks>,
 }
 
@@ -56,7 +56,7 @@ impl Running<'_> {
         Ok(())
     }
 
-    /// Makes ticks until the run has ended, somebody interrupts it or a file cannot be written.
+    /// Makes ticks until the run has ended, a signal interrupts it or a file cannot be written.
     async fn until_over(&mut self, outside: &mut Outside<'_>, bar: &ProgressBar) -> anyhow::Result<()> {
         while self.slice()? {
             bar.set_position(self.driven.world.world().tick());
@@ -67,7 +67,7 @@ impl Running<'_> {
                     return Ok(());
                 }
                 error = outside.files.failure() => return Err(error),
-                // Whoever watches the files has its turn, too.
+                // The tasks that watch the files have their turn, too.
                 () = tokio::task::yield_now() => {}
             }
         }

@@ -25,7 +25,7 @@ use crate::error::{from_builder, from_server};
 use crate::text::tell;
 use crate::{assignment, connect, record, viewer};
 
-/// Lets brains drive their robots until the run is over, and says how the world then is.
+/// Lets brains drive their robots until the run is over, and returns the state of the world then.
 pub(super) async fn run(
     plan: &Plan,
     on_tick: Option<OnTick>,
@@ -73,7 +73,7 @@ async fn serve(
 /// may enter.
 struct Private {
     address: Address,
-    /// Their processor time.
+    /// The processor time of the brains' programs.
     clock: ProcessorClock,
     _folder: TempDir,
 }
@@ -84,7 +84,7 @@ impl Private {
         if plan.assigned.programs.is_empty() {
             return Ok(None);
         }
-        // Nobody else is to reach the socket, not even while it is being made.
+        // The socket must not be reachable by other users, not even while it is being made.
         let own = Permissions::from_mode(0o700);
         let folder = tempfile::Builder::new().prefix("baudbot-").permissions(own).tempdir();
         let folder = folder.context("cannot make a folder for the socket of programs")?;
@@ -115,7 +115,7 @@ impl Running<'_, '_> {
             let client = record::publishing(Client::from_channel(channel.clone()), self.plan.frame);
             let Plan { world, seed, .. } = self.plan;
             let attached = AttachedBrains::attach(client, world, assignment.clone(), *seed).await;
-            // They hold their robots until all is over.
+            // The brains hold their robots until all is over.
             brains.spawn(assignment::drive(attached.map_err(assignment::refused)?));
         }
         let mut crew = self.crew(&mut control).await?;
@@ -140,7 +140,7 @@ impl Running<'_, '_> {
         if status.recording.is_none() {
             return Ok(status);
         }
-        // A tick that was under way may have ended since the pause: what is told is what the recording ends with.
+        // A tick that was under way may have ended since the pause: the summary is of the recording's end.
         let closed = self.server.stop_recording(&self.plan.world).await;
         closed.map_err(|status| from_server(&status))
     }
@@ -194,12 +194,12 @@ impl Running<'_, '_> {
     ) -> anyhow::Result<()> {
         let mut redraw = tokio::time::interval(REDRAW);
         let mut silence = Silence::new(self.plan, self.outside.args);
-        // A failure takes a moment to be told: what has begun of that is not begun again at each redraw.
+        // The report of a failure takes a moment: one that has begun is not begun again at each redraw.
         let failed = crew.failed();
         tokio::pin!(failed);
         while !self.outside.interrupted {
             tokio::select! {
-                // When the world is over, because an operator deleted it, so is the run.
+                // The run is over when its world is, because an operator deleted it.
                 () = self.progress.ended() => return Ok(()),
                 () = self.outside.stop.wait() => {
                     self.outside.interrupted = true;
@@ -236,18 +236,18 @@ async fn held(plan: &Plan, control: &mut ControlServiceClient<Channel>) -> anyho
     Ok(plan.assigned.held(&answer.into_inner().status.unwrap_or_default()))
 }
 
-/// The fault if nothing goes on. Grading says it in the same words.
+/// The fault if nothing goes on. Grading uses the same words.
 const SILENT: &str =
     "no answer of a brain has come; look for an endless loop, or for a wait for something that does not come";
 
-/// Looks whether a world that waits for its brains goes on.
+/// The watch on a world that waits for its brains: whether it goes on.
 struct Silence {
     /// The tick that was seen last, and since when.
     last: Option<(u64, Instant)>,
     step_s: f64,
     /// Whether it is to be ended, and after how long.
     limit: Option<Duration>,
-    /// Whether somebody is to be told, as nobody was of this tick.
+    /// Whether a message is due, as there was none about this tick.
     tells: bool,
 }
 
@@ -262,7 +262,7 @@ enum Silent {
 
 impl Silence {
     fn new(plan: &Plan, args: &RunArgs) -> Self {
-        // A world under a debugger stands for as long as somebody thinks.
+        // A world under a debugger stands for as long as its user thinks.
         let waits = matches!(plan.pace, Pace::Lockstep(_)) && args.chips.gdb.is_empty();
         let limit = args.brain_timeout.filter(|_| waits).map(Duration::from_secs_f64);
         Self { last: None, step_s: plan.scenario.step_ns as f64 / 1e9, limit, tells: waits && !args.quiet }
@@ -290,7 +290,7 @@ impl Silence {
     }
 }
 
-/// As long as the watchdog waits before it says so in the log.
+/// The wait of the watchdog before its message in the log.
 const TOLD_AFTER: Duration = Duration::from_secs(10);
 
 /// The interval at which the holders of robots are looked up.

@@ -45,7 +45,7 @@ pub(crate) struct Transcript {
     out: Box<dyn Write + Send>,
     listener: Listener,
     lost: u64,
-    /// Taken when the first write fails; otherwise told when the file is done.
+    /// The sender, taken when the first write fails; otherwise used when the file is done.
     outcome: Option<oneshot::Sender<io::Result<()>>>,
 }
 

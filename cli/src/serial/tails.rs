@@ -20,7 +20,7 @@ struct Tail {
 }
 
 impl Tails {
-    /// Those of all robots with chips; their worlds must [keep the bytes](World::keep_tape).
+    /// The tails of all robots with chips; their worlds must [keep the bytes](World::keep_tape).
     pub(crate) fn new(specs: &[RobotSpec]) -> Self {
         let chips = (0..specs.len()).filter(|&robot| specs[robot].chip.is_some());
         let tail = |robot| Tail { robot, listener: Listener::default(), bytes: VecDeque::new() };

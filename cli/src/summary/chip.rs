@@ -7,7 +7,7 @@ use serde::Serialize;
 /// A chip.
 #[derive(Debug, Serialize)]
 pub(crate) struct Chip {
-    /// Such as ATmega328P.
+    /// The part's name, such as ATmega328P.
     pub(crate) part: String,
     /// The frequency of its clock source, by its name, in Hz.
     pub(crate) clock_hz: u32,

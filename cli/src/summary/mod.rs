@@ -30,24 +30,24 @@ pub(crate) struct Summary {
     /// The ratio of simulated time to real time.
     pub(crate) simulated_per_wall: f64,
     pub(crate) ending: String,
-    /// Somebody ended it before its end.
+    /// The run was interrupted before its end.
     pub(crate) interrupted: bool,
     /// Hexadecimal, as JSON's numbers have too few bits.
     pub(crate) state_hash: String,
     /// In real and scaled time.
     pub(crate) clock: Option<Clock>,
-    /// In lockstep.
+    /// The counts of a world in lockstep.
     pub(crate) lockstep: Option<Lockstep>,
     /// The referee's counts, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) score: Option<Score>,
-    /// Those of the things that move by themselves that something was in the way of.
+    /// The things that move by themselves and were blocked.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) blocked: Vec<Blocked>,
     /// The recording's place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) recording: Option<Recording>,
-    /// Lines that the programs of brains have printed, and nobody has seen.
+    /// The number of lines that the programs of brains have printed and that were not shown.
     #[serde(skip)]
     pub(crate) unseen_lines: u64,
     pub(crate) robots: Vec<Robot>,
@@ -74,9 +74,9 @@ impl Recording {
 /// The referee's counts.
 #[derive(Debug, Serialize)]
 pub(crate) struct Score {
-    /// Of the free floor, what bodies covered.
+    /// The percentage of the free floor that bodies covered.
     pub(crate) covered_percent: Option<f64>,
-    /// Of the free floor, what rays reached.
+    /// The percentage of the free floor that rays reached.
     pub(crate) sensed_percent: Option<f64>,
     pub(crate) goals_reached: u32,
     pub(crate) goals: u32,
@@ -96,10 +96,10 @@ pub(crate) struct Blocked {
 pub(crate) struct Clock {
     pub(crate) overruns: u64,
     pub(crate) lateness_max_ms: f64,
-    /// Wall-clock time that the world let go, as it lagged by more than its pace allows, and how often it did.
+    /// Wall-clock time that the world skipped, as it lagged by more than its pace allows, and the number of times.
     pub(crate) let_go_s: f64,
     pub(crate) times_let_go: u64,
-    /// Simulated time beyond that of the scaled wall clock, without what was let go.
+    /// Simulated time beyond that of the scaled wall clock, without what was skipped, in percent.
     pub(crate) drift_percent: f64,
     pub(crate) lateness: Vec<Lateness>,
 }
@@ -194,7 +194,7 @@ fn seconds(ns: u64) -> f64 {
     ns as f64 / 1e9
 }
 
-/// A pace as the command line has it.
+/// The name of a pace on the command line.
 pub(crate) fn pace_name(kind: &Kind) -> String {
     match kind {
         Kind::RealTime(_) => "real-time".to_owned(),

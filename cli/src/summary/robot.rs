@@ -51,7 +51,7 @@ pub(crate) struct Robot {
     pub(crate) thinking_processor: Option<Thinking>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) battery: Option<Battery>,
-    /// Those that it has been in.
+    /// The zones that the robot has been in.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) zones: Vec<Zone>,
     pub(crate) sensors: Vec<Sensor>,
@@ -64,13 +64,13 @@ pub(crate) struct Cycles {
     pub(crate) kept: u64,
     pub(crate) late: u64,
     pub(crate) unanswered: u64,
-    /// When its brain is taken to write: what a budget of this robot goes by.
+    /// The assumption about the brain's writing in a budget of this robot.
     pub(crate) writes: Writes,
     /// Writes beyond that.
     pub(crate) unstated_writes: u64,
     /// Answered cycles that these disturbed; the bounds of the budget need not hold for them.
     pub(crate) disturbed: u64,
-    /// Of those that were kept or late; absent if there were none.
+    /// The percentage of the cycles, kept or late, that were kept; absent if there were none.
     pub(crate) kept_percent: Option<f64>,
     /// Messages of readings a second that were answered by a command.
     pub(crate) exchanges_per_s: f64,
@@ -119,7 +119,7 @@ pub(crate) struct Zone {
 pub(crate) struct Line {
     pub(crate) bytes: u64,
     pub(crate) messages: u64,
-    /// Of the characters that the line could have carried; absent if it is ideal.
+    /// The percentage of the characters that the line could have carried; absent if the link is ideal.
     pub(crate) used_percent: Option<f64>,
     pub(crate) overrun_bytes: u64,
     pub(crate) refused_bytes: u64,
@@ -146,7 +146,7 @@ pub(crate) struct Sensor {
 }
 
 impl Robot {
-    /// Whether it did what the program of its chip says, and no brain has to do with it.
+    /// Whether the robot is driven only by the program of its chip, without a brain.
     pub(crate) fn has_program_only(&self) -> bool {
         self.chip.is_some() && self.brain.is_empty() && self.commands == 0
     }

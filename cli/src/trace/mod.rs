@@ -20,10 +20,10 @@ pub(crate) struct Trace {
     writer: Option<TraceWriter<Out>>,
     /// The number of events of each robot that have been written or were lost.
     seen: Vec<u64>,
-    /// Those of robots with programs of their own.
+    /// The pins of robots with programs of their own.
     pins: Vec<Pins>,
     from: SimTime,
-    /// Taken when the first write fails; otherwise told when the trace is done.
+    /// The sender, taken when the first write fails; otherwise used when the trace is done.
     outcome: Option<oneshot::Sender<io::Result<()>>>,
 }
 

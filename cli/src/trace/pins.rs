@@ -13,7 +13,7 @@ use baudbot_sim::{RobotView, SimTime};
 pub(super) struct Pins {
     robot: usize,
     scope: Scope,
-    /// Of each signal the last that is on it, until what follows is known.
+    /// The last on each signal, until what follows is known.
     last: Vec<Option<Shown>>,
     /// Events that are over before this are not written.
     from: SimTime,
@@ -21,7 +21,7 @@ pub(super) struct Pins {
 }
 
 impl Pins {
-    /// Those of a robot with a program of its own.
+    /// The `Pins` of a robot with a program of its own.
     pub(super) fn new(robot: usize, spec: &RobotSpec, from: SimTime) -> Option<Self> {
         let scope = Scope::new(spec.chip.as_ref()?, FINEST_NS);
         let last = vec![None; scope.signals().len()];

@@ -1,5 +1,5 @@
-//! From the errors at the ends of squares to the errors of the wheels: Borenstein & Feng 1996, "Measurement and Correction of
-//! Systematic Odometry Errors in Mobile Robots", IEEE Transactions on Robotics and Automation 12(6).
+//! The way from the errors at the ends of squares to the errors of the wheels: Borenstein & Feng 1996, "Measurement and
+//! Correction of Systematic Odometry Errors in Mobile Robots", IEEE Transactions on Robotics and Automation 12(6).
 //!
 //! With ε = true pose − pose by odometry at the end of a run, in the frame of its start, whose x axis is the first side, L the
 //! side and b the distance between the wheels, and the means of all clockwise and of all counter-clockwise runs
@@ -43,9 +43,9 @@ pub(super) struct Group {
 pub(super) struct Analysis {
     pub(super) cw: Group,
     pub(super) ccw: Group,
-    /// α, in radians.
+    /// The angle α of the errors, in radians.
     pub(super) type_a_rad: f64,
-    /// β, in radians.
+    /// The angle β of the errors, in radians.
     pub(super) type_b_rad: f64,
     /// E_d, against the calibration that odometry had.
     pub(super) wheel_ratio: f64,
@@ -56,7 +56,7 @@ pub(super) struct Analysis {
 }
 
 impl Group {
-    /// Of at least one run.
+    /// A `Group` of at least one run.
     pub(super) fn new(errors: Vec<EndError>) -> Self {
         let count = errors.len() as f64;
         let mean = |of: fn(&EndError) -> f64| errors.iter().map(of).sum::<f64>() / count;
@@ -76,8 +76,8 @@ impl Group {
 }
 
 impl Analysis {
-    /// Of squares with this side, by an odometry with this calibration; `track_m` is the distance between the wheels by the
-    /// data sheet.
+    /// An `Analysis` of squares with this side, by an odometry with this calibration; `track_m` is the distance
+    /// between the wheels by the data sheet.
     pub(super) fn new(cw: Group, ccw: Group, side_m: f64, track_m: f64, had: Calibration) -> Self {
         let ([x_cw, y_cw], [x_ccw, y_ccw]) = (cw.center_m, ccw.center_m);
         let type_a_rad = 0.5 * ((x_cw + x_ccw) + (y_cw - y_ccw)) / (-4.0 * side_m);
@@ -93,7 +93,7 @@ impl Analysis {
         Self { cw, ccw, type_a_rad, type_b_rad, wheel_ratio, track_ratio, calibration }
     }
 
-    /// E_max,syst, in metres.
+    /// The measure E_max,syst, in metres.
     pub(super) fn e_max_syst_m(&self) -> f64 {
         self.cw.r_m().max(self.ccw.r_m())
     }

@@ -45,7 +45,7 @@ pub(super) struct Run {
 }
 
 impl Course {
-    /// For this robot of a scenario. How fast it is, is tried first: no data sheet says it.
+    /// The course of this robot of a scenario. Its speed is measured first: no data sheet states it.
     pub(super) fn new(args: &UmbmarkArgs, scenario: &Scenario, robot: &RobotSpec) -> anyhow::Result<Self> {
         let body = Body::from(robot);
         let sensor = sensor(args.sensor.as_deref(), robot, &body)?;
@@ -101,7 +101,7 @@ impl Course {
         })
     }
 
-    /// A brain that knows what its odometry says, and nothing else.
+    /// A brain with odometry and no other sense.
     fn brain(&self, run: &Run) -> anyhow::Result<Composed> {
         let Self { side_m, speed_m_s, rotation_m_s, full_speed_m_s, sensor, .. } = self;
         let (clockwise, Calibration { wheels: [left, right], track }) = (run.clockwise, run.calibration);
@@ -220,9 +220,9 @@ fn has_arrived(local: &mut InProcess) -> bool {
     local.belief(0).is_some_and(|belief| belief.pose.is_some() && belief.path.is_empty())
 }
 
-/// Speed on the sides if nothing else is said: UMBmark's robots drive slowly, so that they do not slip.
+/// Speed on the sides, in m/s, by default: UMBmark's robots drive slowly, so that they do not slip.
 const USUAL_M_S: f64 = 0.2;
-/// Speed of turns.
+/// The speed of turns, in rad/s.
 const USUAL_RAD_S: f64 = 0.8;
 /// Motors may not turn at less than that.
 const LEAST_SIGNAL: f64 = 0.05;
@@ -232,7 +232,7 @@ const SLOWEST: f64 = 0.25;
 const LEAST_M_S: f64 = 1e-3;
 /// The time for which a robot drives to show its speed.
 const TRIAL_NS: u64 = 5_000_000_000;
-/// Until a robot that has arrived stands still, and has said so.
+/// The time until a robot that has arrived stands still, and has published so.
 const REST_NS: u64 = 2_000_000_000;
 /// The factor on the time that a square should take.
 const PATIENCE: f64 = 10.0;

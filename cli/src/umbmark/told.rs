@@ -18,7 +18,7 @@ pub(super) struct Told<'a> {
     pub(super) robot: &'a RobotSpec,
     pub(super) course: &'a Course,
     pub(super) first: &'a Analysis,
-    /// With the corrections of the first.
+    /// The analysis with the corrections of the first.
     pub(super) second: Option<Analysis>,
 }
 
@@ -42,9 +42,9 @@ struct Measurement {
     cw: Ends,
     ccw: Ends,
     e_max_syst_m: f64,
-    /// α.
+    /// The angle α, in radians.
     type_a_rad: f64,
-    /// β.
+    /// The angle β, in radians.
     type_b_rad: f64,
     /// E_d and E_b, against the correction that this measurement was made with.
     wheel_ratio: f64,

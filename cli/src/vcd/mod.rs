@@ -1,6 +1,6 @@
 //! The record of a logic analyser on the pins of a chip, as a VCD file (IEEE 1364, *Value change dump files*).
 //!
-//! [`signals`] says which there are, and what they are called.
+//! [`signals`] has the signals and their names.
 
 mod signals;
 
@@ -29,7 +29,7 @@ pub(crate) struct Dump {
     seen: u64,
     lost: u64,
     from_ns: u64,
-    /// Taken when the first write fails; otherwise told when the file is done.
+    /// The sender, taken when the first write fails; otherwise used when the file is done.
     outcome: Option<oneshot::Sender<io::Result<()>>>,
 }
 
@@ -146,7 +146,7 @@ impl Body {
         change.write(&mut self.writer)
     }
 
-    /// So many edges are lost, so that nothing is known of the pins until they move again.
+    /// Notes lost edges, after which nothing is known of the pins until they move again.
     fn forget(&mut self, lost: u64) -> io::Result<()> {
         self.signals.forget();
         if self.at_ns.is_none() {

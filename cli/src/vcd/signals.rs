@@ -12,7 +12,7 @@ use vcd::{IdCode, Value, Writer};
 /// All signals with their values.
 pub(super) struct Signals {
     all: Vec<Variable>,
-    /// It changes when a round of the main loop begins.
+    /// The signal that changes when a round of the main loop begins.
     rounds: (IdCode, bool),
 }
 
@@ -26,7 +26,7 @@ struct Variable {
 #[derive(Clone, Copy)]
 enum Shown {
     Bit(Value),
-    /// Of so many bits; what stands there without a number.
+    /// A number of so many bits; the value is for what has no number.
     Number(Option<u16>, u32, Value),
 }
 
@@ -125,5 +125,5 @@ fn bit_of(level: Level) -> Value {
 /// Data sheet, chapter *Analog-to-Digital Converter*.
 const ADC_BITS: u32 = 10;
 
-/// Of longer characters the lower bits.
+/// The lower bits of longer characters are shown.
 const CHARACTER_BITS: u32 = 8;

@@ -149,7 +149,7 @@ fn who_comes_later_gets_the_frames_that_stay() {
     assert_eq!(children, BTreeSet::from(["eye", "ping", "sharp"].map(str::to_owned)));
 }
 
-/// As open_karto computes it in slam_toolbox, which drops a scan that has another number.
+/// The number of readings that open_karto computes in slam_toolbox, which drops a scan with another number.
 fn expected_by_karto(first: f64, last: f64, gap: f64) -> usize {
     let span = (last - first).abs();
     let is_360 = (span - TAU).abs() < gap.abs() - f64::from(f32::EPSILON) * TAU;
@@ -170,7 +170,7 @@ fn a_full_turn_has_no_ray_twice() {
         assert!((first + PI).abs() < 1e-6 && (last - (PI - TAU / 720.0)).abs() < 1e-6, "{first} to {last}");
         assert!((first + gap * 719.0 - last).abs() < 1e-4);
     }
-    // As it was: both ends.
+    // The scan is as it was: it has both ends.
     assert_ne!(expected_by_karto(-PI, PI, TAU / 720.0), 721);
 }
 

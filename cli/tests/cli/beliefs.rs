@@ -30,14 +30,14 @@ fn beliefs_are_a_table_and_utilities_a_chart() {
     let own: Vec<_> =
         names.iter().flat_map(|name| [format!("{name}.utility"), format!("{name}.active")]).collect();
     assert_eq!(rows[0][6..], own);
-    // It steps every 20 ms, and people are to be told every 50: that is in each third step.
+    // The brain steps every 20 ms, and publishes at most every 50: that is in each third step.
     assert_eq!(rows.len(), 1 + 334, "rows of 20 s");
     let mut before_s = -1.0;
     for row in &rows[1..] {
         let at_s: f64 = row[0].parse().unwrap();
         assert!(at_s > before_s && (0.0..=20.0).contains(&at_s), "{at_s} after {before_s}");
         before_s = at_s;
-        // One of the motor behaviours has the motors, the one of the greatest utility, and the state says which.
+        // The motor behaviour of the greatest utility has the motors, and the state has its name.
         let active: Vec<_> = (0..3).filter(|i| row[7 + 2 * i] == "1").collect();
         assert_eq!(active.len(), 1, "{row:?}");
         let utility = |i: usize| row[6 + 2 * i].parse::<f64>().unwrap();

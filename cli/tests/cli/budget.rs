@@ -127,7 +127,7 @@ fn what_is_not_there_for_programs_is_refused_with_what_is() {
 /// Three compasses at 9600 baud, and a brain that is to answer within 13 ms.
 const COMPASSES: &str = include_str!("../../../crates/scenario/tests/budget/every_tick.toml");
 
-/// A verdict holds for the brain that it names, and a run says if the brain was not as it was taken to be.
+/// A verdict holds for the brain that it names, and a run reports a brain that differed from the assumption.
 #[test]
 fn a_verdict_names_its_brain_and_a_run_counts_what_that_did_otherwise() {
     let folder = tempfile::tempdir().unwrap();
@@ -162,7 +162,7 @@ fn a_verdict_names_its_brain_and_a_run_counts_what_that_did_otherwise() {
     let cycles = run(&[]);
     assert_eq!((&cycles["late"], &cycles["writes"]), (&0.into(), &"when-free".into()));
     assert_eq!((&cycles["unstated_writes"], &cycles["disturbed"]), (&0.into(), &0.into()));
-    // It turns now and then without being asked, which is not what this says of it.
+    // The brain repeats its command now and then without a message, which this setting excludes.
     let cycles = run(&["--set", "robots.robot.brain.writes=\"on-message\""]);
     assert_eq!((&cycles["late"], &cycles["writes"]), (&0.into(), &"on-message".into()));
     assert!(

@@ -1,4 +1,4 @@
-//! Recordings that were ended by a signal, cut off or damaged: what `run` and `replay` say of them, and their exit codes.
+//! Recordings that were ended by a signal, cut off or damaged: the output of `run` and `replay`, and their exit codes.
 
 use std::fs;
 use std::path::Path;
@@ -40,7 +40,7 @@ fn ended_by(signal: &str, number: usize) {
     }
     run.signal(signal);
     if signal == "-HUP" {
-        // A terminal's shell says it, and then the system.
+        // The signal comes from a terminal's shell, and then from the system.
         run.signal(signal);
     }
     let (code, out, err) = run.end();
@@ -107,7 +107,7 @@ fn of_a_damaged_recording_all_is_compared_that_is_left_and_what_is_missing_is_to
         fs::write(&file, &damaged).unwrap();
         let (code, out, err) = baudbot(&["replay", text(&file), "--json"]);
         match code {
-            // The index, which nobody needs for this.
+            // The index, which is not needed for this.
             0 => {
                 let found: Value = serde_json::from_str(&out).unwrap();
                 assert_eq!(

@@ -59,7 +59,7 @@ fn scout(name: &str) -> String {
 }
 
 /// Runs the scout to its end, which must be a good one; its stdout. The sonar is read too often, and the door swings
-/// over the robot: both are told.
+/// over the robot: there is a warning of each.
 fn warned(args: &[&str]) -> String {
     let (code, out, err) = baudbot(args);
     assert_eq!(code, 0, "{err}");

@@ -78,7 +78,7 @@ fn without_an_instant_a_diagram_of_a_chip_is_of_the_first_round_in_which_its_pro
     assert!(texts.iter().any(|text| text.ends_with(" %, 7.81 kHz")), "{texts:?}");
     assert!(!has("brain") && !has("microcontroller"), "there is none: {texts:?}");
     assert!(svg.len() < 300_000, "{}", svg.len());
-    // It does not depend on what is drawn.
+    // The choice of the instant does not depend on the output.
     let first = |args: &[&str]| good(&[&["diagram", FIRMWARE], args].concat());
     let (table, csv) = (first(&[]), first(&["--csv", "-"]));
     let begin = |row: &str| row.trim().split([',', ' ']).next().unwrap().parse::<f64>().unwrap();

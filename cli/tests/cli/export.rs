@@ -217,7 +217,7 @@ fn a_recording_is_summed_up() {
         "wander, scenario wander, seed 1\n",
         "200 of 10 ms, from 0 to 2 s\n",
         "robot\n",
-        // Whether its brain is gone before the file is closed is for the wall clock to say.
+        // The brain may be gone before the file is closed or not, by the wall clock.
         " brain, 1 ending\n",
         &format!("by baudbot {}\n", env!("CARGO_PKG_VERSION")),
     ] {

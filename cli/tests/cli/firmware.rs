@@ -227,7 +227,7 @@ fn a_run_says_how_long_the_rounds_of_the_main_loop_were() {
     let robot = format!("{ROOT}/catalogue/scenarios/firmware.toml");
     let summary: Value = serde_json::from_str(&good(&["run", &robot, "--seconds", "2", "--json"])).unwrap();
     let rounds = &summary["robots"][0]["chip"]["rounds"];
-    // It asks for the time in eleven cycles, and each 20 ms it measures five voltages, and each 100 ms it writes a line.
+    // The program reads the time in eleven cycles, measures five voltages each 20 ms, and writes a line each 100 ms.
     assert_eq!(rounds["least_cycles"], 11, "{rounds}");
     let cycles = summary["robots"][0]["chip"]["cycles"].as_f64().unwrap();
     let all = rounds["count"].as_f64().unwrap() * rounds["mean_cycles"].as_f64().unwrap();
@@ -236,7 +236,7 @@ fn a_run_says_how_long_the_rounds_of_the_main_loop_were() {
     assert!((most_ms - rounds["most_cycles"].as_f64().unwrap() / 16e3).abs() < 1e-9, "{rounds}");
     let text = good(&["run", &robot, "--seconds", "1"]);
     assert!(text.contains("main loop") && text.contains("rounds of 11 cycles at least"), "{text}");
-    // It sleeps for good in its first round.
+    // The program sleeps for good in its first round.
     let asleep = ran("asleep-for-good", &[0xE005, 0xBF03, 0x9588, 0xCFFE], "1");
     assert!(asleep["chip"].get("rounds").is_none(), "{asleep}");
     assert!(asleep["chip"]["asleep_percent"].as_f64().unwrap() > 99.0, "{asleep}");
@@ -303,7 +303,7 @@ fn a_project_for_a_microcontroller_is_what_its_readme_says() {
         assert!(folder.join(sketch).is_file());
         let makefile = fs::read_to_string(folder.join("Makefile")).unwrap();
         assert!(makefile.contains("NAME = rover") && !makefile.contains("{name}"), "{makefile}");
-        // It is not built yet, and that is said with the file.
+        // The error for a program that is not built yet names the file.
         let (code, _, err) = baudbot(&["run", folder.join("robot.toml").to_str().unwrap()]);
         assert!(code == 2 && err.contains("rover.hex: there is no such file"), "{err}");
         let (code, _, err) = baudbot(&["new", "firmware", folder.to_str().unwrap()]);

@@ -15,10 +15,10 @@ mod live {
     use crate::cli::Running;
     use crate::cli::processes::serve;
 
-    /// One who has connected, as by <https://github.com/foxglove/ws-protocol>.
+    /// A client that has connected, by <https://github.com/foxglove/ws-protocol>.
     struct Foxglove {
         socket: WebSocketStream<MaybeTlsStream<TcpStream>>,
-        /// Of each channel that was offered.
+        /// The channels that were offered.
         channels: Vec<Value>,
     }
 

@@ -41,7 +41,8 @@ fn findings(json: &Value) -> Vec<&str> {
     json["findings"].as_array().unwrap().iter().map(|finding| finding.as_str().unwrap()).collect()
 }
 
-/// Those in Python, and those that compute much, are run by `catalogue/exercises/check.py` with a program that is optimised.
+/// The exercises in Python, and those that compute much, are run by `catalogue/exercises/check.py` with a program that
+/// is optimised.
 #[test]
 fn each_solution_passes_and_each_mistake_gets_its_word() {
     let brains: toml::Table =
@@ -171,7 +172,7 @@ fn a_program_that_is_not_there_is_no_failure_of_its_author() {
 #[test]
 fn a_brain_that_hangs_loses_its_run_and_is_ended() {
     let file = exercise("hangs", &ROOM.replace("seconds = 5.0", "seconds = 3000.0"));
-    // It attaches, drives for a moment, and then stands still for good.
+    // The brain attaches, drives for a moment, and then stands still for good.
     let program = env!("CARGO_BIN_EXE_baudbot");
     let script = format!("{program} {AVOID} & sleep 3; kill -STOP $!; sleep 600");
     let begun = Instant::now();
@@ -185,7 +186,7 @@ fn a_brain_that_hangs_loses_its_run_and_is_ended() {
     assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
 }
 
-/// It may drive, and nothing else.
+/// The brain's token allows it to drive, and nothing else.
 #[test]
 fn a_brain_cannot_ask_for_the_truth() {
     let file = exercise("curious", &ROOM.replace("seeds = 2", "seeds = 1"));

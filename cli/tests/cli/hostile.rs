@@ -48,7 +48,7 @@ fn a_server_takes_all_descriptors_that_it_may_have() {
     assert_eq!(numbers, [128, 128], "{files}");
 }
 
-/// A FIFO of this name, into which nobody writes.
+/// A FIFO of this name without a writer.
 fn fifo(name: &str) -> String {
     let path = place(name).to_str().unwrap().to_owned();
     assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
@@ -82,7 +82,7 @@ fn no_command_waits_for_ever_at_a_pipe_into_which_nobody_writes() {
 fn a_scenario_may_come_through_a_pipe() {
     let path = fifo("told.toml");
     let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/wander.toml");
-    // It waits for somebody who reads, for as long as that takes.
+    // The command waits for a reader, for as long as that takes.
     let mut told = Command::new("sh").args(["-c", "cat \"$0\" > \"$1\"", scenario, &path]).spawn().unwrap();
     let (code, out, err) = Running::start(&["check", &path]).end();
     assert!(told.wait().unwrap().success());

@@ -93,7 +93,7 @@ fn shells_and_man_know_the_commands() {
     assert!(folder.join("man1/baudbot.1").exists());
 }
 
-/// By bash itself, in a folder with a file.
+/// The completion is made by bash itself, in a folder with a file.
 #[test]
 fn bash_completes_names_of_what_is_built_in() {
     let script = folder("completions").join("baudbot");

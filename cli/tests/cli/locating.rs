@@ -134,7 +134,8 @@ fn the_robot_is_where_it_is_put_and_looks_with_the_sensors_noise() {
     assert_eq!(noisy, found(&there), "the same seed, the same search");
 }
 
-/// Walls that are lower than the laser are seen by nobody and are no map; robots are seen, and are none either.
+/// Walls that are lower than the laser are not sensed and are no part of the map; robots are sensed, and are no part of
+/// it either.
 #[test]
 fn the_map_is_what_is_as_high_as_the_laser() {
     let path = place("low.toml");

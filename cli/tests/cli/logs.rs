@@ -10,7 +10,8 @@ use serde_json::Value;
 use crate::cli::processes::serve;
 use crate::cli::{Running, command, said};
 
-/// Tries to say something else than its name. What could make a line of its own, or colour the terminal, no server takes.
+/// A hostile name, which tries to forge a field. A server takes no name that could make a line of its own, or colour
+/// the terminal.
 const HOSTILE: &str = "a\",\"forged\":1,\"b\":\"\\n";
 
 /// Lets a brain of this name come and go, and ends the server; what it has logged.
@@ -27,7 +28,7 @@ fn come_and_go(server: Running, address: &str, brain: &str) -> String {
         // The end of its stream and a signal come on different ways.
         until_detached(&mut operator).await;
     });
-    // With its connection.
+    // The connection is dropped with its runtime.
     drop(runtime);
     server.signal("-TERM");
     let (code, _, err) = server.end();
@@ -64,7 +65,7 @@ fn json_logs_have_simulated_time_and_take_no_line_from_a_brain() {
     assert_eq!((&events[2]["robots"], &events[2]["why"]), (&"robot".into(), &"its stream ended".into()));
 }
 
-/// A program that is killed says nothing at all.
+/// A program that is killed has no output at all.
 #[test]
 fn of_a_brain_that_is_killed_the_log_has_not_the_words_of_the_transport() {
     let (server, tcp, unix) = serve("killed-logs.sock", &["wander", "--log", "info", "--log-format", "json"]);

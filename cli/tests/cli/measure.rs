@@ -37,7 +37,7 @@ impl Device {
             while !ends.load(Ordering::Relaxed) {
                 match end.read(&mut buffer) {
                     Ok(length) => end.write_all(&answer(&buffer[..length])).unwrap(),
-                    // Nobody has the other end open.
+                    // The other end is not open.
                     Err(_) => thread::sleep(Duration::from_millis(2)),
                 }
             }
@@ -193,7 +193,7 @@ fn ports_that_are_not_there_not_ports_silent_or_in_use_are_refused_with_a_remedy
         "-",
     ]);
     assert!(code == 1 && err.contains("no echo of 5 messages at 115200 baud; is TX wired to RX"), "{err}");
-    // While another program has it open.
+    // The port is open in another program.
     let held = Device::start(|_| Vec::new());
     let other = OpenOptions::new().read(true).write(true).open(&held.path).unwrap();
     rustix::fs::flock(&other, rustix::fs::FlockOperation::LockExclusive).unwrap();
@@ -260,7 +260,7 @@ fn readings_of_a_curve_come_from_the_device() {
     assert!(code == 0 && err.contains("`n,1,504,3` has no number 7; see --number"), "{err}");
 }
 
-/// A robot that counts as fast as it is told, with what it was told.
+/// A robot whose counts grow at the commanded speed, with its commands.
 fn robot(told: Arc<std::sync::Mutex<Vec<String>>>) -> Device {
     let (mut speeds, mut counts, mut last) = ([0.0; 2], [0.0; 2], std::time::Instant::now());
     Device::lines(move |line| {

@@ -1,4 +1,4 @@
-//! The program as its users have it: arguments in, text and exit codes out.
+//! The program of the user: arguments in, text and exit codes out.
 
 mod bags;
 mod beliefs;
@@ -52,7 +52,7 @@ fn command(args: &[&str]) -> Command {
     command
 }
 
-/// Its output, and its exit code.
+/// The output of the program, and its exit code.
 fn said(output: Output) -> (i32, String, String) {
     let text = |bytes| String::from_utf8(bytes).unwrap();
     (output.status.code().expect("an exit code"), text(output.stdout), text(output.stderr))
@@ -70,8 +70,8 @@ fn good(args: &[&str]) -> String {
     out
 }
 
-/// Writes a program that can be run. A process of its own does it: a program that a test beside starts meanwhile would inherit the
-/// open file, and who tries to run a file that is open for writing is told that it is busy.
+/// Writes a program that can be run. A process of its own does it: a program that a test beside starts meanwhile would
+/// inherit the open file, and a file that is open for writing cannot be run: it is busy.
 fn write_program(path: &Path, text: &str) {
     let mut writer = Command::new("sh");
     writer.args(["-c", "printf %s \"$1\" > \"$0\" && chmod +x \"$0\""]).arg(path).arg(text);

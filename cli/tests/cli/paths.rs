@@ -19,7 +19,7 @@ fn run(over: &str, args: &[&str]) -> Value {
     summary
 }
 
-/// The summary of a run, which must be the same on both paths but for what the wall clock says.
+/// The summary of a run, which must be the same on both paths but for times of the wall clock.
 fn same(args: &[&str]) -> Value {
     let [direct, grpc] = ["direct", "grpc"].map(|over| {
         let mut summary = run(over, args);

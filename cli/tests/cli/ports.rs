@@ -27,7 +27,7 @@ struct Served {
     server: Running,
     /// The places of its ports, by its own words.
     places: Vec<String>,
-    /// Its output by then.
+    /// The output of the program by then.
     greeting: String,
     folder: PathBuf,
 }
@@ -45,7 +45,7 @@ fn prepared(folder: &Path, scenario: &str, args: &[&str]) -> Command {
 /// A server with so many ports.
 fn serve(folder: &TempDir, scenario: &str, args: &[&str], ports: usize) -> Served {
     let folder = folder.path().to_owned();
-    // Nobody reads what it says while it runs.
+    // The output is not read while the program runs, so it goes to a file.
     let said = File::create(folder.join("stderr")).unwrap();
     started(prepared(&folder, scenario, args).stderr(said), folder, ports)
 }
@@ -72,7 +72,7 @@ fn started(command: &mut Command, folder: PathBuf, ports: usize) -> Served {
 }
 
 impl Served {
-    /// Stops it as a user does; what it has said of its ports.
+    /// Stops the program as a user does; returns its lines about ports.
     fn stop(mut self) -> Vec<String> {
         self.server.signal("-INT");
         let mut out = String::new();
@@ -121,19 +121,19 @@ fn asked(port: &mut (impl Read + Write), command: &str) -> String {
     line_of(port)
 }
 
-/// Runs a server that is to end by itself; its exit code and what it says.
+/// Runs a server that is to end by itself; its exit code and its output.
 fn refusal(folder: &TempDir, scenario: &str, args: &[&str]) -> (i32, String) {
     let (code, _, err) = said(prepared(folder.path(), scenario, args).output().unwrap());
     (code, err)
 }
 
-/// The real robot's driver at such a port would hear nothing that it understands.
+/// The real robot's driver at such a port would understand nothing.
 #[test]
 fn what_no_driver_of_the_real_thing_understands_is_told_at_the_start() {
     let folder = tempfile::tempdir().unwrap();
     let mut scenario = KHEPERA.to_owned();
     let mut args = vec!["--port".to_owned(), "k=pty:k.tty".to_owned()];
-    // A second port of a cable is no second thing to be told.
+    // A second port of a cable has no second message.
     args.extend(["--port".to_owned(), "r0=unix:r0.sock".to_owned()]);
     for (i, robot) in ["thymio-2", "e-puck", "turtlebot3-burger"].iter().enumerate() {
         let y = 2 * (i + 1);
@@ -166,7 +166,7 @@ fn what_no_driver_of_the_real_thing_understands_is_told_at_the_start() {
     assert!(greeting.contains("--robot n\n") && !greeting.contains("--robot k"), "{greeting}");
 }
 
-/// As at a port of the server itself; whether a laser answers, other machines do not know.
+/// The messages are as at a port of the server itself; whether a laser answers, other machines do not know.
 #[test]
 fn a_port_on_another_machine_tells_what_is_not_understood_too() {
     let folder = tempfile::tempdir().unwrap();
@@ -249,7 +249,7 @@ fn the_link_of_a_killed_server_is_replaced_and_that_of_a_living_one_is_not() {
     first.server.0.kill().unwrap();
     first.server.0.wait().unwrap();
     let old = fs::read_link(folder.path().join("k.tty")).unwrap();
-    // Somebody else gets the number of its terminal; where the kernel gives another one, the link leads nowhere.
+    // Other terminals take the number of the killed one; where the kernel gives another number, the link leads nowhere.
     let _others: Vec<_> =
         (0..4).map(|_| rustix::pty::openpt(rustix::pty::OpenptFlags::RDWR).unwrap()).collect();
     let second = serve(&folder, KHEPERA, &args, 2);
@@ -439,7 +439,7 @@ fn a_program_that_never_reads_and_one_that_writes_half_a_command_harm_nobody() {
     neighbour_is_undisturbed(&folder, &scenario);
 }
 
-/// The recording has the same bits once more, and the robot that nobody talks to goes the way that it goes alone.
+/// The recording has the same bits once more, and the robot without a program goes the way that it goes alone.
 fn neighbour_is_undisturbed(folder: &TempDir, scenario: &str) {
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     good(&["replay", &path("run.mcap"), "--quiet"]);
@@ -515,7 +515,7 @@ fn floods_of_random_bytes_harm_nobody_else_in_any_protocol() {
     let mut args: Vec<_> = ports.iter().flat_map(|port| ["--port", port]).collect();
     args.extend(["--record", "run.mcap"]);
     let served = serve(&folder, &scenario, &args, 4);
-    // Places are told by the names of the robots.
+    // The messages name places by the robots.
     std::thread::scope(|scope| {
         for place in 0..4 {
             let stream = served.connect(place);

@@ -163,7 +163,7 @@ fn a_brain_that_is_restarted_begins_anew_and_one_that_is_thrown_off_goes() {
         detach_brain(&unix, true).unwrap();
         assert_eq!(brain.first_complaint(), "the operator has restarted the brain of robot\n");
     }
-    // It has its name, and its robot.
+    // The robot stays held by the brain of this name.
     let (code, _, err) = baudbot(&["brain", "avoid", "--connect", &unix]);
     assert_eq!(code, 1, "{err}");
     assert!(err.contains("robot `robot` of world `wander` is held by brain `constant`"), "{err}");
@@ -212,7 +212,7 @@ fn an_operator_may_delete_the_world_of_a_run() {
         assert_eq!(code, 1);
         assert!(err.contains("world"), "{err}");
     }
-    // It may have been deleted before its first tick: then there is no table.
+    // The world may have been deleted before its first tick: then there is no table.
     let table = std::fs::read_to_string(csv);
     assert!(table.as_ref().is_ok_and(|table| table.starts_with("t_s,")) || table.is_err(), "{table:?}");
 }

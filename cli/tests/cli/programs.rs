@@ -55,7 +55,7 @@ fn a_drive_of_a_test_is_the_run_of_the_command() {
     }
 }
 
-/// The address in a program's environment is good for driving, and tells no truth.
+/// The address in a program's environment is good for driving, and gives no truth.
 #[test]
 fn a_program_cannot_observe_by_the_address_that_it_is_given() {
     let folder = tempfile::tempdir().unwrap();
@@ -208,7 +208,7 @@ fn what_a_program_printed_unseen_and_a_brain_that_commands_nothing_are_hinted_at
     assert!(code == 0 && err.contains("morning") && !text.contains("hint"), "{text}{err}");
     let text = run("avoid", &[]);
     assert!(!text.contains("hint"), "{text}");
-    // It waits for its odometer.
+    // The brain waits for its odometer.
     let late = [
         "run",
         "arsim",

@@ -53,7 +53,7 @@ fn every_scenario_is_replayed_to_the_same_bits() {
     for path in scenarios() {
         let name = path.file_stem().unwrap().to_str().unwrap();
         let file = place(&format!("replay-{name}.mcap"));
-        // Of a program of the user's own, brains understand nothing.
+        // Brains understand nothing of a program of the user's own.
         for brain in [BRAIN, "none"].into_iter().filter(|brain| *brain == "none" || !runs_a_program(&path)) {
             record_and_replay(text(&path), &["--seconds", "3", "--brain", brain], &file);
         }
@@ -182,7 +182,7 @@ fn a_full_disk_ends_the_recording_and_not_the_run() {
     let mut shell = std::process::Command::new("sh");
     let program = command(&[]);
     let (code, out, err) = said(shell.args(["-c", &script]).arg(program.get_program()).output().unwrap());
-    // Whoever asked for a recording does not have it.
+    // The exit code is an error, as the requested recording is missing.
     assert!(code == 1 && err.contains("ended before the run: File too large"), "{code}: {err}");
     let summary: Value = serde_json::from_str(&out).unwrap();
     assert_eq!(summary["ticks"], 6000);
@@ -263,12 +263,12 @@ fn a_fork_goes_on_with_other_brains() {
     assert!(out.starts_with("world wander, ticks 100 to 200 (1 s)") && out.contains("identical"), "{out}");
 }
 
-/// The recording of a server that is killed at no particular moment while a brain drives, and a tick that somebody saw a
-/// second before.
+/// The recording of a server that is killed at no particular moment while a brain drives, and a tick that was observed
+/// a second before.
 fn killed(number: u64) -> (PathBuf, u64) {
     let (file, socket) = (place(&format!("killed-{number}.mcap")), place(&format!("killed-{number}.sock")));
     let address = format!("unix:{}", text(&socket));
-    // By the clock in half of the runs, else as fast as the brain answers.
+    // The pace is by the clock in half of the runs, else as fast as the brain answers.
     let pace = if number.is_multiple_of(2) { "scaled:3" } else { "lockstep" };
     let args = [
         "serve",

@@ -197,7 +197,7 @@ fn ctrl_c_ends_the_run_and_keeps_what_was_done() {
 
 #[test]
 fn a_second_signal_ends_at_once_what_waits_for_a_reader() {
-    // Nobody reads but the first row, and a pipe does not hold all of them.
+    // The reader stops after the first row, and a pipe does not hold all of them.
     let mut run = Running::start(&["run", "--seconds", "1000", "--csv", "-"]);
     run.lines_until("t_s,robot,");
     std::thread::sleep(Duration::from_millis(1000));

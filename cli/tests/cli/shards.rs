@@ -14,7 +14,7 @@ fn outputs(folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {
     names.map(|name| (name.clone(), fs::read(Path::new(folder).join(name)).unwrap())).collect()
 }
 
-/// Does a shard to its end, in the folder of an experiment; what it says.
+/// Does a shard to its end, in the folder of an experiment; returns its output.
 fn shard(experiment: &str, shard: &str, more: &[&str]) -> String {
     let (code, stdout, stderr) =
         in_folder(experiment, &[&["sweep", experiment, "--shard", shard], more].concat());
@@ -82,7 +82,7 @@ fn shards_that_were_never_begun_are_named_with_their_commands() {
     }
     assert_eq!(lines.len(), 3, "{err}");
     assert_eq!(in_folder(&grid, &merge).0, 0);
-    // With other seeds it is another experiment.
+    // The same experiment with other seeds is another one.
     let (code, _, err) = in_folder(&grid, &merge[..4]);
     assert_eq!(code, 2);
     assert!(

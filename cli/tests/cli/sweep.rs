@@ -204,7 +204,7 @@ fn a_name_of_another_kind_is_told_with_its_command() {
             "nofile.toml: there is no such file, and no experiment of this name is built in\n",
         ),
         (&["sweep", "baud-vs-sped"], "did you mean `baud-vs-speed`?"),
-        // Their brain is a program of the repository.
+        // The brain of these experiments is a program of the repository.
         (&["sweep", "follow"], "follow: there is no such file, and no experiment of this name is built in"),
         (
             &["tune", "tune-follow"],
@@ -424,7 +424,8 @@ fn the_experiments_of_the_book_can_be_run() {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let text = std::fs::read_to_string(&path).unwrap();
-        // Those whose brain is a program in Python are run by the tests of its package (`client/python/tests`).
+        // The experiments whose brain is a program in Python are run by the tests of its package
+        // (`client/python/tests`).
         if !text.contains("[[fields]]") || text.contains("[tune]") || text.contains("python3 ") {
             continue;
         }

@@ -131,7 +131,7 @@ fn helps() -> Vec<Vec<String>> {
 #[test]
 fn nothing_that_is_printed_is_lost_without_a_word() {
     let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-    // Its reading end is gone.
+    // The reading end of the pipe is gone.
     let closed = || {
         let (_, writer) = std::io::pipe().unwrap();
         writer

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use crate::cli::{Running, command, place, said};
 
-/// A user of this machine, as far as programs can tell: with a runtime folder of their own.
+/// A user of this machine, to all programs: with a runtime folder of their own.
 struct User(PathBuf);
 
 impl User {
@@ -132,7 +132,7 @@ fn a_token_is_not_sent_to_another_machine_without_tls() {
     let (tokens, token) = (user.0.join("tokens.toml"), user.0.join("eve.token"));
     let new = ["token", "new", "--name", "eve", "--observe", "--file", tokens.to_str().unwrap()];
     fs::write(&token, user.runs(&new).1).unwrap();
-    // These numbers are for documents: no machine has them.
+    // The addresses are reserved for documents: no machine has them.
     for args in [&["watch", "--once"][..], &["brain", "avoid", "--world", "w", "--robot", "r"]] {
         let mut command = user.command(&[args, &["--connect", "http://192.0.2.7:7400"]].concat());
         let (code, _, err) = said(command.env("BAUDBOT_TOKEN_FILE", &token).output().unwrap());

@@ -1,4 +1,4 @@
-//! `baudbot tune`: what it tells and writes.
+//! `baudbot tune`: its output and its files.
 
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,7 @@ fn the_tuning_of_the_book_can_be_run_and_what_it_found_drives() {
     let best = Path::new(&out).join("best.toml");
     let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../catalogue/scenarios/sweeper.toml");
     let (scenario, best) = (scenario.to_str().unwrap(), best.to_str().unwrap());
-    // With the seed of the search the described brain does what the candidate did.
+    // The described brain with the seed of the search does what the candidate did.
     let described = ["run", scenario, "--brain", best, "--seconds", "30", "--json"];
     let options = told.lines().last().unwrap().split_once("--brain '").unwrap().1.trim_end_matches('\'');
     let set = ["run", scenario, "--brain", options, "--seconds", "30", "--json"];

@@ -22,7 +22,7 @@ impl Brain for Same {
     }
 }
 
-/// Drives robots from a thread until the program ends. What the program says comes out here.
+/// Drives robots from a thread until the program ends. The program's output comes out here.
 pub(crate) fn drive(address: &str, world: &str, robots: &[&str]) -> Receiver<String> {
     let attachment = Attachment {
         connect: address.to_owned(),

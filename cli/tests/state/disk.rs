@@ -17,7 +17,7 @@ fn program() -> Command {
     command
 }
 
-/// From now on files of this process have at most so many bytes.
+/// Limits the files of this process to so many bytes from now on.
 fn limit(server: &Server, bytes: &str) {
     let limit = format!("--fsize={bytes}:unlimited");
     let done = Command::new("prlimit").args(["--pid", &server.id().to_string(), &limit]).status().unwrap();
@@ -97,7 +97,7 @@ fn a_restart_on_a_full_disk_says_up_to_where_the_state_is_kept() {
     let program = env!("CARGO_BIN_EXE_baudbot");
     let script = format!("trap '' XFSZ; exec 2> >(exec cat >&2); ulimit -f 0; exec {program} \"$@\"");
     full.args(["-c", &script, "baudbot"]);
-    // Without a token, which would have to be written, too.
+    // The server has no token, which would have to be written, too.
     let server = Server::start_by(full, &folder, "full-at-start", &["--open"]);
     assert_eq!(server.operator().status("made").unwrap().tick, 20);
     wait_for(&server, "kept_tick=20");

@@ -49,7 +49,8 @@ fn a_world_is_there_again_with_all_that_an_operator_has_done() {
         let told = |status: &WorldStatus| (status.tick, status.state_hash, status.state, status.pace);
         assert_eq!(told(&after), told(&before), "{}", before.world);
     }
-    // It can be changed by hand again, goes back to its snapshot, and a reset is one of the world as it was made.
+    // The world can be changed by hand again, goes back to its snapshot, and a reset is one of the world as it was
+    // made.
     operator.put("made", (0.2, 0.1, 1.0)).unwrap();
     let restored = operator.restore("made", snapshot).unwrap();
     assert_eq!((restored.tick, restored.state_hash), (kept.tick, kept.state_hash));
@@ -302,7 +303,7 @@ fn a_world_that_continues_stays_paused_if_that_is_wanted() {
     server.operator().wait_until("wander", |status| status.tick > 20);
     server.signal("-TERM");
     assert_eq!(server.end().0, Some(0));
-    // Without the option it is left as it was.
+    // The world stays as it was without the option.
     for args in [&["wander", "--paused"][..], &[]] {
         let server = Server::start(&folder, "paused", args);
         let mut operator = server.operator();

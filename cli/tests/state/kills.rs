@@ -1,8 +1,8 @@
 //! Servers that are killed at any instant.
 //!
-//! Worlds of all kinds live through all rounds, while brains drive and an operator works. What was told before a kill is held
-//! against what is there after it: the operator's worlds against worlds in this process with which the same was done, those of
-//! brains, at the end, against a run that nobody has disturbed.
+//! Worlds of all kinds live through all rounds, while brains drive and an operator works. The answers before a kill are
+//! compared with the state after it: the operator's worlds against worlds in this process with which the same was done,
+//! those of brains, at the end, against an undisturbed run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -91,7 +91,7 @@ struct Worlds {
     paused: Vec<World>,
     /// Snapshots of `paused`, by their numbers.
     snapshots: Vec<(u64, World)>,
-    /// Worlds that nobody touches: at what tick they were last seen.
+    /// Undisturbed worlds, and the tick at which each was last seen.
     timed: (Option<World>, u64),
     chip: (Option<World>, u64),
     locked: u64,
@@ -158,7 +158,7 @@ impl Worlds {
         Ok(())
     }
 
-    /// Holds what is there against what was told.
+    /// Compares the state that is there with the answers.
     fn compare(&mut self, operator: &mut Operator, round: &str) {
         let stepped = operator.status("stepped").unwrap();
         assert!(is_any(&self.stepped, &stepped), "{round}: stepped at {}", stepped.tick);
@@ -259,7 +259,7 @@ fn is(world: &World, status: &WorldStatus) -> bool {
     (world.tick(), world.hash()) == (status.tick, status.state_hash)
 }
 
-/// The fingerprints of a world that nobody touches at this tick, before and after it has begun.
+/// The fingerprints of an undisturbed world at this tick, before and after the tick has begun.
 fn reached(world: &mut World, tick: u64) -> [u64; 2] {
     if world.tick() > tick {
         *world = World::new(Arc::clone(world.origin()));

@@ -1,7 +1,7 @@
-//! Files that earlier versions have written: each is read, and has in it what it had.
+//! Files that earlier versions have written: each is read, and has its content still.
 //!
-//! `tests/data/released/VERSION` has one of each kind, and `expected.json` says what is in them. README.md there says how a
-//! release adds to it.
+//! `tests/data/released/VERSION` has one of each kind, and `expected.json` has their content. README.md there describes
+//! how a release adds to it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ fn expected(folder: &Path) -> Value {
     serde_json::from_str(&fs::read_to_string(folder.join("expected.json")).unwrap()).unwrap()
 }
 
-/// Runs the program in a folder; its exit code and what it says.
+/// Runs the program in a folder; returns its exit code and its output.
 fn baudbot(folder: &Path, args: &[&str]) -> (Option<i32>, String, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_baudbot")).current_dir(folder).args(args).output().unwrap();
     let said = |bytes| String::from_utf8(bytes).unwrap();

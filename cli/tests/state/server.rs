@@ -34,7 +34,7 @@ impl Server {
         let said = lines.next().and_then(Result::ok);
         let server = Self { child, address: address.clone(), log };
         assert_eq!(said, Some(format!("listening on {address}")), "{}", server.log());
-        // Nobody reads its later output.
+        // The later output is drained, as otherwise the pipe would fill.
         std::thread::spawn(move || lines.for_each(drop));
         server
     }
@@ -47,7 +47,7 @@ impl Server {
         self.child.id()
     }
 
-    /// Its output on stderr.
+    /// The server's output on stderr.
     pub(crate) fn log(&self) -> String {
         std::fs::read_to_string(&self.log).unwrap()
     }

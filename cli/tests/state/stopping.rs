@@ -43,7 +43,7 @@ fn a_server_whose_disk_hangs_ends_nonetheless_with_words_and_another_code() {
     let server = Server::start(&folder, "hanging", &["wander", "--stop-within", "1"]);
     let mut operator = server.operator();
     operator.create("other", WANDER, (real_time(), false), &["collision=stop-robot"]).unwrap();
-    // A pipe that nobody reads stands for a disk that does not answer.
+    // A pipe without a reader stands for a disk that does not answer.
     let pipe = folder.join("worlds/other/snapshot-1.new");
     while !pipe.parent().unwrap().exists() {
         std::thread::sleep(Duration::from_millis(10));

@@ -1,9 +1,10 @@
 //! The budget of a robot whose microcontroller runs a program of its own. What the program costs cannot be computed from the
 //! scenario: it is measured in a run.
 //!
-//! A cycle is a round of the program's main loop, and the time from the readings to the motors: when the program changes what
-//! the motors do, how long ago it has read the sensor whose newest reading is the oldest of all. A sensor that it has not read
-//! for a second is none of those that it goes by. If a sensor takes part in the decision, nobody knows.
+//! A cycle is a round of the program's main loop, and the time from the readings to the motors: when the program
+//! changes what the motors do, how long ago it has read the sensor whose newest reading is the oldest of all. A sensor
+//! that it has not read for a second is none of those that it goes by. Whether a sensor takes part in the decision is
+//! unknown.
 
 mod told;
 mod watch;
@@ -21,7 +22,7 @@ use watch::{Watch, measure};
 #[derive(Debug, Serialize)]
 pub(super) struct ProgramBudget {
     pub(super) robot: String,
-    /// Such as ATmega328P.
+    /// The part's name, such as ATmega328P.
     part: String,
     clock_hz: u32,
     /// The time for which it was watched, in nanoseconds: since its bootloader was over.
@@ -34,7 +35,8 @@ pub(super) struct ProgramBudget {
     /// The same in time. The worst is the longest that was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     round: Option<Span>,
-    /// From the readings to the motors; absent if the program never changed what they do, or read no sensor before.
+    /// The time from the readings to the motors; absent if the program never changed what they do, or read no sensor
+    /// before.
     #[serde(skip_serializing_if = "Option::is_none")]
     readings_to_motors: Option<Span>,
     rates: Vec<Rate>,
@@ -69,7 +71,7 @@ struct Age {
     span: Span,
 }
 
-/// Of a cable how many bytes a second went over it, and how many it carries.
+/// The bytes a second over a cable, and the number that it carries.
 #[derive(Debug, Serialize)]
 struct Load {
     what: &'static str,
@@ -80,7 +82,7 @@ struct Load {
     most_bytes_per_s: Option<f64>,
 }
 
-/// Runs the scenario without brains, and says what the programs of these robots have cost.
+/// Runs the scenario without brains, and returns the costs of the programs of these robots.
 pub(super) fn of(scenario: &Arc<Scenario>, robots: &[usize], seconds: f64) -> Vec<ProgramBudget> {
     if robots.is_empty() {
         return Vec::new();

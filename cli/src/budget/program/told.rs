@@ -45,7 +45,7 @@ fn verdict(budget: &ProgramBudget) -> String {
     }
 }
 
-/// Of the two that make a cycle the one that the verdict goes by.
+/// The one of a cycle's two spans on which the verdict depends.
 fn longest(budget: &ProgramBudget) -> (&'static str, Span) {
     let way = budget.readings_to_motors.map(|span| ("the path from the readings to the motors", span));
     let all = way.into_iter().chain(budget.round.map(|span| ("a round of its main loop", span)));

@@ -20,9 +20,9 @@ pub(super) struct Watch {
     edges: u64,
     events: u64,
     conversions: u64,
-    /// Of each sensor, when it was read.
+    /// The instants at which each sensor was read.
     reads: Vec<Vec<u64>>,
-    /// When the motors were made to do otherwise.
+    /// The instants at which the motors were made to do otherwise.
     changes: Vec<u64>,
 }
 

@@ -43,7 +43,7 @@ struct Robot {
 #[derive(Clone, Debug)]
 struct Said {
     time_s: f64,
-    /// Its state, in its own words.
+    /// The process's state, in its own words.
     state: String,
     /// x and y in metres, and the heading in radians.
     pose: Option<[f64; 3]>,
@@ -52,7 +52,7 @@ struct Said {
 }
 
 impl Beliefs {
-    /// Those of a recording's window, if an output needs them.
+    /// The beliefs of a recording's window, if an output needs them.
     pub(super) fn wanted(args: &ExportArgs, recorded: &RecordedRun, window: &Window) -> anyhow::Result<Self> {
         let mut beliefs = Self::default();
         let Some(option) = option(args) else { return Ok(beliefs) };
@@ -148,7 +148,7 @@ pub(super) fn columns(names: &[String], robots: &[RobotSpec]) -> anyhow::Result<
     names.iter().map(find).collect()
 }
 
-/// The memory that a program may take for beliefs, of which a small file can have many: hours of a brain that says
+/// The memory that a program may take for beliefs, of which a small file can have many: hours of a brain that publishes
 /// all that it may, at 10 Hz.
 const MOST_BYTES: usize = 1 << 30;
 
@@ -187,7 +187,7 @@ mod tests {
         beliefs.take(0, 0.0, &belief(0, &state));
         let bytes = beliefs.bytes;
         assert!((1 << 20..(1 << 20) + 1024).contains(&bytes), "{bytes}");
-        // As if it had taken as much a thousand times.
+        // The count is set as if a thousand such beliefs had been taken.
         beliefs.bytes = MOST_BYTES - bytes;
         beliefs.take(0, 0.1, &belief(0, &state));
         beliefs.check_size().unwrap();

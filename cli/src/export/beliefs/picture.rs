@@ -1,4 +1,5 @@
-//! Utilities over time, as Fig. 8.3 of the notes has them: a line for each process, and below them which were active.
+//! Utilities over time, in the form of Fig. 8.3 of the notes: a line for each process, and below them those that were
+//! active.
 
 use std::io::{self, Write};
 
@@ -20,10 +21,10 @@ pub(in super::super) struct Picture {
     ran: Ran,
     beliefs: Beliefs,
     columns: Vec<Column>,
-    /// For each robot and each column, instants in seconds and readings.
+    /// Instants in seconds and readings for each robot and each column.
     readings: Vec<Vec<Vec<(f64, f64)>>>,
     values: Vec<f64>,
-    /// When it begins and ends, in seconds.
+    /// The instants at which it begins and ends, in seconds.
     span: Option<(f64, f64)>,
 }
 
@@ -53,7 +54,7 @@ impl Picture {
         collect(robot, &mut self.values);
         for (column, readings) in self.columns.iter().zip(&mut self.readings[i]) {
             let Some(&value) = column.places[i].and_then(|place| self.values.get(place)) else { continue };
-            // Of what does not change only the ends are needed.
+            // Only the ends of a constant stretch are needed.
             if let [.., (_, before), (last_s, last)] = readings.as_mut_slice()
                 && *before == value
                 && *last == value
@@ -101,7 +102,7 @@ impl Picture {
     }
 }
 
-/// From when to when a process was active, in seconds: from when its brain says so until it says otherwise.
+/// The spans in which a process was active, in seconds: from a belief with it until one without.
 fn spans(robot: &Robot, process: usize, end_s: f64) -> Vec<(f64, f64)> {
     let mut spans: Vec<(f64, f64)> = Vec::new();
     let mut since = None;

@@ -8,7 +8,7 @@ use super::super::Out;
 use super::super::pass::Sink;
 use super::{Beliefs, Said};
 
-/// A table that is written at the end: a row for each time that a brain said something.
+/// A table that is written at the end: a row for each belief that a brain published.
 pub(in super::super) struct Table {
     out: csv::Writer<Out>,
     beliefs: Beliefs,

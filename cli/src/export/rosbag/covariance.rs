@@ -1,4 +1,4 @@
-//! The certainty of the values. A covariance of 0 means to ROS that nobody knows it, and filters fail on it.
+//! The certainty of the values. A covariance of 0 means to ROS that it is unknown, and filters fail on it.
 
 use baudbot_sim::sensor::Sensor;
 use baudbot_wire::Encoding;
@@ -38,17 +38,17 @@ fn step(encoding: &Encoding) -> f64 {
 pub(super) struct Planar([[f64; 3]; 3]);
 
 impl Planar {
-    /// Of three things that are known by themselves.
+    /// The covariance of three independent values.
     pub(super) fn diagonal([x, y, heading]: [f64; 3]) -> Self {
         Self([[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, heading]])
     }
 
-    /// Of what is exact.
+    /// The covariance of exact values.
     pub(super) fn certain() -> Self {
         Self::diagonal([CERTAIN; 3])
     }
 
-    /// With variances of the readings on top.
+    /// The covariance with variances of the readings added.
     pub(super) fn plus(self, [x, y, heading]: [f64; 3]) -> Self {
         let Self(mut sum) = self;
         sum[0][0] += x;
@@ -57,8 +57,8 @@ impl Planar {
         Self(sum)
     }
 
-    /// After a way that ended with this heading: how the uncertainty of a pose grows with those of the way and the turn, the first
-    /// of which goes along the new heading, as the odometer has it.
+    /// The covariance after a way that ended with this heading: the uncertainty of a pose grows by those of the way and
+    /// the turn, the first of which goes along the new heading, as for the odometer.
     pub(super) fn after(self, heading_rad: f64, way_m: f64, variances: [f64; 2]) -> Self {
         let (sin, cos) = heading_rad.sin_cos();
         // The effect of a wrong heading on the new place.

@@ -1,4 +1,4 @@
-//! The messages: their names and definitions, as ROS 2 has them, and how they are made.
+//! The messages: their names and definitions in ROS 2, and their making.
 
 use baudbot_sim::Pose;
 use baudbot_sim::sensor::SensorKind;
@@ -95,7 +95,7 @@ pub(super) const TF: Kind = Kind {
     ],
 };
 
-/// When a message was true, and in which frame.
+/// The instant at which a message was true, and its frame.
 #[derive(Clone, Copy)]
 pub(super) struct Stamp<'a> {
     pub(super) ns: u64,
@@ -106,9 +106,9 @@ pub(super) struct Stamp<'a> {
 pub(super) struct Scan<'a> {
     /// The angles of the first ray, and of the last.
     pub(super) ends_rad: [f64; 2],
-    /// From the first ray to the last; 0 if all were at once.
+    /// The time from the first ray to the last; 0 if all were at once.
     pub(super) sweep_s: f64,
-    /// Between two scans; 0 if that is not known.
+    /// The time between two scans; 0 if that is not known.
     pub(super) period_s: f64,
     pub(super) range_m: [f64; 2],
     /// Negative where nothing was in range.
@@ -143,7 +143,7 @@ pub(super) type Measured = (f64, f64);
 pub(super) struct Inertia {
     pub(super) heading_rad: Option<Measured>,
     pub(super) turn_rate_rad_s: Option<Measured>,
-    /// Forwards and to the left.
+    /// The acceleration forwards and to the left, in m/s².
     pub(super) acceleration_m_s2: Option<[Measured; 2]>,
 }
 
@@ -233,7 +233,7 @@ pub(super) fn imu(stamp: Stamp<'_>, inertia: Inertia) -> Vec<u8> {
 pub(super) struct Moving {
     pub(super) pose: Pose,
     pub(super) pose_covariance: Planar,
-    /// Forwards, and the turn rate.
+    /// The speed forwards, and the turn rate.
     pub(super) speeds: [f64; 2],
     pub(super) speed_covariance: Planar,
 }

@@ -11,7 +11,7 @@ pub(super) struct Topic {
     pub(super) messages: u64,
 }
 
-/// Its text, for a bag with this file, that lasts from one instant to another.
+/// The text of the metadata for a bag with this file, that lasts from one instant to another.
 pub(super) fn text(file: &str, topics: &[Topic], (from_ns, to_ns): (u64, u64)) -> String {
     let messages: u64 = topics.iter().map(|topic| topic.messages).sum();
     let duration_ns = to_ns - from_ns;

@@ -1,12 +1,13 @@
 //! The offer of a topic by its publisher, as the recorder of ROS 2 notes it: for `ros2 bag play`, which offers it so
 //! again.
 
-/// Whether somebody who comes later is given the last message.
+/// Whether a person who comes later is given the last message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Durability {
-    /// It is. A listener of `/tf_static` asks for it, and is not joined with a publisher that has nothing.
+    /// A listener that comes later is given the last message. A listener of `/tf_static` asks for it, and is not joined
+    /// with a publisher that does not offer it.
     TransientLocal,
-    /// It is not.
+    /// A listener that comes later gets only new messages.
     Volatile,
 }
 

@@ -1,8 +1,9 @@
 //! Sensors that measure one distance, as ROS wants them: in metres.
 //!
-//! A sonar gives its distance. An IR sensor gives a reading or a voltage that falls with the distance; a program of a robot's looks the
-//! distance up in the sensor's curve, and so does this: the farthest distance from a wide wall straight ahead at which the sensor
-//! would read that on average. Where the curve has a hump, as those of Sharp's sensors have, nearer distances cannot be told.
+//! A sonar gives its distance. An IR sensor gives a reading or a voltage that falls with the distance; a program of a
+//! robot's looks the distance up in the sensor's curve, and so does this: the farthest distance from a wide wall
+//! straight ahead at which the sensor would read that on average. Where the curve has a hump, as those of Sharp's
+//! sensors have, nearer distances are ambiguous.
 
 use baudbot_sim::sensor::{Device, Infrared, InfraredModel, Mount, VoltageRanger};
 
@@ -19,7 +20,7 @@ pub(super) struct Ranger {
 
 /// The function from a reading to a distance.
 enum Curve {
-    /// It is one.
+    /// The reading is a distance.
     Distance,
     /// Distances, increasing, with what is read there.
     Points(Vec<(f64, f64)>),
@@ -102,7 +103,7 @@ impl Curve {
         Self::Points((0..=POINTS).map(|i| (distance(i), read(distance(i)))).collect())
     }
 
-    /// Behind the last hump: nearer distances look like farther ones.
+    /// The distance behind the last hump: nearer distances look like farther ones.
     fn nearest_m(&self) -> f64 {
         match self {
             Self::Distance => 0.0,
@@ -114,11 +115,11 @@ impl Curve {
     }
 }
 
-/// The farthest distance at which as much is read, on straight lines between the points; none if that is beyond the last.
+/// The farthest distance with this reading, on straight lines between the points; none if that is beyond the last.
 fn farthest(points: &[(f64, f64)], value: f64) -> Option<f64> {
     let last = points.iter().rposition(|point| point.1 >= value);
     let Some(i) = last else {
-        // More than it reads anywhere: as near as can be told.
+        // A value above the whole curve stands for the nearest distance.
         let top = points.iter().copied().reduce(|a, b| if b.1 >= a.1 { b } else { a })?;
         return Some(top.0);
     };
@@ -145,7 +146,7 @@ fn reading(infrared: &Infrared) -> Option<impl Fn(f64) -> f64> {
     })
 }
 
-/// Of a curve: steps of a millimetre for a sensor that sees half a metre.
+/// The points of a curve: steps of a millimetre for a sensor with a range of half a metre.
 const POINTS: u32 = 500;
 
 #[cfg(test)]

@@ -18,11 +18,11 @@ use crate::error::Refused;
 /// A message: its topic, its kind, its bytes.
 pub(super) type Said = (String, &'static Kind, Vec<u8>);
 
-/// A robot, and what it has said.
+/// A robot, and the last readings of its sensors.
 pub(super) struct Robot {
     /// The prefix of topics and frames; empty if it is alone.
     prefix: String,
-    /// Of each sensor, when it was read last.
+    /// The instants at which each sensor was read last.
     sampled_at: Vec<Option<SimTime>>,
     /// Topics and frames of those that have them, by the place among the sensors.
     placed: Vec<Option<Placed>>,
@@ -185,8 +185,8 @@ impl Robot {
         values.iter().enumerate().map(of).collect()
     }
 
-    /// Its speeds are those between the last two readings. How well it knows its pose follows from the noise of its wheels'
-    /// ways; wheels that slip or are not as large as they should be, nobody on board knows of.
+    /// Its speeds are those between the last two readings. The certainty of its pose follows from the noise of its
+    /// wheels' ways; wheels that slip or are not as large as they should be cannot be noticed on board.
     fn odometry(
         &mut self,
         at: SimTime,
@@ -222,7 +222,7 @@ impl Robot {
         (self.topic("imu"), &messages::IMU, messages::imu(stamp, self.inertia))
     }
 
-    /// The true pose, and the frames that lead to it by way of what the odometer says.
+    /// The true pose, and the frames that lead to it by way of the odometer's pose.
     fn truth(&self, robot: &RobotView<'_>, now_ns: u64) -> [Said; 2] {
         let motion = robot.motion();
         let (odom, base) = (self.frame("odom"), self.frame("base_link"));
@@ -261,7 +261,7 @@ pub(in crate::export) fn check_names(robots: &[RobotSpec]) -> anyhow::Result<()>
     Ok(())
 }
 
-/// The first two names that ROS would not tell apart, and what both would be.
+/// The first two names that would be the same to ROS, and what both would be.
 fn same_token<'a>(names: impl Iterator<Item = &'a str>) -> Option<((&'a str, &'a str), String)> {
     let mut before = BTreeMap::new();
     for name in names {
