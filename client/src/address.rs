@@ -1,4 +1,4 @@
-//! From an address to a connection.
+//! The way from an address to a connection.
 
 use std::io;
 use std::sync::Arc;
@@ -46,24 +46,24 @@ async fn connect_within(
     let attempt = Attempt { address, place: &place, credentials };
     let channel = endpoint.connect_timeout(patience).connect_with_connector(connector).await;
     let channel = channel.map_err(|error| match heard.get() {
-        // It says why the connection broke, and the error only that it did.
+        // The stream has the reason for the end of the connection, the error only that it ended.
         Some(First::End(end)) => attempt.error(end),
         Some(First::Bytes | First::Words(_)) | None => attempt.error(root(&error)),
     })?;
-    // A server tells its settings at once. What does not would leave the first call without an answer.
+    // A server sends its settings at once. A program that does not would leave the first call without an answer.
     match timeout(patience, heard.wait()).await {
         Err(_) => Err(attempt.silence(patience)),
         Ok(First::Words(words)) => Err(Error::Connect { address: address.to_owned(), cause: words.clone() }),
         // In TLS 1.3 it is only now that a server refuses a client's certificate.
         Ok(First::End(end)) if place.is_encrypted() => Err(attempt.error(end)),
-        // Of any other connection that is lost the first call tells.
+        // The loss of any other connection is reported by the first call.
         Ok(First::End(_) | First::Bytes) => Ok(Channel::new(channel, token.as_deref())),
     }
 }
 
 fn place(address: &str) -> Option<(Place, Endpoint)> {
     let place = Place::of(address)?;
-    // A brain that waits for its turn hears nothing for long, and would not notice that nobody is there any more.
+    // A brain that waits for its turn receives nothing for long, and would not notice that the server is gone.
     let endpoint = Endpoint::from_shared(place.uri())
         .ok()?
         .http2_keep_alive_interval(KEEPALIVE)
@@ -71,7 +71,7 @@ fn place(address: &str) -> Option<(Place, Endpoint)> {
     Some((place, endpoint))
 }
 
-/// The time in which a server must be reached, and then say the first word.
+/// The time in which a server must be reached, and then send its first bytes.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// The time for which a silent server is left in peace, and then the time it has for an answer.
@@ -140,7 +140,7 @@ mod tests {
     #[tokio::test]
     async fn a_token_is_not_sent_to_another_machine_without_tls() {
         let with_token = Credentials::default().token(Token::random().unwrap());
-        // These numbers are for documents: no machine has them.
+        // The addresses are reserved for documents: no machine has them.
         for address in ["192.0.2.7:7400", "http://192.0.2.7:7400/"] {
             let error = connect(address, &with_token).await.unwrap_err();
             let remedy = "write https://192.0.2.7:7400, or, if the server is behind a proxy, the proxy's https:// address";

@@ -30,7 +30,7 @@ pub struct Attachment {
     pub brain: String,
     /// The promise of [`Client::thinks_as_scenario`](crate::Client::thinks_as_scenario).
     pub thinks_as_scenario: bool,
-    /// For how long to try to come back.
+    /// The time for which to try to come back.
     pub reconnect: Reconnect,
 }
 
@@ -67,9 +67,9 @@ impl<E> AttachmentError<E> {
 }
 
 impl Attachment {
-    /// Attaches, and drives until the run is over. `make` makes the brain of each robot from its data sheet; it is called again
-    /// for each run, when the operator restarts the brain, and after a lost connection, as the world may have changed meanwhile.
-    /// `tell` is given a line for people for each of the last two, and if `make` fails.
+    /// Attaches, and drives until the run is over. `make` makes the brain of each robot from its data sheet; it is
+    /// called again for each run, when the operator restarts the brain, and after a lost connection, as the world may
+    /// have changed meanwhile. `tell` gets a line for people for each of the last two, and if `make` fails.
     ///
     /// # Errors
     /// If the program cannot attach, is thrown off, or loses its server and does not find it again.

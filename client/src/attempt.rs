@@ -12,7 +12,7 @@ use crate::place::Place;
 
 /// An attempt to connect.
 pub(crate) struct Attempt<'a> {
-    /// As it was given.
+    /// The address as it was given.
     pub(crate) address: &'a str,
     pub(crate) place: &'a Place,
     pub(crate) credentials: &'a Credentials,
@@ -35,7 +35,7 @@ impl Attempt<'_> {
         if tls == Some(&rustls::Error::InvalidMessage(rustls::InvalidMessage::InvalidContentType)) {
             return Error::Connect { address, cause: NO_TLS.to_owned() };
         }
-        // Some servers say nothing about a certificate, but hang up, or have no better word for it.
+        // Some servers send nothing about a certificate, but close the connection, or have no better alert for it.
         let is_refused =
             tls == Some(&rustls::Error::AlertReceived(AlertDescription::HandshakeFailure)) || hung_up(io);
         let remedy = if is_refused { self.perhaps() } else { String::new() };
@@ -109,7 +109,7 @@ impl Attempt<'_> {
     }
 }
 
-/// Whether a server says by this alert that it does not take the client certificate which it was shown, or misses one.
+/// Whether a server refuses the client certificate that it was shown, or misses one, by this alert.
 fn is_of_client(alert: AlertDescription) -> bool {
     matches!(
         alert,

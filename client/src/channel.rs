@@ -43,7 +43,7 @@ impl Channel {
         Self(Way::Network { channel, authorization })
     }
 
-    /// To these services of the same program, which are called as functions.
+    /// A channel to these services of the same program, which are called as functions.
     pub fn to<S>(services: S) -> Self
     where
         S: Service<Request<Body>, Response = Response<Body>, Error: Into<StdError>, Future: Send>,

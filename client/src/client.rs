@@ -75,7 +75,7 @@ impl Client {
         Self { publishes_every: every, ..self }
     }
 
-    /// Takes hold of a robot. It is let go when the [`Robot`] is dropped.
+    /// Takes hold of a robot. It is released when the [`Robot`] is dropped.
     ///
     /// # Errors
     /// [`Error::Status`] if there is no such world or robot (`NotFound`) or another brain holds it

@@ -1,4 +1,4 @@
-//! From an address to a client.
+//! The way from an address to a client.
 
 use crate::address;
 use crate::client::Client;
@@ -9,10 +9,10 @@ use crate::error::Error;
 /// environment](Credentials).
 ///
 /// # Errors
-/// [`Error::Address`] if that is no address, [`Error::Connect`] if no server answers there within 5 s, or something takes
-/// connections there and says nothing for as long; [`Error::ServerCertificate`] and [`Error::ClientCertificate`] if the two do not
-/// trust each other; [`Error::Unprotected`] if there is a token, which is not sent to another machine without TLS;
-/// [`Error::Credentials`] if the environment has unsound ones.
+/// [`Error::Address`] if that is no address, [`Error::Connect`] if no server answers there within 5 s, or a program
+/// takes connections there and sends nothing for as long; [`Error::ServerCertificate`] and [`Error::ClientCertificate`]
+/// if the two do not trust each other; [`Error::Unprotected`] if there is a token, which is not sent to another machine
+/// without TLS; [`Error::Credentials`] if the environment has unsound ones.
 pub async fn connect(address: &str) -> Result<Client, Error> {
     connect_with(address, &Credentials::from_environment()?).await
 }

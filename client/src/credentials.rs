@@ -38,7 +38,7 @@ struct Named {
 }
 
 impl Credentials {
-    /// Those of the environment.
+    /// The credentials of the environment.
     ///
     /// # Errors
     /// If a variable is set, and a token or its file is not sound.
@@ -175,7 +175,7 @@ impl Named {
         bad(&self.place(), problem)
     }
 
-    /// It, with what names it.
+    /// The credential's place, with what names it.
     fn place(&self) -> String {
         format!("{}{}", self.by, self.shown())
     }

@@ -18,13 +18,13 @@ pub enum Error {
     /// The address is none.
     #[error("`{address}` is not a server address; write HOST:PORT, https://HOST:PORT or unix:/PATH")]
     Address {
-        /// As it was given.
+        /// The address as it was given.
         address: String,
     },
     /// No server answers.
     #[error("no server answers at {address} ({cause}); is `baudbot serve` running there?")]
     Connect {
-        /// As it was given.
+        /// The address as it was given.
         address: String,
         /// The network's message.
         cause: String,
@@ -40,7 +40,7 @@ pub enum Error {
     /// The server's certificate is not one that this program trusts.
     #[error("the certificate of the server at {address} {problem}")]
     ServerCertificate {
-        /// As it was given.
+        /// The address as it was given.
         address: String,
         /// The problem, as the end of a sentence.
         problem: String,
@@ -48,7 +48,7 @@ pub enum Error {
     /// The server asks for a client certificate, and does not accept what it was shown.
     #[error("the server at {address} {problem}")]
     ClientCertificate {
-        /// As it was given.
+        /// The address as it was given.
         address: String,
         /// The demand, as the end of a sentence.
         problem: String,
@@ -66,7 +66,7 @@ pub enum Error {
     Status {
         /// The kind of error; the contract lists them.
         code: Code,
-        /// The server's words. They may quote what other users say, so what a terminal would obey in them is escaped.
+        /// The server's words. They may quote other users' text, so control characters in them are escaped.
         message: String,
     },
     /// The operator wants the brain to start over. A program that can makes its brain afresh and attaches it to the same
@@ -98,7 +98,7 @@ const OTHER_ADDRESS: &str = "this address is not for brains; connect to that of 
 
 impl From<tonic::Status> for Error {
     fn from(status: tonic::Status) -> Self {
-        // A status that the transport makes up says from what; one that the server sent has no source.
+        // A status of the transport's own has its cause as source; one that the server sent has none.
         if let Some(source) = status.source() {
             return Self::Lost { message: Printable(root(source)).to_string() };
         }
@@ -146,7 +146,7 @@ pub(crate) fn tls_error(error: &io::Error) -> Option<&rustls::Error> {
     error.get_ref().and_then(|inner| inner.downcast_ref())
 }
 
-/// The innermost error says what happened ("connection refused"); those around it say only where.
+/// The innermost error has the cause ("connection refused"); those around it have only the place.
 pub(crate) fn root<'a>(error: &'a (dyn StdError + 'static)) -> &'a (dyn StdError + 'static) {
     let mut error = error;
     while let Some(source) = error.source() {

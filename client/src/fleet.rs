@@ -24,7 +24,7 @@ impl Fleet {
         self.session.publishes_every_ns
     }
 
-    /// Their data sheets, in the order in which they were asked for.
+    /// The robots' data sheets, in the order in which they were asked for.
     pub fn bodies(&self) -> &[Arc<Body>] {
         &self.session.welcome().bodies
     }

@@ -1,4 +1,4 @@
-//! A connection that tells what comes first over it.
+//! A connection that reports the first bytes over it.
 
 use std::io;
 use std::pin::Pin;
@@ -23,7 +23,7 @@ pub(crate) enum First {
     End(io::Error),
 }
 
-/// A connection that tells when the first bytes have come, or its end.
+/// A connection that reports its first bytes, or its end.
 pub(crate) struct Line {
     pipe: Box<dyn Pipe>,
     /// The recipient.
@@ -31,24 +31,25 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// One that tells `heard`, unless another has told it already.
+    /// A connection that reports to `heard`, unless another has reported already.
     pub(crate) fn new(pipe: Box<dyn Pipe>, heard: Arc<SetOnce<First>>) -> Self {
         Self { pipe, heard: Some(heard).filter(|heard| !heard.initialized()) }
     }
 
     fn tell(&mut self, read: &io::Result<()>, bytes: &[u8]) {
         if let Some(heard) = self.heard.take() {
-            // The one before may have told it meanwhile.
+            // The one before may have reported meanwhile.
             let _ = heard.set(First::of(read, bytes));
         }
     }
 
-    /// Passes on what became of a write. If that failed, the server may have said why before it hung up.
+    /// Passes on the result of a write. If that failed, the server may have sent the reason before it closed the
+    /// connection.
     fn heed<T>(&mut self, context: &mut Context<'_>, written: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if self.heard.is_some() && matches!(written, Poll::Ready(Err(_))) {
             let mut bytes = [0; 512];
             let mut buffer = ReadBuf::new(&mut bytes);
-            // It has come, or the end of the connection has: nobody waits for long.
+            // The answer has come, or the end of the connection has: the wait is short.
             let read = ready!(Pin::new(&mut self.pipe).poll_read(context, &mut buffer));
             self.tell(&read, buffer.filled());
         }
@@ -69,7 +70,7 @@ impl First {
     }
 }
 
-/// The same error, as far as somebody looks at it.
+/// The same error, as far as it is evaluated.
 fn copy(error: &io::Error) -> io::Error {
     match tls_error(error) {
         Some(tls) => io::Error::new(error.kind(), tls.clone()),

@@ -28,7 +28,7 @@ pub(crate) trait Pipe: AsyncRead + AsyncWrite + Send + Unpin {}
 impl<IO: AsyncRead + AsyncWrite + Send + Unpin> Pipe for IO {}
 
 impl Place {
-    /// That of an address, if it is one.
+    /// The place of an address, if it is one.
     pub(crate) fn of(address: &str) -> Option<Self> {
         match address.split_once(':')? {
             ("unix", "") => None,
@@ -99,8 +99,7 @@ fn is_localhost(host: &str) -> bool {
     name.rsplit_once('.').map_or(name, |(_, last)| last).eq_ignore_ascii_case("localhost")
 }
 
-/// Connects to the first of a host's addresses that answers: one at which nobody says anything does not use up the time of the
-/// others.
+/// Connects to the first of a host's addresses that answers: a silent one does not use up the time of the others.
 async fn connect_to_any(authority: &str) -> io::Result<TcpStream> {
     // A resolver of names does not choose the destination of tokens that are not encrypted.
     let is_localhost = is_localhost(host(authority));

@@ -33,7 +33,7 @@ pub(crate) struct Part {
     pub(crate) bytes: Vec<u8>,
     pub(crate) ports: Vec<(usize, Vec<u8>)>,
     pub(crate) readings: Vec<Option<Reading>>,
-    /// The microcontroller has been heard, with new readings or without.
+    /// A message of the microcontroller has come, with new readings or without.
     pub(crate) has_message: bool,
 }
 
@@ -49,7 +49,7 @@ pub(crate) enum Answer<'a> {
     },
     /// The brain waits, and nothing has come.
     Sleep(Until),
-    /// The brain was not asked, or said nothing.
+    /// The brain was not asked, or did not answer.
     Nothing,
 }
 

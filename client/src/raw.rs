@@ -23,7 +23,7 @@ impl RawRobot {
         Self { session }
     }
 
-    /// Its data sheet.
+    /// The robot's data sheet.
     pub fn body(&self) -> &Arc<Body> {
         // A Welcome has as many bodies as the Hello has robots, which was one.
         &self.session.welcome().bodies[0]

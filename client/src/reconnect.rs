@@ -9,29 +9,29 @@ use tokio::time::Instant;
 
 use crate::error::Error;
 
-/// For how long a program tries to come back to a server that it has lost.
+/// The time for which a program tries to come back to a server that it has lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reconnect {
-    /// It ends at once.
+    /// The program ends at once.
     Off,
     /// So long after each loss.
     For(Duration),
 }
 
-/// A text that says neither.
+/// A text that is neither.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("must be off, or a number of whole seconds up to {MOST_S}, is {0}")]
 pub struct BadReconnect(String);
 
 impl Default for Reconnect {
-    /// Ten minutes.
+    /// The default is ten minutes.
     fn default() -> Self {
         Self::For(Duration::from_secs(600))
     }
 }
 
 impl fmt::Display for Reconnect {
-    /// As it is read.
+    /// The text in the form in which it is parsed.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Off => f.write_str("off"),
@@ -74,7 +74,7 @@ impl Hope {
     }
 }
 
-/// A year.
+/// The seconds of a year.
 const MOST_S: u64 = 31_536_000;
 
 /// A server pings a silent connection after 20 s, and gives up one that has not answered for 20 s.

@@ -25,7 +25,7 @@ impl Robot {
         self.session.publishes_every_ns
     }
 
-    /// Its data sheet.
+    /// The robot's data sheet.
     pub fn body(&self) -> &Arc<Body> {
         // A Welcome has as many bodies as the Hello has robots, which was one.
         &self.session.welcome().bodies[0]
@@ -61,7 +61,7 @@ impl Robot {
     pub async fn turn(&mut self) -> Result<Option<Turn>, Error> {
         loop {
             let Some((tick, mut parts)) = self.session.turn().await? else { return Ok(None) };
-            // Without a part for the only robot there is nothing to do but wait for the next turn.
+            // A turn without a part for the only robot needs no answer: the next turn follows.
             if let Some(part) = parts.pop() {
                 let body = Arc::clone(self.body());
                 return Ok(Some(part.turn(tick, body)));

@@ -30,9 +30,9 @@ pub async fn run(robot: &mut Robot, brain: &mut (impl Brain + ?Sized)) -> Result
         summary.last_tick = turn.tick;
         let action = brain.step(&turn);
         let is_due = looks.is_due(turn.at_ns);
-        // In a world that waits for its brains, a belief that is published before the answer is there at the next
-        // tick, on any machine. By the wall clock no command waits for what people see. The Welcome says once which
-        // of the two holds; a pace that is changed later makes a belief late at worst.
+        // In a world that waits for its brains, a belief that is published before the answer is there at the next tick,
+        // on any machine. By the wall clock no command waits for what people see. The Welcome states once which of the
+        // two holds; a pace that is changed later makes a belief late at worst.
         if is_due && robot.lockstep() {
             publish(robot, brain).await?;
         }
@@ -74,7 +74,7 @@ pub async fn run_fleet<B: Brain>(fleet: &mut Fleet, brains: &mut [B]) -> Result<
             .filter(|(robot, turn)| looks[*robot].is_due(turn.at_ns))
             .map(|(robot, _)| *robot)
             .collect();
-        // As for one robot.
+        // The beliefs are published as for one robot.
         if fleet.lockstep() {
             publish_all(fleet, brains, &due).await?;
         }
@@ -95,7 +95,8 @@ async fn publish_all<B: Brain>(fleet: &mut Fleet, brains: &mut [B], due: &[usize
     Ok(())
 }
 
-/// When people look, and a brain is asked what it believes: at a step, and at most once in each interval of simulated time.
+/// The instants at which a brain is asked for its beliefs, for people: at a step, and at most once in each interval of
+/// simulated time.
 #[derive(Clone, Debug)]
 pub struct Looks {
     every_ns: u64,
@@ -103,7 +104,7 @@ pub struct Looks {
 }
 
 impl Looks {
-    /// Looks at such intervals.
+    /// The looks at such intervals.
     pub fn every(every: Duration) -> Self {
         Self::every_ns(nanoseconds(every))
     }

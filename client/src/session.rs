@@ -17,11 +17,11 @@ pub(crate) struct Session {
     number: u64,
     /// Whether that turn still waits for its answer.
     owes_answer: bool,
-    /// Its tick.
+    /// The tick of the last turn.
     tick: u64,
     /// The robots whose brains wait for news.
     waiting: Vec<Option<Until>>,
-    /// Those among them that have a part in the last turn, but no news.
+    /// The robots of the session that have a part in the last turn, but no news.
     asleep: Vec<usize>,
     /// The others that have a part in it.
     asked: Vec<usize>,

@@ -1,4 +1,4 @@
-//! The two directions of an Attach call, as gRPC has them.
+//! The two directions of an Attach call, in gRPC's form.
 
 use baudbot_proto::v1::brain_link_service_client::BrainLinkServiceClient;
 use baudbot_proto::v1::{AttachRequest, AttachResponse};
@@ -27,8 +27,8 @@ impl Stream {
         Ok(Self { requests, responses: call.into_inner(), closed: false })
     }
 
-    /// Sends a request. If the server has ended the call, the request is lost and this gives the error with
-    /// which it ended; if it ended in good order, that is left for [`receive`](Self::receive) to tell.
+    /// Sends a request. If the server has ended the call, the request is lost and this gives the error with which it
+    /// ended; if it ended in good order, that is left for [`receive`](Self::receive).
     pub(crate) async fn send(&mut self, request: AttachRequest) -> Result<(), Status> {
         if self.requests.send(request).await.is_err() {
             while self.receive().await?.is_some() {}

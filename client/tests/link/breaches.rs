@@ -1,4 +1,4 @@
-//! A server that breaks the contract is told what it broke.
+//! A server that breaks the contract gets an error that names the breach.
 
 use baudbot_client::{Breach, Error};
 use baudbot_proto::v1::{self, attach_response::Response};

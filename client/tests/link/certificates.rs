@@ -1,4 +1,4 @@
-//! Servers and clients that do not trust each other's certificates, and what the client says then.
+//! Servers and clients that do not trust each other's certificates, and the client's errors then.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ type Pair = (PathBuf, PathBuf);
 
 impl Lab {
     fn new(name: &str) -> Self {
-        // Its certificates are issued in the past, too.
+        // Some of the authority's certificates are issued in the past, too.
         let (validity, then) = ("8w".parse().unwrap(), SystemTime::now() - 4 * WEEK);
         let authority = Authority::new(&"lab".parse().unwrap(), validity, then).unwrap();
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -60,7 +60,7 @@ const WEEK: Duration = Duration::from_secs(7 * 24 * 60 * 60);
 /// A server's acts after the handshake.
 #[derive(Clone, Copy)]
 enum Then {
-    /// It says the first word of HTTP/2, and listens to the end.
+    /// The peer sends the first bytes of HTTP/2, and receives to the end.
     Speaks,
     HangsUp,
 }

@@ -15,16 +15,16 @@ use tonic::{Request, Response, Status, Streaming};
 /// The server's next act.
 #[derive(Clone, Debug)]
 pub(crate) enum Act {
-    /// Waits for a request and lets the test have it.
+    /// The server waits for a request and lets the test have it.
     Hear,
-    /// Sends a response.
+    /// The server sends a response.
     Say(attach_response::Response),
-    /// Ends the call with an error.
+    /// The server ends the call with an error.
     Fail(Status),
 }
 
-/// A client, in this process, of a server that follows `script` and then closes the stream, and the requests
-/// that the server heard.
+/// A client, in this process, of a server that follows `script` and then closes the stream, and the requests that the
+/// server received.
 pub(crate) async fn serve(script: Vec<Act>) -> (Client, mpsc::Receiver<attach_request::Request>) {
     let (near, far) = tokio::io::duplex(1 << 16);
     let requests = serve_at(script, tokio_stream::once(Ok::<_, std::io::Error>(far)));

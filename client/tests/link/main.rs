@@ -103,7 +103,7 @@ async fn the_end_of_a_run_is_no_turn_and_a_reset_begins_again() {
     assert_eq!(hear_step(&mut requests).await.turn, number(7));
 }
 
-/// Drives by what its sensor says, and asks if it says nothing.
+/// A brain that drives by its sensor's reading, and asks if there is none.
 struct Mirror;
 
 impl Brain for Mirror {
@@ -124,7 +124,7 @@ async fn a_brain_runs_until_the_end() {
     assert_eq!(hear_step(&mut requests).await, step(3, &[(0, command(0.5, 0.5))]));
 }
 
-/// A brain that says that it believes something.
+/// A brain that publishes a belief.
 struct Believer;
 
 impl Brain for Believer {
