@@ -119,7 +119,7 @@ const MAX_MAP_SIDE: usize = 4096;
 mod tests {
     use super::*;
 
-    /// The error for a belief that makes no sense.
+    /// The error for an invalid belief.
     fn refused(change: impl FnOnce(&mut v1::Belief)) -> String {
         let mut belief = v1::Belief {
             utilities: vec![v1::Utility { name: "go".into(), value: 0.5, active: true }],

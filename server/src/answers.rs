@@ -2,14 +2,14 @@
 //!
 //! # Need
 //!
-//! A question has a few bytes, and the answer to it may have a million, for which a world is copied and converted. Who asks a thousand times
-//! must not have it made a thousand times.
+//! A question has a few bytes, and the answer to it may have a million, for which a world is copied and converted. A
+//! client that asks a thousand times must not have it made a thousand times.
 //!
 //! # Mechanism
 //!
-//! One answer of a kind and a world is made at a time. Whoever asks meanwhile waits for the next one, which is made for all who have asked by
-//! then: nobody gets one that is older than the question. What is made says of what ([`Last::key`]); while that has not changed, it is
-//! not made again.
+//! One answer of a kind and a world is made at a time. A caller that asks meanwhile waits for the next one, which is
+//! made for all who have asked by then: no caller gets one that is older than the question. What is made says of what
+//! ([`Last::key`]); while that has not changed, it is not made again.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
@@ -26,7 +26,7 @@ use crate::report::Version;
 pub(crate) struct Answers {
     pub(crate) status: Answer<Version>,
     pub(crate) description: Answer<Weak<Scenario>>,
-    /// By era and tick.
+    /// The coverage by era and tick.
     pub(crate) coverage: Answer<(u64, u64)>,
 }
 
@@ -39,7 +39,7 @@ pub(crate) struct Answer<K> {
 
 /// The last answer.
 pub(crate) struct Last<K> {
-    /// Of what it was made.
+    /// The key of the answer: the state of which it was made.
     pub(crate) key: K,
     pub(crate) bytes: Bytes,
     /// The bytes behind it, of the time of the request.

@@ -29,7 +29,7 @@ struct Place {
 }
 
 struct Newest {
-    /// Its number among all that were published, from 1.
+    /// The belief's number among all that were published, from 1.
     number: u64,
     belief: Arc<v1::Belief>,
     bytes: usize,

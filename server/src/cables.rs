@@ -1,5 +1,5 @@
-//! Watchers of one world's cables: each gets the bytes of one cable with their meaning. A slow watcher misses items and never
-//! slows the world, and a cable that nobody watches costs nothing.
+//! Watchers of one world's cables: each gets the bytes of one cable with their meaning. A slow watcher misses items and
+//! never slows the world, and a cable without watchers costs nothing.
 
 use std::collections::{BTreeSet, VecDeque};
 
@@ -19,7 +19,7 @@ const MOST_WAITING: usize = 512;
 /// Bytes of each direction of a cable that a world keeps between two looks.
 const MOST_KEPT: usize = 1 << 16;
 
-/// Bytes of an item that a watcher is told.
+/// The most bytes of an item for a watcher.
 const MOST_TOLD: usize = 4096;
 
 /// The watchers of a world's cables.
@@ -36,13 +36,13 @@ struct Watcher {
     news: Outbox,
     waiting: VecDeque<v1::CableItem>,
     missed: u64,
-    /// The number of bytes that the world did not keep, as it was told.
+    /// The number of bytes that the world did not keep, and that the watcher knows of.
     missed_bytes: u64,
     has_restarted: bool,
 }
 
 impl Cables {
-    /// Adds a watcher, which is told at once that it watches. One of a cable that there is not is gone at once.
+    /// Adds a watcher, which gets a first message at once. The watch of a cable that does not exist ends at once.
     pub(crate) fn add(&mut self, watch: WatchCable, world: &mut World) {
         let WatchCable { robot, cable, news } = watch;
         let listener = world.scenario().robots.get(robot).and_then(|spec| Listener::new(spec, cable));
@@ -64,12 +64,12 @@ impl Cables {
         }
     }
 
-    /// Whether nobody watches.
+    /// Whether there are no watchers.
     pub(crate) fn is_empty(&self) -> bool {
         self.present.is_empty()
     }
 
-    /// Tells watchers what has come since they were last told.
+    /// Sends watchers what has come since the last time.
     pub(crate) fn listen(&mut self, world: &mut World) {
         if self.present.is_empty() {
             return;
@@ -81,7 +81,7 @@ impl Cables {
         }
     }
 
-    /// Forgets what watchers have heard: the world is at another time.
+    /// Drops the state of the analysis: the world is at another time.
     pub(crate) fn reset(&mut self, world: &mut World) {
         self.keep_tapes(world);
         for watcher in &mut self.present {
@@ -114,7 +114,7 @@ impl Watcher {
         self.missed_bytes = self.listener.missed_bytes();
     }
 
-    /// Tells what is new, if there is room; `false` if the watcher is gone.
+    /// Sends what is new, if there is room; `false` if the watcher is gone.
     fn listen(&mut self, world: &World) -> bool {
         let Self { listener, waiting, missed, .. } = self;
         listener.look(&world.robot(self.robot), world.time(), &mut |item: Item<'_>, _| {
@@ -141,7 +141,7 @@ impl Watcher {
     }
 }
 
-/// Tells these news; `false` if the watcher is gone.
+/// Sends these news; `false` if the watcher is gone.
 fn push(to: &Outbox, news: &v1::WatchCableResponse) -> bool {
     to.push(Parts(vec![news.encode_to_vec().into()]))
 }
@@ -208,7 +208,7 @@ mod tests {
         drop(inbox);
         ask(&mut world, &mut cables, 1);
         assert!(!world.keeps_tape(0) && cables.is_empty());
-        // Of a cable that there is not nobody hears.
+        // A watcher of a cable that does not exist gets nothing.
         let (news, mut inbox) = outbox(8);
         cables.add(WatchCable { robot: 0, cable: Cable::Sensor(0), news }, &mut world);
         assert!(cables.is_empty() && told(&mut inbox).is_none());

@@ -53,8 +53,8 @@ pub fn drive(scenario: &Scenario, brain: impl Brain, seconds: f64) -> Result<Dri
     Ok(drives.remove(0))
 }
 
-/// As [`drive`](drive()), for any number of robots: `brain` makes the brain of each from its data sheet; a robot for which it
-/// makes none keeps still. The drives are in the order of the robots' names.
+/// The same as [`drive`](drive()), for any number of robots: `brain` makes the brain of each from its data sheet; a
+/// robot for which it makes none keeps still. The drives are in the order of the robots' names.
 ///
 /// # Errors
 /// If the time is none, or a brain does what its robot cannot do.
@@ -118,13 +118,13 @@ pub struct Drive {
 /// The place of a robot at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
-    /// When, in seconds of simulated time.
+    /// The instant, in seconds of simulated time.
     pub time_s: f64,
     /// The true pose of its centre, world from robot: metres and radians.
     pub pose: Pose,
 }
 
-/// That a robot ran into something.
+/// A collision of a robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DriveCollision {
     /// The end of the tick in which it did, in seconds of simulated time.
@@ -134,7 +134,7 @@ pub struct DriveCollision {
 }
 
 impl Drive {
-    /// When the run ended, in seconds of simulated time.
+    /// The instant at which the run ended, in seconds of simulated time.
     pub fn time_s(&self) -> f64 {
         self.world.time().as_seconds()
     }
@@ -144,7 +144,7 @@ impl Drive {
         self.world.robot(self.place).counters().distance_m
     }
 
-    /// The fingerprint of the whole world at the end, as `baudbot run` tells it: equal for equal bits, on every machine.
+    /// The fingerprint of the whole world at the end, the one of `baudbot run`: equal for equal bits, on every machine.
     pub fn state_hash(&self) -> u64 {
         self.world.hash()
     }
@@ -169,7 +169,7 @@ pub enum DriveError {
         robot: String,
         /// The instant of its step, in seconds of simulated time.
         time_s: f64,
-        /// As a server says it.
+        /// The status of the server.
         status: Box<Status>,
     },
 }
@@ -188,7 +188,7 @@ impl From<Refusal<Status>> for DriveError {
 }
 
 impl Trace {
-    /// Between two ticks.
+    /// Takes a look at the world between two ticks.
     fn look(&mut self, world: &World, robot: &RobotView<'_>) {
         let time_s = world.time().as_seconds();
         self.path.push(PathPoint { time_s, pose: robot.motion().pose });

@@ -65,7 +65,7 @@ impl Embedded {
         }
     }
 
-    /// Its services.
+    /// The server's services.
     pub fn services(&self) -> Services {
         self.services.clone()
     }
@@ -85,7 +85,7 @@ impl Embedded {
     }
 }
 
-/// By the path of a method, `/SERVICE/METHOD`. A router for any services is larger than what it leads to here.
+/// Services by the path of a method, `/SERVICE/METHOD`. A router for any services is larger than what it leads to here.
 impl Service<Request<Body>> for Services {
     type Response = Response<Body>;
     type Error = Infallible;

@@ -54,7 +54,7 @@ pub(crate) struct Write {
 /// The wish of a brain to be asked only when a message has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Until {
-    /// It is asked nonetheless at its first step that is not before this instant.
+    /// The brain is asked nonetheless at its first step that is not before this instant.
     pub(crate) at_latest: Option<SimTime>,
 }
 
@@ -66,7 +66,7 @@ pub(crate) struct Thinking {
 }
 
 impl Thinking {
-    /// In nanoseconds of simulated time. What the scenario says, if nothing is declared.
+    /// The thinking time, in nanoseconds of simulated time. That of the scenario, if nothing is declared.
     pub(crate) fn on(&self, spec: &RobotSpec) -> u64 {
         let counted = self.operations.and_then(|operations| spec.processor.thinking_ns(operations));
         self.ns.or(counted).unwrap_or(spec.thinking_ns)
@@ -221,7 +221,7 @@ fn check_poll(spec: &RobotSpec) -> Result<(), Problem> {
 /// The writing end of a robot's port, where the server writes messages for its brain.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Sender {
-    /// Of the next message. The first one of a Create's, 0, has an opening before it.
+    /// The sequence number of the next message. The first one of a Create's, 0, has an opening before it.
     sequence: u8,
     /// Whether its brain writes bytes.
     raw: bool,
@@ -287,16 +287,16 @@ impl Sender {
 /// The bytes or the command for a robot's port.
 pub(crate) enum Sent {
     Bytes(Vec<u8>),
-    /// A command with a signal for each actuator. Its bytes are made only where somebody sees them.
+    /// A command with a signal for each actuator. Its bytes are made only for a watcher.
     Command {
-        /// Of the message, if the protocol has one.
+        /// The sequence number of the message, if the protocol has one.
         sequence: u8,
         signals: Signals,
     },
 }
 
 impl Sent {
-    /// As the world takes it.
+    /// The writing in the form that the world takes.
     pub(crate) fn written(&self) -> Written<'_> {
         match self {
             Self::Bytes(bytes) => Written::Bytes(bytes),
@@ -306,7 +306,7 @@ impl Sent {
         }
     }
 
-    /// Its bytes on the wire of this robot.
+    /// The bytes on the wire of this robot.
     pub(crate) fn into_bytes(self, spec: &RobotSpec) -> Vec<u8> {
         let (sequence, Signals { wheels, others }) = match self {
             Self::Bytes(bytes) => return bytes,

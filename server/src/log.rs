@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 /// The default interval of an event in the log that a [`Throttle`] limits.
 const INTERVAL: Duration = Duration::from_secs(1);
 
-/// Logs an event of a world: `event!(this, info, field = value, "text")`. Each has the name of the world, and its simulated
-/// time. `this` has a `name` and a `world`. Nothing is computed if nobody logs it.
+/// Logs an event of a world: `event!(this, info, field = value, "text")`. Each has the name of the world, and its
+/// simulated time. `this` has a `name` and a `world`. Nothing is computed if it is not logged.
 macro_rules! event {
     ($this:expr, $level:ident, $($rest:tt)+) => {
         tracing::$level!(

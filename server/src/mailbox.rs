@@ -1,5 +1,5 @@
-//! A mailbox: a queue of messages and the runner that handles them, on a thread of a [pool](crate::pool) or inline, on the
-//! thread of whoever posts a message.
+//! A mailbox: a queue of messages and the runner that handles them, on a thread of a [pool](crate::pool) or inline, on
+//! the thread of the sender of a message.
 //!
 //! # Why callers run the world inline
 //!
@@ -10,10 +10,11 @@
 //!
 //! # Why nothing is left lying
 //!
-//! Nobody waits for the runner: a caller takes the lock if it is free, and otherwise leaves its message in the queue; a thread
-//! of the pool leaves a note that it was there. Message and note are seen by whoever holds the lock, because every holder
-//! looks for them once more *after* it has let go of the lock. Either that look finds them, or they were left after it, and
-//! then the lock was free for the one that left them. For this to hold, they must be there before the lock is tried.
+//! No sender waits for the runner: a caller takes the lock if it is free, and otherwise leaves its message in the
+//! queue; a thread of the pool leaves a note that it was there. Message and note are seen by the holder of the lock,
+//! because every holder looks for them once more *after* it has released the lock. Either that look finds them, or they
+//! were left after it, and then the lock was free for the one that left them. For this to hold, they must be there
+//! before the lock is tried.
 //!
 //! # Panics
 //!

@@ -115,7 +115,7 @@ pub(crate) const MAX_ROBOTS: usize = 5000;
 
 /// The numbers of a world.
 pub(crate) struct Measures {
-    /// It has the names of the robots.
+    /// The scenario, which has the names of the robots.
     pub(crate) scenario: Arc<Scenario>,
     pub(crate) activity: Activity,
     pub(crate) tick: u64,
@@ -127,7 +127,7 @@ pub(crate) struct Measures {
     pub(crate) frames_missed: u64,
     /// Whether its state is kept, if the server keeps any.
     pub(crate) keeping: Option<Keeping>,
-    /// Of the first robots of the scenario.
+    /// The measures of the first robots of the scenario.
     pub(crate) robots: Vec<RobotMeasures>,
 }
 

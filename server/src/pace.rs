@@ -11,17 +11,17 @@ pub enum Pace {
     Timed(Timed),
     /// The world waits for every brain.
     Lockstep(Lockstep),
-    /// As lockstep, but only as many ticks as asked for.
+    /// The same as lockstep, but only as many ticks as asked for.
     Stepped(Lockstep),
-    /// As fast as it can; a brain that has not answered has written nothing.
+    /// The world runs as fast as it can; a brain that has not answered has written nothing.
     Free,
 }
 
 impl Pace {
-    /// Real time.
+    /// The pace of real time.
     pub const REAL_TIME: Self = Self::scaled(1.0);
 
-    /// So many simulated seconds a wall-clock second, positive and finite, with the usual lag at most.
+    /// The pace of `factor` simulated seconds a wall-clock second, positive and finite, with the usual lag at most.
     pub const fn scaled(factor: f64) -> Self {
         Self::Timed(Timed { factor, max_lag: Timed::MAX_LAG })
     }
@@ -43,23 +43,23 @@ impl Pace {
 /// The terms on which the world takes the answer to a Turn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Terms {
-    /// It waits for it, in a tick that began at this instant.
+    /// The world waits for the answer, in a tick that began at this instant.
     Waits(Instant),
-    /// It follows the wall clock.
+    /// The world follows the wall clock.
     FollowsClock {
-        /// When it gives the Turn.
+        /// The instant at which it gives the Turn.
         now: Instant,
-        /// When the tick begins by the world's clock, which is not later.
+        /// The instant at which the tick begins by the world's clock, which is not later.
         tick_begins: Instant,
         /// Simulated seconds a wall-clock second.
         factor: f64,
     },
-    /// It goes on at once.
+    /// The world goes on at once.
     GoesOn,
 }
 
 impl Terms {
-    /// When the tick began in which the answer is owed, if it is.
+    /// The instant at which the tick began in which the answer is owed, if it is.
     pub(crate) fn owed_since(self) -> Option<Instant> {
         match self {
             Self::Waits(begun) => Some(begun),
@@ -73,8 +73,8 @@ impl Terms {
 pub struct Timed {
     /// Simulated seconds a wall-clock second; 1 is real time. Positive and finite.
     pub factor: f64,
-    /// By how much of the wall clock the world may lag. It makes up for that as fast as it can. A lag beyond it is let go: the
-    /// world's clock is set back by it for good.
+    /// The longest lag of the world behind the wall clock. It makes up for that as fast as it can. A lag beyond it is
+    /// skipped: the world's clock is set back by it for good.
     pub max_lag: Duration,
 }
 
@@ -100,7 +100,7 @@ impl Default for Lockstep {
 }
 
 impl From<Watchdog> for Lockstep {
-    /// With this watchdog, and with lookahead.
+    /// The lockstep with this watchdog, and with lookahead.
     fn from(watchdog: Watchdog) -> Self {
         Self { watchdog, lookahead: true }
     }
@@ -183,7 +183,7 @@ pub(crate) struct Pacing {
     pub(crate) watchdog_timeouts: u64,
     /// Wall-clock time during which the world waited for brains.
     pub(crate) waiting: Duration,
-    /// By how much the world lagged more than its pace allows, summed up, and how often it did.
+    /// The time by which the world lagged more than its pace allows, summed up, and how often it did.
     pub(crate) let_go: Duration,
     pub(crate) times_let_go: u64,
 }

@@ -8,7 +8,7 @@ const MAX_QUOTED: usize = 1000;
 /// Most names in a list.
 const MAX_NAMES: usize = 20;
 
-/// The text of somebody else, on one line, with escapes for all that a terminal would obey; cut if it is long.
+/// The text of a caller, on one line, with escapes for all that a terminal would obey; cut if it is long.
 pub(crate) fn brief(text: &str) -> String {
     let (from, is_cut) = beginning(text);
     cut(&format!("{}{}", Printable(from), if is_cut { "…" } else { "" }))
@@ -20,7 +20,7 @@ pub(crate) fn cut(text: &str) -> String {
     format!("{from}{}", if is_cut { "…" } else { "" })
 }
 
-/// As much of a text as is quoted, and whether there is more.
+/// The part of a text that is quoted, and whether there is more.
 fn beginning(text: &str) -> (&str, bool) {
     // The sign that it was cut is one more.
     match text.char_indices().nth(MAX_QUOTED) {

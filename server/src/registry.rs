@@ -14,7 +14,7 @@ use crate::pool::Pool;
 use crate::quote::{brief, list};
 use crate::state::StateFolder;
 
-/// Most worlds of one server, unless it is told another number. So many in real time are more than two processors can run.
+/// Most worlds of one server, by default. So many in real time are more than two processors can run.
 pub const MAX_WORLDS: usize = 4096;
 
 /// All worlds of a server. Clones share them.
@@ -28,7 +28,7 @@ pub(crate) struct Registry {
 #[derive(Default)]
 struct Worlds {
     by_name: BTreeMap<Arc<str>, Entry>,
-    /// Their pool; `None` before the first.
+    /// The pool of the worlds; `None` before the first.
     pool: Option<Pool>,
     without_threads: bool,
     /// The number of worlds; each world knows it.
@@ -46,7 +46,7 @@ struct Entry {
     _places: Places,
 }
 
-/// That a world is counted: its own place, those of its robots, and that of whoever created it, if it was a client.
+/// The count of a world: its own place, those of its robots, and that of the client that created it, if it was one.
 type Places = (Place, Place, Option<Taken>);
 
 impl Worlds {
@@ -64,7 +64,7 @@ impl Drop for Worlds {
 }
 
 impl Registry {
-    /// One without worlds.
+    /// A registry without worlds.
     pub(crate) fn new(limits: InForce) -> Self {
         Self { worlds: Arc::default(), limits }
     }
@@ -157,7 +157,7 @@ impl Registry {
         worlds.update_count();
     }
 
-    /// Forgets all worlds, which must have been told to stop, and waits until they are over.
+    /// Forgets all worlds, which must have been stopped, and waits until they are over.
     pub(crate) fn join(&self) {
         let (worlds, shared) = {
             let mut worlds = self.lock();

@@ -26,7 +26,7 @@ pub(crate) struct Report {
     pub(crate) slots: Vec<SlotReport>,
     /// The number of the snapshot that was just taken; 0 if none was.
     pub(crate) snapshot: u64,
-    /// Counts resets, restored states and changes of pace.
+    /// The number of resets, restored states and changes of pace.
     pub(crate) era: u64,
 }
 
@@ -99,7 +99,7 @@ pub(crate) struct SlotReport {
 /// The cells of the floor that are covered and sensed.
 pub(crate) struct CoverageReport {
     pub(crate) tick: u64,
-    /// As in [`Report`].
+    /// The era as in [`Report`].
     pub(crate) era: u64,
     pub(crate) scenario: Arc<Scenario>,
     /// `None` if the scenario counts no coverage.

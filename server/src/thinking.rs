@@ -12,8 +12,8 @@ pub type ProcessorTime = Arc<dyn Fn(usize) -> Option<Duration> + Send + Sync>;
 /// The thinking times of a robot's brains.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Thought {
-    /// By the wall clock.
+    /// The thinking by the wall clock.
     pub(crate) wall: Histogram,
-    /// By the processor time of the brain's process.
+    /// The thinking by the processor time of the brain's process.
     pub(crate) processor: Histogram,
 }

@@ -1,4 +1,4 @@
-//! The gate of all calls: each, of whatever service, is held against the tokens here, and nowhere else.
+//! The gate of all calls: each, of whatever service, is checked by the tokens here, and nowhere else.
 //!
 //! # Need
 //!
@@ -6,9 +6,9 @@
 //!
 //! # Assumptions
 //!
-//! Whoever has the rights of the user who runs the server can do anything to it anyway. So this process, through pipes in memory,
-//! and this user, over Unix sockets, need no token; all others show one, over TCP also this user, as the system does not say whose
-//! a TCP connection is.
+//! A program with the rights of the user who runs the server can do anything to it anyway. So this process, through
+//! pipes in memory, and this user, over Unix sockets, need no token; all others show one, over TCP also this user, as
+//! the system does not say whose a TCP connection is.
 //!
 //! # Mechanism
 //!
@@ -36,11 +36,11 @@ pub(crate) use tokens::{Access, authorization};
 /// The caller of a call.
 #[derive(Clone, Debug)]
 pub(crate) enum Caller {
-    /// Somebody who may do everything.
+    /// A caller who may do everything.
     Trusted,
     /// The holder of a token.
     Holder(Arc<Grant>),
-    /// Somebody who was not asked for a token, as the call needs none.
+    /// A caller who was not asked for a token, as the call needs none.
     Nobody,
 }
 
@@ -68,7 +68,7 @@ impl Caller {
         }
     }
 
-    /// Its name, for logs.
+    /// The name of the caller, for logs.
     pub(crate) fn name(&self) -> &str {
         match self {
             Self::Trusted => "this process",

@@ -25,7 +25,7 @@ pub(crate) struct Guarded {
     access: Access,
     grant: Arc<Grant>,
     changes: Option<WatchStream<()>>,
-    /// When the token expires, if it does within the time that the clock can wait.
+    /// The expiry of the token, if it is within the time that the clock can wait.
     expiry: Option<Pin<Box<Sleep>>>,
     is_over: bool,
 }
@@ -79,7 +79,7 @@ impl http_body::Body for Guarded {
             return Poll::Ready(None);
         }
         if let Some(status) = self.poll_end(context) {
-            // The body that makes the response goes, too: a brain's robots are let go.
+            // The body that makes the response goes, too: a brain's robots are released.
             (self.is_over, self.body) = (true, Body::empty());
             let mut trailers = HeaderMap::new();
             return Poll::Ready(Some(status.add_header(&mut trailers).map(|()| Frame::trailers(trailers))));

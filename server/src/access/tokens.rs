@@ -1,4 +1,4 @@
-//! The tokens of a server: whose call this is, and what it may do.
+//! The tokens of a server: the caller of each call, and its rights.
 
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
@@ -17,7 +17,7 @@ pub(crate) struct Access(Option<Arc<Shared>>);
 
 struct Shared {
     watched: Watched,
-    /// Says that grants may have changed.
+    /// The sender of the signal that grants may have changed.
     changes: watch::Sender<()>,
 }
 
@@ -84,12 +84,12 @@ impl Access {
         Ok(caller)
     }
 
-    /// The channel that says that grants may have changed.
+    /// The channel of the signal that grants may have changed.
     pub(super) fn changes(&self) -> Option<watch::Receiver<()>> {
         self.0.as_ref().map(|shared| shared.changes.subscribe())
     }
 
-    /// Looks at the tokens' file each second, so that streams end whose tokens do.
+    /// Reads the tokens' file each second if it has changed, so that streams end whose tokens do.
     pub(crate) async fn renew(self) {
         let Some(shared) = &self.0 else { return };
         let mut generation = shared.tokens().generation();

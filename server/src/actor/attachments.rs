@@ -38,7 +38,7 @@ impl WorldActor {
         self.log_attached(new.number, &new.robots);
         self.beliefs.hand_to(Some(new.number), &new.robots);
         let lockstep = self.pacer.pace.watchdog().is_some();
-        // If nobody waits for the answer any more, dropping the lease sends a message that lets the robots go.
+        // A client that no longer waits for the answer drops the lease, which sends a message that releases the robots.
         let lease =
             Lease { world, session: new.number, why: "nobody waited for the answer any more".to_owned() };
         let (robots, lost_steps) = (new.robots.clone(), Arc::clone(&new.lost_steps));
@@ -49,7 +49,7 @@ impl WorldActor {
         }
     }
 
-    /// Tells a new brain what it has come too late for.
+    /// Sends a new brain what it has come too late for.
     fn greet(&mut self, new: &NewSession, lockstep: bool) {
         if self.world.ending().is_some() {
             self.sessions.tell_one_ended(new.number, &self.world);
@@ -135,10 +135,11 @@ impl WorldActor {
         }
     }
 
-    /// When bytes are handed to a robot's port. Where the world waits for brains, that is the instant of the brain's step
-    /// plus its thinking time. Where time follows the wall clock, it is when they came, but not before the step.
+    /// The instant at which bytes are handed to a robot's port. Where the world waits for brains, that is the instant
+    /// of the brain's step plus its thinking time. Where time follows the wall clock, it is when they came, but not
+    /// before the step.
     pub(super) fn written_at(&self, robot: usize, thinking: Thinking) -> SimTime {
-        // They are in the order of the robots.
+        // The turns are in the order of the robots.
         let turns = self.world.turns();
         let turn = turns.binary_search_by_key(&robot, |turn| turn.robot);
         let step = turn.map_or_else(|_| self.world.time(), |turn| turns[turn].at);

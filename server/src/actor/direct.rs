@@ -1,7 +1,7 @@
 //! A world that is driven by the thread of its brains: lockstep without a server, a network or a thread of its own.
 //!
-//! It is the actor of any other world, so that recordings, reports and events are the same. Only its sessions give no Turns:
-//! whoever drives it hands over what each brain does, in the tick in which the brain steps.
+//! It is the actor of any other world, so that recordings, reports and events are the same. Only its sessions give no
+//! Turns: its driver hands over the actions of each brain, in the tick in which the brain steps.
 
 use std::sync::Arc;
 
@@ -53,7 +53,7 @@ impl DirectWorld {
         Ok(Self { actor, endpoint, robots, turns: Vec::new() })
     }
 
-    /// Says that the robots in these places have a brain of this name, which has room on them.
+    /// Puts a brain of this name, which has room on them, on the robots in these places.
     pub fn attach(&mut self, brain: &str, robots: &[usize]) {
         let actor = &mut self.actor;
         let session = actor.sessions.seat(brain.to_owned(), robots.to_vec());
@@ -75,8 +75,8 @@ impl DirectWorld {
         Ok(())
     }
 
-    /// Ends the world between two ticks, and waits until its recording is closed. Says how the world then is, and how its
-    /// recording ends, if it has one: with that very state.
+    /// Ends the world between two ticks, and waits until its recording is closed. Returns how the world then is, and
+    /// how its recording ends, if it has one: with that very state.
     ///
     /// # Errors
     /// If the thread that writes the recording is gone.
@@ -117,7 +117,7 @@ impl LockstepWorld for DirectWorld {
         &self.turns
     }
 
-    /// `INVALID_ARGUMENT` has the field of the action that makes no sense, as the contract calls it.
+    /// `INVALID_ARGUMENT` has the field of the action that is invalid, as the contract calls it.
     fn act(&mut self, turn: Turn, action: Action) -> Result<(), Status> {
         let write = convert::write(turn.robot, action);
         self.endpoint.check_part(turn.robot, &write)?;
@@ -131,7 +131,7 @@ impl LockstepWorld for DirectWorld {
         Ok(())
     }
 
-    /// When the run has ended, the sensors have been read a last time.
+    /// The sensors have been read a last time when the run has ended.
     fn finish(&mut self) -> bool {
         let actor = &mut self.actor;
         actor.finish_with(clock::now(), &[]);

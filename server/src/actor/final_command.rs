@@ -21,15 +21,15 @@ const SILENCE: Duration = Duration::from_secs(1);
 /// The final command of a robot that has a brain.
 #[derive(Clone)]
 pub(super) struct FinalCommand {
-    /// When its brain last sent a Step.
+    /// The instant at which its brain last sent a Step.
     heard: Instant,
     heard_at: SimTime,
-    /// It is written, and the brain has sent nothing since.
+    /// The command is written, and the brain has sent nothing since.
     written: bool,
 }
 
 impl FinalCommand {
-    /// Of a brain that has just sent something.
+    /// A `FinalCommand` of a brain that has just sent something.
     pub(super) fn of(world: &World) -> Self {
         Self { heard: clock::now(), heard_at: world.time(), written: false }
     }

@@ -7,11 +7,11 @@ use crate::clock;
 use crate::message::Reply;
 use crate::report::Report;
 
-/// Those who have made the world stand, and are told when it does.
+/// The callers that have made the world stand, and get an answer when it does.
 #[derive(Default)]
 pub(super) struct Halts {
     replies: Vec<Reply<Report>>,
-    /// When they are told in any case.
+    /// The instant at which they get their answer in any case.
     until: Option<Instant>,
 }
 
@@ -19,7 +19,7 @@ pub(super) struct Halts {
 const PATIENCE: Duration = Duration::from_secs(1);
 
 impl Halts {
-    /// When there is something to be done, if it is before `until`.
+    /// The instant at which there is something to be done, if it is before `until`.
     pub(super) fn until(&self, until: Option<Instant>) -> Option<Instant> {
         self.until.into_iter().chain(until).min()
     }

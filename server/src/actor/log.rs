@@ -16,7 +16,7 @@ impl WorldActor {
             Request::Delete => event!(self, info, "world deleted"),
             Request::Step { ticks } => event!(self, debug, ticks, "steps ordered"),
             Request::Snapshot => event!(self, debug, "snapshot taken"),
-            // These are logged when they are done.
+            // Such a request is logged when it is done.
             Request::Restore { .. }
             | Request::Intervene(_)
             | Request::DetachBrain { .. }

@@ -10,8 +10,8 @@
 //!
 //! [`World::finish_ahead`](baudbot_sim::World::finish_ahead) says why a tick may end without such an answer, and that
 //! [`World::supply`](baudbot_sim::World::supply) hands it in later without a change of any bit. It needs to know when a
-//! brain is done. Only a brain that has promised to think as long as the scenario says (`Hello.thinks_as_scenario`) is
-//! therefore overtaken, and a Step that breaks the promise ends its stream ([`WorldActor::check_promise`]).
+//! brain is done. Only a brain that has promised to think as long as the scenario states (`Hello.thinks_as_scenario`)
+//! is therefore overtaken, and a Step that breaks the promise ends its stream ([`WorldActor::check_promise`]).
 //!
 //! # Mechanism
 //!
@@ -63,7 +63,7 @@ impl WorldActor {
         self.world.reach(turn.robot, self.done_at(turn)).is_some_and(|reach| reach >= self.tick_end())
     }
 
-    /// When a brain is done that has promised to think as long as the scenario says.
+    /// The instant at which a brain is done that has promised to think as long as the scenario states.
     fn done_at(&self, turn: &Turn) -> SimTime {
         turn.at + self.world.scenario().robots[turn.robot].thinking_ns
     }
@@ -82,8 +82,8 @@ impl WorldActor {
         if now >= deadline { Next::TimeOut } else { Next::Wait(Some(deadline)) }
     }
 
-    /// Checks that a Step keeps the promise that its brain thinks as long as the scenario says. `asked` are the robots of its
-    /// Turn.
+    /// Checks that a Step keeps the promise that its brain thinks as long as the scenario states. `asked` are the
+    /// robots of its Turn.
     pub(super) fn check_promise(
         &self,
         session: u64,
@@ -118,7 +118,7 @@ impl WorldActor {
             let done = self.done_at(turn);
             let (ports, spec) = (&mut self.ports, &self.world.scenario().robots[robot]);
             let bytes = ports.senders[robot].send(spec, write.output).into_bytes(spec);
-            // For the world, this was written before the tick that may have begun.
+            // The writes were before the tick that may have begun, for the world.
             ports.senders_at_begin[robot].clone_from(&ports.senders[robot]);
             self.sessions.wait_until(robot, write.until);
             self.world.supply(robot, Some((done, &bytes)));
@@ -128,13 +128,13 @@ impl WorldActor {
         self.deliver_deferred(session, overtaken.deferred);
     }
 
-    /// These steps will not be answered any more, or have been: what is missing counts as answered with nothing.
+    /// Settles steps that will not be answered any more, or have been: a missing answer counts as an empty one.
     pub(super) fn settle(&mut self, steps: &[Turn]) {
         if steps.is_empty() {
             return;
         }
         for turn in steps {
-            // As if the brain had not been asked: it wrote nothing, and took its time for that.
+            // The world goes on as if the brain had not been asked: it wrote nothing, and took its time for that.
             let done = self.done_at(turn);
             if self.world.supply(turn.robot, Some((done, &[]))) {
                 self.record_late(turn.robot, done, Vec::new());
@@ -202,7 +202,7 @@ pub(super) fn sees_world(message: &Message) -> bool {
         // Numbers only; monitoring that asks why a world stands must not wait for that.
         Message::Measure(_)
         | Message::Describe(_)
-        // It is written down when the order is given.
+        // The order is recorded when it is given.
         | Message::Order(_)
         | Message::DescribeReplay(_)
         | Message::Attach(..)

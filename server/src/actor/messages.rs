@@ -63,7 +63,8 @@ impl WorldActor {
     }
 }
 
-/// Whether operators are told something else after this message, before the next tick. What a Step does is told then, unless its stream ends.
+/// Whether the status for operators changes by this message, before the next tick. Changes by a Step are reported with
+/// the tick, unless its stream ends.
 fn changes_status(message: &Message) -> bool {
     match message {
         Message::Request(Request::Report | Request::Save { .. }, _)

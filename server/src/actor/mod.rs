@@ -2,7 +2,7 @@
 //! finishes a tick, or waits.
 //!
 //! The [`Mailbox`](crate::mailbox::Mailbox) decides on which thread that happens. This file is the loop:
-//! [`WorldActor::next`] says what is to be done, and the other methods do it.
+//! [`WorldActor::next`] decides what is to be done, and the other methods do it.
 
 mod attachments;
 mod direct;
@@ -85,10 +85,10 @@ pub(crate) struct WorldActor {
     /// `None` in a live world.
     replaying: Option<Replaying>,
     on_tick: Option<OnTick>,
-    /// And the number of the last belief that it was told.
+    /// The function for beliefs, and the number of the last belief that it was given.
     on_belief: Option<(OnBelief, u64)>,
     progress: Option<Telling>,
-    /// Those who have made the world stand, and are told when it does.
+    /// The callers that have made the world stand, and get an answer when it does.
     halts: Halts,
     /// Messages that would see the world, which is ahead of its brains; oldest first.
     deferred: VecDeque<Message>,
@@ -97,18 +97,18 @@ pub(crate) struct WorldActor {
     over: Option<Status>,
     /// The charges on the server's memory.
     charges: Charges,
-    /// Counts ticks, and messages that change what operators are told.
+    /// The counter of ticks, and of messages that change the status for operators.
     changes: u64,
 }
 
 /// The phase of a live world between the two halves of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
-    /// Between two ticks.
+    /// The world is between two ticks.
     Between,
     /// Within a tick: it has begun and brains may answer.
     Begun,
-    /// Between two ticks; the run is over, which is not told before all brains have answered.
+    /// The world is between two ticks; the run is over, which is reported when all brains have answered.
     Ending,
 }
 
@@ -119,11 +119,11 @@ enum Next {
     /// Finish without the answers that are owed; at the latest at this instant there is something else to do.
     FinishAhead(Instant),
     End,
-    /// The watchdog acts.
+    /// The watchdog acts on brains that do not answer.
     TimeOut,
     /// A tick of a replay, or a part of the way to one.
     Replay,
-    /// Nothing before a message comes, or before this instant.
+    /// The world waits for a message, or for this instant.
     Wait(Option<Instant>),
 }
 
@@ -183,11 +183,11 @@ impl WorldActor {
     /// The next act, by the present state.
     ///
     /// The world is always in one of three phases, and in each there is one question. *Between* two ticks: may the next
-    /// one begin? Not while the world is paused, waits for a brain that is not there, or has run as far ahead of its brains
-    /// as lookahead allows. *Within* a tick: may it end? That is what paces differ in. Lockstep waits until no answer is
-    /// owed; real time waits for an instant of the wall clock; free waits for nothing. *Ending*: has every brain answered
-    /// that the world went ahead of? Only then is the end certain and may be told, since a missing answer may still be in
-    /// the recording.
+    /// one begin? Not while the world is paused, waits for a brain that is not there, or has run as far ahead of its
+    /// brains as lookahead allows. *Within* a tick: may it end? That is what paces differ in. Lockstep waits until no
+    /// answer is owed; real time waits for an instant of the wall clock; free waits for nothing. *Ending*: has every
+    /// brain answered that the world went ahead of? Only then is the end certain and may be reported, since a missing
+    /// answer may still be in the recording.
     ///
     /// This reads the state and changes nothing, so that a caller can ask what there is to do and leave it to the
     /// pool (`runner`). Where an instant is given it is when the answer to the question changes without a message.
@@ -296,7 +296,7 @@ impl WorldActor {
         sleeps
     }
 
-    /// Shows a tick that has begun to `on_tick`, and says how far the world is.
+    /// Shows a tick that has begun to `on_tick`, and returns how far the world is.
     fn show(&mut self) {
         if let Some((on_belief, seen)) = &mut self.on_belief {
             for (robot, belief) in self.beliefs.since(seen) {
@@ -361,7 +361,7 @@ impl WorldActor {
         self.schedule.note_finish(clock::since(now));
     }
 
-    /// Ends the run: the sensors are read a last time, and everybody is told.
+    /// Ends the run: the sensors are read a last time, and all brains and observers get the end.
     fn end(&mut self) {
         self.changes += 1;
         self.phase = Phase::Between;

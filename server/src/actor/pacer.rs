@@ -21,7 +21,7 @@ pub(super) struct Pacer {
     /// The reading of `running` then. The time of waiting is a part of that, also if a brain goes meanwhile and
     /// another comes much later.
     waited_from: Duration,
-    /// Whether it has been told that the world lags.
+    /// Whether the lag of the world has been logged.
     has_told_lag: bool,
 }
 
@@ -59,8 +59,7 @@ impl Pacer {
 }
 
 impl WorldActor {
-    /// A tick is to begin. Where simulated time follows the wall clock, what the world lags by more than its pace allows
-    /// is let go.
+    /// Skips a lag beyond that of the pace, before a tick, if simulated time follows the wall clock.
     pub(super) fn follow_clock(&mut self, now: Instant) {
         let Pace::Timed(Timed { factor, max_lag }) = self.pacer.pace else { return };
         let time = self.world.time();
@@ -125,7 +124,7 @@ impl WorldActor {
     }
 
     pub(super) fn set_pace(&mut self, pace: Pace) {
-        // From lockstep to lockstep, Turns that are open stay open.
+        // Turns that are open stay open from lockstep to lockstep.
         if self.pacer.pace.watchdog().is_none() || pace.watchdog().is_none() {
             for session in self.sessions.overtaken_sessions() {
                 let steps = self.sessions.take_overtaken(session);

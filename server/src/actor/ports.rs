@@ -63,7 +63,7 @@ impl Ports {
         if !comes_back || self.senders[robot].is_raw() != new.is_raw() {
             self.senders[robot] = new;
         }
-        // It has written nothing yet.
+        // The brain has written nothing yet.
         self.senders_at_begin[robot].clone_from(&self.senders[robot]);
     }
 
@@ -92,7 +92,8 @@ impl Ports {
 }
 
 impl WorldActor {
-    /// A tick is to begin: the world is told whose ports are serial ones, and which boards their programs have reset.
+    /// Prepares the ports for a tick: the world gets the serial ports in use, and the boards that their programs have
+    /// reset.
     pub(super) fn set_ports(&mut self) {
         if self.world.is_begun() {
             return;

@@ -19,7 +19,7 @@ const MAX_NAMES: usize = 20;
 /// The recording of a world, if there is one.
 pub(super) struct Recording {
     recorder: Option<Recorder>,
-    /// Of each robot, the tick in which its brain was last overtaken.
+    /// The tick in which the brain of each robot was last overtaken.
     overtaken_in: Vec<u64>,
 }
 

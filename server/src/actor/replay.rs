@@ -14,7 +14,7 @@ use crate::message::{Reply, Request};
 use crate::pace::Pace;
 use crate::report::{Activity, Report};
 
-/// For how long no messages are handled while a tick is sought.
+/// The time for which no messages are handled while a tick is sought.
 const AT_ONCE: Duration = Duration::from_millis(20);
 
 /// A replay. Its world always stands within a tick: the sensors have been read.

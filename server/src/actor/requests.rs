@@ -91,7 +91,7 @@ impl WorldActor {
     /// Checks that the world may get this pace.
     fn check_load_at(&self, pace: Pace) -> Result<(), Status> {
         match (pace, self.pacer.pace) {
-            // It stands, and is checked when it is started.
+            // The world stands, and is checked when it is started.
             _ if self.pacer.paused => Ok(()),
             (Pace::Timed(_), Pace::Timed(_)) => Ok(()),
             (Pace::Timed(_) | Pace::Free, _) => Ok(self.charges.limits().check_load()?),
@@ -111,7 +111,8 @@ impl WorldActor {
     }
 
     fn delete(&mut self) {
-        // Before the reply: a client that deletes a world and then ends the server finds the whole file.
+        // The recording ends before the reply: a client that deletes a world and then ends the server finds the whole
+        // file.
         self.end_recording();
         self.remove_state();
         self.over = Some(Status::aborted(format!("world `{}` was deleted", self.name)));

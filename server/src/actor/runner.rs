@@ -39,7 +39,7 @@ pub(super) struct Schedule {
     tick_takes: Option<Duration>,
     /// The duration of the present tick's beginning.
     begin_took: Duration,
-    /// When the pool runs the world without being told.
+    /// The instant at which the pool runs the world without a message.
     alarm: Option<Instant>,
     /// A message that was left to a thread of the world's own, since it may wait for a disk.
     slow: Option<Message>,
@@ -78,7 +78,7 @@ impl Schedule {
         self.tick_takes > Some(LONG)
     }
 
-    /// Nothing is to be done before this instant. What the pool has to be told.
+    /// There is nothing to do before this instant. Returns the instruction to the pool.
     fn wait(&mut self, until: Option<Instant>) -> Then {
         let is_known = until.is_none_or(|until| self.alarm.is_some_and(|alarm| alarm <= until));
         if is_known {
@@ -198,7 +198,7 @@ impl WorldActor {
         }
     }
 
-    /// Does one thing, if it does not take long; otherwise says what is to be done about the world.
+    /// Does one thing, if it does not take long; otherwise returns the instruction to the pool.
     fn run_quick(&mut self, now: Instant, is_patient: bool) -> Option<Then> {
         let is_timed = matches!(self.pacer.pace, Pace::Timed(_));
         match self.next(now) {

@@ -23,7 +23,7 @@ struct Snapshot {
     number: u64,
     world: World,
     senders: Vec<Sender>,
-    /// Its memory.
+    /// The memory of the snapshot.
     charge: SnapshotCharge,
 }
 
@@ -92,7 +92,7 @@ impl WorldActor {
     /// Goes on from a snapshot.
     pub(super) fn restore(&mut self, number: u64) -> Result<(), Status> {
         let Snapshot { world, senders, .. } = self.snapshot(number)?;
-        // Until the old state is gone there are both.
+        // Both states are there until the old one is gone.
         let _both = self.charges.another()?;
         let (world, senders) = (world.clone(), senders.clone());
         event!(self, info, snapshot = number, "world restored");

@@ -45,7 +45,7 @@ macro_rules! now {
 }
 
 impl State {
-    /// Not kept yet.
+    /// The state of a world that is not kept yet.
     pub(super) fn new(folder: Option<StateFolder>, made: Arc<Scenario>) -> Self {
         Self { folder, keeper: None, made }
     }
@@ -60,7 +60,7 @@ impl State {
         self.folder.is_some()
     }
 
-    /// For monitoring.
+    /// The state of keeping, for monitoring.
     pub(super) fn keeping(&self) -> Option<Keeping> {
         self.keeper.as_ref().map(Keeper::keeping)
     }
@@ -80,7 +80,7 @@ impl State {
         }
     }
 
-    /// When something is to be attempted that has failed, if it is before `until`.
+    /// The instant at which something is to be attempted that has failed, if it is before `until`.
     pub(super) fn until(&self, until: Option<Instant>) -> Option<Instant> {
         let retry = self.keeper.as_ref().and_then(Keeper::retry_at);
         retry.into_iter().chain(until).min()
@@ -104,7 +104,7 @@ impl WorldActor {
                     charge.count(&self.charges, &snapshot.world);
                     self.snapshots.resume(snapshot.number, snapshot.world, senders, charge);
                 }
-                // Its file stays.
+                // The snapshot's file stays.
                 Err(exceeded) => {
                     event!(self, warn, snapshot = snapshot.number, %exceeded, "a snapshot is not there again");
                 }
@@ -131,21 +131,22 @@ impl WorldActor {
         self.state.keeper = Some(keeper);
     }
 
-    /// A disk that fails while nobody wants anything of the world wakes it, so that it attempts to be kept again.
+    /// Registers the waker of the world: a disk that fails while there is no other work wakes it, so that keeping is
+    /// attempted again.
     pub(super) fn wakes_if_lost(&self, waker: &Waker) {
         if let Some(keeper) = &self.state.keeper {
             keeper.wakes_if_lost(waker.clone());
         }
     }
 
-    /// A tick has begun, or somebody is about to see the world.
+    /// Keeps the state if it is due, at the start of a tick or before an observer gets it.
     pub(super) fn keep(&mut self) {
         if let Some(keeper) = &mut self.state.keeper {
             keeper.keep(&now!(self));
         }
     }
 
-    /// Something has been changed of which somebody is going to be told.
+    /// Keeps a change before its caller is answered.
     pub(super) fn keep_now(&mut self) {
         if let Some(keeper) = &mut self.state.keeper {
             keeper.keep_now(&now!(self));
@@ -167,7 +168,7 @@ impl WorldActor {
         }
     }
 
-    /// The server stops.
+    /// Ends keeping when the server stops.
     pub(super) fn close_state(&mut self) {
         if let Some(mut keeper) = self.state.keeper.take() {
             keeper.close(&now!(self));

@@ -60,7 +60,7 @@ fn a_world_that_was_stopped_for_ten_seconds_works_off_a_tenth_of_a_second_and_le
     let let_go_ms = actor.pacer.statistics.let_go.as_millis();
     assert!((9_880..=9_900).contains(&let_go_ms), "{let_go_ms} ms");
     assert_eq!(actor.pacer.statistics.times_let_go, 1);
-    // From here on it is on time again.
+    // The world is on time again from here on.
     assert_eq!(go_on(&mut actor, &mut now, awake + second), 100);
     assert_eq!(actor.pacer.statistics.times_let_go, 1);
 }
@@ -113,7 +113,7 @@ fn a_world_keeps_a_short_timeline_until_somebody_looks_at_it() {
     assert_eq!(kept(&actor), actor.world.usual_timeline());
 }
 
-/// Whoever makes a world stand is told when it does: the tick that has begun is over by then.
+/// The caller that makes a world stand is answered when it does: the tick that has begun is over by then.
 #[test]
 fn a_world_stands_by_the_time_that_its_operator_is_told_so() {
     let stand = [Request::Pause, Request::SetPace(Pace::Stepped(Lockstep::default()))];
@@ -128,14 +128,14 @@ fn a_world_stands_by_the_time_that_its_operator_is_told_so() {
         let report = told.try_recv().unwrap().unwrap();
         assert_eq!((report.world.tick(), actor.world.tick()), (1, 1), "{name}");
         assert_eq!(report.beside.state(), v1::WorldState::Paused);
-        // Of a world that stands it is told at once.
+        // The answer about a world that stands is immediate.
         let (reply, mut told) = oneshot::channel();
         actor.handle(Message::Request(Request::Pause, reply));
         assert_eq!(told.try_recv().unwrap().unwrap().world.tick(), 1);
     }
 }
 
-/// Over links that take no time, commands are handed over as such.
+/// Commands over links that take no time are handed over as such.
 #[test]
 fn a_world_driven_directly_is_the_one_that_the_bytes_of_its_commands_make() {
     let wander = include_str!("../../../catalogue/scenarios/wander.toml");

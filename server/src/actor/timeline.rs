@@ -2,12 +2,12 @@
 
 use super::WorldActor;
 
-/// Events of each robot that a world keeps that nobody looks at: enough for the first picture of one who comes. Of a thousand
-/// worlds with a robot each, all that a world keeps by itself would be a tenth of a gigabyte.
+/// Events of each robot that a world without observers keeps: enough for the first picture of one that comes. Of a
+/// thousand worlds with a robot each, all that a world keeps by itself would be a tenth of a gigabyte.
 const UNSEEN_EVENTS: usize = 512;
 
 impl WorldActor {
-    /// Keeps as much as a world does by itself if somebody looks at it, and less otherwise.
+    /// Keeps as many events as usual if there is an observer, and fewer otherwise.
     pub(super) fn fit_timeline(&mut self) {
         let usual = self.world.usual_timeline();
         let is_seen = self.on_tick.is_some()

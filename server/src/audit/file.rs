@@ -40,7 +40,7 @@ struct Shared {
     refusals: Mutex<Refusals>,
 }
 
-/// Refusals of the present second: whoever shows wrong tokens is not to fill the disk.
+/// Refusals of the present second: wrong tokens must not fill the disk.
 #[derive(Default)]
 struct Refusals {
     since: Option<Instant>,
@@ -84,7 +84,7 @@ impl AuditLog {
         self.append(&Note { at: now(), event, text });
     }
 
-    /// Whether a refusal is told now. Those that are not are counted as lost.
+    /// Whether a refusal is logged now. Those that are not are counted as lost.
     pub(super) fn tells_refusal(&self, now: Instant) -> bool {
         let mut refusals = self.0.refusals.lock().unwrap_or_else(PoisonError::into_inner);
         if refusals.since.is_none_or(|since| now.saturating_duration_since(since) >= Duration::from_secs(1)) {
@@ -127,7 +127,7 @@ struct Lost {
     lines: u64,
 }
 
-/// Writes lines until nobody sends any more. A line that cannot be written is tried again.
+/// Writes lines until all senders are gone. A line that cannot be written is tried again.
 fn write_all(mut file: impl Write, lines: &Receiver<String>, lost: &AtomicU64) {
     let failures = Throttle::default();
     while let Ok(line) = lines.recv() {
@@ -164,7 +164,7 @@ fn write_at_last(file: &mut impl Write, line: &str, failures: &Throttle) {
 const MILLISECONDS: EncodedConfig =
     Config::DEFAULT.set_time_precision(TimePrecision::Second { decimal_digits: NonZeroU8::new(3) }).encode();
 
-/// The present instant, as lines have it: in UTC, to the millisecond.
+/// The present instant for a line: in UTC, to the millisecond.
 pub(super) fn now() -> String {
     at(OffsetDateTime::now_utc())
 }

@@ -2,8 +2,8 @@
 //!
 //! # Need
 //!
-//! When a world is gone, or somebody has driven another's robot, its owner wants to know who that was. The log for operators has
-//! what happens in worlds; this one has the callers, on lines of JSON that programs read.
+//! When a world is gone, or a robot was driven by another user, its owner wants to know who that was. The log for
+//! operators has what happens in worlds; this one has the callers, on lines of JSON that programs read.
 //!
 //! # What is in it
 //!
@@ -13,8 +13,9 @@
 //!
 //! # Mechanism
 //!
-//! The [`gate`](crate::gate) begins a [`Record`] for each call and ends it with the response. The services say which world it is
-//! about, by looking the world up ([`call::note_world`]). A [thread](file) writes the lines: a slow disk holds up nobody.
+//! The [`gate`](crate::gate) begins a [`Record`] for each call and ends it with the response. The services say which
+//! world it is about, by looking the world up ([`call::note_world`]). A [thread](file) writes the lines: a slow disk
+//! delays no call.
 
 mod body;
 pub(crate) mod call;

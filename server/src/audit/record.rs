@@ -20,10 +20,10 @@ const MAX_TEXT: usize = 500;
 /// A call, until it has ended.
 pub(crate) struct Record {
     log: AuditLog,
-    /// Tells the lines of one call from those of another.
+    /// A number that distinguishes the lines of one call from those of another.
     number: u64,
     who: String,
-    /// Its address, or its user.
+    /// The caller's address, or its user.
     from: String,
     call: String,
     begun: Instant,
@@ -50,7 +50,7 @@ struct Line<'a> {
 }
 
 impl Record {
-    /// That of a call which begins. `call` is its path.
+    /// The record of a call that begins. `call` is its path.
     pub(crate) fn new(log: &AuditLog, who: &str, from: String, call: &str) -> Self {
         static LAST: AtomicU64 = AtomicU64::new(0);
         let call = call.trim_start_matches('/');
@@ -73,7 +73,7 @@ impl Record {
         }
     }
 
-    /// It is about this world or robot.
+    /// Adds a world or robot that the call is about.
     pub(super) fn is_about(&self, name: &str) {
         let mut about = self.about.lock().unwrap_or_else(PoisonError::into_inner);
         if about.len() < MAX_NAMES && about.iter().all(|other| other != name) {
@@ -81,19 +81,19 @@ impl Record {
         }
     }
 
-    /// It has said which robots it is to drive, which lasts.
+    /// Writes the record of a call that begins to drive and lasts, now that its robots are known.
     pub(crate) fn begin(&self) {
         self.write("begin", None, None);
     }
 
-    /// It was refused before any service has seen it.
+    /// Writes the record of a call that was refused before any service has seen it.
     pub(crate) fn refuse(&self, status: &Status) {
         if self.log.tells_refusal(Instant::now()) {
             self.write("refused", Some(status.code()), Some(status.message()));
         }
     }
 
-    /// It has ended.
+    /// Writes the record of a call that has ended.
     pub(crate) fn end(&self, code: Code, text: &str) {
         self.write("end", Some(code), (!text.is_empty()).then_some(text));
     }
@@ -121,7 +121,7 @@ fn shortened(text: &str) -> &str {
     &text[..text.floor_char_boundary(MAX_TEXT)]
 }
 
-/// The name of a code, as the specification of gRPC has it.
+/// The name of a code in the specification of gRPC.
 fn name(code: Code) -> &'static str {
     match code {
         Code::Ok => "OK",

@@ -83,7 +83,8 @@ impl BrainLink {
     }
 }
 
-/// Of what is not there, a caller who is not to observe is told that it is not there, and not what is.
+/// The status for a caller that may not observe and names something that does not exist: only that it does not exist,
+/// and not what does.
 fn what_it_is_told(caller: &Caller, hello: &v1::Hello) -> impl Fn(Status) -> Status + use<> {
     let hidden = (!caller.may_observe()).then(|| {
         let robots = hello.robots.join(", ");
@@ -157,7 +158,7 @@ fn check_mode(hello: &v1::Hello) -> Result<Mode, Status> {
     }
 }
 
-/// Takes a brain's requests until it is gone or one of them makes no sense; then its robots are let go.
+/// Takes a brain's requests until it is gone or one of them is invalid; then its robots are released.
 async fn listen(
     requests: Streaming<v1::AttachRequest>,
     attached: Attached,
@@ -192,7 +193,7 @@ impl Listener {
     /// Takes requests until the stream ends, or the world is over.
     ///
     /// # Errors
-    /// If a request makes no sense, with its field.
+    /// If a request is invalid, with its field.
     async fn take_all(
         &self,
         mut requests: Streaming<v1::AttachRequest>,

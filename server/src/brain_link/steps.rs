@@ -58,7 +58,7 @@ impl Steps {
     /// Checks a Step.
     ///
     /// # Errors
-    /// If it makes no sense, with its field.
+    /// If it is invalid, with its field.
     pub(crate) fn checked(&self, step: v1::Step) -> Result<CheckedStep, Status> {
         let writes = convert::writes(step.robots);
         self.endpoint.check(&writes)?;

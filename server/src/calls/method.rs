@@ -39,7 +39,7 @@ impl<S> Services for S where
 pub(super) enum Kind {
     Unary,
     ServerStreaming,
-    /// It takes a stream of requests, and gives one response or a stream of them.
+    /// The method takes a stream of requests, and gives one response or a stream of them.
     ClientStreaming,
 }
 

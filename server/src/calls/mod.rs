@@ -29,7 +29,7 @@ pub(crate) const MAX_MESSAGE: usize = baudbot_scenario::MAX_BYTES + (1 << 16);
 /// Responses that wait for a page that does not read. Frames beyond that are missed where they are made.
 pub(crate) const RESPONSES_AHEAD: usize = 16;
 
-/// Kilobytes of them.
+/// The most kilobytes of these responses.
 const KILOBYTES_AHEAD: usize = 1 << 10;
 
 /// Calls of one page that are under way at a time.
@@ -186,7 +186,7 @@ impl Responses {
 
 fn failure(call: u32, status: &Status) -> v1::PageResponse {
     let code = format!("{:?}", status.code());
-    // As gRPC writes it: NotFound is NOT_FOUND.
+    // The name is converted to gRPC's form: NotFound is NOT_FOUND.
     let mut name = String::new();
     for (i, c) in code.chars().enumerate() {
         if i > 0 && c.is_ascii_uppercase() {
@@ -202,7 +202,7 @@ fn failure(call: u32, status: &Status) -> v1::PageResponse {
 #[derive(Clone)]
 struct Queue {
     sender: mpsc::Sender<Bytes>,
-    /// Kilobytes.
+    /// The room that is left, in kilobytes.
     room: Arc<Semaphore>,
 }
 

@@ -11,7 +11,7 @@ use crate::access::Caller;
 /// Budgets that wait or are computed, by all servers of the process: each takes a core for seconds.
 pub(super) struct BudgetQueue {
     places: Semaphore,
-    /// Whose they are; `None` for callers without a token.
+    /// The callers of the budgets in the queue; `None` for those without a token.
     callers: Mutex<Vec<Option<TokenHash>>>,
 }
 
@@ -75,7 +75,7 @@ const AT_A_TIME: usize = 2;
 /// Budgets of a token that wait or are computed.
 const A_CALLER: usize = 4;
 
-/// Those of all who need no token.
+/// The limit for all callers without tokens together.
 const WITHOUT_TOKENS: usize = 64;
 
 #[cfg(test)]

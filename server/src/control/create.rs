@@ -59,7 +59,7 @@ impl Control {
         payer: Option<Payer>,
     ) -> Result<v1::WorldStatus, Status> {
         let (registry, limits) = (self.registry.clone(), self.registry.limits());
-        // To count the memory of a large one takes a while.
+        // The count of the memory of a large world takes a while.
         let world = limits.making().make(move || registry.create(new, payer.as_ref())).await??;
         let status = status_of(world.request(Asked::Report).await?, self.registry.limits()).await?.1;
         self.told.note(&status);
@@ -77,7 +77,7 @@ impl Control {
     }
 }
 
-/// For whom a request is counted.
+/// The payer for which a request is counted.
 pub(super) fn payer<T>(request: &Request<T>) -> Option<Payer> {
     request.extensions().get().cloned()
 }
@@ -122,7 +122,7 @@ pub(super) fn parse_scenario(
     parsed.map_err(|error| scenario_error("scenario_toml", &error))?.ok_or_else(gone)
 }
 
-/// A status that nobody gets: the client has gone.
+/// The status of a call whose client has gone.
 pub(super) fn gone() -> Status {
     Status::cancelled("the client has gone")
 }
@@ -134,7 +134,7 @@ pub(super) fn parse_overrides(texts: &[String]) -> Result<Vec<Override>, Status>
     texts.iter().enumerate().map(parse).collect()
 }
 
-/// The status for a scenario that makes no sense because of this field of the request.
+/// The status for a scenario that is invalid because of this field of the request.
 pub(super) fn scenario_error(field: &str, error: &ScenarioError) -> Status {
     Status::invalid_argument(format!("{field}: {}", cut(&error.to_string())))
 }

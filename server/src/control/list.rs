@@ -1,4 +1,4 @@
-//! The list of all worlds: some are asked at a time, and one that does not answer keeps nobody waiting.
+//! The list of all worlds: some are asked at a time, and one that does not answer delays no other.
 
 use std::time::Duration;
 
@@ -22,12 +22,12 @@ const IMPATIENCE: Duration = Duration::from_millis(100);
 const AT_ONCE: usize = 64;
 
 impl Control {
-    /// The response to a ListWorlds: the statuses of all worlds; of one that does not answer, what was last told of it. A world that is
-    /// deleted meanwhile is left out.
+    /// The response to a ListWorlds: the statuses of all worlds; of one that does not answer, its last known one. A
+    /// world that is deleted meanwhile is left out.
     pub(super) async fn list_in_bytes(&self) -> Result<Parts, Status> {
         let mut patience = PATIENCE;
         let mut list = Vec::new();
-        // They are in the order of their names.
+        // The worlds are in the order of their names.
         for worlds in self.registry.all().chunks(AT_ONCE) {
             let deadline = Instant::now() + patience;
             let statuses = join_all(worlds.iter().map(|world| self.status_or_last(world, deadline))).await;
@@ -41,7 +41,7 @@ impl Control {
         Ok(Parts(list))
     }
 
-    /// The status of a world, or what was last told of it, and whether it did not answer in time.
+    /// The status of a world, or its last known one, and whether it did not answer in time.
     async fn status_or_last(&self, world: &WorldHandle, deadline: Instant) -> (Option<Parts>, bool) {
         let mut status = std::pin::pin!(status_in_bytes(world));
         let in_time = timeout_at(deadline, &mut status).await;

@@ -338,7 +338,7 @@ impl ControlService for Control {
         let place = BUDGETS.place(&caller).await?;
         let bytes = parsing_bytes(&toml);
         let work = move |cancelled: &Cancelled| {
-            // Kept until the work is done, even if nobody waits for it any more.
+            // The place is kept until the work is done, even if the client has gone.
             let _place = place;
             let scenario = match world {
                 Some(scenario) => scenario,

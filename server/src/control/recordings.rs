@@ -83,7 +83,7 @@ impl Control {
         let limits = self.registry.limits();
         let opened = folder.open(&recording)?;
         let bytes = opened.metadata().map_or(0, |metadata| metadata.len());
-        // It may unpack to more, but never to more than there is.
+        // The recording may unpack to more, but never to more than the free memory.
         let (most, file) = (at_most(limits.free_bytes()), format!("recording: `{recording}`"));
         let read = limits.read(bytes.saturating_mul(UNPACKED), move |_| {
             let opened = BufReader::with_capacity(1 << 20, opened);

@@ -18,7 +18,7 @@ use crate::quote::brief;
 /// The scenario from which a world is to begin again, with the memory that is held for it until the world has it.
 ///
 /// # Errors
-/// If the request's fields make no sense, or change what brains have been told. The world has not been told of it by then.
+/// If the request's fields are invalid, or change what brains have received. The world is unchanged then.
 pub(crate) async fn scenario_of_reset(
     world: &WorldHandle,
     request: v1::ResetWorldRequest,
@@ -46,7 +46,7 @@ fn changed(
     let is_wanted = || !cancelled.is_so();
     let parse = |changes: &[Override]| baudbot_scenario::parse_while(&made.source.toml, changes, &is_wanted);
     let scenario = parse(&[&*numbers, &*starts].concat()).map_err(|error| {
-        // Whose fault is it? What was there before has been parsed once.
+        // The fault is in the new overrides if they alone are refused: all else has been parsed once.
         match parse(&numbers) {
             Err(error) => scenario_error("overrides", &error),
             Ok(_) => scenario_error("starts", &error),
@@ -85,7 +85,7 @@ fn starts(made: &Scenario, starts: &[v1::RobotStart]) -> Result<Vec<Override>, S
                 let text = format!("starts[{i}].{field}: must be a finite number, is {value}");
                 return Err(Status::invalid_argument(text));
             }
-            // With `Debug` it is a float in TOML, too, and the same one.
+            // The number with `Debug` is a float in TOML, too, and the same one.
             changes.push(own(&format!("robots.{robot}.start.{field}={value:?}"))?);
         }
     }

@@ -1,4 +1,4 @@
-//! The operators' service behind its paths: what is told to many is in bytes already.
+//! The operators' service behind its paths: responses for many callers are in bytes already.
 
 use std::convert::Infallible;
 use std::sync::Arc;

@@ -23,7 +23,7 @@ use crate::report::{Standing, Version};
 pub(crate) struct Told(Mutex<BTreeMap<String, Parts>>);
 
 impl Told {
-    /// Notes what is told of a world.
+    /// Notes the last status of a world.
     pub(super) fn note(&self, status: &v1::WorldStatus) {
         self.note_bytes(&status.world, Parts(vec![status.encode_to_vec().into()]));
     }
@@ -71,7 +71,7 @@ pub(super) async fn status_in_bytes(world: &WorldHandle) -> Result<Parts, Status
         let known = last.map(|last| last.key.clone());
         let Standing { version, running, report } = world.ask(|reply| Message::Stand(known, reply)).await?;
         let running_wall_ns = convert::nanos(running);
-        // Of a field that comes twice, the last one counts.
+        // The last one counts of a field that comes twice.
         let tail = v1::WorldStatus { running_wall_ns, ..Default::default() }.encode_to_vec().into();
         let Some(report) = report else { return Ok(Made::Same { tail }) };
         let make = move || Bytes::from(convert::status(&report).encode_to_vec());

@@ -1,9 +1,9 @@
 //! A Turn in bytes, as it goes over the network.
 //!
-//! A world with a thousand robots tells its brains eight thousand readings in every tick. Copied into types of the contract,
-//! each is an allocation, and encoding them asks three times for each length. So the bytes are written straight from the
-//! world, and from the end to the beginning: what is inside a message is there before its length is written. A test compares
-//! with what the contract's types make of the same Turn.
+//! A world with a thousand robots sends its brains eight thousand readings in every tick. Copied into types of the
+//! contract, each is an allocation, and encoding them asks three times for each length. So the bytes are written
+//! straight from the world, and from the end to the beginning: what is inside a message is there before its length is
+//! written. A test compares with what the contract's types make of the same Turn.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -18,7 +18,7 @@ use crate::pace::Terms;
 pub(crate) struct RobotTurn {
     /// The robot's place in the stream.
     pub(crate) place: usize,
-    /// Its index in the world.
+    /// The index of the robot in the world.
     pub(crate) robot: usize,
     pub(crate) at: SimTime,
 }

@@ -142,7 +142,7 @@ impl<S> Checked<S> {
 struct Unanswered(Option<Arc<Admission>>);
 
 impl Unanswered {
-    /// A service's answer to a request that broke off is for nobody.
+    /// The service's answer to a request that broke off is dropped.
     fn answered(mut self, response: Response<Body>) -> Response<Body> {
         let code = response
             .headers()

@@ -27,13 +27,13 @@ const AT_ONCE: usize = 16 << 10;
 pub(crate) struct Connection<IO> {
     io: IO,
     admission: Arc<Admission>,
-    /// Until when it has to make its first call; `None` once it has.
+    /// The instant until which it has to make its first call; `None` once it has.
     patience: Option<Pin<Box<Sleep>>>,
-    /// Until when its peer has to take what is written; `None` while it does.
+    /// The instant until which its peer has to take what is written; `None` while it does.
     stalled: Option<Pin<Box<Sleep>>>,
     /// Bytes read since other tasks had their turn.
     read: usize,
-    /// Counts the frames of HTTP/2, if it speaks that.
+    /// The counter of the frames of HTTP/2, if it is one of these connections.
     frames: Option<Frames>,
 }
 
@@ -68,7 +68,7 @@ impl<IO> Connection<IO> {
         Ok(())
     }
 
-    /// It is closed for frames of this kind.
+    /// Closes the connection for frames of this kind.
     fn note_flood(&self, kind: &str) {
         if let Some(times) = self.admission.gate.0.floods.note(clock::now()) {
             let from = self.admission.tally.account().to_string();

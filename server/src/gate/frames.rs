@@ -1,8 +1,8 @@
 //! Frames of HTTP/2 that carry nothing for a service, and how many of them a connection may send.
 //!
-//! A PING is answered, a SETTINGS is acknowledged, and whoever sends them gets no work done by it. A client in good order sends some: to know
-//! whether the server is there, how far it is, and that it has read something. One that sends millions a second takes a processor. h2 bounds
-//! what waits to be answered, and not how often it is asked for.
+//! A PING is answered, a SETTINGS is acknowledged, and the sender gets no work done by it. A client in good order sends
+//! some: to know whether the server is there, how far it is, and that it has read something. One that sends millions a
+//! second takes a processor. h2 bounds what waits to be answered, and not how often it is asked for.
 
 use std::time::{Duration, Instant};
 
@@ -29,7 +29,7 @@ const fn kind(number: u8, name: &'static str, most: u32) -> Kind {
     Kind { number, name, only_empty: false, most }
 }
 
-/// A client measures its way to the server by a PING for each answer, at most; it tells for each that it has been read.
+/// The rate of a client that measures its way to the server by a PING for each answer, at most; it acknowledges each.
 const KINDS: [Kind; 7] = [
     Kind { only_empty: true, ..kind(0, "DATA without data", 10_000) },
     kind(2, "PRIORITY", 1000),
@@ -102,7 +102,7 @@ mod tests {
     fn frame(number: u8, payload: usize) -> Vec<u8> {
         let mut frame = (payload as u32).to_be_bytes()[1..].to_vec();
         frame.extend([number, 0, 0, 0, 0, 1]);
-        // As if there were heads of PINGs in it.
+        // The payload contains bytes that look like heads of PINGs.
         frame.extend([0, 0, 8, 6, 0, 0, 0, 0, 0].iter().cycle().take(payload));
         frame
     }

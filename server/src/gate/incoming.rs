@@ -1,4 +1,4 @@
-//! Connections that somebody else accepts.
+//! Connections that are accepted outside of the server.
 
 use std::future::pending;
 use std::io;
@@ -17,7 +17,8 @@ pub(crate) trait Duplex: AsyncRead + AsyncWrite + Unpin + Send {}
 
 impl<IO: AsyncRead + AsyncWrite + Unpin + Send> Duplex for IO {}
 
-/// Connections that somebody else accepts. Nobody says who is at their other ends, and whoever accepts them counts them.
+/// Connections that are accepted outside of the server. The peers are unknown, and the program that accepts the
+/// connections counts them.
 pub(crate) struct Incoming(Mutex<Connections>);
 
 type Connections = Pin<Box<dyn Stream<Item = Box<dyn Duplex>> + Send>>;

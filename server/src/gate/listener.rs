@@ -25,7 +25,8 @@ const PAUSE: Duration = Duration::from_millis(100);
 pub(crate) trait Accept: Send + 'static {
     type Io: AsyncRead + AsyncWrite + Unpin + Send + 'static;
 
-    /// The next connection, with who is at its other end if the system says so, and for whom it is counted.
+    /// The next connection, with the user at its other end if the system knows it, and the account for which it is
+    /// counted.
     fn accept(&self) -> impl Future<Output = io::Result<(Self::Io, Option<Caller>, Account)>> + Send;
 }
 
@@ -40,7 +41,7 @@ impl Accept for TcpEntry {
 
     async fn accept(&self) -> io::Result<(Secured, Option<Caller>, Account)> {
         let (stream, peer) = self.listener.accept().await?;
-        // Without this, small messages wait for an acknowledgement that the peer delays by 40 ms.
+        // Small messages wait otherwise for an acknowledgement that the peer delays by 40 ms.
         let _ = stream.set_nodelay(true);
         Ok((Secured::new(stream, self.tls.as_ref()), None, Account::of_address(peer.ip())))
     }
@@ -51,7 +52,7 @@ impl Accept for UnixListener {
 
     async fn accept(&self) -> io::Result<(UnixStream, Option<Caller>, Account)> {
         let (stream, _) = Self::accept(self).await?;
-        // A peer whose user is unknown is nobody.
+        // The user of an unknown peer is none that exists.
         let user = stream.peer_cred().map_or(u32::MAX, |peer| peer.uid());
         let is_own = is_this_user(user);
         Ok((stream, is_own.then_some(Caller::Trusted), Account::User(user)))

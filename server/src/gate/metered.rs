@@ -12,25 +12,25 @@ use tonic::codegen::http::HeaderMap;
 
 use crate::limits::{InForce, Inbox, Outbox, Parts, Tally};
 
-/// Counts what waits here for the caller of any call, so that no service has to. What is single is made at once, and not when the client
-/// has room for it: what is not made takes memory, too, and nobody would know how much.
+/// Counts what waits here for the caller of any call, so that no service has to. A single message is made at once, and
+/// not when the client has room for it: the memory of one that is not made is unknown.
 pub(super) struct Metered {
     body: Body,
     outbox: Outbox,
     inbox: Inbox,
-    /// Whose calls are fewer if it is told much.
+    /// The payer whose calls become fewer if much waits for it.
     pays: Option<(InForce, Arc<Tally>)>,
     trailers: Option<HeaderMap>,
     is_over: bool,
 }
 
 impl Metered {
-    /// The body of a response to this caller. `pays` if what it is told counts as requests.
+    /// The body of a response to this caller. `pays` if its bytes count as requests.
     pub(super) fn new(body: Body, limits: &InForce, caller: &Arc<Tally>, what: &str, pays: bool) -> Self {
         let (outbox, inbox) = limits.outbox(caller, what, usize::MAX);
         let pays = pays.then(|| (limits.clone(), Arc::clone(caller)));
         let mut metered = Self { body, outbox, inbox, pays, trailers: None, is_over: false };
-        // What is single, and how it ended. Whoever reads it asks again, and is woken then.
+        // The first poll makes a single message, the second gives its end. The reader polls again, and is woken then.
         for _ in 0..2 {
             if !matches!(metered.fill(&mut Context::from_waker(Waker::noop())), Poll::Ready(Ok(()))) {
                 break;
@@ -68,7 +68,7 @@ impl Metered {
         (self.body, self.is_over) = (Body::empty(), true);
     }
 
-    /// It ends with this status, and with it the service.
+    /// Ends the body with this status, and with it the service.
     fn end(&mut self, status: &Status) -> Frame<Bytes> {
         let mut trailers = HeaderMap::new();
         // The words of a limit fit into headers.

@@ -8,10 +8,10 @@
 //!
 //! # Assumptions
 //!
-//! A client connects because it wants something, and calls at once. One that has made a call that it may make is in use from then on and may
-//! be silent for as long as it likes: a brain in a world that stands says nothing for hours. One that has made no call is broken,
-//! lost, or hostile, and another client can use its place. So it is with a stranger, which has only made calls that were refused, or calls
-//! that anybody may make.
+//! A client connects because it wants something, and calls at once. One that has made a call that it may make is in use
+//! from then on and may be silent for as long as it likes: a brain in a world that stands says nothing for hours. One
+//! that has made no call is broken, lost, or hostile, and another client can use its place. So it is with a stranger,
+//! which has only made calls that were refused, or calls that need no right.
 //!
 //! # Mechanism
 //!
@@ -92,11 +92,11 @@ pub(crate) struct Admission {
     number: u64,
     /// The caller at the other end, if the system knows it.
     caller: Option<Caller>,
-    /// Its address, or its user.
+    /// The tally of the caller's address, or of its user.
     tally: Arc<Tally>,
-    /// That it is counted there; why it has no place, if it has none.
+    /// The count at that tally, or the reason why the connection has no place.
     counted: Result<Taken, Exceeded>,
-    /// That it is counted for the first token that was shown on it.
+    /// The count for the first token that was shown on the connection.
     token: OnceLock<Taken>,
     /// Calls that are open.
     calls: AtomicUsize,
@@ -143,7 +143,7 @@ impl Gate {
         let counted = limits.take(Limit::ConnectionsPerAddress, &tally, "connections");
         let mut occupancy = self.occupancy();
         let has_place = counted.is_ok() && occupancy.find_place(self.places());
-        // Under the lock, as a connection that leaves tells it, too.
+        // The count is under the lock, as a connection that leaves changes it, too.
         limits.note_connections(occupancy.taken);
         let counted = if has_place { counted } else { counted.and_then(|_| Err(limits.no_connection())) };
         occupancy.last_number += 1;
@@ -184,7 +184,7 @@ impl Gate {
     }
 
     fn occupancy(&self) -> MutexGuard<'_, Occupancy> {
-        // It is consistent between any two of its changes.
+        // The occupancy is consistent between any two of its changes.
         self.0.occupancy.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -210,7 +210,7 @@ impl Admission {
         self.caller.as_ref()
     }
 
-    /// Its address, or its user.
+    /// The tally of the caller's address, or of its user.
     pub(crate) fn tally(&self) -> &Arc<Tally> {
         &self.tally
     }
@@ -224,7 +224,7 @@ impl Admission {
         self.gate.0.limits.request(&self.tally)
     }
 
-    /// The connection makes a call: from its first one on it stays as long as nobody else needs its place.
+    /// Notes a call: from its first one on a connection stays as long as no other one needs its place.
     ///
     /// # Errors
     /// If it has no place.
@@ -242,7 +242,7 @@ impl Admission {
         Err(self.counted.as_ref().err().cloned().unwrap_or_else(|| self.gate.0.limits.no_connection()))
     }
 
-    /// The connection makes a call that its caller may make and not just anybody: it stays.
+    /// Notes a call for which the caller needs a right: the connection stays.
     pub(crate) fn note_known(&self) {
         if !self.is_known.load(Ordering::Relaxed)
             && self.gate.occupancy().strangers.remove(&self.number).is_some()
@@ -280,7 +280,7 @@ impl Admission {
         }
     }
 
-    /// The time that it has to make its first call, or to hear that it has no place.
+    /// The time that it has to make its first call, or to get the refusal that it has no place.
     fn patience(&self) -> Duration {
         let has_place = self.has_place.load(Ordering::Relaxed);
         if has_place { self.gate.0.patience } else { self.gate.0.patience.min(FAREWELL) }
@@ -343,7 +343,7 @@ mod tests {
         let [first, second, third] = [(); 3].map(|()| admit(&gate));
         assert_eq!([&first, &second, &third].map(|one| is_evicted(one)), [true, false, false]);
         assert!(first.note_call().is_err(), "its place is gone");
-        // It leaves late, and takes no place along.
+        // The connection leaves late, and takes no place along.
         gate.leave(&first);
         assert_eq!(gate.occupancy().taken, 2);
         call(&second);

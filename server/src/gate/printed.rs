@@ -1,7 +1,7 @@
 //! Errors that are only shown by the terminal of a caller, whatever they quote.
 //!
 //! A status quotes what callers have written: names, fields, lines of files. Quotations are escaped where they are made
-//! ([`quote`](crate::quote)); here, at the one door that all statuses leave by, what somebody has forgotten is escaped.
+//! ([`quote`](crate::quote)); here, at the one door that all statuses leave by, what was not escaped before is.
 
 use baudbot_fields::printable::{PrintableLines, is_printable};
 use http_body::Body as _;

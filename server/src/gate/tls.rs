@@ -1,7 +1,7 @@
 //! TLS: the certificate of a server, and a connection that may be encrypted by it.
 //!
-//! The handshake is a part of reading the connection, so that a peer who is slow at it keeps nobody waiting, and has no longer
-//! for it than for its first call. Who speaks without TLS where it is wanted is told so, in words.
+//! The handshake is a part of reading the connection, so that a peer that is slow at it delays no other, and has no
+//! longer for it than for its first call. A peer without TLS where it is wanted gets an answer in words.
 
 use std::io::{self, IoSlice};
 use std::path::{Path, PathBuf};
@@ -67,7 +67,7 @@ pub enum TlsError {
     Expired {
         /// The file.
         path: PathBuf,
-        /// Its end.
+        /// The end of the certificate's validity.
         at: SystemTime,
     },
     /// A certificate that cannot be trusted as an authority's.
@@ -225,18 +225,18 @@ fn verifier(path: &Path) -> Result<Arc<dyn rustls::server::danger::ClientCertVer
 /// A connection, encrypted or not.
 pub(crate) enum Secured {
     Plain(TcpStream),
-    /// Nothing has come yet.
+    /// The peer has sent nothing yet.
     Silent(TcpStream, TlsAcceptor),
     Shaking(Box<Accept<TcpStream>>),
     Encrypted(Box<TlsStream<TcpStream>>),
-    /// It is over.
+    /// The connection is over.
     Closed,
 }
 
 /// The first byte of a handshake.
 const HANDSHAKE: u8 = 22;
 
-/// The answer to whoever speaks without TLS. It is one of HTTP/1.1, which clients of other protocols at least show.
+/// The answer to a peer without TLS. It is one of HTTP/1.1, which clients of other protocols at least show.
 const WANTS_TLS: &[u8] = b"HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain\r\nConnection: close\r\n\r\n\
     this server speaks TLS: use https://\n";
 
@@ -288,7 +288,7 @@ impl Secured {
 /// A client that is refused may know no reason, such as that it showed no certificate; the operator does.
 fn note_failure(error: &io::Error) {
     static FAILURES: LazyLock<Throttle> = LazyLock::new(Throttle::default);
-    // Whoever goes in the middle of a handshake has nothing to be told.
+    // A peer that leaves in the middle of a handshake gets no answer.
     if error.kind() == io::ErrorKind::InvalidData
         && let Some(count) = FAILURES.note(Instant::now())
     {
@@ -296,7 +296,7 @@ fn note_failure(error: &io::Error) {
     }
 }
 
-/// Tells a peer that speaks without TLS what is wanted, as far as it takes that at once.
+/// Sends a peer without TLS the answer that TLS is wanted, as far as it takes that at once.
 fn refuse(stream: &TcpStream) -> io::Result<()> {
     // Unread bytes would make the end a reset, which may overtake the answer.
     let _ = stream.try_read(&mut [0; 16 << 10]);

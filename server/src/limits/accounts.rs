@@ -28,7 +28,7 @@ pub(crate) enum Account {
 }
 
 impl Account {
-    /// That of an address.
+    /// The account of an address.
     pub(crate) fn of_address(address: IpAddr) -> Self {
         Self::Address(match address.to_canonical() {
             IpAddr::V6(ip) if !ip.is_loopback() => Ipv6Addr::from_bits(ip.to_bits() & NETWORK).into(),
@@ -36,7 +36,7 @@ impl Account {
         })
     }
 
-    /// That of a caller who is known by where it came from, unless it has a token.
+    /// The account of a caller, which is that of its address unless it has a token.
     pub(crate) fn of(caller: &Caller, peer: &Self) -> Self {
         match caller {
             Caller::Holder(grant) => Self::Token(grant.hash, grant.name.clone()),
@@ -91,7 +91,7 @@ impl Peer {
     }
 }
 
-/// For whom a call is counted.
+/// The tally for which a call is counted.
 #[derive(Clone)]
 pub(crate) struct Payer(pub(crate) Arc<Tally>);
 
@@ -99,7 +99,7 @@ pub(crate) struct Payer(pub(crate) Arc<Tally>);
 #[derive(Debug)]
 pub(crate) struct Tally {
     account: Account,
-    /// By limit.
+    /// The counts, by limit.
     counts: [AtomicUsize; LIMITS.len()],
     /// Bytes that wait until it reads them.
     unread: AtomicU64,
@@ -134,7 +134,7 @@ impl Tally {
         self.requests().take(now, per_s, burst)
     }
 
-    /// Counts what it was told as so many requests, whether it may have made as many or not.
+    /// Counts responses as so many requests, whether the caller may have made as many or not.
     pub(super) fn charge(&self, now: Instant, per_s: u32, requests: u32) {
         self.requests().charge(now, per_s, requests);
     }
@@ -215,7 +215,7 @@ impl Accounts {
     }
 }
 
-/// So many accounts, and whenever they have doubled, are looked through for those that nobody needs any more.
+/// The number of accounts from which on, and at each doubling, unused ones are removed.
 const MANY: usize = 256;
 
 #[cfg(test)]

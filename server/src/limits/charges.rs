@@ -13,7 +13,7 @@ pub(crate) struct Charges {
     limits: InForce,
     scenario: Arc<ScenarioHeld>,
     state: Held,
-    /// Of a replay: the recording, and the world that it keeps.
+    /// The memory of a replay: the recording, and the world that it keeps.
     _recording: Option<Held>,
     /// The bytes of the state, for those who want to copy it.
     told: Arc<AtomicU64>,
@@ -31,7 +31,7 @@ pub(crate) struct SnapshotCharge {
 }
 
 impl Charges {
-    /// Those of a new world; `recording_bytes` is what it replays.
+    /// The charges of a new world; `recording_bytes` is what it replays.
     ///
     /// # Errors
     /// If there is not so much memory.
@@ -73,7 +73,7 @@ impl Charges {
         self.limits.hold(self.state.bytes())
     }
 
-    /// The memory of a copy of the state for somebody who is told of it, whatever the limit: of such copies there are few.
+    /// The memory of a copy of the state for a response, whatever the limit: of such copies there are few.
     pub(crate) fn copied(&self) -> Option<Held> {
         self.limits.count_memory(self.state.bytes())
     }

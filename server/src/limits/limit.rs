@@ -86,13 +86,13 @@ const NONE_OR_MORE: Unit = Unit::Things(0, u32::MAX);
 pub struct LimitInfo {
     /// The limit.
     pub limit: Limit,
-    /// Its name in metrics.
+    /// The name of the limit in metrics.
     pub name: &'static str,
     /// The option that changes it.
     pub option: &'static str,
     /// The unit of its value, with the least and the most that can be given.
     pub unit: Unit,
-    /// Its value where none is given.
+    /// The limit's default.
     pub usual: Usual,
     /// The thing that it limits, in words. Further paragraphs have more about it.
     pub help: &'static str,
@@ -114,11 +114,11 @@ pub enum Unit {
 /// The value of a limit where none is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Usual {
-    /// For all.
+    /// The default holds for all callers.
     Number(u64),
-    /// For others than the user who runs the server.
+    /// The default holds for others than the user who runs the server.
     ForOthers(u64),
-    /// As many as the process may have open files for.
+    /// The default is the number for which the process may have open files.
     Files,
     /// Half of all connections, for others than the user who runs the server.
     HalfOfConnections,
@@ -132,11 +132,11 @@ pub enum Usual {
 /// The place that counts how much of a limit is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Counted {
-    /// For the server, as [places](super::Place).
+    /// The limit counts for the server, as [places](super::Place).
     InServer,
-    /// For each caller or address, as what it has [taken](super::Taken).
+    /// The limit counts for each caller or address, as what it has [taken](super::Taken).
     ByCaller,
-    /// Beside what it is a limit of, such as one connection.
+    /// The limit counts beside its object, such as one connection.
     Elsewhere,
     Memory,
     Parsing,
@@ -157,14 +157,14 @@ impl Usual {
 }
 
 impl Limit {
-    /// Its description.
+    /// The description of the limit.
     pub const fn info(self) -> &'static LimitInfo {
         &LIMITS[self as usize]
     }
 }
 
 impl LimitInfo {
-    /// Its value where none is given, in words.
+    /// The limit's default, in words.
     pub fn usual_words(&self) -> String {
         let amount = |n: u64| if self.unit == Unit::Bytes { format!("{}M", n >> 20) } else { n.to_string() };
         match self.usual {
@@ -187,7 +187,7 @@ pub(crate) struct Exceeded {
     pub(crate) limit: Limit,
     /// The excess: the account, the number and the thing.
     pub(crate) what: String,
-    /// When it is worth trying again, if that is known.
+    /// The time after which another attempt may succeed, if it is known.
     pub(crate) retry_after: Option<Duration>,
 }
 
@@ -217,7 +217,7 @@ impl From<Exceeded> for Status {
     }
 }
 
-/// The trailer by which gRPC says when to try again, in milliseconds.
+/// The trailer of gRPC for the time until another attempt, in milliseconds.
 pub(crate) const PUSHBACK: &str = "grpc-retry-pushback-ms";
 
 #[cfg(test)]

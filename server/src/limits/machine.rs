@@ -3,8 +3,8 @@
 use std::fs::read_to_string;
 use std::path::Path;
 
-/// The memory of the machine, or that of the group of processes (cgroup) that this one is in, if that is less; `None` where the system
-/// does not say.
+/// The memory of the machine, or that of the group of processes (cgroup) that this one is in, if that is less; `None`
+/// where the system does not report it.
 pub(super) fn memory_bytes() -> Option<u64> {
     let machine = read_to_string("/proc/meminfo").ok().and_then(|text| total(&text));
     let groups = read_to_string("/proc/self/cgroup").unwrap_or_default();
@@ -12,7 +12,7 @@ pub(super) fn memory_bytes() -> Option<u64> {
     machine.into_iter().chain(group).min()
 }
 
-/// From `/proc/meminfo`.
+/// The total memory from the text of `/proc/meminfo`.
 fn total(text: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)

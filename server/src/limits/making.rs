@@ -1,5 +1,5 @@
-//! Those who make answers that take a while, such as the status of a large world. Few are made at a time, so that worlds have processors,
-//! too, and the process has few threads.
+//! The makers of answers that take a while, such as the status of a large world. Few are made at a time, so that worlds
+//! have processors, too, and the process has few threads.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use tonic::Status;
 
 use crate::system::blocking;
 
-/// Those who make answers.
+/// The makers of answers.
 pub(crate) struct Making(Arc<Semaphore>);
 
 impl Making {
@@ -27,7 +27,7 @@ impl Making {
     ) -> Result<T, Status> {
         let turn = Arc::clone(&self.0).acquire_owned().await;
         let work = move || {
-            // Kept until the work is done, even if nobody waits for it any more.
+            // The turn is kept until the work is done, even if the client has gone.
             let _turn = turn;
             work()
         };

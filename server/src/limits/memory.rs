@@ -40,7 +40,7 @@ impl Memory {
         Some(Held { memory: Arc::clone(self), bytes })
     }
 
-    /// Holds the bytes of a scenario, unless another world has it already.
+    /// Holds the bytes of a scenario, unless another world holds them already.
     pub(super) fn hold_scenario(
         self: &Arc<Self>,
         scenario: &Arc<Scenario>,
@@ -68,7 +68,7 @@ impl Held {
         self.bytes
     }
 
-    /// They are so many by now, whatever the limit.
+    /// Sets the number of bytes that are held, whatever the limit.
     pub(crate) fn set(&mut self, bytes: u64) {
         self.memory.held.fetch_add(bytes, Ordering::Relaxed);
         self.memory.held.fetch_sub(self.bytes, Ordering::Relaxed);
@@ -84,7 +84,8 @@ impl Drop for Held {
 
 impl Drop for ScenarioHeld {
     fn drop(&mut self) {
-        // Its address is not another's yet, as it is dropped after this; but somebody may have counted it again.
+        // The address is not another scenario's yet, as it is dropped after this; but it may have been counted again
+        // meanwhile.
         let mut scenarios = self.held.memory.scenarios();
         let address = Arc::as_ptr(&self.scenario).addr();
         if scenarios.get(&address).is_some_and(|held| held.strong_count() == 0) {

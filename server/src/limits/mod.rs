@@ -7,8 +7,9 @@
 //!
 //! # Assumptions
 //!
-//! Whoever runs the server may do anything to it anyway. So the limits for one caller do not hold for this process, for the server's
-//! own token, for its user's Unix sockets and for addresses of this machine, unless they were set on purpose.
+//! The user who runs the server may do anything to it anyway. So the limits for one caller do not hold for this
+//! process, for the server's own token, for its user's Unix sockets and for addresses of this machine, unless they were
+//! set on purpose.
 //!
 //! # Mechanism
 //!
@@ -61,7 +62,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// With this value of a limit.
+    /// The limits with this value of one of them.
     #[must_use]
     pub fn with(mut self, limit: Limit, value: u64) -> Self {
         (self.values[limit as usize], self.is_given[limit as usize]) = (value, true);
@@ -87,14 +88,14 @@ impl Limits {
         (*account != Account::Process && holds).then(|| self.value(limit))
     }
 
-    /// So many percent of the memory of the machine, or of the group of processes (cgroup) that this one is in; no limit where the
-    /// system does not say how much that is.
+    /// The bytes of a percentage of the memory of the machine, or of the group of processes (cgroup) that this one is
+    /// in; no limit where the system does not report it.
     #[must_use]
     pub fn share_of_memory(percent: u64) -> u64 {
         machine::memory_bytes().map_or(u64::MAX, |bytes| bytes / 100 * percent)
     }
 
-    /// Those of worlds without a server.
+    /// The limits of worlds without a server.
     pub(crate) fn none() -> Self {
         Self::usual(usize::MAX, 1, u64::MAX)
     }
@@ -103,7 +104,7 @@ impl Limits {
         let values = LIMITS.map(|info| match info.usual {
             Usual::Number(number) | Usual::ForOthers(number) => number,
             Usual::Files => connections as u64,
-            // It follows from another one.
+            // The value follows from another limit.
             Usual::HalfOfConnections => 0,
             Usual::HalfOfMemory => memory_bytes,
             Usual::Processors => processors as u64,

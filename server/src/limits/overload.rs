@@ -27,7 +27,7 @@ impl Overload {
         streak.note(now);
     }
 
-    /// For how many seconds that has happened in each.
+    /// The number of successive seconds with an overload in each.
     pub(super) fn seconds(&self, now: Instant) -> u64 {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).seconds(now)
     }

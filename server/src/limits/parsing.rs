@@ -15,17 +15,17 @@ pub(super) struct Parsing {
     waiting: Arc<AtomicUsize>,
 }
 
-/// Says that nobody waits for the result any more.
+/// A flag that the client no longer waits for the result.
 #[derive(Clone, Default)]
 pub(crate) struct Cancelled(Arc<AtomicBool>);
 
 impl Cancelled {
-    /// Whether nobody waits.
+    /// Whether the client no longer waits.
     pub(crate) fn is_so(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// That of a client that has gone.
+    /// The flag of a client that has gone.
     #[cfg(test)]
     pub(crate) fn gone() -> Self {
         Self(Arc::new(true.into()))
@@ -61,7 +61,7 @@ impl Parsing {
         (self.waiting.load(Ordering::Relaxed), self.at_a_time - self.permits.available_permits())
     }
 
-    /// Waits for one's turn; `None` if so many wait already. Who stops waiting leaves the queue.
+    /// Waits for one's turn; `None` if so many wait already. A caller that stops waiting leaves the queue.
     pub(super) async fn turn(&self, most_waiting: usize) -> Option<OwnedSemaphorePermit> {
         if let Ok(permit) = Arc::clone(&self.permits).try_acquire_owned() {
             return Some(permit);

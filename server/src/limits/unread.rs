@@ -13,7 +13,7 @@
 //!
 //! - Bytes that wait for a client are in an [`outbox`](InForce::outbox), which counts them for its stream, its caller
 //!   and the server.
-//! - An outbox with more than a stream may have takes no more: whoever fills it leaves something out, or waits.
+//! - An outbox with more than a stream may have takes no more: its writer leaves something out, or waits.
 //! - When a caller, or the server, has more than it may, the slowest of the streams ends: what waits for it is dropped at once, and its client
 //!   is told why, once it reads. A stream that is alone is never ended: what waits for it is a single long answer.
 
@@ -38,7 +38,7 @@ use crate::clock;
 #[derive(Default)]
 pub(super) struct Unread {
     held: AtomicU64,
-    /// Counts what clients have taken.
+    /// The counter of what clients have taken.
     takes: AtomicU64,
     last_number: AtomicU64,
     streams: Mutex<BTreeMap<u64, Weak<Shared>>>,
@@ -105,11 +105,11 @@ struct Queue {
 
 /// The reason why nothing more comes.
 enum End {
-    /// Whoever fills it is done.
+    /// The writer is done.
     Done,
-    /// Nobody empties it.
+    /// The reader has gone.
     Deserted,
-    /// It was the slowest.
+    /// The stream was the slowest.
     Cut(Status),
 }
 
@@ -133,7 +133,7 @@ impl InForce {
         (Outbox(Arc::clone(&shared)), Inbox(shared))
     }
 
-    /// Counts what this caller is told: its bytes are as many requests as would take as long.
+    /// Counts bytes to this caller as requests that would take as long.
     pub(crate) fn charge(&self, tally: &Tally, bytes: usize) {
         if let Some(per_s) = self.requests_per_s(tally) {
             let requests = u32::try_from(bytes / BYTES_A_REQUEST).unwrap_or(u32::MAX);
@@ -141,7 +141,7 @@ impl InForce {
         }
     }
 
-    /// Ends the slowest streams of whoever leaves too much unread.
+    /// Ends the slowest streams of a payer that leaves too much unread.
     fn enforce(&self, payer: &Arc<Tally>) {
         if let Some(most) = self.value_for(Limit::UnreadPerCaller, payer) {
             while payer.unread() > most && self.cut_slowest(Some(payer), Limit::UnreadPerCaller, most) {}
@@ -185,12 +185,12 @@ impl Shared {
         unread.held.fetch_add(bytes, Ordering::Relaxed);
     }
 
-    /// So many bytes wait here no more, but may still be counted.
+    /// Notes bytes that wait here no more, but may still be counted.
     fn unqueue(&self, bytes: u64) {
         self.queued.fetch_sub(bytes, Ordering::Relaxed);
     }
 
-    /// So many bytes are not there any more.
+    /// Notes bytes that are not there any more.
     fn uncount(&self, bytes: u64) {
         self.payer.sub_unread(bytes);
         self.limits.unread().held.fetch_sub(bytes, Ordering::Relaxed);
@@ -240,13 +240,14 @@ impl Outbox {
         self.0.places.saturating_sub(self.0.queue().messages.len())
     }
 
-    /// Whether its stream has less waiting than it may, and its caller has not had more than its share of what the server can tell.
+    /// Whether its stream has less waiting than it may, and its caller has not had more than its part of the server's
+    /// output.
     pub(crate) fn has_budget(&self) -> bool {
         let most = self.0.limits.value(Limit::UnreadPerStream);
         self.0.queued.load(Ordering::Relaxed) < most && self.0.limits.has_budget(&self.0.payer)
     }
 
-    /// Adds a message; `false` if it has ended. Whoever has too much waiting then loses its slowest stream.
+    /// Adds a message; `false` if it has ended. A payer with too much waiting then loses its slowest stream.
     pub(crate) fn push(&self, message: Parts) -> bool {
         let bytes = message.len() as u64;
         {
@@ -263,7 +264,7 @@ impl Outbox {
         true
     }
 
-    /// Whether nobody reads it any more.
+    /// Whether the reader has gone.
     pub(crate) fn is_closed(&self) -> bool {
         self.0.queue().end.is_some()
     }
@@ -292,7 +293,7 @@ impl Inbox {
         }
     }
 
-    /// Whether nothing waits, and nothing has to be said.
+    /// Whether nothing waits, and no end has to be sent.
     pub(crate) fn is_empty(&self) -> bool {
         let queue = self.0.queue();
         queue.messages.is_empty() && !matches!(queue.end, Some(End::Cut(_)))
@@ -354,7 +355,7 @@ impl Drop for Shared {
     }
 }
 
-/// Bytes that a caller is told for which it could have made another request.
+/// The number of bytes to a caller for which it could have made another request.
 const BYTES_A_REQUEST: usize = 16 << 10;
 
 /// Bytes that are handed on at a time: what a stream that has ended still has with the network.

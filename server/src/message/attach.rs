@@ -25,7 +25,7 @@ pub(crate) struct Attach {
     pub(crate) mode: Mode,
     /// Memory that the program's variables need on each robot.
     pub(crate) memory_bytes: Option<u64>,
-    /// Whether it has promised to think as long as the scenario says.
+    /// Whether it has promised to think as long as the scenario states.
     pub(crate) thinks_as_scenario: bool,
     /// Whether its robots are to stand when it is gone.
     pub(crate) stop_when_gone: bool,
@@ -44,16 +44,16 @@ pub(crate) struct Attached {
     pub(crate) robots: Vec<usize>,
     pub(crate) lockstep: bool,
     pub(crate) beliefs: Beliefs,
-    /// Counts the Steps that are thrown away before the world sees them.
+    /// The counter of the Steps that are thrown away before the world sees them.
     pub(crate) lost_steps: Arc<AtomicU64>,
 }
 
-/// The hold of a brain on its robots. Dropping it, wherever that happens, lets them go; so does dropping an answer that has
-/// it in it and for which no client waits any more.
+/// The hold of a brain on its robots. The robots are released when it is dropped, wherever that happens; so they are
+/// when an answer is dropped that has it in it and for which no client waits any more.
 pub(crate) struct Lease {
     pub(crate) world: WorldHandle,
     pub(crate) session: u64,
-    /// The reason why the robots are let go, for the log.
+    /// The reason why the robots are released, for the log.
     pub(crate) why: String,
 }
 
@@ -65,7 +65,7 @@ impl Drop for Lease {
     }
 }
 
-/// The other end of a stream that holds robots. Only a trainer is told the truth.
+/// The other end of a stream that holds robots. Only a trainer gets the truth.
 pub(crate) enum Recipient {
     Brain(Deliveries),
     Trainer(mpsc::Sender<Told>),
@@ -88,7 +88,7 @@ impl Recipient {
         }
     }
 
-    /// Gives the Turn of this number; `false` if there is no room for it, or nobody who takes it.
+    /// Gives the Turn of this number; `false` if there is no room for it, or the recipient has gone.
     pub(crate) fn turn(&self, number: u64, turn: Bytes, truth: impl FnOnce() -> Truth) -> bool {
         match self {
             Self::Brain(deliveries) => deliveries.turn(number, turn),
@@ -105,9 +105,9 @@ impl Recipient {
         }
     }
 
-    /// Says that the run is over.
+    /// Sends the end of the run.
     pub(crate) fn ended(&self, tick: u64, truth: impl FnOnce() -> Truth) {
-        // Whoever is gone, or has not read hundreds of Turns, is not told.
+        // A recipient that is gone, or has not read hundreds of Turns, gets no end.
         match self {
             Self::Brain(deliveries) => drop(deliveries.queue.try_send(Delivery::Ended { tick })),
             Self::Trainer(told) => drop(told.try_send(Told::Ended(truth().into()))),
@@ -137,7 +137,8 @@ pub(crate) struct Deliveries {
 const MOST_BYTES: u64 = 16 << 20;
 
 impl Deliveries {
-    /// So many deliveries may wait. The stream leaves out Turns that have become void while they waited.
+    /// The queue and the stream for a number of deliveries that may wait. The stream leaves out Turns that have become
+    /// void while they waited.
     pub(crate) fn new(places: usize) -> (Self, impl Stream<Item = Delivery> + Send) {
         let (queue, waiting) = mpsc::channel(places);
         let this = Self { queue, void: Arc::default(), bytes: Arc::default() };
@@ -152,7 +153,7 @@ impl Deliveries {
         (this, ReceiverStream::new(waiting).filter(is_good))
     }
 
-    /// Gives the Turn of this number; `false` if there is no room for it, or nobody who takes it.
+    /// Gives the Turn of this number; `false` if there is no room for it, or the recipient has gone.
     fn turn(&self, number: u64, turn: Bytes) -> bool {
         let bytes = turn.len() as u64;
         let waiting = self.bytes.fetch_add(bytes, Ordering::Relaxed);
@@ -169,7 +170,7 @@ impl Deliveries {
         let _ = self.queue.try_send(Delivery::Close(status));
     }
 
-    /// Waits until nobody takes them any more.
+    /// Waits until the recipient has gone.
     pub(crate) async fn closed(&self) {
         self.queue.closed().await;
     }

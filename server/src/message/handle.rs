@@ -27,8 +27,8 @@ pub(crate) struct WorldHandle {
 }
 
 impl WorldHandle {
-    /// The handle of the world of this name, which was made of this scenario. It tells the bytes of its state, on a server with these
-    /// limits.
+    /// The handle of the world of this name, which was made of this scenario. It counts the bytes of its state, on a
+    /// server with these limits.
     pub(crate) fn new(
         name: Arc<str>,
         made: Arc<Scenario>,

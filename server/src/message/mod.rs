@@ -28,7 +28,7 @@ pub(crate) type Reply<T> = oneshot::Sender<Result<T, Status>>;
 
 /// A message to a world.
 pub(crate) enum Message {
-    /// From an operator.
+    /// The request of an operator.
     Request(Request, Reply<Report>),
     /// The holder of a token is going to request something.
     Order(Order),
@@ -75,7 +75,8 @@ pub(crate) struct Watch {
     pub(crate) every_ticks: u64,
     /// The robots of which it wants details.
     pub(crate) details: Vec<usize>,
-    /// Whether details have what is on the pins of their chips; pulses with a shorter period, in nanoseconds, are told together.
+    /// Whether details have the signals of the pins of their chips; pulses with a shorter period, in nanoseconds, are
+    /// summed up.
     pub(crate) pins_finest_ns: Option<u64>,
     pub(crate) frames: Outbox,
 }

@@ -15,12 +15,12 @@ pub(crate) enum Request {
     Report,
     Start,
     Pause,
-    /// In the stepped pace.
+    /// Makes ticks, in the stepped pace.
     Step {
         ticks: u64,
     },
     SetPace(Pace),
-    /// To the beginning of a run of this scenario, whose robots have the data sheets that brains have been told.
+    /// Resets to the beginning of a run of this scenario, whose robots have the data sheets that brains have received.
     Reset(Arc<Scenario>),
     Snapshot,
     Restore {
@@ -33,7 +33,7 @@ pub(crate) enum Request {
     Record(RecordConfig),
     /// The status of the recording comes when its file is closed.
     StopRecording(oneshot::Sender<v1::RecordingStatus>),
-    /// Of a replay only.
+    /// Goes to a tick, of a replay only.
     Seek {
         tick: u64,
     },
@@ -51,7 +51,7 @@ pub(crate) enum Request {
 }
 
 impl Request {
-    /// Its name in traces.
+    /// The name of the request in traces.
     pub(crate) fn name(&self) -> &'static str {
         match self {
             Self::Report => "report",

@@ -5,10 +5,10 @@ use baudbot_sim::Ending;
 
 /// The truth at the start of a tick, for the trainer that holds some of the robots.
 ///
-/// While other brains have yet to answer, the world may be ahead of them. All that is told here is certain then, too: the
-/// answers that are missing could not have reached their robots.
+/// While other brains have yet to answer, the world may be ahead of them. All of this is certain then, too: the answers
+/// that are missing could not have reached their robots.
 pub(crate) struct Truth {
-    /// Counts the resets, restored states and changes of pace before it.
+    /// The number of resets, restored states and changes of pace before it.
     pub(crate) era: u64,
     /// Whether the world is in lockstep, and waits for an answer.
     pub(crate) lockstep: bool,

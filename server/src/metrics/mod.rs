@@ -71,7 +71,7 @@ impl Metrics {
         let worlds = self.ask().await;
         let limits = self.registry.limits().clone();
         let write = move || {
-            // Kept until the text is made, even if nobody waits for it any more.
+            // The permit is kept until the text is made, even if the client has gone.
             let _permit = permit;
             families::write(&worlds, &limits, MAX_ROBOTS)
         };

@@ -17,22 +17,22 @@ pub(super) struct Family {
 }
 
 impl Family {
-    /// Of what only grows.
+    /// A family of values that only grow.
     pub(super) fn counter(name: &'static str, help: &'static str) -> Self {
         Self { name, help, kind: MetricType::COUNTER, metrics: Vec::new() }
     }
 
-    /// Of what goes up and down.
+    /// A family of values that go up and down.
     pub(super) fn gauge(name: &'static str, help: &'static str) -> Self {
         Self { kind: MetricType::GAUGE, ..Self::counter(name, help) }
     }
 
-    /// Of counts by size.
+    /// A family of counts by size.
     pub(super) fn histogram(name: &'static str, help: &'static str) -> Self {
         Self { kind: MetricType::HISTOGRAM, ..Self::counter(name, help) }
     }
 
-    /// Of quantiles.
+    /// A family of quantiles.
     pub(super) fn summary(name: &'static str, help: &'static str) -> Self {
         Self { kind: MetricType::SUMMARY, ..Self::counter(name, help) }
     }

@@ -33,7 +33,7 @@ const NEWS_AHEAD: usize = 8;
 /// Frames a simulated second for an observer that asks for no rate.
 const DEFAULT_RATE_HZ: u64 = 20;
 
-/// Pulses with a shorter period are told together to an observer that does not say which, in nanoseconds.
+/// The period below which pulses are summed up by default, in nanoseconds.
 const DEFAULT_FINEST_NS: u64 = 100_000;
 
 pub(crate) struct Observe {
@@ -146,7 +146,7 @@ impl Observe {
     }
 }
 
-/// For whom what waits for the client of a request is counted.
+/// The tally for which messages that wait for the client of a request are counted.
 fn payer<T>(request: &Request<T>, limits: &InForce) -> Arc<Tally> {
     let payer = request.extensions().get().map(|Payer(tally)| Arc::clone(tally));
     payer.unwrap_or_else(|| limits.tally(&Account::Process))

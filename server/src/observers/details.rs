@@ -15,7 +15,7 @@ pub(crate) const MAX_DETAILS: usize = 64;
 /// A robot of which an observer gets details, and what the observer knows already.
 pub(super) struct Detailed {
     robot: usize,
-    /// The number of the last event of its timeline that has been told.
+    /// The number of the last event of its timeline that has been sent.
     events: u64,
     /// The age of each sensor's reading from the last frame on.
     ages: Vec<AgeSpan>,
@@ -46,7 +46,7 @@ impl Detailed {
         *self = Self { pins, ..Self::new(self.robot, None, world) };
     }
 
-    /// At the start of each tick: which readings have come in the last one.
+    /// Notes at the start of each tick the readings that have come in the last one.
     pub(super) fn note(&mut self, world: &World) {
         if let Some(robot) = world.robot_at_start(self.robot) {
             for (i, ages) in self.ages.iter_mut().enumerate() {
@@ -58,8 +58,8 @@ impl Detailed {
         }
     }
 
-    /// The details at the start of the tick. If it is not known any more how the robot was then, they are those of its brain's
-    /// step in the tick, and say so.
+    /// The details at the start of the tick. If the robot's state of then is lost, they are those of its brain's step
+    /// in the tick, with a mark.
     pub(super) fn tell(
         &mut self,
         world: &World,
@@ -71,7 +71,7 @@ impl Detailed {
             None => (world.robot(self.robot), within(world, self.robot)),
         };
         let (missed_events, events) = world.robot(self.robot).timeline().since(self.events);
-        // Before the first frame nothing is missed.
+        // Nothing is missed before the first frame.
         let missed_events = if self.events == 0 { 0 } else { missed_events };
         let known = view.timeline().total().saturating_sub(self.events).saturating_sub(missed_events);
         let events = events.take(known as usize).map(convert::timeline_event).collect();

@@ -110,7 +110,7 @@ impl Observers {
         }
     }
 
-    /// The world keeps what is on the pins of robots for those who look at them, one who is about to come among them.
+    /// The world keeps the signals of the pins of robots for their observers, the one that is about to come among them.
     pub(crate) fn keep_pins(&mut self, coming: Option<&Watch>, world: &mut World) {
         let mut wanted = self.pinned();
         let coming = coming.filter(|watch| watch.pins_finest_ns.is_some());
@@ -120,7 +120,7 @@ impl Observers {
         self.kept.fit(&wanted, world);
     }
 
-    /// The robots at whose pins somebody looks.
+    /// The robots whose pins have an observer.
     pub(crate) fn pinned(&self) -> BTreeSet<usize> {
         let present = self.present.iter().filter(|observer| !observer.frames.is_closed());
         present.flat_map(|observer| observer.eye.detailed.iter().filter_map(Detailed::pinned)).collect()
@@ -158,7 +158,7 @@ impl Observers {
         });
     }
 
-    /// Collects the data of a tick in which nobody is shown anything.
+    /// Collects the data of a tick of which no image is sent.
     pub(crate) fn note(&mut self, world: &World) {
         self.present.iter_mut().for_each(|observer| observer.eye.note(world));
     }
@@ -216,7 +216,7 @@ impl Observer {
 }
 
 impl Eye {
-    /// An eye that has details of these robots, and of their pins if pulses with a shorter period are told together.
+    /// An eye that has details of these robots, and of their pins if pulses with a shorter period are summed up.
     fn new(details: impl IntoIterator<Item = usize>, pins_finest_ns: Option<u64>, world: &World) -> Self {
         let detailed = |robot| Detailed::new(robot, pins_finest_ns, world);
         let detailed = details.into_iter().map(detailed).collect();
@@ -228,7 +228,7 @@ impl Eye {
         Self::new(0..world.robots().len().min(MAX_DETAILS), None, world)
     }
 
-    /// Before each tick: collects the data of past ticks for the next frame.
+    /// Collects, before each tick, the data of past ticks for the next frame.
     pub(crate) fn note(&mut self, world: &World) {
         let room = MAX_COLLISIONS.saturating_sub(self.collisions.len());
         self.collisions.extend(world.collisions().iter().take(room).cloned());

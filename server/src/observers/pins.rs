@@ -18,7 +18,7 @@ pub(super) struct Pins {
 }
 
 impl Pins {
-    /// The pins of a robot, if it has a chip. Pulses with a shorter period are told together.
+    /// The pins of a robot, if it has a chip. Pulses with a shorter period are summed up.
     pub(super) fn new(robot: usize, finest_ns: u64, world: &World) -> Option<Self> {
         let chip = world.scenario().robots.get(robot)?.chip.as_ref()?;
         Some(Self { finest_ns, scope: Scope::new(chip, finest_ns), waiting: Vec::new(), missed: 0 })
@@ -31,7 +31,7 @@ impl Pins {
         }
     }
 
-    /// Looks at what is new.
+    /// Takes in the new edges.
     pub(super) fn look(&mut self, robot: usize, world: &World) {
         let view = world.robot(robot);
         let Some(board) = view.board() else { return };
@@ -54,7 +54,7 @@ impl Pins {
         (told, std::mem::take(&mut self.missed))
     }
 
-    /// Drops what is oldest, but for the last of signals that are not told again: it still holds.
+    /// Drops the oldest events, but for the last of signals without a later one: it still holds.
     fn drop_oldest(&mut self, gone: usize) {
         let later = self.waiting.split_off(gone);
         let mut told: BTreeSet<usize> = later.iter().map(|(signal, _)| *signal).collect();
@@ -69,7 +69,7 @@ impl Pins {
 pub(super) struct Kept(BTreeSet<usize>);
 
 impl Kept {
-    /// The world keeps the edges of these robots, and no longer those of others, unless somebody else wants them.
+    /// The world keeps the edges of these robots, and no longer those of others, unless they are wanted elsewhere.
     pub(super) fn fit(&mut self, wanted: &BTreeSet<usize>, world: &mut World) {
         if self.0.is_empty() && wanted.is_empty() {
             return;

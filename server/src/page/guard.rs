@@ -10,15 +10,15 @@ use crate::gate::TcpEntry;
 /// The rules of a listener for its callers.
 #[derive(Clone, Debug)]
 pub(crate) struct Guard {
-    /// Names and addresses by which it is reached besides those of loopback. A request for any other was made by a name that
-    /// somebody made lead here (DNS rebinding).
+    /// Names and addresses by which it is reached besides those of loopback. A request for any other was made by a name
+    /// that an attacker made lead here (DNS rebinding).
     hosts: Arc<[String]>,
     /// Whether it is reached by TLS.
     secure: bool,
 }
 
 impl Guard {
-    /// That of a listener, which has these names.
+    /// The guard of a listener with these names.
     pub(crate) fn new(entry: &TcpEntry, names: &[String], behind_proxy: bool) -> Self {
         let own = entry.listener.local_addr().ok().map(|address| address.ip());
         let own = own.filter(|ip| !ip.is_loopback() && !ip.is_unspecified()).map(|ip| ip.to_string());

@@ -43,7 +43,7 @@ use tonic::Status;
 
 /// The services for pages.
 pub(crate) struct Services {
-    /// To the server's own services.
+    /// The pipes to the server's own services.
     pub(crate) pipes: Pipes,
     pub(crate) access: Access,
     pub(crate) audit: Option<AuditLog>,
@@ -153,7 +153,7 @@ struct Refusal {
     text: String,
 }
 
-/// Whose request was refused, and in which words: for the audit log, on the way out.
+/// The caller whose request was refused, and the status: for the audit log, on the way out.
 #[derive(Clone)]
 struct Refused(String, Status);
 
@@ -214,7 +214,7 @@ async fn open_socket(
         Err(refusal) => return refusal.into_response(),
     };
     admission.note_known();
-    // As with calls of gRPC: what a page asks for is counted for its token, or for its address.
+    // The requests of a page are counted as calls of gRPC are: for its token, or for its address.
     let account = Account::of(&caller, admission.tally().account());
     let peer = Peer { caller, account };
     let Page { pipes, stopped, .. } = page;
@@ -240,7 +240,7 @@ async fn begin_session(State(page): State<Page>, headers: HeaderMap) -> Response
     }
 }
 
-/// Whether a page may open its socket: a browser does not tell its scripts why a socket was refused.
+/// Whether a page may open its socket: a browser does not give its scripts the reason of a refusal.
 async fn tell_session(State(page): State<Page>, headers: HeaderMap) -> Response {
     match page.admit(&headers, Door::PageSocket) {
         Ok(_) => (StatusCode::NO_CONTENT, [(header::CACHE_CONTROL, "no-store")]).into_response(),

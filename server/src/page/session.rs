@@ -30,7 +30,7 @@ struct Session {
 }
 
 impl Sessions {
-    /// Those of a listener at this port.
+    /// The sessions of a listener at this port.
     pub(super) fn new(access: Access, secure: bool, port: u16) -> Self {
         Self { access, open: Arc::default(), secure, name: format!("baudbot_session_{port}") }
     }
@@ -60,12 +60,12 @@ impl Sessions {
     /// If the token is not valid.
     pub(super) fn begin(&self, headers: &HeaderMap) -> Result<String, Refused> {
         let caller = self.access.caller(authorization(headers))?;
-        // Without randomness nobody gets in.
+        // Sessions cannot begin without randomness.
         let key = Token::random().map_err(|_| Refused::Missing)?;
         let now = Instant::now();
         let mut open = self.lock();
         open.retain(|_, session| now < session.until);
-        // A caller that asks again and again ends its own sessions, and nobody else's.
+        // A caller that asks again and again ends its own sessions only.
         make_room(&mut open, A_TOKEN, |session| session.caller.name() == caller.name());
         make_room(&mut open, MOST, |_| true);
         open.insert(key.hash(), Session { caller, until: now + LASTS });
@@ -103,7 +103,7 @@ const LASTS: Duration = Duration::from_secs(12 * 60 * 60);
 /// Sessions at a time; then the oldest is forgotten.
 const MOST: usize = 4096;
 
-/// Those of a token: a class may share one.
+/// The most sessions of a token: a class may share one.
 const A_TOKEN: usize = 256;
 
 #[cfg(test)]

@@ -36,7 +36,7 @@ pub(super) async fn serve(socket: WebSocket, pipes: Pipes, peer: Peer, mut stopp
     let _ = tokio::time::timeout(FAREWELL, write).await;
 }
 
-/// The next request of a page; `None` once it is gone, or says what no page says.
+/// The next request of a page; `None` once it is gone, or sends what no page sends.
 async fn next(stream: &mut SplitStream<WebSocket>) -> Option<Bytes> {
     loop {
         match tokio::time::timeout(2 * PING, stream.next()).await.ok()?? {

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use tasks::{TaskWaker, Tasks};
 use threads::{ThreadWaker, Threads};
 
-/// For how long a task runs before others have their turn.
+/// The time for which a task runs before others have their turn.
 pub(crate) const SLICE: Duration = Duration::from_micros(500);
 
 /// A task of a pool. It runs on one thread at a time.
@@ -34,15 +34,15 @@ pub(crate) enum Place {
 /// The decision about a task that has run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Then {
-    /// It has more to do; if it follows the clock, by this instant.
+    /// The task has more to do; if it follows the clock, by this instant.
     Run(Option<Instant>),
-    /// It has more to do, which takes long.
+    /// The task has more to do, which takes long.
     RunLong,
-    /// It has more to do, which may block.
+    /// The task has more to do, which may block.
     RunApart,
-    /// Nothing before it is woken, or before this instant.
+    /// The task waits until it is woken, or for this instant.
     Wait(Option<Instant>),
-    /// It is over.
+    /// The task is over.
     Over,
 }
 

@@ -139,7 +139,7 @@ impl Queue {
         !self.long.is_empty()
     }
 
-    /// When a task is to run next that waits for an instant.
+    /// The instant at which a task is to run next that waits for an instant.
     pub(super) fn next_alarm(&self) -> Option<Instant> {
         self.alarms.first().map(|&(at, _)| at)
     }
@@ -197,7 +197,7 @@ impl Queue {
         self.take(number)
     }
 
-    /// Takes a task. It says anew when it has to run.
+    /// Takes a task, which states anew when it has to run.
     fn take(&mut self, number: Number) -> Option<Picked> {
         let entry = self.tasks.get_mut(&number)?;
         if let Some(alarm) = entry.alarm.take() {

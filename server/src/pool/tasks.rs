@@ -31,7 +31,7 @@ pub(crate) struct Tasks(Vec<JoinHandle<()>>);
 #[derive(Clone, Default)]
 pub(crate) struct TaskWaker(Arc<Alarm>);
 
-/// When a task is to run.
+/// The instant at which a task is to run.
 #[derive(Default)]
 struct Alarm {
     state: Mutex<State>,
@@ -123,7 +123,7 @@ impl Alarm {
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        // It is consistent between any two of its changes.
+        // The state is consistent between any two of its changes.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

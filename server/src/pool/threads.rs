@@ -56,7 +56,7 @@ struct Shared {
 
 struct State {
     queue: Queue,
-    /// Of each thread that sleeps, when it wakes by itself.
+    /// The instant at which each sleeping thread wakes by itself.
     sleepers: Vec<Option<Instant>>,
     long_threads: usize,
     /// No task will be added.
@@ -190,7 +190,7 @@ impl Shared {
                 self.work.wait_timeout(state, time).unwrap_or_else(PoisonError::into_inner).0
             }
         };
-        // It makes no difference which of those with the same instant it was.
+        // Any of the sleepers with the same instant may be removed.
         if let Some(place) = state.sleepers.iter().position(|&other| other == until) {
             state.sleepers.swap_remove(place);
         }
@@ -257,8 +257,8 @@ impl State {
         self.is_closed && self.queue.len() == 0
     }
 
-    /// Whether a thread that sleeps should be woken, as the one that asks is going to run a task: another task waits, or
-    /// nobody would look for the next one in time.
+    /// Whether a thread that sleeps should be woken, as the one that asks is going to run a task: another task waits,
+    /// or no thread would look for the next one in time.
     fn needs_another(&self, now: Instant) -> bool {
         if self.sleepers.is_empty() {
             return false;
@@ -272,7 +272,7 @@ impl State {
         self.sleepers.iter().flatten().any(|&until| until <= at + GRACE)
     }
 
-    /// When a thread that has nothing to do wakes by itself.
+    /// The instant at which a thread that has nothing to do wakes by itself.
     fn time_of_sleep(&self) -> Option<Instant> {
         let next = self.queue.next_alarm()?;
         let by = |limit| self.sleepers.iter().flatten().filter(|&&until| until <= limit).count();

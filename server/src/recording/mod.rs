@@ -30,7 +30,7 @@ use thread::{RecorderThread, Sent};
 /// it has to be written yet.
 const MARK_EVERY: Duration = Duration::from_millis(400);
 
-/// Of a world that runs much faster than the clock, so that little is lost by a full disk.
+/// The interval for a world that runs much faster than the clock, so that little is lost by a full disk.
 const MARK_EVERY_TICKS: u64 = 2000;
 
 /// However long a mark takes.
@@ -73,7 +73,7 @@ pub(crate) struct Input {
 /// The recorder of a world, on the world's side.
 pub(crate) struct Recorder {
     config: RecordConfig,
-    /// Counts the files of the recording: a reset or a restored state begins another one. From 1.
+    /// The number of the recording's file, from 1: a reset or a restored state begins another one.
     run: u32,
     thread: RecorderThread,
     /// Whether the world follows a clock, and does not wait for the disk.

@@ -24,7 +24,7 @@ pub(super) struct RecorderThread {
 /// The writer.
 enum Worker {
     Thread(SyncSender<Work>, JoinHandle<()>),
-    /// Whoever sends.
+    /// The sender writes, in its own thread.
     Sender(Box<Mutex<Recorder>>),
 }
 
@@ -43,7 +43,7 @@ struct Progress {
 
 /// Whether a batch was taken.
 pub(super) enum Sent {
-    /// It was taken, or nothing is written any more.
+    /// The data were taken, or nothing is written any more.
     Taken,
     /// Too much waits to be written; the batch is given back.
     Full(Vec<Entry>),
@@ -117,7 +117,7 @@ impl RecorderThread {
                 let is_told = reply.is_some();
                 let _ = work.send(Work::Close(status, reply));
                 if !is_told {
-                    // Its panic is on stderr already.
+                    // The panic of the thread is on stderr already.
                     let _ = thread.join();
                 }
             }

@@ -1,4 +1,4 @@
-//! The callers that may reach a server, as its builder was told.
+//! The callers that may reach a server, by its builder's settings.
 
 use std::time::SystemTime;
 
@@ -14,7 +14,7 @@ use crate::gate::Tls;
 #[derive(Default)]
 pub(super) struct AccessConfig {
     pub(super) tokens: Option<TokenFile>,
-    /// That of the user's own programs.
+    /// The token of the user's own programs.
     pub(super) local: Option<Token>,
     pub(super) tls: Option<Tls>,
     pub(super) behind_proxy: bool,

@@ -100,15 +100,15 @@ impl WorldConfig {
         self
     }
 
-    /// Says here how far the world is, and when its run has ended.
+    /// Reports the progress of the world here, and the end of its run.
     #[must_use]
     pub fn progress(mut self, progress: Arc<Progress>) -> Self {
         self.new.progress = Some(progress);
         self
     }
 
-    /// Says how much processor time the brain of a robot has used, for the thinking times of worlds that do not follow the wall
-    /// clock. It is asked at each Turn and each answer, on the threads of the world.
+    /// Gives the processor time that the brain of a robot has used, for the thinking times of worlds that do not follow
+    /// the wall clock. It is asked at each Turn and each answer, on the threads of the world.
     #[must_use]
     pub fn processor_time(mut self, of: ProcessorTime) -> Self {
         self.new.processor = Some(of);
@@ -159,16 +159,16 @@ impl Builder {
         self
     }
 
-    /// Adds an address on which brains reach their service and nothing else: also a program of the user who may do everything, such
-    /// as one that a run has started, drives robots there and is told no truth.
+    /// Adds an address on which brains reach their service and nothing else: also a program of the user who may do
+    /// everything, such as one that a run has started, drives robots there and gets no truth.
     #[must_use]
     pub fn brains(mut self, address: Address) -> Self {
         self.brains.push(address);
         self
     }
 
-    /// Adds an address on which trainers reach their service, which tells the truth about robots, and the operator's. It must
-    /// be one that only this machine can reach. A server without such an address takes no trainers.
+    /// Adds an address on which trainers reach their service, which gives the truth about robots, and the operator's.
+    /// It must be one that only this machine can reach. A server without such an address takes no trainers.
     #[must_use]
     pub fn trainer(mut self, address: Address) -> Self {
         self.trainers.push(address);
@@ -182,7 +182,7 @@ impl Builder {
         self
     }
 
-    /// As [`viewer`](Self::viewer); if this port is taken, on another one that is free.
+    /// The same as [`viewer`](Self::viewer); if this port is taken, on another one that is free.
     #[must_use]
     pub fn viewer_or_free_port(mut self, address: SocketAddr) -> Self {
         self.viewers.push((address, true));
@@ -211,9 +211,9 @@ impl Builder {
         self
     }
 
-    /// A caller over TCP, or at a Unix socket as another user, shows one of the tokens in this file, and has the
-    /// rights that it gives. A file that changes is read again. Without this and [`local_token`](Self::local_token)
-    /// whoever reaches the server may do everything.
+    /// A caller over TCP, or at a Unix socket as another user, shows one of the tokens in this file, and has the rights
+    /// that it gives. A file that changes is read again. Without this and [`local_token`](Self::local_token) each
+    /// caller that reaches the server may do everything.
     #[must_use]
     pub fn tokens(mut self, file: TokenFile) -> Self {
         self.access.tokens = Some(file);
@@ -282,8 +282,8 @@ impl Builder {
         self
     }
 
-    /// Takes connections that somebody else accepts, such as those of a simulated network. As over TCP, who calls shows a token if the
-    /// server has any; they are not encrypted by the server.
+    /// Takes connections that are accepted outside of the server, such as those of a simulated network. As over TCP,
+    /// who calls shows a token if the server has any; they are not encrypted by the server.
     #[must_use]
     pub fn incoming<IO>(mut self, connections: impl Stream<Item = IO> + Send + 'static) -> Self
     where

@@ -34,11 +34,11 @@ pub(super) async fn listen_for_pages(
 
 /// All listeners of a server.
 pub(super) struct Listeners {
-    /// For brains, observers and operators.
+    /// The listeners for brains, observers and operators.
     pub(super) ordinary: Vec<Listener>,
-    /// For brains only.
+    /// The listeners for brains only.
     pub(super) brains: Vec<Listener>,
-    /// For trainers; `None` if the server takes none.
+    /// The listeners for trainers; `None` if the server takes none.
     pub(super) trainers: Option<Vec<Listener>>,
     pub(super) pages: Vec<TcpEntry>,
 }
@@ -60,7 +60,7 @@ impl Listeners {
 pub(super) enum Listener {
     Tcp(Address, TcpEntry),
     Unix(Address, UnixListener),
-    /// Connections that somebody else accepts.
+    /// Connections that are accepted outside of the server.
     Other(Incoming),
 }
 
@@ -76,7 +76,7 @@ impl Listener {
             Address::Unix(path) => {
                 remove_stale(path).await.map_err(failed)?;
                 let listener = UnixListener::bind(path).map_err(failed)?;
-                // Other users are also told apart by their credentials when they connect.
+                // The credentials of a connection distinguish other users, too.
                 std::fs::set_permissions(path, Permissions::from_mode(0o600)).map_err(failed)?;
                 Ok(Self::Unix(address, listener))
             }

@@ -98,11 +98,11 @@ pub struct Server {
     /// A name under which pages reach it.
     host: Option<String>,
     pipes: Pipes,
-    /// To what trainers reach.
+    /// The pipes to the services of trainers.
     trainers_pipes: Option<Pipes>,
     stop: watch::Sender<bool>,
     tasks: JoinSet<()>,
-    /// Worlds that were told to stop.
+    /// Worlds that were stopped.
     ending: Mutex<Vec<WorldHandle>>,
 }
 
@@ -179,7 +179,7 @@ impl Server {
         Ok(server)
     }
 
-    /// Looks after the tokens until it stops.
+    /// Keeps the tokens up to date until it stops.
     fn renew(&mut self, access: Access, mut stopped: watch::Receiver<bool>) {
         self.tasks.spawn(async move {
             tokio::select! {
@@ -323,7 +323,7 @@ impl Server {
         while self.tasks.join_next().await.is_some() {}
     }
 
-    /// The names of the worlds that were told to end and are not over yet.
+    /// The names of the worlds that were stopped and are not over yet.
     pub fn unended(&self) -> Vec<String> {
         let worlds = self.ending.lock().unwrap_or_else(PoisonError::into_inner);
         worlds.iter().filter(|world| !world.is_over()).map(|world| world.name().to_owned()).collect()

@@ -6,8 +6,9 @@ use super::Server;
 use crate::address::Address;
 
 impl Server {
-    /// Links to the viewer. If only this machine reaches the page, they end with the token of this user's own programs, which a
-    /// browser sends to nobody but the page. The link of a server for others may be kept in logs, and has none: the page asks for one.
+    /// Links to the viewer. If only this machine reaches the page, they end with the token of this user's own programs,
+    /// which a browser sends only to the page. The link of a server for others may be kept in logs, and has none: the
+    /// page asks for one.
     pub fn viewer_links(&self) -> Vec<String> {
         let scheme = if self.is_encrypted { "https" } else { "http" };
         let link = |address: &SocketAddr| {

@@ -109,7 +109,8 @@ fn transport(check: &CheckCalls, gate: &Gate) -> Transport<Stack<CheckCalls, Ide
         // The brains of a machine that has vanished are detached after a while.
         .http2_keepalive_interval(Some(KEEPALIVE))
         .http2_keepalive_timeout(Some(KEEPALIVE))
-        // A client that keeps to this waits without a word. So there are some more than are answered, and the next ones are told.
+        // A client that keeps to this waits without an answer. So there are some more than are answered, and the next
+        // ones get an error.
         .max_concurrent_streams(u32::try_from(streams.saturating_add(SPARE_STREAMS)).unwrap_or(u32::MAX))
         .layer(check.clone())
 }
@@ -122,7 +123,7 @@ fn contract() -> FileDescriptorSet {
     FileDescriptorSet::decode(baudbot_proto::DESCRIPTORS).expect("the contract is sound, as a test knows")
 }
 
-/// The contract without the file of the trainers' service: where that is not served, reflection does not tell of it.
+/// The contract without the file of the trainers' service: where that is not served, reflection does not show it.
 fn without_trainers(mut contract: FileDescriptorSet) -> FileDescriptorSet {
     contract.file.retain(|file| {
         let mut services =

@@ -9,7 +9,7 @@ use baudbot_sim::Turn;
 /// A Turn without an answer.
 pub(super) struct OpenTurn {
     pub(super) number: u64,
-    /// When its tick began.
+    /// The instant at which its tick began.
     pub(super) begun: Instant,
     /// The steps of its robots.
     pub(super) steps: Vec<Turn>,
@@ -49,7 +49,7 @@ pub(super) enum Debt {
 pub(crate) struct Overtaken {
     /// The steps of the Turn that the world has gone ahead of.
     pub(crate) steps: Vec<Turn>,
-    /// The brain's steps in the tick that has begun since, of which it has not been told.
+    /// The brain's steps in the tick that has begun since, whose Turns it has not got.
     pub(crate) deferred: Vec<Turn>,
 }
 

@@ -7,7 +7,7 @@ use super::debt::{Debt, Overtaken};
 
 impl Sessions {
     /// Whether the tick can end without the answers that are owed: their brains have promised to think as long as the
-    /// scenario says, and `reaches` holds for each of their steps. A brain is overtaken by one Turn only.
+    /// scenario states, and `reaches` holds for each of their steps. A brain is overtaken by one Turn only.
     pub(crate) fn can_be_overtaken(&self, reaches: impl Fn(&Turn) -> bool) -> bool {
         self.by_number.values().all(|session| match &session.debt {
             Debt::Settled => true,

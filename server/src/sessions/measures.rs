@@ -31,7 +31,7 @@ impl Sessions {
         })
     }
 
-    /// The reports of the robots' slots, in the order of the robots. `said` is what their brains last published.
+    /// The reports of the robots' slots, in the order of the robots. `said` has the last beliefs of their brains.
     pub(crate) fn reports(&self, said: Vec<String>) -> Vec<SlotReport> {
         let slots = self.slots.iter().zip(said);
         slots

@@ -37,7 +37,7 @@ use slot::{Slot, SlotState, Vacancy};
 pub(crate) struct Sessions {
     by_number: BTreeMap<u64, Session>,
     next_number: u64,
-    /// Counts resets, restored states and changes of pace: Turns of before are void.
+    /// The number of resets, restored states and changes of pace: Turns of before are void.
     era: u64,
     /// One for each robot of the world.
     slots: Vec<Slot>,
@@ -52,28 +52,28 @@ pub(crate) struct NewSession {
     pub(crate) number: u64,
     /// Indices of the robots, in the order of the request.
     pub(crate) robots: Vec<usize>,
-    /// Those of them whose last brain has left a Turn of this tick unanswered.
+    /// The robots of the session whose last brain has left a Turn of this tick unanswered.
     left_open: Vec<usize>,
-    /// Counts the Steps that are thrown away before the world sees them.
+    /// The counter of the Steps that are thrown away before the world sees them.
     pub(crate) lost_steps: Arc<AtomicU64>,
 }
 
 /// The relation of a Step to the Turns that its brain was given.
 pub(crate) enum Answer {
-    /// It answers a Turn of before a reset, or of before the lockstep.
+    /// The Step answers a Turn of before a reset, or of before the lockstep.
     Void,
-    /// It answers the oldest open Turn. If the brain has promised to think as long as the scenario says, with the robots of
-    /// that Turn.
+    /// The Step answers the oldest open Turn. If the brain has promised to think as long as the scenario states, with
+    /// the robots of that Turn.
     Due(Option<Vec<usize>>),
-    /// It answers a Turn whose tick the world has ended already.
+    /// The Step answers a Turn whose tick the world has ended already.
     Overtaken(Overtaken),
-    /// It answers no Turn.
+    /// The Step answers no Turn.
     Unasked,
 }
 
 impl Sessions {
-    /// Nobody holds a robot yet. A world in lockstep waits for brains, but not for somebody at the other end of a cable on which a
-    /// program of the user's own speaks to whom it likes.
+    /// The sessions of a world whose robots have no brains yet. In lockstep it waits for brains, but not for a program
+    /// at the other end of a cable of a robot with a program of its own, which uses a protocol of its own.
     pub(crate) fn new(robots: &[RobotSpec]) -> Self {
         let slot = |spec: &RobotSpec| if is_opaque(spec) { Slot::excused() } else { Slot::default() };
         Self {
@@ -122,7 +122,7 @@ impl Sessions {
 
     /// Gives robots to a brain that has no stream: it steps where the world is driven. Gives the number of the session.
     pub(crate) fn seat(&mut self, brain: String, robots: Vec<usize>) -> u64 {
-        // Nobody is at the other end: Turns are never given, and of the end the brain hears otherwise.
+        // The other end does not exist: Turns are never given, and the brain gets the end in another way.
         let (deliveries, _) = Deliveries::new(1);
         let collisions = vec![0; robots.len()];
         self.add(Session {
@@ -282,8 +282,8 @@ impl Sessions {
         self.by_number.values_mut().for_each(|session| session.begin_era(self.era, world));
     }
 
-    /// Tells the brains whose step it is in the tick that begins. Where the world waits for them, they
-    /// owe an answer.
+    /// Gives Turns to the brains whose step it is in the tick that begins. Where the world waits for them, they owe an
+    /// answer.
     ///
     /// A session gets one Turn for all its robots, whatever the order of `turns`: its robots are in the order of its Hello. A
     /// brain that the world has gone ahead of gets nothing now. It would have two Turns to answer, and its answer to the
@@ -310,7 +310,7 @@ impl Sessions {
         self.deliver_to(new.number, world, &open);
     }
 
-    /// Tells one brain that these are its steps in the tick that has begun.
+    /// Gives one brain the Turn of its steps in the tick that has begun.
     pub(crate) fn deliver_to(&mut self, number: u64, world: &World, turns: &[Turn]) {
         let at = self.by_robot(turns);
         let Some(session) = self.by_number.get_mut(&number) else { return };
@@ -318,7 +318,7 @@ impl Sessions {
         session.deliver(world, &at, terms, self.processor.as_ref(), &mut self.slots);
     }
 
-    /// When the robots step.
+    /// The instants at which the robots step.
     fn by_robot(&self, turns: &[Turn]) -> Vec<Option<SimTime>> {
         let mut at = vec![None; self.slots.len()];
         for turn in turns {
@@ -327,12 +327,12 @@ impl Sessions {
         at
     }
 
-    /// Tells the brains that the run is over.
+    /// Sends the brains the end of the run.
     pub(crate) fn tell_ended(&self, world: &World) {
         self.by_number.values().for_each(|session| session.tell_ended(world));
     }
 
-    /// Tells one brain that the run is over.
+    /// Sends one brain the end of the run.
     pub(crate) fn tell_one_ended(&self, number: u64, world: &World) {
         if let Some(session) = self.by_number.get(&number) {
             session.tell_ended(world);
@@ -355,7 +355,7 @@ impl Sessions {
     }
 }
 
-/// Refuses messages with a program of the user's own, of which nobody here knows what its bytes mean.
+/// Refuses messages with a program of the user's own, the meaning of whose bytes is unknown here.
 fn check_understood(scenario: &Scenario, robots: &[usize]) -> Result<(), Status> {
     let mut specs = robots.iter().map(|&robot| &scenario.robots[robot]);
     specs.find(|spec| is_opaque(spec)).map_or(Ok(()), |spec| {
@@ -369,7 +369,7 @@ fn check_understood(scenario: &Scenario, robots: &[usize]) -> Result<(), Status>
     })
 }
 
-/// Whether a program of the user's own drives the robot, of which nobody here knows what its bytes mean.
+/// Whether a program of the user's own drives the robot, the meaning of whose bytes is unknown here.
 fn is_opaque(spec: &RobotSpec) -> bool {
     spec.chip.as_ref().is_some_and(|chip| chip.is_opaque())
 }

@@ -28,7 +28,7 @@ pub(super) struct Session {
     pub(super) brain: String,
     /// The form of its input and output.
     pub(super) mode: Mode,
-    /// Whether it has promised to think as long as the scenario says.
+    /// Whether it has promised to think as long as the scenario states.
     pub(super) thinks_as_scenario: bool,
     /// Indices of its robots in the world.
     pub(super) robots: Vec<usize>,
@@ -51,7 +51,7 @@ pub(super) struct Turns {
     /// The last Turn that was answered, and whether none before it was left out.
     answered: u64,
     leaves_out: bool,
-    /// Counts what makes Turns void in this world.
+    /// The counter of what makes Turns void in this world.
     pub(super) era: u64,
     /// The last Turns that were given; oldest first.
     given: VecDeque<Given>,
@@ -61,7 +61,7 @@ pub(super) struct Turns {
 struct Given {
     number: u64,
     tick: u64,
-    /// Until it is answered.
+    /// The thinking until it is answered.
     thinking: Option<Thinking>,
 }
 
@@ -94,8 +94,8 @@ impl Turns {
         }
     }
 
-    /// Turns that a brain which answers each of them has still to answer: they may be with the network, which takes thousands. Of a
-    /// brain that answers none, or some, nobody knows.
+    /// Turns that a brain which answers each of them has still to answer: they may be with the network, which takes
+    /// thousands. The number is unknown of a brain that answers none, or some.
     fn unanswered(&self) -> u64 {
         let answers_each = self.answered > 0 && !self.leaves_out;
         if answers_each { self.last.saturating_sub(self.answered) } else { 0 }
@@ -164,7 +164,7 @@ impl Session {
         }
     }
 
-    /// Says that the run is over.
+    /// Sends the end of the run.
     pub(super) fn tell_ended(&self, world: &World) {
         self.recipient.ended(world.tick(), || self.truth(world, true));
     }

@@ -9,9 +9,9 @@ use crate::thinking::Thought;
 pub(super) struct Slot {
     pub(super) state: SlotState,
     pub(super) lost_deliveries: u64,
-    /// Of sessions that are over.
+    /// The lost Steps of sessions that are over.
     pub(super) lost_steps: u64,
-    /// Of sessions that are over.
+    /// The answering of sessions that are over.
     pub(super) answering: Answering,
     /// The thinking times of its brains, if anything was measured.
     pub(super) thought: Option<Box<Thought>>,
@@ -31,7 +31,7 @@ pub(super) enum SlotState {
     Vacant(Vacancy),
     Held {
         session: u64,
-        /// Its brain has answered, and waits for a message.
+        /// The brain has answered, and waits for a message.
         until: Option<Until>,
     },
 }
@@ -39,9 +39,9 @@ pub(super) enum SlotState {
 /// The behaviour of a world in lockstep towards a robot without a brain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Vacancy {
-    /// It goes on without a brain.
+    /// The world goes on without a brain for the robot.
     Excused,
-    /// It begins no tick until a brain holds the robot.
+    /// The world begins no tick until a brain holds the robot.
     Awaited,
     /// Nor does it end the present tick: the last brain has left a Turn of this tick unanswered.
     LeftOpen,

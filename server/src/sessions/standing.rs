@@ -21,7 +21,7 @@ impl Sessions {
         })
     }
 
-    /// Nobody holds a robot, but those that had no brain go on without one as before.
+    /// The robots have no brains, but those that had none before go on without one as before.
     pub(crate) fn resume(&mut self, standing: &[u8]) {
         for (slot, standing) in self.slots.iter_mut().zip(standing) {
             *slot = if *standing == EXCUSED { Slot::excused() } else { Slot::default() };

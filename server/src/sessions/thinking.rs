@@ -10,7 +10,7 @@ use crate::thinking::{ProcessorTime, Thought};
 /// A Turn that the brain has not answered yet.
 pub(super) struct Thinking {
     since: Since,
-    /// Those that step in it.
+    /// The robots that step in the tick.
     robots: Box<[usize]>,
 }
 
@@ -20,7 +20,7 @@ enum Since {
 }
 
 impl Sessions {
-    /// From now on the processor time of brains is known.
+    /// Sets the source of the brains' processor time from now on.
     pub(crate) fn time_by(&mut self, processor: Option<ProcessorTime>) {
         self.processor = processor;
     }

@@ -23,9 +23,9 @@ pub struct Checked {
 pub enum Soundness {
     /// A server continues it.
     Sound {
-        /// Its tick.
+        /// The last tick.
         tick: u64,
-        /// When that is, in seconds.
+        /// The instant of that tick, in seconds.
         time_s: f64,
         /// A remark, such as on an unfinished write at its end.
         note: Option<String>,
@@ -39,7 +39,7 @@ pub enum Soundness {
         /// The tick, and the time in seconds, at which it can be recovered; `None` if it cannot.
         recoverable: Option<(u64, f64)>,
     },
-    /// It cannot be read.
+    /// The state cannot be read.
     Unreadable {
         /// The file.
         file: PathBuf,
@@ -51,11 +51,11 @@ pub enum Soundness {
 /// A world that was made of what was left of a damaged one.
 #[derive(Debug)]
 pub struct Recovered {
-    /// Its name.
+    /// The world's name.
     pub name: String,
     /// The tick at which it goes on.
     pub tick: u64,
-    /// When that is, in seconds.
+    /// The instant of that tick, in seconds.
     pub time_s: f64,
     /// The folder of the damaged one, which is as it was.
     pub from: PathBuf,
@@ -74,13 +74,13 @@ pub enum RecoverError {
         /// The name.
         name: String,
     },
-    /// It is sound.
+    /// The state is sound.
     #[error("world `{0}` is sound: a server continues it; there is nothing to recover")]
     Sound(String),
     /// There is a world of the name that it is to have.
     #[error("{}: is there already; give the recovered world another name with --as NAME", .0.display())]
     Taken(PathBuf),
-    /// It cannot have this name.
+    /// The world cannot have this name.
     #[error("`{0}`: no world can have this name; write 1 to 64 letters, digits, _ or -")]
     Name(String),
     /// Nothing can be made of its journal.
@@ -97,7 +97,7 @@ pub enum RecoverError {
 }
 
 impl StateFolder {
-    /// Looks at all worlds, those that were set aside, too, and changes nothing.
+    /// Checks all worlds, those that were set aside, too, and changes nothing.
     ///
     /// # Errors
     /// If the folder of the worlds cannot be read.
@@ -145,7 +145,7 @@ impl StateFolder {
     }
 }
 
-/// Copies the snapshots of a world that can be used, and tells which are left out.
+/// Copies the snapshots of a world that can be used, and returns those that are left out.
 fn copy_snapshots(storage: &dyn Storage, from: &Path, target: &Path) -> Result<Vec<String>, StateError> {
     let mut left_out = Vec::new();
     for (number, path) in file_names::snapshots(storage, from).map_err(StateError::at(from))? {

@@ -40,7 +40,7 @@ pub(super) fn snapshots(storage: &dyn Storage, folder: &Path) -> io::Result<Vec<
 fn numbered(storage: &dyn Storage, folder: &Path, prefix: &str) -> io::Result<Vec<(u64, PathBuf)>> {
     let mut found = Vec::new();
     for Listed { name, kind } in storage.list(folder)? {
-        // Whoever opens something else may wait for ever.
+        // Only plain files are opened: the open of anything else may wait for ever.
         if kind == Kind::File {
             found.extend(number_of(&name, prefix).map(|number| (number, folder.join(&name))));
         }

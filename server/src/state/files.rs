@@ -48,7 +48,7 @@ struct Queue {
 struct Disk {
     /// The journal to which can be written, if there is one.
     journal: Option<JournalFile>,
-    /// Of the last journal.
+    /// The number of the last journal.
     number: u64,
     /// Snapshots that are not on the disk for good.
     snapshots: Vec<PathBuf>,
@@ -62,7 +62,7 @@ struct Disk {
 #[derive(Debug)]
 struct JournalFile {
     path: PathBuf,
-    /// It, if it is open at the moment.
+    /// The journal's file, if it is open at the moment.
     open: Option<(Box<dyn Stored>, OwnedSemaphorePermit)>,
     /// Bytes that are whole.
     length: u64,
@@ -107,7 +107,7 @@ impl WorldFiles {
 
     /// Wakes the world from now on if something of it cannot be kept.
     pub(super) fn wakes_if_lost(&self, waker: Waker) {
-        // It has one task only.
+        // The disk has one task only.
         let _ = self.waker.set(waker);
     }
 
@@ -236,7 +236,7 @@ impl WorldFiles {
             lock(&self.problem).get_or_insert_with(|| problem.to_owned());
         }
         if !self.is_lost.swap(true, Ordering::AcqRel) {
-            // It may have nothing to do, and no reason to look.
+            // The world may have nothing to do, and no other reason to run.
             self.waker.get().inspect(|waker| waker.wake(None));
         }
     }
@@ -258,7 +258,7 @@ impl WorldFiles {
     pub(super) fn sync(&self) {
         self.is_dirty.store(false, Ordering::Relaxed);
         let Some(unsynced) = lock(&self.disk).unsynced() else { return };
-        // Nobody waits for this: no lock is held.
+        // The lock is not held during the slow calls.
         let synced = self.force(&unsynced);
         let Unsynced { journal, snapshots, former } = unsynced;
         match synced {
@@ -284,7 +284,7 @@ impl WorldFiles {
         let storage = self.storage();
         for path in snapshots {
             match storage.open(path) {
-                // It is not kept any more.
+                // The file is not kept any more.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {}
                 opened => opened?.sync()?,
             }
@@ -314,7 +314,7 @@ impl WorldFiles {
         match self.storage().rename(&self.folder, &gone) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
             renamed => renamed.and_then(|()| {
-                // After a power cut it is not to be there again.
+                // The folder is not to be there again after a power cut.
                 self.folder.parent().map_or(Ok(()), |worlds| self.storage().sync_folder(worlds))?;
                 self.storage().remove_folder(&gone)
             }),
@@ -348,7 +348,7 @@ impl Disk {
         // Something else may be there, which is not replaced.
         let (number, path) = numbers.find(|(_, path)| storage.is_free(path)).expect("numbers do not end");
         let file = write_whole(storage, &path, journal)?;
-        // It gives back its place.
+        // The end of the old journal frees its place for the new one.
         self.end_journal();
         let open = shared.place().map(|place| (file, place));
         let length = journal.len() as u64;
@@ -362,7 +362,8 @@ impl Disk {
         self.former.extend(self.journal.take().map(|journal| journal.path));
     }
 
-    /// What is to be forced onto the disk, if there is a journal. It is closed, and opened again when something is to be written.
+    /// The files to be forced onto the disk, if there is a journal. It is closed, and opened again when something is to
+    /// be written.
     fn unsynced(&mut self) -> Option<Unsynced> {
         let journal = self.journal.as_mut()?;
         let (path, on_disk, open) = (journal.path.clone(), Arc::clone(&journal.on_disk), journal.open.take());

@@ -33,10 +33,10 @@ pub enum StateError {
     /// Another server uses it.
     #[error("{}: another server keeps its state there; stop that one, or choose another folder", .0.display())]
     InUse(PathBuf),
-    /// It is not there.
+    /// The folder does not exist.
     #[error("{}: there is no such folder; `baudbot serve --state FOLDER` makes one", .0.display())]
     Absent(PathBuf),
-    /// It is something else.
+    /// The folder is something else.
     #[error(
         "{}: is not empty, and no folder of a server's state; choose another, which is made if it is not there", .0.display()
     )]
@@ -46,13 +46,13 @@ pub enum StateError {
     Layout {
         /// The folder.
         path: PathBuf,
-        /// Its mark.
+        /// The mark that the folder has.
         found: String,
     },
 }
 
 impl StateError {
-    /// What the system says of this file or folder.
+    /// The system's error about this file or folder.
     pub(super) fn at(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Io { path, source }
@@ -106,7 +106,7 @@ impl StateFolder {
         Ok(Self::with(path, Arc::new(System), threads, Some(file)))
     }
 
-    /// A folder on a disk that is simulated, which nobody else uses. What threads would do is done by tasks of the runtime in which
+    /// A folder on a simulated disk that is not shared. The work of threads is done by tasks of the runtime in which
     /// the server runs, which must be [without threads](crate::Builder::without_threads).
     ///
     /// # Errors
@@ -134,7 +134,7 @@ impl StateFolder {
     /// # Errors
     /// As [`open`](Self::open), and if there is none.
     pub fn open_present(path: &Path) -> Result<Self, StateError> {
-        // An empty one is made one by a server, and not by somebody who looks.
+        // An empty one is made one by a server, and not by a person who looks.
         if !path.join(MARKER).exists() && fs::read_dir(path).map_or(true, |mut files| files.next().is_none())
         {
             return Err(StateError::Absent(path.to_owned()));
@@ -203,7 +203,7 @@ fn sync_names(storage: &dyn Storage, path: &Path) -> io::Result<()> {
     storage.sync_folder(path)
 }
 
-/// The content of the folder of the worlds under this name; `None` if nobody has to know of it.
+/// The content of the folder of the worlds under this name; `None` if it needs no attention.
 fn look_at(storage: &dyn Storage, path: &Path, name: &str) -> Option<Found> {
     let kind = storage.kind(path);
     if file_names::is_deleted(name) && matches!(kind, Ok(Kind::Folder)) {
@@ -213,7 +213,7 @@ fn look_at(storage: &dyn Storage, path: &Path, name: &str) -> Option<Found> {
         }
         return None;
     }
-    // Those that were set aside have a dot.
+    // The names of folders that were set aside have a dot.
     if name.contains('.') {
         return None;
     }
@@ -266,7 +266,7 @@ fn taken(found: &Found) -> Option<String> {
     }
 }
 
-/// The file that says what the folder is, and that a server locks.
+/// The file that marks the folder, and that a server locks.
 const MARKER: &str = "baudbot-state";
 
 const WORLDS: &str = "worlds";

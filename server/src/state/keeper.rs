@@ -1,4 +1,5 @@
-//! The world's side of its journal: what happens to the world is collected here, and goes into the file before anybody is told.
+//! The world's side of its journal: what happens to the world is collected here, and goes into the file before any
+//! answer.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -65,7 +66,7 @@ pub(crate) struct Keeper {
     pace: Pace,
     senders: Vec<Sender>,
     at: (u64, bool),
-    /// When things were written last.
+    /// The instant at which things were written last.
     written: Instant,
     hashed: Instant,
     stated: (Instant, u64),
@@ -81,7 +82,7 @@ pub(crate) struct Keeper {
 
 /// The state of a world is not kept at the moment.
 struct Lost {
-    /// When another journal is attempted.
+    /// The instant at which another journal is attempted.
     retry: Instant,
     /// One is being written.
     is_trying: bool,
@@ -124,8 +125,8 @@ impl Keeper {
         }
     }
 
-    /// A tick has begun, or somebody is going to be told something: where the world waits for its brains, all until now goes
-    /// into the journal; elsewhere if it is time for that.
+    /// Keeps the state at the start of a tick or before an answer: where the world waits for its brains, all until now
+    /// goes into the journal; elsewhere if it is time for that.
     pub(crate) fn keep(&mut self, now: &Now<'_>) {
         let waits = waits(now.pace);
         if waits || self.entries.len() >= MOST_COLLECTED || self.since(self.written) >= WRITE_EVERY {
@@ -180,7 +181,7 @@ impl Keeper {
     /// Another run begins, or it goes on from another state: so does another journal.
     pub(crate) fn begin(&mut self, now: &Now<'_>) {
         if self.lost.is_some() {
-            // It may be kept again with this one, and what follows belongs to it.
+            // The world may be kept again with this journal, and what follows belongs to it.
             self.begin_again(now);
         } else {
             self.begin_journal(now);
@@ -228,7 +229,8 @@ impl Keeper {
         self.files.wakes_if_lost(waker);
     }
 
-    /// When another journal is to be attempted, if nothing is kept at the moment; at once if that has not been noted yet.
+    /// The instant at which another journal is to be attempted, if nothing is kept at the moment; at once if that has
+    /// not been noted yet.
     pub(crate) fn retry_at(&self) -> Option<Instant> {
         match &self.lost {
             Some(lost) => Some(lost.retry),
@@ -332,7 +334,7 @@ impl Keeper {
     }
 }
 
-/// Whether a world waits for its brains: then nobody is told anything that is not in the journal.
+/// Whether a world waits for its brains: then no answer has anything that is not in the journal.
 fn waits(pace: Pace) -> bool {
     pace.lockstep().is_some()
 }

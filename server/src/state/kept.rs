@@ -48,13 +48,13 @@ pub enum Found {
 
 /// A world that goes on as its server left it.
 pub struct KeptWorld {
-    /// Its name.
+    /// The name of the world.
     pub name: String,
-    /// Its scenario.
+    /// The world's scenario.
     pub scenario: Arc<Scenario>,
-    /// Its tick.
+    /// The tick of the world.
     pub tick: u64,
-    /// When that is, in seconds.
+    /// The instant at which that is, in seconds.
     pub time_s: f64,
     /// A remark.
     pub note: Option<String>,
@@ -71,7 +71,7 @@ pub(crate) struct Resumed {
     /// The scenario with which it was made.
     pub(crate) made: Arc<Scenario>,
     pub(crate) ports: Vec<PortState>,
-    /// Whether robots had brains, as the sessions tell it.
+    /// Whether robots had brains, in the form of the sessions.
     pub(crate) slots: Vec<u8>,
     pub(crate) snapshots: Vec<KeptSnapshot>,
     /// The recording.
@@ -83,7 +83,7 @@ pub(crate) struct KeptSnapshot {
     pub(crate) number: u64,
     pub(crate) world: World,
     pub(crate) ports: Vec<PortState>,
-    /// Its file.
+    /// The file of the snapshot.
     pub(crate) bytes: Vec<u8>,
 }
 
@@ -93,10 +93,10 @@ pub(super) type Unusable = (PathBuf, Problem);
 /// The fault of a file or a folder.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Problem {
-    /// It is a journal, or a snapshot, that cannot be used or read.
+    /// A journal, or a snapshot, cannot be used or read.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// It is a folder that has something, but no journal.
+    /// The folder has files, but no journal.
     #[error("has no journal")]
     NoJournal,
 }
@@ -151,7 +151,7 @@ pub(super) fn peek(storage: &dyn Storage, name: &str, folder: &Path) -> Result<O
     }
     match begun {
         Some(unusable) => Err(unusable),
-        // A journal gets its name when it is whole: the server was killed before it had said that the world is there.
+        // A journal gets its name when it is whole: the server was killed before it had confirmed the world.
         None if file_names::is_unused(storage, folder).map_err(at)? => Ok(None),
         None => Err((folder.to_owned(), Problem::NoJournal)),
     }
@@ -222,7 +222,7 @@ pub(super) fn snapshot(
 ) -> Result<KeptSnapshot, JournalError> {
     let bytes = storage.read(path)?;
     let journal = Journal::read(&bytes)?;
-    // It is written to another name first, and then whole.
+    // A snapshot gets its name only when it is whole, so a torn one is damaged.
     if journal.torn() > 0 {
         return Err(JournalError::Damaged(journal.length()));
     }

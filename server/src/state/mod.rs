@@ -1,9 +1,9 @@
 //! State that outlives the server: worlds, their snapshots and recordings are there again after it was killed.
 //!
-//! A [`StateFolder`] has a folder for each world, with a [journal](baudbot_recording::journal) and the snapshots. The world's
-//! side is the [`Keeper`]: it collects what enters the world, and decides when that has to be in the file. Where a world waits
-//! for its brains, that is before anybody is told of the tick, and the world's own thread writes. Elsewhere it is twice a
-//! second, and the folder's thread writes ([`threads`]), so that no clock waits for a disk.
+//! A [`StateFolder`] has a folder for each world, with a [journal](baudbot_recording::journal) and the snapshots. The
+//! world's side is the [`Keeper`]: it collects what enters the world, and decides when that has to be in the file.
+//! Where a world waits for its brains, that is before any message about the tick, and the world's own thread writes.
+//! Elsewhere it is twice a second, and the folder's thread writes ([`threads`]), so that no clock waits for a disk.
 //!
 //! All goes through a trait, [`Storage`]: the system's disk and clock, or simulated ones, which fail as a seed wants it. A journal is
 //! open only as long as it is written to, so that worlds leave files for connections ([`shared`]).

@@ -116,7 +116,7 @@ pub trait Stored: Debug + Send {
 /// Something in a folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Listed {
-    /// Its name.
+    /// The entry's name.
     pub name: String,
     /// The kind; a link is none of both.
     pub kind: Kind,
@@ -125,9 +125,9 @@ pub struct Listed {
 /// The kind of file under a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A file.
+    /// The entry is a file.
     File,
-    /// A folder.
+    /// The entry is a folder.
     Folder,
     /// Something else, which may hold up who opens it.
     Other,
@@ -210,7 +210,7 @@ impl Stored for File {
     }
 
     fn sync(&self) -> io::Result<()> {
-        // Its length is part of its data.
+        // The length of the file is part of its data.
         self.sync_data()
     }
 }

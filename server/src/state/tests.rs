@@ -212,7 +212,7 @@ fn what_is_no_world_or_cannot_be_read_is_left_as_it_is_and_the_others_go_on() {
     }
 }
 
-/// Without a place to stay open: each write opens the journal.
+/// The journal has no place to stay open: each write opens it.
 fn shared() -> Shared {
     let (threads, places) = (Threads::start().unwrap(), Arc::new(Semaphore::new(0)));
     Shared { storage: Arc::new(System), threads, places }

@@ -18,7 +18,7 @@ pub(super) enum Threads {
         writer: Sender<Arc<WorldFiles>>,
         syncer: Sender<Arc<WorldFiles>>,
     },
-    /// Tasks of the runtime of whoever writes do their work.
+    /// Tasks of the writer's runtime do the work.
     Tasks,
 }
 

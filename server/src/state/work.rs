@@ -22,7 +22,7 @@ pub(super) enum Work {
 }
 
 impl Work {
-    /// Its bytes.
+    /// The number of bytes of the work.
     pub(super) fn bytes(&self) -> usize {
         match self {
             Self::Append(bytes, _) | Self::Snapshot(_, bytes) => bytes.len(),
@@ -33,7 +33,7 @@ impl Work {
         }
     }
 
-    /// Its bytes if they are a whole state, which may be large.
+    /// The number of bytes if they are a whole state, which may be large.
     pub(super) fn whole(&self) -> usize {
         match self {
             Self::Begin { .. } | Self::Snapshot(..) => self.bytes(),

@@ -9,7 +9,7 @@ use tonic::Status;
 /// Raises the process' limit of open files; there is none.
 pub fn raise_descriptor_limit() {}
 
-/// The limit of connections of a server that is not told a number.
+/// The limit of connections of a server by default.
 pub(crate) fn usual_connections() -> usize {
     1024
 }

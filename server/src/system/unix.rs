@@ -30,7 +30,7 @@ fn descriptors() -> Descriptors {
     Descriptors::of(getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX))
 }
 
-/// The most connections of a server, which is the limit of one that is not told a number.
+/// The most connections of a server, and the default of its limit.
 pub(crate) fn usual_connections() -> usize {
     descriptors().connections
 }

@@ -29,7 +29,7 @@ enum What {
 /// The acts of a request, and the places of its worlds, in their order.
 ///
 /// # Errors
-/// If it makes no sense, with its field.
+/// If it is invalid, with its field.
 pub(super) fn checked(
     request: v1::TrainRequest,
     worlds: &[Trained],

@@ -1,4 +1,4 @@
-//! The trainers' service: a stream that drives the robots of many worlds, and is told the truth about them.
+//! The trainers' service: a stream that drives the robots of many worlds, and gets the truth about them.
 //!
 //! A trainer holds robots by the same sessions, and its Steps take the same way, as those of a brain (`brain_link`). Only what
 //! comes back is more: with each Turn, and with the end of a run, the truth at the start of that tick (`truth`). A trainer is
@@ -86,7 +86,7 @@ fn within(field: &str, status: &Status) -> Status {
     Status::new(status.code(), format!("{field}.{}", status.message()))
 }
 
-/// Answers the requests of a trainer until it is gone or one of them makes no sense; then its robots are let go.
+/// Answers the requests of a trainer until it is gone or one of them is invalid; then its robots are released.
 async fn train(
     mut requests: Streaming<v1::TrainRequest>,
     mut worlds: Vec<Trained>,
@@ -95,7 +95,7 @@ async fn train(
 ) {
     let end = tokio::select! {
         end = answer_all(&mut requests, &mut worlds, &responses) => end,
-        // Whoever does not read any more is gone.
+        // A trainer that no longer reads is gone.
         () = responses.closed() => Ok(()),
         _ = stopped.wait_for(|stopped| *stopped) => Err(Status::unavailable("this server stops")),
     };

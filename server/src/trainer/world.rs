@@ -17,7 +17,7 @@ pub(super) struct Trained {
     world: WorldHandle,
     steps: Steps,
     told: mpsc::Receiver<Told>,
-    /// Until it has been told.
+    /// The Welcome until it has been sent.
     welcome: Option<v1::Welcome>,
     /// The hold on the robots, or the reason why they were released.
     hold: Result<Hold, Status>,
@@ -29,7 +29,7 @@ pub(super) struct Trained {
     collisions: Option<(u64, Vec<u64>)>,
 }
 
-/// The hold of robots, and what the trainer has been told last.
+/// The hold of robots, and the last result for the trainer.
 struct Hold {
     lease: Lease,
     /// The number of the Turn that is to be answered; `None` before the first, and once the run is over.
@@ -83,7 +83,7 @@ impl Trained {
     /// Checks a Step.
     ///
     /// # Errors
-    /// If it makes no sense, or answers another Turn than the last, with its field.
+    /// If it is invalid, or answers another Turn than the last, with its field.
     pub(super) fn check(&self, step: v1::Step) -> Result<CheckedStep, Status> {
         let step = self.steps.checked(step)?;
         match &self.hold {
@@ -98,7 +98,7 @@ impl Trained {
     pub(super) fn step(&mut self, step: CheckedStep) {
         let Ok(hold) = &mut self.hold else { return };
         if hold.turn.take().is_some() {
-            // Of a world that is over, the stream says so.
+            // The end of a world is reported by its stream.
             self.steps.send(&hold.lease, step);
         } else {
             self.refusal = Some(Status::failed_precondition("step: the run has ended; reset the world"));
@@ -109,7 +109,7 @@ impl Trained {
     pub(super) fn note_reset(&mut self, done: Result<u64, Status>) {
         match done {
             Ok(era) => self.era = era,
-            // The world is over, and the stream says why.
+            // The world is over, and the stream has the reason.
             Err(status) if status.code() == Code::Aborted => {}
             Err(status) => self.refusal = Some(status),
         }
@@ -158,7 +158,7 @@ impl Trained {
         }
     }
 
-    /// The trainer is told a Turn, which it is to answer, or an end.
+    /// Notes a result for the trainer: a Turn, which it is to answer, or an end.
     fn told(&mut self, result: v1::WorldResult) -> v1::WorldResult {
         if let Ok(hold) = &mut self.hold {
             hold.turn = if let Some(Outcome::Turn(turn)) = &result.outcome { Some(turn.turn) } else { None };
@@ -174,8 +174,8 @@ impl Trained {
         result
     }
 
-    /// Notes how often each robot has collided, and says of each whether it has since the trainer was told last, or since the world
-    /// was reset or restored.
+    /// Notes how often each robot has collided, and marks those that have since the trainer's last result, or since the
+    /// world was reset or restored.
     fn note_collisions(&mut self, truth: &mut Truth) {
         let truths = &mut truth.standing.truths;
         let now: Vec<_> = truths.iter().map(|robot| robot.collisions).collect();

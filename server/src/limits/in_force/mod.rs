@@ -27,7 +27,7 @@ struct Shared {
     memory: Arc<Memory>,
     parsing: Parsing,
     overload: Overload,
-    /// Of all worlds that lag.
+    /// The throttle of the messages of all worlds that lag.
     lags: Throttle,
     unread: Unread,
     making: Making,
@@ -197,7 +197,7 @@ impl InForce {
         self.refuse(Limit::Connections, what, None)
     }
 
-    /// So many connections have a place.
+    /// Notes the number of connections that have a place.
     pub(crate) fn note_connections(&self, taken: usize) {
         self.0.counts[Limit::Connections as usize].store(taken, Ordering::Relaxed);
     }
@@ -227,7 +227,7 @@ impl InForce {
         })
     }
 
-    /// Whether this caller has been told no more than it may be.
+    /// Whether this caller has had no more bytes than it may.
     pub(super) fn has_budget(&self, tally: &Tally) -> bool {
         let per_s = self.requests_per_s(tally);
         per_s.is_none_or(|per_s| tally.has_budget(clock::now(), per_s, burst(per_s)))
@@ -239,7 +239,7 @@ impl InForce {
         Some(u32::try_from(per_s).unwrap_or(u32::MAX))
     }
 
-    /// Those who make answers.
+    /// The makers of answers.
     pub(crate) fn making(&self) -> &Making {
         &self.0.making
     }

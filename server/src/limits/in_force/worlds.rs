@@ -86,7 +86,7 @@ impl InForce {
         })
     }
 
-    /// Memory for a scenario that is there, unless another world has it, too.
+    /// Memory for a scenario that exists, unless another world has it, too.
     ///
     /// # Errors
     /// If there is not so much.
@@ -99,7 +99,8 @@ impl InForce {
         self.0.overload.note(now);
     }
 
-    /// A world has let time go. If it is to be told of all worlds: how often that has happened since it was last told.
+    /// Notes a lag that a world has skipped. If a message about all worlds is due: the number of such lags since the
+    /// last one.
     pub(crate) fn lag_in_all(&self, now: Instant) -> Option<u64> {
         self.0.lags.note(now)
     }
@@ -125,7 +126,8 @@ impl InForce {
         Some(held)
     }
 
-    /// Reads something, when it is its turn, with memory for the time that it takes. What nobody waits for any more is not begun.
+    /// Reads something, when it is its turn, with memory for the time that it takes. Work is not begun if its client
+    /// has gone.
     ///
     /// # Errors
     /// If too many wait, or there is not so much memory; or if the work panics.
@@ -144,7 +146,7 @@ impl InForce {
         let waiter = Waiter(Cancelled::default());
         let cancelled = waiter.0.clone();
         let work = move || {
-            // Kept until the work is done, even if nobody waits for it any more.
+            // The permit is kept until the work is done, even if the client has gone.
             let _kept = (permit, held);
             work(&cancelled)
         };
