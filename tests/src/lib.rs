@@ -19,7 +19,7 @@ pub const KHEPERA: &str = include_str!("../../catalogue/scenarios/khepera.toml")
 /// A scenario with some fields changed.
 ///
 /// # Panics
-/// If the scenario or a change makes no sense.
+/// If the scenario or a change is invalid.
 pub fn scenario(toml: &str, changes: &[&str]) -> Scenario {
     let changes: Vec<_> = changes.iter().map(|text| Override::parse(text).expect("an override")).collect();
     baudbot_scenario::parse_with(toml, &changes).unwrap_or_else(|error| panic!("{error}"))

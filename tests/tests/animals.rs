@@ -80,7 +80,7 @@ fn ant(seed: u64) -> (f64, f64, bool) {
             vector_m.get_or_insert_with(|| distance_m(&local));
         }
         if state == "home" {
-            // Until it stands.
+            // The run goes on until the robot stands.
             local.run(50);
             return (vector_m.unwrap(), distance_m(&local), true);
         }

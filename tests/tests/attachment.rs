@@ -9,7 +9,7 @@ use baudbot_tests::system::{client, lockstep, serve as serve_world, status, stri
 use baudbot_tests::{WANDER, crowd, scenario};
 use tokio::sync::mpsc;
 
-/// Keeps still.
+/// A brain that keeps still.
 struct Still;
 
 impl Brain for Still {

@@ -84,7 +84,7 @@ async fn who_did_what_is_in_the_log_and_in_the_recording() {
     class.server.shutdown().await;
     let lines = lines(&folder.path().join("audit.jsonl"));
     let mut told: Vec<_> = lines.iter().map(brief).collect();
-    // When the server notices that the brain is gone is chance.
+    // The instant at which the server notices the end of the brain is a matter of chance.
     told.sort();
     let expected = [
         "begin alice Attach w/other -",
@@ -107,7 +107,7 @@ async fn who_did_what_is_in_the_log_and_in_the_recording() {
     assert!(events.contains(&"`mine` drives `robot` (token alice)"), "{events:?}");
 }
 
-/// Nobody without a token can fill the disk by being refused.
+/// Refused callers without a token cannot fill the disk.
 #[tokio::test]
 async fn a_flood_of_refusals_has_few_lines() {
     let folder = tempfile::tempdir().unwrap();

@@ -76,7 +76,7 @@ async fn a_state_that_was_kept_within_a_tick_is_changed_after_it() {
     drop(robot);
     let tick = status(&server).await.tick;
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
-    // Its brain has to be gone before it goes on.
+    // The brain has to be gone before the world goes on.
     while status(&server).await.tick == tick {
         tokio::time::sleep(Duration::from_millis(1)).await;
     }

@@ -12,7 +12,7 @@ use tonic::{Code, Status};
 
 type Operator = ControlServiceClient<Channel>;
 
-/// A server with the world `w`, which does ticks when it is told to; an operator and a client over TCP.
+/// A server with the world `w`, which is stepped; an operator and a client over TCP.
 async fn serve() -> (Server, Operator, Client) {
     let server = serve_on_ports(scenario(WANDER, &[]), Pace::Stepped(Lockstep::default())).await;
     let tcp = |address: &Address| if let Address::Tcp(tcp) = address { Some(*tcp) } else { None };

@@ -1,4 +1,4 @@
-//! Connections: those that ask for nothing keep nobody out, and those that have asked stay.
+//! Connections: silent ones do not keep others out, and those with a call stay.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ async fn brain(server: &Server) -> Client {
     connect(&tcp(server).to_string()).await.unwrap()
 }
 
-/// Waits until the other side has closed the connection, and says how long that took.
+/// Waits until the other side has closed the connection, and returns how long that took.
 async fn closed(mut io: impl AsyncRead + Unpin, started: Instant) -> Duration {
     let mut rest = Vec::new();
     // Closed with something unread is a reset.
@@ -149,7 +149,7 @@ async fn who_has_asked_for_nothing_is_closed_in_time_however_far_it_came() {
     server.shutdown().await;
 }
 
-/// Bytes both ways.
+/// A connection for bytes both ways.
 trait Duplex: AsyncRead + AsyncWrite + Unpin + Send {}
 
 impl<IO: AsyncRead + AsyncWrite + Unpin + Send> Duplex for IO {}
@@ -159,7 +159,7 @@ async fn a_brain_that_is_attached_may_be_silent_for_as_long_as_it_likes() {
     let server = serve("patient", |builder| builder.first_call_within(Duration::from_secs(2))).await;
     let client = brain(&server).await;
     let mut robot = client.attach("w", "r0").await.unwrap();
-    // Its world stands, so nothing is said either way.
+    // The world stands, so neither side sends anything.
     tokio::time::sleep(Duration::from_secs(3)).await;
     let mut operator = operator(&server).await;
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();

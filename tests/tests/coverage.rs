@@ -24,7 +24,7 @@ async fn coverage(server: &Server) -> Result<v1::GetCoverageResponse, Status> {
     Ok(observer(server).await.get_coverage(request).await?.into_inner())
 }
 
-/// Whether each cell is in the set that runs tell, row by row.
+/// Whether each cell is in the set of the runs, row by row.
 fn cells(runs: &[u32]) -> Vec<bool> {
     runs.iter().enumerate().flat_map(|(i, &run)| std::iter::repeat_n(i % 2 == 1, run as usize)).collect()
 }
@@ -34,12 +34,12 @@ fn share(of: &[u32], all: &[u32]) -> f64 {
     count(of) as f64 / count(all) as f64
 }
 
-/// Shares covered and sensed, as a map of the floor says.
+/// The fractions covered and sensed, by a map of the floor.
 fn shares(map: &v1::GetCoverageResponse) -> (f64, f64) {
     (share(&map.covered, &map.free), share(&map.sensed, &map.free))
 }
 
-/// The same as the referee says.
+/// The same by the referee's counters.
 fn counted(status: &v1::WorldStatus) -> (f64, f64) {
     let score = status.score.as_ref().unwrap();
     (score.covered.unwrap(), score.sensed.unwrap())
@@ -83,11 +83,11 @@ async fn a_robot_that_drives_covers_the_cells_that_its_score_counts() {
     server.shutdown().await;
 }
 
-/// Fingerprint of a run in which somebody asks for the map at every so many Turns, or nobody does.
+/// Fingerprint of a run in which the map is requested at every so many Turns, or never.
 async fn hash_of_a_run(every: Option<u64>) -> u64 {
     let server = serve(scenario(COVERAGE, &["end.after_s=2.0"]), lockstep()).await;
     let channel = server.channel().await.unwrap();
-    // The world goes ahead of this brain, unless somebody looks.
+    // The world goes ahead of this brain, unless there is an observer.
     let client = client(&server).await.thinks_as_scenario();
     let mut robot = client.attach("w", "robot").await.unwrap();
     let mut brain = catalogue::brain("avoid", 1, robot.body()).unwrap();
@@ -97,7 +97,7 @@ async fn hash_of_a_run(every: Option<u64>) -> u64 {
         let due = every.is_some_and(|every| turns % every == 0);
         let mut observer = ObserveServiceClient::new(channel.clone());
         let request = v1::GetCoverageRequest { world: "w".into() };
-        // A world that is ahead tells nothing before its brain has answered.
+        // A world that is ahead gives no map before its brain has answered.
         let asked = due.then(|| tokio::spawn(async move { observer.get_coverage(request).await }));
         tokio::task::yield_now().await;
         robot.act(brain.step(&turn)).await.unwrap();

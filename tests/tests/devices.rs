@@ -125,7 +125,7 @@ const LITTLE: &str = r#"
     microcontroller = { operations_per_s = 1e6, ram_bytes = 2048 }
 "#;
 
-/// Looks ahead for half a second, then to the left, and creeps on.
+/// A brain that looks ahead for half a second, then to the left, and creeps on.
 struct Look;
 
 impl Brain for Look {
@@ -185,7 +185,7 @@ async fn a_turned_head_looks_elsewhere_and_the_scan_has_nothing_where_nothing_is
         robot.act(Look.step(&turn)).await.unwrap();
     }
     assert!(scans >= 9, "{scans}");
-    // Before the head turns, the box; at the end the ball.
+    // The sonar has the box before the head turns; at the end the ball.
     assert!((0.9..1.0).contains(&sonar[20]), "{}", sonar[20]);
     let last = *sonar.last().unwrap();
     assert!((0.3..0.5).contains(&last), "{last}");
@@ -272,7 +272,7 @@ async fn the_same_run_in_process_and_over_grpc() {
     server.shutdown().await;
 }
 
-/// Notes its turns.
+/// A brain that notes its turns.
 struct Notebook(Vec<Turn>);
 
 impl Brain for Notebook {
@@ -365,7 +365,7 @@ async fn what_makes_no_sense_is_refused_with_its_field() {
     }
 }
 
-/// Says how much it did, each time a little more.
+/// A brain that publishes the number of its steps, each time a little more.
 struct Diligent(u64);
 
 impl Brain for Diligent {
@@ -449,7 +449,7 @@ async fn what_was_last_sent_goes_back_in_time_with_the_world() {
     brain.await.unwrap().unwrap_err();
 }
 
-/// Those in force on the scout's actuators.
+/// The signals in force on the scout's actuators.
 async fn signals(server: &Server) -> Vec<f64> {
     let mut observer = ObserveServiceClient::new(server.channel().await.unwrap());
     let watch =

@@ -1,4 +1,4 @@
-//! Each brain of the catalogue on all cables: it answers what comes as often as `baudbot budget` says that it can, never less
+//! Each brain of the catalogue on all cables: it answers messages as often as `baudbot budget` computes, never less
 //! often on a faster cable, and drives as far.
 
 use baudbot_brains::catalogue::catalogue;
@@ -11,7 +11,7 @@ use baudbot_tests::{InProcess, scenario};
 pub(crate) struct Home {
     pub(crate) brain: &'static str,
     pub(crate) toml: &'static str,
-    /// It drives, and has no goal at which it stops: how far it drives counts, too.
+    /// The robot drives on, without a goal at which it stops: the distance counts, too.
     drives_on: bool,
 }
 
@@ -43,7 +43,7 @@ pub(crate) const HOMES: &[Home] = &[
     home!("tour", "tour", false),
     home!("wander", "wander", false),
     home!("wedge", "wedge", false),
-    // Its distance depends on the place where it finds the damp.
+    // The woodlouse's distance depends on the place where it finds the damp.
     home!("woodlouse", "ecoli-one", false),
 ];
 
@@ -52,13 +52,15 @@ const LEFT_OUT: &[(&str, &str)] = &[];
 
 /// The part of the foretold exchanges that is reached, if it is less than nine tenths.
 const FEWER: &[(&str, Mode, &str, f64)] = &[
-    // It swings its head all the time, and the times of a radio's messages hide when its commands are in their way.
+    // The larva swings its head all the time, and the times of a radio's messages hide when its commands are in their
+    // way.
     ("larva", Mode::Streamed, "radio", 0.85),
-    // Its messages are the longest, so the most are damaged, and each costs the time until the answer is overdue.
+    // The sweeper's messages are the longest, so the most are damaged, and each costs the time until the answer is
+    // overdue.
     ("sweeper", Mode::Polled, "radio", 0.85),
 ];
 
-/// From the slowest cable to the fastest.
+/// The cables from the slowest to the fastest.
 const LADDER: [(&str, &str); 6] = [
     ("1200", "kind = \"uart\", baud = 1200"),
     ("4800", "kind = \"uart\", baud = 4800"),
@@ -79,7 +81,7 @@ const OTHERS: [(&str, &str); 4] = [
     ),
 ];
 
-/// From then on exchanges are counted, in seconds: on the slowest cable the first takes half a second.
+/// The time from which on exchanges are counted, in seconds: on the slowest cable the first takes half a second.
 const BEGUN_S: f64 = 2.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -198,7 +200,8 @@ fn faults(home: &Home, mode: Mode, runs: &[(&str, Run)], is_ladder: bool) -> Vec
     faults
 }
 
-/// Of each brain a few seconds on a slow cable and two fast ones; that each drives as far is in the test below.
+/// Runs of a few seconds with each brain on a slow cable and two fast ones; that each drives as far is in the test
+/// below.
 #[test]
 fn each_brain_answers_as_often_as_its_budget_foretells() {
     let mut all = Vec::new();

@@ -103,7 +103,7 @@ fn age_of_an_echo_ms(gap_m: f64) -> f64 {
 
 #[test]
 fn a_ping_answers_after_115_us_to_18_5_ms_of_echo() {
-    // The hold-off of 0.75 ms comes before the echo. The wire tells ages in tenths of a millisecond, and a brain that
+    // The hold-off of 0.75 ms comes before the echo. The wire has ages in tenths of a millisecond, and a brain that
     // asks once a millisecond waits for up to one more.
     let (near, far) = (age_of_an_echo_ms(0.02), age_of_an_echo_ms(5.0));
     assert!((0.75 + 0.115 - 0.1..0.75 + 0.115 + 1.1).contains(&near), "{near}");
@@ -256,7 +256,7 @@ fn a_signal_that_is_lost_for_150_ms_makes_a_small_dip_in_a_utility() {
     assert!((before - 0.905148).abs() < 1e-6, "{before}");
     assert!((filtered - 0.057223).abs() < 1e-6, "{filtered}");
     assert_eq!((steps, drove_m < 1e-6), (15, true), "{drove_m}");
-    // Without the filter the robot starts into the door.
+    // The robot starts into the door without the filter.
     let (before, unfiltered, _, drove_m) = dip("patient:motor.wait.utility.tau_s=0.01");
     assert!((before - 0.905148).abs() < 1e-6 && drove_m > 0.01, "{before} {drove_m}");
     assert!((unfiltered - 0.143554).abs() < 1e-6, "{unfiltered}");

@@ -1,4 +1,4 @@
-//! Floods: of bytes, of Steps, of brains that come and go. What is too much is counted, and nobody else notices.
+//! Floods: of bytes, of Steps, of brains that come and go. What is too much is counted, and others are not affected.
 
 use std::time::{Duration, Instant};
 

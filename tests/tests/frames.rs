@@ -110,13 +110,13 @@ type Arrival = (u64, u64);
 struct Oracle {
     run: Arc<RecordedRun>,
     world: World,
-    /// Of each robot's timeline, when events began and ended, and how many there were as each tick began.
+    /// The begin and the end of the events of each robot's timeline, and how many there were as each tick began.
     events: Vec<(u64, u64)>,
     events_before: Vec<usize>,
     acquired: Vec<Option<u64>>,
     framed: Vec<Vec<(usize, u64)>>,
     arrivals: Vec<Vec<Arrival>>,
-    /// When the brain has stepped.
+    /// The instants at which the brain has stepped.
     steps: Vec<u64>,
 }
 
@@ -351,7 +351,7 @@ fn durations(histogram: &Histogram) -> Option<v1::Durations> {
     })
 }
 
-/// A frame that somebody was shown: after which tick's it came, `None` if it was the first.
+/// A frame of an observer, with the tick behind which it came, `None` if it was the first.
 type Seen = (&'static str, Option<u64>, v1::WatchResponse);
 
 /// An observer who stays.
@@ -468,7 +468,7 @@ async fn every_number_of_a_frame_is_of_its_own_instant() {
     assert_eq!((least, most), (204, 404), "in tenths of a millisecond");
 }
 
-/// A frame without what is told once. No event has begun later than the frame.
+/// A frame without its one-time parts. No event has begun later than the frame.
 fn lasting(frame: &v1::WatchResponse) -> String {
     let mut frame = frame.clone();
     for detail in &mut frame.details {

@@ -1,6 +1,6 @@
-//! The fingerprints of whole runs, the same on every machine, in debug and release. A change that moves one
-//! says why in its commit, and updates the table:
-//! `BAUDBOT_PRINT_HASHES=1 cargo test -p baudbot-tests --test golden_hashes -- --nocapture`.
+//! The fingerprints of whole runs, the same on every machine, in debug and release. A change that moves one has the
+//! reason in its commit, and updates the table: `BAUDBOT_PRINT_HASHES=1 cargo test -p baudbot-tests --test
+//! golden_hashes -- --nocapture`.
 
 use baudbot_sim::World;
 use baudbot_tests::{ARSIM, InProcess, KHEPERA, WANDER, crowd, scenario};

@@ -1,5 +1,5 @@
 //! The original ARSim's trajectories, row by row: in process to 1e-12, through gRPC in lockstep to 1e-9.
-//! `tests/golden/README.md` says how the rows came about.
+//! `tests/golden/README.md` has the origin of the rows.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::mpsc;

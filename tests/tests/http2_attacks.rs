@@ -1,5 +1,6 @@
-//! The attacks on HTTP/2 of the last years, by name, byte for byte. A world in lockstep beside goes on and ends as it must, others are
-//! answered meanwhile, what the server holds does not grow, and where an attacker can be told from a client it is closed.
+//! The attacks on HTTP/2 of the last years, by name, byte for byte. A world in lockstep beside goes on and ends as it
+//! must, others are answered meanwhile, what the server holds does not grow, and where an attacker can be distinguished
+//! from a client it is disconnected.
 //!
 //! A program of its own, as it measures what this process holds.
 
@@ -161,7 +162,7 @@ impl Beside {
     fn check_held(&self, megabytes: usize) {
         let (before, now) = (self.before, Held::now());
         assert!(now.bytes < before.bytes + (megabytes << 20), "{before:?}, {now:?}");
-        // Of those that block there are few.
+        // The threads that block are few.
         assert!(now.threads < before.threads + 24, "{before:?}, {now:?}");
     }
 }
@@ -195,7 +196,7 @@ async fn ask(address: SocketAddr, is_over: Arc<AtomicBool>, answered: Arc<Atomic
 /// A connection that breaks the rules.
 struct Attacker {
     write: OwnedWriteHalf,
-    /// Reads what comes, and tells at the end whether it was told to go away.
+    /// The task that reads what comes, and returns at the end whether there was a GOAWAY.
     reader: Option<JoinHandle<Option<u32>>>,
     sent: u64,
 }
@@ -205,7 +206,7 @@ impl Attacker {
         Self::with_settings(address, &[]).await
     }
 
-    /// One that says these settings, each with its value.
+    /// An attacker that sends these settings, each with its value.
     async fn with_settings(address: SocketAddr, settings: &[(u16, u32)]) -> Self {
         let (read, write) = TcpStream::connect(address).await.unwrap().into_split();
         let mut attacker = Self { write, reader: Some(tokio::spawn(read_to_the_end(read))), sent: 0 };
@@ -365,7 +366,8 @@ async fn made_you_reset() {
     }
 }
 
-/// CVE-2019-9512, CVE-2019-9515: frames that have to be answered, by one who reads the answers and one who does not.
+/// CVE-2019-9512, CVE-2019-9515: frames that have to be answered, by a client that reads the answers and one that does
+/// not.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn ping_and_settings_flood() {
     for piece in
@@ -387,8 +389,8 @@ async fn ping_and_settings_flood() {
     }
 }
 
-/// The same by one who has asked for something, and so may be silent for as long as it likes, and whatever else costs the server a look and
-/// gets nothing done.
+/// The same by a client that has asked for something, and so may be silent for as long as it likes, and whatever else
+/// costs the server a look and gets nothing done.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn floods_of_frames_that_carry_nothing() {
     const UNKNOWN: u8 = 0x42;
@@ -608,7 +610,8 @@ async fn what_waits_for_the_reader_of_any_method_is_counted() {
     server.shutdown().await;
 }
 
-/// A thousand times the same question about a large world, by one who does not read: one status is made, and no more waits than may.
+/// A thousand times the same question about a large world, by a client that does not read: one status is made, and no
+/// more waits than may.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_thousand_questions_are_answered_by_one_status() {
     const MOST: u64 = 4 << 20;
@@ -638,7 +641,7 @@ async fn a_thousand_questions_are_answered_by_one_status() {
     while metric(&server, ended).await < 900.0 {
         assert!(began.elapsed() < Duration::from_secs(30), "{}", metric(&server, ended).await);
         let waits = metric(&server, UNREAD).await;
-        // Of each call the network has a piece, which is counted until it goes.
+        // The network has a piece of each call, which is counted until it goes.
         assert!(waits <= (MOST + u64::from(CALLS) * PIECE) as f64, "{waits}");
     }
     assert_eq!(metric(&server, "baudbot_world_statuses_made_total{world=\"w\"}").await, 1.0);
@@ -650,7 +653,7 @@ async fn a_thousand_questions_are_answered_by_one_status() {
     server.shutdown().await;
 }
 
-/// A table is filled once, and then told of again and again: some bytes become megabytes.
+/// A table is filled once, and then referred to again and again: some bytes become megabytes.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn hpack_bomb() {
     let beside = Beside::begin().await;
@@ -737,7 +740,8 @@ fn identity(folder: &std::path::Path) -> (std::path::PathBuf, std::path::PathBuf
     (paths.certificate, paths.key)
 }
 
-/// Connections that are made and left, in good order and by a reset, as a scan of ports does; and some that stay and say nothing.
+/// Connections that are made and left, in good order and by a reset, as a scan of ports does; and some that stay and
+/// send nothing.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn half_open_connections() {
     let beside = Beside::begin().await;
@@ -814,7 +818,7 @@ fn a_thousand_unread() {
     };
     let (looker, operator) = (token("looker", &["observe"]), token("op", &["operate", "drive */*"]));
     let (started, address) = std::sync::mpsc::channel();
-    // As in the program: all of the network is on one thread.
+    // The runtime is like the program's: all of the network is on one thread.
     std::thread::spawn(move || {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {

@@ -1,4 +1,5 @@
-//! Limits: each is met, told in words and counted; those who are there go on undisturbed, and what is given back can be had again.
+//! Limits: each is reached, reported in words and counted; the other clients go on undisturbed, and what is given back
+//! can be had again.
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant, SystemTime};
@@ -385,7 +386,7 @@ async fn memory_is_refused_before_it_is_taken_and_given_back() {
     let mut control = operator(&server).await;
     let empty = held(&server).await;
     assert!((30_000..1_000_000).contains(&empty), "{empty}");
-    // Its text alone says that it would be too much.
+    // The text alone is enough for a refusal.
     let walls: String = (0..2000)
         .map(|i| format!("[[arena.circles]]\nname = \"p{i}\"\nx_m = {i}.0\ny_m = 0.0\nradius_m = 0.1\n"))
         .collect();
@@ -494,7 +495,7 @@ async fn scenarios_wait_until_they_are_read_and_those_of_clients_who_have_gone_a
     let words = "2 requests wait until theirs is read, which is its limit; try again in 1000 ms, or start it with a larger \
                  --max-waiting";
     assert_exhausted(begin("refused").await.unwrap(), words);
-    // Those who want nothing read wait for nobody.
+    // Calls that have nothing to read do not wait.
     control.list_worlds(v1::ListWorldsRequest {}).await.unwrap();
     gone.abort();
     assert!(gone.await.is_err());
@@ -575,7 +576,7 @@ async fn all_limits_are_told_with_their_values() {
     server.shutdown().await;
 }
 
-/// The limits that this operator is told.
+/// The limits in the response to this operator.
 async fn limits_of(operator: &mut Operator) -> Vec<v1::ServerLimit> {
     operator.get_limits(v1::GetLimitsRequest {}).await.unwrap().into_inner().limits
 }

@@ -32,7 +32,7 @@ impl Brain for Witness {
 struct Tour {
     /// Root of the mean square distance of what is believed from what is, in metres.
     believed_m: f64,
-    /// The greatest distance of what the odometer says from what is, in metres.
+    /// The greatest distance of what the odometer gives from what is, in metres.
     odometer_m: f64,
     collisions: u64,
 }
@@ -97,7 +97,7 @@ fn particles_keep_it_on_its_way_too() {
     assert!(tour.believed_m <= 0.06 && tour.odometer_m > 1.0 && tour.collisions == 0, "{tour:?}");
 }
 
-/// It is told a wrong pose, in another room, and turns on the spot.
+/// The robot gets a wrong pose, in another room, and turns on the spot.
 #[test]
 fn who_does_not_know_where_it_is_finds_out_by_particles() {
     let brain = with_particles("everywhere = true\nparticles = 4000");

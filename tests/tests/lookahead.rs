@@ -201,7 +201,7 @@ async fn who_looks_sees_only_what_strict_lockstep_would_show() {
     let mut brains: Vec<_> = fleet.bodies().iter().map(|body| brain(body)).collect();
     let mut ticks = HashSet::new();
     while let Some(turns) = fleet.turns().await.unwrap() {
-        // The world has the time to go ahead; whoever asks then waits for the answer.
+        // The world has the time to go ahead; an observer that asks then waits for the answer.
         tokio::time::sleep(Duration::from_millis(3)).await;
         let actions: Vec<_> = turns
             .iter()
@@ -231,7 +231,7 @@ async fn a_brain_that_is_silent_for_long_hides_the_world_only_until_the_watchdog
     server.shutdown().await;
 }
 
-/// The server may not have heard yet that the last brain is gone.
+/// The server may not know yet that the last brain is gone.
 async fn attach_patiently(server: &Server) -> baudbot_client::Fleet {
     let names = names(10);
     let names: Vec<_> = names.iter().map(String::as_str).collect();
@@ -250,7 +250,7 @@ async fn a_brain_that_goes_while_the_world_is_ahead_leaves_its_robots_to_another
         for _ in 0..5 {
             let mut fleet = attach_patiently(&server).await;
             for _ in 0..3 {
-                // The run may be over if nobody waits for a brain that is gone.
+                // The run may be over if the world does not wait for a brain that is gone.
                 let Some(turns) = fleet.turns().await.unwrap() else { break };
                 let actions: Vec<_> = turns.iter().map(|(robot, _)| (*robot, Action::wait())).collect();
                 fleet.act(&actions).await.unwrap();

@@ -50,7 +50,8 @@ mod worlds;
 use std::fs;
 use std::path::Path;
 
-/// A file that nobody names is no test: where a package has one program of tests, `tests/main.rs`, that or the manifest names all others.
+/// A file that is not named is no test: where a package has one program of tests, `tests/main.rs`, that or the manifest
+/// names all others.
 #[test]
 fn each_file_of_tests_is_part_of_a_program() {
     let entries = |folder: &Path| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());

@@ -34,7 +34,7 @@ async fn one_of_ten_hangs(policy: WatchdogPolicy) -> (Duration, v1::WorldStatus,
     }
     let took = started.elapsed();
     let status = status(&server).await;
-    // It wakes up, answers the turn that it had, and asks for the next.
+    // The brain wakes up, answers the turn that it had, and asks for the next.
     let answer = hung.drive(Signals { left: 0.1, right: 0.1 }).await;
     let after = match answer {
         Ok(()) => hung.turn().await.map(|_| ()),
@@ -105,7 +105,7 @@ async fn a_brain_that_is_killed_and_restarted_goes_on_with_its_robot() {
         assert!(distance > 0.0);
         drop(robot);
         if policy == WatchdogPolicy::Wait {
-            // The world stands still until somebody takes the robot again.
+            // The world stands still until the robot has a brain again.
             tokio::time::sleep(Duration::from_millis(100)).await;
             let waiting = status(&server).await;
             assert_eq!(waiting.state(), v1::WorldState::WaitingForBrains);
@@ -141,7 +141,7 @@ async fn keeps_to_the_wall_clock(factor: f64, seconds: f64) -> Result<(), String
     let pacing = status.pacing.unwrap();
     assert_eq!(pacing.lateness_us_log2.iter().sum::<u64>(), status.tick);
     assert!(status.robots[0].distance_m > 0.3, "it drove {} m", status.robots[0].distance_m);
-    // The last tick may be late on a busy machine, by what the server says; the rest is the clock's.
+    // The last tick may be late on a busy machine, by the server's own measure; the rest is the clock's.
     let hiccup = pacing.lateness_max_wall_ns as f64 * 1e-9 * factor;
     let wall = status.running_wall_ns as f64 * 1e-9 * factor;
     assert!(wall > seconds * 0.99 && took > seconds * 0.8, "too fast: {wall} and {took} for {seconds}");
@@ -178,7 +178,7 @@ async fn a_free_world_waits_for_nobody() {
     }
     let status = status(&server).await;
     assert_eq!((status.tick, status.robots[0].commands), (100_000, 0));
-    // It did not read, so it lost turns, and that was counted.
+    // The brain did not read, so it lost turns, and that was counted.
     assert!(status.robots[0].lost_deliveries > 0);
     while silent.turn().await.unwrap().is_some() {}
     server.shutdown().await;
@@ -214,7 +214,7 @@ async fn the_pace_can_be_changed_in_the_middle_of_a_run() {
     brain.abort();
 }
 
-/// Answers to Turns of before a reset do not drive the new run, and harm nobody.
+/// Answers to Turns of before a reset do not drive the new run, and do no harm.
 #[tokio::test]
 async fn a_backlog_of_answers_is_void_after_a_reset() {
     let server = serve(scenario(WANDER, &[]), Pace::REAL_TIME).await;

@@ -34,7 +34,7 @@ pub(super) struct Page {
 
 impl Page {
     pub(super) async fn open(server: &Server) -> Self {
-        // As browsers do: small messages do not wait for acknowledgements.
+        // Small messages do not wait for acknowledgements, as in browsers.
         let (url, no_delay) = (format!("ws://{}/page", server.viewers()[0]), true);
         let (socket, _) = connect_async_with_config(url, None, no_delay).await.unwrap();
         Self { socket, kept: VecDeque::new() }
@@ -435,7 +435,7 @@ async fn a_world_that_waits_for_its_brains_stops_the_robot_of_a_page_that_is_gon
     while operator.get_world(request()).await.unwrap().into_inner().status.unwrap().robots[0].attached {
         tokio::time::sleep(Duration::from_millis(10)).await;
     }
-    // It waits for another brain, and the operator has it go on without.
+    // The world waits for another brain, and the operator lets it go on without.
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
     until_it_stands(&mut other, 1).await;
     server.shutdown().await;
@@ -511,7 +511,7 @@ async fn a_page_that_does_not_read_misses_frames_and_slows_nobody() {
     while ticks().await < begun + 20_000 {
         tokio::time::sleep(Duration::from_millis(20)).await;
     }
-    // It reads again: of what it missed only the number is left.
+    // The page reads again: all that is left of the missed frames is their number.
     let mut frame = stalled.frame(1).await;
     while frame.missed_frames == 0 {
         frame = stalled.frame(1).await;

@@ -77,8 +77,7 @@ async fn who_asks_for_pins_is_told_what_is_on_them_and_changes_no_bit() {
     let mut told = Vec::new();
     for tick in (10..=80).step_by(10) {
         step(&server, 10).await;
-        // Of an observer that does not read, frames are lost.
-        // The frame of the last tick comes with the next one.
+        // Frames of an observer that does not read are lost. The frame of the last tick comes with the next one.
         told.extend(events(&mut with, tick - 5).await);
         assert!(events(&mut without, tick - 5).await.is_empty());
     }
@@ -122,7 +121,7 @@ async fn one_who_comes_later_is_told_what_holds() {
     step(&server, 10).await;
     let told: Vec<_> = told.into_iter().chain(events(&mut frames, 35).await).collect();
     let is_pin = |kind| [v1::PinSignalKind::Pin, v1::PinSignalKind::UartPin].contains(&kind);
-    // Those that move just then are told a little later.
+    // The signals that change just then come a little later.
     for (place, signal) in signals.iter().enumerate().filter(|(_, signal)| is_pin(signal.kind())) {
         assert!(told.iter().any(|event| event.signal as usize == place), "{signal:?}");
     }

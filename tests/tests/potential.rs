@@ -26,7 +26,7 @@ enum Knows {
     Hills,
     /// The field has the goal alone, and the robot five infra-red sensors.
     Infrared,
-    /// Both.
+    /// The robot knows both.
     Both,
     /// The field has every second pillar, and the robot five infra-red sensors.
     Half,
@@ -35,7 +35,7 @@ enum Knows {
 /// The course of a run.
 #[derive(Debug)]
 struct Run {
-    /// It said that it has arrived, and was so far from the goal then.
+    /// The distance to the goal at which the robot stated its arrival, in metres.
     arrived_m: Option<f64>,
     collisions: u64,
     after_s: f64,
@@ -54,7 +54,7 @@ fn row(from: [f64; 2], to: [f64; 2], apart_m: f64) -> Vec<[f64; 2]> {
     (0..=count as u32).map(place).collect()
 }
 
-/// Those of a circle but for a gap of so many radians in a direction.
+/// The walls of a circle but for a gap of so many radians in a direction.
 fn ring(radius_m: f64, gap_at_rad: f64, gap_rad: f64) -> Vec<[f64; 2]> {
     let whole = 2.0 * PI - gap_rad;
     let count = (whole * radius_m / 0.3).ceil();
@@ -149,7 +149,7 @@ fn brain(trap: &Trap, knows: Knows, radius_m: f64) -> String {
     )
 }
 
-/// Runs until it says that it has arrived, or for four minutes.
+/// Runs until the robot has published its arrival, or for four minutes.
 fn run(trap: &Trap, knows: Knows, radius_m: f64, start: u64) -> Run {
     let scenario = scenario(&arena(trap, knows, radius_m, start), &[]);
     let description = Description::parse(&brain(trap, knows, radius_m)).unwrap();
@@ -172,7 +172,7 @@ fn run(trap: &Trap, knows: Knows, radius_m: f64, start: u64) -> Run {
     }
 }
 
-/// Runs all of these, and says what is wrong with them.
+/// Runs all of these, and returns what is wrong with them.
 fn wrong(all: &[Knows], radii_m: &[f64], starts: std::ops::Range<u64>) -> Vec<String> {
     let mut wrong = Vec::new();
     for trap in traps() {

@@ -143,7 +143,7 @@ async fn no_error_of_any_call_has_in_it_what_a_terminal_obeys() {
         operator.create_world(create).await.unwrap();
     }
     assert!(refusals > 40, "{refusals}");
-    // These take no text.
+    // These calls take no text.
     assert_eq!(silent, BTreeSet::from(["GetLimits", "ListRecordings", "ListWorlds"]));
     server.shutdown().await;
 }

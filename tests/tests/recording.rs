@@ -1,4 +1,4 @@
-//! Recordings as operators have them: made, listed, replayed forwards and backwards, gone on from; states by value.
+//! Recordings of operators: made, listed, replayed forwards and backwards, gone on from; states by value.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -136,7 +136,7 @@ async fn a_replay_is_an_ordinary_world_for_observers_and_goes_both_ways() {
     }
     assert_eq!((hashes[0], hashes[1]), (hashes[5], hashes[3]));
     assert_ne!(hashes[3], hashes[4]);
-    // It steps, and runs by the clock to its end.
+    // The replay makes a step, and runs by the clock to its end.
     let stepped = v1::pace::Kind::Stepped(v1::Stepped::default());
     let pace = |kind| v1::SetPaceRequest { world: "w".into(), pace: Some(v1::Pace { kind: Some(kind) }) };
     operator.set_pace(pace(stepped)).await.unwrap();
@@ -182,7 +182,7 @@ async fn a_replay_refuses_what_would_change_it_until_it_is_forked() {
     assert_eq!((forked.tick, forked.state_hash, forked.replay), (100, before, None));
     let live = operator.seek_replay(v1::SeekReplayRequest { world: world(), tick: 3 }).await.unwrap_err();
     assert_eq!((live.code(), live.message()), (Code::FailedPrecondition, "world: `w` is live, not a replay"));
-    // From here on it has a brain, and a recording of its own.
+    // The world has a brain from here on, and a recording of its own.
     let request = v1::StartRecordingRequest { recording: "fork".into(), ..named("w") };
     operator.start_recording(request).await.unwrap();
     operator.start_world(v1::StartWorldRequest { world: world() }).await.unwrap();
@@ -217,7 +217,7 @@ async fn a_reset_begins_another_file() {
 #[tokio::test]
 async fn changes_by_hand_are_inputs_and_so_are_late_answers() {
     let folder = folder();
-    // The world goes ahead of this brain, whose answers come late: `drive` promises to think as the scenario says.
+    // The world goes ahead of this brain, whose answers come late: `drive` promises to think as the scenario states.
     let server = with_folder(&folder, lockstep(), &["end.after_s=3.0"]).await;
     let mut operator = operator(&server).await;
     operator.start_recording(named("w")).await.unwrap();
@@ -292,7 +292,7 @@ async fn a_brain_that_is_given_up_while_the_world_is_ahead_is_replayed() {
             .await
             .unwrap();
         let client = client(&server).await;
-        // It answers for a while, and then no more.
+        // The brain answers for a while, and then no more.
         let mut robot = client.attach("w", "robot").await.unwrap();
         let mut brain = baudbot_brains::catalogue::brain("avoid", 1, robot.body()).unwrap();
         let driven = baudbot_client::run(&mut robot, &mut brain);
@@ -310,7 +310,7 @@ async fn a_brain_that_is_given_up_while_the_world_is_ahead_is_replayed() {
     }
 }
 
-/// Drives the robot of world `w`, and starts over when the operator says so; how often.
+/// Drives the robot of world `w`, and starts over at the operator's request; returns how often.
 async fn drive_and_restart(client: Client) -> u32 {
     let client = client.thinks_as_scenario();
     for restarts in 0.. {
@@ -369,7 +369,7 @@ async fn a_brain_that_is_restarted_is_replayed() {
     let folder = folder();
     // The world goes ahead of its brain, and waits for another.
     assert_eq!(restarted(&folder, lockstep(), true, "waits").await, (3, 3));
-    // It goes on alone: it may be over when the brain is there again, which is nothing to start over for.
+    // The world goes on alone: it may be over when the brain is there again, which is no reason to start over.
     let go_on = watched(10_000, WatchdogPolicy::GoOn);
     let (done, begun) = restarted(&folder, go_on, false, "goes-on").await;
     assert!(begun > 0 && begun <= done, "{begun} of {done}");

@@ -20,7 +20,7 @@ use crate::exchanges::HOMES;
 
 type Operator = ControlServiceClient<Channel>;
 
-/// A server with the world `w`, which does ticks when it is told to.
+/// A server with the world `w`, which is stepped.
 async fn serve_stepped(toml: &str, changes: &[&str]) -> (Server, Operator, Client) {
     let server = serve(scenario(toml, changes), Pace::Stepped(Lockstep::default())).await;
     let (operator, client) = (operator(&server).await, client(&server).await);

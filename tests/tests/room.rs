@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use baudbot_sim::World;
 
-/// Solid rectangles of the room, in metres: x and y of the lower left corner, width and height. All lie on a grid of
-/// 2 cm, as the map has it.
+/// Solid rectangles of the room, in metres: x and y of the lower left corner, width and height. All lie on the grid of
+/// the map, 2 cm.
 const RECTANGLES: [[f64; 4]; 6] = [
     [-0.1, -0.1, 4.2, 0.1],
     [-0.1, 3.0, 4.2, 0.1],

@@ -9,7 +9,7 @@ use baudbot_tests::scenario;
 use baudbot_tests::system::{client, drive, lockstep, operator, serve, status};
 use tonic::Status;
 
-/// A robot whose program nobody understands, for so many seconds.
+/// A robot with a program whose bytes are unknown, for so many seconds.
 pub(crate) fn alone(seconds: f64) -> Scenario {
     self_driving("", &[&format!("end.after_s={seconds:?}")])
 }

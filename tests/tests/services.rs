@@ -105,7 +105,7 @@ async fn a_lockstep_world_waits_for_its_first_brains_until_it_is_started() {
         tokio::time::sleep(Duration::from_millis(5)).await;
     }
     assert_eq!(status(&server).await.tick, 50);
-    // A brain that comes late is told at once.
+    // A brain that comes late gets the end at once.
     let mut late = client(&server).await.attach("w", "robot").await.unwrap();
     assert_eq!(late.turn().await.unwrap(), None);
     server.shutdown().await;
@@ -231,7 +231,7 @@ async fn ticks_that_nobody_waits_for_any_more_are_not_done() {
     while status(&server).await.tick < 10 {
         tokio::time::sleep(Duration::from_millis(1)).await;
     }
-    // A second order has no place beside it, and is told so.
+    // A second order has no place beside it, and gets an error.
     let refused = second.step_world(step(1)).await.unwrap_err();
     assert_eq!(refused.code(), Code::FailedPrecondition);
     assert!(refused.message().contains("`w` is running another StepWorld"), "{}", refused.message());

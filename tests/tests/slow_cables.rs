@@ -35,7 +35,8 @@ fn run(toml: &str, brain: &str, link: &str, others: &[&str]) -> Run {
     }
 }
 
-/// At 4800 baud the odometer is 0.2 s old and new every 0.1 s, and the laser has a scan every 0.1 s. One message in 25 is damaged.
+/// A cable of 4800 baud: the odometer is 0.2 s old and new every 0.1 s, and the laser has a scan every 0.1 s. One
+/// message in 25 is damaged.
 const SLOW: &str = "baud = 4800, byte_error_rate = 0.001";
 
 #[test]
@@ -50,7 +51,8 @@ fn a_room_is_explored_at_4800_baud() {
     assert!(run.sensed >= 0.995 && run.collisions == 0 && run.seconds < 3.0 * 17.6, "{run:?}");
 }
 
-/// The robot turned when the cable was pulled, and soon stopped: its odometry then says how far it turned, and not when.
+/// The robot turned when the cable was pulled, and soon stopped: its odometry then has the angle of its turn, and not
+/// the time.
 #[test]
 fn a_cable_that_was_out_for_two_seconds_leaves_a_robot_where_it_believes_to_be() {
     let out = "baud = 4800, outages = [{ from_s = 31.0, for_s = 2.0 }]";
@@ -88,7 +90,7 @@ fn slow_cables_cost_time_and_no_more() {
     }
 }
 
-/// With a motor that stops without commands, whenever the cable goes, until three seconds after.
+/// Runs with a motor that stops without commands, whenever the cable goes, until three seconds after.
 #[test]
 #[ignore = "84 runs; the sharpest one always"]
 fn no_robot_with_a_timeout_collides_while_its_cable_is_out() {

@@ -1,4 +1,4 @@
-//! Trainers: they drive as brains do, are told the truth and nobody else is, many worlds in a stream.
+//! Trainers: they drive as brains do, and get the truth, which brains do not, of many worlds in a stream.
 
 use std::collections::BTreeSet;
 
@@ -206,7 +206,7 @@ async fn the_truth_is_that_of_the_world_at_the_start_of_the_turns_tick() {
     assert_eq!((ended.kind(), results[0].tick), (v1::EndingKind::TimeIsOver, 600));
     let collisions = results[0].truths[0].collisions;
     assert!(ticks == 600 && collided > 0 && collided <= collisions, "{ticks} {collided} {collisions}");
-    // After a reset nothing has been hit.
+    // Nothing has been hit after a reset.
     let fresh = trainer.cycle(vec![(0, reset(1))]).await.unwrap();
     assert_eq!((fresh[0].tick, fresh[0].truths[0].collisions, fresh[0].truths[0].collided), (0, 0, false));
     server.shutdown().await;
@@ -267,7 +267,7 @@ async fn a_trainer_drives_a_crowd_and_is_asked_when_a_message_has_come() {
     server.shutdown().await;
 }
 
-/// A brain on the other robot, which has promised to think as long as the scenario says.
+/// A brain on the other robot, which has promised to think as long as the scenario states.
 async fn drive_other(server: &Server, world: &str) -> tokio::task::JoinHandle<()> {
     let client = client(server).await.thinks_as_scenario();
     let mut robot = client.attach(world, "r1").await.unwrap();

@@ -14,11 +14,11 @@ use crate::alter::altered;
 use crate::chance::Chance;
 use crate::targets::Target;
 
-/// When enough has been tried.
+/// The condition under which enough has been tried.
 #[derive(Clone, Copy)]
 pub(crate) enum Until {
     Time(Duration),
-    /// So many altered inputs.
+    /// A number of altered inputs.
     Executions(u64),
 }
 
@@ -28,7 +28,7 @@ pub(crate) struct Fuzzer {
     folder: PathBuf,
     /// The inputs to alter.
     inputs: Vec<Vec<u8>>,
-    /// Those of them that have been found in this run.
+    /// The inputs that have been found in this run.
     new: Vec<Vec<u8>>,
     /// The outcomes of inputs so far.
     outcomes: HashSet<u64>,
@@ -43,7 +43,7 @@ pub(crate) struct Fuzzer {
 #[derive(Default)]
 struct Watch {
     input: Mutex<Vec<u8>>,
-    /// By the wall clock, in milliseconds; 0 if none is.
+    /// The start of the present input by the wall clock, in milliseconds; 0 if there is none.
     since_ms: AtomicU64,
 }
 
@@ -116,7 +116,7 @@ impl Fuzzer {
         }
     }
 
-    /// Says how it went, and how a failure can be seen again; whether there was one.
+    /// Prints the result, and the command that repeats a failure; returns whether there was one.
     pub(crate) fn report(self) -> anyhow::Result<bool> {
         let Self { target, folder, outcomes, tried, bytes, began, failed, .. } = self;
         let name = target.name;

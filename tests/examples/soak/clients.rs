@@ -101,7 +101,8 @@ impl Crowd {
     }
 }
 
-/// Of each world: ticks, those that were late, the largest lateness and the time that was let go, in milliseconds.
+/// The lag of each world: ticks, those that were late, the largest lateness and the time that was skipped, in
+/// milliseconds.
 pub(crate) struct Lag(Vec<[u64; 4]>);
 
 impl Lag {

@@ -18,7 +18,7 @@ use tokio::time::{Instant, sleep};
 use clients::Crowd;
 use samples::{Sample, Samples};
 
-/// Between two samples.
+/// The time between two samples.
 const EVERY: Duration = Duration::from_secs(5);
 
 fn main() -> ExitCode {
@@ -33,7 +33,7 @@ fn main() -> ExitCode {
     if runtime.block_on(soak(Path::new(&program), minutes)) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Runs a server and its clients for so long, and says how it went.
+/// Runs a server and its clients for so long, and returns how it went.
 async fn soak(program: &Path, minutes: f64) -> bool {
     let folder = tempfile::tempdir().expect("a folder");
     let (child, address) = server::start(program, folder.path()).await;

@@ -69,7 +69,7 @@ impl Samples {
     pub(crate) fn judge(&self) -> bool {
         let (_, rest) = self.0.split_at(self.0.len() / 3);
         println!("\nafter the first third     mean    change   allowed");
-        // Of a run of any length: what grows without bound is beyond these in hours.
+        // The limits hold for a run of any length: an unbounded growth exceeds them in hours.
         let of: [(&str, Value, f64, f64); 3] = [
             ("memory, MB", |sample| sample.megabytes, 0.05, 6.0),
             ("descriptors", |sample| sample.descriptors, 0.1, 12.0),

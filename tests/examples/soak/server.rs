@@ -1,4 +1,4 @@
-//! The server of a soak test: the program, as users have it.
+//! The server of a soak test: the program of users.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -11,13 +11,13 @@ use baudbot_tests::crowd;
 use tokio::io::{AsyncBufReadExt, BufReader};
 use tokio::process::{Child, Command};
 
-/// Worlds with robots.
+/// The number of worlds with robots.
 pub(crate) const WORLDS: usize = 8;
 
-/// Robots of each.
+/// The number of robots of each world.
 pub(crate) const ROBOTS: usize = 16;
 
-/// Tokens, by holder, with what they are good for.
+/// The holders of tokens, with the rights of each.
 const HOLDERS: [(&str, &str); 3] = [("viewer", "observe"), ("brain", "drive */*"), ("operator", "operate")];
 
 /// `baudbot serve` and its address. What it needs, the tokens and the authority of its certificate are in this folder.

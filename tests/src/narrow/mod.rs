@@ -41,7 +41,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// All of them.
+    /// All shapes.
     pub const ALL: [Self; 12] = [
         Self::Straight,
         Self::Serpentine,
@@ -57,7 +57,7 @@ impl Shape {
         Self::People,
     ];
 
-    /// As it is written in a table.
+    /// The name in a table.
     pub fn name(self) -> &'static str {
         match self {
             Self::Straight => "straight",
@@ -79,11 +79,11 @@ impl Shape {
 /// A line of walls, or an island.
 #[derive(Clone, Debug)]
 pub struct Outline {
-    /// In metres.
+    /// The points, in metres.
     pub points_m: Vec<[f64; 2]>,
-    /// Its last point is joined with its first.
+    /// The last point is joined with the first.
     pub is_closed: bool,
-    /// It is solid.
+    /// The outline is solid.
     pub is_island: bool,
 }
 
@@ -109,7 +109,7 @@ pub struct Case {
     pub times: f64,
     /// Chooses the start, and the noise.
     pub seed: u64,
-    /// By frontiers, and not by nodes.
+    /// Whether the exploration is by frontiers, and not by nodes.
     pub by_frontiers: bool,
 }
 
@@ -118,9 +118,9 @@ pub struct Case {
 pub struct Outcome {
     /// Share of what the body can see from where it can be that was sensed.
     pub share: f64,
-    /// Contacts.
+    /// The number of contacts.
     pub collisions: u64,
-    /// The time until the brain said that it is over, or the limit.
+    /// The time until the brain published that it is done, or the limit, in seconds.
     pub seconds: f64,
     /// The time since something new was sensed, in seconds.
     pub stale_s: f64,
@@ -131,18 +131,18 @@ pub struct Outcome {
 }
 
 impl Case {
-    /// Its name in a table and in a journal.
+    /// The name of the case in a table and in a journal.
     pub fn name(&self) -> String {
         let method = if self.by_frontiers { "frontiers" } else { "nodes" };
         format!("{}/{}/{}/{}/{method}", self.shape.name(), self.body_m, self.times, self.seed)
     }
 
-    /// Its arena.
+    /// The case's arena.
     pub fn arena(&self) -> Arena {
         shapes::arena(self.shape, self.body_m * self.times, self.body_m, self.seed)
     }
 
-    /// Its scenario, as TOML.
+    /// The case's scenario, as TOML.
     pub fn toml(&self) -> String {
         let arena = self.arena();
         let [x, y] = arena.starts_m[self.seed as usize % arena.starts_m.len()];
@@ -165,7 +165,7 @@ impl Case {
         baudbot_scenario::parse(&toml).unwrap_or_else(|error| panic!("{}: {error}", self.name()))
     }
 
-    /// Lets `explore` run until it says that it is over, at most for so many seconds.
+    /// Lets `explore` run until it publishes that it is done, at most for so many seconds.
     pub fn run(&self, most_s: f64) -> Outcome {
         let brain = if self.by_frontiers { "explore:method=1" } else { "explore" };
         let scenario = self.scenario();

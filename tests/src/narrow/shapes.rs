@@ -201,7 +201,7 @@ fn islands(gap_m: f64, body_m: f64) -> Arena {
     Arena { outlines, starts_m, people_m: vec![] }
 }
 
-/// As large as people need, whatever the body.
+/// An arena as large as people need, whatever the body.
 fn people() -> Arena {
     let outlines = vec![
         wall(vec![[0.0, 0.0], [8.0, 0.0], [8.0, 6.0], [0.0, 6.0]]),

@@ -14,7 +14,7 @@ type Place = (i32, i32);
 
 /// The lattice's steps, in radii of the disc.
 const STEP: f64 = 0.125;
-/// Of the places where the disc can be it looks around from those that are so many steps apart.
+/// The number of steps between the places of the disc from which the floor is viewed.
 const LOOK_EVERY: i32 = 4;
 
 /// An arena for a disc.
@@ -25,7 +25,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Of an arena, for a disc of this radius.
+    /// A `Truth` of an arena, for a disc of this radius.
     pub fn new(arena: &Arena, radius_m: f64) -> Self {
         let walls = arena.outlines.iter().flat_map(|outline| {
             let points = &outline.points_m;

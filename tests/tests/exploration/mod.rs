@@ -1,5 +1,5 @@
-//! `explore` in `explore-room.toml`, `explore-office.toml` and arenas that nobody has drawn: a robot with a URG-04LX senses
-//! at least 99.5 % of the floor, as the notes' does (§6.1).
+//! `explore` in `explore-room.toml`, `explore-office.toml` and random arenas: a robot with a URG-04LX senses at least
+//! 99.5 % of the floor, as the notes' does (§6.1).
 //!
 //! Of the runs from many starts, `START=5` in the environment picks one.
 
@@ -72,7 +72,7 @@ fn is_wanted(number: u64) -> bool {
     std::env::var("START").map_or(true, |wanted| wanted == number.to_string())
 }
 
-/// So many poses at which the robot can stand, in a world of this size in metres.
+/// Poses at which the robot can stand, in a world of this size in metres.
 fn starts(toml: &str, changes: &[&str], size_m: [f64; 2], seed: u64, count: usize) -> Vec<(u64, Scenario)> {
     let mut chance = Chance::new(seed, "starts");
     let mut any =
@@ -130,7 +130,8 @@ fn room_and_office_are_explored_from_30_random_starts() {
     }
 }
 
-/// With an odometer that errs the robot finds itself on the map that it makes. Says how many runs sensed less than 99 %.
+/// The robot has an odometer that errs and finds itself on the map that it makes. Returns how many runs sensed less
+/// than 99 %.
 fn fail_with_slam(toml: &str, size_m: [f64; 2], brain: &str, seed: u64, count: usize) -> usize {
     let starts = starts(toml, &[ERRING], size_m, seed, count);
     let runs: Vec<_> = starts.into_iter().map(|start| explore(start, brain)).collect();
@@ -240,7 +241,7 @@ fn generated(number: u64) -> Scenario {
     std::iter::repeat_with(|| started(&toml, &[], any())).flatten().next().expect("never ends")
 }
 
-/// Explores generated arenas with an odometer that is right; says in how many too little was seen.
+/// Explores generated arenas with an odometer that is right; returns the number of those in which too little was seen.
 fn fail_in_generated(numbers: Range<u64>, brain: &str) -> usize {
     let numbers = numbers.filter(|number| is_wanted(*number));
     let runs: Vec<_> = numbers.map(|number| explore((number, generated(number)), brain)).collect();

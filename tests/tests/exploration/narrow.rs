@@ -29,7 +29,7 @@ fn a_robot_of_0_1_m_and_one_of_0_6_m_explore_as_one_of_0_4_m_does() {
     explore(Shape::Comb, 0.6, 1.4, true);
 }
 
-/// Between two nodes it may come askew to a door, whose posts it does not touch.
+/// The robot may come askew to a door between two nodes, whose posts it does not touch.
 #[test]
 fn no_post_of_a_door_is_touched_by_nodes() {
     explore(Shape::Rooms, 0.4, 1.4, false);

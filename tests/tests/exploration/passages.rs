@@ -1,5 +1,5 @@
-//! `explore` in narrow passages, by both methods: all is sensed that can be, by what the arena itself says; nothing is touched; and
-//! what is too narrow is named.
+//! `explore` in narrow passages, by both methods: all is sensed that can be, by the arena itself; nothing is touched;
+//! and what is too narrow is named.
 //!
 //! `catalogue/experiments/explore-passages.toml` has more widths, and ten starts of each.
 
@@ -9,12 +9,13 @@ use baudbot_tests::narrow::{Arena, Outline, Truth};
 
 use super::{FRONTIERS, NODES, started, toml_of};
 
-/// Of the robot of `explore-office`.
+/// The radius of the robot of `explore-office`, in metres.
 const RADIUS_M: f64 = 0.2;
 const RANGE_M: f64 = 4.0;
 const START: [f64; 3] = [1.0, 0.45, 0.3];
 
-/// Lets the brain explore until it says that it is done; nothing may be touched, and all must be sensed that can be. Returns what it says.
+/// Lets the brain explore until it publishes that it is done; nothing may be touched, and all must be sensed that can
+/// be. Returns its output.
 fn explore(plan: &Plan, brain: &str, seed: u64) -> String {
     // The sensed area does not end the run.
     let toml = toml_of(plan).replace("sensed = 0.995\n", "");

@@ -38,7 +38,7 @@ pub(crate) struct Kind {
     pub(crate) goes_ahead: bool,
     /// The operator steps the world.
     pub(crate) is_stepped: bool,
-    /// Somebody watches it; it then does not go ahead.
+    /// The world has an observer; it then does not go ahead.
     pub(crate) is_watched: bool,
 }
 
@@ -52,7 +52,7 @@ impl Kind {
     }
 }
 
-/// As the client in Rust has it.
+/// The interval of the client in Rust.
 const KEEPALIVE: Duration = Duration::from_secs(20);
 
 impl Stage {
@@ -153,7 +153,7 @@ pub(crate) async fn observer(stage: Stage, host: &'static str) {
     }
 }
 
-/// Somebody who connects and asks for nothing, or says what is no HTTP/2.
+/// A client that connects and requests nothing, or sends bytes that are no HTTP/2.
 pub(crate) async fn stranger(stage: Stage) {
     let mut chance = stage.chance("stranger");
     loop {

@@ -35,7 +35,7 @@ impl Chance {
         self.below(n) == 0
     }
 
-    /// From `low` to `high`, in milliseconds.
+    /// A duration from `low` to `high`, in milliseconds.
     pub(crate) fn ms(&mut self, low: u64, high: u64) -> Duration {
         Duration::from_millis(low + self.below(high - low + 1))
     }

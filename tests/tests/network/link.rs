@@ -2,8 +2,8 @@
 //!
 //! The faults that TCP hides are hidden here, too: no byte is lost, doubled or overtaken on a connection that lives.
 //! While a host is cut off its bytes wait, as they would be sent again and again. A connection may end in good order,
-//! or be reset at both ends; it may also be *lost*: then one end, or neither, is told, and what is written is never
-//! heard of again.
+//! or be reset at both ends; it may also be *lost*: then one end, or neither, gets the end, and what is written is
+//! lost.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
@@ -34,7 +34,7 @@ struct Shared {
 /// A host of clients.
 #[derive(Default)]
 struct Host {
-    /// Until when it is cut off.
+    /// The instant until which it is cut off.
     cut_until: Option<Instant>,
     /// Connections that it has made.
     made: u64,
@@ -44,13 +44,13 @@ struct Host {
 /// The kind of a connection's loss.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Loss {
-    /// Both ends are told at once.
+    /// Both ends get the reset at once.
     Reset,
-    /// The client's end is gone, and the server is not told.
+    /// The client's end is gone, and the server does not notice.
     ClientGone,
-    /// The server's end is gone, and the client is not told.
+    /// The server's end is gone, and the client does not notice.
     ServerGone,
-    /// Neither is told.
+    /// Neither end notices.
     Silent,
 }
 
@@ -62,9 +62,9 @@ struct Connection {
     host: String,
     /// The bytes of each end.
     pipes: [Pipe; 2],
-    /// Whether an end has been told that the connection is reset.
+    /// Whether an end has got the reset of the connection.
     is_reset: [bool; 2],
-    /// From when on an end knows that the other one is gone, and takes nothing.
+    /// The instant from which on an end knows that the other one is gone, and takes nothing.
     is_refused: [Option<Instant>; 2],
     /// Bytes that are written from now on are lost.
     is_lost: bool,
@@ -76,7 +76,7 @@ struct Pipe {
     pieces: VecDeque<(Instant, Vec<u8>)>,
     bytes: usize,
     last: Instant,
-    /// When the end of what is written arrives.
+    /// The instant at which the end of what is written arrives.
     end: Option<Instant>,
     reader: Option<Waker>,
     writer: Option<Waker>,
@@ -192,7 +192,7 @@ impl Network {
         *trace = trace.wrapping_add(event.next());
     }
 
-    /// When what a host sends or is sent now arrives.
+    /// The instant at which what a host sends or is sent now arrives.
     fn arrival(&self, host: &str, chance: &mut Chance) -> Instant {
         let now = Instant::now();
         let cut = self.hosts().get(host).and_then(|host| host.cut_until);
@@ -332,7 +332,7 @@ impl AsyncWrite for End {
 }
 
 impl End {
-    /// Tells the other end that nothing more comes.
+    /// Ends the stream to the other end.
     fn close(&self) {
         let mut connection = lock(&self.connection);
         let Connection { host, pipes, is_lost, .. } = &mut *connection;

@@ -118,7 +118,7 @@ async fn nothing_is_left(server: &Server, network: &Network, tasks: usize) {
     assert!(robots.iter().all(|robot| !robot.attached && robot.brain.is_empty()), "{robots:?}");
 }
 
-/// Runs of all these seeds. The first that fails says how to see it again.
+/// Runs of all these seeds. The failure of the first has the command that repeats it.
 fn run_all(seeds: impl IntoIterator<Item = u64>) {
     let usual = take_hook();
     set_hook(Box::new(move |info| {

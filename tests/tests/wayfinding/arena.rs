@@ -96,7 +96,7 @@ impl Arena {
     /// The robot of the hall in this arena, with what else there is.
     pub(super) fn scenario(&self, start: [f64; 2], seed: u64, more: &str) -> Scenario {
         let (_, robot) = HALL.split_once("[[robots]]").expect("a robot");
-        // Of the way alone: what an odometer that errs makes of it, other tests tell.
+        // The odometer is exact, as this test is of the way alone.
         self.scenario_of(&robot.replace("sigma_m = 0.0001", "sigma_m = 0.0"), start, seed, more)
     }
 

@@ -48,7 +48,7 @@ fn described(scenario: Scenario, brain: &str) -> InProcess {
     InProcess::with_brain(scenario, brain.unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// Lets it drive until it is within 0.2 m of the goal, for so many seconds at most; says whether it got there.
+/// Lets it drive until it is within 0.2 m of the goal, for so many seconds at most; returns whether it got there.
 fn reaches(local: &mut InProcess, goal: [f64; 2], seconds: u64) -> bool {
     (0..seconds * 100).any(|_| {
         local.tick(|_| {});

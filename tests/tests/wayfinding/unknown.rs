@@ -46,7 +46,8 @@ fn all_of_200_random_rooms_are_crossed_and_nobody_is_touched() {
     assert_eq!(lost_among_obstacles(0..200), [0, 0]);
 }
 
-/// To and fro twice among pillars, with an odometer that errs by metres; how many of the four times it came there, and the run.
+/// A drive to and fro twice among pillars, with an odometer that errs by metres; how many of the four times it came
+/// there, and the run.
 fn to_and_fro(seed: u64, more: &str) -> (usize, Run) {
     let (_, robot) = HALL.split_once("[[robots]]").expect("a robot");
     let robot = robot.replace("sigma_m = 0.0001", "sigma_m = 0.001");

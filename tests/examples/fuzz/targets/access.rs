@@ -53,7 +53,7 @@ fn file(bytes: &[u8]) -> u64 {
     }
 }
 
-/// Its bits are all 0.
+/// The token's bits are all 0.
 const TOKEN: &str = "baudbot_AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA";
 
 const FILE: &str = r#"version = 1

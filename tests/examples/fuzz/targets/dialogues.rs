@@ -28,7 +28,7 @@ fn world(toml: &str, changes: &[&str]) -> anyhow::Result<World> {
     Ok(World::new(Arc::new(scenario)))
 }
 
-/// The first byte says which world. The others are written in pieces, one each tick, to the robot and to its devices.
+/// The first byte chooses the world. The others are written in pieces, one each tick, to the robot and to its devices.
 fn run(worlds: &[World], bytes: &[u8]) -> u64 {
     let Some((&which, bytes)) = bytes.split_first() else { return 0 };
     let mut world = worlds[usize::from(which) % worlds.len()].clone();

@@ -31,7 +31,7 @@ pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
     Ok(targets)
 }
 
-/// Those that the project has, and are not long.
+/// The scenarios of the project that are not long.
 fn scenarios() -> anyhow::Result<Vec<Vec<u8>>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../catalogue/scenarios");
     let mut paths: Vec<PathBuf> = Vec::new();

@@ -7,7 +7,7 @@ mod programs;
 mod wire;
 mod worlds;
 
-/// Reads bytes, and says in a number what came of it: the same for what goes the same way.
+/// Reads bytes, and returns a number for the path through the code: equal for equal paths.
 pub(crate) type Run = Box<dyn FnMut(&[u8]) -> u64>;
 
 /// Something that reads bytes from outside.

@@ -27,7 +27,7 @@ pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
     ])
 }
 
-/// Those of the tests of the chip that are not long.
+/// The files of the tests of the chip that are not long.
 fn files(end: &str) -> anyhow::Result<Vec<Vec<u8>>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/avr/tests/programs");
     let entries = fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))?;

@@ -22,7 +22,7 @@ const LAYOUT: Layout<'static> = Layout {
     ages: true,
 };
 
-/// Of a Khepera: its lines have whole numbers only.
+/// The layout of a Khepera: its lines have whole numbers only.
 const LINES: Layout<'static> = Layout {
     components: &[Encoding::Level { bits: 10, min: 0.0, max: 1023.0 }, Encoding::Counter { bits: 16 }],
     counts: &[1, 1],
@@ -84,7 +84,7 @@ fn target(
     Target { name, what, seeds, words, run: Box::new(run) }
 }
 
-/// The first byte says which protocol; of the others, each says which way the one behind it goes and when.
+/// The first byte chooses the protocol; each of the others the direction and the time of the one behind it.
 fn meaning_target() -> Target {
     let talk = |protocol: u8, bytes: &[u8]| {
         let all = bytes.iter().flat_map(|&byte| [2, byte]);
@@ -148,7 +148,7 @@ fn frames_of(bytes: &[u8]) -> u64 {
     found
 }
 
-/// As a payload, with a sound frame around it, too.
+/// The bytes as a payload, with a sound frame around it, too.
 fn message(payload: &[u8]) -> u64 {
     let mut framed = [0; frame::MAX_FRAME];
     if let Ok(n) = frame::encode(payload, &mut framed) {
@@ -261,7 +261,7 @@ fn scans(bytes: &[u8]) -> u64 {
 fn sentences(bytes: &[u8]) -> u64 {
     let whole = bytes.split_inclusive(|&byte| byte == b'\n');
     whole.fold(0, |found, line| {
-        // With the checksum that it should have, too.
+        // The checksum is the one that it should have, too.
         let body: Vec<u8> =
             line.iter().copied().filter(|byte| !matches!(byte, b'$' | b'*' | b'\r' | b'\n')).collect();
         let sum = body.iter().fold(0, |sum, byte| sum ^ byte);
@@ -336,7 +336,8 @@ const DEVICE_WORDS: &[&[u8]] = &[
     b"\n", b"\r", b";", b"BM\n", b"QT\n", b"RS\n", b"MD", b"GD", b"ME", b"SS", b"TM", b"00", b"0044", b"0725",
 ];
 
-/// Of both models. Whatever comes, the device stays one that there can be, and each byte has at most so many in answer.
+/// Devices of both models. Whatever comes, the device stays one that there can be, and each byte has at most so many in
+/// answer.
 fn scip_device(bytes: &[u8]) -> u64 {
     let models = [scip::device::Model::Urg04lx, scip::device::Model::Ust10lx];
     models.into_iter().fold(0, |found, model| found.rotate_left(7) ^ scip_device_of(model, bytes))

@@ -49,7 +49,8 @@ pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
     ])
 }
 
-/// With a device with its own clock, one with its own cable, an adapter, things that move and a floor that is counted.
+/// A scenario with a device with its own clock, one with its own cable, an adapter, things that move and a floor that
+/// is counted.
 const SCENARIO: &str = include_str!("world.toml");
 
 /// Worlds that are not restored are salvaged.
@@ -82,7 +83,7 @@ fn recordings(bytes: &[u8]) -> u64 {
     condition ^ replay.difference().map_or(0, |difference| outcome(&difference.what))
 }
 
-/// Whoever forges a state knows how it is fingerprinted.
+/// The fingerprint of a forged state is correct, as a deliberate forgery has it so.
 fn state(scenario: &Arc<Scenario>, bytes: &[u8]) -> u64 {
     let plain = bytes.strip_suffix(&[0]).unwrap_or(bytes);
     let mut found = 0;

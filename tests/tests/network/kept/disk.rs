@@ -31,7 +31,7 @@ struct State {
     living: u64,
     /// The program dies so many changes from now on, if it does.
     dies_in: Option<u64>,
-    /// When it has died so.
+    /// The time of that death.
     died: Option<Duration>,
     /// A change fails so many changes from now on, if one does.
     fails_in: Option<u64>,
@@ -65,7 +65,7 @@ enum Fate {
     Done,
     /// The program dies before it, in the middle of it, or after it.
     Dies,
-    /// It fails, and a part of it may be done.
+    /// The operation fails, and a part of it may be done.
     Fails,
     /// The same for want of space.
     Full,
@@ -93,7 +93,7 @@ impl Disk {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// For the next program.
+    /// The disk for the next program.
     pub(crate) fn mount(&self) -> Mounted {
         let mut state = self.state();
         state.living += 1;
@@ -107,7 +107,7 @@ impl Disk {
         self.state().dies_in = Some(changes);
     }
 
-    /// It dies now, unless it has died before. When that was.
+    /// Kills the program now, unless it is dead already. Returns the time of its death.
     pub(crate) fn kill(&self) -> Duration {
         let mut state = self.state();
         state.living += 1;

@@ -32,7 +32,7 @@ pub(crate) struct Seen {
     pub(crate) faults: u64,
 }
 
-/// A run.
+/// A run of servers on one simulated disk, one after the other.
 pub(crate) struct Run {
     seed: u64,
     pub(crate) chance: Chance,
@@ -40,10 +40,10 @@ pub(crate) struct Run {
     pub(crate) model: Model,
     pub(crate) tokens: Option<Tokens>,
     pub(crate) trace: Trace,
-    /// When the present server has begun.
+    /// The time at which the present server has begun.
     began: Duration,
     is_full: bool,
-    /// When it was last asked whether the disk has failed.
+    /// The time at which the disk was last checked for failures.
     looked: Duration,
     pub(crate) seen: Seen,
     /// Worlds that were made.
@@ -96,7 +96,7 @@ impl Run {
         let mounted = self.disk.mount();
         self.trace.note("a server starts");
         if self.chance.one_in(4) {
-            // It may die before it has said anything.
+            // The server may die before its first answer.
             self.disk.kill_in(self.chance.below(20));
         }
         let (network, incoming) = Network::new(self.seed ^ (number << 40));
@@ -150,7 +150,8 @@ impl Run {
         })
     }
 
-    /// Only a world that was not on the disk when the power failed may be set aside, and the model says whether it was.
+    /// Only a world that was not on the disk when the power failed may be set aside, and the model knows whether it
+    /// was.
     fn check_set_aside(&self, name: &str, file: &Path, problem: &str) {
         let what = format!("{name}: {} {problem}", file.display());
         self.trace.note(format!("  set aside: {what}"));
@@ -177,8 +178,8 @@ impl Run {
         Ok(())
     }
 
-    /// It dies in a write, or the power fails, or both at once. A program that is killed writes nothing more; the rest of it goes with
-    /// the runtime.
+    /// The server dies in a write, or the power fails, or both at once. A program that is killed writes nothing more;
+    /// the rest of it goes with the runtime.
     fn end(&mut self, life: &Life) {
         let loses_power = if life.mounted.is_alive() { self.chance.one_in(2) } else { self.chance.one_in(4) };
         let died = self.disk.kill();
@@ -217,7 +218,7 @@ impl Run {
         self.trace.note(format!("  expected:\n{}", self.model.expected()));
         let within = self.model.check(&found, self.now());
         for world in self.model.there() {
-            // Whoever made it may not have come to that.
+            // The operator that made the world may have been killed before it was started.
             let request = self.request(v1::StartWorldRequest { world: world.clone() });
             let answer = self.control(life).await.start_world(request).await;
             let answer = answer.map(|answer| answer.into_inner().status);

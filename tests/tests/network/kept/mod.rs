@@ -1,10 +1,10 @@
 //! State that outlives its server, over a network, on a disk and by a clock that are simulated, as a seed wants it: programs are killed
 //! in the middle of writes, the power fails, disks are full, fail, stall and tear what was written, time jumps, connections break.
 //!
-//! An operator creates, deletes, steps, changes, snapshots and restores worlds ([`operator`]), and tokens are revoked ([`tokens`]), over
-//! several lives of a server ([`life`]). What the operator is told is compared with a [`model`]: nothing that was told is lost, no world
-//! has a state that it never had, and nothing revoked acts. A run that fails prints its seed, all that happened ([`trace`]), and what
-//! the model expects.
+//! An operator creates, deletes, steps, changes, snapshots and restores worlds ([`operator`]), and tokens are revoked
+//! ([`tokens`]), over several lives of a server ([`life`]). The answers to the operator are compared with a [`model`]:
+//! nothing that was answered is lost, no world has a state that it never had, and nothing revoked acts. A run that
+//! fails prints its seed, all that happened ([`trace`]), and what the model expects.
 //!
 //! `BAUDBOT_FAULT_SEEDS` says how many seeds are tried, or which (`500..1000`), `BAUDBOT_FAULT_SEED` tries one alone.
 

@@ -10,22 +10,22 @@ use baudbot_proto::v1;
 /// disk once a second.
 const ON_DISK_AFTER: Duration = Duration::from_millis(2500);
 
-/// After a fault of the disk, it takes so long until what there is is kept again.
+/// The time after a fault of the disk until the state is kept again.
 const KEPT_AFTER: Duration = Duration::from_millis(4500);
 
-/// When that was told which is on the disk.
+/// The time of an answer about a state that is on the disk.
 const EVER: Duration = Duration::ZERO;
 
-/// Later than anything.
+/// A time later than anything.
 const FAR: Duration = Duration::from_secs(1 << 40);
 
 /// All worlds that there have been, by name.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Model {
     pub(crate) worlds: BTreeMap<String, World>,
-    /// From when to when the disk did not take everything.
+    /// The times between which the disk did not take everything.
     faults: Vec<(Duration, Duration)>,
-    /// Fingerprints that were found and had not been told: maybe within a tick, where no Step ends.
+    /// Fingerprints that were found and were in no answer: maybe within a tick, where no Step ends.
     untold: BTreeSet<u64>,
     /// The servers that there have been.
     lives: Vec<Life>,
@@ -33,7 +33,7 @@ pub(crate) struct Model {
     compared: usize,
 }
 
-/// From when to when a server lived, and how it ended.
+/// The begin and the end of a server, and how it ended.
 #[derive(Clone, Copy, Debug)]
 struct Life {
     began: Duration,
@@ -41,23 +41,23 @@ struct Life {
     end: End,
 }
 
-/// A world as it was told.
+/// A world by the answers about it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct World {
-    /// The states that it had: when that was told, the tick and the fingerprint.
+    /// The states that it had: the time of the answer, the tick and the fingerprint.
     states: Vec<(Duration, u64, u64)>,
     pub(crate) snapshots: BTreeMap<u64, Snapshot>,
-    /// When somebody was told that it is gone.
+    /// The time of the answer that it is gone.
     gone: Option<Duration>,
-    /// It may be gone, as nobody was told whether it is.
+    /// The world may be gone, as that request got no answer.
     may_be_gone: bool,
-    /// Nobody was told what came of the last request: it may have gone so many ticks further.
+    /// The last request got no answer: the world may have gone so many ticks further.
     unsure_ticks: u64,
-    /// It may have any state that it had.
+    /// The world may have any state that it had.
     is_unsure: bool,
 }
 
-/// A snapshot as it was told.
+/// A snapshot by the answers about it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Snapshot {
     told: Duration,
@@ -82,12 +82,12 @@ impl Model {
         self.faults.push((from, until));
     }
 
-    /// It does not take everything from now on.
+    /// The disk does not take everything from now on.
     pub(crate) fn fault_begins(&mut self, now: Duration) {
         self.faults.push((now, FAR));
     }
 
-    /// It takes everything again.
+    /// The disk takes everything again.
     pub(crate) fn fault_ends(&mut self, now: Duration) {
         self.faults.iter_mut().filter(|(_, until)| *until == FAR).for_each(|(_, until)| *until = now);
     }
@@ -97,7 +97,7 @@ impl Model {
         self.lives.push(Life { began, died, end });
     }
 
-    /// The servers that have ended since somebody compared what was there.
+    /// The servers that have ended since the last comparison.
     fn ends(&self) -> &[Life] {
         &self.lives[self.compared..]
     }
@@ -107,12 +107,12 @@ impl Model {
         !self.lives.is_empty()
     }
 
-    /// Whether the power has failed since somebody compared what was there.
+    /// Whether the power has failed since the last comparison.
     pub(crate) fn has_lost_power(&self) -> bool {
         self.ends().iter().any(|life| life.end == End::PowerLost)
     }
 
-    /// When what was told at this time has been kept for so long without a fault.
+    /// The time by which an answer of this time has been kept for so long without a fault.
     fn after(&self, told: Duration, long: Duration) -> Duration {
         let mut from = told;
         let overlaps = |from: Duration| {
@@ -125,8 +125,8 @@ impl Model {
         from + long
     }
 
-    /// Whether what was told at this time is there, whatever has ended since somebody compared. It is forced onto the disk by a server
-    /// that lives long enough.
+    /// Whether the state of an answer of this time is there, whatever has ended since the last comparison. It is forced
+    /// onto the disk by a server that lives long enough.
     fn is_certain(&self, told: Duration) -> bool {
         let is_on_disk = |lives: &[Life]| {
             let forces = |life: &Life| self.after(told.max(life.began), ON_DISK_AFTER) <= life.died;
@@ -139,7 +139,7 @@ impl Model {
         told == EVER || self.lives.iter().enumerate().skip(self.compared).all(survives)
     }
 
-    /// Whether a server has ended while the disk failed to take what was told at this time.
+    /// Whether a server has ended while the disk failed to take the state of an answer of this time.
     fn is_doubtful(&self, told: Duration) -> bool {
         self.ends().iter().any(|life| {
             let from = told.max(life.began);
@@ -234,7 +234,7 @@ impl Model {
         // Within a Step each tick is kept, and that it has begun.
         let mut within = rest.windows(2).filter(|pair| (pair[0].1..pair[1].1).contains(&tick));
         if let Some(pair) = within.next() {
-            // After a Restore there may be several, and it is not known which.
+            // The answers after a Restore may be several, and it is not known which holds.
             if self.untold.contains(&pair[1].2) {
                 return None;
             }
@@ -273,7 +273,7 @@ impl Model {
         self.compared = self.lives.len();
     }
 
-    /// Somebody is told how a world is.
+    /// Notes an answer with the status of a world.
     pub(crate) fn told(&mut self, status: &v1::WorldStatus, now: Duration) {
         let world = self.worlds.get_mut(&status.world).expect("a world that was made");
         world.states.push((now, status.tick, status.state_hash));
@@ -337,7 +337,7 @@ impl Model {
         there.map(|(name, _)| name.clone()).collect()
     }
 
-    /// Nobody was told what came of a request.
+    /// Notes a request that got no answer.
     pub(crate) fn unsure(&mut self, world: &str, deed: Unsure) {
         let world = self.worlds.get_mut(world).expect("a world that was made");
         match deed {
@@ -347,7 +347,7 @@ impl Model {
         }
     }
 
-    /// Somebody asked, and it is not there.
+    /// Notes the answer that a world does not exist.
     pub(crate) fn is_gone(&mut self, world: &str) {
         let there = &self.worlds[world];
         assert!(there.gone.is_some() || there.may_be_gone, "`{world}` is gone");

@@ -111,7 +111,7 @@ impl Run {
             Ok(answer) => {
                 let status = self.answer(life, answer.into_inner().status)?;
                 self.model.told(&status, self.now());
-                // Its robots have no brains.
+                // The world's robots have no brains.
                 let request = self.request(v1::StartWorldRequest { world: world.clone() });
                 let answer = self.control(life).await.start_world(request).await;
                 self.done(life, &world, answer.map(|answer| answer.into_inner().status), Unsure::Any).await
@@ -124,7 +124,7 @@ impl Run {
         }
     }
 
-    /// A request that gives a status was answered, or not: then somebody looks.
+    /// Takes the answer to a request that gives a status; without an answer the world is read.
     pub(super) async fn done(
         &mut self,
         life: &mut Life,
@@ -190,7 +190,7 @@ impl Run {
         let request = self.request(v1::InterveneRequest { world: world.into(), intervention });
         let answer = self.control(life).await.intervene(request).await;
         if answer.as_ref().is_err_and(|status| status.code() == Code::FailedPrecondition) {
-            // It goes on within a tick: it was restored so.
+            // The world goes on within a tick: it was restored so.
             return Ok(());
         }
         let answer = answer.map(|answer| answer.into_inner().status);

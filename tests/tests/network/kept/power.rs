@@ -16,7 +16,7 @@ pub(crate) enum Node {
 pub(crate) struct File {
     now: Vec<u8>,
     on_disk: Vec<u8>,
-    /// From where to where a sync has failed: what is there is not written any more.
+    /// The range for which a sync has failed: its bytes are not written any more.
     lost: (usize, usize),
 }
 

@@ -22,7 +22,7 @@ struct Lines {
     fingerprint: u64,
 }
 
-/// So many lines are kept: a server's life has fewer.
+/// The most lines that are kept: a server's life has fewer.
 const MOST: usize = 2000;
 
 impl Trace {
@@ -32,7 +32,7 @@ impl Trace {
         (lines.began, lines.jumped) = (Some(Instant::now()), Duration::ZERO);
     }
 
-    /// The runtime ends.
+    /// Notes that the runtime has ended.
     pub(crate) fn end(&self) {
         let now = self.now();
         let mut lines = self.lines();
