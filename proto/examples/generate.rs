@@ -20,7 +20,7 @@ const FILES: [&str; 8] = [
     "baudbot/v1/trainer.proto",
 ];
 
-/// Where the code goes, from the package's folder.
+/// The folder of the generated code, from the package's folder.
 const GENERATED: &str = "src/generated";
 /// All messages and services, serialised: what reflection tells clients.
 const DESCRIPTORS: &str = "descriptors.bin";

@@ -1,5 +1,5 @@
-//! Between the contract's messages and what a brain sees and does (`baudbot-brain`), in both directions: the only place that
-//! names both. What a server may get wrong is a [`Breach`].
+//! The way between the contract's messages and what a brain sees and does (`baudbot-brain`), in both directions: the
+//! only place that names both. What a server may get wrong is a [`Breach`].
 
 mod belief;
 mod body;
