@@ -53,7 +53,7 @@ pub struct Issued {
     pub certificate: String,
     /// The key, which is secret.
     pub key: String,
-    /// When it ends.
+    /// The instant at which it ends.
     pub ends_at: SystemTime,
 }
 
@@ -80,7 +80,7 @@ impl Authority {
     pub fn new(name: &GrantName, validity: Lifetime, now: SystemTime) -> Result<Self, CertificateError> {
         let key = KeyPair::generate()?;
         let (mut params, ends_at) = blank(name.as_str(), validity, now);
-        // It signs certificates of servers and clients, and no further authorities.
+        // The authority signs certificates of servers and clients, and no further authorities.
         params.is_ca = IsCa::Ca(BasicConstraints::Constrained(0));
         params.key_usages = vec![KeyUsagePurpose::KeyCertSign, KeyUsagePurpose::CrlSign];
         let certificate = params.self_signed(&key)?.pem();
@@ -105,12 +105,12 @@ impl Authority {
         Ok(Self { issuer, certificate, ends_at })
     }
 
-    /// Its certificate, as PEM.
+    /// The authority's certificate, as PEM.
     pub fn certificate(&self) -> &str {
         &self.certificate
     }
 
-    /// When it ends.
+    /// The instant at which it ends.
     pub fn ends_at(&self) -> SystemTime {
         self.ends_at
     }
@@ -222,7 +222,7 @@ fn alternative(host: &Host) -> Result<SanType, CertificateError> {
     })
 }
 
-/// When an authority's certificate ends, if it is one, and this is its key.
+/// The instant at which an authority's certificate ends, if it is one, and this is its key.
 fn inspect(certificate: &str, key: &KeyPair) -> Result<SystemTime, BadCertificate> {
     let mut blocks = Pem::iter_from_buffer(certificate.as_bytes());
     let block = blocks.next().and_then(Result::ok).ok_or(BadCertificate::NotPem)?;

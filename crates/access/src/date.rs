@@ -1,4 +1,4 @@
-//! Dates as files and people have them: RFC 3339, in whole seconds.
+//! Dates in files and for people: RFC 3339, in whole seconds.
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -28,7 +28,7 @@ pub fn print(at: SystemTime) -> String {
     of(at).format(&Rfc3339).expect("years up to 9999 have a date in RFC 3339")
 }
 
-/// The same second, as the crate `time` has it.
+/// The same second as a value of the crate `time`.
 pub(crate) fn of(at: SystemTime) -> OffsetDateTime {
     let seconds = at.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()).min(LAST_S);
     OffsetDateTime::from_unix_timestamp(seconds.cast_signed()).expect("it is within the years of the crate")

@@ -21,9 +21,9 @@ pub struct Grant {
     pub hash: TokenHash,
     /// The rights that it gives.
     pub rights: Vec<Right>,
-    /// When it was made.
+    /// The instant at which it was made.
     pub created_at: SystemTime,
-    /// From when on it is good for nothing; `None` for never.
+    /// The instant from which on the grant is not valid; `None` for never.
     pub expires_at: Option<SystemTime>,
 }
 
@@ -49,7 +49,7 @@ pub enum Denied {
         /// The caller's rights.
         rights: Vec<Right>,
     },
-    /// It may not drive this robot.
+    /// The grant does not allow to drive this robot.
     #[error(
         "the token `{name}` has no right to drive {}; it has {}",
         Printable(brief(robot)),
@@ -75,14 +75,14 @@ pub(crate) const LOCAL: &str = "local";
 const NOBODY: &str = "nobody";
 
 impl Grant {
-    /// That of the user who runs the server, with all rights and no end. Its name is `local`, which no file has.
+    /// The grant of the user who runs the server, with all rights and no end. Its name is `local`, which no file has.
     pub fn local(hash: TokenHash, now: SystemTime) -> Self {
         let name = GrantName(LOCAL.to_owned());
         Self { name, hash, rights: Right::all(), created_at: now, expires_at: None }
     }
 
-    /// Whether a call with this need may be made. For [`Need::Drive`] this is whether any robot may be driven; a call that has
-    /// said which one goes on only if [`may_drive`](Self::may_drive) allows it, too.
+    /// Whether a call with this need may be made. For [`Need::Drive`] this is whether any robot may be driven; a call
+    /// that has named one goes on only if [`may_drive`](Self::may_drive) allows it, too.
     ///
     /// # Errors
     /// If no right meets the need.
@@ -116,7 +116,7 @@ impl Grant {
 }
 
 impl GrantName {
-    /// It as text.
+    /// The name as text.
     pub fn as_str(&self) -> &str {
         &self.0
     }

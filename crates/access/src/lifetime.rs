@@ -15,21 +15,21 @@ pub struct Lifetime(Duration);
 /// A text that is not a lifetime.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BadLifetime {
-    /// It is not a number with a unit.
+    /// The text is not a number with a unit.
     #[error("`{}` is not a time; write a whole number with a unit: 90m, 12h, 30d or 8w", Printable(brief(.0)))]
     Form(String),
-    /// It is too short or too long.
+    /// The lifetime is too short or too long.
     #[error("`{}` must be from 1m to {LONGEST_DAYS}d", Printable(brief(.0)))]
     Range(String),
 }
 
-/// A hundred years.
+/// The days of a hundred years.
 const LONGEST_DAYS: u64 = 36_525;
 const DAY_S: u64 = 24 * 60 * 60;
 const UNITS: [(char, u64); 4] = [('w', 7 * DAY_S), ('d', DAY_S), ('h', 60 * 60), ('m', 60)];
 
 impl Lifetime {
-    /// So many days, from 1 to 36,525; what is outside becomes the nearest of these.
+    /// The lifetime of a number of days, from 1 to 36,525; what is outside becomes the nearest of these.
     pub const fn days(days: u32) -> Self {
         let days = days as u64;
         let days = if days < 1 {
@@ -47,7 +47,7 @@ impl Lifetime {
         self.0
     }
 
-    /// When something ends that begins then; `None` if the clock does not go so far.
+    /// The instant at which something ends that begins then; `None` if the clock does not go so far.
     pub fn after(self, begin: SystemTime) -> Option<SystemTime> {
         begin.checked_add(self.0)
     }

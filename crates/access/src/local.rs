@@ -1,16 +1,16 @@
 //! The token of the user who runs a server, for programs of the same user on the same machine.
 //!
-//! A server writes a token with all rights into a file that only its user can read, one for each address on which it can be
-//! reached from this machine only. Clients that connect to such an address look there. So nobody has to handle tokens who uses a
-//! server of their own, and no other user of the machine can use it.
+//! A server writes a token with all rights into a file that only its user can read, one for each address on which it
+//! can be reached from this machine only. Clients that connect to such an address look there. So users of a server of
+//! their own need not handle tokens, and no other user of the machine can use it.
 //!
 //! # Where
 //!
-//! The folder is `$XDG_RUNTIME_DIR/baudbot` or, where there is no such variable or its folder belongs to somebody else,
-//! `/tmp/baudbot-UID` with the number of the user. Anybody can make that one first; what belongs to somebody else is passed over, and
-//! `~/.baudbot` takes its place. The folder has the mode 0700 and belongs to the user; a link, or a folder that others can read, is
-//! refused. A client looks into all of these, in this order. The file has the mode 0600 and the token in it, without a line's end, and
-//! its name is
+//! The folder is `$XDG_RUNTIME_DIR/baudbot` or, where there is no such variable or its folder belongs to another user,
+//! `/tmp/baudbot-UID` with the number of the user. Any user can make that one first; a folder of another user is passed
+//! over, and `~/.baudbot` takes its place. The folder has the mode 0700 and belongs to the user; a link, or a folder
+//! that others can read, is refused. A client looks into all of these, in this order. The file has the mode 0600 and
+//! the token in it, without a line's end, and its name is
 //!
 //! - `127.0.0.1:7400.token`, `[::1]:7400.token` for an address of loopback;
 //! - `unix-HASH.token` for a Unix socket, where HASH is the SHA-256 of the absolute path without links, in hexadecimal digits.
@@ -111,7 +111,7 @@ fn write(folder: &Path, names: &[String], token: &Token) -> Result<LocalFiles, P
 fn retire<'a>(folders: impl Iterator<Item = &'a PathBuf>, names: &[String]) {
     for folder in folders.filter(|folder| private::check_folder(folder).is_ok()) {
         for name in names {
-            // It is not there, as a rule.
+            // The token is absent, as a rule.
             let _ = fs::remove_file(folder.join(name));
         }
     }
@@ -121,7 +121,7 @@ fn find_in(folders: &[PathBuf], names: &[String]) -> Result<Option<Token>, Priva
     for folder in folders.iter().filter(|_| !names.is_empty()) {
         match private::check_folder(folder) {
             Ok(()) => {}
-            // Nothing of this user's is in a folder of somebody else.
+            // A folder of another user holds nothing of this user's.
             Err(PrivateError::Foreign { .. }) => continue,
             Err(error) if error.is_absent() => continue,
             Err(error) => return Err(error),
@@ -141,11 +141,11 @@ fn find_in(folders: &[PathBuf], names: &[String]) -> Result<Option<Token>, Priva
     Ok(None)
 }
 
-/// The folders in which clients look. A server uses the first that is not somebody else's.
+/// The folders in which clients look for the token. A server uses the first that does not belong to another user.
 fn folders() -> Vec<PathBuf> {
     let user = private::user();
     let of_session = env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
-    // With `sudo -E` it is that of another user.
+    // The folder in the environment is that of another user with `sudo -E`.
     let is_own = |folder: &PathBuf| {
         folder.is_absolute()
             && fs::metadata(folder).is_ok_and(|metadata| metadata.is_dir() && metadata.uid() == user)

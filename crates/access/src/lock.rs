@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 
 use crate::private::{PrivateError, folder_of};
 
-/// The lock of a file that is changed by more than one program. It is another file beside it, as the file itself is replaced; and
-/// one that is written, as network file systems lock no others. It stays there: whoever removed it could take it away from under
-/// a program that waits for it.
+/// The lock of a file that is changed by more than one program. It is another file beside it, as the file itself is
+/// replaced; and one that is written, as network file systems lock no others. It is never removed, as that could take
+/// it away from under a program that waits for it.
 pub(crate) struct Lock {
     _file: File,
 }
@@ -17,7 +17,7 @@ pub(crate) struct Lock {
 /// The time for which a program waits for another one that changes the same file.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Between two attempts.
+/// The pause between two attempts.
 const PAUSE: Duration = Duration::from_millis(20);
 
 impl Lock {

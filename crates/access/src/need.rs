@@ -1,32 +1,33 @@
 //! The right that each call asks of its caller.
 //!
-//! This is the one place that decides what a right is good for: [`Right::gives`](crate::Right::gives) says which needs a right
-//! meets, and [`RPCS`] says what each call needs. A call that is not in the table is refused, so that one that is added to the
-//! contract is closed until somebody has thought about it.
+//! This is the one place that decides what a right is good for: [`Right::gives`](crate::Right::gives) has the needs
+//! that a right meets, and [`RPCS`] the need of each call. A call that is not in the table is refused, so that one that
+//! is added to the contract is closed until its need is decided.
 
 use std::fmt;
 
 /// A demand on a caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Need {
-    /// Nothing: whoever reaches the server may.
+    /// Every caller may make the call.
     Nothing,
     /// Any valid token, whatever its rights.
     AnyToken,
-    /// To see what is true.
+    /// The right to see what is true.
     Observe,
-    /// To make worlds and run them.
+    /// The right to make worlds and run them.
     Operate,
-    /// To be told the truth while driving.
+    /// The right to get the truth while driving.
     Train,
-    /// To drive a robot. Which one is in the call, or comes with it later: see [`Grant::may_drive`](crate::Grant::may_drive).
+    /// The right to drive a robot. Which one is in the call, or comes with it later: see
+    /// [`Grant::may_drive`](crate::Grant::may_drive).
     Drive,
 }
 
 /// A way into the server that is not an RPC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Door {
-    /// The page's files, which are the same everywhere and say nothing of this server.
+    /// The page's files, which are the same everywhere and reveal nothing of this server.
     PageFiles,
     /// The page's socket. Each call that comes over it needs what the RPC of that name needs.
     PageSocket,
@@ -39,7 +40,7 @@ pub enum Door {
 }
 
 impl Door {
-    /// All of them.
+    /// All doors.
     pub const ALL: [Self; 5] =
         [Self::PageFiles, Self::PageSocket, Self::Film, Self::Metrics, Self::SerialPort];
 
@@ -48,7 +49,7 @@ impl Door {
         match self {
             Self::PageFiles => Need::Nothing,
             Self::PageSocket => Need::AnyToken,
-            // It was made for the operator's command that started the page.
+            // The film was made for the operator's command that started the page.
             Self::Film => Need::Operate,
             Self::Metrics => Need::Observe,
             Self::SerialPort => Need::Drive,
@@ -117,7 +118,7 @@ const OBSERVE: &[(&str, Need)] = &[
     ("WatchCable", Need::Observe),
 ];
 
-/// Probes of an orchestrator have no token, and `Check` tells them nothing but that services are served. `Watch` keeps a stream
+/// Probes of an orchestrator have no token, and `Check` reveals only that services are served. `Watch` keeps a stream
 /// open, which costs the server a place.
 const HEALTH: &[(&str, Need)] = &[("Check", Need::Nothing), ("Watch", Need::AnyToken)];
 

@@ -30,7 +30,7 @@ pub struct BadPattern {
 /// A fault in a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PatternProblem {
-    /// It does not have two parts.
+    /// The pattern does not have two parts.
     #[error(
         "it has {0} slashes and must have one; write WORLD/ROBOT, such as wander/alice, or */* for all robots"
     )]
@@ -57,9 +57,9 @@ pub enum PatternProblem {
 /// A part of a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Half {
-    /// Before the slash.
+    /// The part before the slash.
     World,
-    /// After it.
+    /// The part after the slash.
     Robot,
 }
 
@@ -67,7 +67,7 @@ pub enum Half {
 const MAX_LENGTH: usize = 64;
 
 impl DrivePattern {
-    /// That of all robots, `*/*`.
+    /// The pattern of all robots, `*/*`.
     pub fn all() -> Self {
         let any = || Part("*".to_owned());
         Self { world: any(), robot: any() }

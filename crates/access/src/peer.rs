@@ -1,4 +1,4 @@
-//! Whose program is at the other end of a connection on this machine.
+//! The user of the program at the other end of a connection on this machine.
 //!
 //! An address of loopback keeps other machines out, and no other user of this one. Doors without tokens, as debuggers and programs
 //! with serial ports know none, ask the system who has connected.
@@ -8,12 +8,12 @@ use std::net::{IpAddr, SocketAddr, TcpStream};
 
 use crate::private::user;
 
-/// Whose programs may come in.
+/// The users whose programs may connect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
-    /// Those of this user.
+    /// The programs of this user may connect.
     OwnUser,
-    /// Those of whoever reaches it.
+    /// All programs that reach the address may connect.
     Anyone,
 }
 

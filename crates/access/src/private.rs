@@ -17,7 +17,7 @@ pub enum PrivateError {
     Io {
         /// The action that failed.
         action: &'static str,
-        /// With which file or folder.
+        /// The file or folder.
         path: PathBuf,
         /// The system's error.
         source: io::Error,
@@ -31,12 +31,12 @@ pub enum PrivateError {
     Exposed {
         /// The file or folder.
         path: PathBuf,
-        /// Its mode.
+        /// The file's mode.
         mode: u32,
         /// The mode that it should have, as `chmod` takes it.
         wanted: &'static str,
     },
-    /// It belongs to another user.
+    /// The file belongs to another user.
     #[error(
         "{}: belongs to the user with the number {owner}, so that it cannot be trusted; move it away or use another",
         shown(path)
@@ -44,10 +44,10 @@ pub enum PrivateError {
     Foreign {
         /// The file or folder.
         path: PathBuf,
-        /// Its owner.
+        /// The file's owner.
         owner: u32,
     },
-    /// It belongs to another user, and there is no other place for the token of this user's own programs.
+    /// The file belongs to another user, and there is no other place for the token of this user's own programs.
     #[error(
         "{}: belongs to the user with the number {owner}, so that it cannot be trusted, and no other place is free; set \
          XDG_RUNTIME_DIR to a folder of your own (mkdir -m 700), for the server and its clients",
@@ -56,28 +56,28 @@ pub enum PrivateError {
     NoPlace {
         /// The folder.
         path: PathBuf,
-        /// Its owner.
+        /// The file's owner.
         owner: u32,
     },
-    /// It is no ordinary file, or no folder, where one is needed.
+    /// The path is no ordinary file, or no folder, where one is needed.
     #[error("{}: is not {wanted}", shown(path))]
     Kind {
-        /// It.
+        /// The path of the file or folder.
         path: PathBuf,
         /// The kind that it should have: `a file` or `a folder`.
         wanted: &'static str,
     },
-    /// It is too long to be what it should be.
+    /// The file is too long for its purpose.
     #[error("{}: has {bytes} bytes and may have {most}; is it the right file?", shown(path))]
     TooLong {
         /// The file.
         path: PathBuf,
-        /// Its length.
+        /// The file's length, in bytes.
         bytes: u64,
         /// The greatest length.
         most: u64,
     },
-    /// It is no text.
+    /// The file is no text.
     #[error("{}: is not a text in UTF-8; is it the right file?", shown(path))]
     NotText {
         /// The file.
@@ -91,7 +91,7 @@ pub enum PrivateError {
     Locked {
         /// The file.
         path: PathBuf,
-        /// For how long this program has waited.
+        /// The time for which this program has waited, in seconds.
         seconds: u64,
     },
 }
@@ -103,7 +103,7 @@ impl PrivateError {
     }
 }
 
-/// A mark that tells one content of a file from the next without reading it: any change of it, of its mode or its
+/// A mark by which one content of a file differs from the next without reading it: any change of it, of its mode or its
 /// owner, and another file in its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Stamp {
@@ -129,7 +129,7 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), PrivateError> {
     // A link stays, and the file at its end is replaced.
     let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let folder = folder_of(&real);
-    // Its mode is 0600.
+    // The mode of the temporary file is 0600.
     let mut file = NamedTempFile::new_in(folder).map_err(failed)?;
     file.write_all(text.as_bytes()).and_then(|()| file.as_file().sync_all()).map_err(failed)?;
     if let Ok(before) = fs::metadata(&real)
@@ -198,7 +198,7 @@ pub(crate) fn user() -> u32 {
 }
 
 impl Stamp {
-    /// That of the file as it is now.
+    /// The stamp of the file as it is now.
     #[cfg(feature = "grants")]
     pub(crate) fn at(path: &Path) -> Option<Self> {
         fs::metadata(path).ok().map(|metadata| Self::of(&metadata))
@@ -215,7 +215,7 @@ impl Stamp {
 }
 
 fn open(path: &Path) -> Result<(File, Metadata), PrivateError> {
-    // Without waiting for somebody to write, if this is a pipe.
+    // The open does not block on a pipe without a writer.
     let flags = OFlags::NONBLOCK.bits().cast_signed();
     let file = OpenOptions::new().read(true).custom_flags(flags).open(path);
     let opened = file.and_then(|file| file.metadata().map(|metadata| (file, metadata)));
@@ -321,7 +321,7 @@ mod tests {
         }
     }
 
-    /// As systemd and Kubernetes give a secret to a service.
+    /// The owner and mode are those with which systemd and Kubernetes give a secret to a service.
     #[test]
     fn root_lets_a_service_read_by_its_group() {
         let folder = tempfile::tempdir().unwrap();

@@ -12,18 +12,18 @@ use crate::pattern::{BadPattern, DrivePattern, brief};
 ///
 /// In files it is `observe`, `operate`, `train` or `drive WORLD/ROBOT`.
 ///
-/// Rights do not contain each other, but for observing: who operates can save a state and look at it, and who trains is told the
-/// truth, so that keeping the rest from them would hide nothing. Driving is never contained. A robot has one driver at a
-/// time; a program that starts and stops worlds must not take the robot of somebody else by mistake, and whoever holds the
-/// token for a robot knows that nobody drives it but the holders of such tokens. For the same reason driving does not contain
-/// observing: a brain knows only what its cable tells it. A token has as many rights as its holder needs.
+/// Rights do not contain each other, but for observing: an operator can save a state and read it, and a trainer gets
+/// the truth, so that keeping the rest from them would hide nothing. Driving is never contained. A robot has one driver
+/// at a time; a program that starts and stops worlds must not take another user's robot by mistake, and only the
+/// holders of tokens for a robot can drive it. For the same reason driving does not contain observing: a brain gets
+/// only the readings of its cable. A token has as many rights as its holder needs.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Right {
     /// See what is true: worlds, robots, cables, recordings by name, metrics.
     Observe,
     /// Make worlds, run them, change them, delete them; and observe.
     Operate,
-    /// Drive robots in lockstep and be told the truth, as a program does that learns; and observe.
+    /// Drive robots in lockstep and get the truth, as a program does that learns; and observe.
     Train,
     /// Drive these robots.
     Drive(DrivePattern),
@@ -35,7 +35,7 @@ pub enum BadRight {
     /// There is no such right.
     #[error("`{}` is not a right; rights are `observe`, `operate`, `train` and `drive WORLD/ROBOT`", Printable(brief(.0)))]
     Unknown(String),
-    /// It does not say which robots may be driven.
+    /// The text lacks the robots that may be driven.
     #[error(
         "`drive` must say which robots: `drive WORLD/ROBOT`, such as `drive wander/alice`, or `drive */*` for all"
     )]

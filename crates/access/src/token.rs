@@ -16,7 +16,7 @@ const CHARACTERS: usize = 43;
 /// Bytes of a token, and of a hash.
 const BYTES: usize = 32;
 
-/// A secret of 256 random bits: who has it may do what its grant allows.
+/// A secret of 256 random bits: its holder may do what its grant allows.
 ///
 /// As text it is `baudbot_` and 43 characters of base64url; each token has one text only. `Debug` does not show it, and there is
 /// no `Display`: it is shown only where [`reveal`](Self::reveal) stands in the code.
@@ -25,10 +25,10 @@ pub struct Token([u8; BYTES]);
 /// A text that is not a token. It does not have the text in it, which may be a token with a typing error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BadToken {
-    /// It begins otherwise.
+    /// The text begins otherwise.
     #[error("a token begins with `{PREFIX}`")]
     Prefix,
-    /// It is too short or too long.
+    /// The text is too short or too long.
     #[error("a token has {CHARACTERS} characters after `{PREFIX}`, this one has {0}; is it complete?")]
     Length(usize),
     /// A character that no token has at this place.
@@ -63,7 +63,7 @@ impl Token {
         Ok(Self(bits))
     }
 
-    /// Its text. It is for its holder only, and never for a log.
+    /// The token's text. It is for its holder only, and never for a log.
     pub fn reveal(&self) -> String {
         PREFIX.to_owned() + &URL_SAFE_NO_PAD.encode(self.0)
     }

@@ -10,10 +10,10 @@ use crate::token::{Token, TokenHash};
 
 /// The grants in effect.
 ///
-/// A caller's grant is looked up by the SHA-256 of its token. The time that the lookup takes may depend on how much of that hash
-/// is like one that is known; this tells nobody anything. To profit from it, a guesser would need tokens whose hashes begin
-/// with chosen bits; it can search for those, but each bit doubles the search, and a hash that is known in full still has to be
-/// inverted. The token itself is never compared with anything.
+/// A caller's grant is looked up by the SHA-256 of its token. The time that the lookup takes may depend on how much of
+/// that hash is like one that is known; this reveals nothing of use. To profit from it, a guesser would need tokens
+/// whose hashes begin with chosen bits; it can search for those, but each bit doubles the search, and a hash that is
+/// known in full still has to be inverted. The token itself is never compared with anything.
 #[derive(Debug, Default)]
 pub struct Tokens {
     grants: HashMap<TokenHash, Arc<Grant>>,
@@ -24,8 +24,8 @@ pub struct Tokens {
 
 /// The caller is not known: no token, a wrong one, or one that is over.
 ///
-/// The words are the same for whatever is wrong with a token, so that a guesser learns nothing. That it has expired is told, as
-/// only its holder can have it.
+/// The words are the same for whatever is wrong with a token, so that a guesser learns nothing. An expired token is
+/// named as such, as only its holder can have it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
     /// None was given.
@@ -33,24 +33,24 @@ pub enum Refused {
         "a token is needed here; give one, as `authorization: Bearer baudbot_…` (see docs/reference/trust.md)"
     )]
     Missing,
-    /// It is not valid here.
+    /// The token is not valid here.
     #[error("the token is not valid on this server; ask its operator for another one")]
     Unknown,
-    /// Nobody can tell, as the file of tokens cannot be read.
+    /// The validity is unknown, as the file of tokens cannot be read.
     #[error("the server cannot read its file of tokens, and takes none until it can; its log says why")]
     Unreadable,
-    /// It was valid.
+    /// The token was valid.
     #[error("the token `{name}` has expired, on {}; ask the operator of this server for another one", date::print(*.at))]
     Expired {
         /// The token.
         name: GrantName,
-        /// When it has.
+        /// The instant at which it has.
         at: SystemTime,
     },
 }
 
 impl Tokens {
-    /// These grants. `generation` counts the sets that were in effect before.
+    /// The set of these grants. `generation` counts the sets that were in effect before.
     pub fn new(grants: impl IntoIterator<Item = Grant>, generation: u64) -> Self {
         let grants = grants.into_iter().map(|grant| (grant.hash, Arc::new(grant))).collect();
         Self { grants, generation, is_unreadable: false }

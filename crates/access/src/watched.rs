@@ -40,22 +40,23 @@ struct Look {
 /// The result of a look at the file; a line for the log.
 #[derive(Debug)]
 pub enum News {
-    /// It has changed, and these grants are in effect.
+    /// The file has changed, and these grants are in effect.
     Changed {
         /// The number of tokens, with those that the server was started with.
         tokens: usize,
     },
-    /// It has changed, and cannot be read any more: what was in effect remains so for [two seconds](Watched). This is told once for
-    /// each change.
+    /// The file has changed, and cannot be read any more: what was in effect remains so for [two seconds](Watched).
+    /// This is reported once for each change.
     Unreadable(FileError),
-    /// It could not be read for so long: nothing of it is in effect until it can be, as a token may have been revoked.
+    /// The file could not be read for so long: nothing of it is in effect until it can be, as a token may have been
+    /// revoked.
     Refused(FileError),
 }
 
-/// Between two looks at the file.
+/// The interval between two looks at the file.
 const INTERVAL: Duration = Duration::from_secs(1);
 
-/// So long what was read before stays in effect if the file cannot be read: somebody may be writing it.
+/// The time for which the last grants stay in effect if the file cannot be read: it may be about to be written.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 impl Watched {
@@ -76,8 +77,8 @@ impl Watched {
         Ok(Self { file, own, latest: RwLock::new(Arc::new(tokens)), look })
     }
 
-    /// The grants in effect. Looks at the file if nobody has within a second, and reads it if it has changed; whoever asks
-    /// meanwhile gets what was in effect before. What there is to be told goes to the one who has looked.
+    /// The grants in effect. The file is looked at if that was not done within a second, and read if it has changed;
+    /// concurrent callers get what was in effect before. The news goes to the caller that has looked.
     pub fn current(&self, now: Instant) -> (Arc<Tokens>, Option<News>) {
         let news = self.look(now);
         (self.latest(), news)
@@ -106,7 +107,7 @@ impl Watched {
         // If the file changes again before it is read, the next look finds that its stamp is a later one.
         let is_changed = look.stamp != stamp;
         look.stamp = stamp;
-        // Whoever reads needs a descriptor.
+        // The reading needs a descriptor.
         look.spare = None;
         let read = file.read_stamped();
         look.spare = spare(file);
@@ -133,7 +134,7 @@ impl Watched {
         *latest = Arc::new(Tokens::new(self.own.iter().cloned(), latest.generation() + 1).refusing());
     }
 
-    /// Puts grants into effect, and says how many there are now.
+    /// Puts grants into effect, and returns how many there are now.
     fn replace(&self, grants: Vec<Grant>) -> usize {
         let mut latest = self.latest.write().unwrap_or_else(PoisonError::into_inner);
         let all = grants.into_iter().chain(self.own.iter().cloned());

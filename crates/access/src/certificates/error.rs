@@ -40,9 +40,9 @@ pub enum CertificateError {
         date::print(*asked), date::print(*end)
     )]
     Outlives {
-        /// When the certificate would end.
+        /// The instant at which the certificate would end.
         asked: SystemTime,
-        /// When the authority does.
+        /// The instant at which the authority does.
         end: SystemTime,
     },
     /// A server has no name.
@@ -59,15 +59,15 @@ pub enum CertificateError {
 /// A defect of an authority's certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BadCertificate {
-    /// It is none.
+    /// The text is no certificate.
     #[error("is not a certificate in PEM")]
     NotPem,
-    /// It is that of a server or client.
+    /// The certificate is that of a server or client.
     #[error(
         "is not the certificate of an authority, so that it cannot sign others; make one with `baudbot cert ca`"
     )]
     NotAuthority,
-    /// It does not belong to the key.
+    /// The certificate does not belong to the key.
     #[error("is not the certificate of this key; both must come from the same `baudbot cert ca`")]
     OtherKey,
 }

@@ -26,7 +26,7 @@ pub enum Host {
 pub struct BadHost(String);
 
 impl Host {
-    /// It as the name of a file.
+    /// The host as the name of a file.
     pub(super) fn stem(&self) -> String {
         let text = self.to_string();
         text.chars().map(|c| if c.is_ascii_alphanumeric() || "-.".contains(c) { c } else { '_' }).collect()

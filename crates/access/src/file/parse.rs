@@ -1,4 +1,4 @@
-//! From the text of a file to grants.
+//! The way from the text of a file to grants.
 
 use std::collections::HashMap;
 use std::path::Path as FilePath;
@@ -96,7 +96,7 @@ fn all(table: Table) -> Result<Vec<Grant>, Wrong> {
     Ok(grants)
 }
 
-/// Looks at the version first: in a file of a later one all else may be new.
+/// Checks the version first: in a file of a later one all else may be new.
 fn check_version(table: &Table) -> Result<(), FieldError> {
     let path = Path::root().field("version");
     match table.get("version").map(Value::as_integer) {
