@@ -32,7 +32,7 @@ fn main() {
         }
     }
     if let Some(harness) = harness {
-        // It lies in the system's folder for temporary files, where nobody misses it.
+        // The harness lies in the system's folder for temporary files, and need not be removed.
         std::fs::remove_file(harness).ok();
     }
 }

@@ -160,7 +160,7 @@ impl Adc {
         }
     }
 
-    /// Looks at the flag that triggers: a conversion begins when it rises.
+    /// Notes the flag that triggers: a conversion begins when it rises.
     pub(crate) fn see_trigger(&mut self, now: u64, flag: bool) {
         let before = core::mem::replace(&mut self.trigger, flag);
         if flag && !before && self.conversion.is_none() {

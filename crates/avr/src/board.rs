@@ -16,8 +16,8 @@ pub trait Board {
         let _ = (pin, drive, at);
     }
 
-    /// The signal that a timer makes on a pin has another shape, or the timer has let go of it (None). Only pins that are
-    /// set to [`PwmReport::Shape`](crate::pin::PwmReport::Shape) are reported.
+    /// The signal that a timer makes on a pin has another shape, or the timer has released it (None). Only pins that
+    /// are set to [`PwmReport::Shape`](crate::pin::PwmReport::Shape) are reported.
     fn pwm_changed(&mut self, pin: Pin, pwm: Option<Pwm>, at: u64) {
         let _ = (pin, pwm, at);
     }
@@ -101,19 +101,19 @@ pub enum AnalogInput {
 /// The direction of bytes on a TWI bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Direction {
-    /// From the master.
+    /// The byte goes from the master.
     Write,
-    /// To the master.
+    /// The byte goes to the master.
     Read,
 }
 
 /// An act of a program that is hardly meant, or is not simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Warning {
-    /// A word that is no instruction was executed; it did nothing. This and [`BeyondMemory`](Self::BeyondMemory) are said a
-    /// hundred times at most between two resets.
+    /// A word that is no instruction was executed; it did nothing. This and [`BeyondMemory`](Self::BeyondMemory) are
+    /// reported a hundred times at most between two resets.
     IllegalInstruction {
-        /// Its word address.
+        /// The instruction's word address.
         pc: u32,
         /// The word.
         word: u16,
@@ -132,9 +132,10 @@ pub enum Warning {
         /// The mark.
         mark: u16,
     },
-    /// An input pin was read that nothing drives and that has no pull-up; it read as 0. Said once for each pin between two
-    /// resets, and only if the program looked at that pin alone: by `SBIS` or `SBIC`, or by an instruction that takes one bit of
-    /// a port behind the one that read the port. Nobody knows which of its pins a program means that looks at several.
+    /// An input pin was read that nothing drives and that has no pull-up; it read as 0. Reported once for each pin
+    /// between two resets, and only if the program looked at that pin alone: by `SBIS` or `SBIC`, or by an instruction
+    /// that takes one bit of a port behind the one that read the port. A program that reads several pins at once may
+    /// ignore this one.
     FloatingInput {
         /// The pin.
         pin: Pin,

@@ -50,7 +50,7 @@ impl Clock {
             && cycle - self.cycle < LATEST >> self.shift
     }
 
-    /// From this cycle on cycles are longer or shorter.
+    /// Cycles are longer or shorter from this cycle on.
     pub(crate) const fn set_shift(&mut self, cycle: u64, shift: u8) {
         self.period = self.period_of(cycle);
         self.cycle = cycle;

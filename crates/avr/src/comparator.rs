@@ -4,8 +4,8 @@
 //!
 //! # Deviations
 //!
-//! It compares when the program reads or writes ACSR, and when the embedder says that voltages have changed: it has no other
-//! way to know. It has neither delay nor hysteresis.
+//! It compares when the program reads or writes ACSR, and when the embedder reports a change of voltages, of which it
+//! has no other sign. It has neither delay nor hysteresis.
 
 use serde::{Deserialize, Serialize};
 

@@ -37,7 +37,7 @@ pub(crate) struct Eeprom {
     /// EEPM and EERIE.
     control: u8,
     window: Window,
-    /// When the write is over, in periods of the clock source.
+    /// The instant at which the write is over, in periods of the clock source.
     busy_until: Option<u64>,
 }
 
@@ -74,7 +74,7 @@ impl Eeprom {
         self.control & INTERRUPT != 0 && self.busy_until.is_none()
     }
 
-    /// When the write is over, in periods of the clock source.
+    /// The instant at which the write is over, in periods of the clock source.
     pub(crate) fn next_event(&self) -> u64 {
         self.busy_until.unwrap_or(u64::MAX)
     }

@@ -34,7 +34,7 @@ pub(crate) struct External {
 }
 
 impl External {
-    /// After a reset, with the levels that the pins have.
+    /// The state after a reset, with the levels that the pins have.
     pub(crate) fn new(levels: u8) -> Self {
         Self { levels, ..Self::default() }
     }
@@ -49,7 +49,7 @@ impl External {
         (self.flags | low.fold(0, |lines, line| lines | 1 << line)) & self.mask
     }
 
-    /// Those of them that are requested by a low level, which also wakes from deep sleep.
+    /// The interrupts that are requested by a low level, which also wakes from deep sleep.
     pub(crate) fn low_requests(&self) -> u8 {
         self.requests() & !self.flags
     }

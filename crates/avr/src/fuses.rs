@@ -38,7 +38,7 @@ pub enum Taken {
 }
 
 impl Fuses {
-    /// As parts leave the factory: internal oscillator of 8 MHz divided by 8, start at address 0.
+    /// The fuses of parts from the factory: internal oscillator of 8 MHz divided by 8, start at address 0.
     pub const fn factory(part: Part) -> Self {
         match part {
             Part::Atmega328 | Part::Atmega328P => Self { low: 0x62, high: 0xD9, extended: 0xFF },
@@ -49,10 +49,10 @@ impl Fuses {
         }
     }
 
-    /// As on an Arduino Uno: a crystal, and a reset starts the boot section of 512 bytes.
+    /// The fuses of an Arduino Uno: a crystal, and a reset starts the boot section of 512 bytes.
     pub const ARDUINO_UNO: Self = Self { low: 0xFF, high: 0xDE, extended: 0xFD };
 
-    /// With an external clock that is not divided: the shortest start-up, start at address 0.
+    /// The fuses with an external clock that is not divided: the shortest start-up, start at address 0.
     pub const fn external_clock(part: Part) -> Self {
         let factory = Self::factory(part);
         Self { low: 0xC0, ..factory }

@@ -40,12 +40,12 @@ impl Pin {
         if bit < 8 { Some(Self { port, bit }) } else { None }
     }
 
-    /// Its port.
+    /// The port of the pin.
     pub const fn port(self) -> Port {
         self.port
     }
 
-    /// Its number in the port, from 0 to 7.
+    /// The number of the pin in the port, from 0 to 7.
     pub const fn bit(self) -> u8 {
         self.bit
     }
@@ -95,11 +95,11 @@ impl Drive {
 /// The effect of another part on a pin's wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum External {
-    /// It pulls the wire to ground.
+    /// The part pulls the wire to ground.
     Low,
-    /// It pulls the wire to the supply.
+    /// The part pulls the wire to the supply.
     High,
-    /// Nothing: an input reads high with its pull-up resistor, and without one it floats.
+    /// The part does not drive the pin: an input reads high with its pull-up resistor, and without one it floats.
     Open,
 }
 

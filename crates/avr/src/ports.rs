@@ -1,7 +1,7 @@
 //! The pins as digital inputs and outputs.
 //!
-//! Source: data sheet, chapter *I/O-Ports*; functions of other parts take a pin over as *Alternate Port Functions* says, by a
-//! value (PVOE, PVOV) and a direction (DDOE, DDOV).
+//! Source: data sheet, chapter *I/O-Ports*; functions of other parts take a pin over by *Alternate Port Functions*, by
+//! a value (PVOE, PVOV) and a direction (DDOE, DDOV).
 
 use serde::{Deserialize, Serialize};
 
@@ -120,14 +120,14 @@ impl Ports {
         assign(&mut state.external_level, pin, external == External::High);
     }
 
-    /// A part of the chip gives the pin its value if it is an output, or lets go of it.
+    /// A part of the chip gives the pin its value if it is an output, or releases it.
     pub(crate) fn override_value(&mut self, pin: Pin, value: Option<bool>) {
         let state = &mut self.states[pin.port().index()];
         assign(&mut state.value_override, pin, value.is_some());
         assign(&mut state.value, pin, value == Some(true));
     }
 
-    /// A part of the chip decides whether the pin is an output, or lets go of it.
+    /// A part of the chip decides whether the pin is an output, or releases it.
     pub(crate) fn override_direction(&mut self, pin: Pin, output: Option<bool>) {
         let state = &mut self.states[pin.port().index()];
         assign(&mut state.direction_override, pin, output.is_some());
@@ -192,7 +192,7 @@ impl Ports {
         changed
     }
 
-    /// Pins of a port that float although they are read by `mask`; each is told once.
+    /// Pins of a port that float although they are read by `mask`; each is reported once.
     #[inline]
     pub(crate) fn floating(&mut self, port: Port, mask: u8) -> u8 {
         let state = &mut self.states[port.index()];

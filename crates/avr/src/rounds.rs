@@ -37,7 +37,7 @@ impl Rounds {
         Self { head, count: 0, total: 0, least: u64::MAX, most: 0, alike: Vec::new() }
     }
 
-    /// So many rounds of a length are over.
+    /// Adds a number of rounds of a length.
     pub(crate) fn add(&mut self, length: u64, times: u64) {
         if times == 0 {
             return;
@@ -105,7 +105,7 @@ const fn place(length: u64) -> u16 {
     }
 }
 
-/// Bits of a length that are told apart behind the highest one.
+/// Bits of a length that are distinguished behind the highest one.
 const FINE: u32 = 5;
 
 #[cfg(test)]

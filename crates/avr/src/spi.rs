@@ -75,7 +75,7 @@ impl Spi {
         self.status |= DONE;
     }
 
-    /// As a slave: another master has sent a byte, and gets what SPDR held. None: this is no slave.
+    /// The exchange as a slave: another master has sent a byte, and gets what SPDR held. None: this is no slave.
     pub(crate) fn exchange(&mut self, byte: u8) -> Option<u8> {
         if !self.is_enabled() || self.is_master() {
             return None;

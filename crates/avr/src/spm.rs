@@ -50,7 +50,7 @@ pub(crate) struct SelfProgramming {
     control: u8,
     window: Window,
     buffer: Vec<u16>,
-    /// When the erase or write is over, in periods of the clock source.
+    /// The instant at which the erase or write is over, in periods of the clock source.
     busy_until: Option<u64>,
     section_busy: bool,
     pub(crate) lock_bits: u8,

@@ -45,11 +45,11 @@ pub enum Sleep {
     AdcNoiseReduction,
     /// All clocks stand, and the oscillator.
     PowerDown,
-    /// As power-down, but a timer 2 with its own crystal runs.
+    /// The same as power-down, but a timer 2 with its own crystal runs.
     PowerSave,
     /// All clocks stand; the oscillator runs.
     Standby,
-    /// As standby, but a timer 2 with its own crystal runs.
+    /// The same as standby, but a timer 2 with its own crystal runs.
     ExtendedStandby,
 }
 
@@ -106,7 +106,7 @@ pub(crate) const RESET_TIMERS: u8 = 1 << 0;
 const ASYNCHRONOUS: u8 = 1 << 5;
 const ASYNCHRONOUS_BITS: u8 = 3 << 5;
 const LARGEST_PRESCALER: u8 = 8;
-/// A middle value, as nobody can know that of a chip.
+/// A middle value, as that of a real chip is not known.
 const CALIBRATION: u8 = 0x80;
 
 /// The registers.

@@ -7,9 +7,9 @@
 //!
 //! # Deviations
 //!
-//! As there is no other master, a program that makes the chip a slave waits for ever: nobody calls its address. There is
-//! neither arbitration nor stretching of the clock. SDA and SCL do not move: the board is asked by whole bytes. A stop
-//! condition is over at once.
+//! As there is no other master, a program that makes the chip a slave waits for ever: its address is never called.
+//! There is neither arbitration nor stretching of the clock. SDA and SCL do not move: the board is asked by whole
+//! bytes. A stop condition is over at once.
 
 use serde::{Deserialize, Serialize};
 
@@ -53,7 +53,7 @@ pub(crate) enum Step {
     /// SLA+R/W.
     Address,
     Write,
-    /// With TWEA: another byte is wanted behind it.
+    /// A byte from the slave; with TWEA another one is wanted behind it.
     Read {
         acknowledge: bool,
     },

@@ -38,8 +38,8 @@ pub(crate) struct Watchdog {
 }
 
 impl Watchdog {
-    /// After a reset that ends with this period; `has_bitten` is WDRF, which keeps the watchdog on. Before, its oscillator
-    /// times the start of the clock.
+    /// The state after a reset that ends with this period; `has_bitten` is WDRF, which keeps the watchdog on. Before,
+    /// its oscillator times the start of the clock.
     pub(crate) fn new(clock_hz: u32, always_on: bool, has_bitten: bool, period: u64) -> Self {
         let control = if always_on || has_bitten { RESET } else { 0 };
         let mut watchdog =

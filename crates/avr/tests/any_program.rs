@@ -6,7 +6,7 @@ use baudbot_avr::{
 };
 use proptest::prelude::*;
 
-/// A board that hands out changing values, and adds up what it is told.
+/// A board that hands out changing values, and adds up all that is reported to it.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Sum(u64);
 

@@ -1,4 +1,4 @@
-//! Each instruction from random states, held against other simulators in processes of their own.
+//! Each instruction from random states, compared with other simulators in processes of their own.
 //!
 //! These tests are called by command, as they need what a plain test run should not:
 //!
@@ -11,7 +11,7 @@
 //!
 //! `BAUDBOT_AVR_STATES` is the number of states of each instruction, 10,000 if it is not set.
 
-// Of some seventy instructions a few are special here.
+// A few of some seventy instructions are special here.
 #![allow(clippy::wildcard_enum_match_arm)]
 
 use std::collections::BTreeMap;
@@ -30,14 +30,14 @@ const STACK_LOW: u8 = 0x5D;
 const STACK_HIGH: u8 = 0x5E;
 const STATUS: u8 = 0x5F;
 const HALF_CARRY: u8 = 0x20;
-/// Of `SBIS` one state of 32 is defined; what another simulator does otherwise in all states is left out.
+/// One state of `SBIS` in 32 is defined; states in which all of them differ in another simulator are left out.
 const MOST_TRIES: usize = 100;
 
 #[test]
 #[ignore = "needs libsimavr-dev"]
 fn each_instruction_does_what_simavr_does() {
     let harness = build_harness();
-    // It takes some words of ADIW and SBIW for JMP or CALL when it skips them.
+    // The simulator takes some words of ADIW and SBIW for JMP or CALL when it skips them.
     let takes_for_two_words = |word: u16| word & 0xFE0C == 0x960C;
     compare(Command::new(harness), "simavr", 0xFF, |state| {
         is_skip(state) && takes_for_two_words(state.words[1])
@@ -52,8 +52,8 @@ fn each_instruction_does_what_avr8js_does() {
     );
     let mut node = Command::new("node");
     node.arg(tests().join("avr8js/step.mjs")).arg(folder);
-    // Its half carry is that of the lowest bit, its CBI takes one cycle, its FMULSU sets Z
-    // at random, its NEG of -128 does not overflow, and 0 - 255 - 1 is not zero for it.
+    // The simulator's half carry is that of the lowest bit, its CBI takes one cycle, its FMULSU sets Z at random, its
+    // NEG of -128 does not overflow, and 0 - 255 - 1 is not zero for it.
     let differs = |state: &State| match decode(state.words[0], 0) {
         Op::Cbi { .. } | Op::Fmulsu { .. } => true,
         Op::Neg { d } => state.registers[usize::from(d)] == 0x80,

@@ -72,14 +72,14 @@ fn avr8js_shows_the_same_program_the_same_counters() {
         .map(|two| u8::from_str_radix(std::str::from_utf8(two).unwrap(), 16).unwrap())
         .collect();
     let (theirs, ours) = (results(&bytes), ours());
-    // It sets ICF1 where ICR1 is not the top, or has not been reached.
+    // The simulator sets ICF1 where ICR1 is not the top, or has not been reached.
     let no_capture = |at: usize, value: u16| if at % 2 == 1 { value & !0x20 } else { value };
     for at in 0..40 {
         assert_eq!(no_capture(at, ours[at]), no_capture(at, theirs[at]), "result {at}");
     }
     assert_eq!(ours[40..42], theirs[40..42]);
     for at in [42, 44] {
-        // It does not wait for the next cycle of the ADC's clock, of 16 cycles.
+        // The simulator does not wait for the next cycle of the ADC's clock, of 16 cycles.
         let wait = ours[at].checked_sub(theirs[at]);
         assert!(wait.is_some_and(|wait| wait < 16), "result {at}: {} and {}", ours[at], theirs[at]);
         assert_eq!(ours[at + 1], theirs[at + 1]);

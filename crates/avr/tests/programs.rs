@@ -365,7 +365,7 @@ fn the_boot_loader_of_an_arduino_takes_a_program_over_the_cable_and_starts_it() 
     let chip = Chip::new(&loader, Fuses { low: 0xFF, high: 0xDA, extended: 0xFD }, Supply::ARDUINO);
     let mut programmer = Programmer { chip, notes: Notes::default() };
     programmer.chip.reset_now(baudbot_avr::ResetCause::External, &mut Bare);
-    // It lets its LED flash first.
+    // The boot loader lets its LED flash first.
     programmer.chip.run(ms(900), &mut programmer.notes);
     let done = [0x14, 0x10];
     assert_eq!(programmer.ask(&[0x30]), done, "in step");

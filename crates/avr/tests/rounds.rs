@@ -1,4 +1,4 @@
-//! Rounds of main loops, beside a chip of which each instruction is looked at, and beside the marks that programs set.
+//! Rounds of main loops, compared with a look at each instruction of a chip, and with the marks that programs set.
 
 use baudbot_avr::{Bare, Board, Chip, Drive, Fuses, Op, Part, Pin, Port, Program, Round, Supply, decode};
 
@@ -66,7 +66,7 @@ fn watched(mut chip: Chip, ms: u64) -> (Chip, Notes) {
     (chip, notes)
 }
 
-/// When a jump back came to the head of the main loop, by a look at each instruction.
+/// The instants at which a jump back came to the head of the main loop, by a look at each instruction.
 fn arrivals(mut chip: Chip, ms: u64, head: u32) -> Vec<u64> {
     let (mut found, mut before) = (Vec::new(), 0);
     let words = chip.flash().to_vec();
@@ -96,7 +96,8 @@ fn rounds_are_the_times_between_arrivals_at_the_head_of_the_main_loop() {
     for path in all().filter(|path| !path.contains("watchdog")) {
         let (after, notes) = watched(chip(&path), 300);
         let rounds = after.rounds().unwrap_or_else(|| panic!("{path}: no main loop was found"));
-        // By then all have come to their main loops. A round that begins with the last cycle is not seen from the next instruction.
+        // The programs have all come to their main loops by then. A round that begins with the last cycle is not seen
+        // from the next instruction.
         let settled = |at: &&u64| (100 * MS..300 * MS).contains(*at);
         let expected = arrivals(chip(&path), 300, rounds.head());
         let (expected, begins): (Vec<_>, Vec<_>) =
@@ -212,7 +213,7 @@ fn a_main_loop_that_sleeps_has_its_sleep_in_its_rounds() {
     // The timer wakes it each millisecond.
     assert_eq!((rounds.least(), rounds.typical(), rounds.most()), (MS, MS, MS));
     let share = after.share_asleep().unwrap();
-    // It comes to its main loop after 36 ms.
+    // The program comes to its main loop after 36 ms.
     assert!((0.8..0.9).contains(&share), "{share}");
 }
 

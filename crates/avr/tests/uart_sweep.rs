@@ -53,7 +53,7 @@ struct Format {
 const EIGHT_N_1: Format = Format { data: 8, parity: Parity::None, stop: 1 };
 const EIGHT_N_2: Format = Format { data: 8, parity: Parity::None, stop: 2 };
 const EIGHT_E_1: Format = Format { data: 8, parity: Parity::Even, stop: 1 };
-/// With 5 to 10 bits of data and parity.
+/// The formats with 5 to 10 bits of data and parity.
 const FORMATS: [Format; 6] = [
     Format { data: 5, parity: Parity::None, stop: 1 },
     Format { data: 5, parity: Parity::Even, stop: 1 },

@@ -160,7 +160,7 @@ impl Chip {
             .min(self.crystal_event())
     }
 
-    /// Looks at interrupts and events after this instruction.
+    /// Checks interrupts and events after this instruction.
     #[inline(always)]
     pub(super) fn attend(&mut self) {
         self.limit = 0;

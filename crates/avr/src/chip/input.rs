@@ -15,13 +15,13 @@ const ROOM: usize = 64;
 /// A change of a pin cannot be taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum InputError {
-    /// So many changes are waiting that there is no room.
+    /// There is no room, as too many changes are waiting.
     #[error("{ROOM} changes of pins are waiting, and no more have room")]
     Full,
     /// The instant is over.
     #[error("a pin cannot change at {at}, as it is {now} already")]
     Past {
-        /// When it should change.
+        /// The instant at which it should change.
         at: u64,
         /// The present instant.
         now: u64,

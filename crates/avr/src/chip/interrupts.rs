@@ -81,7 +81,7 @@ impl Chip {
             Vector::UsartSent => self.usart.acknowledge_sent(),
             Vector::Adc => self.adc.acknowledge(),
             Vector::Comparator => self.comparator.acknowledge(),
-            // These stay requested as long as their cause does.
+            // The request of these interrupts stays as long as its cause does.
             Vector::UsartReceived
             | Vector::UsartEmpty
             | Vector::EepromReady

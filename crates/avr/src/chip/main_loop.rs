@@ -1,9 +1,9 @@
 //! The main loop of a program, found while it runs.
 //!
-//! A program need not say where its main loop is, and an optimiser leaves no function of that name. But a loop is closed by a
-//! jump back, and the main loop is the outermost one of them in which the program stays. Loops are told apart by their head (the
-//! target of the jump back) and by the stack pointer at the jump: what a loop calls, and what interrupts it, jumps back at a
-//! lower one. Of the loops that were seen those are kept that may be the main one, the outer ones first:
+//! A program has no mark of its main loop, and an optimiser leaves no function of that name. But a loop is closed by a jump back,
+//! and the main loop is the outermost one of them in which the program stays. Loops are distinguished by their head (the target
+//! of the jump back) and by the stack pointer at the jump: what a loop calls, and what interrupts it, jumps back at a lower one.
+//! Of the loops that were seen those are kept that may be the main one, the outer ones first:
 //!
 //! - A jump at a higher stack pointer than theirs ends loops: their function has returned.
 //! - A jump to the head of a loop ends a round of it, and all loops that were begun in the round.
@@ -230,8 +230,9 @@ impl Loop {
         Round { head: self.head, cycles }
     }
 
-    /// Whether what has this lower stack pointer was called, or interrupts, in the loop: a return address below the loop's stack
-    /// pointer says so. Right at the stack pointer is that of a call elsewhere, or arguments are, and the address is below them.
+    /// Whether calls or interrupts in the loop have this lower stack pointer: a return address below the loop's stack
+    /// pointer shows it. Right at the stack pointer is that of a call elsewhere, or arguments are, and the address is
+    /// below them.
     fn has_called(&mut self, sp: u16, memory: &Memory<'_>) -> bool {
         let lowest = sp.max(self.sp.saturating_sub(MOST_ARGUMENTS)).saturating_add(2);
         let (head, end) = (self.head, self.end);
@@ -292,7 +293,8 @@ const ICALL: u16 = 0x9509;
 const CALL: u16 = 0x940E;
 
 impl Chip {
-    /// From now on watches how long the rounds of the program's main loop take, or no longer does, and forgets what was.
+    /// Watches the duration of the rounds of the program's main loop from now on, or no longer does, and forgets the
+    /// earlier ones.
     ///
     /// The main loop is the outermost loop in which the program stays: of `loop()` of an Arduino's sketch, whether or not it
     /// is a function of its own, and of `for (;;)` in a program in C. A round is from one arrival of the program counter at
@@ -336,7 +338,7 @@ impl Chip {
         let from = behind.wrapping_sub(1) & self.pc_mask;
         let (to, sp, at) = (self.pc, self.sp, self.clock.period_of(now));
         if to > from {
-            // It went round the end of the memory.
+            // The jump goes round the end of the memory.
             return;
         }
         let memory = Memory { sram: &self.sram, flash: self.flash.words() };

@@ -5,7 +5,7 @@ use crate::board::{Board, Warning};
 use crate::flash::Code;
 use crate::part::SRAM_START;
 
-/// Illegal instructions and accesses beyond the memory that are told between two resets.
+/// Illegal instructions and accesses beyond the memory that are reported between two resets.
 const MOST_WARNINGS: u8 = 100;
 
 impl Chip {

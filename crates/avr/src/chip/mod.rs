@@ -168,7 +168,7 @@ impl Chip {
         self.fuses
     }
 
-    /// Its clock source and supply.
+    /// The chip's clock source and supply.
     pub const fn supply(&self) -> Supply {
         self.supply
     }
@@ -183,8 +183,8 @@ impl Chip {
         self.schedule();
     }
 
-    /// A mark in the data memory that the stack should not grow below. It begins with the end of the program's variables,
-    /// if the program's file says where that is.
+    /// A mark in the data memory that the stack should not grow below. It begins with the end of the program's
+    /// variables, if the program's file has that address.
     pub fn watch_stack(&mut self, mark: u16) {
         self.stack.mark = mark;
     }
@@ -205,7 +205,7 @@ impl Chip {
 enum State {
     Awake,
     Asleep(Sleep),
-    /// It stands until this period, after a reset.
+    /// The chip is held in reset until this period.
     Held(u64),
 }
 
@@ -229,7 +229,7 @@ struct StackWatch {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Outputs {
     reports: [[PwmReport; 2]; 3],
-    /// The shapes that were told last.
+    /// The shapes that were reported last.
     shapes: [[Option<Pwm>; 2]; 3],
 }
 

@@ -1,4 +1,4 @@
-//! The outputs of pins, and the board that hears of their changes.
+//! The outputs of pins, and their changes for the board.
 
 use super::Chip;
 use crate::adc::Trigger;
@@ -10,7 +10,7 @@ use crate::timer::{self, Which};
 const TIMERS: [Which; 3] = [Which::T0, Which::T1, Which::T2];
 
 impl Chip {
-    /// Works out what the pins of a port do at a cycle, and tells the board and the peripherals behind them.
+    /// Computes the outputs of a port's pins at a cycle, and reports them to the board and the peripherals behind them.
     pub(super) fn update_port<B: Board>(&mut self, port: Port, now: u64, board: &mut B) {
         let changed = self.ports.update(port, now);
         if changed.drives | changed.contention != 0 {
@@ -135,7 +135,7 @@ impl Chip {
         }
     }
 
-    /// Says for which outputs and flags a timer must not wait.
+    /// Chooses the outputs and flags for which a timer must not wait.
     fn watch_timer(&mut self, which: Which) {
         let timer = which as usize;
         let outputs = self.timers[timer].outputs();

@@ -38,7 +38,7 @@ impl Chip {
         self.read_peripheral(Place::at(address), board)
     }
 
-    /// Whether a bit of a register is set, as `SBIS` and `SBIC` ask. A pin that floats is told.
+    /// Whether a bit of a register is set, for `SBIS` and `SBIC`. A pin that floats is reported.
     #[inline]
     pub(super) fn read_bit<B: Board>(&mut self, address: u8, mask: u8, board: &mut B) -> bool {
         let value = self.read_io(address, board);
@@ -129,7 +129,8 @@ impl Chip {
                 self.cycle += self.eeprom.write(register, value, now, period, clock_hz);
             }
             Place::External(register) => {
-                // A timer that nobody has waited for lags behind: before that changes, it is brought to the present.
+                // A timer lags behind unless an edge of it is watched: before a register changes, it is brought to the
+                // present.
                 self.refresh_timers(now, board);
                 self.external.write(register, value);
                 self.watch_timers();

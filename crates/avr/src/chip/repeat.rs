@@ -15,11 +15,11 @@ use crate::board::Board;
 use crate::ports;
 use crate::{adc, spi, system, timer, twi, usart};
 
-/// After so many jumps without the state that was marked, nothing is looked for until the next event.
+/// The number of jumps without the state that was marked, after which nothing is looked for until the next event.
 const LONGEST_SPAN: u16 = 256;
 /// Cycles of a jump that is taken.
 pub(super) const JUMP: u64 = 2;
-/// With fewer cycles until the next event there is nothing to win.
+/// A repetition does not pay with fewer cycles until the next event.
 const WORTH_CYCLES: u64 = 256;
 
 /// The search for a repeated state. It is no part of the chip's state: nothing in a chip's run depends on it.
@@ -32,7 +32,7 @@ pub(super) struct Repeat {
     jumps: u16,
     span: u16,
     mark: Processor,
-    /// When the mark was set.
+    /// The instant at which the mark was set.
     cycle: u64,
     /// The memory then.
     sram: Vec<u8>,
@@ -45,11 +45,11 @@ pub(super) struct Repeat {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Phase {
-    /// Nothing is marked yet.
+    /// The state is not marked yet.
     #[default]
     New,
     Looking,
-    /// Not before the next event.
+    /// The search is over before the next event.
     Over,
     /// Neither, but jumps are watched.
     Watched,

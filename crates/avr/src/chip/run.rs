@@ -34,14 +34,15 @@ impl Chip {
         })
     }
 
-    /// As [`run`](Self::run), but slower, and stops before an instruction at one of these word addresses, but not at the first one.
+    /// The same as [`run`](Self::run), but slower, and stops before an instruction at one of these word addresses, but
+    /// not at the first one.
     pub fn run_to<B: Board>(&mut self, until: u64, breakpoints: &[u32], board: &mut B) -> Stop {
         let mut first = true;
         self.run_unless(until, board, |chip| !core::mem::take(&mut first) && breakpoints.contains(&chip.pc()))
     }
 
-    /// As [`run`](Self::run), but slower, and asks before each instruction whether to stop there. Interrupts that are due have
-    /// been taken then.
+    /// The same as [`run`](Self::run), but slower, and asks before each instruction whether to stop there. Interrupts
+    /// that are due have been taken then.
     pub fn run_unless<B: Board>(
         &mut self,
         until: u64,

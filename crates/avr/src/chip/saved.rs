@@ -19,7 +19,7 @@ impl<'de> Deserialize<'de> for Chip {
         if !chip.has_memories() || !chip.has_possible_times() || !chip.has_possible_peripherals() {
             return Err(D::Error::custom("no chip can be in this state"));
         }
-        // These values follow from other fields.
+        // The values set here follow from other fields.
         chip.watch_timers();
         chip.schedule();
         if chip.next_event < chip.cycle {
@@ -62,7 +62,7 @@ impl Chip {
             && self.twi.is_possible()
     }
 
-    /// Until when the processor is held in reset; if it is not, the present instant.
+    /// The instant until which the processor is held in reset; if it is not, the present instant.
     fn end_of_reset(&self) -> u64 {
         match self.state {
             State::Held(until) => until,

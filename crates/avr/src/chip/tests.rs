@@ -173,7 +173,7 @@ fn timer_2_with_its_crystal_counts_32768_in_a_second_whatever_the_processor_does
         let found = u64::from(chip.read_data(0xB2, &mut Bare));
         assert_eq!(found, counts(chip.now()) - counts(start), "{later}");
     }
-    // Without its crystal it counts cycles again.
+    // The timer counts cycles again without its crystal.
     write(&mut chip, &mut Bare, &[(0xB6, 0), (0xB2, 0)]);
     run(&mut chip, 100, &mut Bare);
     assert_eq!(chip.read_data(0xB2, &mut Bare), 100);
@@ -425,7 +425,7 @@ impl Board for Inverter {
 
     fn analog_microvolts(&mut self, input: crate::board::AnalogInput, at: u64) -> u32 {
         match input {
-            // It rises with time.
+            // The voltage rises with time.
             crate::board::AnalogInput::Positive => u32::try_from(at).unwrap(),
             crate::board::AnalogInput::Channel(_)
             | crate::board::AnalogInput::Temperature
@@ -555,7 +555,7 @@ fn a_floating_input_that_is_read_with_its_port_and_then_looked_at_alone_is_told(
         (&[0xB189, 0x9580, 0x7480], 6),
         // lds r24, PIND; andi r24, 0x10
         (&[0x9180, 0x0029, 0x7180], 4),
-        // ld r24, Z; and r17, r24, as Arduino's digitalRead has it; and r24, r17
+        // ld r24, Z; and r17, r24, which is Arduino's digitalRead; and r24, r17
         (&[0x8180, 0x2318], 7),
         (&[0x8180, 0x2381], 7),
     ] {

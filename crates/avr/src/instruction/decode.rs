@@ -1,4 +1,4 @@
-//! From words of program memory to instructions.
+//! The way from words of program memory to instructions.
 
 use super::Op;
 

@@ -1,9 +1,10 @@
 //! Loops that only wait or count down.
 //!
-//! A loop that reads a register or a variable, looks at it and jumps back to the beginning does the same again and again, until
-//! an event or an interrupt changes what it reads. Its last instruction is decoded as one that waits, so that whoever executes
-//! it can pass over iterations. So is that of a loop that counts two or three registers down and does nothing else, which is what
-//! delays are compiled to. Registers that change without an event, as counters do, are none that such a loop may read.
+//! A loop that reads a register or a variable, looks at it and jumps back to the beginning does the same again and
+//! again, until an event or an interrupt changes what it reads. Its last instruction is decoded as one that waits, so
+//! that its execution can pass over iterations. So is that of a loop that counts two or three registers down and does
+//! nothing else, which is what delays are compiled to. Registers that change without an event, as counters do, are none
+//! that such a loop may read.
 
 use super::{Op, decode};
 

@@ -57,10 +57,10 @@ pub enum ElfError {
     /// The file is for another AVR.
     #[error("the ELF file is for an `{name}`, and not for one of ATmega48 to 328")]
     Device {
-        /// Its name, as the compiler noted it.
+        /// The name of the device, as the compiler noted it.
         name: String,
     },
-    /// The file says that there is something behind its end.
+    /// The file refers to something behind its end.
     #[error("the ELF file has {found} bytes, but {needed} are needed")]
     Truncated {
         /// Bytes that there should be.

@@ -21,7 +21,7 @@ pub enum HexError {
         /// The column, counted from 1.
         column: usize,
     },
-    /// The record has an odd number of digits, or not as many as its count says.
+    /// The record has an odd number of digits, or not as many as its count.
     #[error("the record has {found} digits, but its count asks for {expected}")]
     Length {
         /// Digits by the count; 10 at least.
@@ -32,7 +32,7 @@ pub enum HexError {
     /// The sum of the record's bytes is not zero.
     #[error("the checksum is {found:#04x}, but the bytes give {expected:#04x}")]
     Checksum {
-        /// By the bytes.
+        /// The checksum of the bytes.
         expected: u8,
         /// In the record.
         found: u8,
@@ -53,7 +53,7 @@ pub enum HexError {
     NoEnd,
 }
 
-/// Bytes of a record's data, as avr-objcopy has them.
+/// Bytes of a record's data, the number of avr-objcopy.
 const RECORD: usize = 16;
 /// Bytes that a record's address reaches.
 const SEGMENT: usize = 1 << 16;
@@ -112,7 +112,7 @@ pub(super) fn read(text: &[u8], flash: &mut Image) -> Result<(), ProgramError> {
             (kind, _) => return Err(at_line(HexError::Kind { kind, count: record.count })),
         }
     }
-    // A text without a single record is empty, which is said elsewhere.
+    // A text without a single record is empty, which is an error elsewhere.
     if ended || last == 0 { Ok(()) } else { Err(ProgramError::Hex { line: last, error: HexError::NoEnd }) }
 }
 

@@ -52,7 +52,7 @@ pub enum ProgramError {
         /// The bytes that the part has.
         bytes: u32,
     },
-    /// Two records say something about one byte.
+    /// Two records have a value for one byte.
     #[error("byte {address:#x} of the {memory} is given twice")]
     Overlap {
         /// The memory that is written twice.
@@ -197,13 +197,13 @@ impl Program {
         self.fuses
     }
 
-    /// The part that the compiler built it for, such as `atmega328p`, if the file says.
+    /// The part that the compiler built it for, such as `atmega328p`, if the file states.
     pub fn device(&self) -> Option<&str> {
         self.device.as_deref()
     }
 
-    /// The data address behind the last variable (`.bss` and `.noinit`), if the file says. A stack that reaches below it
-    /// overwrites variables.
+    /// The data address behind the last variable (`.bss` and `.noinit`), if the file states. A stack that reaches below
+    /// it overwrites variables.
     pub const fn data_end(&self) -> Option<u16> {
         self.data_end
     }

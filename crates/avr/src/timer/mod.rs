@@ -1,8 +1,8 @@
 //! Timer/Counter0, 1 and 2.
 //!
-//! A timer is not stepped in each cycle: `advance` brings it to an instant, from one of its corners (match, top, bottom) to
-//! the next, and `next_event` says when something happens that somebody waits for. Instants are cycles of the clock that the
-//! prescaler divides: the processor's, or that of a crystal.
+//! A timer is not stepped in each cycle: `advance` brings it to an instant, from one of its corners (match, top,
+//! bottom) to the next, and `next_event` gives the next instant of an event that the chip has to see. Instants are
+//! cycles of the clock that the prescaler divides: the processor's, or that of a crystal.
 //!
 //! A tick of the timer happens at each cycle that the prescaler's division divides. Its flags are set by the tick that ends
 //! the value compared, as the timing diagrams of the data sheet have it: OCF with the tick from OCR to OCR + 1, TOV with the
@@ -112,11 +112,11 @@ pub(crate) struct Timer {
     held: bool,
     /// The clock is off: power reduction or sleep.
     off: bool,
-    /// Outputs whose edges somebody waits for; bit 0 is OCnA.
+    /// Outputs whose edges are watched; bit 0 is OCnA.
     watched: u8,
     /// Flags that start conversions of the ADC.
     triggers: u8,
-    /// When an edge has passed the noise canceller.
+    /// The instant at which an edge has passed the noise canceller.
     noise_until: u64,
 }
 
@@ -239,7 +239,8 @@ impl Timer {
         }
     }
 
-    /// Whether a write of this value changes nothing: TCCRnA has it already. Programs take outputs off timers again and again.
+    /// Whether TCCRnA has this value already, so that a write changes nothing. Programs take outputs off timers again
+    /// and again.
     pub(crate) fn holds(&self, register: Register, value: u8) -> bool {
         register == Register::ControlA && self.control[0] == value
     }
@@ -259,7 +260,7 @@ impl Timer {
             Register::Count => {
                 self.count = sixteen;
                 self.blocked = true;
-                // From BOTTOM there is only one way.
+                // The counter can only go up from BOTTOM.
                 self.down &= sixteen != 0;
             }
             Register::CountHigh | Register::CaptureHigh | Register::CompareAHigh | Register::CompareBHigh => {

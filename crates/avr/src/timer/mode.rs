@@ -7,7 +7,7 @@
 pub(super) struct Mode {
     pub(super) slope: Slope,
     pub(super) top: Top,
-    /// When a buffered compare value becomes the one that is compared.
+    /// The point at which a buffered compare value becomes the one that is compared.
     pub(super) update: Update,
 }
 
@@ -79,14 +79,14 @@ impl Mode {
 pub(super) enum Output {
     Disconnected,
     Toggle,
-    /// Cleared on a match; in PWM modes set again at the other end.
+    /// The output is cleared on a match; in PWM modes set again at the other end.
     Clear,
     /// Set on a match; in PWM modes cleared again at the other end.
     Set,
 }
 
 impl Output {
-    /// By the two bits; `toggles` tells whether 01 is not reserved here.
+    /// An `Output` by the two bits; `toggles` is whether 01 is not reserved here.
     pub(super) const fn of(com: u8, toggles: bool) -> Self {
         match com & 3 {
             1 if toggles => Self::Toggle,

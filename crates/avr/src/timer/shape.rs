@@ -34,7 +34,7 @@ impl Timer {
         let (high, period) = match output {
             Output::Toggle if reached => (period, 2 * period),
             Output::Disconnected | Output::Toggle => (latched, period),
-            // Without PWM a match sets or clears for good.
+            // A match without PWM sets or clears for good.
             Output::Clear | Output::Set if self.mode().slope == Slope::Single => (latched, period),
             Output::Clear => (matched, period),
             Output::Set => (period - matched, period),

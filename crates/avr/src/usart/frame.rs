@@ -7,12 +7,12 @@ use crate::checked::checked;
 /// The parity bit of a character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Parity {
-    /// There is none.
+    /// The frame has no parity bit.
     #[default]
     None,
     /// The ones among data and parity are even in number.
     Even,
-    /// They are odd in number.
+    /// The ones are odd in number.
     Odd,
 }
 
@@ -124,7 +124,7 @@ pub struct BitLength {
 checked!(BitLength, "a bit has at least one period");
 
 impl BitLength {
-    /// So many bits take so many periods; neither may be zero, and a bit has at least one period.
+    /// A number of bits takes a number of periods; neither may be zero, and a bit has at least one period.
     pub const fn new(periods: u32, bits: u32) -> Option<Self> {
         if bits > 0 && periods >= bits { Some(Self { periods, bits }) } else { None }
     }

@@ -13,21 +13,21 @@ const ROOM: usize = 16;
 /// A character cannot be put on the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum LineError {
-    /// So many characters are on the line and before it that there is no room.
+    /// There is no room, as too many characters are on the line and before it.
     #[error("{ROOM} characters are on the line, and no more have room")]
     Full,
     /// The character would begin after the last instant of all.
     #[error("no character can begin at {start}: the last instant is {LATEST}")]
     Late {
-        /// When it should begin.
+        /// The instant at which it should begin.
         start: u64,
     },
     /// The character would begin before the one in front of it has ended, or in the past.
     #[error("a character cannot begin at {start}: before {free} the line is not free")]
     Occupied {
-        /// When it should begin.
+        /// The instant at which it should begin.
         start: u64,
-        /// From when on the line is free.
+        /// The instant from which on the line is free.
         free: u64,
     },
 }

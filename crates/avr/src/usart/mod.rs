@@ -7,9 +7,9 @@
 //!
 //! # Deviations
 //!
-//! Synchronous modes are refused by a warning. The pin TXD stays high while a character is sent:
-//! the board is told the whole character instead, see [`Sent`]. The data sheet does not say how long an idle transmitter waits
-//! before a start bit; here it waits for the next tick.
+//! Synchronous modes are refused by a warning. The pin TXD stays high while a character is sent: the board gets the
+//! whole character instead, see [`Sent`]. The data sheet does not state how long an idle transmitter waits before a
+//! start bit; here it waits for the next tick.
 
 mod frame;
 mod line;
@@ -30,14 +30,14 @@ use crate::clock::Clock;
 pub struct Sent {
     /// The frame on its way.
     pub frame: Frame,
-    /// When its start bit begins, in periods of the clock source.
+    /// The instant at which its start bit begins, in periods of the clock source.
     pub start: u64,
     /// The duration of each of its bits, in periods of the clock source.
     pub bit: u64,
 }
 
 impl Sent {
-    /// When its last stop bit ends, in periods of the clock source.
+    /// The instant at which its last stop bit ends, in periods of the clock source.
     pub const fn end(&self) -> u64 {
         self.start + self.bit * self.frame.bits() as u64
     }
@@ -78,9 +78,9 @@ pub(crate) struct Usart {
     zero: u64,
     /// The transmit buffer, which the program has written.
     buffer: Option<u16>,
-    /// When the character in the buffer begins, if the shift register is idle.
+    /// The instant at which the character in the buffer begins, if the shift register is idle.
     begin: u64,
-    /// When the character in the shift register ends.
+    /// The instant at which the character in the shift register ends.
     end: Option<u64>,
     sent: bool,
     receiver: Receiver,
@@ -105,7 +105,7 @@ impl Usart {
         }
     }
 
-    /// After a reset: the registers are as new; what is on the line stays.
+    /// Resets the registers; what is on the line stays.
     pub(crate) fn reset(&mut self, now: u64) {
         let line = core::mem::replace(&mut self.line, Line::new());
         *self = Self { line, ..Self::new(now) };

@@ -33,17 +33,17 @@ pub(super) struct Format {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum State {
-    /// It waits for a low sample.
+    /// The receiver waits for a low sample.
     Idle,
-    /// It waits for a high sample first: the last stop bit was low.
+    /// The receiver waits for a high sample first: the last stop bit was low.
     Low,
-    /// It samples a bit.
+    /// The receiver samples a bit.
     Sampling(Sampling),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Sampling {
-    /// When the next sample of the vote is due.
+    /// The instant at which the next sample of the vote is due.
     due: u64,
     /// Samples of this bit's vote that are done.
     taken: u8,
@@ -95,7 +95,7 @@ impl Receiver {
         *self = Self { at: now, ..Self::new() };
     }
 
-    /// Samples before this cycle have nothing to say: the line has changed with it.
+    /// Samples before this cycle are dropped: the line has changed with it.
     pub(super) fn look_from(&mut self, now: u64) {
         self.at = self.at.max(now.saturating_sub(1));
     }

@@ -106,8 +106,8 @@ fn received(d: u8, double: bool, data: u16, (cycles, bits): (u64, u64), phase: u
     (status, usart.read(Register::Data))
 }
 
-/// For D = 5 to 9 bits of data and parity, normal and double speed: D, double speed, samples of a bit S, first and middle
-/// sample of the vote.
+/// Cases for D = 5 to 9 bits of data and parity, normal and double speed: D, double speed, samples of a bit S, first
+/// and middle sample of the vote.
 fn cases() -> impl Iterator<Item = (u8, bool, u64, u64, u64)> {
     (5..=9).flat_map(|d| [(d, false, 16, 8, 9), (d, true, 8, 4, 5)])
 }
