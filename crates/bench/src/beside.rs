@@ -15,13 +15,13 @@ pub struct Other {
     pattern: Option<Regex>,
 }
 
-/// Why there is no figure of the other program.
+/// The reason why there is no figure of the other program.
 #[derive(Debug, thiserror::Error)]
 pub enum OtherError {
     /// The pattern is none.
     #[error("--pattern: {0}")]
     Pattern(#[from] regex::Error),
-    /// The pattern does not say where the figure is.
+    /// The pattern has no place for the figure.
     #[error("--pattern `{0}` has no group: put the figure into parentheses, such as `([0-9.]+) steps/s`")]
     NoGroup(String),
     /// The shell could not be started.
@@ -30,21 +30,21 @@ pub enum OtherError {
     /// The command failed.
     #[error("`{command}` ended with {status}:\n{said}")]
     Failed {
-        /// It.
+        /// The command.
         command: String,
-        /// How it ended.
+        /// The exit status.
         status: ExitStatus,
         /// The end of its output.
         said: String,
     },
-    /// Its output has no figure.
+    /// The command's output has no figure.
     #[error("`{command}` wrote no figure of {workload} {mending}; its output ends with:\n{said}")]
     NoFigure {
-        /// It.
+        /// The command.
         command: String,
-        /// Whose figure was looked for.
+        /// The workload whose figure is missing.
         workload: String,
-        /// What would be right.
+        /// The remedy.
         mending: &'static str,
         /// The end of its output.
         said: String,
@@ -117,7 +117,7 @@ fn of_table(text: &str, workload: &str) -> Option<f64> {
     number(row?)
 }
 
-/// With or without commas between thousands.
+/// The number, with or without commas between thousands.
 fn number(text: &str) -> Option<f64> {
     text.trim().replace(',', "").parse().ok()
 }

@@ -13,7 +13,7 @@ use crate::scenario::{Cable, Laser, Program};
 pub struct Workload {
     /// Such as `W2` or `W3/100`; the part before `/` names all of a kind.
     pub name: &'static str,
-    /// What it is, in some words.
+    /// The description, in some words.
     pub summary: &'static str,
     /// Unit of its figure.
     pub unit: &'static str,
@@ -49,7 +49,7 @@ impl Workload {
         self.scale().is_some()
     }
 
-    /// How its instructions are counted; `None` if they are those of several processes.
+    /// The scale by which instructions are counted; `None` if they are those of several processes.
     pub(crate) fn scale(&self) -> Option<Scale> {
         match self.kind {
             Kind::InProcess(world) => Some(world.scale()),
@@ -67,8 +67,8 @@ pub struct NoWorkload {
     known: Vec<&'static str>,
 }
 
-/// Those of these names, in the order of the catalogue; a name without `/` takes all of its kind, and no name takes
-/// all that there are.
+/// The workloads of these names, in the order of the catalogue; a name without `/` takes all of its kind, and no name
+/// takes all that there are.
 ///
 /// # Errors
 /// If there is none of a name.

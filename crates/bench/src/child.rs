@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::measure::Effort;
 
-/// What a child process is to do.
+/// The task of a child process.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Task {
     /// Measure the workload of this name.
@@ -18,7 +18,7 @@ pub(crate) enum Task {
     Brains { address: String, what: Brains },
 }
 
-/// What workloads are measured with.
+/// The means by which workloads are measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Means {
     /// Threads that step a world, if it has no server.
@@ -27,7 +27,7 @@ pub struct Means {
     pub program: PathBuf,
 }
 
-/// What the process with the brains is to do.
+/// The task of the process with the brains.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Brains {
     /// Drive these robots in lockstep and measure the ticks a second; beside it, a ping-pong at the other address.
@@ -36,7 +36,7 @@ pub(crate) enum Brains {
     RealTime { robots: Vec<String>, streams: usize },
 }
 
-/// How brains are connected.
+/// The connections of the brains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Streams {
     /// Each has a connection.
@@ -47,7 +47,7 @@ pub(crate) enum Streams {
     OneStream,
 }
 
-/// What a child process says.
+/// The message of a child process.
 #[derive(Debug, Serialize, Deserialize)]
 enum Said<T> {
     Repeat(u32),
@@ -55,16 +55,16 @@ enum Said<T> {
     Failed(String),
 }
 
-/// Why a child process did not do its task.
+/// The reason why a child process did not do its task.
 #[derive(Debug, thiserror::Error)]
 pub enum ChildError {
-    /// It could not be started.
+    /// The process could not be started.
     #[error("cannot start a process for it")]
     Start(#[source] io::Error),
-    /// It said that something is wrong.
+    /// The process reported an error.
     #[error("{0}")]
     Failed(String),
-    /// It ended without a word.
+    /// The process ended without a message.
     #[error("its process ended without an outcome ({0})")]
     Silent(String),
 }
@@ -88,7 +88,7 @@ impl Child {
         Ok(Self(child.map_err(ChildError::Start)?))
     }
 
-    /// Waits for its end; what came of it.
+    /// Waits for the end of the process; its result.
     pub(crate) fn end<T: DeserializeOwned>(mut self, mut progress: impl FnMut(u32)) -> Result<T, ChildError> {
         let mut told = None;
         for line in self.0.stdout.take().map(BufReader::new).into_iter().flat_map(BufRead::lines) {
@@ -104,19 +104,19 @@ impl Child {
     }
 }
 
-/// Says how the task ended.
+/// Sends the result of the task.
 pub(crate) fn tell<T: Serialize>(result: Result<T, String>) -> ExitCode {
     let code = if result.is_ok() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     say(&result.map_or_else(Said::Failed, Said::Done));
     code
 }
 
-/// Says that a repeat begins.
+/// Sends that a repeat begins.
 pub(crate) fn tell_repeat(repeat: u32) {
     say(&Said::<()>::Repeat(repeat));
 }
 
-/// A parent that is gone hears nothing, and nothing is left to do.
+/// A parent that is gone reads nothing, and there is nothing left to do.
 fn say<T: Serialize>(said: &Said<T>) {
     let line = serde_json::to_string(said).expect("nothing that JSON does not know");
     let mut out = io::stdout().lock();

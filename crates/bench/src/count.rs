@@ -1,4 +1,4 @@
-//! `baudbot-bench --instructions`: counts, told and compared with those that are known.
+//! `baudbot-bench --instructions`: counts, printed and compared with those that are known.
 
 use std::fmt::Write;
 use std::fs;
@@ -13,7 +13,7 @@ use serde_json::json;
 use crate::args::Args;
 use crate::{print, this_program, write};
 
-/// Counts, tells and compares.
+/// Counts, prints and compares.
 pub(super) fn run(args: &Args, chosen: &[&'static Workload]) -> anyhow::Result<ExitCode> {
     let known = args.check.as_deref().map(read).transpose()?;
     let here = Here::find();
@@ -56,7 +56,7 @@ impl Here {
         Self { rustc: rustc.unwrap_or_default(), arch: std::env::consts::ARCH }
     }
 
-    /// Why counts cannot be compared with these.
+    /// The reason why counts cannot be compared with these.
     fn differs(&self, known: &Known) -> Option<String> {
         let told = |what, known: &str, here: &str| {
             format!("not compared: the known counts are of {what} `{known}`, and here is `{here}`")

@@ -1,5 +1,5 @@
-//! What steers the robots of a workload in the same thread: cheap, but it reads every reading that comes and answers
-//! each with a command, so that robots do avoid what they see.
+//! The steering of a workload's robots in the same thread: cheap, but it reads every reading that comes and answers
+//! each with a command, so that robots do avoid obstacles.
 
 use baudbot_sim::Reading;
 use baudbot_sim::model::RobotSpec;
@@ -7,16 +7,16 @@ use baudbot_sim::model::RobotSpec;
 /// A brain without memory: the signals of the wheels follow from the last readings (Braitenberg's vehicles).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Driver {
-    /// By eight infra-red sensors, in the order in which [`scenario`](crate::scenario) has them.
+    /// The driver by eight infra-red sensors, in the order in which [`scenario`](crate::scenario) has them.
     Infrared,
-    /// By the distances of a laser.
+    /// The driver by the distances of a laser.
     Laser,
     /// A program on the robot's own chip does.
     Chip,
 }
 
 impl Driver {
-    /// That for this robot.
+    /// The driver for this robot.
     pub fn for_robot(spec: &RobotSpec) -> Self {
         if spec.chip.is_some() {
             Self::Chip
@@ -78,15 +78,15 @@ fn by_laser(distances: &[f64]) -> [f64; 2] {
     [(way * CRUISE - turn).clamp(-1.0, 1.0), (way * CRUISE + turn).clamp(-1.0, 1.0)]
 }
 
-/// What each sensor adds to the left and the right wheel. Not the same on both sides: a robot that is straight in
-/// front of a wall turns all the same.
+/// The part of each sensor in the speeds of the left and the right wheel. Not the same on both sides: a robot that is
+/// straight in front of a wall turns all the same.
 const INFRARED_WEIGHTS: [[f64; 2]; 8] =
     [[-2.4, 1.2], [-1.8, 1.2], [-0.6, 0.6], [0.3, 0.3], [0.3, 0.3], [0.6, -0.6], [1.2, -1.8], [1.2, -2.0]];
 
 /// Signal of both wheels where nothing is near.
 const CRUISE: f64 = 0.6;
 
-/// What is farther does not matter.
+/// The distance beyond which objects do not matter, in metres.
 const LASER_FAR_M: f64 = 1.5;
 
 /// Nearer than this, a robot turns on the spot; its radius is 0.15 m.

@@ -1,4 +1,4 @@
-//! What was measured, for programs.
+//! The measurements in a file for programs.
 
 use anyhow::Context;
 use baudbot_bench::catalogue::Workload;

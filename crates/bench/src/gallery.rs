@@ -24,7 +24,7 @@ pub(crate) struct Gallery {
     pub(crate) scenario: &'static str,
 }
 
-/// Why a run could not be measured.
+/// The reason why a run could not be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum GalleryError {
     /// There is no program to run.
@@ -39,20 +39,20 @@ pub enum GalleryError {
     /// The program could not be started.
     #[error("cannot start {}: {why}", program.display())]
     Start {
-        /// It.
+        /// The program.
         program: PathBuf,
-        /// What the system says.
+        /// The system's error.
         why: io::Error,
     },
     /// The run failed.
     #[error("`baudbot run` ended with {status}: {}", said.trim())]
     Failed {
-        /// How it ended.
+        /// The exit status.
         status: std::process::ExitStatus,
-        /// What it said last.
+        /// The end of its output.
         said: String,
     },
-    /// What it wrote is no summary of a run.
+    /// The output is no summary of a run.
     #[error("the summary of `baudbot run`: {0}")]
     Summary(#[from] serde_json::Error),
     /// Two runs of the same scenario were not the same.
@@ -60,7 +60,7 @@ pub enum GalleryError {
     NotTheSame(String, String),
 }
 
-/// Of the summary of a run.
+/// The used part of a run's summary.
 #[derive(Debug, Deserialize)]
 struct Summary {
     ticks: u64,

@@ -24,10 +24,10 @@ pub(crate) enum InProcess {
     Chips { robots: usize, program: Program },
 }
 
-/// Why a workload could not be measured.
+/// The reason why a workload could not be measured.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unfit {
-    /// Its floor plan says nothing.
+    /// The floor plan is invalid.
     #[error("a floor plan in crates/bench/geometry: {0}")]
     Plan(#[from] PlanError),
     /// The parser refused its scenario.
@@ -36,21 +36,21 @@ pub enum Unfit {
     /// There are not as many threads as asked for.
     #[error(transparent)]
     Threads(#[from] NoThreads),
-    /// It has other processes, and a number of ticks means nothing.
+    /// The workload has other processes, and a number of ticks means nothing.
     #[error("`{0}` has other processes and takes no --ticks; W1 to W4, G and V do")]
     NotInProcess(&'static str),
-    /// What ran is not the workload.
+    /// The run is not the workload.
     #[error("the run is not what it should be: {0}")]
     NotReal(String),
 }
 
-/// What was found of a run in process.
+/// The findings of a run in process.
 pub(crate) struct Run {
     pub(crate) samples: Vec<Sample>,
     /// Ticks of the first stretch, and the world's fingerprint after it: the same for every build and machine.
     pub(crate) probe_ticks: u64,
     pub(crate) hash: u64,
-    /// What was measured by turns with it.
+    /// The measurement by turns with the run.
     pub(crate) beside: Option<Beside>,
     pub(crate) notes: Vec<String>,
 }
@@ -92,7 +92,7 @@ impl InProcess {
         })
     }
 
-    /// So many ticks from the start, and the world's fingerprint after them.
+    /// Runs a number of ticks from the start; the world's fingerprint after them.
     pub(crate) fn run_ticks(self, ticks: u64, threads: usize) -> Result<u64, Unfit> {
         let mut rig = self.rig()?;
         rig.set_threads(threads)?;
@@ -123,8 +123,8 @@ impl InProcess {
         })
     }
 
-    /// So many ticks that every sensor is read several times and every robot is on its way, and no more than take a
-    /// debug build a second or two.
+    /// A number of ticks in which every sensor is read several times and every robot is on its way, and which take a
+    /// debug build no more than a second or two.
     pub(crate) fn probe_ticks(self) -> u64 {
         match self {
             Self::Infrared { robots, .. } => (2000 / robots as u64).max(10),
@@ -171,7 +171,7 @@ struct Stretch {
 }
 
 impl Stretch {
-    /// After its first ticks.
+    /// The stretch after its first ticks.
     fn begin(world: InProcess, threads: usize) -> Result<Self, Unfit> {
         let mut rig = world.rig()?;
         rig.set_threads(threads)?;
@@ -195,7 +195,7 @@ impl Stretch {
     }
 }
 
-/// What a robot of a crowd costs, in terms of one among few: pairs that were measured one after the other.
+/// The cost of a robot in a crowd, in terms of one among few: pairs that were measured one after the other.
 fn growth(few: &[Sample], crowd: &[Sample]) -> String {
     let costs: Vec<_> = few.iter().zip(crowd).map(|(few, crowd)| few.value / crowd.value).collect();
     let least = costs.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! What the workloads cost in instructions, counted by valgrind: the same whatever else the machine does.
+//! The costs of the workloads in instructions, counted by valgrind: the same whatever else the machine does.
 //!
 //! A workload runs for some ticks and for more of them, each in a process of its own under `callgrind`; the difference
 //! leaves out what a process needs to start. Valgrind translates what it runs for a processor of its own making, which has
@@ -12,18 +12,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::catalogue::Workload;
 
-/// What a workload costs.
+/// The cost of a workload.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Count {
     /// Name of the workload.
     pub workload: &'static str,
-    /// What is counted in: a step, a ray, …
+    /// The unit of the count: a step, a ray, …
     pub unit: &'static str,
     /// Instructions for one of them.
     pub instructions: f64,
 }
 
-/// Why instructions could not be counted.
+/// The reason why instructions could not be counted.
 #[derive(Debug, thiserror::Error)]
 pub enum CountError {
     /// Valgrind is not there.
@@ -32,12 +32,12 @@ pub enum CountError {
     /// Valgrind could not be started.
     #[error("cannot start valgrind: {0}")]
     Start(io::Error),
-    /// It failed, or said nothing of instructions.
+    /// The program failed, or printed no number of instructions.
     #[error("valgrind ended with {status} and counted nothing: {said}")]
     Failed {
-        /// How it ended.
+        /// The exit status.
         status: std::process::ExitStatus,
-        /// The end of what it said.
+        /// The end of its output.
         said: String,
     },
     /// The workload has other processes.
@@ -90,7 +90,7 @@ pub(crate) fn tail(text: &str, lines: usize) -> String {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Known {
-    /// What `rustc --version` says of the compiler that made the program: another one makes another program.
+    /// The output of `rustc --version` for the compiler that made the program: another one makes another program.
     pub rustc: String,
     /// The processor's architecture.
     pub arch: String,
@@ -99,7 +99,7 @@ pub struct Known {
 }
 
 impl Known {
-    /// How many times as many instructions as are known of it a workload needs; `None` if none are.
+    /// The ratio of a workload's instructions to those that are known of it; `None` if none are.
     pub fn ratio(&self, count: &Count) -> Option<f64> {
         let known = *self.instructions.get(count.workload)?;
         (known > 0.0).then(|| count.instructions / known)

@@ -1,5 +1,5 @@
-//! Many worlds stepped from one thread, as a learner steps them: what the sensors say and what the motors are to do are
-//! arrays with a row a world, and a step is a control cycle of each world.
+//! Many worlds stepped from one thread, as a learner steps them: the readings and the signals of the motors are arrays
+//! with a row a world, and a step is a control cycle of each world.
 //!
 //! The scenario is `catalogue/scenarios/wander.toml`: a reading of five sensors every two ticks, 19 bytes up its cable of 9600 baud
 //! and a command of 8 bytes down. All 27 bytes go over the simulated line. Between two steps each world stands within a
@@ -17,12 +17,12 @@ use crate::process::Clock;
 use crate::scale::Scale;
 use crate::scenario::parse;
 
-/// What a learner does with its worlds.
+/// The use that a learner makes of its worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Learner {
-    /// It steps so many of them.
+    /// The learner steps so many of them.
     Cycles { worlds: usize },
-    /// It takes one of them back to its start, with another seed.
+    /// The learner takes one of them back to its start, with another seed.
     Resets,
 }
 
@@ -47,7 +47,8 @@ impl Learner {
         Ok(Run { samples, probe_ticks, hash, beside: None, notes })
     }
 
-    /// So many ticks of each world, or resets of one, from the start; the fingerprint of all worlds after them.
+    /// Runs a number of ticks of each world, or resets of one, from the start; the fingerprint of all worlds after
+    /// them.
     pub(crate) fn run_ticks(self, ticks: u64) -> Result<u64, Unfit> {
         let mut worlds = self.worlds()?;
         self.work(&mut worlds, ticks);
@@ -101,7 +102,7 @@ impl Learner {
 /// Worlds with one robot each, all within a tick in which a reading has come.
 struct Worlds {
     all: Vec<World>,
-    /// What each robot's sensors say.
+    /// The readings of each robot's sensors.
     readings: Vec<[f64; SENSORS]>,
     /// Signals for each robot's wheels, left and right.
     commands: Vec<[f64; 2]>,
@@ -110,7 +111,7 @@ struct Worlds {
     seed: u64,
     /// The place of the next world that is taken back.
     next: usize,
-    /// How many runs have ended.
+    /// The number of runs that have ended.
     ended: u64,
     /// Cycles of a world that has never begun again.
     cycles: u64,

@@ -84,7 +84,7 @@ fn run_ticks(chosen: &[&Workload], ticks: u64, args: &Args) -> anyhow::Result<()
     Ok(())
 }
 
-/// What was measured of each, and how many could not be.
+/// The measurements of all workloads, and the number of those that could not be measured.
 fn measure(
     args: &Args,
     chosen: &[&'static Workload],
@@ -123,7 +123,7 @@ fn this_program() -> anyhow::Result<PathBuf> {
     std::env::current_exe().context("cannot find this program")
 }
 
-/// Begins a process that does what its last argument says.
+/// Begins a process for the task in its last argument.
 fn child_command() -> anyhow::Result<Command> {
     let mut command = Command::new(this_program()?);
     command.arg("--child");

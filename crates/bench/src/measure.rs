@@ -5,26 +5,26 @@ use serde::{Deserialize, Serialize};
 use crate::calibration;
 use crate::process::Clock;
 
-/// How long to measure, and how often.
+/// The duration and the number of measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Effort {
     /// Seconds of a repeat, about; the warm-up takes a quarter of it.
     pub seconds: f64,
-    /// How many repeats; at least 1.
+    /// The number of repeats; at least 1.
     pub repeats: u32,
 }
 
 /// One repeat.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
-    /// What was measured, in the workload's unit.
+    /// The measured value, in the workload's unit.
     pub value: f64,
     /// Rounds a second of the [calibration loop](crate::calibration) just before.
     pub calibration_per_s: f64,
 }
 
 /// Runs `work` for a warm-up and then for each repeat, as many ticks at a time as make up a twentieth of a repeat. A
-/// sample's value is ticks a second by the clock. `progress` hears the number of each repeat before it begins, from 1.
+/// sample's value is ticks a second by the clock. `progress` gets the number of each repeat before it begins, from 1.
 ///
 /// # Errors
 /// The first of `work`.
@@ -64,7 +64,7 @@ pub fn rate<E>(
     Ok(samples)
 }
 
-/// Between two looks at the clock in the warm-up.
+/// The most ticks between two looks at the clock in the warm-up.
 const MOST_TICKS: u64 = 1 << 20;
 
 /// The middle one, or the mean of the two in the middle; not a number if there are none.

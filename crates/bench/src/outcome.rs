@@ -1,10 +1,10 @@
-//! What came of a workload.
+//! The result of a workload.
 
 use serde::{Deserialize, Serialize};
 
 use crate::measure::{Sample, median};
 
-/// What was measured of a workload, in a process of its own.
+/// The measurements of a workload, in a process of its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// Name of the workload.
@@ -13,24 +13,24 @@ pub struct Outcome {
     pub unit: String,
     /// One a repeat.
     pub samples: Vec<Sample>,
-    /// The most memory that the process had, in bytes; `None` where the system does not say.
+    /// The most memory that the process had, in bytes; `None` where the system does not report it.
     pub peak_memory_bytes: Option<u64>,
     /// Threads that stepped the world.
     pub threads: usize,
     /// Fingerprint of the world's state after its first ticks, in hexadecimal digits, if the run is the same every time.
     pub hash: Option<String>,
-    /// How many ticks those were.
+    /// The number of those ticks.
     pub hash_ticks: Option<u64>,
-    /// What was measured in the same run, to compare with.
+    /// The measurement of the same run, to compare with.
     pub beside: Option<Beside>,
-    /// What else there is to say.
+    /// The other notes.
     pub notes: Vec<String>,
 }
 
 /// Something that a workload is compared with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Beside {
-    /// What it is.
+    /// The description.
     pub what: String,
     /// One a repeat, in the workload's unit.
     pub samples: Vec<Sample>,

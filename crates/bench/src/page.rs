@@ -1,4 +1,4 @@
-//! What was measured, as the table of a page of the manual: all of it from one run, with the commit and the processor.
+//! The measurements as the table of a page of the manual: all of it from one run, with the commit and the processor.
 
 use std::fmt::Write;
 use std::fs;
@@ -12,7 +12,7 @@ use baudbot_bench::outcome::Outcome;
 
 use crate::table::figure;
 
-/// What stands before the table, and behind it.
+/// The lines before the table, and behind it.
 const BEGIN: &str = "<!-- figures: made by baudbot-bench --page -->";
 const END: &str = "<!-- end -->";
 

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// What stands on a floor, and where robots start. Metres and radians.
+/// The things on a floor, and the starts of robots. Metres and radians.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
     /// Width and height of the floor.
@@ -13,22 +13,22 @@ pub struct Plan {
     pub boxes: Vec<[f64; 4]>,
     /// Centres of cylinders of radius [`CYLINDER_RADIUS_M`].
     pub cylinders: Vec<[f64; 2]>,
-    /// Where robots start: a point and a heading.
+    /// The starts of robots: a point and a heading.
     pub robots: Vec<[f64; 3]>,
 }
 
 /// Radius of a cylinder.
 pub const CYLINDER_RADIUS_M: f64 = 0.05;
 
-/// A line of a plan that says nothing.
+/// An invalid line of a plan.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: `{text}`: {mending}")]
 pub struct PlanError {
-    /// Its number, from 1.
+    /// The number of the line, from 1.
     pub line: usize,
     /// The line.
     pub text: String,
-    /// What would be right.
+    /// The remedy.
     pub mending: String,
 }
 
@@ -87,7 +87,7 @@ impl Plan {
         all
     }
 
-    /// How many segments its walls and boxes have.
+    /// The number of segments of the walls and boxes.
     pub fn segments(&self) -> usize {
         self.walls.len() + 4 * self.boxes.len()
     }

@@ -1,4 +1,4 @@
-//! What the operating system says of this process.
+//! The operating system's numbers of this process.
 
 use std::fmt;
 use std::fs;
@@ -7,12 +7,12 @@ use std::time::Duration;
 use rustix::time::{ClockId, clock_gettime};
 use serde::{Deserialize, Serialize};
 
-/// What a process has used so far.
+/// The resources that a process has used so far.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Usage {
     /// Seconds of processors.
     pub cpu_s: f64,
-    /// The most memory, in bytes; `None` where the system does not say.
+    /// The most memory, in bytes; `None` where the system does not report it.
     pub peak_memory_bytes: Option<u64>,
 }
 
@@ -23,17 +23,17 @@ impl fmt::Display for Usage {
     }
 }
 
-/// What this process has used so far.
+/// The resources that this process has used so far.
 pub fn usage() -> Usage {
     Usage { cpu_s: cpu_time().as_secs_f64(), peak_memory_bytes: peak_memory_bytes() }
 }
 
-/// The most memory that this process has had so far, in bytes; `None` where the system does not say.
+/// The most memory that this process has had so far, in bytes; `None` where the system does not report it.
 pub fn peak_memory_bytes() -> Option<u64> {
     of_status("VmHWM:")
 }
 
-/// The memory that this process has now, in bytes; `None` where the system does not say.
+/// The memory that this process has now, in bytes; `None` where the system does not report it.
 pub fn memory_bytes() -> Option<u64> {
     of_status("VmRSS:")
 }
@@ -45,7 +45,7 @@ fn of_status(field: &str) -> Option<u64> {
     Some(kib * 1024)
 }
 
-/// What tells how long something took.
+/// The clock by which durations are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
     /// The one on the wall.

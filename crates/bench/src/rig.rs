@@ -42,7 +42,7 @@ impl Rig {
         Ok(())
     }
 
-    /// So many ticks.
+    /// Runs a number of ticks.
     pub fn run(&mut self, ticks: u64) {
         match self.threads.take() {
             Some(threads) => {
@@ -76,7 +76,7 @@ impl Rig {
     }
 }
 
-/// So many threads cannot be had.
+/// The threads that cannot be had.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("--threads {0}: {1}")]
 pub struct NoThreads(usize, String);

@@ -21,7 +21,7 @@ pub mod plans {
     pub const OFFICE: &str = include_str!("../geometry/office.txt");
 }
 
-/// What a robot's brain and its body have between them, as a value of `link` in a scenario.
+/// The link between a robot's brain and its body, as a value of `link` in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cable {
     /// None: the brain is on board.
@@ -42,7 +42,7 @@ impl Cable {
     }
 }
 
-/// What the chips of [`chips`] run: `crates/bench/programs`.
+/// The program of the chips of [`chips`]: one of `crates/bench/programs`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Program {
     /// Works out numbers all the time.
@@ -60,7 +60,8 @@ impl Program {
     }
 }
 
-/// So many robots side by side in the open, each with an ATmega328P at 16 MHz that runs a program, and an infrared sensor.
+/// A number of robots side by side in the open, each with an ATmega328P at 16 MHz that runs a program, and an infrared
+/// sensor.
 pub fn chips(robots: usize, program: Program) -> String {
     let starts: Vec<_> = (0..robots).map(|i| format!("{{ y_m = {:.1} }}", i as f64)).collect();
     format!(
@@ -82,7 +83,7 @@ pub enum Laser {
     /// All rays of a scan at once, a scan every so many milliseconds, handed to the brain without a cable: as in
     /// simulators that hand a controller in their own process the distances.
     Still {
-        /// Between two scans.
+        /// The time between two scans.
         period_ms: u32,
     },
     /// A URG-04LX by its preset, with the device's own clock, ten scans a second: its mirror turns for 66.5 ms of each,
@@ -111,7 +112,8 @@ impl Laser {
         }
     }
 
-    /// That of robot `i`: devices that nobody synchronised, so that the scans of many robots are spread over their period.
+    /// The table of the laser of robot `i`: devices are not synchronised, so the scans of many robots are spread over
+    /// their period.
     fn toml(self, i: usize) -> String {
         let rays = self.rays();
         match self {
@@ -123,7 +125,7 @@ impl Laser {
                      noise = {{ additive = 0.01 }}\n"
                 )
             }
-            // As catalogue/scenarios/explore-office.toml has it. Its clock begins anywhere.
+            // The sensor is that of catalogue/scenarios/explore-office.toml. Its clock begins anywhere.
             Self::Swept { cable: true } => {
                 "[robots.sensors.laser]\npreset = \"urg-04lx\"\nmount = {}\nrange_m = 4.0\n".to_owned()
             }
@@ -132,21 +134,21 @@ impl Laser {
     }
 }
 
-/// What small robots are, besides their bodies and motors, which are an e-puck's.
+/// The devices of small robots, besides their bodies and motors, which are an e-puck's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Infrared {
-    /// To their brains.
+    /// The cable to the brains.
     pub cable: Cable,
     /// Length of a step, in milliseconds.
     pub step_ms: f64,
-    /// How many of the eight infra-red sensors they have.
+    /// The number of the eight infra-red sensors that they have.
     pub sensors: usize,
     /// Whether they have encoders, too.
     pub encoders: bool,
 }
 
 impl Infrared {
-    /// With all eight sensors, steps of 10 ms, and no encoders.
+    /// An `Infrared` with all eight sensors, steps of 10 ms, and no encoders.
     pub fn new(cable: Cable) -> Self {
         Self { cable, step_ms: 10.0, sensors: SENSORS_M_DEG.len(), encoders: false }
     }
@@ -205,7 +207,7 @@ pub fn office(plan: &Plan, robots: usize, laser: Laser) -> String {
     toml
 }
 
-/// What the parser makes of a scenario's text.
+/// The scenario of a text.
 ///
 /// # Errors
 /// If it refuses it.

@@ -1,4 +1,4 @@
-//! What was measured, for people.
+//! The measurements as a table for people.
 
 use baudbot_bench::catalogue::Workload;
 use baudbot_bench::outcome::Outcome;
@@ -12,7 +12,7 @@ pub(super) fn list(workloads: &[&Workload]) -> String {
     workloads.iter().map(|workload| format!("{:<width$}  {}\n", workload.name, workload.summary)).collect()
 }
 
-/// A row a workload, then what was measured by turns with it, then what else there is to say.
+/// A row a workload, then the measurement by turns with it, then the other notes.
 pub(super) fn text(measured: &[(&Workload, Outcome)]) -> String {
     let head = ["workload", "median", "min", "max", "unit", "peak memory", "per 10^6 rounds"];
     let mut rows = vec![head.map(str::to_owned)];
@@ -72,7 +72,7 @@ fn hash(outcome: &Outcome) -> Option<[String; 3]> {
     Some([outcome.workload.clone(), outcome.hash.clone()?, format!("after {ticks} ticks")])
 }
 
-/// What stands where there is no number.
+/// The text in place of a missing number.
 const NOTHING: &str = "—";
 
 /// A number that is not below 0 with four digits that count, thousands apart.

@@ -10,8 +10,8 @@ use crate::network::{self, Found, NetworkError};
 use crate::outcome::Outcome;
 use crate::process;
 
-/// Measures a workload in a process that `command` begins; [`serve`] gets its last argument. `progress` hears the
-/// number of each repeat before it begins, from 1.
+/// Measures a workload in a process that `command` begins; [`serve`] gets its last argument. `progress` gets the number
+/// of each repeat before it begins, from 1.
 ///
 /// # Errors
 /// If it could not be measured.
@@ -26,7 +26,7 @@ pub fn measure(
     Child::start(command, &task)?.end(progress)
 }
 
-/// What a child process does with its last argument. `command` begins a process like itself.
+/// Does the task of a child process, its last argument. `command` begins a process like itself.
 pub fn serve(task: &str, command: Command) -> ExitCode {
     match serde_json::from_str::<Task>(task) {
         Ok(Task::Workload { name, effort, means }) => tell(perform(&name, effort, &means, command)),
@@ -51,7 +51,7 @@ fn perform(name: &str, effort: Effort, means: &Means, command: Command) -> Resul
     Ok(outcome)
 }
 
-/// What came of a run in this process.
+/// Puts the result of a run in this process into the outcome.
 fn note(outcome: &mut Outcome, run: Result<Run, Unfit>) -> Result<(), String> {
     let run = run.map_err(|error| error.to_string())?;
     outcome.samples = run.samples;
@@ -63,7 +63,7 @@ fn note(outcome: &mut Outcome, run: Result<Run, Unfit>) -> Result<(), String> {
     Ok(())
 }
 
-/// What came of a run with a server.
+/// Puts the result of a run with a server into the outcome.
 fn note_found(
     outcome: &mut Outcome,
     found: Result<(Found, Vec<String>), NetworkError>,

@@ -7,7 +7,7 @@ use divan::{Bencher, black_box};
 
 const SENSORS: usize = 8;
 
-/// As of robots without `bits`.
+/// The layout of robots without `bits`.
 const LAYOUT: Layout<'_> = Layout {
     components: &[Encoding::Float64; SENSORS],
     counts: &[1; SENSORS],

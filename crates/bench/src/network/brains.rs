@@ -16,7 +16,7 @@ use crate::process::{self, Clock};
 /// Does what the server's process asks for.
 ///
 /// # Errors
-/// Says what went wrong.
+/// An error in words.
 pub(crate) fn perform(address: &str, what: &Brains, progress: impl FnMut(u32)) -> Result<Found, String> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime = runtime.map_err(|error| format!("cannot start the runtime: {error}"))?;
@@ -69,7 +69,7 @@ fn lockstep(
     Ok(found)
 }
 
-/// What a ping-pong is with streams like those of so many robots.
+/// The description of a ping-pong with streams like those of so many robots.
 fn told(robots: usize, streams: Streams) -> String {
     let bytes = ping::BYTES;
     if robots == 1 {

@@ -15,8 +15,8 @@ use crate::child::{Brains, Child, Task};
 use crate::measure::{Effort, Sample};
 use crate::process;
 
-/// Attaches the brains, lets the world go, and looks at how late its ticks begin. A world's status would tell that, too,
-/// but to tell of a thousand robots makes it late.
+/// Attaches the brains, lets the world go, and looks at how late its ticks begin. A world's status has that, too, but a
+/// status of a thousand robots makes it late.
 pub(super) fn run(
     scenario: Scenario,
     robots: Vec<String>,
@@ -58,7 +58,7 @@ pub(super) fn run(
     Ok((Found { samples, beside: None, usage: Some(usage) }, notes))
 }
 
-/// What the figure does not say.
+/// The note with the numbers that are not in the figure.
 fn told(lateness: &[Duration], status: &WorldStatus) -> String {
     format!(
         "{} ticks, {:.2} % of them less than 1 ms late, {:.1} ms at most; {:.2} % of readings answered within a step",
@@ -69,7 +69,7 @@ fn told(lateness: &[Duration], status: &WorldStatus) -> String {
     )
 }
 
-/// When each tick began.
+/// The begin of each tick.
 #[derive(Clone, Default)]
 pub(super) struct Ticks(Arc<Mutex<Vec<Instant>>>);
 
@@ -78,8 +78,8 @@ impl Ticks {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(Instant::now());
     }
 
-    /// How long after its time each tick ended that ended since then: as the next one began. The first one's beginning
-    /// starts the clock.
+    /// The lateness of each tick that ended since then: the time from its due end to the begin of the next. The first
+    /// one's beginning starts the clock.
     pub(super) fn lateness(&self, step: Duration, since: Instant) -> Vec<Duration> {
         let begun = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(&first) = begun.first() else { return Vec::new() };

@@ -40,7 +40,7 @@ impl Guards {
         builder.tls(self.tls.clone()).tokens(self.file.clone())
     }
 
-    /// What the process with the brains needs.
+    /// Gives the process with the brains its credentials.
     pub(super) fn give_to(&self, command: &mut Command) {
         command
             .env("BAUDBOT_CA", self.folder.path().join("ca.pem"))

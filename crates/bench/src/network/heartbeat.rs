@@ -1,4 +1,4 @@
-//! A thread that only sleeps: by how much it wakes late tells of the machine, not of the server.
+//! A thread that only sleeps: the lateness with which it wakes is the machine's, not the server's.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,8 +27,8 @@ impl Heartbeat {
         Self { stop, thread }
     }
 
-    /// Ends it, and tells by how much it woke late at most. A machine that lets it sleep for longer than a step lets worlds sleep,
-    /// too.
+    /// Ends it, and returns the greatest lateness with which it woke. A machine that lets it sleep for longer than a
+    /// step lets worlds sleep, too.
     pub(super) fn told(self) -> String {
         self.stop.store(true, Ordering::Relaxed);
         let latest = self.thread.join().expect("it only sleeps");

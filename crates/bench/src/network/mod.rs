@@ -2,7 +2,8 @@
 //!
 //! The server runs here, as in `baudbot serve`: its services on one thread, its world on another. The brains run in a
 //! process of their own ([`brains`]), which also takes the time where the world waits for them. [`crowd`] is for real
-//! time, where nobody waits, [`worlds`] for many worlds without brains. [`ping`] is what the path is compared with.
+//! time, where worlds do not wait, [`worlds`] for many worlds without brains. [`ping`] is what the path is compared
+//! with.
 
 mod brains;
 mod crowd;
@@ -44,7 +45,7 @@ pub(crate) enum Network {
     Crowd,
 }
 
-/// What the process with the brains found.
+/// The findings of the process with the brains.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Found {
     pub(crate) samples: Vec<Sample>,
@@ -53,7 +54,7 @@ pub(crate) struct Found {
     pub(crate) usage: Option<process::Usage>,
 }
 
-/// Why a workload with a server could not be measured.
+/// The reason why a workload with a server could not be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum NetworkError {
     /// The world is not what it should be.

@@ -39,7 +39,7 @@ type Balls = Pin<Box<dyn Stream<Item = Result<Ball, Status>> + Send>>;
 /// The other player.
 #[derive(Clone)]
 enum Opponent {
-    /// Gives each message back.
+    /// The wall gives each message back.
     Wall,
     /// Answers so many streams together.
     Barrier {
@@ -78,7 +78,7 @@ fn wait(
             let mut waiting = waiting.lock().unwrap_or_else(PoisonError::into_inner);
             waiting.push((ball, back.clone()));
             if waiting.len() == streams {
-                // There is room: each has taken the answer to its last message. Who is gone gets none.
+                // There is room: each has taken the answer to its last message. A client that is gone gets none.
                 waiting.drain(..).for_each(|(ball, back)| drop(back.try_send(Ok(ball))));
             }
         }
@@ -109,7 +109,7 @@ impl NamedService for Opponent {
 
 const PATH: &str = "/baudbot.bench.PingService/Play";
 
-/// Serves so many streams on a free port of this machine, in the runtime that this is called in, and says where.
+/// Serves so many streams on a free port of this machine, in the runtime that this is called in, and returns where.
 pub(super) async fn serve(streams: usize) -> std::io::Result<SocketAddr> {
     let listener = TcpListener::bind("127.0.0.1:0").await?;
     let address = listener.local_addr()?;
@@ -130,7 +130,7 @@ pub(super) async fn connect(address: &str) -> Result<Channel, Status> {
     endpoint.tcp_nodelay(true).connect().await.map_err(|e| unavailable(&e))
 }
 
-/// One who throws and catches.
+/// A player that throws and catches.
 pub(super) struct Player {
     throw: mpsc::Sender<Ball>,
     catch: Streaming<Ball>,
@@ -148,7 +148,7 @@ impl Player {
         Ok(Self { throw, catch: call.into_inner(), bytes })
     }
 
-    /// So many times there and back.
+    /// Plays a number of times there and back.
     pub(super) async fn play(&mut self, times: u64) -> Result<(), Status> {
         for _ in 0..times {
             let ball = Ball { bytes: vec![1; self.bytes] };
@@ -166,7 +166,8 @@ impl Player {
 pub(super) struct Players(Vec<Player>);
 
 impl Players {
-    /// As many as there are robots, with streams like theirs, each message of [`BYTES`] for each robot on the stream.
+    /// The players for as many robots, with streams like theirs, each message of [`BYTES`] for each robot on the
+    /// stream.
     pub(super) async fn connect(address: &str, robots: usize, streams: Streams) -> Result<Self, Status> {
         let first = connect(address).await?;
         if streams == Streams::OneStream {
@@ -181,7 +182,7 @@ impl Players {
         Ok(Self(players))
     }
 
-    /// So many times there and back, each in a task of its own if there are several.
+    /// Plays a number of times there and back, each player in a task of its own if there are several.
     pub(super) async fn play(&mut self, times: u64) -> Result<(), Status> {
         if let [alone] = self.0.as_mut_slice() {
             return alone.play(times).await;

@@ -16,7 +16,7 @@ use super::{NetworkError, ping};
 /// The name of a world that is alone.
 pub(super) const WORLD: &str = "w";
 
-/// What an operator calls.
+/// The client of an operator.
 pub(super) type Operator = ControlServiceClient<Channel>;
 
 /// A server that runs.
@@ -64,18 +64,18 @@ impl Running {
         Ok(Self { handle, address, operator, stop, thread })
     }
 
-    /// Where it is.
+    /// The server's address.
     pub(super) fn address(&self) -> String {
         self.address.clone()
     }
 
-    /// Serves a ping-pong with so many streams on the same thread, and says where.
+    /// Serves a ping-pong with so many streams on the same thread, and returns where.
     pub(super) fn ping(&self, streams: usize) -> Result<String, NetworkError> {
         let address = self.handle.block_on(ping::serve(streams));
         Ok(address.map_err(|error| NetworkError::Server(error.to_string()))?.to_string())
     }
 
-    /// What an operator calls; each has its own.
+    /// The client of an operator; each has its own.
     pub(super) fn operator(&self) -> Operator {
         self.operator.clone()
     }
@@ -85,7 +85,7 @@ impl Running {
         self.handle.block_on(work)
     }
 
-    /// How the world is that is alone.
+    /// The status of the only world.
     pub(super) fn status(&self) -> Result<WorldStatus, NetworkError> {
         let request = GetWorldRequest { world: WORLD.to_owned() };
         let response = self.handle.block_on(self.operator.clone().get_world(request));
@@ -108,7 +108,7 @@ impl Running {
     }
 }
 
-/// What a call was answered with that failed.
+/// The error for the status of a call that failed.
 pub(super) fn failed(status: &Status) -> NetworkError {
     NetworkError::Server(status.message().to_owned())
 }

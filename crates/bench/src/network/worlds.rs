@@ -18,14 +18,14 @@ use crate::measure::{Effort, Sample};
 use crate::process;
 use crate::scenario::parse;
 
-/// How many worlds go on in a server.
+/// The number of worlds in a server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Worlds {
-    /// As fast as they can; ticks a second of all.
+    /// The worlds run as fast as they can; the figure is the ticks a second of all.
     Free,
     /// Tick by tick, as clients ask for; ticks a second of all.
     Stepped,
-    /// By the wall clock; the share of ticks that end less than a step late.
+    /// The worlds follow the wall clock; the figure is the fraction of ticks that end less than a step late.
     RealTime,
 }
 
@@ -51,7 +51,7 @@ impl Worlds {
         effort: Effort,
         mut progress: impl FnMut(u32),
     ) -> Result<(Found, Vec<String>), NetworkError> {
-        // Before anything runs: later it would be timed with the worlds' own work.
+        // The calibration comes before anything runs: later it would be timed with the worlds' own work.
         let calibration_per_s = calibration::rounds_per_second();
         let before = process::memory_bytes();
         let seen = Seen::new(self.number());
@@ -101,7 +101,7 @@ impl Worlds {
             worlds.push(world.progress(Arc::clone(progress)));
         }
         let server = Running::start(worlds, None)?;
-        // Worlds that wait for brains go on without them when they are told to.
+        // Worlds that wait for brains go on without them on request.
         if self != Self::Free {
             (0..self.number()).try_for_each(|i| server.go(&name(i)))?;
         }
@@ -139,7 +139,7 @@ impl Worlds {
     }
 }
 
-/// How long a call took; one that is not answered for too long is left.
+/// The duration of a call; one that is not answered for too long is left.
 async fn answered<T>(call: impl Future<Output = Result<T, Status>>) -> Result<Duration, NetworkError> {
     let start = Instant::now();
     match tokio::time::timeout(PATIENCE, call).await {
@@ -160,7 +160,7 @@ async fn step(mut operator: Operator, worlds: Vec<String>, until: Instant) -> Re
     Ok(())
 }
 
-/// What is seen of the worlds from the inside.
+/// The numbers that the worlds count themselves.
 struct Seen {
     progress: Vec<Arc<Progress>>,
 }
@@ -186,7 +186,7 @@ fn on_time_percent(ticks: f64, late: u64) -> f64 {
     100.0 * (1.0 - late as f64 / ticks.max(1.0))
 }
 
-/// What the worlds count of their lateness, since their start.
+/// The lateness counted by the worlds since their start.
 fn late(server: &Running) -> Result<Late, NetworkError> {
     let list =
         async { server.operator().list_worlds(ListWorldsRequest {}).await.map_err(|status| failed(&status)) };
@@ -196,7 +196,7 @@ fn late(server: &Running) -> Result<Late, NetworkError> {
     Ok(Late { ticks: pacing().map(|pacing| pacing.late_ticks).sum(), most: Duration::from_nanos(most_ns) })
 }
 
-/// How long answers took.
+/// The durations of answers.
 #[derive(Default)]
 struct Asked {
     list: Vec<Duration>,
@@ -238,16 +238,16 @@ fn name(i: usize) -> String {
     format!("w{i:04}")
 }
 
-/// One small robot, to which nobody is attached.
+/// A scenario with one small robot, which has no brain.
 const SCENARIO: &str = include_str!("../../../../catalogue/scenarios/khepera.toml");
 
 /// Clients that step worlds.
 const CLIENTS: usize = 8;
 
-/// As long as this an operator waits for an answer; one that takes longer counts as this.
+/// The longest wait of an operator for an answer; one that takes longer counts as this.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Between two questions of the operator.
+/// The time between two questions of the operator.
 const BETWEEN: Duration = Duration::from_millis(10);
 
 #[cfg(test)]
