@@ -1,7 +1,7 @@
 //! The processor time of programs on a board without parts: `cargo run --release -p baudbot-board --example
 //! firmware_speed -- FILE…`.
 //!
-//! For each program it tells the processor time of a simulated millisecond, of 20 seconds in steps of a millisecond.
+//! For each program it prints the processor time of a simulated millisecond, of 20 seconds in steps of a millisecond.
 
 use std::time::Instant;
 

@@ -40,10 +40,10 @@ impl TryFrom<Numbers> for ChipClock {
 /// No clock source is like that.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ClockError {
-    /// It stands.
+    /// The clock source stands.
     #[error("a clock of 0 Hz stands still")]
     Stands,
-    /// It is off by more than any oscillator of such a chip.
+    /// The clock is off by more than any oscillator of such a chip.
     #[error("a clock that is off by {ppb} ppb is beyond ±{LARGEST_DEVIATION_PPB} ppb")]
     Deviation {
         /// The deviation, in parts in 10⁹.

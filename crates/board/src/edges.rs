@@ -21,23 +21,24 @@ pub enum Seen {
     Level {
         /// The pin.
         pin: Pin,
-        /// Its level.
+        /// The wire's level.
         level: Level,
         /// The cause of the change.
         by: By,
     },
     /// The ADC holds the voltage of a channel, and the conversion will have this result.
     Converted {
-        /// From 0 to 7.
+        /// The number of the ADC's channel, 0 to 7.
         channel: u8,
-        /// From 0 to 1023.
+        /// The converter's result, 0 to 1023.
         result: u16,
     },
     /// A character begins at TXD; None: the last one is over.
     Sends(Option<Frame>),
     /// A character begins at RXD; None: the last one is over.
     Receives(Option<Frame>),
-    /// A round of the program's main loop begins. While rounds take less than 1000 cycles together, none of their begins is told.
+    /// A round of the program's main loop begins. While rounds take less than 1000 cycles together, none of their
+    /// begins is reported.
     Round(RoundsOver),
     /// A signal that a timer makes on a pin, of which only the shape is simulated, has another shape.
     Shape {
@@ -48,8 +49,8 @@ pub enum Seen {
     },
 }
 
-/// Rounds of the program's main loop since the begin of one was told last. If that was of another loop, what is known by now is
-/// that the other one is not the main loop.
+/// Rounds of the program's main loop since the last reported begin of one. If that was of another loop, that one was
+/// not the main loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RoundsOver {
     /// The word address of the loop's first instruction.
@@ -60,7 +61,7 @@ pub struct RoundsOver {
     pub short_cycles: u32,
     /// The duration of the last one, in periods of the clock source.
     pub cycles: u64,
-    /// When it began, in nanoseconds as the edge's.
+    /// The instant at which it began, in nanoseconds as the edge's.
     pub since_ns: u64,
 }
 
@@ -71,7 +72,7 @@ pub enum Level {
     Low,
     /// The supply, also by a pull-up resistor.
     High,
-    /// Nothing drives it, or a voltage that is no digital signal.
+    /// The wire is not driven, or has a voltage that is no digital signal.
     Open,
     /// The chip and a part drive it against each other.
     Short,

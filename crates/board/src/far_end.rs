@@ -29,15 +29,15 @@ pub struct Settings {
 /// The parity bit of a character.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Parity {
-    /// There is none.
+    /// The character has no parity bit.
     None,
     /// The number of ones is odd.
     Odd,
     /// The number of ones is even.
     Even,
-    /// Always 1.
+    /// The parity bit is always 1.
     Mark,
-    /// Always 0.
+    /// The parity bit is always 0.
     Space,
 }
 
@@ -46,7 +46,7 @@ pub enum Parity {
 pub struct Read {
     /// The data bits.
     pub byte: u8,
-    /// When its character was over, in nanoseconds.
+    /// The instant at which its character was over, in nanoseconds.
     pub at_ns: u64,
     /// The error in it.
     pub error: Option<LineError>,
@@ -72,8 +72,8 @@ impl Settings {
         Self { baud, data_bits: 8, parity: Parity::None, stop_bits: 1 }
     }
 
-    /// Those of a cable with so many bits a character: what 8 data bits and the start bit leave are stop bits. A character of
-    /// fewer than 10 bits has fewer data bits and 1 stop bit.
+    /// The settings of a cable with so many bits a character: what 8 data bits and the start bit leave are stop bits. A
+    /// character of fewer than 10 bits has fewer data bits and 1 stop bit.
     pub fn of_cable(baud: u32, bits_per_character: u32) -> Self {
         let bits = bits_per_character.clamp(7, 11) as u8;
         if bits < 10 {
@@ -132,7 +132,7 @@ pub struct Receiver {
     changes: VecDeque<(u64, bool)>,
     /// The level before these.
     level: bool,
-    /// Until when the line is known.
+    /// The instant until which the line is known.
     known_ps: u64,
     /// Up to where the receiver has looked.
     seen_ps: u64,
@@ -198,7 +198,7 @@ impl Receiver {
         self.known_ps = self.known_ps.max(until_ns.saturating_mul(PS_PER_NS));
     }
 
-    /// When the line is free for another character, in nanoseconds.
+    /// The instant at which the line is free for another character, in nanoseconds.
     pub fn free_ns(&self) -> u64 {
         self.known_ps.div_ceil(PS_PER_NS)
     }
@@ -245,7 +245,7 @@ impl Receiver {
         }
     }
 
-    /// When the line falls next.
+    /// The instant at which the line falls next.
     fn next_start(&mut self) -> Option<u64> {
         if self.waits_for_high && !self.level {
             let (high, _) = *self.changes.front()?;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct PartId(pub(crate) u16);
 
 impl PartId {
-    /// Its place in the order in which parts were given, from 0.
+    /// The place of the part in the order in which parts were given, from 0.
     pub const fn index(self) -> usize {
         self.0 as usize
     }

@@ -36,13 +36,13 @@ pub enum Role {
 /// The effect of a terminal on its wire, or its demand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Port {
-    /// It is measured by the ADC.
+    /// The pin is measured by the ADC.
     Analog,
-    /// It drives the wire.
+    /// The part drives the wire.
     Drives,
-    /// It is driven by the chip.
+    /// The part is driven by the chip.
     Listens,
-    /// It belongs to the I²C bus.
+    /// The pin belongs to the I²C bus.
     Bus,
 }
 

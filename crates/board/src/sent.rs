@@ -12,9 +12,9 @@ const ROOM: usize = 256;
 pub struct Sent {
     /// The frame on its way.
     pub frame: Frame,
-    /// When its start bit begins.
+    /// The instant at which its start bit begins.
     pub start_ns: u64,
-    /// When its last stop bit ends.
+    /// The instant at which its last stop bit ends.
     pub end_ns: u64,
 }
 

@@ -87,13 +87,13 @@ impl core::fmt::Display for WarningKind {
 pub struct Warning {
     /// The kind of warning.
     pub kind: WarningKind,
-    /// At which pin.
+    /// The pin of the warning.
     pub pin: Option<Pin>,
-    /// With which part.
+    /// The part of the warning.
     pub part: Option<PartId>,
-    /// When it happened first.
+    /// The instant at which it happened first.
     pub first_ns: u64,
-    /// The number of times. Floating inputs are told once for each pin until a reset.
+    /// The number of times. Floating inputs are reported once for each pin until a reset.
     pub count: u64,
 }
 

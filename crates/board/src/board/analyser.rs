@@ -1,7 +1,7 @@
 //! A logic analyser on the pins: it makes [`Edges`] of what the chip and the parts do.
 //!
 //! Events are reported in any order, some of them ahead of time, and wait until the chip has come to their instants.
-//! Signals of timers that are told by their [shape](Pwm) are drawn from it: the first period begins, high, when the
+//! Signals of timers that are reported by their [shape](Pwm) are drawn from it: the first period begins, high, when the
 //! timer takes the pin or changes its period; a new duty holds from the next period on. So the frequency and the duty
 //! are the chip's, and the phase is not. The bits of characters are drawn, too, as the chip does not move TXD and RXD
 //! for them.
@@ -29,7 +29,7 @@ impl PartialEq for Fitted {
 
 #[derive(Clone, Debug)]
 pub(super) struct Analyser {
-    /// The instant of the board's start, in nanoseconds of whoever looks.
+    /// The instant of the board's start, in nanoseconds of the reader's clock.
     pub(super) origin_ns: u64,
     edges: Edges,
     wires: Vec<Wire>,
@@ -61,7 +61,7 @@ pub(super) struct Wire {
     /// The levels of the parts that yield to the chip.
     pub(super) yields: Yields,
     pub(super) shape: Option<Pwm>,
-    /// As it was noted last.
+    /// The level that was noted last.
     pub(super) level: Option<Level>,
 }
 
@@ -70,9 +70,9 @@ pub(super) struct Wire {
 pub(super) enum Yields {
     /// None.
     Never,
-    /// It makes the wire high by a resistor only.
+    /// The part makes the wire high by a resistor only.
     High,
-    /// It has a resistor.
+    /// The part has a resistor.
     Always,
 }
 
@@ -126,7 +126,7 @@ impl Analyser {
         self.waiting.push((at, Told::Chip(pin, drive)));
     }
 
-    /// The transmitter lets go of its pin: behind its last character, or within one by a reset.
+    /// The transmitter releases its pin: behind its last character, or within one by a reset.
     fn break_off(&mut self, at: u64) {
         let before = self.waiting.len();
         self.waiting.retain(|(later, told)| *later <= at || !matches!(told, Told::Out(_)));
@@ -150,7 +150,7 @@ impl Analyser {
     pub(super) fn round(&mut self, at: u64, last: Round) {
         let none = Short { head: last.head, count: 0, cycles: 0 };
         self.round = match self.round {
-            // Another loop was the main one: how long it went on is not told.
+            // Another loop was the main one: its duration is not reported.
             Some((before, short)) if short.head != last.head && at < before + SHORTEST_ROUND => {
                 Some((before, none))
             }

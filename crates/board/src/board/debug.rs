@@ -1,4 +1,4 @@
-//! The view of a debugger, which also changes the chip and says at which instructions it stops.
+//! The view of a debugger, which also changes the chip and chooses the instructions at which it stops.
 
 use baudbot_avr::{Bare, Chip, Stop};
 
@@ -6,7 +6,7 @@ use super::{Board, Nothing, View};
 use crate::physics::Physics;
 use crate::warning::WarningKind;
 
-/// A debugger: it says where a chip stops, and looks at it there.
+/// A debugger: it chooses where a chip stops, and reads it there.
 pub trait Debugger {
     /// Whether the chip is to stop before the instruction that comes next. It is asked before each one.
     fn stops(&mut self, chip: &Chip) -> bool;
@@ -17,7 +17,8 @@ pub trait Debugger {
 }
 
 impl Board {
-    /// As [`run_until`](Self::run_until), but slower, and stops where a debugger wants it. Nothing passes while it is stopped.
+    /// The same as [`run_until`](Self::run_until), but slower, and stops where a debugger wants it. Nothing passes
+    /// while it is stopped.
     pub fn debug_until<P: Physics>(&mut self, at_ns: u64, physics: &mut P, debugger: &mut impl Debugger) {
         self.run_slices(at_ns, physics, |board, until, physics| {
             // A slice is as long as it is without a debugger: the chip does the same, to the last bit.

@@ -64,14 +64,14 @@ pub enum BoardError {
     },
 }
 
-/// When something will happen on a board by itself.
+/// The next instant of an event on a board without an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Next {
     /// The chip executes instructions.
     Awake,
-    /// Not before this instant, in nanoseconds.
+    /// The next event is not before this instant, in nanoseconds.
     At(u64),
-    /// Never, unless something comes from outside.
+    /// The next event never comes, unless something comes from outside.
     Never,
 }
 
@@ -101,8 +101,8 @@ impl Board {
         Ok(Self { chip, around, now_ns: 0, slice_cycles, watchdog_resets: 0 })
     }
 
-    /// Runs until an instant, in nanoseconds: a step, throughout which the world is as `physics` says. An instant that is
-    /// over makes a step of no length.
+    /// Runs until an instant, in nanoseconds: a step, throughout which the world is that of `physics`. An instant that
+    /// is over makes a step of no length.
     pub fn run_until<P: Physics>(&mut self, at_ns: u64, physics: &mut P) {
         self.run_slices(at_ns, physics, |board, until, physics| {
             let stop = board.chip.run(until, &mut View { around: &mut board.around, physics });

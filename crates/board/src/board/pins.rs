@@ -9,7 +9,7 @@ const PINS: usize = 24;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Sides {
     pub(crate) chip: Drive,
-    /// As it was handed to the chip, perhaps ahead of time.
+    /// The part's output as it was handed to the chip, perhaps ahead of time.
     pub(crate) part: External,
 }
 
@@ -26,8 +26,8 @@ impl Pins {
         Self { sides: [Sides { chip: Drive::HighImpedance, part: External::Open }; PINS], shorts: 0 }
     }
 
-    /// Whether these are pins that exist. A pin with a timer's signal is not told of each edge, so that the chip's own pins
-    /// may differ from what it told last.
+    /// Whether these are pins that exist. The edges of a pin with a timer's signal are not reported, so that the chip's
+    /// own pins may differ from the last report.
     pub(crate) const fn is_possible(&self) -> bool {
         self.shorts < 1 << PINS
     }
@@ -36,7 +36,7 @@ impl Pins {
         &mut self.sides[place(pin)]
     }
 
-    /// The chip has said that this pin is shorted.
+    /// Notes that this pin is shorted.
     pub(crate) const fn note_short(&mut self, pin: Pin) {
         self.shorts |= 1 << place(pin);
     }
@@ -65,7 +65,7 @@ impl Sides {
         matches!((self.chip, self.part), (Drive::Low, External::High) | (Drive::High, External::Low))
     }
 
-    /// Whether the wire is high, as its digital signals have it; None: nothing drives it.
+    /// Whether the wire is high by its digital signals; None: nothing drives it.
     pub(crate) const fn level(self) -> Option<bool> {
         match (self.chip, self.part) {
             (Drive::Low, _) => Some(false),

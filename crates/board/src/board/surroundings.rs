@@ -146,14 +146,14 @@ impl Surroundings {
         }
     }
 
-    /// Tells pins that a part has shorted. The chip itself says only where it has.
+    /// Marks pins that a part has shorted. The chip itself reports only its own.
     pub(crate) fn look_for_shorts(&mut self, now: u64) {
         for pin in self.pins.new_shorts() {
             self.warn(avr::Warning::Contention { pin }, now);
         }
     }
 
-    /// Tells a pin that has become an output although a voltage is on it.
+    /// Warns of a pin that has become an output although a voltage is on it.
     fn look_for_voltage(&mut self, pin: Pin, at: u64) {
         let part = self.wiring.driver(pin);
         if let Some(Part::Voltage(_)) = part.and_then(|part| self.parts.get(part.index())) {
@@ -185,9 +185,9 @@ impl Surroundings {
         };
         let part = pin.and_then(|pin| self.wiring.driver(pin));
         let kind = match part.and_then(|part| self.parts.get(part.index())) {
-            // It has a resistor, and holds the wire only while its capacitor is charged.
+            // The sensor has a resistor, and holds the wire only while its capacitor is charged.
             Some(Part::Reflectance(_)) => return,
-            // It makes the wire high by a resistor only.
+            // The switch makes the wire high by a resistor only.
             Some(Part::Switch(_))
                 if kind == WarningKind::Short
                     && pin.is_some_and(|pin| self.pins.of(pin).chip == Drive::Low) =>

@@ -12,8 +12,8 @@ use crate::edges::{Edges, Level};
 use crate::parts::Part;
 
 impl Board {
-    /// From now on keeps what a logic analyser on the pins would see, with instants that are counted from where the board's
-    /// start is at `origin_ns`; None keeps nothing, and forgets what was kept. Another origin holds for what comes.
+    /// Keeps the edges on the pins from now on, with instants that are counted from where the board's start is at
+    /// `origin_ns`; None keeps nothing, and forgets what was kept. Another origin holds for what comes.
     ///
     /// It begins with the levels of all pins. Nothing else changes by it: it is not in what is saved, and boards with and
     /// without it are equal and go on alike. A board that is loaded keeps nothing.
@@ -43,8 +43,9 @@ impl Board {
         self.around.analyser.0.as_deref().map(Analyser::edges)
     }
 
-    /// From now on counts the rounds of the program's main loop, as [`Chip::watch_rounds`](baudbot_avr::Chip::watch_rounds) says, or no longer does, and forgets
-    /// them. Nothing else changes by it: they are not in what is saved, and a board that is loaded counts none.
+    /// Counts the rounds of the program's main loop by [`Chip::watch_rounds`](baudbot_avr::Chip::watch_rounds) from now
+    /// on, or no longer does, and forgets them. Nothing else changes by it: they are not in what is saved, and a board
+    /// that is loaded counts none.
     pub fn keep_rounds(&mut self, keep: bool) {
         self.chip.watch_rounds(keep);
     }

@@ -18,7 +18,7 @@ pub(super) struct Wave {
 }
 
 impl Wave {
-    /// Its first period begins at a cycle.
+    /// A wave whose first period begins at a cycle.
     pub(super) const fn new(pin: Pin, pwm: Pwm, begin: u64) -> Self {
         Self { pin, pwm, queued: None, begin, next: begin, falls: false }
     }
@@ -32,7 +32,7 @@ impl Wave {
         self.next
     }
 
-    /// It has another shape from a cycle on.
+    /// Gives the wave another shape from a cycle on.
     pub(super) fn change(&mut self, pwm: Pwm, at: u64) {
         if pwm.period == self.pwm.period {
             self.queued = Some(pwm);
@@ -41,7 +41,7 @@ impl Wave {
         }
     }
 
-    /// Goes past the next edge. Says whether the signal is high from there on.
+    /// Goes past the next edge. Returns whether the signal is high from there on.
     pub(super) fn step(&mut self) -> bool {
         if self.falls {
             self.falls = false;

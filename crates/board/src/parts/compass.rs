@@ -18,11 +18,11 @@ use crate::clock::ChipClock;
 pub struct Compass;
 
 impl Compass {
-    /// Its address on the bus, 7 bits.
+    /// The address of the compass on the bus, 7 bits.
     pub const ADDRESS: u8 = 0x1E;
 }
 
-/// From the command to the value, in nanoseconds.
+/// The time from the command to the value, in nanoseconds.
 pub(crate) const MEASUREMENT_NS: u64 = 6_000_000;
 
 const CONFIGURATION_A: u8 = 0;
@@ -66,7 +66,8 @@ pub(crate) struct State {
     ready: bool,
     /// A measurement that is over at this cycle.
     coming: Option<(u64, [i16; 3])>,
-    /// When the first measurement of the mode ends, in nanoseconds, and how many came before the next one.
+    /// The instant at which the first measurement of the mode ends, in nanoseconds, and how many came before the next
+    /// one.
     first_ns: u64,
     measured: u64,
 }
@@ -176,7 +177,7 @@ impl State {
     pub(crate) fn read(&mut self, at: u64) -> u8 {
         self.take_over(at);
         let register = self.pointer;
-        // From the last byte of the data the pointer returns to their first.
+        // The pointer returns from the last byte of the data to their first.
         self.pointer = if register == STATUS - 1 { DATA } else { (register + 1) % REGISTERS };
         match register {
             CONFIGURATION_A | CONFIGURATION_B => self.configuration[usize::from(register)],

@@ -24,7 +24,7 @@ pub enum Channels {
 /// An encoder with push-pull outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Encoder {
-    /// Its channels.
+    /// The encoder's channels.
     pub channels: Channels,
     /// Edges of all channels together in a turn of the wheel; at least 1 is assumed.
     pub counts_per_turn: u32,

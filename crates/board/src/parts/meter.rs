@@ -26,7 +26,7 @@ impl Meter {
             && self.changed <= now
     }
 
-    /// From this cycle on the quantity has another value.
+    /// The quantity has another value from this cycle on.
     pub(crate) fn set(&mut self, value: f64, at: u64) {
         if value != self.value {
             self.sum += self.value * at.saturating_sub(self.changed) as f64;

@@ -1,4 +1,4 @@
-//! The parts, one kind a file: numbers as their data sheets have them, and what they do.
+//! The parts, one kind a file: the numbers of their data sheets, and their behaviour.
 
 mod bridge;
 mod compass;
@@ -38,7 +38,7 @@ use crate::role::Role;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Signal {
     Steady(Drive),
-    /// A timer's signal, told by its shape.
+    /// A timer's signal, by its shape.
     Pwm(Pwm),
 }
 
@@ -52,7 +52,7 @@ impl Signal {
         }
     }
 
-    /// Whether an output is high now; the shape of a signal does not tell.
+    /// Whether an output is high now; unknown from the shape of a signal.
     pub(crate) fn is_high(self) -> bool {
         self == Self::Steady(Drive::High)
     }
@@ -200,7 +200,7 @@ impl Part {
         }
     }
 
-    /// Its next change of a wire, as far as it is known.
+    /// The part's next change of a wire, as far as it is known.
     pub(crate) fn next_change(&self, clock: &ChipClock) -> Option<Change> {
         match self {
             Self::Reflectance(sensor) => sensor.next_change(),

@@ -9,7 +9,7 @@ use super::{Instant, Signal};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Piezo;
 
-/// Without an edge for so long it is silent; slower signals are clicks and no tone.
+/// The time without an edge after which the piezo is silent; slower signals are clicks and no tone.
 const SILENCE_NS: u64 = 50_000_000;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

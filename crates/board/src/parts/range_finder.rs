@@ -15,12 +15,12 @@ use super::Instant;
 /// SRF02.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RangeFinder {
-    /// Its address on the bus, 7 bits: 0x70 (0xE0 in its data sheet) to 0x7F.
+    /// The address of the range finder on the bus, 7 bits: 0x70 (0xE0 in its data sheet) to 0x7F.
     pub address: u8,
 }
 
 impl RangeFinder {
-    /// As it is sold.
+    /// The range finder with the address of the maker.
     pub const SRF02: Self = Self { address: 0x70 };
 }
 
@@ -31,7 +31,7 @@ const UNUSED: u8 = 0x80;
 /// The shortest range is about 15 cm.
 const AUTOTUNE_MINIMUM_CM: u16 = 15;
 const NS_PER_US: u64 = 1000;
-/// Of sound there and back: 58 µs for a centimetre, 148 µs for an inch.
+/// The time of sound there and back: 58 µs for a centimetre, 148 µs for an inch.
 const NS_PER_CM: u64 = 58_000;
 const NS_PER_INCH: u64 = 148_000;
 
@@ -41,7 +41,7 @@ pub(crate) struct State {
     names_register: bool,
     /// The last range, in the unit of its command; 0 if there was no echo.
     range: u16,
-    /// Until this cycle it does not answer.
+    /// The cycle until which it does not answer.
     busy_until: u64,
 }
 

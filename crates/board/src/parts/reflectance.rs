@@ -35,7 +35,7 @@ enum Capacitor {
     Full(u64),
     /// Since this cycle it has been discharging.
     Released(u64),
-    /// It is empty from this cycle on.
+    /// The capacitor is empty from this cycle on.
     Until(u64),
 }
 

@@ -24,12 +24,12 @@ const WIDTHS_NS: core::ops::RangeInclusive<u64> = 500_000..=2_500_000;
 pub struct Pulse {
     /// The duration of the pulse, in nanoseconds.
     pub width_ns: u64,
-    /// When it ended.
+    /// The instant at which it ended.
     pub at_ns: u64,
 }
 
 impl Pulse {
-    /// Its width in microseconds.
+    /// The width of the pulse in microseconds.
     pub const fn width_us(self) -> f64 {
         self.width_ns as f64 / 1000.0
     }

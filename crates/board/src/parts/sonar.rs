@@ -28,13 +28,13 @@ pub struct HcSr04;
 pub(crate) struct Timing {
     /// The shortest trigger pulse that the data sheet promises to be enough.
     trigger: u64,
-    /// From the end of the trigger to the beginning of the echo pulse.
+    /// The time from the end of the trigger to the beginning of the echo pulse.
     hold_off: u64,
     shortest: u64,
     longest: u64,
     /// The length of the pulse if there is no echo.
     nothing: u64,
-    /// Trigger and echo are on one pin, so that the sensor lets go of it.
+    /// Trigger and echo are on one pin, so that the sensor releases it.
     one_pin: bool,
 }
 
@@ -67,12 +67,12 @@ pub(crate) struct State {
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Phase {
-    /// The level of the echo pin is not told yet.
+    /// The level of the echo pin is not reported yet.
     New,
     Idle,
     /// The echo pulse will begin at this cycle.
     HoldOff(u64),
-    /// It will begin and end at these.
+    /// The echo pulse will begin and end at these cycles.
     Rising(u64, u64),
     Falling(u64),
 }
@@ -154,7 +154,7 @@ impl State {
         };
     }
 
-    /// When the world will be asked.
+    /// The instant at which the world will be asked.
     pub(crate) const fn due(&self) -> Option<u64> {
         match self.phase {
             Phase::HoldOff(at) => Some(at),

@@ -56,9 +56,9 @@ pub enum WiringError {
         part: String,
         /// The terminal.
         terminal: Role,
-        /// Its first connection.
+        /// The pin's first connection.
         first: Net,
-        /// Its second connection.
+        /// The pin's second connection.
         second: Net,
     },
     /// Two terminals would drive one wire.
@@ -68,11 +68,11 @@ pub enum WiringError {
         pin: Net,
         /// The part that was there first.
         part: String,
-        /// Its terminal.
+        /// The first part's terminal.
         terminal: Role,
         /// The other part.
         other: String,
-        /// Its terminal.
+        /// The other part's terminal.
         other_terminal: Role,
     },
     /// A voltage is on a pin that the ADC cannot measure.
@@ -128,7 +128,7 @@ pub enum WiringError {
     /// A wiring was loaded with a wire at a terminal or to a pin that no board has.
     #[error("wire {wire} has a terminal or a pin that does not exist")]
     Impossible {
-        /// Its place among the wires, from 0.
+        /// The wire's place among the wires, from 0.
         wire: usize,
     },
     /// There are more parts than numbers for them.

@@ -45,7 +45,7 @@ pub struct Placed {
 }
 
 impl Placed {
-    /// Its name.
+    /// The part's name.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -96,7 +96,8 @@ impl Wiring {
         self.wires().find(|(other, _)| *other == terminal).map(|(_, net)| net)
     }
 
-    /// The terminals on a pin that hear what the chip does there. Drivers hear it, too: a sensor on one pin is triggered by it.
+    /// The terminals on a pin that react to the chip's output there. Drivers are among them: a sensor on one pin is
+    /// triggered by it.
     pub(crate) fn on(&self, pin: Pin) -> impl Iterator<Item = Terminal> {
         self.wires().filter(move |(_, net)| net.pin() == Some(pin)).map(|(terminal, _)| terminal)
     }
@@ -120,7 +121,7 @@ impl Wiring {
         self.on(pin).find(drives).map(|terminal| terminal.part)
     }
 
-    /// Whether all that hear a pin are content with the shape of a timer's signal.
+    /// Whether the shape of a timer's signal is enough for all terminals of a pin.
     pub(crate) fn takes_shapes(&self, pin: Pin) -> bool {
         let mut listeners =
             self.on(pin).filter_map(|terminal| self.parts.get(terminal.part.index())).peekable();

@@ -72,7 +72,7 @@ impl Net {
         }
     }
 
-    /// PC7 does not exist. PC6 is the reset, PB6 and PB7 are the crystal's only if the fuses say so.
+    /// The usable pins: PC7 does not exist. PC6 is the reset, PB6 and PB7 are the crystal's only by the fuses.
     const fn usable(port: Port, bit: u8) -> Option<Self> {
         match (port, bit) {
             (Port::C, 7) => None,
@@ -83,7 +83,7 @@ impl Net {
         }
     }
 
-    /// As it is printed on an Arduino: `9`, `A0`; of what has no number there, as the data sheet has it: `PB6`, `GND`.
+    /// The name printed on an Arduino: `9`, `A0`; for nets without a number there that of the data sheet: `PB6`, `GND`.
     pub fn printed(self) -> String {
         match (0..=19).find(|&number| Self::arduino(number) == Some(self)) {
             Some(number @ ANALOG_0..) => format!("A{}", number - ANALOG_0),
@@ -92,7 +92,8 @@ impl Net {
         }
     }
 
-    /// Its place in a list of pins: those with a number first, then A6 and A7, the others, the supply and ground.
+    /// The place of the net in a list of pins: those with a number first, then A6 and A7, the others, the supply and
+    /// ground.
     fn place(self) -> (u8, u8) {
         match self {
             Self::Pin(pin) => match (0..=19).find(|&number| Self::arduino(number) == Some(self)) {

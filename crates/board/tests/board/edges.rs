@@ -173,7 +173,7 @@ fn a_reset_breaks_a_character_off() {
     let mut world = World::default();
     board.run_until(MS, &mut world);
     board.receive(Frame::byte(b'a'), MS, 9600).unwrap();
-    // It answers in the stop bit of what came, and is at its second bit.
+    // The chip answers in the stop bit of what came, and is at its second bit.
     board.run_until(MS + 1_200_000, &mut world);
     assert_eq!(levels(&board, pin(Port::D, 1)).last().unwrap().1, Level::Low);
     board.reset();
@@ -212,7 +212,8 @@ fn parts_are_seen_at_their_instants() {
 #[test]
 fn wires_are_low_high_open_or_shorted() {
     let mut program = Asm::new();
-    // 7 is an output that is high, and low from then on; 6 has its pull-up; 5 is nothing; A1 charges a capacitor.
+    // Pin 7 is an output that is high, and low from then on; 6 has its pull-up; 5 is not connected; A1 charges a
+    // capacitor.
     program.sbi(io::DDRD, 7).sbi(io::PORTD, 7).sbi(io::PORTD, 6).sbi(io::DDRC, 1).sbi(io::PORTC, 1);
     program.delay(8000).cbi(io::PORTD, 7).stay();
     let wiring = Wiring::builder()

@@ -104,7 +104,7 @@ fn a_servo_hears_the_pulses_of_a_program_that_waits() {
     let mut program = Asm::new();
     program.sbi(io::DDRB, 4);
     let again = program.here();
-    // From the end of SBI to the end of CBI: 4 * 5999 + 1 + 1 + 2 cycles are 1500 µs.
+    // The pulse from the end of SBI to the end of CBI: 4 * 5999 + 1 + 1 + 2 cycles are 1500 µs.
     program.sbi(io::PORTB, 4).delay(5999).nop().cbi(io::PORTB, 4).delay(60_000).rjmp(again);
     let wiring = Wiring::builder().part("wheel", Kind::Servo(ServoKind::Continuous)).connect("12", "wheel");
     let mut board = board(&program, wiring);

@@ -147,7 +147,7 @@ fn resets_by_the_watchdog_and_illegal_words_are_counted() {
         [(WarningKind::IllegalInstruction, None, ""), (WarningKind::WatchdogReset, None, "")]
     );
     assert_eq!(board.warnings().iter().map(|warning| warning.count).collect::<Vec<_>>(), [4, 3]);
-    // It is seen a millisecond later at most.
+    // The reset is noticed a millisecond later at most.
     assert!((16 * MS..=17 * MS + 1000).contains(&board.warnings()[1].first_ns));
 }
 

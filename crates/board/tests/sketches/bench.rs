@@ -66,7 +66,7 @@ pub(crate) fn bench(file: &str, wiring: Builder) -> Bench {
     with_chip(chip(file, FUSES).unwrap_or_else(|| panic!("{file} was not built")), wiring)
 }
 
-/// A board with a program that `build.py` has fetched. None: it could not be had, and the output says so.
+/// A board with a program that `build.py` has fetched. None, with a message, if it could not be had.
 pub(crate) fn bench_with_fetched(file: &str, wiring: Builder) -> Option<Bench> {
     let Some(chip) = chip(file, FUSES) else {
         println!("NOT CHECKED: {file} could not be fetched");

@@ -21,9 +21,9 @@ fn optiboot_takes_a_sketch_and_starts_it() {
     let fuses = Fuses { high: 0xDC, ..Fuses::ARDUINO_UNO };
     let chip = chip("optiboot.hex", fuses).unwrap();
     let mut bench = with_chip(chip, Wiring::builder().part("led", led).connect("13", "led"));
-    // It listens only after a reset by the pin, which the cable gives.
+    // The boot loader waits only after a reset by the pin, which the cable gives.
     bench.board.reset();
-    // It flashes the LED three times first.
+    // The boot loader flashes the LED three times first.
     bench.run(600);
     assert_eq!(ask(&mut bench, b"0"), IN_SYNC);
     assert_eq!(ask(&mut bench, b"u"), [0x14, 0x1E, 0x95, 0x0F, 0x10], "the signature");
@@ -39,7 +39,7 @@ fn optiboot_takes_a_sketch_and_starts_it() {
         assert!(page > 0 || answer[1..=PAGE] != [0xFF; PAGE], "it is not empty");
     }
     assert_eq!(ask(&mut bench, b"Q"), IN_SYNC);
-    // It lets the watchdog reset the chip, and the sketch is started.
+    // The boot loader lets the watchdog reset the chip, and the sketch is started.
     bench.run(1000);
     let edges = bench.light_edges(5000);
     assert!(edges.len() >= 9, "{edges:?}");

@@ -47,7 +47,7 @@ fn spi_takes_the_time_of_its_clock() {
         })
         .collect();
     assert_eq!(answers.len(), 3);
-    // Nobody answers.
+    // The bus has no slave.
     assert!(answers.iter().all(|answer| answer.0 == "FF"), "{answers:?}");
     // Eight bits of 2, 4 and 128 periods; the program looks every 4 or 5, and has some instructions around.
     for (answer, bits) in answers.iter().zip([16, 32, 1024]) {
@@ -60,7 +60,7 @@ fn spi_takes_the_time_of_its_clock() {
 const BIT_NS: u64 = 104_167;
 const SAMPLES: u64 = 16;
 
-/// Runs for a number of bits, in which pin 10 is as the bits say, and takes what pin 11 does.
+/// Runs for a number of bits, which are the levels of pin 10, and takes those of pin 11.
 fn run_bits(bench: &mut Bench, levels: impl IntoIterator<Item = bool>, heard: &mut Vec<bool>) {
     for level in levels {
         bench.world.pressed[0] = !level;

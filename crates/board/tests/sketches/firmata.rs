@@ -66,7 +66,7 @@ fn in_pairs(text: &[u8]) -> Vec<u8> {
 }
 
 fn assert_greets(bench: &mut Bench, minor: u8) {
-    // It tells its version by flashes of the LED first.
+    // The firmware shows its version by flashes of the LED first.
     bench.run(4000);
     let greeting = bench.bytes();
     assert_eq!(greeting[..3], [REPORT_VERSION, 2, minor]);
@@ -146,7 +146,7 @@ fn assert_drives_a_motor_and_servos(bench: &mut Bench) {
     send(bench, &[0xE6, 0x3F, 0]);
     bench.run(2);
     assert_eq!(bench.duties(), [64.0 / 256.0]);
-    // The left one between 1000 µs and 2000 µs, the right one as the library has it: 544 µs to 2400 µs.
+    // The left servo goes between 1000 µs and 2000 µs, the right one between the library's defaults: 544 µs to 2400 µs.
     let [least, most] = [1000u16, 2000].map(|us| [us as u8 & 0x7F, (us >> 7) as u8]);
     send(bench, &[START, 0x70, 9, least[0], least[1], most[0], most[1], END]);
     send(bench, &[SET_MODE, 9, MODE_SERVO, SET_MODE, 10, MODE_SERVO]);

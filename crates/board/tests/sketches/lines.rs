@@ -37,7 +37,8 @@ fn times_of_discharge_steer_the_motors() {
         for (_, line) in &lines {
             let numbers: Vec<u64> = line.split(' ').map(|word| word.parse().unwrap()).collect();
             for (&shown, &us) in numbers.iter().zip(&awaited) {
-                // It lets go of the four one after the other before it looks at its clock, and then looks at them so.
+                // The sketch releases the four pins one after the other before it reads its clock, and then reads them
+                // in turn.
                 assert!((us - 50..us + 40).contains(&shown), "{line} for {awaited:?}");
             }
             let sum: u64 = numbers[..4].iter().sum();

@@ -1,7 +1,7 @@
 //! Programs as people flash them, on boards with parts: sketches that Debian's avr-gcc and Arduino's core were built of, and
 //! firmware of others.
 //!
-//! `python3 tests/firmware/build.py DIR` makes the programs, and `BAUDBOT_SKETCHES=DIR` says where they are.
+//! `python3 tests/firmware/build.py DIR` makes the programs, and `BAUDBOT_SKETCHES=DIR` is their folder.
 
 mod bench;
 mod bootloader;

@@ -57,7 +57,7 @@ fn pin_changes_of_a_program_in_c_count_each_step_of_a_quadrature_encoder() {
         let s = at as f64 / 1e9 - 0.1;
         let turns = if s < 3.0 { 2.0 * s.max(0.0) } else { 6.0 - 5.0 * (s - 3.0) };
         let count: f64 = line.parse().unwrap();
-        // From its look at the count to the first character it takes `printf` some time.
+        // The time from the read of the count to the first character is that of `printf`.
         let awaited = (0.5 + 360.0 * turns).floor();
         assert!((count - awaited).abs() <= 1.0, "{count} instead of {awaited} at {s}");
     }
@@ -96,7 +96,7 @@ fn pulse_in_measures_both_kinds_of_sonar() {
             assert!((words[2].parse::<f64>().unwrap() - us(words[0]) as f64 / 58.0).abs() < 0.006, "{line}");
         }
     }
-    // Nothing is there: the PING))) says 18.5 ms, and the HC-SR04 38 ms, which is longer than the sketch waits.
+    // There is no object: the PING))) measures 18.5 ms, and the HC-SR04 38 ms, which is longer than the sketch waits.
     bench.world.echo_ns = [None; 16];
     bench.run(300);
     bench.lines();

@@ -7,7 +7,7 @@ use crate::sketches::bench::{FUSES, chip};
 
 const MS: u64 = 16_000;
 
-/// All that a chip tells, with its instants.
+/// All reports of a chip, with their instants.
 #[derive(Debug, Default, PartialEq)]
 struct Told {
     pins: Vec<(Pin, Drive, u64)>,

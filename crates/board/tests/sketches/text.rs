@@ -85,7 +85,7 @@ fn numbers_are_printed_as_print_and_string_make_them() {
         lines,
         [
             "3.1416",
-            // As a float of 32 bits it is a little less than half of the last place.
+            // The value as a float of 32 bits is a little less than half of the last place.
             "-0.00",
             "inf",
             "nan",

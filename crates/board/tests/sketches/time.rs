@@ -94,12 +94,12 @@ fn a_sketch_that_sleeps_is_woken_by_a_pin_the_watchdog_and_its_clock() {
     bench.run(13_000);
     let lines = bench.lines();
     assert_eq!(lines[0].1, "watchdog");
-    // 1024 Ki periods of 128 kHz, counted from the end of what was said before.
+    // 1024 Ki periods of 128 kHz, counted from the end of the text before.
     let slept = lines[0].0 - (woken[0].0 + 5 * 1040 * US);
     assert!(slept.abs_diff(8192 * MS + 1024 * US) < MS, "{slept}");
     assert!(lines.len() >= 4 && lines[1..].iter().all(|line| line.1 == "idle"), "{lines:?}");
     for two in lines[1..].windows(2) {
-        // It wakes by each overflow of timer 0.
+        // The sketch wakes by each overflow of timer 0.
         assert!((two[1].0 - two[0].0).abs_diff(1000 * MS) <= 1100 * US, "{two:?}");
     }
     bench.assert_no_warnings();

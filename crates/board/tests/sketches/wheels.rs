@@ -6,7 +6,7 @@ use baudbot_board::{BridgeKind, Channels, Encoder, Kind, Wiring};
 
 use crate::sketches::bench::bench;
 
-/// Of a motor without load at full duty, in radians per second, and how fast it gets there.
+/// The speed of a motor without load at full duty, in radians per second, and how fast it gets there.
 const FULL_RAD_S: f64 = 12.0 * TAU;
 const TIME_CONSTANT_S: f64 = 0.08;
 
