@@ -59,8 +59,8 @@ impl Action {
         self
     }
 
-    /// As [`until_message`](Self::until_message), but the first turn at this instant of simulated time, or after it, is
-    /// given to the brain in any case.
+    /// The same as [`until_message`](Self::until_message), but the first turn at this instant of simulated time, or
+    /// after it, is given to the brain in any case.
     #[must_use]
     pub const fn until_message_or(mut self, at_latest_ns: u64) -> Self {
         self.until = Some(Until { at_latest_ns: Some(at_latest_ns) });
@@ -86,9 +86,9 @@ impl Action {
 /// Signals for the motors; 1 is full voltage forwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Signals {
-    /// Left.
+    /// The signal of the left motor.
     pub left: f64,
-    /// Right.
+    /// The signal of the right motor.
     pub right: f64,
 }
 
@@ -96,7 +96,7 @@ pub struct Signals {
 /// timeout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Until {
-    /// When it wants a turn in any case, in nanoseconds of simulated time; `None`: never.
+    /// The instant at which it wants a turn in any case, in nanoseconds of simulated time; `None`: never.
     pub at_latest_ns: Option<u64>,
 }
 

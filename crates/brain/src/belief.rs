@@ -17,7 +17,7 @@ pub struct Belief {
     pub particles: Vec<Particle>,
     /// The places to which it means to go.
     pub path: Vec<Point>,
-    /// Its map of the arena.
+    /// The brain's map of the arena.
     pub map: Option<GridMap>,
 }
 
@@ -26,7 +26,7 @@ pub struct Belief {
 pub struct Utility {
     /// The behaviour's name.
     pub name: String,
-    /// Its utility.
+    /// The utility of the process.
     pub value: f64,
     /// Whether it runs.
     pub active: bool,
@@ -41,7 +41,7 @@ pub struct BelievedPose {
     pub y_m: f64,
     /// Counter-clockwise from the x axis, in radians.
     pub heading_rad: f64,
-    /// Of x and y: xx, xy and yy, in square metres.
+    /// The covariance of x and y: xx, xy and yy, in square metres.
     pub covariance_m2: Option<[f64; 3]>,
 }
 
@@ -54,16 +54,16 @@ pub struct Particle {
     pub y_m: f32,
     /// Counter-clockwise from the x axis, in radians.
     pub heading_rad: f32,
-    /// Its weight; all are equal if none has any.
+    /// The particle's weight; all are equal if none has any.
     pub weight: f32,
 }
 
 /// Square cells of a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GridMap {
-    /// Of the lower left corner, in metres.
+    /// The place of the lower left corner, in metres.
     pub x_m: f64,
-    /// Of the lower left corner, in metres.
+    /// The place of the lower left corner, in metres.
     pub y_m: f64,
     /// The side of a cell, in metres.
     pub cell_m: f64,

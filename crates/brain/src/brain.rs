@@ -13,7 +13,7 @@ pub trait Brain {
     fn step(&mut self, turn: &Turn) -> Action;
 
     /// The brain's beliefs and intentions, for observers; `None`: none. The program that runs the brain asks for it
-    /// after a step, some 20 times a simulated second unless told otherwise, and publishes it.
+    /// after a step, some 20 times a simulated second by default, and publishes it.
     fn belief(&mut self) -> Option<Belief> {
         None
     }

@@ -8,9 +8,10 @@ use crate::turn::Turn;
 
 /// A brain that is made anew for each run, so that nothing in a run depends on the runs before it.
 ///
-/// An operator may reset or restore a world while brains hold its robots. Nobody tells them, but time goes back: a brain steps once in
-/// a tick at most, so that a step in the same tick or an earlier one is of another run. Instants would not do, as a step at a tick's end
-/// and one at the start of the next are at the same. A state that is restored from a later tick is not noticed.
+/// An operator may reset or restore a world while brains hold its robots. They get no message, but time goes back: a
+/// brain steps once in a tick at most, so that a step in the same tick or an earlier one is of another run. Instants
+/// would not do, as a step at a tick's end and one at the start of the next are at the same. A state that is restored
+/// from a later tick is not noticed.
 #[derive(Clone, Debug)]
 pub struct EachRun<B, F> {
     make: F,

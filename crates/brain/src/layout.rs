@@ -50,7 +50,7 @@ impl Body {
     }
 }
 
-/// Those of all values of a sensor. No cable has sensors of more than 255 values; one more is enough for the
+/// The encodings of all values of a sensor. No cable has sensors of more than 255 values; one more is enough for the
 /// layout's check to find that.
 fn encodings(sensor: &Sensor) -> Vec<Encoding> {
     let values = sensor.components.iter().flat_map(|part| core::iter::repeat_n(part.encoding, part.count));

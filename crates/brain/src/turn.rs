@@ -26,8 +26,8 @@ pub struct Turn {
 pub struct Reading {
     /// One a component, in SI units, as the wire's quantisation left them.
     pub values: Vec<f64>,
-    /// When it was sampled, by the microcontroller's clock, in nanoseconds; `None` if the protocol does not
-    /// say.
+    /// The instant at which it was sampled, by the microcontroller's clock, in nanoseconds; `None` if the protocol does
+    /// not give it.
     pub sampled_at_ns: Option<u64>,
     /// Sequence number of the message that brought it; wraps.
     pub sequence: u32,
@@ -51,7 +51,7 @@ impl Turn {
         self.readings.iter().flatten().any(|reading| reading.readable)
     }
 
-    /// Whether the microcontroller has been heard since the last turn, with new readings or without.
+    /// Whether a message of the microcontroller has come since the last turn, with new readings or without.
     pub fn is_answered(&self) -> bool {
         let mut readings = self.body.sensors.iter().zip(&self.readings);
         let is_new = |reading: &Option<Reading>| reading.as_ref().is_some_and(|reading| reading.readable);
@@ -60,8 +60,8 @@ impl Turn {
 }
 
 impl Reading {
-    /// The age of the sample at an instant of the laptop's clock, in nanoseconds; `None` if the protocol does not
-    /// say. The simulated clocks of laptop and microcontroller agree.
+    /// The age of the sample at an instant of the laptop's clock, in nanoseconds; `None` if the protocol does not give
+    /// it. The simulated clocks of laptop and microcontroller agree.
     pub fn age_ns(&self, at_ns: u64) -> Option<u64> {
         Some(at_ns.saturating_sub(self.sampled_at_ns?))
     }

@@ -134,7 +134,7 @@ fn khepera() -> Arc<Body> {
     Arc::new(body)
 }
 
-/// A Create with encoders, a bumper and a sensor that it does not tell.
+/// A Create with encoders, a bumper and a sensor that is not in its messages.
 fn create() -> Arc<Body> {
     let mut body = Arc::unwrap_or_clone(body(Protocol::Create(CreateVersion::Two)));
     let sensor = body.sensors[0].clone();

@@ -18,7 +18,7 @@ macro_rules! kinds {
             /// All kinds that this version knows.
             pub const ALL: &[Self] = &[$(Self::$variant),+];
 
-            /// Its name, as scenarios write it.
+            /// The name of the kind in scenarios.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)+
@@ -100,7 +100,7 @@ kinds! {
     MotorKind {
         /// DC motors: a signal is a share of the voltage.
         Dc = "dc",
-        /// Wheels that have the speed that the signal says.
+        /// Wheels that have the speed of the signal.
         Velocity = "velocity",
         /// Servos that turn without end.
         Servo = "servo",

@@ -11,7 +11,7 @@ use crate::action::Action;
 
 pub use kind::{ActuatorKind, MotorKind, PortFormat, SensorKind};
 
-/// A robot as its data sheet has it. Nothing of it changes during a run.
+/// The data sheet of a robot, which does not change during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     /// The robot's name in its world.
@@ -30,7 +30,7 @@ pub struct Body {
     pub motor_kind: MotorKind,
     /// Actuators besides the wheels, in the order of [`Action::others`].
     pub actuators: Vec<Actuator>,
-    /// Those that the microcontroller reads, in the order of the wire; then those with a port of their own.
+    /// The sensors that the microcontroller reads, in the order of the wire; then those with a port of their own.
     pub sensors: Vec<Sensor>,
     /// The firmware of the microcontroller.
     pub firmware: Firmware,
@@ -47,24 +47,24 @@ pub struct Body {
     pub ram_bytes: Option<u64>,
 }
 
-/// An actuator besides the wheels, as its data sheet has it. It takes one signal, in [-1, 1].
+/// The data sheet of an actuator besides the wheels. It takes one signal, in [-1, 1].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator {
-    /// Its name, unique among the robot's actuators.
+    /// The name of the actuator, unique among the robot's actuators.
     pub name: String,
-    /// Its kind: the effect of its signal.
+    /// The kind of the actuator: the effect of its signal.
     pub kind: ActuatorKind,
     /// Least and greatest angle of a turret, in radians. It turns to the angle that is the signal times the end
     /// farther from 0, and no farther than either end.
     pub range_rad: Option<[f64; 2]>,
 }
 
-/// A sensor as its data sheet has it.
+/// The data sheet of a sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensor {
-    /// Its name, unique on its robot.
+    /// The name of the sensor, unique on its robot.
     pub name: String,
-    /// Its kind: the quantity that it measures, and the principle.
+    /// The kind of the sensor: the quantity that it measures, and the principle.
     pub kind: SensorKind,
     /// The parts of a reading, in order.
     pub components: Vec<Component>,
@@ -72,7 +72,7 @@ pub struct Sensor {
     pub period_ns: u64,
     /// Instant of the first sample, in nanoseconds.
     pub phase_ns: u64,
-    /// Its place and direction, if they matter.
+    /// The sensor's place and direction, if they matter.
     pub mount: Option<Mount>,
     /// Range in metres, if it has one.
     pub range_m: Option<f64>,
@@ -114,7 +114,7 @@ pub struct Port {
 /// A part of a reading: one value, or as many as a scan has rays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
-    /// Its name; empty if the sensor has only this one.
+    /// The name of the component; empty if the sensor has only this one.
     pub name: String,
     /// SI unit; `1` for a ratio.
     pub unit: String,
@@ -127,9 +127,9 @@ pub struct Component {
 /// Robot from sensor; on a turret, turret from sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mount {
-    /// Forwards of the robot's centre, in metres.
+    /// The distance forwards of the robot's centre, in metres.
     pub x_m: f64,
-    /// To the left of the robot's centre, in metres.
+    /// The distance to the left of the robot's centre, in metres.
     pub y_m: f64,
     /// Counter-clockwise of the robot's heading, in radians.
     pub heading_rad: f64,
@@ -175,9 +175,9 @@ impl Body {
         self.sensors.iter().position(|sensor| sensor.name == name)
     }
 
-    /// The action of a brain that wants readings and no motion: a firmware that talks of its own accord is waited
-    /// for, one that answers only when asked is asked. The bare protocol has no other question than a command, so
-    /// there the motors are told to stand still.
+    /// The action of a brain that wants readings and no motion: a firmware that talks of its own accord is waited for,
+    /// one that answers only when asked is asked. The bare protocol has no other question than a command, so there the
+    /// motors get a signal of 0.
     pub fn request(&self) -> Action {
         match self.firmware {
             Firmware { period_ns: Some(_), .. } => Action::wait(),

@@ -1,4 +1,4 @@
-//! From signals to the bytes of a cable.
+//! The way from signals to the bytes of a cable.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -71,15 +71,16 @@ impl RawCommands {
         }
     }
 
-    /// The bytes of a request for readings; `None` in the bare protocol, which has none. A Create is told again to stream, and
-    /// stands.
+    /// The bytes of a request for readings; `None` in the bare protocol, which has none. A Create gets the command to
+    /// stream again, and stands.
     pub fn poll(&mut self) -> Option<Vec<u8>> {
         let agreement = self.layout.agreement();
         let bytes = written(|out| agreement.write_poll(&mut self.sequence, out).unwrap_or(0));
         Some(bytes).filter(|bytes| !bytes.is_empty())
     }
 
-    /// The bytes of a brain that wants nothing in this turn: none, but that a Create must be told once that a program is there.
+    /// The bytes of a brain without an action in this turn: none, but that a Create must once be sent the presence of a
+    /// program.
     pub fn wait(&mut self) -> Vec<u8> {
         let opens = self.layout.agreement().protocol.is_to_be_opened(self.sequence);
         if opens { self.poll().unwrap_or_default() } else { Vec::new() }

@@ -1,4 +1,5 @@
-//! The laptop's end of a sensor's own cable: what a laser, a line camera or a satellite receiver says, byte by byte.
+//! The laptop's end of a sensor's own cable: the output of a laser, a line camera or a satellite receiver, byte by
+//! byte.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -41,7 +42,7 @@ impl Listener {
         Some(Self { format, values: sensor.values(), message: Vec::new(), sequence: 0 })
     }
 
-    /// The last reading of which the end is among these bytes, if any. Messages that make no sense are lost.
+    /// The last reading of which the end is among these bytes, if any. Invalid messages are lost.
     pub(crate) fn hear(&mut self, bytes: &[u8], at_ns: u64) -> Option<Reading> {
         let mut last = None;
         for &byte in bytes {

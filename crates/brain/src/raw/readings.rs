@@ -1,4 +1,4 @@
-//! From the bytes of a cable to readings.
+//! The way from the bytes of a cable to readings.
 
 use alloc::sync::Arc;
 use alloc::vec;
@@ -15,11 +15,10 @@ use crate::turn::{Reading, Turn};
 /// Turns the bytes of [`RawTurn`]s into [`Turn`]s, by the rules by which the server does it for a brain of
 /// messages.
 ///
-/// Both give the same turns, with one exception. The bare protocol marks a message that was cut short by
-/// silence, and a raw turn does not say when within the step each byte arrived. Only a silence that is
-/// certain counts here: longer than the protocol's gap even if the bytes on both sides of it arrived as
-/// near to each other as their turns permit. So if bytes were lost, this decoder may take longer to
-/// recover than the server's.
+/// Both give the same turns, with one exception. The bare protocol marks a message that was cut short by silence, and a
+/// raw turn does not have the instant of each byte. Only a silence that is certain counts here: longer than the
+/// protocol's gap even if the bytes on both sides of it arrived as near to each other as their turns permit. So if
+/// bytes were lost, this decoder may take longer to recover than the server's.
 ///
 /// Readings that come as bytes. Those on the cables of sensors' own are decoded, too, if their format is known here.
 #[derive(Clone, Debug)]
@@ -30,9 +29,9 @@ pub struct RawReadings {
     places: Vec<usize>,
     uplink: Uplink,
     silence: Silence,
-    /// Those that were told since the last readings, by a robot that tells them apart.
+    /// The positions since the last readings, of a robot that sends them separately.
     positions: Option<[i32; 2]>,
-    /// Of the sensors with a port of their own, with their places.
+    /// The listeners of the sensors with a port of their own, with their places.
     listeners: Vec<(usize, Listener)>,
     readings: Vec<Option<Reading>>,
     /// Whole messages of readings so far: their number, where they have none of their own.
