@@ -129,7 +129,7 @@ fn place(field: &Field, name: &str, number: Option<f64>) -> usize {
     }
 }
 
-/// A field as a chart has it. A range is cut into parts.
+/// The field of a chart. A range is cut into parts.
 fn field(field: &Field) -> plot::Field {
     let values = match &field.choice {
         Choice::Levels(levels) => levels.iter().map(|level| (level.name.clone(), level.number)).collect(),

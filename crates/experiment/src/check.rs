@@ -25,7 +25,7 @@ use crate::setup::{self, Setup, SetupError};
 /// Refuses an experiment whose scenario, brain or paths are not there, or whose runs would never end.
 ///
 /// # Errors
-/// Says which field, and which names are near.
+/// An error with the field, and with the names that are near.
 pub fn check(experiment: &Experiment) -> Result<(), Error> {
     let base = setup::overrides(experiment, [].iter());
     let scenario = setup::parse(experiment, &base)
@@ -156,7 +156,7 @@ fn name(setting: &Setting) -> &str {
     }
 }
 
-/// The setting whose place the error says is not there, and what is there.
+/// The missing setting that the error is about, with those that there are.
 fn missing<'a>(
     error: &SetupError,
     mut settings: impl Iterator<Item = (usize, &'a Setting)>,

@@ -12,7 +12,7 @@ pub(crate) fn fields<T: DeserializeOwned>(toml: &str, whole: &str) -> Result<T, 
     fields_of(table, |path| if path.is_empty() { whole.to_owned() } else { path.to_owned() })
 }
 
-/// The fields of a table; `at` says where a field is.
+/// The fields of a table; `at` is the path of a field.
 pub(crate) fn fields_of<T: DeserializeOwned>(
     table: Table,
     at: impl FnOnce(&str) -> String,

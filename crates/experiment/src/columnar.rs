@@ -30,13 +30,13 @@ pub enum Kind {
 /// A column's values; `None` where there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Column {
-    /// Of [`Kind::Whole`].
+    /// The values of a column of [`Kind::Whole`].
     Whole(Vec<i64>),
-    /// Of [`Kind::Number`].
+    /// The values of a column of [`Kind::Number`].
     Number(Vec<Option<f64>>),
-    /// Of [`Kind::Text`].
+    /// The values of a column of [`Kind::Text`].
     Text(Vec<Option<String>>),
-    /// Of [`Kind::Truth`].
+    /// The values of a column of [`Kind::Truth`].
     Truth(Vec<Option<bool>>),
 }
 

@@ -13,7 +13,7 @@ pub enum Design {
     Grid,
     /// The first values of all fields, then the second, and so on.
     List,
-    /// At random.
+    /// The values are drawn at random.
     Random {
         /// The number of samples.
         samples: u64,
@@ -25,7 +25,7 @@ pub enum Design {
 /// A combination of values, one for each field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
-    /// Its number, from 0.
+    /// The number of the cell, from 0.
     pub number: u64,
     /// The values, in the order of the fields.
     pub levels: Vec<Level>,

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use baudbot_fields::printable::Printable;
 
-/// A reason why there is no experiment, or no end of a sweep. The message says where, and how to fix it.
+/// A reason why there is no experiment, or no end of a sweep. The message has the place and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The file is not TOML; the message has line and column.
     #[error("{0}")]
     Syntax(String),
-    /// A field of the experiment is missing, unknown, or has a value that makes no sense.
+    /// A field of the experiment is missing, unknown, or has an invalid value.
     #[error("{path}: {problem}")]
     Field {
         /// The path, for instance `fields[1].values`.
@@ -28,7 +28,7 @@ pub enum Error {
     File {
         /// `read`, `write` or the like.
         doing: &'static str,
-        /// Its path.
+        /// The path of the file.
         path: PathBuf,
         /// The system's message.
         cause: io::Error,

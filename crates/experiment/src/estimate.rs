@@ -9,12 +9,12 @@ use crate::error::Error;
 pub struct Estimate {
     /// Runs that are missing.
     pub runs: u64,
-    /// By the wall clock.
+    /// The time by the wall clock.
     pub time: Duration,
 }
 
 impl Estimate {
-    /// From runs that took so long, one after the other; others will be done so many at a time.
+    /// An `Estimate` from runs that took so long, one after the other; others will be done so many at a time.
     pub(crate) fn new(missing: u64, pilots: u64, took: Duration, jobs: usize) -> Self {
         let each_s = took.as_secs_f64() / pilots.max(1) as f64;
         let seconds = each_s * missing as f64 / jobs.max(1) as f64;

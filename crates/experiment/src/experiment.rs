@@ -24,11 +24,11 @@ use crate::tuning::Tuning;
 pub struct Experiment {
     /// A short name.
     pub name: String,
-    /// Its description, for people.
+    /// The description of the experiment, for people.
     pub description: String,
     /// The name of the scenario: a file, or one that is part of the program.
     pub scenario: String,
-    /// The folder that programs are started in; empty: the current one. Whoever read the experiment from a file sets it.
+    /// The folder that programs are started in; empty: the current one. The reader of the experiment's file sets it.
     pub folder: PathBuf,
     /// The scenario's text, with all files that it refers to in it.
     pub text: String,
@@ -36,7 +36,7 @@ pub struct Experiment {
     pub brains: Vec<String>,
     /// The lifetime of programs' processes.
     pub lifetime: Lifetime,
-    /// Simulated length of a run, in seconds; `None` is what the scenario says.
+    /// Simulated length of a run, in seconds; `None` is that of the scenario.
     pub seconds: Option<f64>,
     /// Each combination is run with each of them.
     pub seeds: Seeds,
@@ -70,7 +70,7 @@ pub struct Find {
 pub struct Chart {
     /// The figure that it shows; `None` is the share of runs that succeed.
     pub figure: Option<Figure>,
-    /// Its appearance.
+    /// The kind of the chart.
     pub kind: ChartKind,
     /// The field along the horizontal axis, by its place.
     pub x: usize,
@@ -84,7 +84,7 @@ impl Experiment {
     /// Reads an experiment. `stem` is its name if it gives none; `find` finds the text of a scenario.
     ///
     /// # Errors
-    /// Says which field is wrong, and how to fix it.
+    /// An error with the field and the remedy.
     pub fn parse(
         toml: &str,
         stem: &str,
@@ -134,7 +134,7 @@ impl Experiment {
         self.all_brains().any(|text| assignment::split(text).1.starts_with(EXEC))
     }
 
-    /// Its brains, and those that fields set.
+    /// The brains of the experiment, and those that fields set.
     pub(crate) fn all_brains(&self) -> impl Iterator<Item = &str> {
         let levels = self.fields.iter().filter_map(Field::levels).flatten();
         let varied = levels.flat_map(|level| &level.settings).filter_map(|setting| match setting {
@@ -198,7 +198,7 @@ impl Experiment {
     /// The place of a field by its label, or by the path that it varies.
     ///
     /// # Errors
-    /// If there is none; says which there are.
+    /// If there is none, with those that there are.
     pub fn place(&self, name: &str) -> Result<usize, UnknownName> {
         place(&self.fields, name)
     }

@@ -10,18 +10,18 @@ use crate::raw;
 /// Something that is varied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    /// Its name in tables and charts.
+    /// The name of the field in tables and charts.
     pub label: String,
     /// The unit of its values; empty if it has none.
     pub unit: String,
-    /// Its values.
+    /// The field's values.
     pub choice: Choice,
 }
 
 /// The values that something can have.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Choice {
-    /// These; at least one.
+    /// A list of values; at least one.
     Levels(Vec<Level>),
     /// Any number of a range.
     Range(Range),
@@ -30,7 +30,7 @@ pub enum Choice {
 /// One of the values of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// Its name in tables and charts.
+    /// The name of the level in tables and charts.
     pub name: String,
     /// The value, if it is a number.
     pub number: Option<f64>,
@@ -43,16 +43,16 @@ pub struct Level {
 pub enum Setting {
     /// A field of the scenario.
     Scenario {
-        /// Its path.
+        /// The field's path in the scenario.
         path: String,
-        /// Its value, as TOML.
+        /// The field's value, as TOML.
         value: String,
     },
     /// A parameter of the brains of the catalogue that have it.
     Parameter {
-        /// Its name.
+        /// The name of the parameter.
         name: String,
-        /// Its value.
+        /// The value of the parameter.
         value: String,
     },
     /// The brain of all robots that have not one of their own.
@@ -70,7 +70,7 @@ pub struct Range {
     pub to: f64,
     /// Whether equal ratios are equally likely, and not equal differences.
     pub log: bool,
-    /// Only whole numbers.
+    /// The field takes only whole numbers.
     pub whole: bool,
 }
 
@@ -101,7 +101,7 @@ impl Range {
 }
 
 impl Field {
-    /// Its levels, if there is a list of them.
+    /// The field's levels, if there is a list of them.
     pub fn levels(&self) -> Option<&[Level]> {
         match &self.choice {
             Choice::Levels(levels) => Some(levels),
@@ -114,7 +114,7 @@ impl Field {
         self.levels().is_none_or(|levels| levels.iter().all(|level| level.number.is_some()))
     }
 
-    /// Its label with its unit.
+    /// The label of the field with its unit.
     pub fn title(&self) -> String {
         if self.unit.is_empty() { self.label.clone() } else { format!("{} ({})", self.label, self.unit) }
     }
@@ -152,7 +152,7 @@ impl Field {
 }
 
 impl Setting {
-    /// As `--set` has it, if it is a field of the scenario.
+    /// The setting as an argument of `--set`, if it is a field of the scenario.
     pub fn as_override(&self) -> Option<String> {
         match self {
             Self::Scenario { path, value } => Some(format!("{path}={value}")),
@@ -263,7 +263,7 @@ fn written(target: &str, value: &str) -> Setting {
     }
 }
 
-/// A value as tables have it: text without quotes.
+/// The text of a value for tables, without quotes.
 fn name(value: &Value) -> String {
     let text = value.as_str().map(str::to_owned);
     text.or_else(|| value.as_float().map(|number| number.to_string())).unwrap_or_else(|| value.to_string())

@@ -38,13 +38,13 @@ pub enum Figure {
 pub struct Info {
     /// The figure.
     pub figure: Figure,
-    /// Its name in files.
+    /// The name of the figure in files.
     pub name: &'static str,
-    /// Its name on charts, with its unit.
+    /// The name of the figure on charts, with its unit.
     pub title: &'static str,
-    /// It is a share, from 0 to 1.
+    /// The figure is a fraction, from 0 to 1.
     pub is_share: bool,
-    /// Its meaning.
+    /// The meaning of the figure.
     pub meaning: &'static str,
 }
 
@@ -149,14 +149,14 @@ impl Figure {
     /// The figure of this name.
     ///
     /// # Errors
-    /// Says which there are, the nearest first.
+    /// An error with those that exist, the nearest first.
     pub fn named(name: &str) -> Result<Self, UnknownName> {
         let names = INFOS.map(|info| info.name);
         let found = INFOS.iter().find(|info| info.name == name);
         found.map(|info| info.figure).ok_or_else(|| UnknownName::new("figure", name, &names))
     }
 
-    /// Its description.
+    /// The description of the figure.
     pub fn info(self) -> &'static Info {
         &INFOS[self as usize]
     }
@@ -179,7 +179,7 @@ impl Figures {
         self.0[figure as usize] = value.filter(|value| value.is_finite());
     }
 
-    /// Those of a run so far.
+    /// The figures of a run so far.
     pub fn of_world(world: &World) -> Self {
         Self::of(&world_status(world))
     }

@@ -33,15 +33,15 @@ pub struct Limit {
 pub struct Probe {
     /// The value.
     pub value: f64,
-    /// Its name.
+    /// The name of the probe.
     pub name: String,
     /// Runs that succeeded.
     pub succeeded: u64,
-    /// Runs.
+    /// The number of runs.
     pub runs: u64,
     /// The reason why runs failed, if some did.
     pub error: Option<String>,
-    /// As many succeeded as are wanted.
+    /// The wanted number of runs succeeded.
     pub is_enough: bool,
 }
 
@@ -307,7 +307,7 @@ impl Limit {
         self.probes.iter().enumerate().all(|(i, probe)| probe.is_enough == (i >= limit))
     }
 
-    /// Its report.
+    /// The limit's report.
     pub fn text(&self, experiment: &Experiment, field: &str) -> String {
         let others = self.others.iter().map(|(label, level)| format!("{label} {level}: "));
         others.collect::<String>() + &self.headline(experiment, field) + "\n" + &self.notes()
@@ -352,7 +352,7 @@ impl Limit {
         text
     }
 
-    /// As an object of JSON.
+    /// The limit as an object of JSON.
     pub fn json(&self) -> Value {
         let probe = |probe: &Probe| {
             let interval = wilson(probe.succeeded, probe.runs).map(|(_, low, high)| [low, high]);

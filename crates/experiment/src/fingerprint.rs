@@ -36,9 +36,9 @@ pub(crate) fn fingerprint_with(experiment: &Experiment, own: &str) -> String {
     format!("{:032x}", hash.0)
 }
 
-/// The version, and what becomes of a second of two scenarios here. Builds that say the same are taken to run an
-/// experiment in the same way; those whose model, default brain or figures differ say something else, but for devices
-/// that neither of the two has.
+/// The version, and the fingerprints of a second of two scenarios here. Builds with the same are taken to run an
+/// experiment in the same way; those whose model, default brain or figures differ have others, but for devices that
+/// neither of the two has.
 pub(crate) fn build() -> String {
     let mut hash = Hash(OFFSET);
     for text in PROBES {

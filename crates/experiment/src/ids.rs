@@ -10,7 +10,7 @@ pub fn unique_name(kind: &str) -> String {
 
 /// 16 hexadecimal digits.
 pub(crate) fn random_id() -> String {
-    // Its keys are random, so what they make of nothing is, too.
+    // The keys of the hash are random, so the hash of nothing is, too.
     format!("{:016x}", RandomState::new().build_hasher().finish())
 }
 
@@ -37,7 +37,7 @@ mod tests {
         for name in names {
             let id = name.strip_prefix("find-").expect(&name);
             assert!(is_id(id), "{name}");
-            // With the number of a run it has at most 64 bytes.
+            // The name has at most 64 bytes with the number of a run.
             assert!(format!("sweep-{id}-{}", u64::MAX).len() <= 64, "{name}");
         }
     }

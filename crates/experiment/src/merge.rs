@@ -30,7 +30,7 @@ pub struct Missing {
     pub runs: u64,
     /// All runs of the experiment.
     pub total: u64,
-    /// Whose they are; never empty.
+    /// The shards of the missing runs; never empty.
     pub shards: Vec<MissingShard>,
 }
 
@@ -43,7 +43,7 @@ pub struct MissingShard {
     pub runs: u64,
     /// The first few.
     pub first: Vec<u64>,
-    /// Where its journal is, or would be beside the others, if that can be said.
+    /// The place of the shard's journal, or the one that it would have beside the others, if that can be computed.
     pub folder: Option<PathBuf>,
 }
 
@@ -69,7 +69,7 @@ pub fn merge(experiment: &Experiment, sources: &[PathBuf], options: &Options<'_>
     let resumed = journal.done();
     let done = journal.runs();
     if !options.fresh {
-        // What an earlier merge made must not differ either.
+        // The results of an earlier merge must not differ either.
         all.push(read(&folder.file(JOURNAL))?);
         Chosen::new(&all)?;
     }
@@ -127,13 +127,13 @@ fn journals_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
 struct Chosen {
     /// The runs, sorted.
     runs: Vec<u64>,
-    /// Those of each journal.
+    /// The rows of each journal.
     rows: Vec<Vec<Entry>>,
 }
 
 impl Chosen {
-    /// Of rows that are the same, the first; refuses those that are not. A run that failed everywhere is one that did, with the same
-    /// one of its errors whatever the order of the journals.
+    /// A `Chosen` of rows that are the same, the first; refuses those that are not. A run that failed everywhere is one
+    /// that did, with the same one of its errors whatever the order of the journals.
     fn new(journals: &[Contents]) -> Result<Self, Error> {
         let mut chosen = Self { runs: Vec::new(), rows: vec![Vec::new(); journals.len()] };
         for of_a_run in sorted(journals, |journal| &journal.rows).chunk_by(|a, b| a.1.run == b.1.run) {
@@ -163,7 +163,7 @@ impl Chosen {
         self.rows[journal].push(row);
     }
 
-    /// What is not there of so many runs.
+    /// The missing runs of so many.
     fn missing(&self, journals: &[Contents], total: u64) -> Missing {
         let runs = total - self.runs.len() as u64;
         let shards = match count(journals) {
@@ -194,7 +194,7 @@ fn sorted(journals: &[Contents], rows: impl Fn(&Contents) -> &Vec<Entry>) -> Vec
     all
 }
 
-/// Of how many shards the most journals are.
+/// The number of shards that most journals state.
 fn count(journals: &[Contents]) -> Option<u32> {
     let mut of_count: BTreeMap<u32, usize> = BTreeMap::new();
     let counts = journals.iter().filter_map(Contents::shard).map(Shard::count);
@@ -202,7 +202,7 @@ fn count(journals: &[Contents]) -> Option<u32> {
     of_count.into_iter().max_by_key(|(_, journals)| *journals).map(|(count, _)| count)
 }
 
-/// Where the journal of a shard is, or would be beside the others.
+/// The place of a shard's journal, or the one that it would have beside the others.
 fn folder(shard: Option<Shard>, journals: &[Contents]) -> Option<PathBuf> {
     let folder = |journal: &Contents| {
         journal.path.parent().filter(|_| journal.path.ends_with(JOURNAL)).map(Path::to_owned)
@@ -227,5 +227,5 @@ fn differ(run: u64, a: (&Path, u64), b: (&Path, u64)) -> Error {
     ))
 }
 
-/// How many missing runs of a shard are named.
+/// The number of missing runs of a shard that are named.
 const FIRST: usize = 3;

@@ -41,7 +41,7 @@ impl Folder {
         }
     }
 
-    /// The folder's own id: random, and the same whenever a sweep resumes here. It tells the worlds on a server
+    /// The folder's own id: random, and the same whenever a sweep resumes here. It distinguishes the worlds on a server
     /// that are of this sweep from all others.
     pub(crate) fn id(&self) -> &str {
         &self.id
@@ -111,7 +111,7 @@ fn id_in(lock: &mut File) -> io::Result<Option<String>> {
     Ok(Some(id))
 }
 
-/// Why a file has no content: it could not be written, or there was nothing to write.
+/// The reason why a file has no content: it could not be written, or there was nothing to write.
 #[derive(Debug)]
 pub(crate) enum Content {
     Io(io::Error),

@@ -19,7 +19,7 @@ pub struct Packed {
     pub name: String,
     /// The text of the scenario.
     pub scenario: String,
-    /// Programs of microcontrollers, as scenarios have them, by the names of their files.
+    /// Programs of microcontrollers in the form of scenarios, by the names of their files.
     pub programs: BTreeMap<String, String>,
 }
 
@@ -27,7 +27,7 @@ impl Packed {
     /// Packs a file; and its experiment.
     ///
     /// # Errors
-    /// If it cannot be read, something in it makes no sense, or a brain of it is a file or a program.
+    /// If it cannot be read, something in it is invalid, or a brain of it is a file or a program.
     pub fn of_file(file: &Path) -> Result<(Self, Experiment), ReadError> {
         let mut programs = BTreeMap::new();
         let (text, experiment) = read::read(file, |name, program| {
@@ -42,7 +42,7 @@ impl Packed {
     /// The experiment.
     ///
     /// # Errors
-    /// If something in it makes no sense.
+    /// If something in it is invalid.
     pub fn experiment(&self) -> Result<Experiment, Error> {
         let experiment = Experiment::parse(&self.text, &self.name, |_| Ok(self.scenario.clone()))?;
         let missing = |file: &str| format!("{file}: was not sent with the experiment");

@@ -8,7 +8,8 @@ use toml::{Table, Value};
 use crate::error::Error;
 use crate::factor::{Choice, Field, Setting};
 
-/// Refuses fields that vary the same place, whatever their labels are. `text` is the scenario's, which says which robot is `robots[0]`.
+/// Refuses fields that vary the same place, whatever their labels are. `text` is the scenario's, in which `robots[0]`
+/// has a name.
 pub(crate) fn unique(fields: &[Field], text: &str) -> Result<(), Error> {
     // Faults of the scenario itself are reported later.
     let scenario = text.parse::<Table>().map(Value::Table).ok();
@@ -29,7 +30,7 @@ pub(crate) fn unique(fields: &[Field], text: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// All places that a field varies, each with its path as the file has it.
+/// All places that a field varies, each with its path in the file.
 fn places(field: &Field, scenario: Option<&Value>) -> Vec<(Vec<String>, String)> {
     let place = |setting: &Setting| match setting {
         Setting::Scenario { path, .. } => (resolved(path, scenario), path.clone()),

@@ -1,4 +1,4 @@
-//! Runs on all cores: threads that take the next run from a queue until it is empty, or they are told to stop.
+//! Runs on all cores: threads that take the next run from a queue until it is empty, or they are stopped.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError, mpsc};
@@ -28,7 +28,7 @@ pub struct Workers {
     pub place: Place,
     /// The number of simultaneous runs; at least 1.
     pub jobs: usize,
-    /// The name of worlds on a server, before the number of the run. Nobody else may use it, as worlds of this name
+    /// The name of worlds on a server, before the number of the run. No other client may use it, as worlds of this name
     /// are deleted: see [`unique_name`](crate::unique_name).
     pub name: String,
 }
@@ -55,7 +55,7 @@ impl Workers {
         let (queue, halt) = (Mutex::new(tasks), AtomicBool::new(false));
         let is_over = || stop.load(Ordering::Relaxed) || halt.load(Ordering::Relaxed);
         let next = || {
-            // A queue is never left in a state that makes no sense.
+            // A queue is never left in an invalid state.
             let mut queue = queue.lock().unwrap_or_else(PoisonError::into_inner);
             if is_over() { None } else { queue.next() }
         };

@@ -13,7 +13,7 @@ use crate::error::Error;
 /// A server whose brains come by a Unix socket in a folder that only this user may enter, and whose operator is in this process. It
 /// ends when this is dropped.
 pub(crate) struct PrivateServer {
-    /// Where it listens for brains, as programs are told.
+    /// The address for brains, in the form in which programs get it.
     pub(crate) address: String,
     server: Option<Arc<Server>>,
     stop: Option<oneshot::Sender<()>>,
@@ -66,5 +66,5 @@ impl Drop for PrivateServer {
     }
 }
 
-/// How long connections have to close.
+/// The time that connections have to close.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(1);

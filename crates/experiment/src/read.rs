@@ -16,7 +16,7 @@ pub enum ReadError {
     /// Its file cannot be.
     #[error(transparent)]
     File(#[from] SourceError),
-    /// Its content makes no sense.
+    /// Its content is invalid.
     #[error("{path}: {error}")]
     Content {
         /// The file.
@@ -66,7 +66,7 @@ impl Experiment {
     /// Reads an experiment, with the scenario that it refers to and what that refers to. Programs of it are found from its folder.
     ///
     /// # Errors
-    /// If a file cannot be read, or something in it makes no sense.
+    /// If a file cannot be read, or something in it is invalid.
     pub fn read(file: &Path) -> Result<Self, ReadError> {
         read(file, |_, _| {}).map(|(_, experiment)| experiment)
     }

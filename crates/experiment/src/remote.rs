@@ -54,7 +54,7 @@ pub(crate) enum Host<'a> {
 }
 
 impl Host<'_> {
-    /// Where programs attach.
+    /// The address at which programs attach.
     fn brains(&self) -> &str {
         match self {
             Self::Address(address) => address,
@@ -121,7 +121,7 @@ impl Remote {
         if again.as_ref() == Ok(ran) { Ok(()) } else { Err(differs(task, ran, &again)) }
     }
 
-    /// Does a run, or says why it could not be done.
+    /// Does a run, or returns the reason why it could not be done.
     fn once(
         &self,
         experiment: &Experiment,
@@ -157,7 +157,7 @@ impl Remote {
     }
 
     async fn world(&self, experiment: &Experiment, task: &Task, lifetime: Lifetime) -> Result<Done, Failure> {
-        // What is wrong with the run is told here, in the same words as for one in this process.
+        // The errors of the run are found here, in the same words as for one in this process.
         let mut setup = Setup::new(experiment, task).map_err(|error| Failure::Run(error.to_string()))?;
         setup.assigned.programs.iter_mut().for_each(|task| task.lifetime = lifetime);
         let mut control = self.control();
@@ -238,7 +238,7 @@ impl Remote {
     }
 }
 
-/// That a process keeps something from run to run.
+/// The error that a process keeps something from run to run.
 fn differs(task: &Task, ran: &Ran, again: &Result<Ran, String>) -> Error {
     let again = match again {
         Ok(again) => format!("ends with the state {:016x}", again.hash),
@@ -258,7 +258,7 @@ impl Drop for Remote {
 }
 
 /// Makes the world of a task, in lockstep, which stands until its brains are there. One of that name is of this sweep
-/// before it was killed: nobody else knows its id.
+/// before it was killed: its id is known to no other.
 async fn create(
     control: &mut ControlServiceClient<Channel>,
     experiment: &Experiment,
@@ -316,7 +316,7 @@ async fn status_of(
     Ok(answer.map_err(|status| Failure::of(&status))?.into_inner().status.unwrap_or_default())
 }
 
-/// Which robots are held.
+/// The robots that are held.
 async fn held(
     control: &mut ControlServiceClient<Channel>,
     world: &str,
@@ -336,7 +336,7 @@ impl From<Broken> for Failure {
 }
 
 impl Failure {
-    /// What makes no sense to the server is the run's own fault; all else is the server's, as that it is full.
+    /// What is invalid to the server is the run's own fault; all else is the server's, as that it is full.
     fn of(status: &Status) -> Self {
         Self::said(status.code(), status.message())
     }

@@ -1,5 +1,5 @@
-//! What is told before an experiment continues with the runs of its journal: which are not done again, and whether a program
-//! has changed since.
+//! The messages before an experiment continues with the runs of its journal: the runs that are not done again, and
+//! whether a program has changed since.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::experiment::Experiment;
 use crate::journal::Journal;
 use crate::told::Told;
 
-/// Tells of the runs that are in the journal, of so many if that is known.
+/// Reports the runs that are in the journal, of so many if that is known.
 pub(crate) fn tell(experiment: &Experiment, journal: &Journal, total: Option<u64>, tell: &dyn Fn(&Told)) {
     if let Some(note) = note(journal, total) {
         tell(&Told::Note(note));
@@ -26,7 +26,7 @@ pub(crate) fn tell(experiment: &Experiment, journal: &Journal, total: Option<u64
     }
 }
 
-/// Which runs are there; `None` if there are none.
+/// The note on the runs that exist; `None` if there are none.
 fn note(journal: &Journal, total: Option<u64>) -> Option<String> {
     let (done, repeated, place) = (journal.done(), journal.repeated(), journal.path().display());
     let runs = match total {

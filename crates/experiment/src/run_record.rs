@@ -1,4 +1,4 @@
-//! A run that is to be done, and its record: what came of it, a row of the table.
+//! A run that is to be done, and its record: its result, a row of the table.
 
 use baudbot_proto::v1::WorldStatus;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::design::Cell;
 use crate::figures::{Figures, INFOS};
 
-/// A run and what came of it.
+/// A run and its result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Number of the run, from 0.
@@ -31,7 +31,7 @@ pub struct Ran {
 pub struct Task {
     /// Number of the run, from 0.
     pub run: u64,
-    /// Its combination of values.
+    /// The task's combination of values.
     pub cell: Cell,
     /// The scenario's seed, and its brains'.
     pub seed: u64,
@@ -73,7 +73,7 @@ const ENDING: &str = "ending";
 const SUCCESS: &str = "success";
 const HASH: &str = "state_hash";
 
-/// A row as the journal has it; the rest follows from its number.
+/// A row in the journal; the rest follows from its number.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Written {

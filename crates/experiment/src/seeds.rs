@@ -1,4 +1,4 @@
-//! With which seeds a combination is run.
+//! The seeds with which a combination is run.
 
 use toml::Value;
 
@@ -7,9 +7,9 @@ use crate::error::Error;
 /// Seeds of the runs of a combination.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Seeds {
-    /// From one to another, both of them too.
+    /// The seeds from one to another, both of them too.
     From(u64, u64),
-    /// These.
+    /// The seeds of a list.
     List(Vec<u64>),
 }
 
@@ -75,7 +75,7 @@ impl Seeds {
         Ok(Self::List(seeds))
     }
 
-    /// Those of a file's field: how many, or a list of them. 10 if it has none.
+    /// The seeds of a file's field: a number of them, or a list. 10 if it has none.
     ///
     /// # Errors
     /// If it is neither.

@@ -24,17 +24,17 @@ pub struct Served<T> {
     run: Option<JoinHandle<Result<(), Error>>>,
 }
 
-/// What comes next of a run.
+/// The next result of a run.
 pub enum Next<T> {
-    /// What was seen of the next tick.
+    /// The view of the next tick.
     Seen(T),
-    /// Nothing: the run is over, or is given up because it is to stop.
+    /// The run is over, or is given up because it is to stop.
     Over,
     /// Nothing has come in time.
     Late,
 }
 
-/// Where a brain believes its robot to be, as it has published it.
+/// The pose that a brain believes its robot to have, as it has published it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Believed {
     /// The place of its robot.
@@ -66,7 +66,7 @@ impl<T: Send + 'static> Served<T> {
             told.lock().unwrap_or_else(PoisonError::into_inner).extend(pose);
         });
         let on_tick = Box::new(move |world: &World| {
-            // Nobody watches a run that is given up.
+            // The receiver of a run that is given up has gone.
             let believed = std::mem::take(&mut *believed.lock().unwrap_or_else(PoisonError::into_inner));
             let _ = send.send(look(world, &believed));
         });
@@ -81,7 +81,7 @@ impl<T: Send + 'static> Served<T> {
         Ok(Self { seen: Some(seen), stop: Some(stop), run: Some(run) })
     }
 
-    /// What was seen of the next tick; `None` once the run is over, or is given up because `stop` is set.
+    /// The view of the next tick; `None` once the run is over, or is given up because `stop` is set.
     ///
     /// # Errors
     /// If a brain has failed, or the server.
@@ -95,7 +95,7 @@ impl<T: Send + 'static> Served<T> {
         }
     }
 
-    /// What was seen of the next tick, if it comes within `patience` by the wall clock.
+    /// The view of the next tick, if it comes within `patience` by the wall clock.
     ///
     /// # Errors
     /// If a brain has failed, or the server.
@@ -133,7 +133,7 @@ impl<T> Drop for Served<T> {
     }
 }
 
-/// How often is looked whether the run is to be given up.
+/// The interval at which the stop is checked.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Longer than any run.
@@ -141,5 +141,5 @@ const FOR_EVER: Duration = Duration::from_secs(u32::MAX as u64);
 
 const WORLD: &str = "run";
 
-/// So many ticks the world may be ahead of who watches it.
+/// The number of ticks that the world may be ahead of its observer.
 const AHEAD: usize = 16;

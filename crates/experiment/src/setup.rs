@@ -46,7 +46,7 @@ pub(crate) fn settings(task: &Task) -> impl Iterator<Item = &Setting> {
     task.cell.levels.iter().flat_map(|level| &level.settings)
 }
 
-/// The changes of the scenario, as `--set` has them; later ones win.
+/// The changes of the scenario in the form of `--set`; later ones win.
 pub(crate) fn overrides<'a>(
     experiment: &Experiment,
     settings: impl Iterator<Item = &'a Setting>,

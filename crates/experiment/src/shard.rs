@@ -1,5 +1,5 @@
-//! A share of an experiment's runs, for one of many machines. Which runs it has follows from their numbers alone: nobody
-//! hands them out.
+//! A share of an experiment's runs, for one of many machines. The runs that it has follow from their numbers alone,
+//! without a coordinator.
 //!
 //! The runs in their order are cut into blocks, and each shard has one run of each block. So shards differ by one run at
 //! most, and also share the work if later runs cost more than earlier ones. Which run of a block it is, is drawn by the
@@ -24,12 +24,12 @@ pub struct Shard {
 /// The reason why a text is no shard.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ShardError {
-    /// It has another form.
+    /// The text has another form.
     #[error(
         "a shard is I/N, the number I of N shards, from 0, such as 0/8 (in Kubernetes \"$JOB_COMPLETION_INDEX/8\")"
     )]
     Form,
-    /// There are none.
+    /// The number of shards is 0.
     #[error("there are no shards; give at least one, as in 0/1")]
     None,
     /// More than there can be.
@@ -38,7 +38,7 @@ pub enum ShardError {
         /// The number that there are to be.
         count: u32,
     },
-    /// There are fewer.
+    /// The shard's number is beyond theirs.
     #[error("shards are numbered from 0, as Kubernetes' JOB_COMPLETION_INDEX is, so the last of {count} is {}/{count}", count - 1)]
     Beyond {
         /// The number that there are.
@@ -62,7 +62,7 @@ impl Shard {
         full + u64::from(self.run(full).is_some_and(|run| run < total))
     }
 
-    /// Its runs, of so many, in their order.
+    /// The shard's runs, of so many, in their order.
     pub fn runs(self, total: u64) -> impl Iterator<Item = u64> {
         // Only the last block may be without one.
         (0..self.len(total)).filter_map(move |block| self.run(block))
@@ -86,7 +86,7 @@ impl Shard {
         format!("{}-of-{}", self.index, self.count)
     }
 
-    /// Its run of a block; `None` if there is no such number.
+    /// The shard's run of a block; `None` if there is no such number.
     fn run(self, block: u64) -> Option<u64> {
         let count = u64::from(self.count);
         let place = (u64::from(self.index) + turn(block, count)) % count;
@@ -94,8 +94,8 @@ impl Shard {
     }
 }
 
-/// By how many places a block is turned: one of so many, as good as random. It may never change, as journals of some shards
-/// are continued by later versions.
+/// The number of places by which a block is turned: one of so many, as good as random. It may never change, as journals
+/// of some shards are continued by later versions.
 fn turn(block: u64, count: u64) -> u64 {
     // Vigna's SplitMix64, with the block's number as its seed.
     let mut z = block.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -104,7 +104,7 @@ fn turn(block: u64, count: u64) -> u64 {
     ((u128::from(z ^ (z >> 31)) * u128::from(count)) >> 64) as u64
 }
 
-/// As many as anybody has machines.
+/// The most machines that are realistic.
 const MOST: u32 = 1_000_000;
 
 impl fmt::Display for Shard {
@@ -187,10 +187,11 @@ mod tests {
     fn work_is_shared_whether_costs_rise_or_repeat() {
         for count in [2, 3, 4, 8, 10, 16, 20] {
             let total = 60 * u64::from(count);
-            // As with a field of ever slower values.
+            // The costs rise as with a field of ever slower values.
             let rising = most(count, total, |run| 1.0 + run as f64);
             assert!(rising < 1.02, "{count} shards: {rising}");
-            // As with a last field of some values, the second half of which are ten times as slow, and one or ten seeds.
+            // The costs are as with a last field of some values, the second half of which are ten times as slow, and
+            // one or ten seeds.
             for period in (2..=32).chain([40, 60, 80, 100]) {
                 let repeating =
                     most(count, total, |run| if run % period < period.div_ceil(2) { 1.0 } else { 10.0 });

@@ -22,7 +22,7 @@ impl Sample {
         self.count
     }
 
-    /// Their mean, if there were any.
+    /// The mean of the values, if there are any.
     pub fn mean(&self) -> Option<f64> {
         (self.count > 0).then_some(self.mean)
     }
@@ -44,7 +44,7 @@ pub fn wilson(successes: u64, count: u64) -> Option<(f64, f64, f64)> {
     let square = NORMAL * NORMAL / n;
     let middle = (share + square / 2.0) / (1.0 + square);
     let half = NORMAL / (1.0 + square) * (share * (1.0 - share) / n + square / (4.0 * n)).sqrt();
-    // If all or none succeeded the interval reaches the end, whatever rounding says.
+    // The interval reaches the end if all or none succeeded, whatever the rounding.
     let low = if successes == 0 { 0.0 } else { middle - half };
     let high = if successes == count { 1.0 } else { middle + half };
     Some((share, low.max(0.0), high.min(1.0)))
@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn the_table_goes_over_into_the_expansion() {
-        // Of tables: t of 40 is 2.0211, of 120 is 1.9799.
+        // The values are of tables: t of 40 is 2.0211, of 120 is 1.9799.
         for (freedom, expected) in [(30, 2.0423), (31, 2.0395), (40, 2.0211), (120, 1.9799)] {
             assert!((student(freedom) - expected).abs() < 1e-4, "{freedom}: {}", student(freedom));
         }

@@ -17,10 +17,10 @@ pub trait Quantity: Copy {
     /// The quantity of this name.
     ///
     /// # Errors
-    /// Says which there are, the nearest first.
+    /// An error with those that exist, the nearest first.
     fn named(name: &str) -> Result<Self, UnknownName>;
 
-    /// Its name in files.
+    /// The name of the quantity in files.
     fn name(self) -> &'static str;
 }
 
@@ -43,11 +43,11 @@ pub struct Conditions<Q> {
 /// A limit of a quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition<Q> {
-    /// Of what.
+    /// The quantity with the limit.
     pub quantity: Q,
     /// The limit, in the quantity's unit.
     pub limit: f64,
-    /// It is a lower limit.
+    /// The limit is a lower one.
     pub at_least: bool,
 }
 
@@ -59,7 +59,8 @@ impl<Q: Quantity> Condition<Q> {
 }
 
 impl<Q: Quantity> Conditions<Q> {
-    /// Those of a table, which is at this place in its file: `FIGURE_at_most`, `FIGURE_at_least` and `goal_reached`.
+    /// The conditions of a table, which is at this place in its file: `FIGURE_at_most`, `FIGURE_at_least` and
+    /// `goal_reached`.
     ///
     /// # Errors
     /// If it has none, or something else in it.

@@ -11,7 +11,7 @@ use crate::statistics::{Sample, wilson};
 /// The results of a combination's runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellSummary {
-    /// Its number.
+    /// The number of the cell.
     pub number: u64,
     /// The names of its values.
     pub levels: Vec<String>,
@@ -21,14 +21,14 @@ pub struct CellSummary {
     pub failed: u64,
     /// Runs that succeeded, if anything counts as success.
     pub succeeded: Option<u64>,
-    /// Of each figure, in the order of [`INFOS`].
+    /// The values of each figure, in the order of [`INFOS`].
     pub figures: [Sample; Figures::COUNT],
 }
 
 /// The results of all runs.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
-    /// Combination by combination; of very many only the first.
+    /// The combinations, one by one; of very many only the first.
     pub cells: Vec<CellSummary>,
     /// Combinations that are not in `cells`.
     pub left_out: u64,
@@ -64,7 +64,7 @@ impl Summary {
         }
     }
 
-    /// As an object of JSON.
+    /// The summary as an object of JSON.
     pub fn json(&self, experiment: &Experiment) -> Value {
         json!({
             "experiment": experiment.name,
@@ -98,7 +98,7 @@ impl CellSummary {
         }
     }
 
-    /// Of runs that could be, the share that succeeded with its interval.
+    /// The fraction of successful runs, of those that could be, with its interval.
     pub fn success(&self) -> Option<(f64, f64, f64)> {
         wilson(self.succeeded?, self.runs - self.failed)
     }

@@ -36,14 +36,14 @@ pub struct Options<'a> {
     pub confirmed: bool,
     /// Once it is set the sweep ends after the present runs.
     pub stop: &'a AtomicBool,
-    /// Is told how many runs of how many are done.
+    /// A function that gets the number of runs that are done, and that of all.
     pub progress: &'a (dyn Fn(u64, u64) + Sync),
-    /// Is told what is in the journal that is there, and what is wrong with it, and repaired.
+    /// A function that gets notes on the journal that exists: its content, its faults and repairs.
     pub tell: &'a (dyn Fn(&Told) + Sync),
 }
 
 impl Options<'_> {
-    /// Tells that something may be wrong.
+    /// Reports that something may be wrong.
     pub(crate) fn warn(&self, text: &str) {
         (self.tell)(&Told::Warning(text.to_owned()));
     }
@@ -52,7 +52,7 @@ impl Options<'_> {
 /// The result of a sweep.
 #[derive(Debug)]
 pub struct Swept {
-    /// It was stopped before its end: there is a journal, and nothing else.
+    /// The sweep was stopped before its end: there is a journal, and nothing else.
     pub interrupted: bool,
     /// Runs that are done, earlier ones too.
     pub done: u64,
@@ -60,17 +60,17 @@ pub struct Swept {
     pub resumed: u64,
     /// All runs, of the shard if it is one.
     pub total: u64,
-    /// Their results; empty if it was stopped.
+    /// The results of the runs; empty if the sweep was stopped.
     pub summary: Summary,
     /// The files that it wrote beside the journal.
     pub files: Vec<PathBuf>,
 }
 
-/// Runs an experiment, or what is missing of it, and writes what came of it.
+/// Runs an experiment, or what is missing of it, and writes the results.
 ///
 /// # Errors
-/// If the experiment makes no sense, the folder is another's, the sweep is long and not confirmed, a file cannot be
-/// written or the server fails. What was run is in the journal, and is not run again unless it failed.
+/// If the experiment is invalid, the folder is another's, the sweep is long and not confirmed, a file cannot be written
+/// or the server fails. What was run is in the journal, and is not run again unless it failed.
 pub fn sweep(experiment: &Experiment, options: &Options<'_>) -> Result<Swept, Error> {
     let total = experiment.runs()?;
     check(experiment)?;
@@ -115,7 +115,7 @@ pub(crate) fn finish(
     Ok(swept)
 }
 
-/// Of a shard there are no outputs, as means over some of the seeds would mislead.
+/// Finishes a shard, which has no outputs, as means over some of the seeds would mislead.
 fn finish_shard(
     experiment: &Experiment,
     journal: &Journal,
@@ -142,7 +142,7 @@ struct Runner<'a> {
     experiment: &'a Experiment,
     options: &'a Options<'a>,
     journal: &'a mut Journal,
-    /// Of the experiment.
+    /// The number of all runs of the experiment.
     total: u64,
     shard: Shard,
     name: String,
@@ -163,7 +163,7 @@ impl Runner<'_> {
         Estimate::new(self.missing(), jobs, took, self.options.jobs).refuse_long("")
     }
 
-    /// How many runs are missing.
+    /// The number of missing runs.
     fn missing(&self) -> u64 {
         self.shard.len(self.total).saturating_sub(self.journal.done())
     }
@@ -172,7 +172,7 @@ impl Runner<'_> {
         self.work(u64::MAX).map(|_| ())
     }
 
-    /// At most so many of the missing runs, and the time that they took, one after the other.
+    /// Does the missing runs, so many at most; the time that they took, one after the other.
     fn work(&mut self, most: u64) -> Result<Duration, Error> {
         let (experiment, options, total) = (self.experiment, self.options, self.shard.len(self.total));
         let done = self.journal.runs();
@@ -248,7 +248,7 @@ fn write(
     folder.write(SUMMARY, |out| Ok(std::io::Write::write_all(out, text.as_bytes())?))?;
     let tables = if cfg!(feature = "parquet") { &[CSV, PARQUET, SUMMARY][..] } else { &[CSV, SUMMARY] };
     swept.files = tables.iter().map(|name| folder.file(name)).collect();
-    // Of an experiment that had other charts there may be some that nothing else would replace.
+    // The folder may have charts of an experiment that had other ones, which nothing else would replace.
     chart::Graphs::names().try_for_each(|name| folder.remove(&name))?;
     for (name, picture) in graphs.draw(experiment) {
         let content = |out: &mut std::io::BufWriter<_>| -> Result<(), Content> {
@@ -266,8 +266,8 @@ fn remove_outputs(folder: &Folder) -> Result<(), Error> {
     chart::Graphs::names().try_for_each(|name| folder.remove(&name))
 }
 
-/// What worlds of a sweep are called on a server: no other sweep has the same names, not even in a copy of the folder, and
-/// one that goes on has those that it had.
+/// The name of the worlds of a sweep on a server: no other sweep has the same names, not even in a copy of the folder,
+/// and one that goes on has those that it had.
 pub(crate) fn world_name(id: &str, out: &Path) -> String {
     let place = std::path::absolute(out).unwrap_or_else(|_| out.to_owned());
     let place = place

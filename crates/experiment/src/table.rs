@@ -68,7 +68,7 @@ fn mean(sample: &Sample) -> String {
     }
 }
 
-/// So many that two digits of the number are seen; none of a number that is whole.
+/// The number of decimals that shows two digits; none for a whole number.
 fn decimals(number: f64) -> usize {
     if number.fract() == 0.0 { 0 } else { (1.0 - number.log10().floor()).clamp(0.0, 6.0) as usize }
 }

@@ -159,7 +159,7 @@ fn a_sweep_that_was_stopped_and_torn_goes_on_to_the_same_bytes() {
     let stopped = run_until(&experiment, &torn, 9).unwrap();
     assert!(stopped.interrupted && stopped.done < 36, "{stopped:?}");
     assert!(!torn.join("rows.csv").exists());
-    // As if it had been killed within a write.
+    // The journal is torn as by a kill within a write.
     let journal = torn.join("rows.jsonl");
     let mut bytes = std::fs::read(&journal).unwrap();
     bytes.truncate(bytes.len() - 7);

@@ -1,8 +1,8 @@
-//! What is told while an experiment runs, a line of text each.
+//! The messages while an experiment runs, a line of text each.
 
 use std::fmt;
 
-/// What a person may want to know, and did not ask.
+/// A message that a person may want to have.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Told {
     /// Something that is as it should be.

@@ -1,4 +1,4 @@
-//! The tuning of an experiment's fields, as its file says it.
+//! The tuning of an experiment's fields, as its file states it.
 
 use crate::error::Error;
 use crate::goal::Goal;

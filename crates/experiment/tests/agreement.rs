@@ -1,9 +1,9 @@
-//! Presets agree with real robots wherever the page of evidence says so.
+//! Presets agree with real robots wherever the page of evidence states it.
 
 use baudbot_experiment::evidence::{Comparison, comparisons};
 use baudbot_scenario::presets::preset;
 
-/// The parts of a comparison that are not as it says.
+/// The parts of a comparison that differ from its statement.
 fn surprises(comparison: &Comparison) -> Vec<String> {
     let points = comparison.run().unwrap_or_else(|error| panic!("{}: {error}", comparison.name));
     let is_surprise = |point: &&baudbot_experiment::evidence::Compared<'_>| {

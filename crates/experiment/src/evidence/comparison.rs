@@ -10,10 +10,10 @@ use crate::evidence::sample::Sample;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Comparison {
-    /// Its name, which is that of its file.
+    /// The comparison's name, which is that of its file.
     #[serde(skip)]
     pub name: &'static str,
-    /// Its title.
+    /// The title of the comparison.
     pub title: String,
     /// The presets that it is about.
     pub presets: Vec<String>,
@@ -31,7 +31,7 @@ pub struct Comparison {
     pub y: String,
     /// The experiment.
     pub experiment: Experiment,
-    /// When a point agrees.
+    /// The condition under which a point agrees.
     pub bound: Bound,
     /// The measured points.
     pub points: Vec<Point>,
@@ -43,11 +43,11 @@ pub struct Comparison {
 pub enum Reliability {
     /// Read in the source itself.
     Read,
-    /// Computed from data that the source publishes.
+    /// The numbers were computed from data that the source publishes.
     Computed,
     /// Read in an excerpt, or in a thread.
     Excerpt,
-    /// From memory; the source was not found.
+    /// The numbers are from memory; the source was not found.
     Recalled,
 }
 
@@ -59,9 +59,9 @@ pub struct Point {
     pub at: At,
     /// Number of measurements, if that is known.
     pub n: Option<usize>,
-    /// Their mean.
+    /// The mean of the measurements.
     pub mean: f64,
-    /// Their standard deviation, if that is known.
+    /// The standard deviation of the measurements, if that is known.
     pub sd: Option<f64>,
     /// The least and the largest that was measured, or that those who measured it differ by.
     pub range: Option<[f64; 2]>,
@@ -69,7 +69,7 @@ pub struct Point {
     pub disagrees: Option<String>,
 }
 
-/// When a simulated point agrees with the measured one.
+/// The condition under which a simulated point agrees with the measured one.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Bound {

@@ -1,4 +1,4 @@
-//! Single numbers of presets, held against what was measured or read.
+//! Single numbers of presets, compared with measurements or data sheets.
 
 use baudbot_scenario::presets::{Fact, preset};
 use serde::Deserialize;

@@ -2,10 +2,10 @@
 
 use baudbot_scenario::presets::{Fact, Preset, Standing, presets};
 
-/// A number that nobody has published.
+/// A number of a preset for which there is no published source.
 #[derive(Clone, Debug)]
 pub struct Guess {
-    /// Whose it is.
+    /// The preset with the number.
     pub preset: &'static Preset,
     /// The number, and why it was chosen.
     pub fact: Fact,
@@ -50,7 +50,7 @@ impl SettledBy {
         Self::Choice,
     ];
 
-    /// As a heading and a sentence.
+    /// A heading and a sentence about it.
     pub fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::Ruler => ("A ruler and a scale", "Measure and weigh the robot."),
@@ -228,7 +228,7 @@ pub fn guesses() -> Vec<Guess> {
 }
 
 fn settled_by(preset: &Preset, fact: &Fact) -> SettledBy {
-    // These facts say which wire is on which pin.
+    // These facts are the wires of the pins.
     if fact.path.contains(".pins.") {
         return SettledBy::Choice;
     }

@@ -19,7 +19,7 @@ pub struct File {
     pub text: String,
 }
 
-/// The page and its pictures. All experiments are done; `done` hears the title of each before it is.
+/// The page and its pictures. All experiments are done; `done` gets the title of each before it is done.
 ///
 /// # Errors
 /// If an experiment cannot be done.
@@ -89,7 +89,7 @@ fn common(points: &[Compared<'_>], n: impl Fn(&Compared<'_>) -> Option<usize>) -
     first.filter(|_| points.iter().all(|point| n(point) == first))
 }
 
-/// A point; how many there were, where the heading does not say it.
+/// A row of the point; with the number of measurements, where the heading does not have it.
 fn row(point: &Compared<'_>, with_n: bool, with_simulated_n: bool) -> String {
     let Compared { measured, simulated, agrees } = point;
     let count = |n: Option<usize>| n.map(|n| format!(", n {n}")).unwrap_or_default();

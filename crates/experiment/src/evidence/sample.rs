@@ -5,9 +5,9 @@
 pub struct Sample {
     /// The number of values.
     pub n: usize,
-    /// Their mean.
+    /// The mean of the values.
     pub mean: f64,
-    /// Their standard deviation; 0 for a single value.
+    /// The standard deviation of the values; 0 for a single value.
     pub sd: f64,
     /// The least.
     pub min: f64,

@@ -1,4 +1,4 @@
-//! Words that an exercise has for a typical mistake, and the conditions under which they are said.
+//! Words that an exercise has for a typical mistake, and the conditions under which they are shown.
 
 use crate::error::Error;
 use crate::success::{Conditions, Quantity};
@@ -7,7 +7,7 @@ use crate::grade::measure::Measure;
 use crate::grade::raw;
 use crate::grade::watch::Measures;
 
-/// Words for a mistake. They are said only if an exercise is not passed.
+/// Words for a mistake. They are shown only if an exercise is not passed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
     /// The conditions of a run in which the mistake was made.

@@ -26,7 +26,7 @@ pub struct Exercise {
     pub title: String,
     /// The section of the notes, such as `5.3.2`; may be empty.
     pub section: String,
-    /// The brain's task, for whoever writes it.
+    /// The brain's task, for its author.
     pub task: String,
     /// The name of the scenario: a file, or one that is part of the program.
     pub scenario: String,
@@ -54,9 +54,9 @@ pub struct Exercise {
 /// The time limits for a brain, by the wall clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// For its next answer.
+    /// The time limit for the brain's next answer.
     pub answer: Duration,
-    /// For all of a run.
+    /// The time limit for all of a run.
     pub run: Duration,
 }
 
@@ -75,7 +75,7 @@ impl Exercise {
     /// Reads an exercise called `name`; `find` finds the text of a scenario.
     ///
     /// # Errors
-    /// Says which field is wrong, and how to fix it.
+    /// An error with the field and the remedy.
     pub fn parse(
         toml: &str,
         name: &str,
@@ -126,7 +126,7 @@ impl Exercise {
     /// The scenario with a seed.
     ///
     /// # Errors
-    /// If the scenario makes no sense, which it does with any seed if it does with one.
+    /// If the scenario is invalid, which does not depend on the seed.
     pub fn scenario_with(&self, seed: u64) -> Result<Scenario, Error> {
         let mut overrides = self.overrides.clone();
         overrides
@@ -183,7 +183,7 @@ fn other_brains(brains: Vec<String>, scenario: &Scenario) -> Result<Vec<String>,
             let problem = format!("`{brain}` is for all robots; write ROBOT=BRAIN, as in other=wander");
             return Err(Error::field(at, problem));
         }
-        // Of the brain that is graded nothing is known yet.
+        // The brain that is graded is not known yet.
         let so_far: Vec<_> = brains[..=i].iter().cloned().chain([NONE.to_owned()]).collect();
         assignment::assign(&so_far, &scenario.robots).map_err(|error| Error::field(at, error))?;
     }

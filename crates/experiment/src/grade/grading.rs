@@ -10,7 +10,7 @@ use crate::grade::run::{Problem, Run};
 pub struct Grading {
     /// In the order of the seeds.
     pub runs: Vec<Run>,
-    /// For each criterion of the exercise, in its order.
+    /// The award for each criterion of the exercise, in its order.
     pub awarded: Vec<Awarded>,
     /// Points earned.
     pub points: f64,
@@ -23,16 +23,16 @@ pub struct Grading {
 /// The verdict of a grading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// There are enough points.
+    /// The points are enough.
     Passed,
-    /// There are not.
+    /// The points are not enough.
     Failed,
     /// In no run did the brain drive, so there is nothing to be graded.
     NotGraded,
 }
 
 impl Verdict {
-    /// Its name in files.
+    /// The name of the verdict in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Passed => "passed",

@@ -64,7 +64,7 @@ fn suite(exercise: &Exercise, name: &str, outcome: Result<&Grading, &str>) -> St
     text + "</testsuite>\n"
 }
 
-/// Text of others, as XML can have it: characters that XML has no place for become `?`.
+/// Text of others, escaped for XML: characters that XML has no place for become `?`.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

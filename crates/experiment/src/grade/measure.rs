@@ -8,7 +8,7 @@ use crate::success::Quantity;
 /// A number of a run. A measure that does not apply to a run is missing, and keeps no limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// A figure of merit, as experiments have it.
+    /// A figure of merit of experiments.
     Figure(Figure),
     /// One that only exercises have, by its place in [`MEASURES`].
     Own(Own),
@@ -44,9 +44,9 @@ pub enum Own {
 pub struct MeasureInfo {
     /// The measure.
     pub own: Own,
-    /// Its name in files.
+    /// The name of the measure in files.
     pub name: &'static str,
-    /// Its meaning.
+    /// The meaning of the measure.
     pub meaning: &'static str,
 }
 

@@ -1,4 +1,5 @@
-//! Exercises: a brain is run in a scenario with several seeds, and what it did is held against criteria that are worth points.
+//! Exercises: a brain is run in a scenario with several seeds, and its run is compared with criteria that are worth
+//! points.
 //!
 //! From the file inwards:
 //!

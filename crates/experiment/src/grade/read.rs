@@ -10,7 +10,7 @@ impl Exercise {
     /// Reads an exercise that is built in, or a file, with the scenario that it refers to.
     ///
     /// # Errors
-    /// If a file cannot be read, or something in it makes no sense.
+    /// If a file cannot be read, or something in it is invalid.
     pub fn read(name: &str) -> Result<Self, ReadError> {
         read_as((name, Kind::Exercise), embedded::exercise(name), |document| {
             Self::parse(document.toml, document.stem, |scenario| document.scenario(scenario))
@@ -21,7 +21,7 @@ impl Exercise {
 /// The exercises that are built in, in the order of their sections.
 ///
 /// # Errors
-/// If one of them makes no sense, which a test excludes.
+/// If one of them is invalid, which a test excludes.
 pub fn all() -> Result<Vec<Exercise>, ReadError> {
     let mut all =
         embedded::exercises().map(|(name, _)| Exercise::read(name)).collect::<Result<Vec<_>, _>>()?;

@@ -11,7 +11,7 @@ use crate::grade::exercise::{Exercise, Limits};
 use crate::grade::watch::{Hit, Measures, Watch};
 use crate::served::{Next, Served};
 
-/// A run, and what came of it.
+/// A run, and its result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// The scenario's seed, and its brains'.
@@ -38,13 +38,13 @@ pub struct Ended {
 /// A fault of a brain.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
-    /// It never drove the robot.
+    /// The brain never drove the robot.
     #[error("{0}")]
     NotStarted(String),
-    /// It ended, or did what it may not.
+    /// The brain ended, or did what it may not.
     #[error("{0}")]
     Failed(String),
-    /// It did not answer in time.
+    /// The brain did not answer in time.
     #[error(
         "the brain did not answer for {} s by the wall clock; look for an endless loop, or for a wait for something that does not come",
         .0.as_secs_f64()
@@ -63,7 +63,7 @@ struct Sight {
     time_s: f64,
     /// New collisions.
     hits: Vec<Hit>,
-    /// At the end of the run.
+    /// The state at the end of the run.
     ended: Option<Box<Ended>>,
 }
 

@@ -17,14 +17,14 @@ pub struct Options<'a> {
     pub jobs: usize,
     /// Once it is set the runs end, and there is no grading.
     pub stop: &'a AtomicBool,
-    /// Is told how many runs are done.
+    /// A function that gets the number of runs that are done.
     pub progress: &'a (dyn Fn(u64) + Sync),
 }
 
 /// Grades the brains of an exercise's robots. `None` if it was stopped.
 ///
 /// # Errors
-/// If no server can be started, or it fails: then there is nothing to be said about the brain.
+/// If no server can be started, or it fails: then nothing is known about the brain.
 pub fn grade(
     exercise: &Exercise,
     assigned: &Assigned,

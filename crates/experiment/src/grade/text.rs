@@ -10,7 +10,7 @@ use crate::grade::grading::{Grading, Verdict};
 use crate::grade::points::Awarded;
 
 impl Exercise {
-    /// Its title, with the section of the notes.
+    /// The title of the exercise, with the section of the notes.
     pub fn headline(&self) -> String {
         let section =
             if self.section.is_empty() { String::new() } else { format!(" (section {})", self.section) };

@@ -18,7 +18,7 @@ pub struct Measures {
 /// A collision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hit {
-    /// When, in simulated seconds.
+    /// The instant, in simulated seconds.
     pub at_s: f64,
     /// The robot.
     pub robot: String,
@@ -45,7 +45,7 @@ pub(crate) struct Watch {
     last_ns: u64,
     turned_rad: f64,
     farthest_m: f64,
-    /// Of the ticks so far, in nanoseconds.
+    /// The time of the ticks so far, in nanoseconds.
     standing_ns: u64,
     standing_since_ns: u64,
     saturated_ns: u64,

@@ -37,33 +37,33 @@ pub(crate) struct Contents {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     pub(crate) run: u64,
-    /// Where the line begins.
+    /// The place in the file at which the line begins.
     pub(crate) start: u64,
-    /// Its number, from 1.
+    /// The number of the entry, from 1.
     pub(crate) line: u64,
-    /// Its checksum: equal lines of equal experiments have equal ones.
+    /// The entry's checksum: equal lines of equal experiments have equal ones.
     pub(crate) sum: u64,
 }
 
 /// The reason why a journal is read, which decides what becomes of damage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// Its runs are continued, in the same file.
+    /// The journal's runs are continued, in the same file.
     Resume,
-    /// Its rows are put with those of others.
+    /// The journal's rows are put with those of others.
     Merge,
 }
 
 /// The reason why a journal has no part in an experiment.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Refusal {
-    /// It could not be read.
+    /// The file could not be read.
     #[error(transparent)]
     Unreadable(#[from] io::Error),
-    /// It is no journal, or one of which nothing is sound.
+    /// The file is no journal, or one in which nothing is sound.
     #[error("is not the journal of an experiment, or is damaged throughout")]
     Foreign,
-    /// It is of other runs.
+    /// The journal is of other runs.
     #[error(
         "belongs to another experiment, scenario or version, or to other seeds (`{name}`, {found}… instead of {own}…)"
     )]
@@ -73,7 +73,7 @@ pub(super) enum Refusal {
         "was begun by another build of baudbot, whose runs differ from this one's (`{found}` instead of `{own}`)"
     )]
     OfAnotherBuild { found: String, own: String },
-    /// It is for other runs of this experiment.
+    /// The journal is for other runs of this experiment.
     #[error("is for {}, not for {}", runs_of(*found), runs_of(*own))]
     OfAnotherShard { found: Option<Shard>, own: Option<Shard> },
 }
@@ -126,7 +126,7 @@ impl Purpose {
 }
 
 impl Contents {
-    /// Those of a journal in which there is nothing.
+    /// The contents of a journal without entries.
     pub(super) fn none(path: &Path, header: &Header) -> Self {
         Self {
             path: path.to_owned(),
@@ -141,7 +141,7 @@ impl Contents {
         }
     }
 
-    /// Looks through a journal of the experiment of this header. Damage is told.
+    /// Looks through a journal of the experiment of this header. Damage is reported.
     pub(crate) fn read(
         path: &Path,
         header: &Header,
@@ -222,7 +222,7 @@ impl Contents {
     fn take(&mut self, line: &[u8], number: u64, runs: u64, purpose: Purpose) {
         let row = self.seal.row(line).filter(|(row, _)| row.run < runs);
         match &row {
-            // Without a header the file cannot stay as it is.
+            // The file cannot stay as it is without a header.
             _ if number == 1 => self.damage.push(format!("line 1 is damaged; {}", purpose.of_header())),
             None => self.damage.push(format!("line {number} is damaged; {}", purpose.of_row())),
             Some(_) => {}

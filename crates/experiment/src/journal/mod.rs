@@ -1,9 +1,9 @@
 //! The journal: a line a run, in the order in which they end, written at once. It is all that a sweep needs to resume.
 //!
-//! The first line says which experiment it is of, and each line ends with a checksum (`seal`). `contents` finds which lines are
-//! sound: the runs of all others are done again, after a sweep that was killed as after a disk that forgot a bit. So are runs that
-//! failed: a later line of such a run replaces the earlier one. Lines reach
-//! the disk within a tenth of a second or with the next one, so that a power cut takes a few of the last runs at most.
+//! The first line identifies the experiment, and each line ends with a checksum (`seal`). `contents` finds which lines
+//! are sound: the runs of all others are done again, after a sweep that was killed as after a disk that forgot a bit.
+//! So are runs that failed: a later line of such a run replaces the earlier one. Lines reach the disk within a tenth of
+//! a second or with the next one, so that a power cut takes a few of the last runs at most.
 
 mod contents;
 mod seal;
@@ -37,9 +37,9 @@ pub(crate) struct Journal<F = File> {
     rows: Vec<(u64, u64)>,
     /// Runs that failed and are to be done again, in their order.
     failed: Vec<Entry>,
-    /// How many runs failed before.
+    /// The number of runs that failed before.
     repeated: u64,
-    /// When the disk last had all lines.
+    /// The instant at which the disk last had all lines.
     synced: Option<Instant>,
     is_synced: bool,
 }
@@ -50,10 +50,10 @@ pub(crate) struct Header {
     /// Name of the experiment.
     sweep: String,
     fingerprint: String,
-    /// What the build of the program that did the runs says of itself.
+    /// The description of the build of the program that did the runs.
     build: String,
     runs: u64,
-    /// Which of the runs this journal is for, if not for all.
+    /// The shard of the runs that this journal is for, if it is not for all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shard: Option<Shard>,
     figures: Vec<String>,
@@ -70,7 +70,7 @@ impl Header {
         Self { shard, ..self }
     }
 
-    /// What checks the lines of rows below this header.
+    /// The seal of the lines of rows below this header.
     fn seal(&self) -> Seal {
         Seal::new(format!("{} {}", self.fingerprint, self.build))
     }
@@ -123,7 +123,7 @@ impl Journal {
         self.repeated = 0;
     }
 
-    /// When the first of its lines was written, as far as the file system knows.
+    /// The instant at which the first of its lines was written, as far as the file system knows.
     pub(crate) fn begun(&self) -> Option<SystemTime> {
         let metadata = fs::metadata(&self.path).ok()?;
         // A copy is younger than its lines.
@@ -188,7 +188,7 @@ impl<F: Stored> Journal<F> {
         Ok(())
     }
 
-    /// Where a run's line is that says the same: one that fails again and again needs no other.
+    /// The run's line with the same failure: a run that fails again and again needs no other.
     fn same_failure(&self, run: u64, line: &[u8]) -> Option<u64> {
         let place = self.failed.binary_search_by_key(&run, |row| row.run).ok()?;
         let (before, (_, sum)) = (&self.failed[place], self.seal.open(line)?);

@@ -1,4 +1,4 @@
-//! The checksum at the end of each line: a CRC-64 of what the line says, and of what the journal is of. So no line of
+//! The checksum at the end of each line: a CRC-64 of the line, and of the identity of the journal. So no line of
 //! another journal passes for one of this.
 
 use std::io;
@@ -8,15 +8,15 @@ use serde::Serialize;
 
 use crate::run_record::{Row, Written};
 
-/// What the lines of a journal are checked with.
+/// The checksums of a journal's lines.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Seal {
-    /// What each checksum begins with.
+    /// The text with which each checksum begins.
     of: String,
 }
 
 impl Seal {
-    /// For lines of a journal of this.
+    /// A `Seal` for lines of a journal of this.
     pub(super) fn new(of: String) -> Self {
         Self { of }
     }
@@ -55,7 +55,7 @@ impl Seal {
 
 const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
 
-/// What stands before and behind the digits.
+/// The text before and behind the digits.
 const BEFORE: &str = ",\"crc64\":\"";
 const BEHIND: &str = "\"}\n";
 const DIGITS: usize = 16;

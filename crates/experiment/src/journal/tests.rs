@@ -83,7 +83,7 @@ fn a_journal_that_is_cut_anywhere_has_the_rows_before_the_cut_and_tells_of_the_t
         let is_torn = len > first && bytes[len - 1] != b'\n';
         assert_eq!(damage.len(), usize::from(is_torn), "{len} bytes: {damage:?}");
         assert!(damage.iter().all(|damage| damage.ends_with(" is incomplete; its run is repeated")));
-        // From its other end the header is gone.
+        // The header is gone from its other end.
         let from = read(&bytes[len..]);
         let last = lines()[5].len();
         match from {
@@ -163,7 +163,7 @@ fn a_damaged_journal_is_mended_in_its_place_and_told_of_once() {
     again.keep_failed();
     assert_eq!(again.rows().unwrap().map(Result::unwrap).collect::<Vec<_>>(), [0, 1, 2, 3, 4].map(row));
     assert!(!path.with_extension("mended").exists());
-    // What is damaged after that is no row of a table either.
+    // The damaged line after that is no row of a table either.
     let mut bytes = fs::read(&path).unwrap();
     *bytes.last_mut().unwrap() = b' ';
     fs::write(&path, bytes).unwrap();
@@ -224,7 +224,7 @@ fn a_journal_in_which_every_run_failed_is_begun_anew_and_a_damaged_one_keeps_its
 struct Full {
     bytes: Vec<u8>,
     room: usize,
-    /// How many bytes there were at each sync.
+    /// The number of bytes at each sync.
     syncs: RefCell<Vec<usize>>,
 }
 
@@ -263,7 +263,7 @@ fn on_a_full_disk_whole_rows_stay_and_the_error_names_the_file() {
     assert_eq!(text.lines().count() as u64, run);
     assert!(run > 0 && text.ends_with("}\n"), "{text}");
     assert_eq!(journal.runs(), (0..run).collect::<Vec<_>>());
-    // With room again it goes on where it was.
+    // The journal goes on where it was once there is room again.
     journal.file.room = 1000;
     journal.append(&row(run)).unwrap();
     assert_eq!(journal.file.bytes.len() as u64, journal.len);

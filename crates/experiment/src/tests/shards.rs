@@ -6,7 +6,8 @@ use std::fs;
 use super::*;
 use crate::{Merged, Missing, Shard, merge};
 
-/// What a sweep leaves in its folder, but for what differs from sweep to sweep: the order of the journal's lines, and the lock.
+/// The files of a sweep in its folder, but for the differences from sweep to sweep: the order of the journal's lines,
+/// and the lock.
 fn outputs(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
     let mut all: BTreeMap<_, _> = entries
@@ -75,7 +76,7 @@ fn shards_make_what_one_machine_makes_byte_for_byte_also_if_some_have_nothing_to
         assert_eq!(merged.summary.json(&experiment), expected.summary.json(&experiment));
         assert_eq!((merged.total, merged.done, merged.interrupted), (36, 36, false));
         assert_same(&alone, &out);
-        // It is the folder of a sweep that is over.
+        // The folder is that of a sweep that is over.
         assert_eq!(run(&experiment, &out).unwrap().resumed, 24);
         assert_same(&alone, &out);
     }
@@ -99,7 +100,7 @@ fn a_shard_that_was_stopped_and_torn_goes_on_and_its_folder_takes_no_other() {
     let mut bytes = fs::read(&journal).unwrap();
     bytes.truncate(bytes.len() - 7);
     fs::write(&journal, &bytes).unwrap();
-    // The merge reads it as it is, and says who has to go on.
+    // The merge reads it as it is, and names the shard that has to go on.
     let lacks = missing(&experiment, std::slice::from_ref(&shards), &out);
     assert_eq!((lacks.runs, lacks.total, lacks.shards.len()), (13 - stopped.done, 36, 1));
     assert_eq!((lacks.shards[0].shard, lacks.shards[0].runs), (shard("1/3"), lacks.runs));
@@ -131,7 +132,7 @@ fn what_is_missing_is_named_by_shard_and_run() {
     let runs: Vec<_> = shard("2/4").unwrap().runs(36).collect();
     assert_eq!((lack.shard, lack.runs, &*lack.first), (shard("2/4"), 9, &runs[..3]));
     assert_eq!(lack.folder, Some(shards.join("2-of-4")));
-    // Without shards it is the sweep that has to go on; of parts, whoever did them, all that counts is that all are there.
+    // A sweep without shards has to go on itself; all that counts for parts is that none of them is missing.
     let begun = folder("begun");
     run_until(&experiment, &begun, 5).unwrap();
     let lacks = missing(&experiment, std::slice::from_ref(&begun), &out);
@@ -167,7 +168,7 @@ fn journals_that_do_not_belong_together_are_refused_with_the_reason() {
     run_shard(&other, "0/9", &foreign);
     let refused = || refused_merge(&experiment, std::slice::from_ref(&shards), &out);
     assert!(refused().contains("foreign/rows.jsonl belongs to another experiment"), "{}", refused());
-    // Of another build.
+    // The journal is of another build.
     fs::remove_dir_all(&foreign).unwrap();
     fs::create_dir(&foreign).unwrap();
     let of_build = |build: String| Header::new("test", fingerprint(&experiment), build, 36);
@@ -257,7 +258,7 @@ fn damage_is_told_and_counts_as_missing() {
     let sources = [shards];
     let merged = merge(&experiment, &sources, &Options { tell: &tell, ..options(&out) }).unwrap();
     let Merged::Missing(lacks) = merged else { panic!("{merged:?}") };
-    // Whose journal it is, is unknown; not so whose run it was.
+    // The journal's shard is unknown; the run's is not.
     assert_eq!((lacks.runs, lacks.shards[0].shard), (1, shard("0/2")));
     let told = told.into_inner().unwrap();
     assert!(

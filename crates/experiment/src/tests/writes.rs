@@ -1,4 +1,4 @@
-//! When each brain of the catalogue writes, held against what it says of itself.
+//! The writes of each brain of the catalogue, compared with its statement.
 
 use baudbot_brains::catalogue::catalogue;
 use baudbot_sim::Scenario;
@@ -55,7 +55,7 @@ fn scenario(cable: &str) -> Scenario {
     baudbot_scenario::parse(&toml).unwrap_or_else(|error| panic!("{error}\n{toml}"))
 }
 
-/// How far a brain writes otherwise than it says; `stated` says it in its place.
+/// The writes of a brain beyond its statement; `stated` takes the place of that.
 fn exceptions(brain: &str, cable: &str, stated: Option<Writes>) -> Exceptions {
     let assignment = Assignment { brain: brain.to_owned(), robots: vec!["r".to_owned()] };
     let assigned = Assigned { brains: vec![assignment.clone()], programs: Vec::new() };

@@ -1,4 +1,4 @@
-//! A candidate: numbers for all fields, and what came of its runs.
+//! A candidate: numbers for all fields, and the results of its runs.
 
 use crate::experiment::Experiment;
 use crate::factor::{Level, Range};
@@ -10,13 +10,13 @@ use crate::statistics::Sample;
 /// A set of numbers that was tried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// Its number; 0 is the untuned brain.
+    /// The candidate's number; 0 is the untuned brain.
     pub number: u64,
     /// The generation that it is of, from 1; 0 is the untuned brain.
     pub generation: usize,
     /// The numbers, in the order of the fields; none for the untuned brain.
     pub values: Vec<f64>,
-    /// Its result.
+    /// The candidate's result.
     pub outcome: Outcome,
 }
 
@@ -27,7 +27,7 @@ pub struct Outcome {
     pub scores: Sample,
     /// Runs that succeeded, if anything counts as success.
     pub succeeded: u64,
-    /// Runs.
+    /// The number of runs.
     pub runs: u64,
     /// The reason why a run failed, or had no score.
     pub error: Option<String>,

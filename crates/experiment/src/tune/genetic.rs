@@ -35,7 +35,7 @@ struct Individual {
 struct Chance(Xoshiro256PlusPlus);
 
 impl Chance {
-    /// From 0 to 1, and never 1.
+    /// A number from 0 to 1, and never 1.
     fn share(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -67,7 +67,7 @@ impl Chance {
 /// Individuals of a tournament.
 const TOURNAMENT: usize = 3;
 
-/// With which probability the best of those that are left wins it.
+/// The probability with which the best of those that are left wins.
 const WINS: f64 = 0.8;
 
 /// The distance beyond its parents at which a child may be, as a fraction of theirs.

@@ -15,14 +15,14 @@ struct Pages {
 }
 
 impl Ledger {
-    /// With the costs of all earlier generations.
+    /// A `Ledger` with the costs of all earlier generations.
     pub(super) fn new(past: &[Vec<f64>]) -> Self {
         let known = past.concat();
         Self(Arc::new(Mutex::new(Pages { known, read: 0, asked: Vec::new() })))
     }
 
-    /// The cost of the next point. Of one that is new nothing is known, and what it is told does not matter: the optimizer is
-    /// run no further than the end of that generation.
+    /// The cost of the next point. The cost of a new one is unknown, and the number for it does not matter: the
+    /// optimizer is run no further than the end of that generation.
     pub(super) fn cost(&self, point: &[f64]) -> f64 {
         let mut pages = self.pages();
         let place = pages.read;
@@ -40,7 +40,7 @@ impl Ledger {
     }
 
     fn pages(&self) -> MutexGuard<'_, Pages> {
-        // It is never left in a state that makes no sense.
+        // The ledger is never left in an invalid state.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -3,9 +3,9 @@
 //! `plan` is what the file says of it, thought through; `optimizers` ask for candidates, generation by generation, and
 //! `candidate` is one with what came of it. [`tune()`] runs them on all cores. `outcome` is what came of it all.
 //!
-//! Runs are numbered: each candidate has a block of numbers, for the seeds of the search and those of the check at the end. So
-//! the journal of a sweep is that of a tuning, too; and as an optimizer does the same whenever it is told the same, a tuning
-//! that was killed goes on where it was. One that is over goes on if it is given more generations.
+//! Runs are numbered: each candidate has a block of numbers, for the seeds of the search and those of the check at the
+//! end. So the journal of a sweep is that of a tuning, too; and as an optimizer does the same for the same costs, a
+//! tuning that was killed goes on where it was. One that is over goes on if it is given more generations.
 
 mod candidate;
 mod course;
@@ -40,12 +40,13 @@ use crate::sweep::{self, Options};
 use candidate::number_at;
 use plan::Plan;
 
-/// Looks for the numbers of an experiment's fields that make its goal largest, and writes what came of it. Each field has a
+/// Looks for the numbers of an experiment's fields that make its goal largest, and writes the results. Each field has a
 /// range; the experiment without any of them is the untuned one, against which the result is held.
 ///
 /// # Errors
-/// If the experiment makes no sense, or has no `[tune]`; if it is to be a shard; if the folder is another's, the tuning is long and not confirmed, no
-/// candidate can be run, a file cannot be written or the server fails. What was run is in the journal.
+/// If the experiment is invalid, or has no `[tune]`; if it is to be a shard; if the folder is another's, the tuning is
+/// long and not confirmed, no candidate can be run, a file cannot be written or the server fails. What was run is in
+/// the journal.
 pub fn tune(experiment: &Experiment, options: &Options<'_>) -> Result<Tuned, Error> {
     if options.shard.is_some() {
         return Err(Error::Refused(NO_SHARDS.to_owned()));
@@ -168,7 +169,7 @@ impl Tuner<'_> {
         Ok(())
     }
 
-    /// Does those runs that are missing. Says how long they took, one after the other, and how many they were.
+    /// Does those runs that are missing. Returns how long they took, one after the other, and how many they were.
     fn run(&mut self, tasks: Vec<Task>) -> Result<(Duration, u64), Error> {
         let missing: Vec<_> = tasks.into_iter().filter(|task| !self.rows.contains_key(&task.run)).collect();
         let (mut time, mut count) = (Duration::ZERO, 0);
@@ -188,7 +189,7 @@ impl Tuner<'_> {
         worked.and(synced).map(|()| (time, count))
     }
 
-    /// A candidate with what came of it; `None` if not all of its runs are done.
+    /// A candidate with its results; `None` if not all of its runs are done.
     fn judged(&self, candidate: Candidate, is_check: bool) -> Option<Candidate> {
         let runs = self.plan.tasks(&candidate, is_check).into_iter().map(|task| task.run);
         let rows = runs.map(|run| self.rows.get(&run)).collect::<Option<Vec<_>>>()?;

@@ -1,7 +1,7 @@
 //! Optimizers, each as a function of what was found so far: two of well-kept crates, and the one of `genetic`.
 //!
-//! An optimizer with a seed does the same whenever it is told the same. So it needs no state of its own here: to go on it is
-//! run from its beginning. That makes a tuning that was killed go on where it was, from its journal alone, and lets the
+//! An optimizer with a seed does the same for the same costs. So it needs no state of its own here: to go on it is run
+//! from its beginning. That makes a tuning that was killed go on where it was, from its journal alone, and lets the
 //! candidates of a generation be run side by side in any order.
 //!
 //! Points are in the unit cube: each coordinate is how much of its field's range lies below. Costs are to be made small.
@@ -28,7 +28,7 @@ impl Course {
     /// The points of the generation after those whose costs are given; `None` if the optimizer has found what it can.
     ///
     /// # Errors
-    /// What the optimizer says.
+    /// The optimizer's error.
     pub(super) fn generation(&self, past: &[Vec<f64>]) -> Result<Option<Vec<Vec<f64>>>, String> {
         let ledger = Ledger::new(past);
         let goes_on = match self.method {
@@ -67,7 +67,7 @@ impl Course {
     }
 }
 
-/// What a crate asks for costs.
+/// The costs for the optimizers of a crate.
 #[derive(Clone, Debug)]
 struct Told(Ledger);
 

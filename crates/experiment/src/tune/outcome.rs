@@ -21,7 +21,7 @@ use crate::outputs::{Content, Folder};
 /// The result of a tuning.
 #[derive(Debug)]
 pub struct Tuned {
-    /// It was stopped before its end: there is a journal, and nothing else.
+    /// The search was stopped before its end: there is a journal, and nothing else.
     pub interrupted: bool,
     /// The optimizer saw no use in more generations.
     pub converged: bool,
@@ -80,7 +80,7 @@ impl Tuned {
         Ok(())
     }
 
-    /// Its report.
+    /// The report of the search.
     pub fn text(&self, experiment: &Experiment) -> String {
         let mut text = String::new();
         let Some(tuning) = &experiment.tuning else { return text };
@@ -115,7 +115,7 @@ impl Tuned {
         text
     }
 
-    /// As an object of JSON.
+    /// The result as an object of JSON.
     pub fn json(&self, experiment: &Experiment) -> Value {
         let outcome = |outcome: &Outcome| {
             json!({
@@ -231,7 +231,7 @@ fn share(field: &Field, value: f64) -> Option<f64> {
     }
 }
 
-/// The brains of a candidate, as `--brain` has them, and its fields of the scenario, as `--set` has them.
+/// The brains of a candidate as arguments of `--brain`, and its fields of the scenario as arguments of `--set`.
 fn options(experiment: &Experiment, best: &Candidate) -> String {
     let Settings { brains, parameters, sets } = settings(experiment, best);
     let option = |name: &'static str| move |text: &String| format!("{name} {}", quoted(text));
@@ -239,7 +239,7 @@ fn options(experiment: &Experiment, best: &Candidate) -> String {
     brains.chain(sets.iter().map(option("--set"))).collect::<Vec<_>>().join(" ")
 }
 
-/// As a word of a shell, in quotes.
+/// The text as a word of a shell, in quotes.
 fn quoted(text: &str) -> String {
     format!("'{}'", text.replace('\'', r"'\''"))
 }
@@ -248,7 +248,7 @@ fn quoted(text: &str) -> String {
 #[derive(Default)]
 struct Settings {
     brains: Vec<String>,
-    /// Of programs.
+    /// The parameters of programs.
     parameters: Vec<String>,
     sets: Vec<String>,
 }

@@ -17,7 +17,7 @@ pub(super) struct Plan<'a> {
     pub(super) tuning: &'a Tuning,
     pub(super) course: Course,
     pub(super) ranges: Vec<Range>,
-    /// So many runs there are at most; each candidate has numbers for those of a check, too.
+    /// The most runs that there are; each candidate has numbers for those of a check, too.
     pub(super) most_runs: u64,
 }
 

@@ -19,7 +19,7 @@ preset = "khepera-1"
 link = { kind = "uart", baud = 38400 }
 "#;
 
-/// How far does a robot come in a second that does not run into a wall?
+/// The distance that a robot drives in a second without a wall.
 const STRAIGHT: &str = r#"
 scenario = "room.toml"
 brain = "constant:left=0.1"

@@ -11,7 +11,7 @@ use super::{ExperimentError, lab};
 pub struct Discharge {
     /// The preset of the battery.
     pub preset: String,
-    /// Its nominal capacity here, in mAh.
+    /// The battery's nominal capacity here, in mAh.
     pub capacity_mah: f64,
     /// Number of cells in series.
     pub cells: f64,

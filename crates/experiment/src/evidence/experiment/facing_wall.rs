@@ -1,4 +1,4 @@
-//! A sensor before a white wall, as close as the points say.
+//! A sensor before a white wall, at the distances of the points.
 
 use baudbot_sim::World;
 use serde::Deserialize;
@@ -59,5 +59,5 @@ impl FacingWall {
     }
 }
 
-/// When every sensor has read what is before it.
+/// The time after which every sensor has read what is before it, in seconds.
 const SETTLED_S: f64 = 0.2;

@@ -12,7 +12,7 @@ use crate::evidence::sample::Sample;
 pub struct AtRest {
     /// The preset of the receiver.
     pub preset: String,
-    /// For how long, in seconds.
+    /// The duration, in seconds.
     pub seconds: f64,
     /// Number of receivers.
     pub specimens: u64,
@@ -47,5 +47,5 @@ impl AtRest {
     }
 }
 
-/// Of latitude.
+/// The length of a degree of latitude, in metres.
 const METRES_PER_DEGREE: f64 = 111_194.9;

@@ -8,7 +8,7 @@ use baudbot_run::{BareWorld, LockstepWorld};
 use baudbot_scenario::ScenarioError;
 use baudbot_sim::{Scenario, Turn, World};
 
-/// A robot whose body matters to nobody: a disc of 50 mm.
+/// A robot whose body does not matter: a disc of 50 mm.
 pub(super) const DISC: &str =
     "body = { radius_m = 0.05, mass_kg = 10.0, inertia_kg_m2 = 1.0, wheel_radius_m = 0.1 }";
 
@@ -18,7 +18,7 @@ pub(super) fn specimens(toml: &str, n: u64) -> Result<impl Iterator<Item = World
     Ok((1..=n).map(move |seed| World::new(Arc::new(Scenario { seed, ..scenario.clone() }))))
 }
 
-/// Its radius, in metres.
+/// The robot's radius, in metres.
 pub(super) const RIM_M: f64 = 0.05;
 
 /// A tick in which no brain does anything.

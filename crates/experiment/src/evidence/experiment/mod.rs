@@ -39,7 +39,7 @@ pub enum Experiment {
     TurnStep(TurnStep),
     /// A robot drives from a standstill with the commands that the points have.
     Speed(Speed),
-    /// A stepper motor is told to do as many steps a second as the points have.
+    /// A stepper motor is commanded to the rates of the points, in steps a second.
     StepRate(StepRate),
     /// A robot's sensors are read.
     Sampling(Sampling),

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use super::{ExperimentError, lab};
 use crate::evidence::at::At;
 
-/// A robot that is told to turn on the spot.
+/// A robot that is commanded to turn on the spot.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TurnStep {
@@ -22,12 +22,12 @@ pub struct TurnStep {
     pub specimens: u64,
 }
 
-/// When a turn is looked at.
+/// The instants of a turn that are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Instant {
-    /// It has begun: 2 % of the final rate.
+    /// The turn has begun: 2 % of the final rate.
     Begin,
-    /// It has 1 − 1/e of the final rate.
+    /// The turn has 1 − 1/e of the final rate.
     TimeConstant,
 }
 
@@ -52,7 +52,7 @@ pub struct StepRate {
 }
 
 impl TurnStep {
-    /// Times from when the command is written until the robot does what `name` says, in milliseconds.
+    /// Times from the write of the command until the robot reaches the instant `name`, in milliseconds.
     pub(super) fn run(&self, name: &str) -> Result<Vec<f64>, ExperimentError> {
         let share = match instant(name)? {
             Instant::Begin => 0.02,
@@ -101,7 +101,7 @@ impl Speed {
 }
 
 impl StepRate {
-    /// Steps a second of a wheel that was told to do so many.
+    /// Steps a second of a wheel at this commanded rate.
     pub(super) fn run(&self, rate: f64) -> Result<Vec<f64>, ExperimentError> {
         let mut rates = Vec::new();
         for world in lab::specimens(&empty(&self.preset, 10.0), 1)? {

@@ -1,4 +1,4 @@
-//! When the sensors of a robot are read.
+//! The times at which the sensors of a robot are read.
 
 use baudbot_sim::World;
 use serde::Deserialize;

@@ -1,4 +1,4 @@
-//! The echoes that an ultrasonic sensor hears.
+//! The echoes of an ultrasonic sensor.
 
 use baudbot_geometry::math;
 use baudbot_sim::World;
@@ -31,13 +31,13 @@ pub struct Farthest {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
-    /// Its name.
+    /// The name of the target.
     pub name: String,
-    /// Its form.
+    /// The target's form.
     pub form: Form,
-    /// Its width, in metres.
+    /// The width of the target, in metres.
     pub width_m: f64,
-    /// Its height, in metres: from the sensor as far down as up.
+    /// The height of the target, in metres: from the sensor as far down as up.
     pub height_m: f64,
 }
 
@@ -52,7 +52,8 @@ pub enum Form {
 }
 
 impl Cone {
-    /// The largest angle from the axis, in degrees, at which the board's middle is heard at this distance in metres.
+    /// The largest angle from the axis, in degrees, at which the board's middle gives an echo at this distance in
+    /// metres.
     pub(super) fn run(&self, distance_m: f64) -> Result<Vec<f64>, ExperimentError> {
         let mut widest = 0.0;
         for half_degrees in 0..120 {
@@ -70,7 +71,7 @@ impl Cone {
 }
 
 impl Farthest {
-    /// The largest distance, in metres, at which the target is heard in most readings.
+    /// The largest distance, in metres, at which the target gives an echo in most readings.
     pub(super) fn run(&self, name: &str) -> Result<Vec<f64>, ExperimentError> {
         let Some(target) = self.targets.iter().find(|target| target.name == name) else {
             return Err(ExperimentError::At { expected: "the name of a target", at: At::Name(name.into()) });
@@ -86,7 +87,7 @@ impl Farthest {
     }
 }
 
-/// Whether a sensor hears a target, in more than half of ten readings.
+/// Whether a sensor gets an echo of a target, in more than half of ten readings.
 fn hears(preset: &str, target: &Target, distance_m: f64, off_axis_rad: f64) -> Result<bool, ExperimentError> {
     // The robot stands in the origin with the sensor on its rim, and the sensor looks at the target's middle.
     let toml = format!(
