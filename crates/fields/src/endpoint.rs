@@ -27,7 +27,7 @@ pub enum Endpoint {
 /// A text that is no endpoint.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum BadEndpoint {
-    /// It has no `:`.
+    /// The text has no `:`.
     #[error(
         "`{}` is not a serial port; write pty:NAME, tcp:ADDRESS, rfc2217:ADDRESS or unix:PATH",
         Printable(.text)

@@ -9,7 +9,7 @@ const MAX_CHARACTERS: usize = 64;
 /// Most names that are listed.
 const MAX_NAMES: usize = 4;
 
-/// Those with the name in theirs, or else those with the fewest edits between, if these are at most half of it.
+/// The things with the name in theirs, or else those with the fewest edits between, if these are at most half of it.
 pub fn nearest<T>(name: &str, all: impl Iterator<Item = T>, name_of: impl Fn(&T) -> &str) -> Vec<T> {
     let name: Vec<char> = name.chars().take(MAX_CHARACTERS + 1).map(|c| c.to_ascii_lowercase()).collect();
     if name.len() > MAX_CHARACTERS {

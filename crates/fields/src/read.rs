@@ -1,4 +1,5 @@
-//! From a value of TOML to a type. The reader of the crate `toml` gives its errors as text only; this one keeps the cause.
+//! The way from a value of TOML to a type. The reader of the crate `toml` gives its errors as text only; this one keeps
+//! the cause.
 
 use serde::de::DeserializeOwned;
 use toml::Value;

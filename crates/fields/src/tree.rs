@@ -30,7 +30,7 @@ impl<'de> Deserializer<'de> for Tree {
             Value::String(value) => visitor.visit_string(value),
             Value::Datetime(value) => visitor.visit_string(value.to_string()),
             Value::Array(values) => visitor.visit_seq(Elements::new(values)),
-            // A visitor of a map takes all of it, or says which field is wrong.
+            // A visitor of a map takes all of it, or names the field that is wrong.
             Value::Table(table) => visitor.visit_map(Entries::new(table)),
         }
     }
@@ -45,7 +45,8 @@ impl<'de> Deserializer<'de> for Tree {
         visitor.visit_map(Entries::new(table))
     }
 
-    /// From a table only. Serde would take a list, too, of values in the order in which the program has the fields.
+    /// A struct comes from a table only. Serde would take a list, too, of values in the order in which the program has
+    /// the fields.
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         _: &'static str,

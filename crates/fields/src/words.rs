@@ -78,7 +78,7 @@ fn given(found: &Unexpected<'_>) -> String {
         Unexpected::Str(text) => format!("{text:?}"),
         Unexpected::Seq => "a list".to_owned(),
         Unexpected::Map => "a table".to_owned(),
-        // Of these a reader of TOML gives none but the last.
+        // The last one alone can come from a reader of TOML.
         Unexpected::Char(_)
         | Unexpected::Bytes(_)
         | Unexpected::Unit

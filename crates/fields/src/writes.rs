@@ -1,19 +1,19 @@
-//! When a brain writes commands: what a budget takes for granted of it, and what a run holds it against.
+//! The writing of commands by a brain: the assumption of a budget, with which a run compares it.
 
 use core::fmt;
 use core::num::NonZeroU64;
 use core::str::FromStr;
 
-/// When a brain writes commands to its robot.
+/// The rule for when a brain writes commands to its robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Writes {
-    /// It answers a message with one command, and writes nothing else. A firmware that says nothing until it is asked is
+    /// One command in answer to each message, and nothing else. A firmware that sends nothing until it is asked is
     /// asked once, first.
     #[default]
     OnMessage,
-    /// At most one command in a turn, whether or not a message has come, and none before the last one is off the cable.
+    /// One command in a turn at most, whether or not a message has come, and none before the last one is off the cable.
     WhenFree,
-    /// At most one command in a turn, whether or not a message has come.
+    /// One command in a turn at most, whether or not a message has come.
     EveryTick,
     /// Up to so many commands a second, whether or not a message has come.
     AtMost(Frequency),
@@ -24,7 +24,7 @@ pub enum Writes {
 pub struct Frequency(NonZeroU64);
 
 impl Frequency {
-    /// So many times a second; `None` unless that is from 0.001 to a million.
+    /// A frequency of so many times a second; `None` unless that is from 0.001 to a million.
     pub fn new(per_s: f64) -> Option<Self> {
         let is_known = (LEAST_PER_S..=MOST_PER_S).contains(&per_s);
         NonZeroU64::new((SECOND_NS / per_s) as u64).filter(|_| is_known).map(Self)
@@ -51,7 +51,7 @@ impl Writes {
     }
 }
 
-/// A text that says none of them.
+/// A text that is none of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoWrites;
 
