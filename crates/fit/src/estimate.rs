@@ -1,4 +1,4 @@
-//! The result of a fit: numbers with intervals, or reasons why the log cannot tell them.
+//! The result of a fit: numbers with intervals, or reasons why the log does not determine them.
 
 use std::fmt;
 
@@ -20,14 +20,14 @@ pub struct Finding {
 /// A number, or why there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// The log tells it.
+    /// The log determines the number.
     Estimate(Estimate),
-    /// It does not.
+    /// The log does not determine the number.
     CannotTell(Reason),
 }
 
 impl Outcome {
-    /// With an interval that reaches so much farther, but not below 0.
+    /// The same with an interval that reaches so much farther, but not below 0.
     pub(crate) fn wider(self, by: f64) -> Self {
         match self {
             Self::Estimate(one) => Self::Estimate(Estimate {
@@ -53,7 +53,7 @@ pub struct Estimate {
     pub whole: bool,
 }
 
-/// A reason why a log cannot tell a number.
+/// A reason why a log does not determine a number.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the messages say it")]
 pub enum Reason {
@@ -131,11 +131,11 @@ pub enum Remark {
     Strays { echoes: usize, of: usize },
     /// The jitter behind the boundaries is not uniform.
     Shape,
-    /// Of two numbers that make up for each other one is that of the scenario.
+    /// The scenario's value of one of two numbers that make up for each other.
     Kept { field: &'static str, value: f64, tells: &'static str },
     /// A difference remains between log and model.
     Rest { of: &'static str, rms: f64, unit: &'static str, explained: f64 },
-    /// The curve of a sensor as the log has it, which the scenario may have another one of.
+    /// The curve of a sensor in the log, which may differ from that of the scenario.
     Curve { sensor: String, points: Vec<[f64; 2]> },
     /// The two motions ask for different lags.
     Lags { ahead_ms: f64, turning_ms: f64 },
@@ -277,7 +277,7 @@ fn reaches_end(interval: &Interval, unknown: &Unknown) -> bool {
     interval.open_high || (interval.open_low && unknown.from != 0.0)
 }
 
-/// An interval that is wider than this share of what is tried tells nothing.
+/// An interval that is wider than this fraction of the range that is tried is no result.
 const MOST_SHARE: f64 = 0.5;
 
 /// The same if its ends are so many times apart, of a number that cannot be 0.

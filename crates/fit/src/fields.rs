@@ -1,4 +1,4 @@
-//! The fields of a robot that a log can tell, by their paths below the robot.
+//! The fields of a robot that a log can determine, by their paths below the robot.
 
 use baudbot_sim::link::{Adapter, Link};
 use baudbot_sim::model::RobotModel;
@@ -8,13 +8,13 @@ use baudbot_sim::sensor::{Device, InfraredModel, Sensor};
 /// A field that can be fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
-    /// Of `link.adapter`.
+    /// A field of `link.adapter`.
     Adapter(AdapterField),
-    /// Of the sensor at this place among the robot's.
+    /// A field of the sensor at this place among the robot's.
     Sensor(usize, SensorField),
-    /// Of `motors`.
+    /// A field of `motors`.
     Motors(MotorField),
-    /// Of `body`.
+    /// A field of `body`.
     Body(BodyField),
 }
 
@@ -88,7 +88,7 @@ names! {
     }
 }
 
-/// All fields of a robot that a log can tell.
+/// All fields of a robot that a log can determine.
 pub fn catalogue(robot: &RobotModel) -> Vec<Field> {
     let mut fields: Vec<_> = adapter(&robot.link).iter().copied().map(Field::Adapter).collect();
     for (i, sensor) in robot.sensors.iter().enumerate() {

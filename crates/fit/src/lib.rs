@@ -73,7 +73,7 @@ pub fn readings(robot: &RobotModel) -> Vec<String> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Link,
-    /// Of the kind of sensor that this one is.
+    /// The curve of this kind of sensor.
     Curve(usize),
     Compass(usize),
     Odometer(usize),
@@ -151,7 +151,7 @@ fn link(case: &Case<'_>) -> Fitted {
     }
 }
 
-/// Lost marks and the radius of the wheels make up for each other: where both are wanted, neither is told.
+/// Lost marks and the radius of the wheels make up for each other: where both are wanted, neither is a result.
 fn separate(all: &mut Fitted, wanted: &[Field], robot: &RobotModel) {
     let radius = Field::Body(BodyField::WheelRadius);
     let is_loss = |field: &&Field| matches!(field, Field::Sensor(_, of) if *of == travel::LOSS);

@@ -23,9 +23,9 @@ pub const EDGES: [f64; 3] = [2.995_732, 4.743_865, 6.295_794];
 pub enum Scale {
     /// Evenly.
     Linear,
-    /// By its logarithm. The least value that is tried stands for 0.
+    /// The scale of the logarithm. The least value that is tried stands for 0.
     Log,
-    /// By its logarithm; it cannot be 0.
+    /// The scale of the logarithm, for a number that cannot be 0.
     Positive,
 }
 
@@ -89,7 +89,7 @@ impl Unknown {
 pub struct Best {
     /// The numbers.
     pub values: Vec<f64>,
-    /// Their cost.
+    /// The cost of the numbers.
     pub cost: f64,
 }
 
@@ -168,7 +168,7 @@ impl Search<'_> {
         })
     }
 
-    /// One end of an interval. The rise grows about as the square of the distance, which says where to look next.
+    /// One end of an interval. The rise grows about as the square of the distance, which gives the next guess.
     fn end(&self, best: &Best, (of, sign): (usize, f64), slack: f64) -> Result<End, Best> {
         let start = self.shares(&best.values);
         let limit = if sign < 0.0 { 0.0 } else { 1.0 };
@@ -212,7 +212,7 @@ impl Search<'_> {
         if cost(&b) < cost(&a) { b } else { a }
     }
 
-    /// The least cost with one number held, from a point near it; `best` says how far the others have gone.
+    /// The least cost with one number held, from a point near it; `best` has the others' values.
     fn constrained(&self, best: &[f64], near: &[f64], held: usize, at: f64) -> (Vec<f64>, f64) {
         let mut start = near.to_vec();
         start[held] = at;
@@ -328,7 +328,7 @@ const SMALL_STEP: f64 = 0.001;
 /// First step of a walk, as a share of the range.
 const FIRST_STEP: f64 = 1e-5;
 
-/// By so much a cost may be below the best before it counts as better.
+/// The difference to the best cost below which a cost does not count as better.
 const SLACK: f64 = 0.01;
 
 /// The number of times that a better best is taken.
@@ -336,7 +336,7 @@ const RETRIES: usize = 12;
 
 const MOST_STEPS: usize = 40;
 
-/// Between two distances that differ by less, the end is known.
+/// The difference of two distances below which the end is known.
 const PRECISION: f64 = 0.01;
 
 /// The spread of a simplex's costs at which it stops.

@@ -77,7 +77,7 @@ impl Walk {
         let mut sum = Self { log_half: 0.0, squares: 0.0, count: 0 };
         for (differences, steps) in segments {
             let Some((&first, rest)) = differences.split_first() else { continue };
-            // The constant is unknown: the first difference tells it, with the noise's variance.
+            // The constant is unknown: the first difference determines it, with the noise's variance.
             let (mut level, mut variance) = (first, noise);
             for (&difference, &step) in rest.iter().zip(&steps[1..]) {
                 variance += step;

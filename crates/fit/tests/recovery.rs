@@ -1,4 +1,4 @@
-//! From runs with hidden numbers: each is within its 95 % interval for nine of ten seeds or more.
+//! Fits of runs with hidden numbers: each number is within its 95 % interval for nine of ten seeds or more.
 #![allow(missing_docs, unreachable_pub, reason = "tests")]
 
 mod common;

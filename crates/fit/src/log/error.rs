@@ -108,7 +108,7 @@ pub enum Problem {
     TooMany { most: usize },
 }
 
-/// That so many cells may come from decimal commas.
+/// The hint that so many cells may come from decimal commas.
 fn comma_hint(cells: usize, columns: usize) -> &'static str {
     if cells >= 2 * columns - 1 && columns > 1 {
         "; if its numbers have decimal commas, write decimal points, or separate the cells by `;`"

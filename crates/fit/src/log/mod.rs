@@ -60,15 +60,15 @@ pub struct Note {
 pub struct Column {
     /// The meaning of the numbers.
     pub name: Name,
-    /// Its name in the file.
+    /// The name of the column in the file.
     pub header: String,
-    /// Its place in the file, from 1.
+    /// The place of the column in the file, from 1.
     pub place: usize,
     /// The numbers in SI units, by row; NaN where a cell is empty.
     pub values: Vec<f64>,
 }
 
-/// A column of words that say what a row is of.
+/// A column of words that label the rows.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Labels {
     /// The different words, in the order in which they appear.

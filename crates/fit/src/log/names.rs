@@ -18,11 +18,11 @@ pub enum Name {
 pub enum Quantity {
     /// The time of the row.
     Time,
-    /// When an echo's first byte was sent.
+    /// The instant at which an echo's first byte was sent.
     Sent,
-    /// When the echo had come back.
+    /// The instant at which the echo had come back.
     Received,
-    /// From a sensor to what is before it.
+    /// The distance from a sensor to the object before it.
     Distance,
     /// A sensor's value.
     Value,
@@ -61,7 +61,7 @@ pub enum Dimension {
     Signal,
 }
 
-/// A unit, and how a name says it.
+/// A unit, and its form in a name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
     /// The end of the column's name, without `_`; empty for signals.

@@ -1,4 +1,4 @@
-//! From text to a [`Log`].
+//! The way from text to a [`Log`].
 
 use std::io::BufRead;
 
@@ -10,7 +10,7 @@ use super::{Column, Labels, Log, Note, times};
 /// The options for reading a log.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Of which robot; needed if the log has rows of several.
+    /// The robot's name; needed if the log has rows of several.
     pub robot: Option<String>,
     /// Names for columns that have others in the file: ours, and that of the file.
     pub renamed: Vec<(String, String)>,
@@ -21,10 +21,10 @@ pub struct Options {
 /// Most numbers that are kept: 256 MiB of them.
 const MOST_NUMBERS: usize = 1 << 25;
 
-/// After so many bytes the progress is told.
+/// The number of bytes after which progress is reported.
 const TOLD_BYTES: u64 = 1 << 20;
 
-/// Reads a log; `file` is its name in messages. `progress` is told how many bytes have been read.
+/// Reads a log; `file` is its name in messages. `progress` gets the number of bytes that have been read.
 ///
 /// # Errors
 /// Names line and column of the first cell that cannot be used.
@@ -293,7 +293,7 @@ const MOST_LETTERS: usize = 200;
 /// Notes that are numbers.
 const NUMBERS: [&str; 4] = ["baud", "bytes", "full_scale", "turnaround_us"];
 
-/// Most robots and specimens that are told apart.
+/// Most robots and specimens that are distinguished.
 const MOST_WORDS: usize = 10_000;
 
 impl Labels {

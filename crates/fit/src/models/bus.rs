@@ -119,7 +119,7 @@ impl Bus {
         for pair in self.pieces.windows(2) {
             let at = pair[1].echoes.start.min(received.len() - 1);
             let leap = wrapped(pair[1].phase(received[at]) - pair[0].phase(received[at]));
-            // Over a long gap nobody expects the phase to stay.
+            // The phase is not expected to stay over a long gap.
             if (received[at] - received[at.saturating_sub(1)]) * UNKNOWN_RATE > 0.2 {
                 continue;
             }
@@ -246,7 +246,7 @@ fn coarse_rate(received: &[f64], ranges: &[Range<usize>]) -> f64 {
     let rates = (-steps..=steps).map(|i| i as f64 * step).map(|rate| (agreement(rate), rate));
     let mut best = rates.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((none, 0.0));
     for finer in [0.5, 0.25, 0.12, 0.06].map(|share| share * step) {
-        // Blocks that are too short to tell a rate leave it to their phases.
+        // Blocks that are too short for a rate leave it to their phases.
         let beside = [best.1 - finer, best.1 + finer].map(|rate| rate.clamp(-MOST_RATE, MOST_RATE));
         let beside = beside.map(|rate| (if steps == 0 { 0.0 } else { agreement(rate) }, rate));
         best = beside.into_iter().fold(best, |best, one| if one.0 > best.0 { one } else { best });
@@ -337,7 +337,7 @@ const MOST_RATE: f64 = 3e-4;
 
 const MOST_RATES: i64 = 3000;
 
-/// By so much the drift of clocks may change within a log.
+/// The change of the drift of clocks within a log, at most.
 const UNKNOWN_RATE: f64 = 2e-6;
 
 /// Residues that agree less than this may be anything: a jitter of four fifths of a frame.

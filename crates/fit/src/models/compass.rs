@@ -1,7 +1,8 @@
 //! A compass beside true headings: iron, bias and noise.
 //!
-//! The reading is θ + hard sin(θ + p) + soft sin(2 θ + q) + o + noise, with the specimen's bias o; differences are taken
-//! around the circle. A scenario has no field for the bias of one specimen, only for the spread of all; it is told besides.
+//! The reading is θ + hard sin(θ + p) + soft sin(2 θ + q) + o + noise, with the specimen's bias o; differences are
+//! taken around the circle. A scenario has no field for the bias of one specimen, only for the spread of all; it is
+//! reported besides.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -42,7 +43,7 @@ pub(crate) fn fit(case: &Case<'_>, sensor: usize) -> Fitted {
 
 struct Rows<'a> {
     sensor: &'a Sensor,
-    /// By specimen: true heading, and reading less heading.
+    /// The true heading, and reading less heading, by specimen.
     specimens: Vec<Vec<(f64, f64)>>,
     step: f64,
 }

@@ -10,7 +10,7 @@
 //! 2. The residues are J, what noise the clock has, and strays ([`Residues`]).
 //! 3. Then each echo has a whole number of frames, and [`Frames`] finds timer, extra frames and way down.
 //!
-//! Each step may find that the log does not fit, and then nothing is told.
+//! Each step may find that the log does not fit, and then there is no result.
 //!
 //! *Deviation.* The latency timer is searched in whole frames, and its expiries are taken to be at boundaries, as in the
 //! simulator. The way down is searched up to one frame: a frame more of it is the same as an extra frame.
@@ -34,7 +34,7 @@ pub(crate) struct Echoes {
     pub(crate) bytes: f64,
     /// The time on both wires, and in the robot, in seconds.
     pub(crate) wires_s: f64,
-    /// Their lines in the log.
+    /// The lines of the echoes in the log.
     lines: Vec<u64>,
     /// All stamps are multiples of this, in seconds.
     step_s: f64,
@@ -106,11 +106,11 @@ struct Fit {
     frame_s: f64,
     bus: Bus,
     jitter: Jitter,
-    /// When echoes were sent and received, by the bus and by the log; `None` where the bus is not known.
+    /// The times at which echoes were sent and received, by the bus and by the log; `None` where the bus is not known.
     times: Vec<Option<Times>>,
 }
 
-/// Of one echo, in frames.
+/// The times of one echo, in frames.
 #[derive(Clone, Copy, Debug)]
 struct Times {
     log: f64,
@@ -142,7 +142,7 @@ impl Fit {
         let known = times.iter().flatten().step_by(stride);
         let mut points: Vec<_> = known.map(|times| (times.log, times.received.rem_euclid(1.0))).collect();
         let middle = centred(&mut points);
-        // So fine a cell is a point, of which a difference of two probabilities is all rounding.
+        // A cell as fine as this is a point, as a difference of two probabilities would be all rounding.
         let cell = echoes.step_s / frame_s;
         let cell = if cell > POINT { cell } else { 0.0 };
         let jitter = Residues { points, step: cell, frame_s }.fit()?;
@@ -287,10 +287,10 @@ const LEAST_ECHOES: usize = 50;
 /// Echoes that are looked at one by one.
 const MOST_ECHOES: usize = 2000;
 
-/// Residues that tell the jitter.
+/// The most residues from which the jitter is fitted.
 const MOST_RESIDUES: usize = 3000;
 
-/// Stamps that are a coarser share of a frame tell nothing of it, …
+/// Stamps that are a coarser fraction of a frame do not show it, …
 const COARSEST: f64 = 0.25;
 
 /// … and finer ones are not worth a word.

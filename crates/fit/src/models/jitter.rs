@@ -1,9 +1,10 @@
 //! The jitter behind the boundaries of frames: a uniform part, the clock's noise, and strays.
 //!
-//! A residue is uniform in a width behind the edge, with normal noise, and with a small probability it is anything within the
-//! frame: an echo that was held up. Its likelihood is the probability of the cell of its stamp. Where the uniform number does
-//! not describe the residues (Kolmogorov and Smirnov's distance, or noise that is not small), a width of the same scatter is
-//! told instead, with a wide interval; then nobody knows where behind the boundary the edge is.
+//! A residue is uniform in a width behind the edge, with normal noise, and with a small probability it is anything
+//! within the frame: an echo that was held up. Its likelihood is the probability of the cell of its stamp. Where the
+//! uniform number does not describe the residues (Kolmogorov and Smirnov's distance, or noise that is not small), a
+//! width of the same scatter is the result instead, with a wide interval; then it is unknown where behind the boundary
+//! the edge is.
 
 use super::bus::median;
 use crate::estimate::{Estimate, Outcome, Reason, found};
@@ -18,7 +19,7 @@ pub(super) struct Jitter {
     pub(super) span: f64,
     /// Residues of echoes are from the edge to this.
     pub(super) width: f64,
-    /// By so much they may be farther.
+    /// The tolerance beyond the edges.
     pub(super) margin: f64,
     /// The scenario's number.
     pub(super) outcome: Outcome,
@@ -249,7 +250,7 @@ const MOST_FILLED: f64 = 0.75;
 /// The gain in likelihood over an echo that may come at any time that one must have, as a logarithm.
 const LEAST_GAIN: f64 = 0.25;
 
-/// With more strays there are no frames.
+/// The fraction of strays beyond which there are no frames.
 const MOST_STRAYS: f64 = 0.25;
 
 /// Noise that is a larger share of the width hides the uniform number's edges.

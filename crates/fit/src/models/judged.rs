@@ -15,7 +15,7 @@ pub(super) struct Judged {
 /// Lags that do not agree.
 pub(super) struct Apart {
     pub(super) remark: Remark,
-    /// The two, as the search has them.
+    /// The two lags of the search.
     lags: [f64; 2],
 }
 

@@ -1,4 +1,4 @@
-//! The models: each says how likely a log is for some numbers.
+//! The models: each computes how likely a log is for some numbers.
 
 mod bus;
 mod commands;
@@ -50,7 +50,7 @@ impl Case<'_> {
         Finding { path: field.path(self.robot.model), is_field: true, outcome }
     }
 
-    /// No wanted field can be told, for one reason.
+    /// No wanted field has a result, for one reason.
     pub(crate) fn none(&self, reason: &Reason) -> Vec<Finding> {
         let outcome = || Outcome::CannotTell(reason.clone());
         self.wanted.iter().map(|field| self.finding(*field, outcome())).collect()
@@ -95,7 +95,7 @@ fn merged<const N: usize>(mut fixed: [f64; N], free: &[usize], values: &[f64]) -
     fixed
 }
 
-/// Of numbers to begin with, those that are searched.
+/// The numbers that are searched, of those to begin with.
 fn chosen<const N: usize>(free: &[usize], starts: &[[f64; N]]) -> Vec<Vec<f64>> {
     starts.iter().map(|start| free.iter().map(|i| start[*i]).collect()).collect()
 }

@@ -169,7 +169,7 @@ pub(crate) fn along(x: &[f64], y: &[f64], heading: &[f64]) -> Vec<[f64; 2]> {
 pub(crate) struct Wheels {
     /// The place of the encoders among the robot's sensors.
     pub(crate) sensor: usize,
-    /// Left and right, in radians by the counts of a turn.
+    /// The turns of the left and the right wheel, in radians by the counts of a turn.
     pub(crate) turned_rad: Vec<[f64; 2]>,
     /// A count, in radians.
     pub(crate) count_rad: f64,

@@ -28,14 +28,14 @@ enum Number {
     Lag,
     DeadTime,
     FullSpeed,
-    /// By how much the right motor is faster than the mean.
+    /// The difference of the right motor's speed to the mean.
     Asymmetry,
     HalfTrack,
     /// Variance of the random walk's step in a second over that of the noise, along the way and of the heading.
     Walk(usize),
 }
 
-/// Fits motors, and the half track where only commands tell it.
+/// Fits motors, and the half track where only commands determine it.
 pub(crate) fn fit(case: &Case<'_>) -> Fitted {
     match Motion::of(case) {
         Ok(motion) if !motion.is_driven() => {
@@ -142,7 +142,7 @@ impl<'a> Response<'a> {
         }
     }
 
-    /// From when on the motion is compared: what is not known of the first speeds does not matter then.
+    /// The instant from which on the motion is compared: errors of the first speeds do not matter then.
     pub(super) fn compared_from(&self, segment: &Segment) -> f64 {
         let (Some(first), Some(last)) = (segment.times_s.first(), segment.times_s.last()) else { return 0.0 };
         let settles = last - first > 5.0 * SETTLED_S;
@@ -247,7 +247,7 @@ impl<'a> Response<'a> {
             return Outcome::CannotTell(Reason::Excitation { what: "the command never changes".into() });
         }
         let outcome = found(search, best, (place, names), unit);
-        // The robot obeys at ticks: so much finer a dead time cannot be told.
+        // The robot obeys at ticks: a dead time is no finer than that.
         let half = if number == Number::DeadTime { 0.5 * self.robot.tick_s / unit } else { 0.0 };
         outcome.wider(half)
     }
@@ -315,7 +315,7 @@ impl<'a> Response<'a> {
         starts.into_iter().take(2).map(|(_, start)| start).collect()
     }
 
-    /// The way that was driven over the way that was asked for, as the scenario has it.
+    /// The ratio of the driven way to the commanded one, by the scenario.
     fn speed_ratio(&self) -> f64 {
         let Motors::Velocity(motor) = &self.robot.model.drive.motor else { return 1.0 };
         let (mut driven, mut asked) = (0.0, 0.0);

@@ -14,7 +14,7 @@ pub(crate) struct Spread {
 /// A specimen's most likely deviations, and the cost of having them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Specimen {
-    /// Of the gain, from 1.
+    /// The deviation of the gain, from 1.
     pub(crate) gain: f64,
     pub(crate) offset: f64,
     pub(crate) cost: f64,

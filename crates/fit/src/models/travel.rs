@@ -33,11 +33,11 @@ pub(crate) fn odometer(case: &Case<'_>, sensor: usize) -> Fitted {
 struct Odometry {
     name: String,
     times_s: Vec<f64>,
-    /// Of the way, in m, and of the heading, in rad.
+    /// The differences of the way, in m, and of the heading, in rad.
     differences: [Vec<f64>; 2],
     /// Reads since the row before.
     reads: Vec<f64>,
-    /// By how much the robot has turned since the row before.
+    /// The robot's turns since the row before, in radians.
     turns: Vec<f64>,
     half_track_m: f64,
 }
@@ -348,14 +348,14 @@ impl Case<'_> {
     }
 }
 
-/// The field that says how many marks encoders lose.
+/// The field for the number of marks that encoders lose.
 pub(crate) const LOSS: SensorField = SensorField::Loss;
 
 const POSES: &str = "true poses: columns `x_m`, `y_m` and `heading_rad`";
 
 const LEAST_READS: usize = 30;
 
-/// Wheels that turned less tell nothing.
+/// The least turn of wheels for a result, in radians.
 const LEAST_TURN_RAD: f64 = 1.0;
 
 const LEAST_MARKS: f64 = 200.0;

@@ -43,7 +43,7 @@ pub(super) fn sigma(response: &Response<'_>, values: &[f64]) -> Outcome {
     found(&search, &mut best, (0, &names), 1.0)
 }
 
-/// Of each window and wheel the difference of ways, in m, and (V Δt)² Σ s².
+/// The difference of ways, in m, and (V Δt)² Σ s², of each window and wheel.
 fn windows(response: &Response<'_>, values: &[f64], full_speed_m_s: f64, gain_n_s: f64) -> Vec<(f64, f64)> {
     let drive = response.drive(values);
     let lag_s = drive.mass_kg / (2.0 * drive.forward_gain * gain_n_s);

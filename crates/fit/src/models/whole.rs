@@ -101,7 +101,7 @@ impl Frames {
         }
     }
 
-    /// Echoes that a timer's period can be held against.
+    /// Echoes that can be compared with a timer's period.
     fn usable(&self, period: u32) -> f64 {
         self.placed.iter().filter(|echo| period == 1 || echo.before.is_some()).count() as f64
     }
@@ -113,7 +113,7 @@ impl Frames {
         let explained: f64 = chances.iter().sum();
         let share = ((total - explained + 0.5) / (total + 1.0)).min(0.999);
         let each = chances.iter().map(|chance| -((1.0 - share) * chance + share / OTHERS).ln());
-        // An echo without a boundary before it says nothing, and costs as one that is not explained well.
+        // An echo without a boundary before it has no weight, and costs as one that is not explained well.
         let silent = (self.placed.len() as f64 - total) * OTHERS.ln();
         Explanation { period, extra, down, cost: each.sum::<f64>() + silent, explained }
     }
@@ -123,7 +123,7 @@ impl Frames {
     /// are in the chip.
     fn chance(&self, echo: &Placed, period: u32, down: f64, extra: u32) -> f64 {
         let (period, extra) = (f64::from(period), f64::from(extra));
-        // Without a timer any boundary may be counted from.
+        // The count may begin at any boundary if there is no timer.
         let before = echo.before.unwrap_or(echo.boundary - 1e6);
         let steps = echo.boundary - before;
         let cell = self.cell.max(EXACT);
@@ -302,13 +302,13 @@ const DOWN_STEPS: u32 = 200;
 /// … and parts of a step in which its ends are.
 const FINER: i32 = 20;
 
-/// Another number of extra frames is excluded by no fewer echoes.
+/// The number of echoes by which another number of extra frames must be excluded.
 const LEAST_VOTES: f64 = 5.0;
 
-/// Of the echoes at boundaries an explanation must explain this share.
+/// The least fraction of the echoes at boundaries that an explanation must explain.
 const LEAST_EXPLAINED: f64 = 0.8;
 
-/// A way down that may be anything within this share of a frame is not told.
+/// A way down that may be anything within this fraction of a frame is no result.
 const WIDE: f64 = 0.5;
 
 /// The lead, in frames, that an echo may seem to have.

@@ -68,7 +68,7 @@ fn dead_time_and_lag_are_recovered_from_speeds() {
     recovered(true, 0.05, 20);
 }
 
-/// Of the first 20 seeds the gain is missed in three, of 200 in eight: 20 are too few to tell 17 from 19 here.
+/// The gain is missed in three of the first 20 seeds, in eight of 200: 20 are too few to distinguish 17 from 19 here.
 #[test]
 fn dead_time_and_lag_are_recovered_from_poses() {
     recovered(false, 0.05, 60);

@@ -72,7 +72,7 @@ impl Rows<'_> {
         let free = self.free(case, &fixed);
         let all = |values: &[f64]| merged(fixed, &free, values);
         let cost = |values: &[f64]| self.cost(all(values));
-        // Without normal noise the curve itself moves the edges of the uniform one.
+        // The curve itself moves the edges of the uniform noise if there is no normal noise.
         let has_edges = free.contains(&4)
             && !free.contains(&2)
             && !free.contains(&3)

@@ -47,9 +47,9 @@ pub(crate) fn same_kind(one: &Sensor, other: &Sensor) -> bool {
 /// A sensor that measures a distance by the light that comes back.
 #[derive(Clone, Copy)]
 enum Ranger<'a> {
-    /// Its values are shares of full scale.
+    /// The values are fractions of full scale.
     Reading(&'a Infrared),
-    /// Its values are volts.
+    /// The values are volts.
     Voltage(&'a VoltageRanger),
 }
 
@@ -78,7 +78,7 @@ impl<'a> Ranger<'a> {
         }
     }
 
-    /// Its largest value.
+    /// The largest value.
     fn top(self) -> f64 {
         match self {
             Self::Reading(_) => 1.0,
@@ -99,7 +99,7 @@ struct Rows<'a> {
     ranger: Ranger<'a>,
     /// The distances that there are.
     distances_m: Vec<f64>,
-    /// By specimen: the place of the distance, and the value.
+    /// The place of the distance, and the value, by specimen.
     specimens: Vec<Vec<(usize, f64)>>,
     /// The step of the converter.
     step: f64,
@@ -175,7 +175,7 @@ impl<'a> Rows<'a> {
         Ok(())
     }
 
-    /// The median of the values at each distance, by distance: the curve as the log has it.
+    /// The median of the values at each distance, by distance: the curve of the log.
     fn medians(&self) -> Vec<[f64; 2]> {
         let mut points: Vec<_> = (0..self.distances_m.len())
             .filter_map(|at| {
@@ -225,8 +225,8 @@ fn full_scale(
     Ok((full, if unit == "raw" { 1.0 / full } else { 0.0 }))
 }
 
-/// Fewer rows tell nothing.
+/// The least number of rows for a fit.
 const LEAST_ROWS: usize = 20;
 
-/// Fewer specimens tell no spread.
+/// The least number of specimens for a spread.
 pub(crate) const LEAST_SPECIMENS: usize = 3;

@@ -1,9 +1,9 @@
 //! The noise of an IR sensor that has a table of samples, or of voltages, and the spread of its specimens about that table.
 //!
 //! The table itself stays as it is. A specimen's mean reading at the distance d is S(d) g + o + δ: S is the mean of the
-//! samples, g ~ N(1, σ_g) and o ~ N(0, σ_o) are the specimen's own, and δ ~ N(0, τ) is what neither tells, as of a wall of
-//! another colour than the table's. So a sensor whose curve is not that of the table has no more noise for that: noise is told by
-//! readings at one distance alone, whose unknown mean is integrated over.
+//! samples, g ~ N(1, σ_g) and o ~ N(0, σ_o) are the specimen's own, and δ ~ N(0, τ) is what neither tells, as of a wall
+//! of another colour than the table's. So a sensor whose curve is not that of the table has no more noise for that:
+//! noise is determined by readings at one distance alone, whose unknown mean is integrated over.
 
 use super::super::specimens::{Spread, specimen};
 use super::super::{Case, chosen, merged};
@@ -25,7 +25,7 @@ const FIELDS: [SensorField; 5] = [
 /// The place of τ.
 const DEVIATION: usize = FIELDS.len();
 
-/// The spread of the specimens where these are too few to tell it: each has a curve of its own.
+/// The spread of the specimens where these are too few for a fit: each has a curve of its own.
 const OWN: Spread = Spread { gain: 1.0, offset: 0.3 };
 
 /// The readings of one specimen at one distance.
@@ -87,7 +87,7 @@ impl Group {
 /// Into so many pieces the range of an unknown mean is divided.
 const PIECES: i32 = 16;
 
-/// Fewer readings that repeat another one tell no noise.
+/// The least number of readings that repeat another one for a fit of the noise.
 const LEAST_REPEATS: usize = 10;
 
 impl Rows<'_> {
