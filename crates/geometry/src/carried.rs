@@ -19,7 +19,7 @@ use crate::{angle, math};
 pub struct Carried {
     /// World from robot at the instant from which time is counted.
     pub robot: Pose,
-    /// Its motion, in m/s and rad/s.
+    /// The motion of the body, in m/s and rad/s.
     pub body: Twist,
     /// Robot from turret, of a sensor on one.
     pub turret: Option<Pose>,
@@ -60,7 +60,7 @@ pub struct Bundle<'a> {
     pose: Pose,
     /// No ray starts farther from there, in metres.
     pub(crate) stray_m: f64,
-    /// By no more has the fan turned from there, in radians.
+    /// The most that the fan has turned from there, in radians.
     pub(crate) bent_rad: f64,
     x: [f64; MOST_RAYS],
     y: [f64; MOST_RAYS],
@@ -267,7 +267,7 @@ impl Poses<'_> {
     }
 }
 
-/// So many rays are taken from a robot within a tick, or within a part of it.
+/// The most rays that are taken from a robot within a tick, or within a part of it.
 const MOST_RAYS: usize = 128;
 
 /// A generous bound on the relative rounding errors here.

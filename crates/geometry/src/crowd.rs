@@ -70,7 +70,7 @@ impl Crowd {
         self.list_members();
     }
 
-    /// From how many discs each list has, where it begins; and each disc into its list.
+    /// The begin of each list, from the number of its discs; and each disc into its list.
     fn list_members(&mut self) {
         let mut end = 0;
         for start in &mut self.starts {
@@ -79,7 +79,7 @@ impl Crowd {
         }
         self.members.clear();
         self.members.resize(end as usize, 0);
-        // From behind, so that each list begins where it should when all are in, and its discs ascend.
+        // The discs go from behind, so that each list begins where it should when all are in, and its discs ascend.
         for (i, &list) in self.lists.iter().enumerate().rev() {
             if let Some(start) = self.starts.get_mut(list as usize) {
                 *start -= 1;

@@ -92,7 +92,7 @@ pub fn tanh(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// These bits were written down on x86-64; any other machine must arrive at the same.
+    /// These bits were recorded on x86-64; any other machine must arrive at the same.
     #[test]
     fn bits_are_the_same_on_every_machine() {
         let found = [sin(0.7), cos(0.7), atan2(0.3, -1.9), hypot(0.1, 0.7), ln(0.3), exp(0.3), tanh(0.3)];

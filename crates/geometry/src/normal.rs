@@ -13,7 +13,7 @@ use crate::math;
 use crate::trigonometry::sin_cos_near_0;
 use crate::vectors::{Work, with_vectors};
 
-/// From two uniform deviates in [0, 1) a normal one with mean 0 and standard deviation 1: √(−2 ln(1 − u)) cos(2π v).
+/// A normal deviate with mean 0 and standard deviation 1 from two uniform ones in [0, 1): √(−2 ln(1 − u)) cos(2π v).
 #[must_use]
 pub fn deviate(u: f64, v: f64) -> f64 {
     // 1 - u lies in (0, 1], so the logarithm is finite.
@@ -27,7 +27,7 @@ pub fn deviate(u: f64, v: f64) -> f64 {
 pub struct Lanes([[u64; LANES]; 4]);
 
 impl Lanes {
-    /// As many as there are.
+    /// The number of lanes.
     pub const COUNT: usize = LANES;
 
     /// The four words of each lane's state. No lane may have zeros only.
@@ -156,10 +156,10 @@ fn ln(x: f64) -> f64 {
 
 const SIGN: u64 = 1 << 63;
 
-/// So many generators.
+/// The number of generators.
 const LANES: usize = 8;
 
-/// So many pairs of deviates are computed at once.
+/// The number of pairs of deviates that are computed at once.
 const PAIRS: usize = LANES * ROUNDS;
 
 const ROUNDS: usize = 8;
@@ -171,7 +171,7 @@ mod tests {
 
     use super::*;
 
-    /// One lane: the generator as its authors have it.
+    /// One lane: the generator of its authors.
     struct Lane([u64; 4]);
 
     impl Lane {
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn a_lane_is_the_generator_of_its_authors() {
-        // Their reference implementation, from the state 1, 2, 3, 4.
+        // The expected numbers are those of the reference implementation, from the state 1, 2, 3, 4.
         let expected = [
             5,
             211_106_232_532_999,

@@ -1,4 +1,4 @@
-//! A few rays from one point, each shape held against all of them at once.
+//! A few rays from one point, each shape tried with all of them at once.
 //!
 //! The distances are those of [`Ray::hit_segment`] and [`Ray::hit_circle`] to the last bit: the loops here do the same operations,
 //! for all rays and without branches, so that a compiler can make vectors of them. What is rare is left to those functions.
@@ -23,7 +23,7 @@ pub struct Pencil {
 }
 
 impl Pencil {
-    /// So many rays at most.
+    /// The most rays.
     pub const RAYS: usize = 4;
 
     /// The rays of a sensor at `origin` that looks `forward`, both in the world, in these directions relative to that; others
@@ -90,7 +90,7 @@ impl Pencil {
         }
     }
 
-    /// One more shape, which is hit as `hit` says.
+    /// One more shape, with the function `hit` for its distance on a ray.
     pub fn other(&mut self, hit: impl Fn(&Ray) -> Option<f64>) {
         for ((nearest, cos), sin) in self.distances.iter_mut().zip(self.cos).zip(self.sin) {
             if let Some(distance) = hit(&Ray { origin: self.origin, direction: Direction { cos, sin } })
@@ -103,7 +103,7 @@ impl Pencil {
     }
 }
 
-/// Whether the point may be on the segment, as far as rounding can tell.
+/// Whether the point may be on the segment, up to rounding.
 fn is_close(point: Point, segment: &Segment) -> bool {
     let reach = [point, segment.start, segment.end].iter().map(|point| point.coords.abs().sum()).sum::<f64>();
     let close = CLOSE * reach;

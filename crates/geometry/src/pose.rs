@@ -14,12 +14,12 @@ use crate::{angle, math};
 /// A place in the plane, in metres.
 pub type Point = Point2<f64>;
 
-/// A displacement in the plane, in metres unless said otherwise.
+/// A displacement in the plane, in metres by default.
 pub type Vector = Vector2<f64>;
 
 /// The place and the heading of one frame in another, say of a robot in the world.
 ///
-/// A name such as `world_from_robot` says which: it takes what is known in the robot's frame to the world.
+/// A name such as `world_from_robot` has both: it takes what is known in the robot's frame to the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// The origin of the inner frame, in metres, in the outer one.

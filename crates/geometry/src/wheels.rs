@@ -17,7 +17,7 @@ use crate::pose::{Direction, Pose, Vector};
 pub struct Twist {
     /// Along the heading, in m/s or m.
     pub forward: f64,
-    /// To the left, in rad/s or rad.
+    /// The turn to the left, in rad/s or rad.
     pub turn: f64,
 }
 

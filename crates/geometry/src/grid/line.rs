@@ -169,7 +169,7 @@ fn exact(origin: f64, slope: f64, first: i32, last: i32) -> impl FnMut() -> f64 
     }
 }
 
-/// From which to which distance along a line, in sides of a cell.
+/// The distances from which to which it goes along a line, in sides of a cell.
 struct Part {
     enter: f64,
     leave: f64,

@@ -30,9 +30,9 @@ use crate::pose::{Point, Vector};
 /// A square of the plane by its place in a grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Cell {
-    /// Its place along x.
+    /// The place of the cell along x.
     pub column: i32,
-    /// Its place along y.
+    /// The place of the cell along y.
     pub row: i32,
 }
 
@@ -138,7 +138,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The cells over a box from its lower left corner on; [`Grid::size`] says how many, with a tolerance of [`MARGIN`].
+    /// The cells over a box from its lower left corner on; [`Grid::size`] is their number, with a tolerance of
+    /// [`MARGIN`].
     #[must_use]
     pub fn over(bounds: &Bounds, cell_m: f64) -> Self {
         let (columns, rows) = Self::size(bounds, cell_m, MARGIN);

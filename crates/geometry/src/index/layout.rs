@@ -12,7 +12,8 @@ use crate::math;
 use crate::pose::{Point, Vector};
 use crate::segment::Segment;
 
-/// Square cells, counted row by row from the lower left corner. It is no [`Grid`](crate::grid::Grid), whose module says why.
+/// Square cells, counted row by row from the lower left corner. It is no [`Grid`](crate::grid::Grid), whose module has
+/// the reason.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
     /// The lower left corner of the box around all shapes.

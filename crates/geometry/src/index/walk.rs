@@ -21,7 +21,7 @@ pub(super) struct Walk {
 
 /// One cell on the way.
 pub(super) struct Step {
-    /// Its number.
+    /// The cell's number.
     pub(super) cell: usize,
     /// The distance along the ray, in metres, at which it leaves the cell.
     pub(super) exit: f64,
@@ -105,7 +105,7 @@ impl Axis {
     }
 }
 
-/// From which to which distance along the ray one coordinate is in the grid. The first is not negative.
+/// The distances along the ray between which one coordinate is in the grid. The first is not negative.
 fn inside(origin: f64, slope: f64, size: f64) -> Option<(f64, f64)> {
     if slope == 0.0 {
         return (0.0 <= origin && origin <= size).then_some((0.0, f64::INFINITY));

@@ -9,15 +9,15 @@ use crate::segment::Segment;
 /// A reason why a chain of corners does not bound one region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Defect {
-    /// It has so many corners, and a region has at least three.
+    /// The outline has so many corners, and a region has at least three.
     TooFew(usize),
     /// All its corners are on one line.
     Flat,
-    /// At this corner it turns back and runs along the side that it came by.
+    /// The outline turns back at this corner and runs along the side that it came by.
     FoldsBack(Point),
-    /// It passes this place twice without crossing itself there.
+    /// The outline passes this place twice without crossing itself there.
     Touches(Point),
-    /// These two of its sides cross.
+    /// The outline's sides of these two cross.
     Crosses([Segment; 2]),
 }
 

@@ -25,7 +25,8 @@ pub(super) struct Sides {
 }
 
 impl Cone {
-    /// Of these rays, if any, of the fan of a sensor with this heading, each turned by no more than `bent_rad`.
+    /// A `Cone` of these rays, if any, of the fan of a sensor with this heading, each turned by no more than
+    /// `bent_rad`.
     pub(super) fn of(heading: f64, fan: &Fan, rays: &Range<usize>, bent_rad: f64) -> Self {
         if rays.is_empty() {
             return Self::Wide;

@@ -6,7 +6,7 @@ use crate::pose::Vector;
 use crate::segment::Segment;
 use crate::vectors::Work;
 
-/// Tells which segments rays may meet that start in a disc and end there.
+/// The segments that rays may meet that start in a disc and end there.
 pub(super) struct Look<'a> {
     pub(super) cone: &'a Cone,
     pub(super) around: Circle,
@@ -14,7 +14,7 @@ pub(super) struct Look<'a> {
     pub(super) slack: f64,
     pub(super) stray: f64,
     pub(super) segments: &'a [Segment],
-    /// All bits of each that may be met, as vectors have it.
+    /// All bits of each that may be met, as vectors.
     pub(super) may_meet: &'a mut [u64],
 }
 

@@ -18,7 +18,7 @@ pub(super) enum Relative {
     Circle(Vector, f64),
 }
 
-/// A shape within range that the rays have yet to be held against.
+/// A shape within range that is yet to be tried with the rays.
 #[derive(Clone)]
 pub(super) struct Candidate {
     pub(super) shape: Relative,
@@ -102,7 +102,7 @@ struct Rays<'a, O> {
 
 /// The starts of a fan's rays.
 trait Origins: Copy {
-    /// Those of some of the rays.
+    /// The origins of some of the rays.
     fn part(self, places: Range<usize>) -> Self;
 
     /// One after the other.
@@ -231,8 +231,8 @@ fn meet_circle<O: Origins>(
     }
 }
 
-/// For so few rays vectors are no gain.
+/// The number of rays up to which vectors are no gain.
 const FEW: usize = 8;
 
-/// So many rays have their directions computed at once.
+/// The number of rays whose directions are computed at once.
 const MANY_RAYS: usize = 128;

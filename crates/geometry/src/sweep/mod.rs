@@ -3,7 +3,8 @@
 //! A ray by itself goes through the cells of an [`Index`](crate::Index) and tries what it finds there; the rays of a
 //! fan would find the same shapes again and again. Here it is the other way round: of each shape near the fan the
 //! interval of rays is computed that its two sides enclose, and along these the distances are found one after the
-//! other, in loops without branches that a compiler can make vectors of. Rays far apart from it never hear of a shape.
+//! other, in loops without branches that a compiler can make vectors of. Rays far apart from a shape are never tried
+//! with it.
 //!
 //! The distances are those of [`Ray::hit_segment`] and [`Ray::hit_circle`] to the last bit, and so are those of the
 //! fan's nearest hits. Intervals are computed with angles that are only about right, and with a margin that is
@@ -77,7 +78,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Those of a bundle.
+    /// The sweep of a bundle.
     ///
     /// # Panics
     ///
@@ -95,7 +96,7 @@ impl<'a> Sweep<'a> {
         Circle { center: self.pose.position, radius: self.range + self.stray_m }
     }
 
-    /// Some more segments that may be in the way. Most are far from all rays, which is told of several at once.
+    /// Some more segments that may be in the way. Most are far from all rays, which is decided for several at once.
     pub fn segments(&mut self, segments: &[Segment]) {
         let cone = self.cone();
         let mut may_meet = [0; AT_ONCE];
@@ -135,8 +136,8 @@ impl<'a> Sweep<'a> {
         if !is_near {
             return;
         }
-        // Seen from a point on the segment or next to it, the angles of its ends say little: their error is as large as the
-        // interval that they enclose. So every ray is tried.
+        // Seen from a point on the segment or next to it, the angles of its ends are useless: their error is as large
+        // as the interval that they enclose. So every ray is tried.
         let close = CLOSE * reach + self.stray_m;
         if nearest <= close * close {
             return self.each_ray(0..usize::MAX, |ray| ray.hit_segment(segment));
@@ -174,7 +175,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// One more shape that is inside of this disc, and that is hit as `hit` says.
+    /// One more shape that is inside of this disc, with the function `hit` for its distance on a ray.
     pub fn other(&mut self, around: &Circle, hit: impl Fn(&Ray) -> Option<f64>) {
         let center = around.center - self.pose.position;
         if self.has_few_rays() {
@@ -222,7 +223,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Tries each ray with a shape between two points, with so much around them, unless it is beside all rays: that is
-    /// told much sooner.
+    /// decided much faster.
     fn try_few(&mut self, (a, b, around): (Vector, Vector, f64), hit: impl Fn(&Ray) -> Option<f64>) {
         if !self.is_beside(&a, &b, around) {
             self.each_ray(0..usize::MAX, hit);
@@ -295,8 +296,7 @@ impl<'a> Sweep<'a> {
     fn spans(&self, from: f64, to: f64, around: f64) -> [Range<usize>; 2] {
         let width = wrapped(to - from);
         let around = around + self.bent_rad;
-        // Almost half a turn: which side it is on cannot be told for sure. Nor of what is seen from its end, but
-        // that is narrow.
+        // The side of almost half a turn is uncertain. So it is for a segment seen from its end, but that is narrow.
         let is_told = width.abs() + 2.0 * around <= PI - 10.0 * MARGIN_RAD;
         if !is_told {
             return [self.rays.clone(), 0..0];
@@ -344,8 +344,8 @@ const CLOSE: f64 = 1e-9;
 /// So few rays are tried one by one.
 const FEW_RAYS: usize = 8;
 
-/// So many segments are looked at at once.
+/// The number of segments that are tried at once.
 const AT_ONCE: usize = 64;
 
-/// So many shapes are held against the rays at once.
+/// The number of shapes that are compared with the rays at once.
 const MOST_WAITING: usize = 32;

@@ -86,7 +86,7 @@ pub(crate) fn arena() -> impl Strategy<Value = Arena> {
 /// The choice of a ray once the arena is known.
 #[derive(Clone, Debug)]
 pub(crate) enum Aim {
-    /// From a place, whatever comes.
+    /// A ray from a place, whatever comes.
     Free(Direction),
     /// Exactly at an end of a segment.
     End(prop::sample::Index),

@@ -54,7 +54,7 @@ proptest! {
     ) {
         let index = index(&arena);
         for (near, aim, away) in rays {
-            // At times from well outside of the arena.
+            // The ray starts well outside of the arena at times.
             let ray = arenas::ray(&arena, near * away, &aim);
             let expected = cast_by_trying_all(&arena, &ray, range);
             prop_assert_eq!(bits(index.cast(&ray, range)), bits(expected), "{:?} {:?}", aim, ray);

@@ -1,4 +1,4 @@
-//! A few rays that are held against shapes at once meet what they meet one by one, to the last bit.
+//! A few rays that are tried with shapes at once meet what they meet one by one, to the last bit.
 
 use std::f64::consts::PI;
 
