@@ -42,7 +42,7 @@ fn starts_program(text: &str) -> bool {
     text.lines().any(|line| line.starts_with("exec = ") || (!line.starts_with('#') && line.contains("exec:")))
 }
 
-/// The files below a folder whose names end so, in the order of their paths.
+/// The files below a folder whose names have this extension, in the order of their paths.
 fn collect(folder: &Path, extension: &str, found: &mut Vec<PathBuf>) -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed={}", folder.display());
     for entry in fs::read_dir(folder)? {

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-/// A reason why a scenario could not be completed. The message says where, what and how to fix it, on one line.
+/// A reason why a scenario could not be completed. The message has the place, the problem and the remedy, on one line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// A field that refers to a file, or one beside it, is missing, unknown, of the wrong type, or has a
-    /// value that makes no sense.
+    /// A field that refers to a file, or one beside it, is missing, unknown, of the wrong type, or has a value that is
+    /// invalid.
     #[error("{path}: {problem}")]
     Field {
         /// The path in the scenario, for instance `arena.maps[0].m_per_unit`.
@@ -15,7 +15,7 @@ pub enum ImportError {
         /// The problem.
         problem: String,
     },
-    /// A file cannot be read, or what is in it makes no sense.
+    /// A file cannot be read, or what is in it is invalid.
     #[error("{path}: {file}: {problem}")]
     File {
         /// The path in the scenario, for instance `arena.maps[0].ros`.

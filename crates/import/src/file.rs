@@ -24,7 +24,7 @@ pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, FileError> {
         return Err(too_long(metadata.len()));
     }
     let mut bytes = Vec::new();
-    // It may grow while it is read.
+    // The file may grow while it is read.
     let mut file = File::open(path).map_err(unreadable)?.take(MAX_BYTES + 1);
     file.read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > MAX_BYTES { Err(too_long(bytes.len() as u64)) } else { Ok(bytes) }

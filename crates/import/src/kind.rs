@@ -36,7 +36,7 @@ impl Kind {
         scenario.or_else(experiment).or_else(exercise)
     }
 
-    /// Its name.
+    /// The name of the kind.
     pub fn noun(self) -> &'static str {
         match self {
             Self::Scenario => "scenario",
@@ -46,7 +46,7 @@ impl Kind {
         }
     }
 
-    /// Its name with its article.
+    /// The name of the kind with its article.
     pub(crate) fn one(self) -> String {
         let article = if self.noun().starts_with('e') { "an" } else { "a" };
         format!("{article} {}", self.noun())

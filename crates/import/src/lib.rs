@@ -40,14 +40,14 @@ pub use program::program;
 
 /// Gives back a scenario that refers to no file.
 ///
-/// `text` is a scenario in TOML, and `base` the folder that file names in it are relative to. A text that
-/// refers to no file comes back as it is, and so does one that is no TOML: the parser of scenarios says
-/// where and why. In any other the tables stay in their order.
+/// `text` is a scenario in TOML, and `base` the folder that file names in it are relative to. A text that refers to no
+/// file comes back as it is, and so does one that is no TOML: the parser of scenarios has the place and the reason. In
+/// any other the tables stay in their order.
 pub fn inline<'a>(text: &'a str, base: &Path) -> Result<Cow<'a, str>, ImportError> {
     inline_with_notes(text, base, &mut Vec::new())
 }
 
-/// The same, and adds what there is to say about the files.
+/// The same, with the notes on the files.
 ///
 /// # Errors
 /// As [`inline`].

@@ -9,7 +9,7 @@ pub struct Note {
     pub weight: Weight,
     /// The path in the scenario, for instance `arena.maps[0].unknown`.
     pub path: String,
-    /// The file, as the scenario's folder has it.
+    /// The path of the file from the scenario's folder.
     pub file: String,
     /// The consequence, and what can be done.
     pub text: String,
@@ -18,9 +18,9 @@ pub struct Note {
 /// The importance of a note.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
-    /// It is allowed, and hardly what is wanted.
+    /// The value is allowed, and hardly intended.
     Warning,
-    /// It was asked for, and shows what became of it.
+    /// The value was requested, and the note shows the result.
     Remark,
 }
 

@@ -46,7 +46,8 @@ pub(crate) fn inline(document: &mut DocumentMut, files: Files<'_>) -> Result<boo
 /// The program of a file as what a scenario may have in its place: for `robots.NAME.microcontroller.program`.
 ///
 /// # Errors
-/// A file that cannot be read, or is no program for an ATmega. Whether it fits the part of the robot, the scenario's parser says.
+/// A file that cannot be read, or is no program for an ATmega. Whether it fits the part of the robot is checked by the
+/// scenario's parser.
 pub fn program(path: &Path) -> Result<String, ImportError> {
     let table = table(path).map_err(|error| error.at("program"))?;
     Ok(Value::from(table).to_string())
@@ -66,7 +67,7 @@ fn embedded(name: &str) -> Result<InlineTable, FileError> {
 }
 
 fn table_of(path: &Path, bytes: &[u8]) -> Result<InlineTable, FileError> {
-    // The largest part: what is too much for a smaller one is said where that is known.
+    // The largest part is taken: the check of a smaller one is where that is known.
     let program = Program::parse(Part::Atmega328P, bytes);
     let program = program.map_err(|error| FileError::new(path, error.to_string()))?;
     let mut table = InlineTable::new();

@@ -50,7 +50,7 @@ impl Source {
         Ok(Self { text: inlined(&label, &text, &mut notes)?, label, notes })
     }
 
-    /// As [`find`](Self::find), of a file that another file refers to, which is in `folder`.
+    /// The same as [`find`](Self::find), of a file that another file refers to, which is in `folder`.
     ///
     /// # Errors
     /// As [`find`](Self::find).
@@ -96,7 +96,7 @@ pub fn read(path: &str, wanted: Kind) -> Result<String, SourceError> {
     String::from_utf8(bytes).map_err(|_| unreadable(io::ErrorKind::InvalidData.into()))
 }
 
-/// The error for a text that makes no sense as this kind, if it is of another.
+/// The error for a text that is not valid as this kind, if it is of another.
 pub fn mistaken(name: &str, text: &str, wanted: Kind) -> Option<SourceError> {
     let found = Kind::of_text(text).filter(|found| *found != wanted)?;
     let (is, not, command) = (found.one(), wanted.one(), found.command(name, text));
@@ -141,7 +141,7 @@ fn unreadable(path: &str, wanted: Kind, error: &io::Error) -> String {
     }
 }
 
-/// That a name is one of something else that is built in, and the command for that.
+/// The error that a name is one of another built-in file, and the command for that.
 fn other_built_in(name: &str, wanted: Kind) -> Option<String> {
     let (kind, text) = Kind::built_in(name).filter(|(kind, _)| *kind != wanted)?;
     Some(format!("`{name}` is {}: `{}`", kind.one(), kind.command(name, text)))

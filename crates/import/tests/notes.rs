@@ -4,7 +4,7 @@ use baudbot_import::{Note, Weight};
 
 use crate::common::{Folder, pgm};
 
-/// The notes of a scenario's files, as somebody reads them.
+/// The notes of a scenario's files, in words.
 fn notes(folder: &Folder, scenario: &str) -> Vec<Note> {
     let mut notes = Vec::new();
     baudbot_import::inline_with_notes(scenario, folder.path(), &mut notes).unwrap();
@@ -23,7 +23,7 @@ fn of_map(unknown: &str, lines: &str, samples: &[u8]) -> Vec<String> {
 
 const OCCUPIED: &str = "unknown = \"occupied\"\n";
 
-/// As nav2's map saver writes it: 205 is what it has not seen.
+/// The bytes of nav2's map saver: 205 is an unknown cell.
 const SAVED: [u8; 6] = [0, 254, 205, 205, 205, 254];
 
 #[test]

@@ -194,7 +194,7 @@ fn deep_nesting_and_references_to_oneself_end() {
     let _ = drawing(&format!("<rect id='g0' width='1' height='1'/>{levels}")).inline(SCENARIO);
 }
 
-/// Of each polygon: its first corner, and whether it is solid.
+/// The first corner of each polygon, and whether it is solid.
 fn kinds(found: &[Polygon]) -> Vec<([f64; 2], bool)> {
     found.iter().map(|polygon| (polygon.points[0], polygon.solid)).collect()
 }
@@ -215,7 +215,7 @@ fn what_has_a_hole_becomes_its_outer_and_its_inner_outline() {
     assert_eq!(solid, [false, false, true, true]);
 }
 
-/// Layers as Inkscape has them, classes, and colours by attributes, styles and style sheets.
+/// Layers in Inkscape's form, classes, and colours by attributes, styles and style sheets.
 const LAYERS: &str = "<style>.door { stroke: rgb(0, 128, 0); fill: none }</style>\
     <g id='layer1' inkscape:groupmode='layer' inkscape:label='Walls 1' xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape'>\
       <path id='north' d='M0 0H9' stroke='black'/><g><path d='M0 9H9' style='stroke:#000'/></g></g>\
@@ -339,7 +339,7 @@ fn clip_paths_keep_what_is_inside_and_refuse_what_they_cut() {
         let message = refused(&within(cut));
         assert!(message.contains("the shape `x` is cut by its clip path: cut it in the editor"), "{message}");
     }
-    // Moved together, and by the shape's own size.
+    // The clip is moved together with its group, and scaled by the shape's own size.
     let moved = format!("{clip}<g transform='translate(3 0)'><path clip-path='url(#c)' d='M3 3h1'/></g>");
     assert_eq!(polygons(&moved).len(), 1);
     let own = "<clipPath id='c' clipPathUnits='objectBoundingBox'><rect width='1' height='1'/></clipPath>\

@@ -85,7 +85,7 @@ fn files_that_cannot_be_read() {
 #[test]
 fn a_file_of_more_than_256_mib() {
     let folder = Folder::with(&[("map.yaml", YAML)]);
-    // It has no blocks, only a length.
+    // The file has no blocks, only a length.
     let file = std::fs::File::create(folder.path().join("map.pgm")).unwrap();
     file.set_len((256 << 20) + 1).unwrap();
     assert_says(&folder.refused(SCENARIO), &["map.pgm", "has 268435457 bytes", "the limit is 268435456"]);

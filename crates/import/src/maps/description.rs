@@ -1,4 +1,4 @@
-//! The description of a map in YAML, and what is said of one that makes no sense.
+//! The description of a map in YAML, and the errors of one that is invalid.
 //!
 //! Values are read as loosely as ROS reads them: `negate` may be a number or a word, `mode` in capitals, numbers in quotation marks.
 
@@ -111,7 +111,7 @@ impl Value {
     }
 }
 
-/// As it stands in the file, more or less.
+/// The value as it stands in the file, more or less.
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -133,7 +133,7 @@ impl fmt::Display for Value {
 fn in_words(error: &Error) -> String {
     let line = error.location().map_or_else(String::new, |location| format!("line {}: ", location.line()));
     let problem = match error.without_snippet() {
-        // Those of the scanner are about characters and brackets; ours are ours.
+        // The scanner's errors are about characters and brackets; the others are ours.
         Error::Message { msg, .. } | Error::ExternalMessage { msg, .. } => {
             msg.strip_suffix(&format!(", {EXPECTED}")).map_or_else(|| msg.clone(), |_| EXPECTED.to_owned())
         }

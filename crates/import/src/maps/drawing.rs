@@ -1,7 +1,7 @@
 //! An SVG as elements, and as the tree that `usvg` makes of them.
 //!
-//! Elements that draw or group get an id if they have none, in a copy of the text: the parser keeps ids, and nothing else that
-//! says which element a path is from.
+//! Elements that draw or group get an id if they have none, in a copy of the text: the parser keeps ids, and nothing
+//! else by which the element of a path is known.
 
 use std::collections::{BTreeMap, HashMap};
 use std::str::FromStr;
@@ -24,7 +24,7 @@ pub(crate) struct Elements(HashMap<String, Element>);
 /// An element that draws or groups.
 #[derive(Clone, Default)]
 pub(crate) struct Element {
-    /// Its own id and those of what it is in, innermost first; none that were made here.
+    /// The element's id and those of the groups that it is in, innermost first; none that were made here.
     pub(crate) ids: Vec<String>,
     pub(crate) classes: Vec<String>,
     /// The names of the layers that it is in: groups of Inkscape's with a label, and others with an id.
@@ -176,7 +176,7 @@ fn sound(element: &str, attribute: &str, value: &str) -> Result<(), svgtypes::Er
 /// scale the drawing to it.
 fn rewritten(text: &str, document: &Document<'_>) -> String {
     let root = document.root_element();
-    // By where they begin: how far that reaches, and what comes there.
+    // The changes by their beginnings: how far each reaches, and what comes there.
     let mut changes: BTreeMap<usize, (usize, String)> = BTreeMap::new();
     if root.attribute("viewBox").is_some() {
         let is_size = |name| matches!(name, "width" | "height" | "preserveAspectRatio");

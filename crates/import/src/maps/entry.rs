@@ -59,7 +59,7 @@ impl fmt::Display for Purpose {
 /// The choice of the shapes of a drawing that are walls.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Choice {
-    /// Those that one of these chooses; all if there are none.
+    /// The shapes that one of these selectors chooses; all if there are none.
     pub(crate) only: Vec<Selector>,
     /// But not those that one of these chooses.
     pub(crate) without: Vec<Selector>,

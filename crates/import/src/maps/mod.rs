@@ -45,7 +45,7 @@ pub(crate) fn inline(
 /// The checked entries of the list.
 fn entries(maps: Item) -> Result<Vec<Entry>, ImportError> {
     let Ok(maps) = maps.into_value() else { return Ok(Vec::new()) };
-    // The reader that tells what is wrong in words of TOML reads values without their places in the text.
+    // The reader whose errors are in words of TOML reads values without their places in the text.
     let mut table: toml::Table = toml::from_str(&format!("maps = {maps}")).expect("it is TOML");
     let maps = table.remove("maps").expect("it is there");
     let raw: Vec<Raw> = baudbot_fields::read(maps)

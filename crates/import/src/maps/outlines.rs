@@ -17,15 +17,15 @@ pub(crate) struct Outline {
     pub(crate) closed: bool,
 }
 
-/// From the units of a drawing to metres in the arena.
+/// The transform from the units of a drawing to metres in the arena.
 pub(crate) struct Placement {
     pub(crate) scale: Scale,
     /// The drawing's height, in units: y is down there, and up here.
     pub(crate) height: f64,
 }
 
-/// The outlines of a path, its curves as chords. One that ends where it began is closed, whether it says so
-/// or not.
+/// The outlines of a path, its curves as chords. One that ends where it began is closed, with or without a closing
+/// command.
 pub(crate) fn of_path(path: &usvg::Path, placement: &Placement) -> Result<Vec<Outline>, ShapeError> {
     of_path_at(path, path.abs_transform(), placement)
 }
@@ -166,7 +166,7 @@ impl Pen {
     fn lift(&mut self, is_closed: bool) {
         let Outline { mut points, .. } = std::mem::take(&mut self.current);
         let meets = points.len() > 1 && points.first() == points.last();
-        // There and back again along one line is closed only for those who say so.
+        // A line there and back again is closed only by a closing command.
         let closed = is_closed || (meets && points.len() > 3);
         if meets && closed {
             points.pop();

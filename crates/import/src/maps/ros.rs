@@ -205,13 +205,13 @@ impl Seen {
         }
     }
 
-    /// That no cell is unknown, if so, and where those went that look as if they should be.
+    /// The note that no cell is unknown, if so, with the grey that probably should be.
     fn without_unknown(&self, map: &Map) -> Option<FileNote> {
         if self.has_unknown {
             return None;
         }
         let greys = (1..=LIGHTEST_GREY).filter(|&grey| self.greys[grey] > 0);
-        // Those who save maps write what is unknown in this grey.
+        // The savers of maps write unknown cells in this grey.
         let grey = greys.max_by_key(|&grey| (grey == UNKNOWN_GREY, self.greys[grey]));
         let text = match grey.map(|grey| (grey, self.greys[grey], map.state(Some(grey as f64 / 255.0)))) {
             Some((grey, cells, State::Free)) => format!(

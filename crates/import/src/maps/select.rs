@@ -11,7 +11,7 @@ use super::problem::SelectorError;
 /// One of the things that a shape may be chosen by, such as `layer=Walls` or `stroke=#000000`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Selector {
-    /// As it stands in the scenario.
+    /// The text in the scenario.
     text: String,
     by: By,
 }
@@ -37,7 +37,7 @@ pub(crate) enum Paint {
 /// The traits by which a shape is chosen.
 #[derive(Debug, Default)]
 pub(crate) struct Traits {
-    /// Those of the element, and of all that it is in.
+    /// The layers of the element, and of all groups that it is in.
     pub(crate) layers: BTreeSet<String>,
     pub(crate) ids: BTreeSet<String>,
     pub(crate) classes: BTreeSet<String>,
@@ -111,7 +111,7 @@ impl Selector {
         }
     }
 
-    /// That it chooses none of these shapes, and what there would be to choose by.
+    /// The error that the selector chooses none of these shapes, with the traits that there are.
     pub(crate) fn chooses_nothing(&self, shapes: &[Traits]) -> Option<String> {
         if shapes.iter().any(|shape| self.chooses(shape)) {
             return None;

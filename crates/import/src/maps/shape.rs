@@ -51,7 +51,7 @@ impl Shape {
         other.chain().into_iter().all(|point| polygon::contains(&chain, point) || is_on_edge(point))
     }
 
-    /// As it stands in a scenario.
+    /// The table of the shape in a scenario.
     pub(crate) fn table(&self, name: &str, height_m: Option<f64>) -> Table {
         let mut table = Table::new();
         let points = self.points.iter().map(|&point| Value::from(Array::from_iter(point)));
@@ -77,7 +77,7 @@ pub(crate) const MAX_SHAPES: usize = 100_000;
 /// Positions in a scenario are not further out, in metres.
 pub(crate) const MAX_POSITION: f64 = 1e6;
 
-/// To the next micrometre: short in the text, and rid of rounding errors such as 0.30000000000000004.
+/// The length to the next micrometre: short in the text, and rid of rounding errors such as 0.30000000000000004.
 pub(crate) fn tidy(metres: f64) -> f64 {
     math::round(metres * 1e6) / 1e6 + 0.0 // no -0
 }

@@ -1,10 +1,10 @@
 //! Plans in SVG.
 //!
-//! `usvg` resolves styles, transforms, `use` and units; what it gives back are paths. Only outlines and
-//! whether they are filled matter here: a style sheet of our own takes strokes, markers, masks and the like
-//! out of its hands, so that a shape counts whether it can be seen on paper or not. `display`, `visibility` and an opacity of 0
-//! hide a shape from us, too, and so does a clip path around it. Text and images are passed over. The entry of the scenario may
-//! choose among the shapes; what is left out is told.
+//! `usvg` resolves styles, transforms, `use` and units; what it gives back are paths. Only outlines and whether they
+//! are filled matter here: a style sheet of our own takes strokes, markers, masks and the like out of its hands, so
+//! that a shape counts whether it can be seen on paper or not. `display`, `visibility` and an opacity of 0 hide a shape
+//! from us, too, and so does a clip path around it. Text and images are passed over. The entry of the scenario may
+//! choose among the shapes; a note names what is left out.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -128,7 +128,7 @@ struct FoundPath<'a> {
     path: &'a usvg::Path,
     /// The ids of the groups and references that it is in.
     groups: Vec<&'a str>,
-    /// The paths that clip it, each with the place of the group that has it.
+    /// The paths that clip the shape, each with the place of its group.
     clips: Vec<(&'a usvg::ClipPath, usvg::Transform)>,
 }
 
@@ -308,7 +308,7 @@ fn covers(shapes: &[Shape], i: usize, page_m2: f64) -> bool {
     others.peek().is_some() && others.all(|other| shape.contains(other))
 }
 
-/// Of a page, for a shape that covers it.
+/// The part of a page for a shape that covers it.
 const MOST_OF: f64 = 0.9;
 
 /// Every shape has a stroke, so that none is left out as invisible, and nothing but itself to be drawn.
@@ -319,7 +319,8 @@ const STYLE: &str = "* { stroke: black !important; stroke-width: 1 !important; s
 /// Bytes, of which only those that are used are taken from the machine.
 const STACK: usize = 256 << 20;
 
-/// Of all shapes of a drawing. Whether one crosses itself takes time in proportion to the square of its corners.
+/// The most corners of all shapes of a drawing. The check whether one crosses itself takes time in proportion to the
+/// square of its corners.
 pub(crate) const MAX_CORNERS: usize = 1_000_000;
 
 impl Choice {
