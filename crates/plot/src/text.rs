@@ -12,7 +12,7 @@ pub fn width(text: &str, size: f64) -> f64 {
     size * text.chars().map(of).sum::<f64>()
 }
 
-/// As much of a text as fits into a width, in pixels, with an ellipsis if there was more.
+/// The part of a text that fits into a width, in pixels, with an ellipsis if there was more.
 pub fn shortened(text: &str, size: f64, room: f64) -> String {
     if width(text, size) <= room {
         return text.to_owned();
@@ -27,7 +27,7 @@ pub fn shortened(text: &str, size: f64, room: f64) -> String {
     short + "…"
 }
 
-/// A name that fits into a width, in pixels. It loses its middle, which says less than its ends.
+/// A name that fits into a width, in pixels. It loses its middle, which matters less than its ends.
 pub fn without_middle(name: &str, size: f64, room: f64) -> String {
     if width(name, size) <= room {
         return name.to_owned();

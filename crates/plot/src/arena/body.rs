@@ -38,7 +38,7 @@ pub(super) fn reach(robot: &RobotSpec) -> f64 {
     drive.radius_m.max(wheel)
 }
 
-/// Its outline or its disc.
+/// The robot's outline or its disc.
 pub(super) fn rim_of(view: &View, robot: &RobotSpec) -> Element {
     let pose = &robot.start.pose;
     if robot.outline.is_empty() {

@@ -44,7 +44,7 @@ pub(super) fn definitions(canvas: &mut Canvas, around: &Surroundings) {
 /// Draws the floor of the plan.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
     draw_near(canvas, view, scenario);
-    // Both tell of what is far away, and would be wrong in a smaller window.
+    // Both depend on things that are far away, and would be wrong in a smaller window.
     let around = &scenario.surroundings;
     for (i, field) in around.fields.iter().enumerate() {
         draw_slope(canvas, view, i, field);

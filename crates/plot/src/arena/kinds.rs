@@ -7,9 +7,9 @@ use baudbot_sim::model::RobotSpec;
 pub(super) struct Kind<'a> {
     /// The first of them.
     pub(super) robot: &'a RobotSpec,
-    /// Its place among the scenario's robots.
+    /// The place of the kind among the scenario's robots.
     pub(super) first: usize,
-    /// Their number.
+    /// The number of robots of the kind.
     pub(super) count: usize,
 }
 

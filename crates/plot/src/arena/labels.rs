@@ -85,7 +85,7 @@ impl Labels {
         false
     }
 
-    /// As `put`, with a line from a place to the label, about in a direction and at least so many pixels long.
+    /// The same as `put`, with a line from a place to the label, about in a direction and at least so many pixels long.
     pub(super) fn put_off(&mut self, text: &str, style: Style<'_>, from: Place, way_rad: f64, least: f64) {
         let half = (0.5 * width(text, style.size) + 4.0, 0.5 * style.size + 2.0);
         let turns = [0.0, 0.2, -0.2, 0.4, -0.4, 0.7, -0.7, 1.0, -1.0];

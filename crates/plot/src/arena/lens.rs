@@ -78,7 +78,7 @@ pub(super) fn label_sensors(labels: &mut Labels, view: &View, caster: &RayCaster
         let style = Style { size: 10.5, color: &color, bold: false };
         let off: Place = (place.0 - middle.0, middle.1 - place.1);
         let far = math::hypot(off.0, off.1);
-        // One in the middle is told of where it looks.
+        // A sensor in the middle is labelled by its direction.
         let facing = sensor.device.mount().map(|mount| caster.place(kind.first, mount).heading);
         let way = if far > 0.3 * rim { math::atan2(off.1, off.0) } else { facing.unwrap_or(0.0) };
         labels.put_off(&sensor.name, style, place, way, (rim - far).max(0.0) + 14.0);

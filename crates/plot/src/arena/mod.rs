@@ -322,7 +322,7 @@ const FONT: &str = "system-ui, Helvetica, Arial, sans-serif";
 const SMALL_PX: f64 = 40.0;
 /// More windows than this are no help.
 const MOST_LENSES: usize = 4;
-/// Of more robots than this, rays and mounts are drawn in the windows only.
+/// The number of robots beyond which rays and mounts are drawn in the windows only.
 const CROWD: usize = 50;
 /// More robots than this are not named, but for their titles: only those at the crowd's edge would be.
 const MOST_NAMES: usize = 200;

@@ -19,7 +19,7 @@ use crate::svg::{Canvas, Element, Place, arrow_head, drawn, path, px, rectangle}
 pub struct PoseSearch {
     /// The robot's name.
     pub robot: String,
-    /// Its pose.
+    /// The robot's pose.
     pub truth: Pose,
     /// The pose at which the search began.
     pub guess: Pose,
@@ -209,7 +209,7 @@ fn numbers(view: &View, search: &PoseSearch) -> Canvas {
         labels.keep_disc(view.at(pose.position), 3.2);
     }
     let style = Style { size: 9.0, color: INK, bold: false };
-    // The guess is no. 0, which its mark says.
+    // The guess is no. 0, which is at its mark.
     for (number, pose) in search.best.steps.iter().filter(|(number, _)| *number > 0) {
         let (x, y) = view.at(pose.position);
         let places = [(9.0, -8.0), (-9.0, -8.0), (9.0, 8.0), (-9.0, 8.0), (0.0, -11.0), (0.0, 11.0)];

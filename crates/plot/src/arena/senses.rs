@@ -173,7 +173,7 @@ fn wedge(
     (mount, fan, range_m): (&Mount, &Fan, f64),
 ) -> String {
     let pose = caster.place(robot, mount);
-    // Nobody sees farther than to the window's farthest corner.
+    // The range is cut at the window's farthest corner, as nothing beyond it is drawn.
     let range_m = range_m.min(1.1 * farthest(view, &pose));
     let kappas = fan.kappas();
     let opening = kappas[kappas.len() - 1] - kappas[0];

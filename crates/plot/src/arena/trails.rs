@@ -18,9 +18,9 @@ use crate::text::shortened;
 pub struct Trails {
     /// One for each robot.
     pub robots: Vec<Trail>,
-    /// When they begin.
+    /// The instant at which they begin.
     pub from: SimTime,
-    /// When they end.
+    /// The instant at which they end.
     pub until: SimTime,
     /// The scenario's description, or its changes.
     pub about: String,
@@ -50,7 +50,7 @@ pub struct Trail {
 pub struct Collision {
     /// The robot's position.
     pub at: Point,
-    /// When it happened.
+    /// The instant at which it happened.
     pub time: SimTime,
     /// The obstacle of a collision.
     pub with: String,
@@ -224,17 +224,17 @@ pub(super) fn color(robots: &[RobotSpec], place: usize) -> String {
     }
 }
 
-/// Of letters.
+/// The size of letters, in pixels.
 const SIZE: f64 = 11.0;
-/// From one line to the next.
+/// The distance from one line to the next, in pixels.
 const LINE: f64 = 15.0;
 /// Room for names.
 const NAMES: f64 = 0.42 * WIDTH;
 /// More names than this are no help.
 const MOST_NAMED: usize = 12;
-/// Of more robots than this, lines are thin.
+/// The number of robots beyond which lines are thin.
 const MOST_THICK: usize = 20;
-/// A deviation that nobody sees, in pixels.
+/// A deviation that is too small to see, in pixels.
 const TOLERANCE_PX: f64 = 0.2;
 const RING_PX: f64 = 4.5;
 const CROSS_PX: f64 = 4.5;

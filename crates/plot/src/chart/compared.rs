@@ -24,9 +24,9 @@ pub struct Chart {
 /// A point of both.
 #[derive(Clone, Debug)]
 pub struct Point {
-    /// Its name below the axis.
+    /// The name of the point below the axis.
     pub name: String,
-    /// Its place on the axis; without one for each point they stand side by side.
+    /// The place of the point on the axis; without one for each point they stand side by side.
     pub x: Option<f64>,
     /// The measured value.
     pub measured: Value,

@@ -97,7 +97,7 @@ fn key(canvas: &mut Canvas, frame: &Frame, scale: &Scale, figure: &Figure) {
     );
 }
 
-/// From pale to dark blue: lightness alone tells which is more.
+/// The colours go from pale to dark blue: lightness alone is the value.
 fn color(share: f64) -> String {
     let at = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
     let i = (at as usize).min(STOPS.len() - 2);

@@ -18,7 +18,7 @@ struct Spot {
     x: f64,
     y: f64,
     band: Option<(f64, f64)>,
-    /// Its tooltip.
+    /// The tooltip of the spot.
     words: String,
 }
 

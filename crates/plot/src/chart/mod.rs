@@ -37,18 +37,18 @@ pub struct Chart {
 /// A field that was varied.
 #[derive(Clone, Debug)]
 pub struct Field {
-    /// Its name in sentences.
+    /// The name of the field in sentences.
     pub label: String,
-    /// Its name with its unit.
+    /// The name of the field with its unit.
     pub title: String,
-    /// Its values: their names, and their numbers if they are numbers.
+    /// The field's values: their names, and their numbers if they are numbers.
     pub values: Vec<(String, Option<f64>)>,
 }
 
 /// The quantity that a chart shows.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// Its name.
+    /// The name of the figure.
     pub title: String,
     /// The values that it can have.
     pub range: Range,
@@ -70,7 +70,7 @@ pub enum Range {
 pub struct Point {
     /// The value.
     pub value: f64,
-    /// Its confidence interval.
+    /// The point's confidence interval.
     pub interval: Option<(f64, f64)>,
 }
 

@@ -144,7 +144,7 @@ impl Panel {
 }
 
 impl Line {
-    /// Its pieces in the picture, simplified.
+    /// The line's pieces in the picture, simplified.
     fn pieces(&self, time: &Scale, up: &Scale) -> impl Iterator<Item = Vec<Place>> {
         self.points.split(|(_, value)| !value.is_finite()).map(|piece| {
             let places: Vec<_> =
@@ -182,7 +182,7 @@ const RIGHT: f64 = 150.0;
 const TOP: f64 = 28.0;
 /// The header above all charts.
 const HEAD: f64 = 60.0;
-/// Between two panels.
+/// The gap between two panels, in pixels.
 const GAP: f64 = 16.0;
 const STRIP_PX: f64 = 15.0;
 /// Deviations that are too small to see.

@@ -113,5 +113,5 @@ const WIDTH: f64 = 560.0;
 const SCORES: f64 = 240.0;
 const NUMBERS: f64 = 180.0;
 const UNTUNED: &str = "#9a3412";
-/// From the eighth number on, colours repeat with other dashes.
+/// The dashes, as colours repeat from the eighth number on.
 const DASHES: [&str; 3] = ["none", "6 3", "2 3"];

@@ -16,14 +16,14 @@ pub struct Scatter {
     pub x: String,
     /// Name of the vertical axis, with its unit.
     pub y: String,
-    /// At most one a colour of [`SERIES`].
+    /// The groups, at most one a colour of [`SERIES`].
     pub groups: Vec<Group>,
 }
 
 /// Places of one colour.
 #[derive(Clone, Debug)]
 pub struct Group {
-    /// Its name in the legend.
+    /// The name of the group in the legend.
     pub name: String,
     /// Numbers across and up, in the units of the axes.
     pub places: Vec<[f64; 2]>,
@@ -35,7 +35,7 @@ struct Plane {
     up: Scale,
     /// The numbers at their ends.
     ends: [(f64, f64); 2],
-    /// Between two ticks, and its decimals.
+    /// The distance between two ticks, and its decimals.
     step: (f64, usize),
 }
 

@@ -49,7 +49,7 @@ pub const INNER: &str = Style::INNER.color;
 pub const FIELDS: [&str; 4] = ["#cc3311", "#009988", "#aa4499", "#999933"];
 /// A negative bell of a field.
 pub const HOLLOW: &str = "#0077bb";
-/// The colour of a brain's beliefs. Nothing else has it.
+/// The colour of a brain's beliefs, and of nothing else.
 pub const BELIEF: &str = "#8e3ad1";
 /// Dead reckoning.
 pub const DEAD_RECKONING: &str = "#666f80";

@@ -138,8 +138,8 @@ pub fn text((x, y): Place, size: f64, color: &str, text: &str) -> Element {
     at.set("fill", color).text(text)
 }
 
-/// A number with at most two decimals: nobody sees a hundredth of a pixel. Numbers far outside of every picture are
-/// clamped, since not every viewer can count that far.
+/// A number with at most two decimals: a hundredth of a pixel is too small to see. Numbers far outside of every picture
+/// are clamped, since not every viewer can count that far.
 pub fn px(value: f64) -> String {
     let near = if value.is_finite() { value.clamp(-FAR, FAR) } else { 0.0 };
     let text = format!("{near:.2}");
@@ -147,7 +147,7 @@ pub fn px(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// Text as an element or an attribute may contain it. Characters that XML does not allow, or that nobody would see, are
+/// The text escaped for an element or an attribute. Characters that XML does not allow, or that are invisible, are
 /// replaced.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());

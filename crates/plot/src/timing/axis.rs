@@ -27,7 +27,7 @@ impl Axis {
         self.left + self.width
     }
 
-    /// At least 1.
+    /// The length of the axis, at least 1.
     fn span_ns(&self) -> u64 {
         self.until_ns.saturating_sub(self.from_ns).max(1)
     }

@@ -90,7 +90,7 @@ fn label(
     late_from: Option<f64>,
 ) {
     let wide = width(&bar.label, SIZE);
-    // Of what is seen of it.
+    // The label is placed on the visible part of the bar.
     let (start, end) = (span.left.max(axis.left), span.right.min(axis.right()));
     let from = late_from.unwrap_or(end).clamp(start.min(end), end);
     let is_late = end - from > from - start;
@@ -129,5 +129,5 @@ const HEIGHT: f64 = ROW - 7.0;
 pub(super) const SIZE: f64 = 10.5;
 /// No bar is narrower than this, in pixels.
 const LEAST: f64 = 1.5;
-/// From the middle of a mark to its corners, in pixels.
+/// The distance from the middle of a mark to its corners, in pixels.
 const DIAMOND: f64 = 6.0;

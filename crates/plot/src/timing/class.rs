@@ -51,14 +51,14 @@ pub enum Class {
     Received,
 }
 
-/// What diagrams and tables show of a class.
+/// The appearance of a class in diagrams and tables.
 #[derive(Clone, Copy, Debug)]
 pub struct Style {
-    /// Its word in tables for other programs.
+    /// The word for the class in tables for other programs.
     pub name: &'static str,
-    /// Its words in the key.
+    /// The words for the class in the key.
     pub words: &'static str,
-    /// Its colour.
+    /// The colour of the style.
     pub color: &'static str,
     /// The colour of text on it.
     pub ink: &'static str,
@@ -91,7 +91,7 @@ impl Class {
         }
     }
 
-    /// Its row of the table.
+    /// The row of the class in the table.
     pub const fn style(self) -> Style {
         match self {
             Self::Acquire => bar("acquire", "a sensor is read", "#56b4e9", DARK),

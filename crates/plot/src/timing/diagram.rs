@@ -40,7 +40,7 @@ pub struct Diagram {
 pub struct Lane {
     /// The name beside it.
     pub label: String,
-    /// Its part of the path. Neighbours of one group share a panel.
+    /// The lane's part of the path. Neighbours of one group share a panel.
     pub group: Group,
     /// The bars, in any order. Those that overlap are below each other.
     pub bars: Vec<Bar>,
@@ -74,15 +74,15 @@ pub enum Group {
 /// An event of some duration, or of none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bar {
-    /// Its begin.
+    /// The begin of the bar, in nanoseconds.
     pub start_ns: u64,
-    /// Its end. A bar without duration is a mark.
+    /// The end of the bar, in nanoseconds. A bar without duration is a mark.
     pub end_ns: u64,
     /// The text in the bar, or beside it, if there is room.
     pub label: String,
-    /// Its tooltip.
+    /// The tooltip of the bar.
     pub title: String,
-    /// Its class.
+    /// The class of the bar.
     pub class: Class,
     /// The diagram is about something else: the bar is pale and never red.
     pub is_aside: bool,
@@ -93,7 +93,7 @@ pub struct Bar {
 pub struct Mark {
     /// The instant.
     pub at_ns: u64,
-    /// Its name.
+    /// The name of the mark.
     pub label: String,
 }
 
@@ -169,7 +169,7 @@ impl Diagram {
         self.document((left + PLOT + MARGIN, bottom + BELOW + height + 12.0), &canvas)
     }
 
-    /// Where the plot begins: beside the longest label.
+    /// The left edge of the plot: beside the longest label.
     fn left(&self) -> f64 {
         let widest = self.lanes.iter().map(|lane| width(&lane.label, LABEL)).fold(0.0, f64::max);
         MARGIN + widest.clamp(80.0, 210.0) + 22.0
@@ -367,7 +367,7 @@ const MARGIN: f64 = 24.0;
 pub(super) const ROW: f64 = 24.0;
 /// Above and below the lanes of a panel, in pixels.
 const PAD: f64 = 4.0;
-/// Between two panels, in pixels.
+/// The gap between two panels, in pixels.
 const GAP: f64 = 6.0;
 /// The height of the labels of Δt above the lanes, in pixels.
 const ABOVE: f64 = 28.0;

@@ -35,7 +35,7 @@ pub(super) fn draw(
     y + LINE - top
 }
 
-/// What stands before the words.
+/// The sample before the words.
 enum Sample {
     /// A colour, and whether it is that of a mark.
     Bar(&'static str, bool),

@@ -26,9 +26,9 @@ pub enum LaneId {
     Brain,
     /// The way from the laptop to the microcontroller.
     CableDown,
-    /// What is written to the device, on the cable of a sensor's own.
+    /// The bytes written to the device, on a sensor's own cable.
     PortDown(u16),
-    /// When motors and other actuators take commands up.
+    /// The instants at which motors and other actuators take commands up.
     Motors,
     /// Events that were late, missed or lost.
     Trouble,
@@ -65,7 +65,7 @@ impl LaneId {
         std::iter::once(Self::of(what)).chain(second)
     }
 
-    /// Those that a robot has whatever happens, in their order.
+    /// The lanes that a robot has in any case, in their order.
     pub fn always(robot: &RobotSpec) -> Vec<Self> {
         let mut lanes = vec![Self::Microcontroller, Self::Brain, Self::Motors];
         if !robot.is_onboard() {
@@ -85,7 +85,7 @@ impl LaneId {
         lanes
     }
 
-    /// Its name.
+    /// The name of the lane.
     pub fn name(self, robot: &RobotSpec) -> String {
         match self {
             Self::Sensor(i) => words::sensor(robot, i),
@@ -111,7 +111,7 @@ impl LaneId {
         kind << 16 | u64::from(place)
     }
 
-    /// Its part of the path.
+    /// The lane's part of the path.
     pub(crate) fn group(self) -> Group {
         self.parts().2
     }

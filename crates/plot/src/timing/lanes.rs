@@ -1,4 +1,4 @@
-//! From a robot's events to the lanes of its timing diagram.
+//! The way from a robot's events to the lanes of its timing diagram.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -88,7 +88,7 @@ fn bar(robot: &RobotSpec, (event, meaning): (&Event, Option<&String>), who: Lane
     }
 }
 
-/// The text on a bar: whatever its lane does not say.
+/// The text on a bar: all that is not in the name of its lane.
 fn label(robot: &RobotSpec, event: &Event, who: LaneId) -> String {
     let bytes = |bytes: u32| count(bytes as usize, "byte");
     match event.what {

@@ -1,4 +1,4 @@
-//! From what a logic analyser sees on the pins of a chip to lanes of a timing diagram.
+//! The way from the record of a logic analyser on the pins of a chip to lanes of a timing diagram.
 
 use baudbot_sim::chip::{Level, Line, Net, Pulses, Shown, Signal, Stretch, Turns};
 
@@ -15,7 +15,7 @@ use crate::text::{shortened, width};
 pub struct Shot {
     /// The signal.
     pub signal: Signal,
-    /// What is on it, from before the window on if it is known.
+    /// The stretches of the signal, from before the window on if it is known.
     pub shown: Vec<Shown>,
 }
 
@@ -101,7 +101,7 @@ impl Window {
         self.stretches(shot).any(|stretch| !matches!(stretch, Stretch::Level { level: Level::Open, .. }))
     }
 
-    /// Whether a wire changes in the window, other than by being let go.
+    /// Whether a wire changes in the window, other than by being released.
     fn moves(self, shot: &Shot) -> bool {
         let stretches = self.stretches(shot);
         let begins = stretches
@@ -189,7 +189,7 @@ impl Window {
     }
 }
 
-/// How many rounds of the main loop these are and how many cycles they take.
+/// The number of rounds of the main loop and the cycles that they take, in words.
 pub fn turns_in_words(turns: &Turns) -> String {
     let cycles = handy((10.0 * turns.mean_cycles()).round() / 10.0);
     match turns.count {

@@ -13,14 +13,14 @@ use crate::palette::{FRAME, INK, LATE, ROBOT, WHITE};
 use crate::svg::{Canvas, Element, px, text};
 use crate::text::width;
 
-/// What a part of a signal looks like, in the order of the key.
+/// The appearance of a part of a signal, in the order of the key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Look {
     /// High or low.
     Driven,
-    /// Nothing drives it.
+    /// The wire is not driven.
     Open,
-    /// Driven by two.
+    /// The wire is driven by two outputs against each other.
     Short,
     /// Pulses.
     Pulses,
@@ -36,7 +36,7 @@ impl Look {
         }
     }
 
-    /// Its words in the key.
+    /// The words in the key.
     pub(super) fn words(self) -> &'static str {
         match self {
             Self::Driven => "high, low",
@@ -47,7 +47,7 @@ impl Look {
     }
 }
 
-/// What there is to see of a signal in a window.
+/// The visible parts of a signal in a window.
 pub(super) fn looks(wave: &[Stretch], from_ns: u64, until_ns: u64) -> impl Iterator<Item = Look> {
     let ends = wave.iter().skip(1).map(Stretch::at_ns).chain([u64::MAX]);
     let seen = wave.iter().zip(ends).filter(move |(one, end)| one.at_ns() < until_ns && *end > from_ns);
@@ -78,7 +78,7 @@ pub(super) fn draw(canvas: &mut Canvas, axis: &Axis, wave: &[Stretch], middle: f
 /// A signal as far as it is drawn.
 struct Trace {
     middle: f64,
-    /// Where it is driven, and where it is not, as paths.
+    /// The paths of the driven parts, and of the others.
     line: String,
     open: String,
     /// The height that it has come to.
@@ -104,7 +104,7 @@ impl Trace {
             }
             Stretch::Pulses(pulses) => {
                 draw_pulses(canvas, pulses, (left, right), axis, self.middle);
-                // They end where the wire rises.
+                // The pulses end where the wire rises.
                 self.pen = Some(self.middle + HALF);
             }
         }
@@ -178,7 +178,7 @@ pub(super) fn sample(x: f64, y: f64, look: Look) -> Element {
     }
 }
 
-/// From the middle to high or low, in pixels.
+/// The distance from the middle to high or low, in pixels.
 const HALF: f64 = 0.5 * ROW - 5.0;
 /// The opacity of pulses of duty 0 and 1.
 const LIGHTEST: f64 = 0.12;

@@ -9,13 +9,13 @@ use baudbot_sim::timeline::Event;
 /// beginnings, as then the fewest tracks are needed. Whichever order they leave in, no two slices of a track overlap.
 #[derive(Debug, Default)]
 pub(crate) struct Tracks {
-    /// By their beginnings, the latest first.
+    /// The waiting events by their beginnings, the latest first.
     waiting: Vec<Event>,
-    /// Where each track's last slice ends.
+    /// The end of each track's last slice.
     ends: Vec<SimTime>,
 }
 
-/// Where an event goes.
+/// The place of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
     /// A slice of this track.
@@ -56,9 +56,9 @@ impl Tracks {
     }
 }
 
-/// So many events wait.
+/// The most events that wait.
 const WAITING: usize = 32;
-/// Of what overlaps more than so many others only a mark is left, so that a trace cannot have any number of tracks.
+/// The most overlapping events; of any more only a mark is left, so that a trace cannot have any number of tracks.
 pub(crate) const MOST: usize = 32;
 
 #[cfg(test)]

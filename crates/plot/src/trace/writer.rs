@@ -31,7 +31,7 @@ pub struct TraceWriter<W: Write> {
 pub(crate) struct Robot {
     pub(crate) spec: RobotSpec,
     lanes: BTreeMap<LaneId, Tracks>,
-    /// How many tracks each lane has been given.
+    /// The number of tracks of each lane.
     pub(crate) described: BTreeMap<LaneId, usize>,
     /// The end of the latest event.
     now: SimTime,
@@ -84,7 +84,7 @@ impl<W: Write> TraceWriter<W> {
         Ok(())
     }
 
-    /// So many events of a robot were not recorded: a mark at the latest one says so.
+    /// Marks that so many events of a robot were not recorded, at the latest one.
     ///
     /// # Errors
     /// If it cannot be written, or there is no such robot.
@@ -204,7 +204,7 @@ impl<W: Write> TraceWriter<W> {
     }
 }
 
-/// A packet of the only sequence that there is. It says nothing of clocks: the default is one in nanoseconds.
+/// A packet of the only sequence that there is. It names no clock: the default is one in nanoseconds.
 fn packet() -> TracePacket {
     TracePacket { trusted_packet_sequence_id: Some(1), ..TracePacket::default() }
 }
