@@ -19,7 +19,7 @@ pub struct PortAddress {
 /// A text that is no port.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum BadPort {
-    /// Nothing names the robot or the device before the `=`, or nothing says where the port is.
+    /// The robot or the device is missing before the `=`, or the place of the port.
     #[error(
         "`{text}` is not a port; write ROBOT=pty:NAME, tcp:ADDRESS, rfc2217:ADDRESS or unix:PATH, e.g. khepera=pty:khepera.tty"
     )]

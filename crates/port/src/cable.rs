@@ -17,7 +17,7 @@ pub(crate) struct Cable {
     up: Option<Receiver>,
     /// The receiver of the robot's UART.
     down: Option<Receiver>,
-    /// Until when the program's bytes take the line.
+    /// The instant until which the program's bytes take the line.
     busy_until_ns: u64,
 }
 
@@ -105,7 +105,7 @@ impl Cable {
         out.extend(reads.map(|read| Read { at_ns: read.at_ns.saturating_sub(character_ns), ..read }));
     }
 
-    /// A break of this length from the program. A robot without a UART hears none.
+    /// A break of this length from the program. A robot without a UART ignores it.
     pub(crate) fn send_break(&mut self, now_ns: u64, length_ns: u64, out: &mut VecDeque<Read>) {
         let Some(robot) = self.robot else { return };
         let receiver = receiver(&mut self.down, robot);
@@ -148,7 +148,7 @@ impl Cable {
         left_ns.checked_div(character_ns).unwrap_or(0) as usize
     }
 
-    /// When there is room for another byte.
+    /// The instant at which there is room for another byte.
     pub(crate) fn has_room_ns(&self, program: Option<Settings>, window_ns: u64) -> u64 {
         let Some(robot) = self.robot else { return 0 };
         let character_ns = program.unwrap_or(robot).character_ns().max(robot.character_ns());

@@ -1,9 +1,9 @@
 //! A name of a pty that one server has, and how the next one finds out that it is free.
 //!
-//! The link to a pty outlives a server that is killed, and its target may by then be the terminal of somebody else: the kernel
-//! gives out numbers of ptys again. So a link alone does not tell whether its server lives. Beside it there is a file
-//! `NAME.lock`, which has the link's target and is locked as long as the server lives, however that ends. A link is replaced if
-//! its lock is free and its target is the one that stands there; a link that somebody else has made is not.
+//! The link to a pty outlives a server that is killed, and its target may by then be the terminal of another program:
+//! the kernel gives out numbers of ptys again. So a link alone does not show whether its server lives. Beside it there
+//! is a file `NAME.lock`, which has the link's target and is locked as long as the server lives, however that ends. A
+//! link is replaced if its lock is free and its target is the one that stands there; a link of another program is not.
 
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
@@ -24,7 +24,7 @@ pub(crate) struct Claim {
     lock: File,
 }
 
-/// A lock that somebody replaces all the time is not tried more often.
+/// The number of tries for a lock that is replaced all the time.
 const MOST_TRIES: u32 = 100;
 
 /// Longest name of a terminal; a file that is longer is no lock of ours.
@@ -42,7 +42,7 @@ impl Claim {
         let mut lock_path = OsString::from(link);
         lock_path.push(".lock");
         let lock_path = PathBuf::from(lock_path);
-        // Before anything is made. Whose a link is tells the lock.
+        // The check is made before anything is created. The owner of a link is known by the lock.
         if let Err(what) = is_free(link, None)
             && fs::read_link(link).is_err()
         {
@@ -82,12 +82,12 @@ impl Drop for Claim {
         if ours.is_some() && fs::read_link(&self.link).ok() == ours {
             drop(fs::remove_file(&self.link));
         }
-        // Still locked, so that nobody has it yet.
+        // The lock is held until then, so that no other server can have taken the name.
         drop(fs::remove_file(&self.lock_path));
     }
 }
 
-/// The lock, if nobody has it.
+/// The lock, if no other program holds it.
 fn lock(path: &Path) -> io::Result<Option<File>> {
     for _ in 0..MOST_TRIES {
         let mut options = fs::OpenOptions::new();
@@ -149,7 +149,7 @@ mod tests {
     fn a_link_of_a_killed_server_is_replaced_even_if_its_terminal_is_somebody_s_by_now() {
         let folder = tempfile::tempdir().unwrap();
         let link = folder.path().join("robot.tty");
-        // A file that is there for certain stands for the terminal of somebody else.
+        // A file that is there for certain stands for the terminal of another program.
         left_by_a_killed_server(&link, "/dev/null");
         let mut claim = Claim::new(&link).unwrap();
         claim.point_to(Path::new("/dev/zero")).unwrap();

@@ -1,4 +1,4 @@
-//! Simulated time on the wall clock, as the server tells it with each Turn.
+//! Simulated time on the wall clock, by the server's value of each Turn.
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -13,7 +13,7 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
-    /// When it is this time, in nanoseconds since 1970.
+    /// The instant at which it is this time, in nanoseconds since 1970.
     pub(crate) fn unix_ns(&self, sim_ns: u64) -> u64 {
         let ahead = sim_ns as i128 - i128::from(self.sim_ns);
         // Never before its instant: rounded up.
@@ -32,7 +32,7 @@ impl Clock {
 /// since a Turn takes as long.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Ahead {
-    /// Of the last stretch of Turns, and of this one.
+    /// The least of the last stretch of Turns, and of this one, in nanoseconds.
     least_ns: [Option<i64>; 2],
     turns: u32,
 }

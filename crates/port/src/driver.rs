@@ -46,7 +46,7 @@ pub(crate) enum Told {
     Bytes(Vec<u8>),
 }
 
-/// A port, as its thread has it.
+/// The state of a port in its thread.
 pub(crate) struct Driver {
     pub(crate) medium: Medium,
     /// The cable, which other ports may have, too.
@@ -180,7 +180,7 @@ impl Driver {
     }
 
     fn tell(&self, told: Told) {
-        // Whoever is told is gone only when the port is to be closed.
+        // The receiver is gone only when the port is to be closed.
         drop(self.told.1.send((self.told.0, told)));
     }
 
@@ -230,7 +230,7 @@ impl Driver {
         self.cable.down(program, now, &bytes, &mut self.sending);
     }
 
-    /// Reads on although nobody sends any more.
+    /// Reads on although there is no sender any more.
     fn listen_on(&mut self) {
         if self.cable.is_listening() {
             let now = self.now_ns();
@@ -267,7 +267,7 @@ impl Driver {
         let _ = poll(&mut fds, Some(&left));
     }
 
-    /// When there is something to do next, if nothing happens before, in nanoseconds since 1970.
+    /// The instant at which there is something to do next, if nothing happens before, in nanoseconds since 1970.
     fn next_ns(&self, now: u64, has_room: bool) -> u64 {
         let mut until = now + LONGEST_WAIT_NS;
         if let Some(read) = self.waiting.front() {

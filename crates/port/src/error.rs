@@ -40,7 +40,7 @@ pub enum PortError {
         robot: String,
         /// The device that was asked for.
         device: String,
-        /// Those that there are.
+        /// The devices that exist.
         there_are: String,
     },
     /// Simulated time does not follow the wall clock any more.
@@ -51,7 +51,7 @@ pub enum PortError {
     /// The server refuses, or is gone.
     #[error("{}", .0.message())]
     Server(#[from] Box<tonic::Status>),
-    /// The server says what the contract does not allow.
+    /// The server breaks the contract.
     #[error("the server breaks the contract: {0} has come in place of a Welcome")]
     Contract(&'static str),
 }

@@ -10,6 +10,6 @@ pub(crate) enum Happened {
     Break(bool),
     PurgeReceived,
     PurgeSent,
-    /// A program has been sent away, as that of another port at the cable has it.
+    /// A program was disconnected, as that of another port holds the cable.
     Refused,
 }

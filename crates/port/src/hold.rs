@@ -1,4 +1,4 @@
-//! The claim on a cable: one program at a time has it, whichever of the cable's ports it has opened.
+//! The claim on a cable: one program at a time holds it, on any of the cable's ports.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -14,23 +14,23 @@ pub(crate) struct Hold {
 const NOBODY: usize = usize::MAX;
 
 impl Hold {
-    /// Of the first port at a cable; `port` is a number that no other port at it has.
+    /// A `Hold` of the first port at a cable; `port` is a number that no other port at it has.
     pub(crate) fn new(port: usize) -> Self {
         Self { holder: Arc::new(AtomicUsize::new(NOBODY)), port }
     }
 
-    /// Of another port at the same cable.
+    /// The hold of another port at the same cable.
     pub(crate) fn beside(&self, port: usize) -> Self {
         Self { holder: Arc::clone(&self.holder), port }
     }
 
-    /// A program wants the cable. `false` if that of another port has it.
+    /// A program wants the cable. `false` if that of another port holds it.
     pub(crate) fn take(&self) -> bool {
         let taken = self.holder.compare_exchange(NOBODY, self.port, Ordering::AcqRel, Ordering::Acquire);
         taken.is_ok() || taken == Err(self.port)
     }
 
-    /// Whether the program of another port has it.
+    /// Whether the program of another port holds the cable.
     pub(crate) fn is_elsewhere(&self) -> bool {
         ![NOBODY, self.port].contains(&self.holder.load(Ordering::Acquire))
     }

@@ -1,4 +1,4 @@
-//! A port's thread, as the rest of the program has it.
+//! The handle of a port's thread for the rest of the program.
 
 use std::collections::VecDeque;
 use std::io;
@@ -35,8 +35,8 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// Opens a port at a place, at a cable whose UART at the robot's end is set so, if it has one. `number` is told with all that
-    /// happens.
+    /// Opens a port at a place, at a cable whose UART at the robot's end is set so, if it has one. `number` goes with
+    /// all events.
     pub(crate) fn open(
         (sensor, place, reach): (Option<u32>, &Endpoint, Reach),
         hold: Hold,
@@ -73,14 +73,14 @@ impl Line {
         Ok(Self { sensor, place: where_it_is, orders, wake, held, thread: Some(thread) })
     }
 
-    /// Tells the thread something.
+    /// Sends the thread an order.
     pub(crate) fn order(&self, order: Order) {
         // Both fail only when the thread is gone.
         drop(self.orders.send(order));
         let _ = rustix::io::write(&self.wake, &1_u64.to_ne_bytes());
     }
 
-    /// So many bytes of the program have been sent to the server: there is room for others.
+    /// Notes bytes of the program that have been sent to the server: there is room for others.
     pub(crate) fn sent(&self, bytes: usize) {
         self.held.fetch_sub(bytes, Ordering::Relaxed);
         let _ = rustix::io::write(&self.wake, &1_u64.to_ne_bytes());

@@ -34,7 +34,7 @@ pub(crate) enum Medium {
 pub(crate) enum Used {
     Closed,
     Open,
-    /// It has closed it, and there may be bytes that it has written.
+    /// The program has closed the port, and there may be bytes that it has written.
     Left,
 }
 
@@ -71,7 +71,7 @@ impl Medium {
         }
     }
 
-    /// Looks whether programs have come or gone.
+    /// Checks whether programs have come or gone.
     pub(crate) fn look(&mut self, hold: &Hold, happened: &mut Vec<Happened>) {
         match self {
             Self::Pty { pty, used } => *used = look_at_pty(pty, *used, hold, happened),
@@ -92,7 +92,7 @@ impl Medium {
         }
     }
 
-    /// Whether a program has it open.
+    /// Whether a program has the port open.
     pub(crate) fn is_open(&self) -> bool {
         match self {
             Self::Pty { used, .. } => *used == Used::Open,
@@ -158,7 +158,7 @@ impl Medium {
                     *used = Used::Closed;
                     hold.let_go();
                 } else if !bytes.is_empty() && *used == Used::Closed && hold.take() {
-                    // It was opened after the last look.
+                    // The port was opened after the last check.
                     pty.was_opened();
                     happened.push(Happened::Opened);
                     *used = Used::Open;
@@ -178,7 +178,7 @@ impl Medium {
         }
     }
 
-    /// Gives the program bytes, and says how many of them it has taken.
+    /// Gives the program bytes, and returns how many of them it has taken.
     pub(crate) fn write(&mut self, reads: &[Read]) -> usize {
         match self {
             Self::Pty { pty, .. } => {
@@ -215,7 +215,7 @@ fn look_at_pty(pty: &mut Pty, used: Used, hold: &Hold, happened: &mut Vec<Happen
             Used::Open
         }
         (Used::Closed | Used::Left, true) => {
-            // Without another pty it stays as it is: the program hears nothing, and nobody reads what it writes.
+            // The pty stays as it is if there is no other: the program receives nothing, and its bytes are not read.
             if pty.hang_up().is_ok() {
                 happened.push(Happened::Refused);
             }

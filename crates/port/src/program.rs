@@ -20,7 +20,7 @@ pub(crate) struct Program {
     owed: Vec<u8>,
     /// The bytes of the program that the cable has no room for yet.
     unsent: VecDeque<u8>,
-    /// It has closed its end: nothing more comes.
+    /// The program has closed its end: nothing more comes.
     has_ended: bool,
 }
 
@@ -38,7 +38,7 @@ impl Program {
         Self { connection, telnet, owed: Vec::new(), unsent: VecDeque::new(), has_ended: false }
     }
 
-    /// Its settings of its UART, if it can set it.
+    /// The program's settings of its UART, if it can set it.
     pub(crate) fn settings(&self) -> Option<Settings> {
         self.telnet.as_ref().map(Telnet::settings)
     }
@@ -66,7 +66,7 @@ impl Program {
         self.has_ended && self.unsent.is_empty()
     }
 
-    /// Its bytes, as far as there is room for them. Commands are obeyed whether there is room or not.
+    /// The program's bytes, as far as there is room for them. Commands are obeyed whether there is room or not.
     pub(crate) fn read(&mut self, buffer: &mut [u8], room: usize, happened: &mut Vec<Happened>) -> Vec<u8> {
         let most = if self.telnet.is_some() { MOST_UNSENT } else { room };
         while !self.has_ended && self.unsent.len() < most {
@@ -111,7 +111,8 @@ impl Program {
         }
     }
 
-    /// Gives it bytes, and says how many of them it gets. What its machine does not take is lost, as at a UART that overruns.
+    /// Gives it bytes, and returns how many of them it gets. What its machine does not take is lost, as at a UART that
+    /// overruns.
     pub(crate) fn write(&mut self, reads: &[Read]) -> usize {
         self.pay();
         if !self.owed.is_empty() {

@@ -1,8 +1,8 @@
 //! Pseudo-terminals: a program opens the slave as a serial port; the master is the other end of the cable.
 //!
-//! A pty has no UART, so this side does what one would: it reads how the program has set its end (`tcgetattr` on the master
-//! gives the slave's settings). The slave is kept open by nobody but programs, so that opening and closing are seen as the
-//! end and the return of a hang-up. Linux's ptys have 8 data bits and no parity, whatever a program asks for.
+//! A pty has no UART, so this side does what one would: it reads how the program has set its end (`tcgetattr` on the
+//! master gives the slave's settings). The slave is kept open only by programs, so that opening and closing are seen as
+//! the end and the return of a hang-up. Linux's ptys have 8 data bits and no parity, whatever a program asks for.
 
 use std::fs;
 use std::io;
@@ -50,7 +50,7 @@ impl Pty {
         Ok(Self { master, slave, watch, settings: settings.copied(), claim })
     }
 
-    /// Hangs up whoever has the slave open: the name leads to another one from now on.
+    /// Hangs up the program that has the slave open: the name leads to another one from now on.
     pub(crate) fn hang_up(&mut self) -> io::Result<()> {
         let (master, slave) = new(self.settings.as_ref())?;
         let watch = Watch::new(&slave).ok();
@@ -59,7 +59,7 @@ impl Pty {
         Ok(())
     }
 
-    /// Its stable name.
+    /// The pty's stable name.
     pub(crate) fn link(&self) -> &Path {
         self.claim.link()
     }
@@ -73,14 +73,14 @@ impl Pty {
         &self.slave
     }
 
-    /// Whether a program has it open.
+    /// Whether a program has the pty open.
     pub(crate) fn is_open(&self) -> bool {
         let mut fds = [PollFd::new(&self.master, PollFlags::OUT)];
         let at_once = Timespec { tv_sec: 0, tv_nsec: 0 };
         poll(&mut fds, Some(&at_once)).is_ok() && !fds[0].revents().contains(PollFlags::HUP)
     }
 
-    /// The descriptor to wait at until a program opens it, if the system tells that.
+    /// The descriptor to wait at until a program opens it, if the system has one.
     pub(crate) fn watch_fd(&self) -> Option<BorrowedFd<'_>> {
         self.watch.as_ref().map(Watch::fd)
     }
@@ -90,8 +90,8 @@ impl Pty {
         self.watch.as_ref().is_some_and(|watch| watch.look().opened > 0)
     }
 
-    /// A program has closed it: what it has not read is not for the next one. Linux would keep that. Says whether another
-    /// program has opened it meanwhile.
+    /// A program has closed it: what it has not read is not for the next one. Linux would keep that. Returns whether
+    /// another program has opened it meanwhile.
     pub(crate) fn forget_unread(&self) -> bool {
         let was_opened = self.was_opened();
         let Ok(slave) = fs::OpenOptions::new().read(true).custom_flags(NOCTTY).open(&self.slave) else {
@@ -125,7 +125,7 @@ impl Pty {
     }
 }
 
-/// A terminal, raw and set so: its master, and the name of its slave, which nobody has open.
+/// A terminal, raw and set so: its master, and the name of its slave, which is not open yet.
 fn new(settings: Option<&Settings>) -> io::Result<(OwnedFd, PathBuf)> {
     let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
     grantpt(&master)?;
@@ -144,8 +144,8 @@ fn new(settings: Option<&Settings>) -> io::Result<(OwnedFd, PathBuf)> {
     Ok((master, slave))
 }
 
-/// Errors as a terminal tells them (termios(3): IGNPAR, INPCK, IGNBRK). Marks of PARMRK cannot be made from this side, as the
-/// terminal would mark them again: bytes are given as without it.
+/// Errors as a terminal passes them on (termios(3): IGNPAR, INPCK, IGNBRK). Marks of PARMRK cannot be made from this
+/// side, as the terminal would mark them again: bytes are given as without it.
 fn given(modes: InputModes, read: &Read) -> Vec<u8> {
     let is_break = read.error == Some(LineError::Framing) && read.byte == 0;
     match read.error {

@@ -26,7 +26,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// So many bytes were given so much after their instant.
+    /// Notes bytes that were given so long after their instant.
     pub(crate) fn note(&mut self, bytes: u64, late: Duration) {
         self.given += bytes;
         let bits = u64::BITS - (late.as_micros() as u64).leading_zeros();

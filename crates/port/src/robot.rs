@@ -42,7 +42,7 @@ pub struct RobotPorts {
 pub enum News {
     /// A program has opened the port at this place.
     Opened(String),
-    /// No program has it open any more.
+    /// The port is no longer open in any program.
     Closed(String),
     /// A program has opened the port at this place and was sent away, as one has the cable at another port.
     Refused(String),
@@ -248,7 +248,7 @@ fn lines(
     ports.iter().enumerate().map(open).collect()
 }
 
-/// When a tick begins, and how fast the cable is in it.
+/// The beginning of a tick, and the speed of the cable in it.
 #[derive(Clone, Copy)]
 struct At {
     clock: Clock,

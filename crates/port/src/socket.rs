@@ -17,7 +17,7 @@ use baudbot_access::peer::Reach;
 #[derive(Debug)]
 pub(crate) enum Listener {
     Tcp(TcpListener, Reach),
-    /// With its file, and which one that is: another server may have taken the name since.
+    /// The listener with its file, and which one that is: another server may have taken the name since.
     Unix(UnixListener, PathBuf, FileId),
 }
 
@@ -51,7 +51,7 @@ impl Listener {
         bound.map_err(|source| PortError::Open { place: place.clone(), source })
     }
 
-    /// Its address: port 0 has become another.
+    /// The address of the listener: port 0 has become another.
     pub(crate) fn local_addr(&self) -> Option<SocketAddr> {
         match self {
             Self::Tcp(listener, _) => listener.local_addr().ok(),
@@ -98,11 +98,11 @@ impl Drop for Listener {
     }
 }
 
-/// A socket at which nobody listens is what a server has left that was killed.
+/// A socket without a listener is one of a server that was killed.
 ///
-/// Whether somebody does is asked with a datagram: a socket that is alive refuses its type (`EPROTOTYPE`, unix(7)), and its
-/// server takes no notice; a dead one refuses the connection. A connection of its own type would be a program to the other server,
-/// and reset its robot's board.
+/// The check for a listener is made with a datagram: a socket that is alive refuses its type (`EPROTOTYPE`, unix(7)),
+/// and its server takes no notice; a dead one refuses the connection. A connection of its own type would be a program
+/// to the other server, and reset its robot's board.
 fn check_free(path: &Path) -> Result<(), PortError> {
     let in_the_way = |what| Err(PortError::InTheWay { path: path.to_owned(), what });
     match fs::symlink_metadata(path) {

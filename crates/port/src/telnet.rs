@@ -1,8 +1,9 @@
 //! RFC 2217: Telnet with the COM port option, by which a program sets the UART of a terminal server.
 //!
-//! Known are the baud rate, data bits, parity, stop bits, DTR, RTS, break, purging and the masks of notifications. Flow control is
-//! acknowledged as it is asked for, and does nothing. The state of the modem lines is always that of a cable that is plugged in: CTS,
-//! DSR and CD. It is told as soon as the option is agreed to, as clients wait for it, and when it is asked for.
+//! Known are the baud rate, data bits, parity, stop bits, DTR, RTS, break, purging and the masks of notifications. Flow
+//! control is acknowledged as it is asked for, and does nothing. The state of the modem lines is always that of a cable
+//! that is plugged in: CTS, DSR and CD. It is sent as soon as the option is agreed to, as clients wait for it, and when
+//! it is asked for.
 //!
 //! A program's request is obeyed when it comes, also if data before it have not gone yet, as terminal servers do.
 
@@ -27,7 +28,7 @@ const ANSWER: u8 = 100;
 /// Longest subnegotiation; of longer ones the rest is passed over.
 const MAX_COMMAND: usize = 80;
 
-/// Commands that tell the state of the modem lines, and of the line.
+/// Commands that report the state of the modem lines, and of the line.
 const NOTIFY_MODEMSTATE: u8 = 7;
 const NOTIFY_LINESTATE: u8 = 6;
 
@@ -65,7 +66,7 @@ pub(crate) struct Telnet {
     flow: [u8; 2],
     /// The states of the line to report.
     line_mask: u8,
-    /// Options that were agreed to, so that nobody answers an answer: ours, then the program's.
+    /// Options that were agreed to, so that an answer is never answered: ours, then the program's.
     agreed: [Vec<u8>; 2],
 }
 

@@ -16,7 +16,7 @@ pub(crate) struct Watch(OwnedFd);
 pub(crate) struct Seen {
     /// The number of times that it was opened; several times in a row may count as one.
     pub(crate) opened: u32,
-    /// Whether somebody has closed it who could write to it.
+    /// Whether a program that could write to it has closed it.
     pub(crate) writer_gone: bool,
 }
 
@@ -28,7 +28,7 @@ impl Watch {
         Ok(Self(inotify))
     }
 
-    /// The descriptor to wait at until somebody opens it.
+    /// The descriptor to wait at until a program opens the port.
     pub(crate) fn fd(&self) -> BorrowedFd<'_> {
         self.0.as_fd()
     }

@@ -1,3 +1,3 @@
-//! What other people's programs see of a robot, from outside.
+//! The view of a robot from outside, by programs of others.
 
 mod debug;

@@ -54,7 +54,7 @@ fn fill(bytes: &mut [u8], from: impl Iterator<Item = u8>) -> usize {
     bytes.iter_mut().zip(from).map(|(byte, read)| *byte = read).count()
 }
 
-/// Writes all the bytes, or says that they have no place.
+/// Writes all the bytes, or returns that they have no place.
 pub(crate) fn write(board: &mut Board, address: u32, bytes: &[u8]) -> Option<()> {
     match Place::of(address)? {
         Place::Flash(at) => write_flash(board, at, bytes),

@@ -12,8 +12,8 @@
 //!
 //! # What is not there
 //!
-//! Fuses, lock bits and the signature are not in memory. Watchpoints are for writes to the static memory: others are refused.
-//! A debugger cannot go backwards. `kill` lets go of the chip, as `detach` does.
+//! Fuses, lock bits and the signature are not in memory. Watchpoints are for writes to the static memory: others are
+//! refused. A debugger cannot go backwards. `kill` releases the chip, as `detach` does.
 
 mod arch;
 mod memory;

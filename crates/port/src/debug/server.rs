@@ -29,7 +29,7 @@ struct State {
     /// Whether there has been a debugger, or none is waited for any more.
     is_known: bool,
     attached: Option<Box<Attached>>,
-    /// When a debugger was last listened to.
+    /// The instant at which a debugger was last listened to.
     heard: Option<Instant>,
 }
 
@@ -39,8 +39,8 @@ struct Attached {
 }
 
 impl GdbServer {
-    /// Listens at a port of this machine; 0 is any free one. A debugger reads and writes the chip as it likes, and knows no token:
-    /// `reach` says whose program may be one. Others are sent away, and nothing is told to them.
+    /// Listens at a port of this machine; 0 is any free one. A debugger reads and writes the chip as it likes, and
+    /// knows no token: `reach` says whose program may be one. Others are disconnected without a message.
     ///
     /// `gives_up` is asked again and again while the world stands: once it says so, the world goes on without a debugger, and
     /// slowly, so that it can be ended before much has happened.
@@ -64,7 +64,7 @@ impl GdbServer {
         self.address
     }
 
-    /// Somebody who connects, or who connects now if somebody has been here before.
+    /// A debugger that connects, or that connects now if one was here before.
     fn accept(&self, is_known: bool) -> Option<Wire> {
         loop {
             match self.listener.accept() {
@@ -88,7 +88,7 @@ impl GdbServer {
         }
     }
 
-    /// Lets a debugger in, or hears what the one says that is here, each so often.
+    /// Accepts a debugger, or reads from the one that is connected, each so often.
     fn listen_to(&self, state: &mut State, board: &mut Board) {
         if state.heard.is_some_and(|heard| heard.elapsed() < EVERY) {
             return;
@@ -105,7 +105,7 @@ impl GdbServer {
         }
         state.heard = Some(Instant::now());
         if (self.gives_up)() {
-            // Whoever wants to end the world is to find it where it stood, and not at its end.
+            // The world is to be found where it stood when the program ends, and not at its end.
             thread::sleep(PAUSE);
             state.heard = None;
         }
@@ -175,5 +175,5 @@ impl Debugger for Holder<'_> {
 /// The interval at which a debugger is listened to while the chip runs.
 const EVERY: Duration = Duration::from_millis(2);
 
-/// The interval at which it is checked whether somebody connects.
+/// The interval at which new connections are looked for.
 const PAUSE: Duration = Duration::from_millis(10);

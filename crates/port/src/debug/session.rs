@@ -17,7 +17,7 @@ type Error = GdbStubError<Infallible, io::Error>;
 
 /// A debugger that is connected. It holds the chip at first.
 pub(crate) struct Session {
-    /// `None`: it has let go.
+    /// `None` once the debugger has released the chip.
     machine: Option<Machine>,
 }
 
@@ -30,7 +30,7 @@ impl Session {
         session
     }
 
-    /// Whether the debugger has let go of the chip.
+    /// Whether the debugger has released the chip.
     pub(crate) fn is_over(&self) -> bool {
         self.machine.is_none()
     }
@@ -48,7 +48,7 @@ impl Session {
         }
     }
 
-    /// Hears what a debugger says while the chip runs: Ctrl-C.
+    /// Reads from a debugger while the chip runs: Ctrl-C.
     pub(crate) fn poll(&mut self, target: &mut ChipTarget) {
         if let Some(Machine::Running(running)) = &mut self.machine {
             let mut bytes = [0; 1024];
@@ -70,7 +70,7 @@ impl Session {
         }
     }
 
-    /// Sends what no answer has taken along: that a command to run was heard.
+    /// Sends the rest that no answer has taken along: the confirmation of a command to run.
     fn flush(&mut self) {
         let wire = match &mut self.machine {
             Some(Machine::Idle(idle)) => idle.borrow_conn(),
@@ -112,7 +112,7 @@ impl Session {
     fn keep(&mut self, next: Result<Machine, Error>) {
         self.machine = match next {
             Ok(Machine::Disconnected(mut gone)) => {
-                // It may not be there any more.
+                // The debugger may not be there any more.
                 let _ = gone.borrow_conn().flush();
                 tracing::info!(reason = ?gone.get_reason(), "a debugger has let go");
                 None

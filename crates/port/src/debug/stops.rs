@@ -13,10 +13,10 @@ pub(crate) type Reason = SingleThreadStopReason<u32>;
 /// The way in which the chip is to run on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) enum Run {
-    /// Until something stops it.
+    /// The chip runs until something stops it.
     #[default]
     Continue,
-    /// Until the next instruction is beyond these byte addresses.
+    /// The chip runs until the next instruction is beyond these byte addresses.
     While(Range<u32>),
 }
 
@@ -35,7 +35,7 @@ pub(crate) struct Stops {
 
 #[derive(Debug)]
 struct Watch {
-    /// As GDB has it.
+    /// The address as GDB encodes it.
     address: u32,
     places: Range<usize>,
     value: Vec<u8>,

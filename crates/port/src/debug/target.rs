@@ -23,7 +23,7 @@ use super::stops::{Run, Stops};
 
 /// The board that is looked at, and where its chip stops.
 pub(crate) struct ChipTarget {
-    /// Between two looks, any board.
+    /// The board; between two looks, any.
     pub(crate) board: Board,
     pub(crate) stops: Stops,
 }
@@ -210,7 +210,7 @@ fn remove(breakpoints: &mut Vec<u32>, address: u32) -> bool {
     breakpoints.iter().position(|&at| at == address).map(|at| breakpoints.swap_remove(at)).is_some()
 }
 
-/// `EFAULT`, as the protocol has it.
+/// `EFAULT` by the protocol's numbers.
 const BAD_ADDRESS: u8 = 14;
 
 /// Breakpoints of a kind, and watchpoints.

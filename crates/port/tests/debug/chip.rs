@@ -202,7 +202,7 @@ fn who_detaches_or_kills_or_is_gone_lets_the_chip_run_and_another_may_come() {
             _ => {}
         }
         drop(client);
-        // Its breakpoints are gone with it.
+        // The debugger's breakpoints are gone with it.
         running.goes_on();
     }
 }
@@ -224,7 +224,7 @@ fn nobody_is_waited_for_when_the_program_is_to_end() {
     let begun = Instant::now();
     running.give_up();
     running.goes_on();
-    // Whoever ends the world finds it about where it stood: each millisecond takes ten.
+    // The world stands about where it stood when the program ends: each millisecond takes ten.
     assert!(begun.elapsed() >= Duration::from_millis(90), "{:?}", begun.elapsed());
 
     let running = Running::start(&PROGRAM);

@@ -17,13 +17,13 @@ impl Client {
         client
     }
 
-    /// Says something without waiting for an answer.
+    /// Sends something without waiting for an answer.
     pub(crate) fn say(&mut self, text: &str) {
         self.shout(text);
         assert_eq!(self.byte(), b'+', "acknowledgement of {text}");
     }
 
-    /// Says something that nobody need hear.
+    /// Sends something that no program need read.
     pub(crate) fn shout(&mut self, text: &str) {
         let sum = text.bytes().fold(0_u8, u8::wrapping_add);
         self.0.write_all(format!("${text}#{sum:02x}").as_bytes()).unwrap();
@@ -73,7 +73,7 @@ impl Client {
         String::from_utf8(printed).unwrap()
     }
 
-    /// A register by its number: little endian, as its bytes say.
+    /// A register by its number, from its bytes in little endian.
     pub(crate) fn register(&mut self, number: u8) -> u32 {
         let answer = self.ask(&format!("p{number:x}"));
         bytes(&answer).iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte))

@@ -12,12 +12,12 @@ const NOBODY: u32 = 65534;
 
 #[test]
 fn a_program_of_another_user_is_sent_away_and_the_users_own_is_let_in() {
-    // Only root can be somebody else. `./test strangers` does it as root, too.
+    // Only root can take the identity of another user. `./test strangers` does it as root, too.
     if std::fs::metadata("/proc/self").map_or(1, |own| own.uid()) != 0 {
         return;
     }
     let running = Running::start(&[0xcfff]);
-    // It asks why the chip stands, and writes to the static memory.
+    // The attacker asks why the chip stands, and writes to the static memory.
     let attack = format!(
         "exec 3<>/dev/tcp/127.0.0.1/{} && printf '$?#3f$M800100,2:beef#a5' >&3; timeout 5 cat <&3 | wc -c",
         running.address.port()

@@ -65,7 +65,7 @@ fn a_clone_of_a_world_has_no_debugger() {
     let server = Arc::new(GdbServer::listen(0, Reach::OwnUser, || false).unwrap());
     assert!(world.probe(0, Arc::clone(&server) as _));
     let mut clone = world.clone();
-    // It would wait for ever.
+    // The clone would wait for ever with a debugger.
     tick(&mut clone, 5);
     assert_eq!((clone.tick(), world.tick()), (5, 0));
 }
