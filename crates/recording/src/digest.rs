@@ -72,7 +72,7 @@ pub(crate) struct Mark {
     pub(crate) tick: u64,
     pub(crate) first_tick: u64,
     pub(crate) state_hash: u64,
-    /// Of its ticks, one after the other; none if they are of other fields than are known here.
+    /// The digests of its ticks, one after the other; none if they are of other fields than are known here.
     fields: Vec<u8>,
     robots: Vec<u8>,
 }
@@ -138,7 +138,7 @@ fn digests(world: &World) -> ([u16; FIELDS.len()], Vec<u16>) {
     (fields.map(|field| field.digest()), robots.iter().map(|robot| robot.digest()).collect())
 }
 
-/// Of all fields but the last.
+/// The digests of all fields but the last.
 fn of_robot(robot: &RobotView<'_>) -> [u64; FIELDS.len() - 1] {
     let motion = robot.motion();
     let pose = numbers([motion.pose.position.x, motion.pose.position.y, motion.pose.heading]);
@@ -165,7 +165,7 @@ fn of_robot(robot: &RobotView<'_>) -> [u64; FIELDS.len() - 1] {
     [pose, speed, numbers(signals), samples.0, readings.0, cable.0, battery, numbers(actuators)]
 }
 
-/// Of a scan, so many values speak for the others.
+/// The values of a scan that stand for the others.
 const VALUES: usize = 8;
 
 fn numbers(values: impl IntoIterator<Item = f64>) -> u64 {

@@ -13,10 +13,10 @@ pub enum RecordingError {
     /// The file cannot be read.
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// It is something else.
+    /// The file is something else.
     #[error("is not an MCAP file: {0}")]
     NotMcap(String),
-    /// It is an MCAP file of another program's.
+    /// The file is an MCAP file of another program.
     #[error(
         "is an MCAP file, but not a recording of baudbot: its first message is not a header on {}",
         crate::topic::HEADER
@@ -25,10 +25,10 @@ pub enum RecordingError {
     /// The beginning is damaged.
     #[error("cannot be replayed: {0}, and the header with the scenario is missing")]
     Headless(String),
-    /// It is packed in a way that is not read here.
+    /// The file is packed in a way that is not read here.
     #[error("is packed with {0}")]
     Packed(Packing),
-    /// It is of a version to come.
+    /// The file is of a later version.
     #[error(
         "is of format {found}, which a newer version of baudbot wrote ({program}); this one reads format {}",
         crate::FORMAT
@@ -39,7 +39,7 @@ pub enum RecordingError {
         /// The version of the program that wrote it.
         program: String,
     },
-    /// A message is not what its topic says.
+    /// A message differs from the type of its topic.
     #[error("has a message on {topic} that cannot be read: {source}")]
     Message {
         /// The topic.
@@ -47,19 +47,19 @@ pub enum RecordingError {
         /// The decoder's error.
         source: prost::DecodeError,
     },
-    /// It is more than is taken.
+    /// The file is longer than the limit.
     #[error("has more than {limit} bytes in it, which is the limit here")]
     TooLong {
         /// The limit.
         limit: usize,
     },
-    /// It is cut off before anything was recorded.
+    /// The file is cut off before anything was recorded.
     #[error("is cut off before the first state: there is nothing to replay")]
     Empty,
-    /// Its scenario is not sound.
+    /// The file's scenario is not sound.
     #[error("has a scenario that cannot be used: {0}")]
     Scenario(#[from] ScenarioError),
-    /// Its header contradicts its scenario.
+    /// The file's header contradicts its scenario.
     #[error(
         "has a header of another scenario: its step is {found} ns there, and {step_ns} ns in the scenario"
     )]
@@ -69,7 +69,7 @@ pub enum RecordingError {
         /// The scenario's, in nanoseconds.
         step_ns: u64,
     },
-    /// It has more in one message than there can be.
+    /// The file has more in one message than there can be.
     #[error("has a message on {topic} with {found} entries in field {field}; there are at most {limit}")]
     Crowded {
         /// The topic.
@@ -81,10 +81,10 @@ pub enum RecordingError {
         /// The number that there may be.
         limit: usize,
     },
-    /// Its first state cannot be used.
+    /// The file's first state cannot be used.
     #[error("begins with a state (tick {tick}, of baudbot {program}) that {source}")]
     State {
-        /// Its tick.
+        /// The state's tick.
         tick: u64,
         /// The version of the program that wrote it.
         program: String,
@@ -100,7 +100,7 @@ pub struct WriteError(#[from] mcap::McapError);
 
 impl WriteError {
     fn words(&self) -> String {
-        // What the system says is more than that there was an error.
+        // The system's message has more than the fact of an error.
         if let mcap::McapError::Io(error) = &self.0 { error.to_string() } else { self.0.to_string() }
     }
 }
@@ -108,10 +108,10 @@ impl WriteError {
 /// The packing of a file that cannot be read here, and the remedy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Packing {
-    /// By Zstandard.
+    /// The data are packed by Zstandard.
     #[error("`zstd`; repack it with `lz4` (mcap compress --compression lz4)")]
     Zstd,
-    /// By LZ4, in a build without it.
+    /// The data are packed by LZ4, in a build without it.
     #[error("`lz4`, and this program was built without the feature `lz4`; unpack it (mcap decompress)")]
     Lz4,
 }

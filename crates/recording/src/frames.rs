@@ -16,7 +16,7 @@ use crate::topic;
 pub struct Frames<R>(Reader<R>);
 
 impl Frames<BufReader<File>> {
-    /// Those of a file.
+    /// The frames of a file.
     ///
     /// # Errors
     /// If it cannot be opened.
@@ -26,7 +26,7 @@ impl Frames<BufReader<File>> {
 }
 
 impl<R: Read> Frames<R> {
-    /// Those of what a file has in it.
+    /// The frames of the bytes of a file.
     pub fn read(file: R) -> Self {
         Self(Reader::new(file, usize::MAX))
     }

@@ -34,5 +34,5 @@ pub use writer::{Writer, checksum, header};
 /// Version of the format. A reader refuses a newer one.
 pub const FORMAT: u32 = 1;
 
-/// Version of the program, as recordings have it.
+/// Version of the program in recordings.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -22,25 +22,25 @@ pub struct Replay {
     watched: Watched,
 }
 
-/// What is kept of robots while a run is replayed.
+/// The record of robots that is kept while a run is replayed.
 #[derive(Clone, Debug, Default)]
 pub struct Watched {
-    /// Those of whose chips' pins edges are [kept](World::keep_edges).
+    /// The robots of whose chips' pins the edges are [kept](World::keep_edges).
     pub pins: Vec<usize>,
-    /// Those of whose cables the last bytes are [kept](World::keep_tape).
+    /// The robots of whose cables the last bytes are [kept](World::keep_tape).
     pub cables: Vec<usize>,
-    /// How many bytes.
+    /// The number of bytes.
     pub bytes: usize,
     /// Whether it is [kept](World::keep_starts) how robots are when a tick begins.
     pub starts: bool,
 }
 
-/// Where a replay is not what was recorded.
+/// The place at which a replay differs from the recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// The first tick that differs.
     pub tick: u64,
-    /// When that is.
+    /// The instant at which that is.
     pub time: SimTime,
     /// The first field that differs, or what else does.
     pub what: String,
@@ -80,7 +80,7 @@ impl Replay {
         Ok((replay, world))
     }
 
-    /// From now on keeps edges on the pins of these robots' chips, also behind a jump.
+    /// Keeps edges on the pins of these robots' chips from now on, also behind a jump.
     pub fn watch(&mut self, robots: impl IntoIterator<Item = usize>) {
         self.watched.pins.clear();
         self.watched.pins.extend(robots);
@@ -106,8 +106,8 @@ impl Replay {
         world.tick() >= self.recorded.stretch_of(world.tick()).last_tick || world.ending().is_some()
     }
 
-    /// Goes on to the beginning of the next tick, or past what is missing to the next one that is there; does nothing at
-    /// the end. Says whether it has gone on.
+    /// Goes on to the beginning of the next tick, or past what is missing to the next one that is there; does nothing
+    /// at the end. Returns whether it has gone on.
     ///
     /// # Errors
     /// If the recording has an input that cannot be read.
@@ -140,7 +140,8 @@ impl Replay {
     }
 
     /// Goes as near to a tick as can be done at once, and not beyond it: what is left is to be done in
-    /// [steps](Self::step). Says whether the world has jumped: it may then be at any time, and know little of the past.
+    /// [steps](Self::step). Returns whether the world has jumped: it may then be at any time, and know little of the
+    /// past.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -172,7 +173,7 @@ impl Replay {
             }
         }
         if world.is_begun() {
-            // They were made before this state was kept.
+            // The inputs were made before this state was kept.
             self.compare(world);
             return Ok(());
         }

@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use prost::Message;
 use prost_types::{DescriptorProto, FileDescriptorSet};
 
-/// The descriptors of a message of `baudbot.v1` and of all that is in it, as MCAP has them.
+/// The descriptors of a message of `baudbot.v1` and of all that is in it, in MCAP's form.
 pub(crate) fn of(message: &str) -> Vec<u8> {
-    // They are made by our own build from our own files.
+    // The descriptors are made by our own build from our own files.
     let mut set = FileDescriptorSet::decode(baudbot_proto::TYPES).expect("our own descriptors");
     let mut needed = BTreeSet::new();
     note(&set, &format!(".{PACKAGE}.{message}"), &mut needed);

@@ -1,18 +1,18 @@
 //! The topics of a recording that a replay needs.
 
-/// Of the first message, a `RecordingHeader`.
+/// The topic of the first message, a `RecordingHeader`.
 pub const HEADER: &str = "/baudbot/header";
-/// Of `RecordedState`.
+/// The topic of `RecordedState`.
 pub const STATE: &str = "/baudbot/state";
-/// Of `RecordedInputs`.
+/// The topic of `RecordedInputs`.
 pub const INPUTS: &str = "/baudbot/inputs";
-/// Of `RecordedMark`.
+/// The topic of `RecordedMark`.
 pub const MARKS: &str = "/baudbot/marks";
-/// Of `RecordedEvent`.
+/// The topic of `RecordedEvent`.
 pub const EVENTS: &str = "/baudbot/events";
-/// Of `RecordedThinking`.
+/// The topic of `RecordedThinking`.
 pub const THINKING: &str = "/baudbot/thinking";
-/// Of the one `DescribeWorldResponse`: what stands still, and what the robots are.
+/// The topic of the one `DescribeWorldResponse`: what stands still, and what the robots are.
 pub const WORLD: &str = "/baudbot/world";
-/// Of `WatchResponse`: what an observer saw.
+/// The topic of `WatchResponse`: the frames of an observer.
 pub const FRAMES: &str = "/baudbot/frames";

@@ -25,7 +25,7 @@ pub struct Writer<W: Write + Seek> {
     step_ns: u64,
     sequence: u32,
     buffer: Vec<u8>,
-    /// Once it is known what the world is.
+    /// The description of the world, once it is known.
     shown: Option<Shown>,
 }
 
@@ -73,7 +73,7 @@ impl<W: Write + Seek> Writer<W> {
         let (step_ns, buffer) = (header.step_ns, Vec::new());
         let mut writer = Self { mcap, channels, step_ns, sequence: 0, buffer, shown: None };
         writer.write(writer.channels.header, 0, header)?;
-        // What is damaged behind it does not take it along.
+        // The header is in a chunk of its own, so that later damage does not affect it.
         writer.mcap.flush()?;
         Ok(writer)
     }
@@ -115,7 +115,7 @@ impl<W: Write + Seek> Writer<W> {
         self.message(message)
     }
 
-    /// How long brains took to answer until now.
+    /// Writes the times that brains took to answer until now.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -137,7 +137,7 @@ impl<W: Write + Seek> Writer<W> {
         self.message(opening)
     }
 
-    /// What an observer sees; nothing is written unless it has been said what the [world](Self::world) is.
+    /// Writes the frame of an observer; nothing is written before the description of the [world](Self::world).
     ///
     /// # Errors
     /// If it cannot be written.

@@ -1,5 +1,5 @@
-//! What a file may ask for: memory for what is in it, whatever it says of itself. What other threads allocate meanwhile does not
-//! count.
+//! The memory for a file: it depends on the file's content, whatever lengths it claims. Allocations of other threads do
+//! not count.
 
 use std::collections::BTreeSet;
 use std::io::Cursor;
@@ -17,7 +17,7 @@ link = { kind = "uart", baud = 9600 }
 body = { radius_m = 0.1, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.05 }
 "#;
 
-/// What `docs/reference/recording.md` promises: so many bytes for each of the file's, and these.
+/// The promise of `docs/reference/recording.md`: so many bytes for each of the file's, and these.
 const OF_A_BYTE: u64 = 2_048;
 const ANYWAY: u64 = 24 << 20;
 
@@ -46,7 +46,7 @@ fn file(records: &[Vec<u8>]) -> Vec<u8> {
     [b"\x89MCAP0\r\n".to_vec(), empty, records.concat()].concat()
 }
 
-/// A chunk that says that it unpacks to so many bytes.
+/// A chunk that claims to unpack to so many bytes.
 fn chunk(size: u64, packed: &[u8]) -> Vec<u8> {
     let fields = [&[0; 16][..], &size.to_le_bytes(), &[0; 4], &3_u32.to_le_bytes(), b"lz4"].concat();
     record(6, &[&fields[..], &(packed.len() as u64).to_le_bytes(), packed].concat())
@@ -66,7 +66,7 @@ fn no_length_that_a_file_claims_asks_for_memory() {
     for size in [1 << 20, 1 << 30, 1 << 40, u64::MAX] {
         assert_small(&file(&[chunk(size, &[7; 200])]), "a chunk");
     }
-    // Of bytes that unpack well.
+    // The bytes unpack to many times their number.
     let mut zeros = lz4::EncoderBuilder::new().build(Vec::new()).unwrap();
     std::io::copy(&mut std::io::Read::take(std::io::repeat(0), 64 << 20), &mut zeros).unwrap();
     let (packed, done) = zeros.finish();
@@ -111,7 +111,7 @@ fn files_that_did_harm_do_none_any_more() {
     }
 }
 
-/// Without checksums there was a subtraction in the reader that overflowed.
+/// A file without checksums once led to a subtraction in the reader that overflowed.
 #[test]
 fn a_file_without_checksums_is_read_as_far_as_it_makes_sense() {
     let message = record(5, &[0; 22]);
@@ -121,7 +121,7 @@ fn a_file_without_checksums_is_read_as_far_as_it_makes_sense() {
         let chunk = record(6, &[&fields[..], &(records.len() as u64).to_le_bytes(), records].concat());
         assert_small(&file(&[chunk]), "a cut message");
     }
-    // Its inner record is longer than the chunk.
+    // The inner record is longer than the chunk.
     let inner = [&[5][..], &1_000_u64.to_le_bytes(), &[0; 100]].concat();
     let fields = [&[0; 16][..], &(inner.len() as u64).to_le_bytes(), &[0; 8]].concat();
     let chunk = record(6, &[&fields[..], &(inner.len() as u64).to_le_bytes(), &inner].concat());

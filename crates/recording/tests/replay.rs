@@ -1,4 +1,4 @@
-//! What is recorded is done again to the same bits; what was changed in a file is found at its tick.
+//! Recordings that are run again to the same bits; a change in a file is found at its tick.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -41,7 +41,7 @@ link = { kind = "ideal" }
 body = { radius_m = 0.1, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.05 }
 "#;
 
-/// What two brains without any plan write in a tick.
+/// The arbitrary bytes that two brains write in a tick.
 fn bytes(tick: u64, robot: usize) -> Vec<u8> {
     let command = |left: i8| {
         let scenario = scenario();
@@ -151,7 +151,8 @@ fn rewritten(file: &[u8], of: &str, mut change: impl FnMut(Vec<u8>) -> Option<Ve
     out.into_inner().into_inner()
 }
 
-/// With one flipped bit in the bytes that a brain wrote in this tick; `mended`: with a checksum that fits the altered bytes.
+/// The file with one flipped bit in the bytes that a brain wrote in this tick; `mended`: with a checksum that fits the
+/// altered bytes.
 fn flipped(file: &[u8], tick: u64, mended: bool) -> Vec<u8> {
     rewritten(file, topic::INPUTS, |data| {
         let mut inputs = v1::RecordedInputs::decode(data.as_slice()).unwrap();
@@ -211,7 +212,7 @@ fn an_input_that_was_forged_is_found_by_what_it_does() {
     for tick in [2, 32, 123] {
         let (replay, _) = replay(&flipped(&file, tick, true));
         let difference = replay.difference().unwrap_or_else(|| panic!("tick {tick}"));
-        // It takes its time on a cable that is full.
+        // The byte arrives late on a cable that is full.
         assert!((tick + 1..tick + 60).contains(&difference.tick), "{tick}: {difference}");
         let what = &difference.what;
         assert!(what == "`alice`: cable" || what.starts_with("the state's fingerprint"), "{difference}");
@@ -365,12 +366,12 @@ fn a_state_by_value_is_a_recording_of_one_tick() {
     assert_eq!(again.hash(), world.hash());
 }
 
-/// Where the chunks of a file are: what is in the records between them is in none of its messages.
+/// The places of a file's chunks: the records between them have no messages.
 fn chunks(file: &[u8]) -> Vec<std::ops::Range<usize>> {
     let (mut at, mut chunks) = (8, Vec::new());
     while at + 9 <= file.len() - 8 {
         let length = u64::from_le_bytes(file[at + 1..at + 9].try_into().unwrap()) as usize;
-        // What a chunk says of itself, but for the times of its messages, matters too.
+        // The head of a chunk matters too, but for the times of its messages.
         if file[at] == 6 {
             chunks.push(at..at + 9);
             chunks.push(at + 9 + 16..at + 9 + length);
@@ -380,7 +381,7 @@ fn chunks(file: &[u8]) -> Vec<std::ops::Range<usize>> {
     chunks
 }
 
-/// What a chunk is packed with is outside of its checksum.
+/// The name of a chunk's packing is outside of its checksum.
 #[cfg(feature = "lz4")]
 #[test]
 fn a_chunk_whose_packing_is_damaged_costs_that_chunk() {
@@ -419,7 +420,7 @@ fn of_500_flipped_bits_none_passes_unless_it_is_outside_of_all_messages() {
         assert_eq!(replay.difference(), None, "bit {place}");
         if is_whole {
             passed += 1;
-            // Behind what it unpacks to, a chunk has some bytes that say that it ends.
+            // A chunk has some bytes that mark its end, behind the last ones that count.
             if chunks.iter().any(|chunk| chunk.contains(&(place / 8))) {
                 assert_eq!(read(&run), sound, "bit {place}");
             }

@@ -32,7 +32,7 @@ fn wall(polygon: &v1::Polygon, heights: &Heights, time_ns: u64) -> Option<SceneE
     if corners.len() < 2 {
         return None;
     }
-    // What has no thickness would not be seen from above.
+    // A wall without thickness would not be seen from above.
     let kind = if polygon.closed { Line::LineLoop } else { Line::LineStrip };
     entity.lines.push(lines(kind, raised(&corners, top_m), 2.0, color(rgb, 1.0)));
     entity.triangles.push(sides(&corners, polygon.closed, top_m, paint));

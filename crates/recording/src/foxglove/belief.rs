@@ -25,7 +25,7 @@ pub(super) struct Believer {
     shape: Footprint,
     /// Beliefs are drawn above all else.
     z_m: f64,
-    /// Somebody has been shown a map.
+    /// A map has been shown.
     has_map: bool,
 }
 
@@ -43,7 +43,7 @@ impl Believer {
         }
     }
 
-    /// What it says stands for all that it said before; a belief in nothing takes all back.
+    /// The messages for a belief. It replaces all earlier ones; an empty belief takes all back.
     pub(super) fn messages(&mut self, belief: &v1::Belief, time_ns: u64) -> Vec<FoxgloveMessage> {
         let at = belief.pose.as_ref().and_then(|pose| sound_pose(pose.x_m, pose.y_m, pose.heading_rad));
         let parts = [
@@ -64,7 +64,7 @@ impl Believer {
         messages
     }
 
-    /// What it is doing, in words; behind where it believes to be, or behind where it is.
+    /// The brain's activity, in words; behind the believed pose, or behind the true one.
     fn state(&self, belief: &v1::Belief, at: Option<Pose>, time_ns: u64) -> Option<SceneEntity> {
         if at.is_none() && belief.state.is_empty() && belief.utilities.is_empty() {
             return None;
@@ -80,7 +80,7 @@ impl Believer {
         entity.texts.push(label);
         for utility in &belief.utilities {
             let key = format!("utility {}", utility.name);
-            // Keys are to be told apart.
+            // Keys must be unique.
             if entity.metadata.iter().all(|known| known.key != key) {
                 let running = if utility.active { ", running" } else { "" };
                 entity.metadata.push(fact(&key, format!("{}{running}", utility.value)));
@@ -89,7 +89,7 @@ impl Believer {
         Some(entity)
     }
 
-    /// Its outline where it believes to be, and where it is with 95 of 100.
+    /// The robot's outline at the believed pose, and the area of its position with 95 %.
     fn pose(&self, belief: &v1::Belief, at: Option<Pose>, time_ns: u64) -> Option<SceneEntity> {
         let at = at?;
         let mut entity = entity(time_ns, WORLD, "pose");

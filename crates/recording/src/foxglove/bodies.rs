@@ -34,12 +34,12 @@ fn body(robot: &v1::ObservedRobot, heights: &Heights, time_ns: u64) -> Option<Sc
     Some(entity)
 }
 
-/// How far a body reaches from its origin.
+/// The greatest distance of a body from its origin.
 pub(super) fn reach(shape: &Footprint) -> f64 {
     shape.rim().iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max)
 }
 
-/// What moves by itself and what is pushed.
+/// The things that move by themselves and those that are pushed.
 pub(super) fn things(described: &v1::DescribeWorldResponse, heights: &Heights, time_ns: u64) -> SceneUpdate {
     let thing = |thing: &v1::ObservedThing| {
         let shape = Footprint::of_outline(thing.outline.as_ref()?)?;

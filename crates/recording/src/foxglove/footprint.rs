@@ -44,7 +44,7 @@ impl Footprint {
         }
     }
 
-    /// Its rim, with the shape's frame somewhere else.
+    /// The rim, with the shape's frame somewhere else.
     pub(super) fn rim_at(&self, pose: &Pose, z_m: f64) -> Vec<Point3> {
         let (sin, cos) = pose.heading.sin_cos();
         let place = |[x, y]: [f64; 2]| {
@@ -53,7 +53,7 @@ impl Footprint {
         self.rim().into_iter().map(place).collect()
     }
 
-    /// Its middle, where a label goes.
+    /// The shape's middle, for a label.
     pub(super) fn middle(&self) -> [f64; 2] {
         match self {
             Self::Corners(corners) => {
@@ -80,15 +80,16 @@ impl Footprint {
     }
 }
 
-/// How high things are drawn.
+/// The heights at which things are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Heights {
-    /// Of what is higher than any sensor.
+    /// The height for things that are higher than any sensor.
     tall_m: f64,
 }
 
 impl Heights {
-    /// What has no height stands out from what has one and from robots, but not so far that nobody sees past it.
+    /// The heights of a world. Things without a height stand out from those with one and from robots, but not so far
+    /// that they hide all else.
     pub(super) fn new(described: &v1::DescribeWorldResponse) -> Self {
         let looks = described.polygons.iter().map(|polygon| &polygon.look);
         let looks = looks.chain(described.circles.iter().map(|disc| &disc.look));
@@ -100,12 +101,12 @@ impl Heights {
         Self { tall_m: wanted.reduce(f64::max).unwrap_or(0.5).clamp(0.001, 2.5) }
     }
 
-    /// Of a wall or a thing.
+    /// The height of a wall or a thing.
     pub(super) fn of(&self, look: Option<&v1::Look>) -> f64 {
         look.and_then(|look| sound(look.height_m?)).map_or(self.tall_m, |height_m| height_m.min(self.tall_m))
     }
 
-    /// Of a robot's body.
+    /// The height of a robot's body.
     pub(super) fn of_robot(&self, robot: &v1::ObservedRobot) -> f64 {
         let own_m = robot.look.as_ref().and_then(|look| sound(look.height_m?));
         own_m.or_else(|| sound(robot.radius_m)).map_or(self.tall_m, |height_m| height_m.min(self.tall_m))

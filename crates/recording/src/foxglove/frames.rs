@@ -1,4 +1,4 @@
-//! Where everything is: frames, and how each lies in another.
+//! The frames, and the transform of each to another.
 
 use baudbot_proto::v1;
 use baudbot_sim::Pose;
@@ -21,12 +21,12 @@ pub(super) fn thing(thing: &str) -> String {
     format!("thing/{}", part(thing))
 }
 
-/// The frame of a robot as its odometry has it.
+/// The frame of a robot by its odometry.
 pub(super) fn odometry(robot: &str) -> String {
     format!("odometry/{}", part(robot))
 }
 
-/// How a frame lies in another one.
+/// The transform of a frame to another one.
 pub(super) fn transform(at: Timestamp, parent: &str, child: &str, pose: &Pose) -> FrameTransform {
     FrameTransform {
         timestamp: Some(at),
@@ -64,12 +64,12 @@ impl Mounted {
         self.turret.is_some()
     }
 
-    /// Where it is for good, unless a turret turns it.
+    /// The sensor's fixed pose, unless a turret turns it.
     fn at_rest(&self, at: Timestamp, robot: &str) -> Option<FrameTransform> {
         (!self.is_turned()).then(|| transform(at, robot, &self.frame, &self.robot_from_sensor))
     }
 
-    /// Where its turret has turned it; about the robot's centre, as turrets do.
+    /// The sensor's pose on its turret, which turns about the robot's centre.
     pub(super) fn turned(
         &self,
         at: Timestamp,

@@ -7,9 +7,9 @@ use foxglove::messages::{Grid, PackedElementField, Vector2};
 use super::palette::BELIEF;
 use super::parts::{WORLD, pose_at, time};
 
-/// Of a cell that is occupied for sure.
+/// The value of a cell that is certainly occupied.
 const OCCUPIED: u8 = 254;
-/// Of a cell of which nothing is known.
+/// The value of an unknown cell.
 const UNKNOWN: u8 = 255;
 
 /// None if it is no map.
@@ -43,7 +43,8 @@ pub(super) fn nothing(time_ns: u64) -> Grid {
 /// Red, green, blue and how much of it.
 const CELL_BYTES: usize = 4;
 
-/// What is free is clear, what is occupied has the colour of beliefs, and what is not known is a little grey.
+/// The colour of a cell: free ones are clear, occupied ones have the colour of beliefs, and unknown ones are a little
+/// grey.
 fn paint(cell: u8) -> [u8; CELL_BYTES] {
     if cell == UNKNOWN {
         return [128, 134, 146, 60];
@@ -52,7 +53,7 @@ fn paint(cell: u8) -> [u8; CELL_BYTES] {
     if alpha == 0 { [0; CELL_BYTES] } else { [BELIEF[0], BELIEF[1], BELIEF[2], alpha as u8] }
 }
 
-/// By these names Foxglove takes the bytes for colours.
+/// The names by which Foxglove takes the bytes for colours.
 fn fields() -> Vec<PackedElementField> {
     let field = |(offset, name): (u32, &str)| PackedElementField {
         name: name.to_owned(),

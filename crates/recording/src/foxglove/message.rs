@@ -12,9 +12,9 @@ use crate::{schema, topic};
 /// One message for an MCAP file, or for a program that shows it.
 #[derive(Clone, Debug)]
 pub struct FoxgloveMessage {
-    /// Where it belongs; a topic has messages of one schema.
+    /// The topic, which has messages of one schema.
     pub topic: Arc<str>,
-    /// What it is: name, encoding and description, as a file and a connection want them. The message's own encoding
+    /// The schema: name, encoding and description, in the form for a file and a connection. The message's own encoding
     /// is the schema's, `protobuf`.
     pub schema: &'static MessageSchema,
     /// Simulated time, at which it was there to be seen. All times within the message are by the same clock.

@@ -62,7 +62,7 @@ pub struct FoxgloveEncoder {
     topics: Topics,
 }
 
-/// Those that do not depend on the world.
+/// The topics that do not depend on the world.
 #[derive(Clone, Debug)]
 struct Topics {
     tf: Arc<str>,
@@ -80,7 +80,7 @@ impl Topics {
 }
 
 impl FoxgloveEncoder {
-    /// Of a world as it was described to its observers.
+    /// A `FoxgloveEncoder` of a world as it was described to its observers.
     pub fn new(described: &v1::DescribeWorldResponse) -> Self {
         let heights = Heights::new(described);
         Self {
@@ -156,7 +156,7 @@ impl FoxgloveEncoder {
         message.map(|message| FoxgloveMessage::new(&self.topics.tf, frame.time_ns, &message))
     }
 
-    /// Each says of all, and is said when it is no longer the same that have one.
+    /// Each message is of all robots, and is sent when the set of those with one changes.
     fn ghosts(&mut self, time_ns: u64) -> Option<FoxgloveMessage> {
         let robots = self.robots.iter().enumerate();
         let begun: Vec<_> = robots.filter(|(_, robot)| robot.has_ghost()).map(|(place, _)| place).collect();

@@ -32,12 +32,12 @@ pub(super) struct DeadReckoning {
 
 #[derive(Clone, Copy, Debug)]
 enum Source {
-    /// It does the sums itself.
+    /// The sensor does the sums itself.
     Odometer,
     Encoders(Wheels),
 }
 
-/// What of a data sheet dead reckoning needs.
+/// The part of a data sheet that dead reckoning needs.
 #[derive(Clone, Copy, Debug)]
 struct Wheels {
     way_per_count_m: f64,
@@ -50,7 +50,7 @@ struct Wheels {
 const POSES: usize = 256;
 
 impl DeadReckoning {
-    /// By the best sensor for it that a robot has, if any: an odometer, or else encoders.
+    /// A `DeadReckoning` by the best sensor for it that a robot has, if any: an odometer, or else encoders.
     pub(super) fn of(robot: &v1::RobotDescription) -> Option<Self> {
         let odometer = robot.sensors.iter().position(|sensor| sensor.kind() == SensorKind::Odometer);
         let encoders = || {
@@ -66,7 +66,7 @@ impl DeadReckoning {
         Some(Self { source, sensor, pose: None, counts: None, sampled_at_ns: None, past: VecDeque::new() })
     }
 
-    /// Where it has got to.
+    /// The pose so far.
     pub(super) fn pose(&self) -> Option<Pose> {
         self.pose
     }
@@ -77,7 +77,7 @@ impl DeadReckoning {
         self.past.clear();
     }
 
-    /// Where the robot truly is at a frame's time.
+    /// Notes the robot's true pose at a frame's time.
     pub(super) fn note(&mut self, time_ns: u64, truth: Pose) {
         if self.pose.is_some() || matches!(self.source, Source::Odometer) {
             return;
@@ -117,7 +117,7 @@ impl DeadReckoning {
         Some(())
     }
 
-    /// Where the robot was at an instant, as far as that is remembered; the newest if the instant is not known.
+    /// The robot's pose at an instant, as far as that is remembered; the newest if the instant is not known.
     fn past_pose(&self, at_ns: Option<u64>) -> Option<Pose> {
         let by_then = self.past.iter().rev().find(|(time_ns, _)| at_ns.is_none_or(|at_ns| *time_ns <= at_ns));
         by_then.or_else(|| self.past.front()).map(|(_, pose)| *pose)
@@ -145,7 +145,7 @@ impl Wheels {
         sound_pose(x_m, y_m, (from.heading + turn).rem_euclid(TAU))
     }
 
-    /// How far a counter went on, the shorter way round if it wraps.
+    /// The change of a counter, the shorter way round if it wraps.
     fn counted(&self, before: f64, now: f64) -> f64 {
         let difference = now - before;
         if self.wraps_at > 0.0 {

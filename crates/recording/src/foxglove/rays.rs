@@ -32,7 +32,7 @@ pub(super) fn fans<'a>(
     (!entity.lines.is_empty()).then_some(entity)
 }
 
-/// Where the rays of a sensor run, from the first on the right to the last.
+/// The rays of a sensor, from the first on the right to the last.
 fn add(line: &mut LinePrimitive, rays: &v1::RayFan) {
     let Some(sensor) = sound_pose(rays.x_m, rays.y_m, rays.heading_rad) else { return };
     let count = rays.lengths_m.len();

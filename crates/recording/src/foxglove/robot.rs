@@ -61,7 +61,7 @@ impl Robot {
         self.sensors.iter_mut().filter_map(|sensor| sensor.scanner.as_mut()).for_each(Scanner::forget);
     }
 
-    /// Where it truly is.
+    /// Notes the robot's true pose.
     pub(super) fn note(&mut self, truth: &v1::RobotTruth, time_ns: u64) {
         let pose = sound_pose(truth.x_m, truth.y_m, truth.heading_rad);
         if let (Some(dead_reckoning), Some(pose)) = (&mut self.dead_reckoning, pose) {
@@ -69,7 +69,7 @@ impl Robot {
         }
     }
 
-    /// What has reached its brain; the scans in that.
+    /// Takes the readings that have reached the brain, with the scans among them.
     pub(super) fn take(&mut self, detail: &v1::RobotDetail, time_ns: u64) -> Vec<FoxgloveMessage> {
         if let Some(dead_reckoning) = &mut self.dead_reckoning {
             dead_reckoning.take(&detail.sensors);
@@ -88,12 +88,12 @@ impl Robot {
         body.into_iter().chain(turned).chain(dead_reckoning).collect()
     }
 
-    /// Whether it is known where its odometry has it.
+    /// Whether the pose by odometry is known.
     pub(super) fn has_ghost(&self) -> bool {
         self.dead_reckoning.as_ref().is_some_and(|dead_reckoning| dead_reckoning.pose().is_some())
     }
 
-    /// What its sensors look along, except those that scan.
+    /// The rays of the robot's sensors, except those that scan.
     pub(super) fn rays(&self, detail: &v1::RobotDetail, time_ns: u64) -> Option<SceneEntity> {
         let sensors = self.sensors.iter().zip(&detail.sensors).filter(|(sensor, _)| sensor.scanner.is_none());
         let fans = sensors.filter_map(|(sensor, detail)| Some((sensor.kind, detail.rays.as_ref()?)));

@@ -20,7 +20,7 @@ pub(super) struct Scanner {
     count: usize,
     /// The first ray is on the left.
     from_left: bool,
-    /// When the scan was sampled that was shown last; none before there was one.
+    /// The instant at which the scan was sampled that was shown last; none before there was one.
     shown: Option<Option<u64>>,
 }
 

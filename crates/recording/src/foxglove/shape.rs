@@ -54,7 +54,7 @@ pub(super) fn column(
     }
 }
 
-/// An outline pulled up from the floor: its sides and its roof. Nobody sees it from below.
+/// An outline pulled up from the floor: its sides and its roof. The bottom is never visible.
 pub(super) fn prism(corners: &[[f64; 2]], top_m: f64, color: Color) -> TriangleListPrimitive {
     let corners = counter_clockwise(corners);
     let mut sides = sides(&corners, true, top_m, color);
@@ -127,7 +127,7 @@ const MOST_TESTS: usize = 10_000_000;
 struct Ring<'a> {
     corners: &'a [[f64; 2]],
     left: Vec<usize>,
-    /// Those at which the outline turned inwards: only they can be in an ear's way.
+    /// The corners at which the outline turned inwards: only they can be in an ear's way.
     reflex: Vec<usize>,
 }
 

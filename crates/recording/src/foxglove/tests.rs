@@ -53,7 +53,7 @@ fn truth(x_m: f64) -> v1::RobotTruth {
     v1::RobotTruth { x_m, heading_rad: FRAC_PI_2, actuators, ..v1::RobotTruth::default() }
 }
 
-/// Of alice: her scan and her counts were sampled at this time.
+/// The detail of alice: her scan and her counts were sampled at this time.
 fn detail(sampled_at_ns: u64, counts: f64) -> v1::RobotDetail {
     let rays = Some(v1::RayFan { opening_rad: 1.0, lengths_m: vec![2.0; 3], ..v1::RayFan::default() });
     let sensor = |values: &[f64], rays| v1::SensorDetail {
@@ -79,7 +79,7 @@ fn frame(time_ns: u64, details: Vec<v1::RobotDetail>) -> v1::WatchResponse {
     }
 }
 
-/// A message in words, decoded by what it says that it is; it must have no number that is none.
+/// A message in words, decoded by its own schema; it must have no number that is none.
 fn words(message: &FoxgloveMessage) -> String {
     let data = &message.data[..];
     let words = match message.schema.name.as_str() {
@@ -100,7 +100,7 @@ fn on<'a>(messages: &'a [FoxgloveMessage], topic: &str) -> Option<&'a FoxgloveMe
     messages.iter().find(|message| &*message.topic == topic)
 }
 
-/// Of a frame: each child's parent, place and heading.
+/// Each child's parent, place and heading in a frame.
 fn frames_of(messages: &[FoxgloveMessage]) -> BTreeMap<String, (String, [f64; 2], f64)> {
     let Some(message) = on(messages, "/tf") else { return BTreeMap::new() };
     let transforms = FrameTransforms::decode(&message.data[..]).unwrap().transforms;
@@ -203,7 +203,7 @@ fn what_is_no_number_or_belongs_to_nobody_is_left_out() {
     assert_eq!(topics, ["/scan/alice/urg", "/tf", "/scene/rays", "/belief/bob"]);
     let frames = frames_of(&shown);
     assert_eq!(frames.keys().collect::<Vec<_>>(), ["robot/alice/urg"], "the turret alone is somewhere");
-    // The ghost of one who was nowhere does not begin.
+    // The ghost of a robot without a place does not begin.
     assert!(messages.robots[0].frames(&truth(0.0), time(0)).len() == 2);
 }
 

@@ -48,12 +48,12 @@ impl Entries {
         self.add(kind::STATE, &saved::state(world));
     }
 
-    /// How the world is run from now on.
+    /// Adds the settings of the world from now on.
     pub fn settings(&mut self, settings: &Settings) {
         self.add(kind::SETTINGS, settings);
     }
 
-    /// What entered the world in a tick or, if there are only changes, before it.
+    /// Adds the inputs of a tick or, if there are only changes, of before it.
     pub fn inputs(&mut self, inputs: &v1::RecordedInputs) {
         self.add(kind::INPUTS, inputs);
     }
@@ -65,7 +65,7 @@ impl Entries {
         }
     }
 
-    /// How far the world has come, which ends a write.
+    /// Adds the present tick, which ends a write.
     pub fn at(&mut self, at: At) {
         self.add(kind::AT, &at);
     }
@@ -75,7 +75,7 @@ impl Entries {
         &self.bytes
     }
 
-    /// How many bytes there are.
+    /// The number of bytes.
     pub fn len(&self) -> usize {
         self.bytes.len()
     }

@@ -3,9 +3,10 @@
 //!
 //! # Why not a recording
 //!
-//! What a brain has been told must be in the file before it is told. In lockstep that is a write for each tick. A recording
-//! collects its messages in chunks, which are packed, and read only up to the last fingerprint of the whole state: with a
-//! chunk and a fingerprint for each tick it would cost more than the tick. A journal has the same messages as they are.
+//! All that a brain gets must be in the file before it gets it. In lockstep that is a write for each tick. A recording
+//! collects its messages in chunks, which are packed, and read only up to the last fingerprint of the whole state: with
+//! a chunk and a fingerprint for each tick it would cost more than the tick. A journal has the same messages as they
+//! are.
 //!
 //! # Format
 //!
@@ -38,7 +39,7 @@ pub use salvage::Salvaged;
 /// Version of the format. A reader knows this one and those before it.
 pub const JOURNAL_FORMAT: u32 = 2;
 
-/// What a journal begins with; the version and a line's end follow.
+/// The text with which a journal begins; the version and a line's end follow.
 const MAGIC: &str = "baudbot-journal ";
 
 /// Bytes before a body: the kind, the length, and their checksum.
@@ -60,10 +61,10 @@ mod kind {
 /// The text of a scenario.
 #[derive(Clone, PartialEq, Message)]
 pub struct ScenarioText {
-    /// As it was parsed.
+    /// The text that was parsed.
     #[prost(string, tag = "1")]
     pub toml: String,
-    /// What was changed in it, as with `--set`.
+    /// The changes of fields, in the form of `--set`.
     #[prost(string, repeated, tag = "2")]
     pub overrides: Vec<String>,
 }
@@ -71,7 +72,7 @@ pub struct ScenarioText {
 /// The first entry: what the world is.
 #[derive(Clone, PartialEq, Message)]
 pub struct JournalHeader {
-    /// Of the program that wrote it.
+    /// The version of the program that wrote the journal.
     #[prost(string, tag = "1")]
     pub program_version: String,
     /// The name of the world.
@@ -85,7 +86,7 @@ pub struct JournalHeader {
     pub made: Option<ScenarioText>,
 }
 
-/// How the world is run.
+/// The settings with which the world is run.
 #[derive(Clone, PartialEq, Message)]
 pub struct Settings {
     /// The pace.
@@ -131,7 +132,7 @@ pub struct PortState {
     /// The robot's place.
     #[prost(uint32, tag = "1")]
     pub robot: u32,
-    /// Of the next message.
+    /// The sequence number of the next message.
     #[prost(uint32, tag = "2")]
     pub sequence: u32,
     /// Whether its brain writes bytes.
@@ -142,7 +143,7 @@ pub struct PortState {
     pub others: Vec<f64>,
 }
 
-/// How far the world has come: all that entered it before is in the journal.
+/// The progress of the world: all that entered it before is in the journal.
 #[derive(Clone, Copy, PartialEq, Message)]
 pub struct At {
     /// The tick.

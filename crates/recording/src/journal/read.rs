@@ -10,20 +10,20 @@ use thiserror::Error;
 
 use super::{At, HEAD, JOURNAL_FORMAT, JournalHeader, MAGIC, Ports, Settings, TAIL, head_sum, kind};
 
-/// Why a journal cannot be used.
+/// The reason why a journal cannot be used.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum JournalError {
     /// The file cannot be read.
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// It is something else.
+    /// The file is something else.
     #[error("is no journal of baudbot: its first line is missing")]
     Foreign,
-    /// It is of another version of the format.
+    /// The journal is of another version of the format.
     #[error("is of format {0}; this version of baudbot reads formats 1 to {JOURNAL_FORMAT}")]
     Format(String),
-    /// It ends before the first state: it was begun and never used.
+    /// The journal ends before the first state: it was begun and never used.
     #[error("ends before the first state")]
     Unfinished,
     /// A checksum does not match, of what was on the disk for good.
@@ -32,27 +32,27 @@ pub enum JournalError {
     /// A checksum does not match, and nothing sound is before it.
     #[error("is damaged at byte {0}, in its beginning")]
     DamagedBeginning(usize),
-    /// Its scenario is not sound.
+    /// The journal's scenario is not sound.
     #[error("has a scenario that cannot be used: {0}")]
     Scenario(#[from] ScenarioError),
-    /// Its state cannot be used.
+    /// The journal's state cannot be used.
     #[error("has a state (tick {tick}, of baudbot {program}) that {source}")]
     State {
-        /// Its tick.
+        /// The state's tick.
         tick: u64,
         /// The version of the program that wrote it.
         program: String,
-        /// Why.
+        /// The error of the state.
         source: SavedError,
     },
-    /// What has happened does not lead where it led.
+    /// The inputs do not lead to the state that was reached.
     #[error(
         "does not lead to the state that it led to: {what} at tick {tick} (written by baudbot {program})"
     )]
     Differs {
         /// The tick.
         tick: u64,
-        /// What differs.
+        /// The difference.
         what: String,
         /// The version of the program that wrote it.
         program: String,
@@ -79,7 +79,7 @@ pub(super) enum Entry {
 }
 
 impl Entry {
-    /// What an entry says; `None` if it is the header, or cannot be read.
+    /// The content of an entry; `None` if it is the header, or cannot be read.
     fn read(found: &Found<'_>) -> Option<Self> {
         let body = found.body;
         Some(match found.kind {
@@ -134,7 +134,7 @@ impl Journal {
         reading.journal(&file)
     }
 
-    /// What it begins with.
+    /// The journal's header.
     pub fn header(&self) -> &JournalHeader {
         &self.header
     }
@@ -160,15 +160,15 @@ pub(super) struct Bytes<'a> {
 pub(super) struct Found<'a> {
     pub(super) kind: u8,
     pub(super) body: &'a [u8],
-    /// Where the next one begins.
+    /// The place at which the next entry begins.
     pub(super) next: usize,
 }
 
-/// How far a journal has been read.
+/// The progress of reading a journal.
 pub(super) struct Reading {
     header: Option<JournalHeader>,
     entries: Vec<Entry>,
-    /// Where the next entry begins.
+    /// The place at which the next entry begins.
     pub(super) at: usize,
     /// Entries and bytes that count: those of whole writes.
     whole: (usize, usize),
@@ -179,7 +179,7 @@ pub(super) struct Reading {
 }
 
 impl<'a> Bytes<'a> {
-    /// Those of a journal, and where its entries begin.
+    /// The bytes of a journal, and the place at which its entries begin.
     pub(super) fn new(bytes: &'a [u8]) -> Result<(Self, usize), JournalError> {
         for format in 1..=JOURNAL_FORMAT {
             let expected = format!("{MAGIC}{format}\n");
@@ -200,7 +200,7 @@ impl<'a> Bytes<'a> {
         self.bytes.get(at..at.checked_add(4)?)?.try_into().ok().map(u32::from_le_bytes)
     }
 
-    /// Where the entry at this place ends, by its head, which is sound.
+    /// The end of the entry at this place, by its head, which is sound.
     fn end_of(&self, at: usize) -> Option<usize> {
         let head = self.bytes.get(at..at.checked_add(5)?)?;
         let place = (self.format > 1).then_some(at as u64);
@@ -263,7 +263,7 @@ impl Reading {
             return Some(());
         }
         let entry = Entry::read(found)?;
-        // No time goes back. In format 1 nothing else tells a block that stands twice.
+        // Time never goes back. In format 1 this alone detects a block that stands twice.
         if entry.tick().is_some_and(|tick| tick < self.tick) {
             return None;
         }
@@ -276,7 +276,7 @@ impl Reading {
         Some(())
     }
 
-    /// What was read until now counts.
+    /// Accepts all that was read until now.
     fn count(&mut self) {
         let new = &self.entries[self.whole.0..];
         if let Some(state) = new.iter().rposition(|entry| matches!(entry, Entry::State(_))) {
@@ -291,13 +291,13 @@ impl Reading {
         self.whole = (self.entries.len(), self.at);
     }
 
-    /// What was read of a write that does not count is forgotten, and reading goes on there.
+    /// Drops the entries of a write that does not count, and goes on reading there.
     pub(super) fn skip_to(&mut self, at: usize) {
         self.entries.truncate(self.whole.0);
         self.at = at;
     }
 
-    /// Whether what is here is an unfinished write, and nothing says that it was on the disk for good.
+    /// Whether the rest is an unfinished write, and nothing proves that it was on the disk for good.
     fn is_torn(&self, file: &Bytes<'_>) -> bool {
         if !self.has_state || file.is_cut_at(self.at) {
             return true;

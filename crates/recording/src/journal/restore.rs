@@ -17,7 +17,7 @@ pub struct Restored {
     pub world: World,
     /// The scenario with which it was made.
     pub made: Arc<Scenario>,
-    /// How it was run.
+    /// The settings with which the world was run.
     pub settings: Settings,
     /// The writing ends of the robots' ports, as far as they are known.
     pub ports: Vec<PortState>,
@@ -102,7 +102,7 @@ impl Restored {
         }
     }
 
-    /// What entered the world enters it again.
+    /// Puts recorded inputs into the world again.
     fn enter(&mut self, inputs: &v1::RecordedInputs, journal: &Journal) -> Result<()> {
         self.advance(inputs.tick, journal)?;
         for change in inputs.changes.iter().filter_map(|recorded| recorded.change.clone()) {

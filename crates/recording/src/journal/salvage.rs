@@ -1,19 +1,19 @@
-//! What is left of a journal that has lost something.
+//! The rest of a journal that has lost something.
 
 use super::kind;
 use super::read::{Bytes, Entry, Journal, JournalError, Reading};
 use super::restore::Restored;
 
-/// The world of a damaged journal, at the last instant of which it can be told that it was so.
+/// The world of a damaged journal, at the last instant at which its state is proven.
 #[derive(Debug)]
 pub struct Salvaged {
     /// The world.
     pub restored: Restored,
-    /// Where the damage begins that was passed over, as a later state has all that was before it.
+    /// The beginnings of damage that was passed over, as a later state has all that was before it.
     pub passed: Vec<usize>,
-    /// Where the journal ends to be sound, and how many bytes are behind that.
+    /// The end of the sound part of the journal, and the number of bytes behind it.
     pub left_out: (usize, usize),
-    /// What has happened leads elsewhere from some tick on: the world is that of the last fingerprint before.
+    /// The recorded inputs lead elsewhere from some tick on: the world is that of the last fingerprint before.
     pub differs: Option<JournalError>,
 }
 
@@ -46,7 +46,7 @@ impl Journal {
         Ok(Salvaged { restored, passed, left_out, differs })
     }
 
-    /// How many of the entries before this one lead to a world that has been compared with what it was.
+    /// The number of the entries before this one that lead to a world whose fingerprint was compared.
     fn certain_before(&self, entry: usize) -> Option<usize> {
         let before = &self.entries[..entry];
         let certain = before.iter().rposition(|entry| match entry {

@@ -11,7 +11,7 @@ fn world() -> World {
     World::new(Arc::<Scenario>::new(baudbot_scenario::parse(WANDER).unwrap()))
 }
 
-/// So many writes are not on the disk yet.
+/// The number of writes that are not on the disk yet.
 const SYNCED_BEFORE: usize = 4;
 
 /// A journal of a run of so many ticks, the world at its end, and how many bytes there were, and which state, after each write.
@@ -67,7 +67,7 @@ fn a_journal_that_is_cut_off_anywhere_gives_the_last_state_that_was_whole() {
             (Err(JournalError::Unfinished), None) => {}
             (Ok(journal), Some((until, tick, hash))) => {
                 assert_eq!((journal.length(), journal.torn()), (*until, length - until));
-                // What does not end with a write is the same but for the bytes behind it.
+                // A journal that does not end with a write is the same but for the bytes behind it.
                 if *until == length {
                     let restored = journal.restore().unwrap();
                     assert_eq!((restored.world.tick(), restored.world.hash()), (*tick, *hash), "{length}");
@@ -140,7 +140,7 @@ fn after_a_torn_tail_a_world_goes_on_from_the_last_write_that_was_whole_200_time
         let synced = torn == bytes || last + SYNCED_BEFORE + 1 >= written.len() || number % 8 != 7;
         let read = Journal::read(&torn);
         if !synced {
-            // A hole in what was on the disk for good is damage, and is said to be.
+            // A hole in bytes that were on the disk for good is damage, and reported so.
             assert!(matches!(read, Ok(_) | Err(JournalError::Damaged(_))), "{number}: {read:?}");
             continue;
         }

@@ -4,14 +4,14 @@ use std::io::{self, Read};
 
 use crc32fast::Hasher;
 
-/// What has been read of a file and not been taken yet. It grows with what the file gives, and not with what is asked
-/// for.
+/// The bytes of a file that have been read and not been taken yet. It grows with what the file gives, and not with what
+/// is asked for.
 pub(super) struct Bytes<R> {
     file: R,
     read: Vec<u8>,
-    /// How many of those are taken.
+    /// The number of those that are taken.
     taken: usize,
-    /// How many have been taken of the file.
+    /// The number of bytes of the file that have been taken.
     place: u64,
     is_at_end: bool,
     hasher: Hasher,
@@ -39,7 +39,7 @@ impl<R: Read> Bytes<R> {
         Ok(&self.read[self.taken..until])
     }
 
-    /// What has been read ahead, at least one byte unless the file is over.
+    /// The bytes that have been read ahead, at least one unless the file is over.
     pub(super) fn ahead(&mut self) -> io::Result<&[u8]> {
         self.peek(1)?;
         Ok(&self.read[self.taken..])
@@ -53,7 +53,7 @@ impl<R: Read> Bytes<R> {
         self.taken = until;
     }
 
-    /// How many bytes of the file have been taken.
+    /// The number of bytes of the file that have been taken.
     pub(super) fn place(&self) -> u64 {
         self.place
     }

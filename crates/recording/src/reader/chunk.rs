@@ -6,15 +6,15 @@ use std::io::Read;
 use super::record::{Chunk, HEAD, Record, head, parse};
 use crate::error::Packing;
 
-/// Why nothing of a chunk is used.
+/// The reason why nothing of a chunk is used.
 pub(super) enum Unusable {
-    /// It is not what was written.
+    /// The chunk differs from what was written.
     Damaged,
-    /// It is packed in a way of MCAP's that is not read here.
+    /// The chunk is packed in a way of MCAP's that is not read here.
     Packed(Packing),
 }
 
-/// Unpacks a chunk's records. Memory grows with what comes out, whatever the chunk says of itself.
+/// Unpacks a chunk's records. Memory grows with what comes out, whatever length the chunk claims.
 pub(super) fn unpack(chunk: &Chunk<'_>, out: &mut Vec<u8>) -> Result<(), Unusable> {
     out.clear();
     let packed = chunk.data.len() as u64;

@@ -20,7 +20,7 @@ use record::{BEGINNING, Chunk, HEAD, Record, Statistics};
 /// Reads messages.
 pub(crate) struct Reader<R> {
     bytes: Bytes<R>,
-    /// What chunks may unpack to, in bytes, all together.
+    /// The most bytes that all chunks together may unpack to.
     limit: usize,
     unpacked: usize,
     /// The chunk that is being read, and where in it.
@@ -52,28 +52,28 @@ struct Seen {
     messages: u64,
     chunks: u32,
     damages: u32,
-    /// Where the first damage is.
+    /// The place of the first damage.
     first_damage: u64,
-    /// The end of the messages was there; whether their checksum is the one that is told, if one is.
+    /// The end of the messages was there; whether their checksum is the one of the file, if it has one.
     end: Option<Option<bool>>,
-    /// Of the whole file, as it tells itself.
+    /// The counts of the whole file, by its own record.
     statistics: Option<Statistics>,
     /// The last record of the file was there.
     has_footer: bool,
-    /// Where reading was given up.
+    /// The place at which reading was given up.
     given_up: bool,
     /// Bytes that came out of chunks that were not sound.
     wasted: usize,
 }
 
-/// How whole a file is; known at its end.
+/// The condition of a file; known at its end.
 #[derive(Clone, Debug)]
 pub(crate) struct Condition {
     /// All messages that were ever in it have been read.
     pub(crate) is_whole: bool,
-    /// What is wrong with it, if anything is: if it is whole, nothing that matters.
+    /// The problem of the file, if there is one: if the file is whole, one that does not matter.
     pub(crate) problem: Option<String>,
-    /// The times of its first and its last message, in nanoseconds, if it tells them.
+    /// The times of its first and its last message, in nanoseconds, if it has them.
     pub(crate) times_ns: Option<(u64, u64)>,
 }
 
@@ -93,7 +93,7 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// The next message on a topic that `wanted` says yes to, or the next damage; `None` at the end.
+    /// The next message on a topic that `wanted` accepts, or the next damage; `None` at the end.
     pub(crate) fn next(&mut self, wanted: impl Fn(&str) -> bool) -> Result<Option<Item>, RecordingError> {
         if !self.has_begun {
             self.begin()?;
@@ -117,14 +117,14 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// How whole the file is, once there is nothing more to be read.
+    /// The condition of the file, once there is nothing more to be read.
     pub(crate) fn condition(self) -> Condition {
         let Seen { messages, chunks, end, damages, has_footer, .. } = self.seen;
         let statistics = self.seen.statistics.filter(|_| has_footer);
         let found = (messages, chunks);
         let all = statistics.map(|statistics| (statistics.messages, statistics.chunks) == found);
         let is_whole = match (end, all) {
-            // Of a file that is cut off anywhere not all is there.
+            // A file that is cut off anywhere is not complete.
             _ if !has_footer => false,
             (None, _) => false,
             (Some(Some(true)), _) | (_, Some(true)) => true,
@@ -182,7 +182,7 @@ impl<R: Read> Reader<R> {
                 return Ok(next);
             }
             Some(Record::Statistics(statistics)) => self.seen.statistics = Some(statistics),
-            // Whoever packs messages packs all of them: this was something else.
+            // A file with packed messages has all messages packed: this was something else.
             Some(Record::Message { .. }) if self.seen.chunks > 0 => return Ok(Next::Damage),
             Some(record @ (Record::Channel { .. } | Record::Message { .. } | Record::Other)) => {
                 next = self.seen.note(&mut self.topics, record, &wanted).map_or(next, Next::Message);
@@ -194,12 +194,12 @@ impl<R: Read> Reader<R> {
         Ok(next)
     }
 
-    /// A record of so many bytes says that there are no messages behind it, and what the checksum of the file is so far.
+    /// A record of so many bytes ends the messages, and has the checksum of the file so far.
     fn end_messages(&mut self, checksum: u32, length: usize) {
         let found = self.bytes.checksum();
         self.seen.end = Some((checksum != 0).then_some(checksum == found));
         self.bytes.take(length);
-        // What follows has a checksum of its own.
+        // The rest of the file has a checksum of its own.
         self.bytes.checksum();
     }
 
@@ -268,7 +268,7 @@ impl Seen {
             }
             Err(Unusable::Packed(packing)) => Err(RecordingError::Packed(packing)),
             Err(Unusable::Damaged) => {
-                // What was looked at, and what came of it.
+                // The work on a damaged chunk counts against the limit.
                 self.wasted += packed.data.len() + chunk.len();
                 chunk.clear();
                 Ok(Next::Damage)
@@ -309,7 +309,7 @@ impl Seen {
             _ if self.given_up => Some(format!("the file is damaged from byte {at} on")),
             (0, None) => cut_off(),
             (0, Some(_)) => (!is_whole).then(|| "chunks of the file are missing".to_owned()),
-            // What is cut off within a record looks like damage that nothing follows.
+            // A cut within a record looks like damage at the end.
             (1, None) => Some(format!("the file is cut off or damaged at byte {at}")),
             (1, Some(_)) => Some(format!("the file is damaged at byte {at}")),
             (n, Some(_)) => {
@@ -329,22 +329,22 @@ fn kind_and_length(head: &[u8]) -> Option<(u8, usize)> {
     Some((kind, HEAD + length))
 }
 
-/// What a record of the file was.
+/// The result of reading a record of the file.
 enum Next {
     Nothing,
     Message(Message),
     Damage,
 }
 
-/// With what an MCAP file begins.
+/// The bytes with which an MCAP file begins.
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// Longest record that is read, in bytes.
 const MAX_RECORD: usize = 1 << 30;
 
-/// So many bytes may come out of chunks that then turn out not to be sound, before the rest is given up: each byte of a
-/// file could be made to look like the beginning of one.
+/// The most bytes that may come out of chunks that then turn out not to be sound, before the rest is given up: each
+/// byte of a file could be made to look like the beginning of one.
 const MAX_WASTED: usize = 1 << 30;
 
-/// Of a file that is damaged in more places nothing else is expected.
+/// The number of damaged places beyond which reading is given up.
 const MAX_DAMAGES: u32 = 1000;

@@ -4,7 +4,7 @@
 //! A record whose fields do not fill it is invalid: so a length or a kind that a disk has altered is detected, and a forged
 //! length allocates no memory.
 
-/// What stands in a record, as far as it matters here.
+/// The content of a record, as far as it is used here.
 pub(super) enum Record<'a> {
     Channel {
         id: u16,
@@ -22,13 +22,13 @@ pub(super) enum Record<'a> {
         checksum: u32,
     },
     Statistics(Statistics),
-    /// Of a kind that says nothing about the run.
+    /// A record of a kind that does not belong to the run.
     Other,
 }
 
 /// Records that are packed together.
 pub(super) struct Chunk<'a> {
-    /// How many bytes they are.
+    /// The number of bytes of the messages.
     pub(super) size: u64,
     /// CRC-32 of them, 0 if it is not known.
     pub(super) checksum: u32,
@@ -36,7 +36,7 @@ pub(super) struct Chunk<'a> {
     pub(super) data: &'a [u8],
 }
 
-/// What there is in a whole file.
+/// The counts of a whole file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Statistics {
     pub(super) messages: u64,
@@ -168,7 +168,7 @@ impl<'a> Fields<'a> {
         Some(Chunk { data: self.skip(usize::try_from(packed).ok()?)?, ..chunk })
     }
 
-    /// Without what is in it, and how many bytes that is.
+    /// The chunk without its content, and the number of bytes of that.
     fn chunk_head(&mut self) -> Option<(Chunk<'a>, u64)> {
         self.skip(8 + 8)?;
         let (size, checksum, compression) = (self.u64()?, self.u32()?, self.text()?);
@@ -197,16 +197,16 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// A field of a record that says nothing about the run.
+/// A field of a record that does not belong to the run.
 enum Field {
-    /// So many bytes.
+    /// A fixed number of bytes.
     Fixed(usize),
     Text,
     /// Names and texts.
     Texts,
     /// A list of things of so many bytes each.
     List(usize),
-    /// As many bytes as 64 bits say.
+    /// Data with their length in 64 bits.
     Data,
 }
 

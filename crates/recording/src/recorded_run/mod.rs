@@ -34,12 +34,12 @@ pub struct RecordedRun {
     marks: Vec<(u32, Mark)>,
     events: Vec<v1::RecordedEvent>,
     thinking: Vec<v1::RobotThinking>,
-    /// What can be done again, in the order of ticks; at least one.
+    /// The stretches that can be run again, in the order of ticks; at least one.
     stretches: Vec<Stretch>,
     condition: Condition,
     /// While it is read: how often something was missing so far.
     part: u32,
-    /// How many inputs and states there were when the last mark came.
+    /// The numbers of inputs and states at the last mark.
     marked: (usize, usize),
 }
 
@@ -47,7 +47,7 @@ pub struct RecordedRun {
 #[derive(Debug)]
 struct Kept {
     tick: u64,
-    /// How often something was missing before it.
+    /// The number of gaps before it.
     part: u32,
     place: Range<usize>,
 }
@@ -56,8 +56,8 @@ impl RecordedRun {
     /// Reads a file.
     ///
     /// # Errors
-    /// If it is no recording, or too little is left of it. Of one that is cut off or damaged behind its beginning all is
-    /// read that can be done again, and [`problem`](Self::problem) says what is wrong with it.
+    /// If it is no recording, or too little is left of it. Of one that is cut off or damaged behind its beginning all
+    /// is read that can be done again, and [`problem`](Self::problem) has the fault.
     pub fn open(path: &Path) -> Result<Self> {
         Self::read(BufReader::with_capacity(1 << 20, File::open(path)?))
     }
@@ -70,7 +70,7 @@ impl RecordedRun {
         Self::read_at_most(file, usize::MAX)
     }
 
-    /// As [`read`](Self::read), for bytes from an untrusted source: they unpack to no more bytes than this.
+    /// The same as [`read`](Self::read), for bytes from an untrusted source: they unpack to no more bytes than this.
     ///
     /// # Errors
     /// Also if it is more.
@@ -171,7 +171,7 @@ impl RecordedRun {
         Ok(Kept { tick, part: self.part, place: start..self.bytes.len() })
     }
 
-    /// What it begins with.
+    /// The recording's header.
     pub fn header(&self) -> &v1::RecordingHeader {
         &self.header
     }
@@ -191,7 +191,7 @@ impl RecordedRun {
         self.stretches[self.stretches.len() - 1].last_tick
     }
 
-    /// How long the brains of robots took to answer, of those of which that was measured.
+    /// The times that the brains of robots took to answer, of those for which they were measured.
     pub fn thinking(&self) -> &[v1::RobotThinking] {
         &self.thinking
     }
@@ -201,12 +201,12 @@ impl RecordedRun {
         &self.events
     }
 
-    /// Why there is less in the file than was recorded, if there is.
+    /// The reason why there is less in the file than was recorded, if there is.
     pub fn problem(&self) -> Option<&str> {
         self.condition.problem.as_deref().filter(|_| !self.is_whole())
     }
 
-    /// What is wrong with the file though all that makes the run again is there, if anything is.
+    /// The problem of a file from which the run can be made again all the same, if there is one.
     pub fn scratch(&self) -> Option<&str> {
         self.condition.problem.as_deref().filter(|_| self.is_whole())
     }
@@ -226,7 +226,7 @@ impl RecordedRun {
         self.marks[self.marks.len() - 1].1.state_hash
     }
 
-    /// What entered the world in a tick, from the first of these messages on.
+    /// The inputs of the world in a tick, from the first of these messages on.
     ///
     /// # Errors
     /// If they cannot be read.
@@ -319,7 +319,7 @@ const MOST_BY_HAND: usize = 10_000;
 /// Inputs of a robot in a tick: the server takes 64 Steps of a brain. With more, a small file could ask for much memory.
 const MOST_A_ROBOT: usize = 256;
 
-/// Of an input or a state, what has to be known to keep it.
+/// The numbers of an input or a state that have to be known to keep it.
 #[derive(Clone, Copy, PartialEq, Message)]
 struct OfTick {
     #[prost(uint64, tag = "1")]
@@ -354,7 +354,7 @@ fn decode<M: Message + Default>(topic: &str, data: &[u8]) -> Result<M> {
 
 /// Refuses a message with more entries in a field.
 fn at_most(topic: &str, data: &[u8], field: u32, limit: usize) -> Result<()> {
-    // One that cannot be read says so when it is decoded.
+    // The error of one that cannot be read comes when it is decoded.
     match occurrences(data, field) {
         Some(found) if found > limit => {
             Err(RecordingError::Crowded { topic: topic.to_owned(), field, found, limit })
@@ -363,7 +363,7 @@ fn at_most(topic: &str, data: &[u8], field: u32, limit: usize) -> Result<()> {
     }
 }
 
-/// How often a message has the field of this number; `None` if it cannot be read.
+/// The number of times that a message has the field of this number; `None` if it cannot be read.
 fn occurrences(mut data: &[u8], wanted: u32) -> Option<usize> {
     let mut n = 0;
     while !data.is_empty() {

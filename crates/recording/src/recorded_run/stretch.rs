@@ -8,22 +8,22 @@ use crate::error::RecordingError;
 /// Ticks in a row: the state at the first is there, and all that entered the world until the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stretch {
-    /// Where it begins.
+    /// The tick at which the stretch begins.
     pub first_tick: u64,
-    /// Where it ends.
+    /// The tick at which the stretch ends.
     pub last_tick: u64,
-    /// How often something was missing before it in the file.
+    /// The number of gaps before it in the file.
     part: u32,
 }
 
-/// How much of a recording can be done again and compared.
+/// The part of a recording that can be run again and compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Coverage {
     /// Nothing that was recorded is missing before the last tick.
     pub is_complete: bool,
     /// Ticks that can be.
     pub compared_ticks: u64,
-    /// How many there were; `None` if the end is missing and nothing tells where it was.
+    /// The number of recorded ticks; `None` if the end is missing and its place is unknown.
     pub recorded_ticks: Option<u64>,
 }
 
@@ -47,11 +47,11 @@ impl Stretch {
 const MOST_UNUSABLE: usize = 1000;
 
 impl RecordedRun {
-    /// What is behind the last mark of a part may not be all that there was; what is before its first state belongs to
-    /// a world that is not known.
+    /// Puts the parts in order. The rest of a part behind its last mark may be incomplete, and all before its first
+    /// state belongs to an unknown world.
     pub(super) fn put_in_order(mut self) -> Result<Self> {
         if self.condition.is_whole {
-            // What was damaged was none of the messages.
+            // The damage was in none of the messages.
             self.inputs.iter_mut().chain(&mut self.states).for_each(|kept| kept.part = 0);
             self.marks.iter_mut().for_each(|(part, _)| *part = 0);
             self.part = 0;
@@ -73,7 +73,7 @@ impl RecordedRun {
         self.inputs.sort_by_key(|kept| kept.tick);
         self.states.sort_by_key(|kept| kept.tick);
         self.marks.sort_by_key(|(_, mark)| mark.tick);
-        // Of two marks that begin at one tick the later knows more: a change by hand may have come between.
+        // The later of two marks at one tick is kept: a manual change may have come between.
         self.marks.reverse();
         self.marks.dedup_by(|(part, earlier), (other, later)| {
             part == other && later.first_tick <= earlier.first_tick
@@ -83,7 +83,7 @@ impl RecordedRun {
         Ok(self)
     }
 
-    /// What can be done again of each part of the file, behind what can of those before it.
+    /// Finds the part of each piece of the file that can be run again, behind those before it.
     fn find_stretches(&mut self) -> Result<()> {
         // Marks and states came part by part. Of a file that harms there may be millions of parts.
         let mut states = self.states.as_slice();
@@ -97,7 +97,7 @@ impl RecordedRun {
             let before = self.stretches.last().map(|stretch| stretch.last_tick);
             let is_new = |tick: u64| tick <= last_tick && before.is_none_or(|before| tick > before);
             for kept in of_part.iter().filter(|kept| is_new(kept.tick)) {
-                // The first is asked for anyway, and says why it cannot be used.
+                // The first is asked for anyway, and returns why it cannot be used.
                 if part == 0 || self.state(kept)?.is_ok() {
                     self.stretches.push(Stretch { first_tick: kept.tick, last_tick, part });
                     break;
@@ -121,7 +121,7 @@ impl RecordedRun {
         &self.stretches
     }
 
-    /// The first and the last tick that the recording ever had, as far as the file still tells.
+    /// The first and the last tick that the recording ever had, as far as the file still has them.
     pub fn extent(&self) -> (u64, u64) {
         let step_ns = self.scenario.step_ns.max(1);
         let ticks =
@@ -131,7 +131,7 @@ impl RecordedRun {
         (first, last.max(self.last_tick()))
     }
 
-    /// How much of it can be done again: of all, or until a tick.
+    /// The part of the recording that can be run again: of all, or until a tick.
     pub fn coverage(&self, asked: Option<u64>) -> Coverage {
         let (from, until) = self.extent();
         let until = asked.map_or(until, |asked| asked.clamp(from, until));
@@ -171,7 +171,7 @@ impl RecordedRun {
         self.stretches[behind.saturating_sub(1)]
     }
 
-    /// Where what comes next begins, behind the stretch that this tick is in.
+    /// The next stretch behind the one of this tick.
     pub(crate) fn next_stretch(&self, tick: u64) -> Option<Stretch> {
         let behind = self.stretches.partition_point(|stretch| stretch.first_tick <= tick);
         self.stretches.get(behind).copied()
