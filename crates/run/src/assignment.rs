@@ -17,7 +17,7 @@ use crate::programs::Held;
 use crate::programs::{BadProgram, EXEC, Program, Task};
 use crate::suggest::UnknownName;
 
-/// Who drives the robots of a scenario.
+/// The drivers of the robots of a scenario.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Assigned {
     /// Brains of the catalogue.
@@ -29,14 +29,14 @@ pub struct Assigned {
 /// Robots that one kind of brain drives, each robot with a brain of its own, over one stream.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assignment {
-    /// As in the catalogue: `NAME[:K=V,…]`.
+    /// The brain in the catalogue's form: `NAME[:K=V,…]`.
     pub brain: String,
-    /// Their names.
+    /// The names of the robots.
     pub robots: Vec<String>,
 }
 
 impl Assigned {
-    /// What drives a robot, as it was asked for.
+    /// The driver of a robot, in the words of the request.
     pub fn brain_of(&self, robot: &str) -> Option<String> {
         let is_its = |robots: &[String]| robots.iter().any(|name| name == robot);
         let brain = self.brains.iter().find(|brain| is_its(&brain.robots)).map(|brain| brain.brain.clone());
@@ -44,8 +44,8 @@ impl Assigned {
         brain.or_else(|| program().map(|task| format!("{EXEC}{}", task.program)))
     }
 
-    /// States of robots when their brains write, unless their scenario does: of a brain of the catalogue as the catalogue says it; a
-    /// program is taken to answer messages only.
+    /// States of robots when their brains write, unless their scenario does: of a brain of the catalogue by the
+    /// catalogue; a program is taken to answer messages only.
     ///
     /// # Errors
     /// If the catalogue has no such brain.
@@ -71,7 +71,7 @@ impl Assigned {
         Ok(())
     }
 
-    /// Sets a parameter of all brains that have it. Which parameters a program has, only the program knows.
+    /// Sets a parameter of all brains that have it. The parameters of a program are known only to itself.
     ///
     /// # Errors
     /// If no brain has it.
@@ -94,7 +94,7 @@ impl Assigned {
         if found { Ok(()) } else { Err(UnknownName::new("parameter of a brain", name, &known)) }
     }
 
-    /// Which robots of a world are held, and whether they are to be.
+    /// The robots of a world, with whether they are held and whether they should be.
     #[cfg(feature = "programs")]
     pub fn held(&self, status: &v1::WorldStatus) -> Vec<Held> {
         let held = |robot: &v1::RobotStatus| Held {
@@ -106,7 +106,7 @@ impl Assigned {
     }
 }
 
-/// Why robots have not got their brains, or lost them.
+/// The reason why robots have not got their brains, or lost them.
 #[derive(Debug, thiserror::Error)]
 pub enum AssignmentError {
     /// A brain is for a robot that is not there.
@@ -118,13 +118,13 @@ pub enum AssignmentError {
     Robot {
         /// The name given.
         robot: String,
-        /// Those that there are.
+        /// The robots that exist.
         known: Vec<String>,
     },
     /// There are two brains for the same robot, or for all robots.
     #[error("{whom} can have only one brain")]
     Twice {
-        /// Which robots.
+        /// The robots with two brains.
         whom: String,
     },
     /// The default brain is for robots that see.
@@ -144,13 +144,13 @@ pub enum AssignmentError {
     OwnProgram {
         /// The robot.
         robot: String,
-        /// Its brain.
+        /// The brain.
         brain: String,
     },
     /// The catalogue has no such brain for a robot.
     #[error(transparent)]
     Brain(#[from] CatalogueError),
-    /// What stands behind `exec:` is no program.
+    /// The text behind `exec:` is no program.
     #[error(transparent)]
     Program(#[from] BadProgram),
     /// A stream to a server failed.
@@ -200,8 +200,8 @@ pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Assigned, Assig
     Ok(assigned)
 }
 
-/// What may attach to a microcontroller with a program of the user's own: another such program. A brain of messages that is for all
-/// of several robots is not meant for that one.
+/// The drivers that may attach to a microcontroller with a program of the user's own: another such program. A brain of
+/// messages that is for all of several robots is not meant for that one.
 fn understood<'a>(
     spec: &RobotSpec,
     brain: &'a str,
@@ -315,7 +315,7 @@ fn has_infrared(spec: &RobotSpec) -> bool {
 /// The brain of a robot that is given none.
 pub const DEFAULT: &str = "avoid";
 
-/// How long a program has until it holds its robots. Some load much before that.
+/// The time that a program has until it holds its robots. Some load much before that.
 pub const START_PATIENCE: Duration = Duration::from_secs(60);
 
 /// The word for no brain.

@@ -9,7 +9,7 @@ use crate::assignment::{Assignment, AssignmentError};
 pub struct AttachedBrains {
     fleet: Fleet,
     brains: Vec<Box<dyn Brain + Send>>,
-    // They are made again of this if the operator wants that.
+    // The sessions are made again with these if the operator restarts a brain.
     client: Client,
     world: String,
     assignment: Assignment,
@@ -28,7 +28,7 @@ impl AttachedBrains {
         seed: u64,
     ) -> Result<Self, AssignmentError> {
         let robots: Vec<_> = assignment.robots.iter().map(String::as_str).collect();
-        // No brain of the catalogue says how long it thought.
+        // The brains of the catalogue do not state a thinking time.
         let named = client.clone().brain(catalogue::shown_name(&assignment.brain)).thinks_as_scenario();
         let fleet = named.attach_many(world, &robots).await?;
         let make = |body| catalogue::brain(&assignment.brain, seed, body);

@@ -123,7 +123,7 @@ struct Output {
 #[derive(Clone)]
 enum Content {
     Bytes(Vec<u8>),
-    /// With the last signals of the other actuators.
+    /// A command with the last signals of the other actuators.
     Command {
         sequence: u8,
         wheels: Wheels,
@@ -131,7 +131,7 @@ enum Content {
 }
 
 impl Output {
-    /// As the world takes it.
+    /// The answer in the form that the world takes.
     fn answer<'a>(&'a self, commands: &'a [Option<RawCommands>]) -> Answer<'a> {
         let written = match &self.content {
             Content::Bytes(bytes) => Written::Bytes(bytes),
@@ -217,7 +217,8 @@ impl Deref for BareWorld {
 }
 
 impl DerefMut for BareWorld {
-    /// For what makes no difference to the run, such as how much of it is kept, and for changes between two ticks.
+    /// Access for what makes no difference to the run, such as how much of it is kept, and for changes between two
+    /// ticks.
     fn deref_mut(&mut self) -> &mut World {
         &mut self.world
     }

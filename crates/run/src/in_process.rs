@@ -15,7 +15,7 @@ pub type AnyBrain = Box<dyn Brain + Send>;
 pub type InProcess = DrivenWorld<BareWorld, AnyBrain>;
 
 /// Runs a scenario with these brains, seeded with the scenario's seed, to its end, which it must have, and reads the
-/// sensors a last time, as a server does. Says how the world then is.
+/// sensors a last time, as a server does. Returns how the world then is.
 ///
 /// # Errors
 /// If the catalogue has no such brain for a robot.
@@ -65,7 +65,8 @@ impl InProcess {
         Ok(Self { world: BareWorld::new(World::new(scenario.into())), drivers })
     }
 
-    /// As [`new`](Self::new), with a brain of the caller's own for the first robot, which is the only one with a brain.
+    /// The same as [`new`](Self::new), with a brain of the caller's own for the first robot, which is the only one with
+    /// a brain.
     pub fn with_brain(scenario: Scenario, brain: impl Brain + Send + 'static) -> Self {
         let driver = |spec| Driver::new(Body::from(spec), Box::new(brain) as AnyBrain);
         let drivers = vec![scenario.robots.first().map(driver)];
@@ -80,7 +81,7 @@ impl InProcess {
         });
     }
 
-    /// As many ticks, or fewer if the run ends.
+    /// Runs as many ticks, or fewer if the run ends.
     pub fn run(&mut self, ticks: u64) {
         for _ in 0..ticks {
             if self.world.ending().is_some() {

@@ -5,7 +5,7 @@ use std::fmt;
 use baudbot_brains::catalogue::nearest_first;
 use baudbot_fields::Cause;
 
-/// There is no thing of this name. The message says which there are, the nearest first.
+/// There is no thing of this name. The message has those that exist, the nearest first.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct UnknownName {
     kind: &'static str,

@@ -1,4 +1,4 @@
-//! Programs that behave badly: each is told in a sentence, and nothing of it is left.
+//! Programs that behave badly: each is reported in a sentence, and nothing of it is left.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -13,7 +13,7 @@ fn start(program: &str) -> Result<Crew, Failure> {
     Crew::start(&[task(program)], "unix:/nowhere", "world", 7)
 }
 
-/// Nobody holds the robot, and perhaps one that has no brain.
+/// The robot has no brain, and perhaps there is one more that needs none.
 fn robots(other: bool) -> Vec<Held> {
     let held = |robot: &str, held, expected| Held { robot: robot.to_owned(), held, expected };
     vec![held("alice", false, true), held("bob", other, false)]
@@ -197,8 +197,8 @@ async fn a_process_that_fails_at_its_next_run_is_told_as_one_that_fails_at_its_f
 async fn a_first_line_that_names_no_interpreter_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("crlf.sh");
-    // A process of its own writes it: a program that a test beside starts meanwhile would inherit the open file, and who
-    // tries to run a file that is open for writing is told that it is busy.
+    // A process of its own writes it: a program that a test beside starts meanwhile would inherit the open file, and a
+    // file that is open for writing cannot be run: it is busy.
     let written = ["-c", "printf '#!/bin/sh\\r\\necho here\\r\\n' > \"$0\" && chmod +x \"$0\""];
     assert!(std::process::Command::new("sh").args(written).arg(&path).status().unwrap().success());
     let error = start(&path.display().to_string()).unwrap_err();

@@ -1,4 +1,4 @@
-//! A robot that a program drives: what its brain has, and what it was told to do.
+//! A robot that a program drives: its readings and its last command.
 
 use std::sync::Arc;
 
@@ -23,14 +23,14 @@ pub struct Agent {
     pending: Option<[f64; WHEELS]>,
     others: SmallVec<[f64; 2]>,
     values: SmallVec<[f64; FEW]>,
-    /// When each reading was sampled, as its message says, or else when it came; `NEVER` if none has.
+    /// The instants at which each reading was sampled, as its message says, or else when it came; `NEVER` if none has.
     sampled_at: SmallVec<[SimTime; FEW]>,
     readable: SmallVec<[bool; FEW]>,
-    /// It is asked at its next turn, unless a command does that.
+    /// The robot is polled at the agent's next turn, unless a command does that.
     asks: bool,
     /// A message has come since the step began.
     pub(crate) has_heard: bool,
-    /// Of its last turn.
+    /// The instant of the last turn.
     now: SimTime,
 }
 
@@ -57,7 +57,7 @@ impl Agent {
         &self.layout
     }
 
-    /// Its last readings, 0 where none has come yet. In SI units.
+    /// The last readings, 0 where none has come yet. In SI units.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
@@ -115,13 +115,13 @@ impl Agent {
         Ok(())
     }
 
-    /// The step begins: nothing has been heard in it.
+    /// The step begins: no message has come in it.
     pub(crate) fn begin_step(&mut self) {
         self.asks = self.is_polled;
         self.begin_stretch();
     }
 
-    /// The same of a stretch of time in which nobody asks.
+    /// The same of a stretch of time without requests.
     pub(crate) fn begin_stretch(&mut self) {
         self.has_heard = false;
         self.readable.fill(false);

@@ -15,9 +15,9 @@ use crate::learn::task::Task;
 
 /// An environment.
 ///
-/// Between two steps the world stands within a tick, at the instant at which its agents would think. A step sends what the agents
-/// were told to do, and goes on until each of them has a message again, or for a second if none comes: a control cycle of the
-/// cable.
+/// Between two steps the world stands within a tick, at the instant at which its agents would think. A step sends the
+/// agents' commands, and goes on until each of them has a message again, or for a second if none comes: a control cycle
+/// of the cable.
 pub struct Env {
     task: Arc<Task>,
     /// The changes of fields of this run.
@@ -74,7 +74,7 @@ impl Env {
     /// come.
     ///
     /// # Errors
-    /// If with what is drawn or changed the scenario makes no sense, or has other robots or other readings.
+    /// If the drawn and changed fields make the scenario invalid, or has other robots or other readings.
     pub fn new(task: Arc<Task>, seed: u64, more: &[String]) -> Result<Self, LearnError> {
         let mut env = Self::at_start(task, seed, more)?;
         env.step();
@@ -110,7 +110,7 @@ impl Env {
         Ok(())
     }
 
-    /// Its task.
+    /// The environment's task.
     pub fn task(&self) -> &Arc<Task> {
         &self.task
     }
@@ -130,7 +130,7 @@ impl Env {
         &self.agents
     }
 
-    /// Tells an agent what to do in the next step. Without that it does what it did.
+    /// Sets the action of an agent for the next step. Without that it does what it did.
     ///
     /// # Errors
     /// See [`Agent::act`].
@@ -182,7 +182,7 @@ impl Env {
         Stepped { is_terminated: self.is_over() && !is_truncated, is_truncated }
     }
 
-    /// From within a tick, or from before the first, to within the next.
+    /// Goes from within a tick, or from before the first, to within the next.
     fn tick(&mut self) {
         if self.world().is_begun() {
             self.each_turn(|agent, world, turn| {
@@ -200,7 +200,7 @@ impl Env {
         self.each_turn(|agent, world, turn| agent.listen(world, turn));
     }
 
-    /// For each agent whose turn it is in this tick. Agents and turns are in the order of the robots.
+    /// Calls `act` for each agent whose turn it is in this tick. Agents and turns are in the order of the robots.
     fn each_turn(&mut self, mut act: impl FnMut(&mut Agent, &mut BareWorld, Turn)) {
         let Self { driven: DrivenWorld { world, .. }, agents, .. } = self;
         let mut place = 0;

@@ -12,7 +12,7 @@ pub enum LearnError {
     /// The scenario cannot be read.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// The scenario makes no sense.
+    /// The scenario is invalid.
     #[error("{label}: {error}")]
     Scenario {
         /// The name that the scenario was asked for by.

@@ -11,14 +11,14 @@ use crate::learn::run::{Info, Run, seed_of};
 use crate::learn::task::Task;
 use crate::learn::threads::Threads;
 
-/// When an environment whose run is over begins another.
+/// The time at which an environment whose run is over begins another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Autoreset {
     /// In the step behind the one that ended it, which ignores the action and is worth nothing.
     NextStep,
     /// In the same step: the observation is the new run's first.
     SameStep,
-    /// When it is asked to.
+    /// The environment begins another run only by a reset.
     Never,
 }
 
@@ -63,10 +63,10 @@ struct Row<'a> {
     readable: &'a mut [i8],
 }
 
-/// Of new runs.
+/// The seeds of new runs.
 #[derive(Clone, Copy, Debug)]
 pub enum Seeds<'a> {
-    /// Those that follow from the ones before.
+    /// The seeds follow from the ones before.
     Next,
     /// This one for the first environment, the next for the second, and so on.
     From(u64),
@@ -88,11 +88,11 @@ struct Work<'a> {
 }
 
 impl Fleet {
-    /// So many environments of a task with one agent; the seeds are `seed`, `seed + 1` and so on. They are stepped on so many
-    /// threads.
+    /// A fleet of `count` environments of a task with one agent; the seeds are `seed`, `seed + 1` and so on. They are
+    /// stepped on so many threads.
     ///
     /// # Errors
-    /// If the task has not one agent, if there are no environments, or if a run's scenario makes no sense.
+    /// If the task has not one agent, if there are no environments, or if a run's scenario is invalid.
     pub fn new(
         task: &Arc<Task>,
         count: usize,
@@ -114,7 +114,7 @@ impl Fleet {
         let mut envs: Vec<Env> = Vec::new();
         let mut need = None;
         while envs.len() < count {
-            // One first, then as many as there are: what they need says whether there is room for all.
+            // The first one is made alone, then as many as there are: their memory shows whether there is room for all.
             let (begin, end) = (envs.len(), count.min((2 * envs.len()).max(1)));
             let mut more: Vec<Option<Env>> = (begin..end).map(|_| None).collect();
             threads.each(more.iter_mut().enumerate(), |(i, env)| {
@@ -152,7 +152,7 @@ impl Fleet {
     /// Begins other runs: of environments that `which` is true of (of all without it), with these seeds.
     ///
     /// # Errors
-    /// If a run's scenario makes no sense.
+    /// If a run's scenario is invalid.
     pub fn reset(
         &mut self,
         seeds: Seeds<'_>,
@@ -182,10 +182,10 @@ impl Fleet {
         })
     }
 
-    /// A step of each environment. `actions` has shape (environments, actions). Whether a run ended in it.
+    /// A step of each environment. `actions` has shape (environments, actions). Returns whether a run ended in it.
     ///
     /// # Errors
-    /// If an action is not finite, or a new run's scenario makes no sense.
+    /// If an action is not finite, or a new run's scenario is invalid.
     ///
     /// # Panics
     /// If an array has another shape.
@@ -246,7 +246,7 @@ impl Work<'_> {
             *self.reward = reward.of(tally);
         }
         (*self.terminated, *self.truncated) = (stepped.is_terminated, stepped.is_truncated);
-        // A run that is over as soon as it begins has a step in which that is told.
+        // A run that is over as soon as it begins has a step that reports it.
         run.is_over = stepped.is_terminated || stepped.is_truncated;
         if run.is_over && autoreset == Autoreset::SameStep {
             if let Some(last) = &mut self.last {
@@ -289,5 +289,5 @@ fn row_bytes(layout: &Layout) -> u64 {
     (ROWS * (4 * layout.bounds.len() + 5 * layout.sensors.len())) as u64
 }
 
-/// As many rows has a caller of each environment.
+/// The number of rows that a caller has of each environment.
 const ROWS: usize = 6;

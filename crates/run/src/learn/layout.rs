@@ -28,11 +28,11 @@ pub struct Layout {
 /// A sensor of a layout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// Its name.
+    /// The name of the part.
     pub name: String,
-    /// Its kind, as scenarios have it.
+    /// The kind of the part, in the word of scenarios.
     pub kind: &'static str,
-    /// Its values among all.
+    /// The part's values among all.
     pub values: Range<usize>,
 }
 

@@ -1,7 +1,7 @@
 //! Whether there is memory for many worlds, found by making some of them.
 //!
-//! The system tells how much this process has, before and after. What was free in the process already is filled first and seems to need
-//! nothing, so it is looked at again and again while worlds are made.
+//! The system reports how much this process has, before and after. What was free in the process already is filled first
+//! and seems to need nothing, so it is looked at again and again while worlds are made.
 
 use std::fs;
 
@@ -23,11 +23,11 @@ impl Need {
         Self { worlds, more, first, before: resident() }
     }
 
-    /// Refuses more worlds than there is memory for, once so many are made that it can be told.
+    /// Refuses more worlds than there is memory for, once so many are made that their need is known.
     pub(crate) fn check(&self, made: usize) -> Result<(), LearnError> {
         match (self.before.zip(resident()), free()) {
             (Some((before, now)), Some(free)) => self.fits(made, now.saturating_sub(before), free),
-            // This system does not tell.
+            // This system has no such numbers.
             _ => Ok(()),
         }
     }
@@ -77,7 +77,7 @@ fn kilobytes(text: &str, name: &str) -> Option<u64> {
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
 }
 
-/// Less than this tells nothing of a single world.
+/// The least change from which the need of a world is computed, in bytes.
 const LEAST: u64 = 16 << 20;
 
 const GIB: f64 = (1_u64 << 30) as f64;

@@ -27,11 +27,11 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Its names and numbers.
+    /// The names of the numbers.
     pub const NAMES: [&'static str; 8] =
         ["seconds", "distance_m", "collisions", "progress_m", "covered", "sensed", "zones", "success"];
 
-    /// Its numbers, in the order of [`NAMES`](Self::NAMES).
+    /// The numbers of the tally, in the order of [`NAMES`](Self::NAMES).
     pub fn numbers(&self) -> [f64; 8] {
         let Self { seconds, distance_m, collisions, progress_m, covered, sensed, zones, success } = *self;
         [seconds, distance_m, collisions, progress_m, covered, sensed, zones, success]

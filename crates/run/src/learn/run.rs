@@ -22,7 +22,7 @@ pub(crate) struct Run {
 pub struct Info {
     /// Simulated time since its start, in nanoseconds.
     pub time_ns: u64,
-    /// Its seed.
+    /// The seed of the run.
     pub seed: u64,
     /// The reason for its end.
     pub ending: Option<Ending>,

@@ -16,9 +16,9 @@ use crate::learn::vary::Varied;
 /// The request for an environment.
 #[derive(Clone, Debug, Default)]
 pub struct Request {
-    /// Changes of the scenario, as `--set` has them.
+    /// Changes of the scenario in the form of `--set`.
     pub overrides: Vec<String>,
-    /// Brains of the catalogue for some robots, as `--brain` has them. The robots without one are the agents.
+    /// Brains of the catalogue for some robots, in the form of `--brain`. The robots without one are the agents.
     pub brains: Vec<String>,
     /// The robots among these that are agents: all if there are none here. The others stand.
     pub agents: Vec<String>,
@@ -32,7 +32,7 @@ pub struct Task {
     label: String,
     text: String,
     request: Request,
-    /// With the overrides of the request.
+    /// The scenario with the overrides of the request.
     scenario: Arc<Scenario>,
     /// The places of the agents' robots.
     pub(crate) agents: Vec<usize>,
@@ -44,14 +44,14 @@ impl Task {
     /// A task of this scenario.
     ///
     /// # Errors
-    /// If the scenario or what is asked for makes no sense; if a robot is to be an agent whose microcontroller runs a program of its
-    /// own.
+    /// If the scenario or the request is invalid; if a robot is to be an agent whose microcontroller runs a program of
+    /// its own.
     pub fn new(source: Source, request: Request) -> Result<Self, LearnError> {
         request.randomize.iter().try_for_each(Varied::check)?;
         let Source { label, text, notes: _ } = source;
         let scenario = parse(&label, &text, &request, None, &[])?;
         let assigned = assigned(&request.brains, &scenario.robots)?;
-        // That there is no such brain is said before that it leaves no robot to drive.
+        // The error for an unknown brain comes before the one for a task without a robot to drive.
         drivers(&scenario.robots, &assigned, scenario.seed)?;
         let agents = agents(&request.agents, &assigned, &scenario.robots)?;
         let layouts = agents.iter().map(|&robot| Arc::new(Layout::of(&scenario.robots[robot]))).collect();
@@ -96,7 +96,7 @@ impl Task {
     /// The scenario of a run with this seed, with more changes of fields.
     ///
     /// # Errors
-    /// If with what is drawn or changed the scenario makes no sense, or has other robots or other readings.
+    /// If the drawn and changed fields make the scenario invalid, or has other robots or other readings.
     pub(crate) fn scenario(&self, seed: u64, more: &[String]) -> Result<Arc<Scenario>, LearnError> {
         if self.request.randomize.is_empty() && more.is_empty() {
             if seed == self.scenario.seed {

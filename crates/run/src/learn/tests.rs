@@ -261,7 +261,7 @@ fn a_run_begins_again_in_the_step_that_is_asked_for() {
     let [same, next, never] =
         [Autoreset::SameStep, Autoreset::NextStep, Autoreset::Never].map(|when| ran(1, when));
     assert!(next.2 >= 8 && same.2 >= next.2, "{same:?} {next:?}");
-    // An environment whose run is over says so in each step.
+    // An environment whose run is over reports it in each step.
     assert!(never.2 > same.2, "{never:?}");
 }
 

@@ -20,7 +20,7 @@ pub(crate) struct Threads {
 }
 
 impl Threads {
-    /// So many, the one that calls among them.
+    /// Starts the threads, the one that calls among them.
     ///
     /// # Errors
     /// If the system has no more threads.
@@ -34,13 +34,13 @@ impl Threads {
     /// If the system has no more threads.
     pub(crate) fn are_there(&mut self) -> Result<(), LearnError> {
         if self.process != std::process::id() {
-            // To drop the old pool would wait for threads that there are not.
+            // The old pool is not dropped, as that would wait for threads that do not exist in this process.
             std::mem::forget(std::mem::replace(self, Self::start(self.count)?));
         }
         Ok(())
     }
 
-    /// Does all of this work. Of several errors the first one's is told.
+    /// Does all of this work. The first of several errors is returned.
     ///
     /// # Errors
     /// Those of the work.
@@ -125,5 +125,5 @@ fn pool(threads: usize) -> Result<Option<ThreadPool>, LearnError> {
 /// So long a thread waits for more work before it sleeps.
 const LINGER: Duration = Duration::from_micros(200);
 
-/// Between two looks.
+/// The spins between two looks.
 const SPINS: usize = 16;

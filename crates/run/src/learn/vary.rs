@@ -9,7 +9,7 @@ use crate::learn::error::LearnError;
 /// A field that is varied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Varied {
-    /// Its path, as `--set` has it.
+    /// The path of the field, as for `--set`.
     pub path: String,
     /// The draw of its values.
     pub draw: Draw,

@@ -37,7 +37,7 @@ struct Member {
 /// A robot, and whether a brain holds it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Held {
-    /// Its name.
+    /// The robot's name.
     pub robot: String,
     /// Whether a brain holds it.
     pub held: bool,
@@ -101,7 +101,7 @@ impl Crew {
         self.members.iter().map(|member| member.runs).max().unwrap_or(0)
     }
 
-    /// Waits until each program holds its robots; `look` says which robots of the world are held.
+    /// Waits until each program holds its robots; `look` returns the robots of the world that are held.
     ///
     /// # Errors
     /// If a program ends, holds another robot, or does not hold its own after `patience`; or that of `look`.
@@ -180,14 +180,14 @@ impl Crew {
         Ok(self.members.iter().map(|member| member.process.printed()).sum())
     }
 
-    /// Ends them in the middle of a run: they are told so by a signal at once.
+    /// Ends them in the middle of a run, by a signal at once.
     pub async fn stop(mut self) {
         for member in &mut self.members {
             member.process.end(Duration::ZERO).await;
         }
     }
 
-    /// As [`end`](Self::end), but lets those live that are for many runs.
+    /// The same as [`end`](Self::end), but lets those live that are for many runs.
     ///
     /// # Errors
     /// If one has printed an exception.

@@ -22,26 +22,26 @@ pub struct Failure {
 pub enum Problem {
     /// There is no such program.
     Missing(String),
-    /// It is there, and what its first line names is not.
+    /// The file is there, and the program named in its first line is not.
     NoInterpreter(String),
-    /// It may not be started.
+    /// The program may not be started.
     NotExecutable(String),
-    /// It cannot be started for another reason.
+    /// The program cannot be started for another reason.
     NotStarted(String),
-    /// It does not hold its robots after so long.
+    /// The program does not hold its robots after so long.
     NotAttached {
         /// Robots that it does not hold.
         robots: Vec<String>,
         /// The time that it had.
         patience: Duration,
     },
-    /// It ended before it held its robots.
+    /// The program ended before it held its robots.
     ExitedUnattached(ExitStatus),
-    /// It ended after a run instead of doing the next one.
+    /// The program ended after a run instead of doing the next one.
     NotReused(ExitStatus),
-    /// It ended before the run was over.
+    /// The program ended before the run was over.
     Exited(ExitStatus),
-    /// It ended well, but printed an exception.
+    /// The program ended well, but printed an exception.
     Traceback,
     /// A robot that no brain was given is held, and one that the program was to drive is not.
     Elsewhere {

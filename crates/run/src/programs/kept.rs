@@ -39,7 +39,7 @@ impl Kept {
                 Ok(n) => {
                     self.take(&buffer[..n], &mut line, from);
                     if output == Output::Shown {
-                        // Without a standard error there is nobody to see it.
+                        // The write fails if stderr is closed, and then its text is not needed.
                         let _ = stderr().write_all(&buffer[..n]).await;
                     }
                 }
@@ -99,10 +99,10 @@ const TRACEBACK: &[u8] = b"Traceback (most recent call last):";
 /// The beginning of the last line of a program that uses one of baudbot's packages.
 const END_OF_A_RUN: &[u8] = b"the run is over";
 
-/// Of a program's output so much is kept.
+/// The bytes of a program's output that are kept.
 const MOST_BYTES: usize = 64 << 10;
 
-/// Of that so many lines are shown.
+/// The lines of those that are shown.
 const MOST_LINES: usize = 20;
 
 #[cfg(test)]

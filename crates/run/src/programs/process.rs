@@ -24,12 +24,12 @@ pub(crate) struct Process {
     child: Child,
     /// The pipe from which it reads its next run, if it does more than one.
     runs: Option<ChildStdin>,
-    /// Its process group, which is its children's, too, unless they leave it.
+    /// The process group, which is that of the children, too, unless they leave it.
     group: Option<Pid>,
     /// A variable that all its descendants have in their environment, and nothing else has.
     mark: String,
     kept: Kept,
-    /// They read what it prints.
+    /// The tasks that read the process's output.
     readers: Vec<JoinHandle<()>>,
     text: String,
 }
@@ -106,7 +106,7 @@ impl Process {
         }
     }
 
-    /// Its process and all its descendants that live.
+    /// The process and all its descendants that live.
     pub(crate) fn processes(&self) -> Vec<Pid> {
         let marked = marked(&self.mark);
         if marked.is_empty() { self.group.into_iter().collect() } else { marked }

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use rustix::process::Pid;
 
-/// The processor time that the programs of a run have used, each with its children. It knows none before a [`Crew`](crate::programs::Crew)
-/// has told it.
+/// The processor time that the programs of a run have used, each with its children. It has none before a
+/// [`Crew`](crate::programs::Crew) gives it some.
 #[derive(Clone, Debug, Default)]
 pub struct ProcessorClock(Arc<Mutex<Vec<Program>>>);
 
@@ -30,8 +30,8 @@ struct Process {
 }
 
 impl ProcessorClock {
-    /// The time that the program of a robot has used with its children, in all their threads, since they were found. It never
-    /// decreases. `None` if no program drives the robot, or the system cannot tell.
+    /// The time that the program of a robot has used with its children, in all their threads, since they were found. It
+    /// never decreases. `None` if no program drives the robot, or the system has no such numbers.
     pub fn read(&self, robot: &str) -> Option<Duration> {
         let mut programs = self.programs();
         let program = programs.iter_mut().find(|program| program.robots.iter().any(|name| name == robot))?;
@@ -67,7 +67,7 @@ impl ProcessorClock {
 }
 
 impl Program {
-    /// Those that live now are these.
+    /// Replaces the processes that live by these.
     fn renew(&mut self, ids: &[Pid]) {
         let (live, ended): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.processes).into_iter().partition(|process| ids.contains(&process.id));

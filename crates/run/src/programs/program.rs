@@ -9,7 +9,7 @@ pub const EXEC: &str = "exec:";
 /// A brain that is a program of its own.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Program {
-    /// Its text, without `exec:`.
+    /// The text of the program, without `exec:`.
     text: String,
     /// The program and its arguments.
     pub(crate) words: Vec<String>,
@@ -68,7 +68,7 @@ impl Program {
 }
 
 impl fmt::Display for Program {
-    /// Without `exec:`.
+    /// The text of the program without `exec:`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
     }

@@ -13,7 +13,7 @@ pub struct Task {
     pub program: Program,
     /// Names of the robots.
     pub robots: Vec<String>,
-    /// Its parameters by name, beside those among its arguments.
+    /// The program's parameters by name, beside those among its arguments.
     pub parameters: BTreeMap<String, Value>,
     /// The lifetime of a process of it.
     pub lifetime: Lifetime,
@@ -24,21 +24,21 @@ pub struct Task {
 /// The destination of a program's output. Its end is always kept, and shown if the program fails.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Output {
-    /// It is only kept.
+    /// The output is only kept.
     #[default]
     Kept,
-    /// It goes to standard error as it comes, too.
+    /// The output goes to standard error as it comes, too.
     Shown,
 }
 
 /// The lifetime of a program's process.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lifetime {
-    /// For one run.
+    /// The program lives for one run.
     #[default]
     Run,
-    /// For many runs, one after the other. The environment has the first. Each line of its standard input is another: a JSON
-    /// object with the variables that have changed. The end of its input ends it.
+    /// The program lives for many runs, one after the other. The environment has the first. Each line of its standard
+    /// input is another: a JSON object with the variables that have changed. The end of its input ends it.
     ManyRuns,
 }
 
