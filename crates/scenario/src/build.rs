@@ -1,4 +1,4 @@
-//! From the raw file to a [`Scenario`]: every number is checked, then nothing can be wrong.
+//! The way from the raw file to a [`Scenario`]: every number is checked, then nothing can be wrong.
 
 use alloc::format;
 use alloc::string::String;
@@ -112,7 +112,7 @@ fn step(path: &Path, raw: &raw::Scenario) -> Result<Step> {
     Ok(Step { step_ns, substeps })
 }
 
-/// What moves and what is pushed, where it starts: pushed things must stand free, of movers too. A door may sit in a
+/// The movers and the pushed things at their starts: pushed things must stand free, of movers too. A door may sit in a
 /// wall.
 fn stand(path: &Path, movers: &[Mover], movables: &[Movable], arena: &Arena) -> Result<Vec<(String, Body)>> {
     let at_start = |mover: &Mover| (mover.name.clone(), mover.form().at(&mover.start));
@@ -178,7 +178,7 @@ fn rules(
     })
 }
 
-/// How often rays are counted if nothing is said, in nanoseconds.
+/// The default interval at which rays are counted, in nanoseconds.
 const USUAL_SENSE_NS: u64 = 100_000_000;
 
 /// Refuses ends that cannot come, or that have come already.

@@ -1,4 +1,4 @@
-//! From the raw firmware to the protocol on the robot's cable.
+//! The way from the raw firmware to the protocol on the robot's cable.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -101,7 +101,7 @@ fn can_be_said_in_lines(path: &Path, sensors: &[&Sensor], motors: &[Encoding]) -
     counts_two_wheels(&path, sensors)
 }
 
-/// The protocol of the Khepera tells the position counters of its two wheels.
+/// The messages of the Khepera's protocol have the position counters of its two wheels.
 fn counts_two_wheels(path: &Path, sensors: &[&Sensor]) -> Result<()> {
     let counts = |sensor: &&&Sensor| {
         sensor.encodings.iter().any(|encoding| matches!(encoding, Encoding::Counter { .. }))
@@ -121,8 +121,8 @@ fn counts_two_wheels(path: &Path, sensors: &[&Sensor]) -> Result<()> {
     Err(path.error(problem))
 }
 
-/// How a Khepera's `D` tells the signals of its motors: in pulses of its encoders per 10 ms, if it has encoders and its
-/// motors hold the speed that they are told. Otherwise, and in other protocols, as the motors say, in parts of full signal.
+/// The form of a Khepera's motor signals in `D`: in pulses of its encoders per 10 ms, if it has encoders and its motors
+/// regulate the speed. Otherwise, and in other protocols, parts of the full signal.
 pub(super) fn speeds(
     protocol: raw::Protocol,
     motor: Encoding,

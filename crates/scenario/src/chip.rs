@@ -1,4 +1,4 @@
-//! From a microcontroller's program and the table of its pins to a [`ChipSpec`].
+//! The way from a microcontroller's program and the table of its pins to a [`ChipSpec`].
 //!
 //! A pin has what is connected to it: `A0 = "sensors.ir_left"`, or a list of such, or a table with options. What is connected
 //! is a terminal of a part; which part it is follows from what it belongs to and from the terminals that are used of it.

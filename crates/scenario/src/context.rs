@@ -33,7 +33,7 @@ pub(super) struct World<'a> {
     pub(super) seed: u64,
     pub(super) surroundings: &'a Surroundings,
     pub(super) arena: &'a mut Arena,
-    /// What moves or is pushed, where it starts.
+    /// The movers and the pushed things at their starts.
     pub(super) bodies: &'a [(String, Body)],
     /// Gets the serial ports of each robot.
     pub(super) serial_ports: Vec<SerialPort>,

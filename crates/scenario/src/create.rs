@@ -1,4 +1,4 @@
-//! Robots that speak the Open Interface of an iRobot Create: what they may have, and how it is told.
+//! Robots that speak the Open Interface of an iRobot Create: the devices that they may have, and their packets.
 
 use alloc::format;
 
@@ -69,7 +69,7 @@ fn bits(encoding: Encoding) -> Option<u8> {
     }
 }
 
-/// A battery's voltage is told in mV and its charge in mAh.
+/// A battery's voltage is sent in mV and its charge in mAh.
 pub(super) fn tell_battery(sensors: &mut [Sensor], battery: Option<&Battery>) {
     let Some(battery) = battery else { return };
     for sensor in sensors.iter_mut().filter(|sensor| matches!(sensor.device, Device::Battery(_))) {

@@ -10,7 +10,7 @@ use baudbot_fields::{Cause, FieldError, Fields, Path};
 
 use super::MAX_BYTES;
 
-/// Why a scenario was refused. The message says where and how to fix it. What it quotes of the text is
+/// The reason why a scenario was refused. The message has the place and the remedy. Its quotations of the text are
 /// [printable](baudbot_fields::printable).
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -18,10 +18,10 @@ pub enum ScenarioError {
     /// The text is not TOML; the message has line and column.
     #[error("{0}")]
     Syntax(String),
-    /// A field is missing, unknown, of the wrong type, or has a value that makes no sense.
+    /// A field is missing, unknown, of the wrong type, or has an invalid value.
     #[error("{path}: {problem}")]
     Field {
-        /// Where, for instance `robots[2].sensors.front.range_m`.
+        /// The path, for instance `robots[2].sensors.front.range_m`.
         path: String,
         /// The problem.
         problem: String,
@@ -31,7 +31,7 @@ pub enum ScenarioError {
     /// The text is too long to be a scenario.
     #[error("the scenario has {bytes} bytes, the limit is {MAX_BYTES}")]
     TooLong {
-        /// Its length.
+        /// The length of the text.
         bytes: u64,
     },
 }
@@ -42,7 +42,7 @@ impl From<FieldError> for ScenarioError {
     }
 }
 
-/// What stands in a file in TOML.
+/// The table of a file in TOML.
 pub(super) struct Sheet(Value);
 
 impl From<Value> for Sheet {

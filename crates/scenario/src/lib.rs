@@ -94,8 +94,8 @@ pub fn parse_with(toml: &str, overrides: &[Override]) -> Result<Scenario, Scenar
     Ok(parsed.expect("it is not given up"))
 }
 
-/// As [`parse_with`], as long as it `is_wanted`, which is asked between the steps; otherwise it is given up, and there is none. Of a
-/// text of the greatest length a step takes about a second.
+/// The same as [`parse_with`], as long as it `is_wanted`, which is asked between the steps; otherwise it is given up,
+/// and there is none. Of a text of the greatest length a step takes about a second.
 ///
 /// # Errors
 /// As [`parse_with`].
@@ -130,7 +130,7 @@ pub fn parse_while(
     Ok(Some(build::scenario(raw, Source { toml: toml.into(), overrides })?))
 }
 
-/// What the text says, and in which order. It is parsed once: of a long text that is much work, and much memory.
+/// The values of a text and their order. It is parsed once: of a long text that is much work, and much memory.
 fn read(
     toml: &str,
     is_wanted: &dyn Fn() -> bool,
@@ -148,7 +148,7 @@ fn read(
     Ok(Some((table, order)))
 }
 
-/// With a picture of the line that is wrong, unless that is too long to read.
+/// The error with a picture of the line that is wrong, unless that is too long to read.
 fn syntax(error: &toml::de::Error) -> ScenarioError {
     let text = PrintableLines(error).to_string();
     if text.lines().all(|line| line.len() <= MAX_SHOWN) {

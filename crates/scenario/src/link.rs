@@ -1,4 +1,4 @@
-//! From the raw link to the robot's cable, and what stands between it and the laptop.
+//! The way from the raw link to the robot's cable, and what stands between it and the laptop.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -14,7 +14,7 @@ type Result<T> = core::result::Result<T, FieldError>;
 /// Most outages of a link.
 const MAX_OUTAGES: usize = 1000;
 
-/// A USB frame if nothing is said, in nanoseconds.
+/// A USB frame by default, in nanoseconds.
 const USUAL_FRAME_NS: u64 = 1_000_000;
 
 pub(super) fn link(path: &Path, raw: &raw::Link) -> Result<Link> {
@@ -155,7 +155,7 @@ fn bluetooth(path: &Path, raw: &raw::Adapter) -> Result<Bluetooth> {
     let spread_ms = raw.spread_ms.map_or_else(|| latency_ms.min(10.0), Number::get);
     Ok(Bluetooth {
         latency_ns: Millis::<Between<0, 10_000>>::value(latency_ms),
-        // It cannot be there before it is sent.
+        // The frame cannot be there before it is sent.
         spread_ns: path.ms("spread_ms", spread_ms, 0.0, latency_ms)?,
         burst_probability: raw.burst_probability.map_or(0.02, Number::get),
         burst_ns: raw.burst_ms.map_or(100_000_000, Number::get),

@@ -1,4 +1,4 @@
-//! From the raw microcontroller to the cost of its tasks, and when it begins.
+//! The way from the raw microcontroller to the cost of its tasks, and when it begins.
 
 use super::raw;
 use baudbot_fields::number::Number;
@@ -10,7 +10,7 @@ use baudbot_sim::sensor::Sensor;
 
 type Result<T> = core::result::Result<T, FieldError>;
 
-/// What its tasks cost.
+/// The costs of the microcontroller's tasks.
 pub(super) fn processor(raw: &raw::Microcontroller) -> Processor {
     Processor {
         framing_ns_per_byte: raw.framing_us_per_byte.get(),

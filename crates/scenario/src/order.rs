@@ -1,7 +1,7 @@
 //! The order of sensors and actuators in the file, which is their order on the wire.
 //!
-//! A parsed table is sorted by its keys; where each key stood in the text tells the order that was written. What a
-//! robot has from presets comes first, in their order.
+//! A parsed table is sorted by its keys; the place of each key in the text gives the order. What a robot has from
+//! presets comes first, in their order.
 
 use alloc::collections::BTreeMap;
 use alloc::string::{String, ToString};
@@ -21,7 +21,7 @@ pub(super) struct Names {
 /// The names of one robot after the other.
 pub(super) struct Order {
     robots: vec::IntoIter<Names>,
-    /// Of presets that were looked into.
+    /// The names of the presets that were read.
     presets: BTreeMap<&'static str, Names>,
 }
 
@@ -31,7 +31,8 @@ impl Order {
         Self { robots: of_robots(document).into_iter(), presets: BTreeMap::new() }
     }
 
-    /// Of the next robot, which is made of these presets: the farthest one's names first, the file's own last.
+    /// The names of the next robot, which is made of these presets: the farthest one's names first, the file's own
+    /// last.
     pub(super) fn next(&mut self, chain: &Chain) -> Names {
         let mut names = Names::default();
         for preset in chain.iter().rev() {
@@ -43,7 +44,7 @@ impl Order {
 }
 
 impl Names {
-    /// Of a robot's table.
+    /// The `Names` of a robot's table.
     fn of(robot: &DeTable<'_>) -> Self {
         Self { sensors: keys(robot, "sensors"), actuators: keys(robot, "actuators") }
     }
@@ -54,7 +55,7 @@ impl Names {
     }
 }
 
-/// For each robot of the file.
+/// The order of names of each robot of the file.
 fn of_robots(document: &DeTable<'_>) -> Vec<Names> {
     let Some(DeValue::Array(robots)) = document.get("robots").map(|robots| robots.get_ref()) else {
         return Vec::new();
@@ -62,7 +63,7 @@ fn of_robots(document: &DeTable<'_>) -> Vec<Names> {
     robots.iter().map(|robot| robot.get_ref().as_table().map(Names::of).unwrap_or_default()).collect()
 }
 
-/// Of a robot's preset.
+/// The order of names of a robot's preset.
 fn of_preset(toml: &str) -> Names {
     let Ok(table) = DeTable::parse(toml) else { return Names::default() };
     match table.get_ref().get("robot").map(|robot| robot.get_ref()) {

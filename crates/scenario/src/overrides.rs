@@ -27,7 +27,7 @@ pub struct Override {
 }
 
 impl fmt::Display for Override {
-    /// As it was parsed.
+    /// The text in the form in which it is parsed.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
     }
@@ -148,16 +148,16 @@ fn own_start<'a>(list: &'a mut [Value], robot: &str, path: &str) -> Result<&'a m
     start.and_then(Value::as_table_mut).ok_or_else(no_table)
 }
 
-/// Where a robot stands that is one of several.
+/// The place of a robot that is one of several.
 struct OneOf<'a> {
     /// The place of their table among the robots' tables.
     element: usize,
     table: &'a str,
-    /// Which of its `starts` is the robot's own.
+    /// The place of the robot's own start among `starts`.
     start: usize,
 }
 
-/// Where the robot of this name stands, if a table with `starts` has it.
+/// The place of the robot of this name, if a table with `starts` has it.
 fn of_several<'a>(list: &'a [Value], robot: &str) -> Option<OneOf<'a>> {
     list.iter().enumerate().find_map(|(element, value)| {
         let (table, starts) = (name_of(value)?, value.get("starts")?.as_array()?);
@@ -167,7 +167,7 @@ fn of_several<'a>(list: &'a [Value], robot: &str) -> Option<OneOf<'a>> {
     })
 }
 
-/// The start of the robot of this name, if it goes by its number. Crowds are large, so the number says where to look.
+/// The start of the robot of this name, if it goes by its number. Crowds are large, so the number is tried as a place.
 fn numbered_start(table: &str, starts: &[Value], robot: &str) -> Option<usize> {
     let number: usize = robot.strip_prefix(table)?.strip_prefix('-')?.parse().ok()?;
     let start = number.checked_sub(1)?;

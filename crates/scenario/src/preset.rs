@@ -47,7 +47,7 @@ type Result<T> = core::result::Result<T, FieldError>;
 /// The presets that a robot is made of: each is filled from the next.
 pub(super) type Chain = Vec<&'static Preset>;
 
-/// Puts in place of each `preset` what it stands for, and says for each robot which of them it was made of.
+/// Replaces each `preset` by its content, and returns for each robot the presets that it was made of.
 pub(super) fn expand(table: &mut Table) -> Result<Vec<Chain>> {
     let path = Path::root().field("robots");
     let Some(Value::Array(robots)) = table.get_mut("robots") else { return Ok(Vec::new()) };
@@ -57,7 +57,7 @@ pub(super) fn expand(table: &mut Table) -> Result<Vec<Chain>> {
     let mut expander = Expander::default();
     let expand = |(i, robot): (usize, &mut Value)| match robot.as_table_mut() {
         Some(robot) => expander.robot(&path.index(i), robot),
-        // Not a robot, which deserialising will say.
+        // The value is no robot, an error of deserialising.
         None => Ok(Chain::new()),
     };
     robots.iter_mut().enumerate().map(expand).collect()
@@ -234,14 +234,14 @@ fn drop_sensors(path: &Path, robot: &mut Table, base: &mut Table) -> Result<()> 
     Ok(())
 }
 
-/// Where there are `starts`, what a preset says of a start goes for each of them.
+/// The start of a preset is used for each of a robot's `starts`.
 fn fill_starts(robot: &mut Table, base: &mut Table) {
     let Some(Value::Array(starts)) = robot.get_mut("starts") else { return };
     let Some(Value::Table(start)) = base.remove("start") else { return };
     starts.iter_mut().filter_map(Value::as_table_mut).for_each(|own| fill(own, start.clone()));
 }
 
-/// Puts into a table what it does not say and `base` does, in tables within it as well.
+/// Puts into a table the fields that it lacks and `base` has, in tables within it as well.
 fn fill(table: &mut Table, mut base: Table) {
     if word(table, "preset").is_some() || (word(table, "kind").is_some() && differs(table, &base, "kind")) {
         return;

@@ -1,4 +1,4 @@
-//! From raw robots to [`RobotSpec`]s.
+//! The way from raw robots to [`RobotSpec`]s.
 
 use alloc::format;
 use alloc::string::String;
@@ -107,7 +107,7 @@ fn is_affordable(path: &Path, spec: &RobotModel, step: Step) -> Result<()> {
     Ok(())
 }
 
-/// What the robots of a table are, and what is to go wrong on them, which each has of its own.
+/// The models of the robots of a table, and their faults, which each has of its own.
 fn model(
     path: &Path,
     mut raw: raw::Robot,
@@ -153,7 +153,7 @@ fn model(
     Ok((model, raw.faults))
 }
 
-/// The model with what goes wrong on the robot of this name. Faults by chance come when its own random numbers say.
+/// The model with the faults of the robot of this name. Faults by chance come by its own random numbers.
 fn with_faults(
     path: &Path,
     model: &Arc<RobotModel>,
@@ -169,7 +169,7 @@ fn with_faults(
     Ok(Arc::new(own))
 }
 
-/// What decides on a robot, and how it is told.
+/// The brain of a robot, and its exchange with the robot.
 struct Mind {
     processor: Processor,
     link: Link,
@@ -233,7 +233,7 @@ fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut Wor
     if sensors.len() > usize::from(u8::MAX) {
         return Err(path.error(format!("there are {} sensors, the limit is {}", sensors.len(), u8::MAX)));
     }
-    // Those on the wire keep their order and come first, so that their places are those on the wire.
+    // The sensors on the wire keep their order and come first, so that their places are those on the wire.
     sensors.sort_by_key(|sensor| !sensor.is_on_wire());
     Ok(Equipment { actuators, battery, sensors })
 }
@@ -296,7 +296,7 @@ fn drive(body: &raw::Body, radius_m: f64, motors: ParsedMotors) -> Drive {
     }
 }
 
-/// How a robot differs from its data sheet; none that does in nothing.
+/// The deviation of a robot from its data sheet; none if there is none.
 fn deviation(body: &raw::Body, half_track_m: f64) -> Option<Deviation> {
     let factors = [body.wheel_ratio, body.wheel_scale, body.track_ratio];
     let [wheel_ratio, wheel_scale, track_ratio] = factors.map(|factor| factor.map_or(1.0, Number::get));
@@ -304,7 +304,7 @@ fn deviation(body: &raw::Body, half_track_m: f64) -> Option<Deviation> {
     differs.then(|| Deviation::new(wheel_ratio, wheel_scale, track_ratio * half_track_m))
 }
 
-/// When a brain writes, if that is stated.
+/// The writing of a brain, if that is stated.
 fn writes(path: &Path, raw: Option<&str>) -> Result<Option<Writes>> {
     let read = |text: &str| {
         let refused = |error| path.field("writes").error(format!("{error}, is {text:?}"));
@@ -313,8 +313,8 @@ fn writes(path: &Path, raw: Option<&str>) -> Result<Option<Writes>> {
     raw.map(read).transpose()
 }
 
-/// How long a brain thinks that does not say, in nanoseconds: a time, or operations of the processor that it runs
-/// on. In both ways no longer than [`MAX_THINKING_US`].
+/// The thinking time of a brain that does not state it, in nanoseconds: a time, or operations of the processor that it
+/// runs on. In both ways no longer than [`MAX_THINKING_US`].
 fn brain(path: &Path, raw: &raw::Brain, processor: &Processor, link: &Link) -> Result<u64> {
     let path = path.field("brain");
     let onboard = matches!(link, Link::Onboard);

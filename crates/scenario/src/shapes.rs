@@ -1,4 +1,4 @@
-//! Shapes and looks, as several tables of a file have them.
+//! Shapes and looks of several tables of a file.
 
 use alloc::format;
 use alloc::string::String;

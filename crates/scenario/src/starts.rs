@@ -1,4 +1,4 @@
-//! Where robots start: one, or several that are alike but for this and their names. None may stand in anything.
+//! The starts of robots: one, or several that are alike but for this and their names. None may stand in anything.
 
 use alloc::format;
 use alloc::string::String;
@@ -14,7 +14,7 @@ use baudbot_sim::model::{RobotSpec, Start};
 
 type Result<T> = core::result::Result<T, FieldError>;
 
-/// Where a robot is in the file, for messages.
+/// The place of a robot in the file, for messages.
 pub(super) struct Place {
     /// `robots[2]`, or `robots[2].starts[17]`.
     robot: Path,
@@ -22,7 +22,7 @@ pub(super) struct Place {
     start: Path,
 }
 
-/// How many robots a table stands for.
+/// The number of robots that a table stands for.
 pub(super) fn number(raw: &raw::Robot) -> usize {
     raw.starts.as_ref().map_or(1, Vec::len)
 }

@@ -126,7 +126,7 @@ fn passes(mover: &Mover, robot: &RobotSpec) -> bool {
     on_the_way(mover).iter().any(|pose| mover.form().at(pose).overlaps(&body))
 }
 
-/// Poses along its way, near to each other; none of one whose way nobody knows.
+/// Poses along the mover's way, near to each other; none if the way is unknown.
 fn on_the_way(mover: &Mover) -> Vec<Pose> {
     let between = |from: f64, to: f64, i: u32| from + (to - from) * f64::from(i) / f64::from(LOOKS);
     match &mover.path {

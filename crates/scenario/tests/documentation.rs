@@ -9,7 +9,7 @@ const DOCS: [&str; 3] = [
     include_str!("../../../docs/reference/sensors.md"),
 ];
 
-/// What examples of parts of a robot are parts of.
+/// The rest of a robot for examples of its parts.
 const ROBOT: &str = "[[robots]]\nname = \"alice\"\n\
      body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }\n";
 

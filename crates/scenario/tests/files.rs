@@ -345,7 +345,7 @@ fn what_touches_stands_free_whatever_its_numbers_round_to() {
     refused(&deep, "robots[0].start", "stands in `room`");
 }
 
-/// As GeoJSON, WKT and Shapely write rings, and as programs cut sides into pieces.
+/// Corners are repeated and straight as GeoJSON, WKT and Shapely write rings, and as programs cut sides into pieces.
 #[test]
 fn repeated_and_straight_corners_change_nothing() {
     let plain = "[[-0.3, -0.3], [0.6, -0.3], [0.6, 0.3], [-0.3, 0.3]]";

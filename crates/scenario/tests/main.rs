@@ -1,4 +1,4 @@
-//! Scenario files: what they may contain, what is refused, presets, what the documentation says of them, and their schema.
+//! Scenario files: their content, refusals, presets, examples of the documentation, and their schema.
 
 mod budget;
 #[path = "../../sim/tests/common/mod.rs"]

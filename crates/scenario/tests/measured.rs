@@ -1,4 +1,5 @@
-//! Presets of sensors, held against measurements of real ones: in a world with a wall or a target, many specimens at a time.
+//! Presets of sensors, compared with measurements of real ones: in a world with a wall or a target, many specimens at a
+//! time.
 //!
 //! The measurements are those that the presets name as their sources.
 
@@ -39,7 +40,7 @@ fn board(gap_m: f64, width_m: f64, more: &str) -> String {
     )
 }
 
-/// What specimens read after so many ticks: 1050 of them in worlds of 150 each.
+/// The readings of specimens after so many ticks: 1050 of them in worlds of 150 each.
 fn specimens(arena: &str, preset: &str, fields: &str, ticks: usize) -> Vec<f64> {
     let read = |seed| {
         let mut world = robot(arena, seed, preset, fields, 150);
@@ -136,7 +137,7 @@ fn an_epucks_readings_scatter_about_the_table_of_real_ones_as_they_did() {
         let (found, spread) = mean_and_sd(read.iter().map(|value| 4095.0 * value));
         let sd = relative * mean;
         assert!((found - mean).abs() < sd, "{mm} mm: {found}, measured {mean}, sd {sd}");
-        // At full scale half of them are cut off.
+        // Half of the readings are cut off at full scale.
         let least = if mm == 0.0 { 0.4 } else { 0.9 };
         assert!((least..1.1).contains(&(spread / sd)), "{mm} mm: sd {spread}, measured {sd}");
     }
@@ -217,7 +218,7 @@ fn a_gp2d12s_voltages_and_their_spread_are_those_of_five_specimens_of_its_succes
     assert!((615.0..628.0).contains(&counts(0.06)), "{}", counts(0.06));
 }
 
-/// The farthest distance at which a sonar of a preset hears a target, in steps of 1 cm; without noise.
+/// The farthest distance at which a sonar of a preset gets an echo of a target, in steps of 1 cm; without noise.
 fn heard_up_to(preset: &str, target: impl Fn(f64) -> String) -> f64 {
     let hears = |gap_m: f64| {
         let arena = format!("noise = false\n{}", target(gap_m));
@@ -259,13 +260,13 @@ fn a_wall_behind_what_is_too_small_to_be_heard_is_heard() {
     assert!((found - 2.8).abs() < 0.005, "{found}");
 }
 
-/// Off the axis a board is heard that is turned to the sensor, up to half of 20° to 21°.
+/// A board off the axis that is turned to the sensor gives an echo up to half of 20° to 21°.
 #[test]
 fn the_cone_of_an_hc_sr04_is_20_degrees_wide() {
     let hears = |degrees: f64| {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let at = |aside: f64| (0.2 + 1.0 * cos - aside * sin, 1.0 * sin + aside * cos);
-        // What is behind the axis of the sensor does not come into its cone.
+        // Objects behind the axis of the sensor do not come into its cone.
         let (a, b) = (at(0.0), at(1.0));
         let arena = format!(
             "noise = false\n[[arena.polygons]]\nname = \"board\"\nclosed = false\nsolid = false\n\

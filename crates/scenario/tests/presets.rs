@@ -30,7 +30,7 @@ fn parse(toml: &str, sets: &[&str]) -> Scenario {
     baudbot_scenario::parse_with(toml, &sets).unwrap_or_else(|error| panic!("{error} in:\n{toml}"))
 }
 
-/// The robot of a preset, changed as `fields` say.
+/// The robot of a preset, with changed `fields`.
 fn spec(name: &str, fields: &str) -> RobotSpec {
     let scenario = preset_robot(name, fields, &[]);
     scenario.robots[0].clone()
@@ -109,7 +109,7 @@ fn speeds(name: &str, left: f64, right: f64) -> (f64, f64) {
 
 #[test]
 fn robots_are_as_fast_as_the_real_ones() {
-    // Where makers give no turn rate it is twice the speed over the track.
+    // The turn rate is twice the speed over the track if the maker gives none.
     let real = [
         ("khepera-1", 0.5, 18.9),
         ("khepera-2", 0.5, 18.9),
@@ -120,7 +120,7 @@ fn robots_are_as_fast_as_the_real_ones() {
         ("create-1", 0.5, 3.88),
         ("create-2", 0.5, 4.26),
         ("chalmers-40cm", 0.8, 4.7),
-        // Nobody makes these: what their motors' numbers give.
+        // These robots have no maker: the rates follow from their motors' numbers.
         ("uno-rover", 1.0, 10.5),
         ("boe-bot-shield", 0.168, 3.2),
         ("line-follower", 0.655, 14.5),
@@ -146,8 +146,8 @@ fn an_epuck_drives_at_12_88_cm_a_second() {
     assert!((speeds("e-puck", 1.0, 1.0).0 - 0.1288).abs() < 5e-5);
 }
 
-/// A Create 2 alone in the open that is told these signals at 0.5 s over its cable, in steps of 1 ms: from the command until
-/// it moves, and until it has 63 % of its last speed, in s. Speeds are the true ones.
+/// A Create 2 alone in the open that gets these signals at 0.5 s over its cable, in steps of 1 ms: from the command
+/// until it moves, and until it has 63 % of its last speed, in s. Speeds are the true ones.
 fn response(left: f64, right: f64, speed: fn(&World) -> f64) -> [f64; 2] {
     let toml = format!("noise = false\nstep_ms = 1.0\n{}", robot("preset = \"create-2\"\n"));
     let mut world = World::new(parse(&toml, &[]).into());
@@ -297,7 +297,7 @@ fn a_garmins_error_bends_at_a_minute_falls_slowly_and_is_1_5_m_in_twelve_minutes
         let products: f64 = errors.iter().zip(&errors[lag..]).map(|(a, b)| a * b).sum();
         products / (errors.len() - lag) as f64 / mean_square(&errors)
     };
-    // How much of the correlation is lost in a minute: much in the first, less in those that follow.
+    // The loss of the correlation in each minute: much in the first, less in those that follow.
     let falls = [0, 60, 180, 300].map(|lag| (at(lag.max(1)) - at(lag + 60)) / at(lag.max(1)));
     assert!(falls[0] > 1.5 * falls[2] && falls[0] > 1.2 * falls[1], "{falls:?}");
     assert!(at(300) > 0.15 && at(300) < 0.45, "{}", at(300));
@@ -394,7 +394,7 @@ fn a_pings_echo_pulse_is_within_its_limits() {
     let shortest = sonar.echo_ns(0.0) as f64 * 1e-3;
     assert!((shortest - 115.0).abs() < 2.0, "{shortest}");
     assert!(sonar.echo_ns(sonar.max_m) < sonar.timeout_ns && sonar.timeout_ns == 18_500_000);
-    // From the trigger until the next one may come: 19.45 ms at worst.
+    // The time from the trigger until the next one may come: 19.45 ms at worst.
     let worst = sensor.acquisition_ns + sonar.holdoff_ns + sonar.timeout_ns;
     assert_eq!(worst, 19_455_000);
 }
@@ -546,7 +546,7 @@ fn adapters_have_presets_in_every_link_and_give_way_as_other_parts_do() {
     assert!(matches!(adapter(&set), Adapter::Cdc(frames) if frames.extra == 2 && frames.jitter_ns == 0));
     let cabled = spec("e-puck", "link = { adapter = { preset = \"ft232r-1ms\" } }").link.clone();
     assert!(matches!(adapter(&cabled), Adapter::Ftdi(ftdi) if ftdi.latency_ns == 1_000_000));
-    // Of a sensor's own cable.
+    // The adapter of a sensor's own cable.
     let laser = with_sensor(
         "urg-04lx",
         ", port = { link = { preset = \"uart-115200\", adapter = { preset = \"ch340\" } } }",

@@ -7,7 +7,7 @@ use baudbot_scenario::Override;
 use baudbot_scenario::budget::Budget;
 use baudbot_sim::World;
 
-/// What the robots of these tests have, with noise and chance of their own.
+/// The devices of the robots of these tests, with noise and chance of their own.
 const PARTS: &str = "\
     link = { kind = \"uart\", baud = 9600 }\n\
     faults = [{ kind = \"byte-errors\", every_s = 0.3, for_s = 0.1, byte_error_rate = 0.2 }]\n\

@@ -1,4 +1,4 @@
-//! What a scenario's author is told without being refused.
+//! The warnings about a scenario that is not refused.
 
 use crate::common::BODY;
 

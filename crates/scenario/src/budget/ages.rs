@@ -27,7 +27,7 @@ pub(super) fn ages(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Vec<A
 
 fn median(ages: &[u64]) -> Option<u64> {
     let mut ages = ages.to_vec();
-    // By nearest rank, as runs count it.
+    // The median by nearest rank, as runs count it.
     let middle = ages.len().checked_sub(1)? / 2;
     Some(*ages.select_nth_unstable(middle).1)
 }

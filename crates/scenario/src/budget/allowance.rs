@@ -10,7 +10,7 @@ pub struct Allowance {
 }
 
 impl Allowance {
-    /// Of all robots that are asked for at once: four times that of one.
+    /// The allowance of all robots of a call together: four times that of one.
     pub const fn of_a_call() -> Self {
         Self { left: 4 * OF_A_ROBOT }
     }
@@ -40,7 +40,7 @@ impl Allowance {
 }
 
 impl Default for Allowance {
-    /// Of one robot.
+    /// An `Allowance` of one robot.
     fn default() -> Self {
         Self { left: OF_A_ROBOT }
     }

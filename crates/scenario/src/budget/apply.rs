@@ -81,7 +81,7 @@ fn usb() -> Link {
     })
 }
 
-/// A plain cable, as a scenario has it that says nothing but its rate.
+/// A plain cable: the one of a scenario that states only the rate.
 fn cable() -> Link {
     Link::Uart(Uart {
         baud: 115_200,

@@ -111,7 +111,7 @@ impl Bounds {
         self.backlog.map(|backlog| backlog.saturating_sub(own_ns))
     }
 
-    /// From the beginning of a read to the beginning of the framing of the message that it is in.
+    /// The time from the beginning of a read to the beginning of the framing of the message that it is in.
     pub(super) fn wait_for_frame(&self, plan: &Plan<'_>, i: usize) -> (u64, Option<u64>) {
         let sensor = &plan.on_wire()[i];
         let read = plan.read_ns(sensor);

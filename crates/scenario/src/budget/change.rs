@@ -1,5 +1,4 @@
-//! Changes that make a robot quicker: each with its effect, its cost, and how a
-//! scenario says it.
+//! Changes that make a robot quicker: each with its effect, its cost, and its form in a scenario.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -306,7 +305,7 @@ pub(super) fn faster(uart: &Uart) -> impl Iterator<Item = u32> {
     BAUDS.into_iter().filter(move |&baud| baud > now && baud <= most)
 }
 
-/// When a firmware speaks, as a scenario says it.
+/// The fields of a scenario for the schedule of a firmware.
 fn mode_fields(spec: &RobotModel) -> Vec<String> {
     match spec.firmware.mode {
         Mode::Poll => alloc::vec!["mode = \"poll\"".to_string()],
@@ -331,9 +330,9 @@ fn deadline_fields(deadline: &Deadline) -> String {
     format!(", deadline_ms = {}, on_late = \"{on_late}\"", deadline.within_ns as f64 / 1e6)
 }
 
-/// Whether a sensor's values could be said in fewer bits.
+/// Whether a sensor's values could be sent in fewer bits.
 pub(super) fn has_many_bits(sensor: &Sensor) -> bool {
-    // Of these nobody knows the largest value, unless there are bits already.
+    // The largest value of these is unknown, unless there are bits already.
     let unknown = matches!(sensor.device, Device::Field(_) | Device::Microphone(_));
     let many = |encoding: &Encoding| encoding.len() > 1 && !(unknown && *encoding == Encoding::Float64);
     sensor.is_on_wire() && sensor.encodings.iter().any(many)

@@ -10,9 +10,9 @@ use baudbot_sim::time::SimTime;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watch {
     period_ns: u64,
-    /// When the first measurement begins; `None` if nobody knows.
+    /// The instant at which the first measurement begins; `None` if it is unknown.
     begins_ns: Option<u64>,
-    /// From the beginning of a measurement to its output, in nanoseconds.
+    /// The time from the beginning of a measurement to its output, in nanoseconds.
     settling_ns: u64,
 }
 
@@ -26,7 +26,7 @@ impl Watch {
         Some(Self { period_ns: clock.period_ns, begins_ns: known.map(|ns| ns + late_ns), settling_ns })
     }
 
-    /// When that was measured which the device holds at an instant; before the first, that instant.
+    /// The instant at which that was measured which the device holds at an instant; before the first, that instant.
     pub(super) fn held_at(&self, now: SimTime) -> SimTime {
         let Some(begins_ns) = self.begins_ns else {
             return SimTime::from_ns(now.as_ns().saturating_sub(self.settling_ns + self.period_ns / 2));
@@ -47,7 +47,7 @@ pub(super) struct Ear {
     bytes: u64,
     /// The number of the measurement that comes next.
     nth: u64,
-    /// When it was measured that is on the cable, and when it arrives.
+    /// The instant at which it was measured that is on the cable, and when it arrives.
     under_way: (SimTime, SimTime),
 }
 

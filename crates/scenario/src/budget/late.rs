@@ -79,8 +79,8 @@ impl Fixed<'_> {
         })
     }
 
-    /// The work that comes before a frame: earlier tasks come first. A frame makes so much work, and is asked for so
-    /// late.
+    /// The work that comes before a frame: earlier tasks come first. `frame` has the work of a frame and the lateness
+    /// of its request.
     fn in_order(&self, reads: &[u64], frame: Option<(u64, u64)>, arrivals: &Arrivals) -> Vec<Source> {
         let source = |curve, work_ns| Source { curve, work_ns };
         let sensors = self.plan.on_wire().iter().zip(reads);
@@ -164,7 +164,7 @@ impl Fixed<'_> {
 struct Arrivals {
     /// Work besides that of a whole command.
     pieces: Vec<Source>,
-    /// When commands are whole.
+    /// The curves by which commands are complete.
     commands: Vec<Curve>,
     /// The work that each of them makes, in nanoseconds.
     command_ns: u64,

@@ -1,7 +1,7 @@
 //! The cost of one control cycle, from the scenario alone: Fig. 3.2 (§3.2.1) as arithmetic.
 //!
-//! A real robot must need less than one step for everything in that step. For each robot this says how long it takes,
-//! how often it can be done, how old readings are by then, what is the bottleneck, and what would fix it.
+//! A real robot must need less than one step for everything in that step. For each robot this computes how long it
+//! takes, how often it can be done, how old readings are by then, what is the bottleneck, and what would fix it.
 //!
 //! From the scenario to the answer:
 //!
@@ -63,25 +63,25 @@ struct Effort {
     events: usize,
 }
 
-/// For what is asked.
+/// The effort for the budgets that are asked for.
 const FULL: Effort = Effort { cycles: 1000, events: 200_000 };
 
-/// For what is tried.
+/// The effort for remedies that are tried.
 const BRIEF: Effort = Effort { cycles: 300, events: 60_000 };
 
-/// For what comes after all that may be computed.
+/// The effort after the allowance is used up.
 const LEAST: Effort = Effort { cycles: 100, events: 5_000 };
 
 const TOO_MANY: &str =
     "no fixes were searched for, and typical values are from a short dry run: ask for fewer robots at once";
 
 impl Budget {
-    /// Of all robots of a scenario, with remedies for those that do not keep their step.
+    /// A `Budget` of all robots of a scenario, with remedies for those that do not keep their step.
     pub fn of(scenario: &Scenario) -> Self {
         Self::of_some(scenario, &scenario.robots)
     }
 
-    /// Of some robots of a scenario, as [`of`](Self::of). Those of one table are alike and computed once.
+    /// The budget of some robots of a scenario, as [`of`](Self::of). Those of one table are alike and computed once.
     pub fn of_some<'a>(scenario: &Scenario, robots: impl IntoIterator<Item = &'a RobotSpec>) -> Self {
         Self::of_measured(scenario, robots, |_| None)
     }
@@ -109,17 +109,18 @@ impl Budget {
 }
 
 impl RobotBudget {
-    /// Of one robot of a scenario.
+    /// A `RobotBudget` of one robot of a scenario.
     pub fn of(scenario: &Scenario, spec: &RobotSpec) -> Self {
         Self::within(scenario, spec, &mut Allowance::default())
     }
 
-    /// Of one of several robots that share an allowance. Once it is used up, robots get no remedies, and say so.
+    /// The budget of one of several robots that share an allowance. Once it is used up, budgets have no remedies, and a
+    /// mark of that.
     pub fn within(scenario: &Scenario, spec: &RobotSpec, allowance: &mut Allowance) -> Self {
         Self::planned(scenario, Plan::of(scenario, spec), allowance)
     }
 
-    /// Of one robot of a scenario whose brain was measured to think so long.
+    /// The budget of one robot of a scenario whose brain was measured to think so long.
     pub fn of_measured(scenario: &Scenario, spec: &RobotSpec, thinking: Thinking) -> Self {
         let plan = Plan { measured: Some(thinking), ..Plan::of(scenario, spec) };
         Self::planned(scenario, plan, &mut Allowance::default())

@@ -19,14 +19,15 @@ pub(super) struct Pattern {
     pub(super) bytes: Range,
     /// Mean of the longest, in bytes.
     pub(super) mean_bytes: f64,
-    /// For each sensor.
+    /// The slot of each sensor.
     pub(super) slots: Vec<Slot>,
 }
 
 /// A sensor's part in them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Slot {
-    /// From the instant at which a read falls due to that at which the message does that it is in, in nanoseconds.
+    /// The time from the instant at which a read falls due to that at which the message does that it is in, in
+    /// nanoseconds.
     pub(super) wait_ns: Range,
     /// Bytes of the messages that it is in.
     pub(super) bytes: Range,
@@ -36,7 +37,8 @@ pub(super) struct Slot {
 const MOST_MESSAGES: u128 = 2048;
 
 impl Pattern {
-    /// Of a stream, if its schedules come round soon enough. It holds as long as nothing is late by a period.
+    /// A `Pattern` of a stream, if its schedules come round soon enough. It holds as long as nothing is late by a
+    /// period.
     pub(super) fn of(plan: &Plan<'_>) -> Option<Self> {
         let Mode::Stream(frame) = plan.spec.firmware.mode else { return None };
         let mut pattern = Tally::new(plan.on_wire().len());
@@ -61,7 +63,7 @@ impl Pattern {
         pattern.done()
     }
 
-    /// Of a robot of which no more is known than that each sensor may be in a message or not.
+    /// The pattern of a robot of which only this is known: each sensor may be in a message or not.
     pub(super) fn unknown(plan: &Plan<'_>) -> Self {
         let all = plan.readings_bytes(|_| true);
         let reads = plan.on_wire().iter().map(|sensor| plan.read_ns(sensor).most);

@@ -49,12 +49,12 @@ pub(super) struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
-    /// A robot as its scenario has it.
+    /// The plan of a robot of a scenario.
     pub(super) fn of(scenario: &Scenario, spec: &'a RobotSpec) -> Self {
         Self { spec, step_ns: scenario.step_ns, noise: scenario.noise, measured: None }
     }
 
-    /// When its brain writes: as the scenario states, or in answer to messages only.
+    /// The writing of the brain: as the scenario states, or in answer to messages only.
     pub(super) fn writes(&self) -> Writes {
         self.spec.writes.unwrap_or_default()
     }
@@ -74,8 +74,8 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// The thinking time of its brain: as measured, or as the scenario has it. On board it takes the processor as
-    /// long as the scenario says.
+    /// The thinking time of the brain: as measured, or as in the scenario. On board it takes the processor as long as
+    /// the scenario states.
     pub(super) fn thinking(&self) -> Thinking {
         let measured = self.measured.filter(|_| !self.spec.is_onboard());
         measured.unwrap_or_else(|| Thinking::exactly(self.spec.thinking_ns))
@@ -94,7 +94,7 @@ impl<'a> Plan<'a> {
         least.min().unwrap_or(byte) + self.spec.processor.obeying_ns
     }
 
-    /// Those that the microcontroller reads; they are the first.
+    /// The sensors that the microcontroller reads; they are the first.
     pub(super) fn on_wire(&self) -> &'a [Sensor] {
         let wired = self.spec.firmware.layout().counts.len();
         self.spec.sensors.get(..wired).unwrap_or_default()
@@ -140,8 +140,8 @@ impl<'a> Plan<'a> {
         Range::of(frame::encoded_len(HEADER_LEN + layout.mask_len() + entries))
     }
 
-    /// Bytes on the wire of a command. That a Khepera is asked for readings besides goes over the wire while it says
-    /// that it obeyed.
+    /// Bytes on the wire of a command. A Khepera's request for readings goes over the wire while the command is
+    /// confirmed.
     pub(super) fn command_bytes(&self) -> Range {
         Range::of(self.spec.firmware.agreement().command_len())
     }
@@ -152,7 +152,7 @@ impl<'a> Plan<'a> {
         if self.spec.firmware.protocol.pace() == Pace::Asked { bytes.middle() } else { bytes.most }
     }
 
-    /// When a cycle must be over, in nanoseconds.
+    /// The instant at which a cycle must be over, in nanoseconds.
     pub(super) fn deadline_ns(&self) -> u64 {
         match self.spec.deadline.on_late {
             Some(_) => self.spec.deadline.within_ns,
@@ -160,7 +160,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// The least bytes that go up before the readings do: a Khepera says that it obeyed, and where its wheels are.
+    /// The least bytes that go up before the readings do: a Khepera's confirmation, and the positions of its wheels.
     pub(super) fn acknowledgement_bytes(&self) -> u64 {
         let preface = self.spec.firmware.agreement().preface();
         (preface.acknowledgement + preface.positions[0]) as u64

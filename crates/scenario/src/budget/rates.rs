@@ -40,7 +40,7 @@ pub(super) fn rates(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Vec<
     rates
 }
 
-/// The highest rate of polls of a Khepera by a program that says nothing else. It depends on how many digits the
+/// The highest rate of polls of a Khepera by a program that sends nothing else. It depends on how many digits the
 /// numbers have.
 fn polls(plan: &Plan<'_>) -> Vec<Rate> {
     let agreement = plan.spec.firmware.agreement();
@@ -70,7 +70,7 @@ fn polls(plan: &Plan<'_>) -> Vec<Rate> {
 }
 
 /// The highest rate of scans of a laser for a program that asks again when it has the answer, and that thinks as long
-/// as the scenario says.
+/// as the scenario states.
 fn scans<'a>(plan: &'a Plan<'_>) -> impl Iterator<Item = Rate> + 'a {
     plan.spec.sensors.iter().filter_map(move |sensor| {
         let port = sensor.port.as_ref()?;
@@ -95,8 +95,9 @@ fn asking_ns(link: &Link, asked: u64, answered: u64) -> u64 {
     holds + turns + wire::least_ns(link, asked) + wire::least_ns(link, answered)
 }
 
-/// The highest rate of answers of a robot whose packets can be asked for, a Create, to a program that asks for the largest group
-/// of them again when it has the answer, and that thinks as long as the scenario says. It sends no commands.
+/// The highest rate of answers of a robot whose packets can be asked for, a Create, to a program that asks for the
+/// largest group of them again when it has the answer, and that thinks as long as the scenario states. It sends no
+/// commands.
 fn queries(plan: &Plan<'_>) -> Option<Rate> {
     let (group, bytes) = plan.spec.firmware.protocol.largest_query()?;
     let bytes = bytes as u64;
@@ -149,8 +150,8 @@ fn most_messages(link: &Link, bytes: u64) -> Option<f64> {
     .filter(|per_s| per_s.is_finite())
 }
 
-/// The part of the processor that reading the sensors leaves for framing and obeying. If reads are left out, nobody
-/// knows how many.
+/// The part of the processor that reading the sensors leaves for framing and obeying. If reads are left out, their
+/// number is unknown.
 fn processor(plan: &Plan<'_>, bounds: &Bounds) -> Option<f64> {
     let reads = plan
         .on_wire()
@@ -207,7 +208,7 @@ fn sensors(plan: &Plan<'_>) -> impl Iterator<Item = Rate> {
         let usual = sensor.port.as_ref().and_then(|port| {
             let bytes = port.format.message_len(&sensor.device) as u64;
             let clock_ns = sensor.own_clock?.period_ns;
-            // It sends the first measurement that finds the cable idle.
+            // The device sends the first measurement that finds the cable idle.
             per_s(1, port.link.burst_ns(bytes).div_ceil(clock_ns).max(1) * clock_ns)
         });
         Rate {

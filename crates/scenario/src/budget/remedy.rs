@@ -85,7 +85,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Of changes that are better than `worst` the first that is enough, else the best.
+    /// The first change that is enough, of those that are better than `worst`, else the best.
     fn best(&mut self, now: &Robot, changes: &[Change], worst: Badness) -> Result<Option<(Badness, Change)>> {
         let mut best: Option<(Badness, Change)> = None;
         for &change in changes {

@@ -9,11 +9,11 @@ use serde::Serialize;
 /// A time of which the least, the usual and the most is known, in nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Span {
-    /// It never takes less.
+    /// The least duration.
     pub best_ns: u64,
     /// The expected time; `None` if there is none, because nothing gets through.
     pub typical_ns: Option<u64>,
-    /// It never takes more; `None` if it has no bound.
+    /// The greatest duration; `None` if it has no bound.
     pub worst_ns: Option<u64>,
 }
 
@@ -35,7 +35,7 @@ pub struct Thinking {
 pub enum Part {
     /// The microcontroller reads the sensors that are new in the message.
     Acquisition,
-    /// It frames the message.
+    /// The microcontroller frames the message.
     Framing,
     /// The bytes of the message on the wire.
     WireUp,
@@ -67,7 +67,7 @@ impl Part {
         Self::Actuation,
     ];
 
-    /// Its name for people.
+    /// The part's name for people.
     pub const fn phrase(self) -> &'static str {
         match self {
             Self::Acquisition => "reading the sensors",
@@ -88,7 +88,7 @@ impl Part {
 pub struct Row {
     /// The part of the cycle.
     pub part: Part,
-    /// Its duration.
+    /// The part's duration.
     #[serde(flatten)]
     pub span: Span,
 }
@@ -96,7 +96,7 @@ pub struct Row {
 /// One control cycle: from the reading of the sensors that are new in a message to the command that answers it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Cycle {
-    /// Its parts, in their order. The typical ones are those of one cycle, so that they add up.
+    /// The cycle's parts, in their order. The typical ones are those of one cycle, so that they add up.
     pub rows: Vec<Row>,
     /// All of it.
     pub total: Span,
@@ -123,7 +123,7 @@ pub struct Rate {
 pub struct Age {
     /// The sensor.
     pub sensor: String,
-    /// Its age.
+    /// The reading's age.
     #[serde(flatten)]
     pub span: Span,
     /// The reason why there is no worst case, if there is none.
@@ -142,11 +142,11 @@ pub struct Load {
 /// Memory and operations that a brain's program has on its chip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Chip {
-    /// Memory for the brain's variables, in bytes, if the scenario says.
+    /// Memory for the brain's variables, in bytes, if the scenario states.
     pub ram_bytes: Option<u64>,
     /// The part of it that the brain declares to need.
     pub brain_memory_bytes: Option<u64>,
-    /// Operations that the processor does in one step Δt, if the scenario says how fast it is.
+    /// Operations that the processor does in one step Δt, if the scenario states how fast it is.
     pub operations_per_step: Option<f64>,
     /// Operations that the brain's thinking takes, if it is on board.
     pub brain_operations: Option<f64>,
@@ -193,7 +193,7 @@ pub struct Remedy {
     pub what: String,
     /// The cost of the remedy.
     pub cost: Cost,
-    /// The same as changes of the scenario, `PATH=VALUE`; empty if it cannot be said so.
+    /// The same as changes of the scenario, `PATH=VALUE`; empty if there is no such form.
     pub overrides: Vec<String>,
     /// The step that the robot is then held to, in nanoseconds.
     pub step_ns: u64,
@@ -206,13 +206,13 @@ pub struct Remedy {
 /// The cost of one robot's control cycle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RobotBudget {
-    /// Its name.
+    /// The name of the robot.
     pub robot: String,
     /// Δt, in nanoseconds.
     pub step_ns: u64,
-    /// When its brain writes, which all the rest goes by.
+    /// The writing of the brain, on which all the rest depends.
     pub writes: Writes,
-    /// When a cycle must be over, in nanoseconds: Δt, or the deadline that the scenario states.
+    /// The instant at which a cycle must be over, in nanoseconds: Δt, or the deadline that the scenario states.
     pub deadline_ns: u64,
     /// Until when after the start of the run nothing happens, in nanoseconds, because a bootloader waits; no part of a cycle.
     pub starts_after_ns: u64,
@@ -232,7 +232,7 @@ pub struct RobotBudget {
     pub verdict: Verdict,
     /// The bottleneck: the part that takes longest, or that is overloaded.
     pub bottleneck: String,
-    /// Its remedies, the cheapest first; none if it meets its deadline.
+    /// The remedies, the cheapest first; none if the robot meets its deadline.
     pub remedies: Vec<Remedy>,
     /// The part that was not computed, with the reason; `None` if everything was.
     pub left_out: Option<String>,
@@ -263,7 +263,7 @@ impl Span {
         Self { best_ns: ns, typical_ns: Some(ns), worst_ns: Some(ns) }
     }
 
-    /// From the least to the most, with nothing typical yet.
+    /// The span from the least to the most, with nothing typical yet.
     pub(super) const fn between(best_ns: u64, worst_ns: Option<u64>) -> Self {
         Self { best_ns, typical_ns: None, worst_ns }
     }

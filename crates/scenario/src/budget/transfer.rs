@@ -119,7 +119,7 @@ impl Fixed<'_> {
         busy.min().filter(|busy| period.saturating_sub(late) > busy + turn)
     }
 
-    /// From the write to the arrival of the command's last byte.
+    /// The time from the write to the arrival of the command's last byte.
     pub(super) fn down(&self, estimate: &Estimate) -> Option<u64> {
         let link = &self.plan.spec.link;
         let bytes = self.plan.command_bytes().most;

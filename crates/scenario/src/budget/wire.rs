@@ -22,7 +22,7 @@ pub(super) fn frame_ns(link: &Link) -> u64 {
     }
 }
 
-/// When a burst begins that is ready at an instant.
+/// The instant at which a burst begins that is ready at an instant.
 pub(super) fn start_of_frame(link: &Link, ready: SimTime) -> SimTime {
     ready.up_to(frame_ns(link))
 }

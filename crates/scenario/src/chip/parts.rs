@@ -1,4 +1,4 @@
-//! What is on the pins: parts of a board, and what they belong to on the robot.
+//! The parts of a board on its pins, and the devices of the robot that they belong to.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -19,7 +19,7 @@ use baudbot_wire::Encoding;
 use super::{Parts, Result, options};
 use crate::pins::Options;
 
-/// What is on the pins.
+/// The connections of the pins.
 pub(super) struct Wires {
     pub(super) wiring: Wiring,
     pub(super) attached: Vec<Attached>,
@@ -28,7 +28,7 @@ pub(super) struct Wires {
 /// A part, as far as it is known.
 struct Part<'a> {
     name: String,
-    /// Where it was named first.
+    /// The place at which the part was named first.
     path: &'a Path,
     belongs: Belongs<'a>,
     /// The terminals that are used.
@@ -83,7 +83,7 @@ pub(super) fn wires(path: &Path, connections: &[(Path, &str, Options)], robot: &
     Ok(Wires { wiring, attached })
 }
 
-/// What `text` names: the part's name, what it belongs to, and the terminal.
+/// The target of `text`: the part's name, its device, and the terminal.
 fn target<'a>(path: &Path, text: &'a str, robot: &Parts<'a>) -> Result<(String, Belongs<'a>, &'a str)> {
     let (group, rest) = text.split_once('.').unwrap_or((text, ""));
     let (name, terminal) = rest.split_once('.').unwrap_or((rest, ""));
@@ -193,7 +193,7 @@ impl Part<'_> {
         matches!(self.belongs, Belongs::Sensor(_, Sensor { device: Device::Floor(_), .. }))
     }
 
-    /// What it is, and where it belongs.
+    /// The kind of the part, and its device.
     fn kind(&self, robot: &Parts<'_>) -> Result<(Kind, Attached)> {
         match self.belongs {
             Belongs::Sensor(place, sensor) => self.sensor(place, sensor),
@@ -324,7 +324,7 @@ impl Part<'_> {
         }
     }
 
-    /// Which H-bridge it is: its terminals tell.
+    /// The kind of the H-bridge, by its terminals.
     fn bridge(&self) -> BridgeKind {
         let drop_v = self.option(|options| options.drop_v).map(Number::get);
         let has_inputs = self.uses("in1") || self.uses("in2");

@@ -24,7 +24,7 @@ pub(super) fn part(path: &Path, raw: &raw::Microcontroller) -> Result<Part> {
     })
 }
 
-/// Its clock source.
+/// The clock source of the chip.
 pub(super) fn clock(path: &Path, raw: &raw::Microcontroller) -> Result<ChipClock> {
     let hz = raw.clock_hz.map_or(USUAL_HZ, Number::get);
     if math::floor(hz) != hz {
@@ -93,7 +93,7 @@ pub(super) fn fuses(path: &Path, microcontroller: &raw::Microcontroller) -> Resu
     Ok(Some(Fuses { low: byte(low)?, high: byte(high)?, extended: byte(extended)? }))
 }
 
-/// Whether nothing else has a pin for good. A board whose fuses nobody has named has a crystal.
+/// Whether nothing else has a pin for good. A board without named fuses has a crystal.
 pub(super) fn check_pin(path: &Path, pin: &str, fuses: Option<Fuses>) -> Result<()> {
     let taken = Net::by_name(pin).and_then(Net::pin);
     let problem = match taken.and_then(|pin| fuses.unwrap_or(Fuses::ARDUINO_UNO).takes(pin)) {

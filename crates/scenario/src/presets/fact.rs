@@ -11,32 +11,32 @@ use super::Preset;
 /// A value of a preset and where it is from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact {
-    /// Where it stands, such as `robot.body.mass_kg`.
+    /// The path of the fact, such as `robot.body.mass_kg`.
     pub path: String,
     /// The value.
     pub value: Value,
-    /// What kind of source it has; none for words that say which part something is.
+    /// The kind of the source; none for words that choose a part.
     pub standing: Option<Standing>,
     /// The source.
     pub source: &'static str,
 }
 
-/// How sure a value is.
+/// The certainty of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
-    /// Of the maker's data sheet or manual.
+    /// The value is from the maker's data sheet or manual.
     Datasheet,
-    /// Measured and published by a third party.
+    /// The value was measured and published by a third party.
     Measured,
-    /// Of the lecture notes (Wahde 2016).
+    /// The value is from the lecture notes (Wahde 2016).
     Notes,
     /// A constant of another public simulator or driver.
     Driver,
-    /// Of a data sheet, from memory, to be checked.
+    /// The value is from a data sheet, from memory, to be checked.
     Recalled,
     /// Follows from other values.
     Calculated,
-    /// Nobody knows it; change it if you do.
+    /// The value is a guess; replace it if you have a better one.
     Guess,
 }
 
@@ -67,7 +67,7 @@ impl Standing {
 }
 
 impl Preset {
-    /// Its values in the order of the file.
+    /// The preset's values in the order of the file.
     pub fn facts(&self) -> Vec<Fact> {
         let mut table = String::new();
         let mut facts = Vec::new();
@@ -109,7 +109,7 @@ mod tests {
         assert_eq!((fact.standing, fact.source), (Some(Standing::Datasheet), "K-Team, Khepera (55 mm)"));
     }
 
-    /// Only words that say which part something is need none.
+    /// Only words that choose a part need none.
     #[test]
     fn every_value_of_every_preset_says_where_it_is_from() {
         for preset in presets() {

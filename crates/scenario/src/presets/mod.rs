@@ -13,11 +13,11 @@ pub use fact::{Fact, Standing};
 /// A preset that is part of this crate.
 #[derive(Debug)]
 pub struct Preset {
-    /// Its name in scenarios.
+    /// The name of the preset in scenarios.
     pub name: &'static str,
-    /// Its kind: a robot, or the part of one.
+    /// The kind of the preset: a robot, or the part of one.
     pub kind: PresetKind,
-    /// Its description, in a line.
+    /// The description of the preset, in a line.
     pub description: &'static str,
     /// The file as it is.
     pub text: &'static str,
@@ -110,7 +110,7 @@ impl Preset {
     }
 }
 
-/// What stands in quotes behind `start`, with which the text begins, and what follows.
+/// The text in quotes behind `start`, with which the text begins, and the rest.
 const fn quoted(text: &'static str, start: &str) -> (&'static str, &'static str) {
     let (found, rest) = text.split_at(start.len());
     let mut i = 0;

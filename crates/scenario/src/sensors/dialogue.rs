@@ -1,4 +1,4 @@
-//! From a port's table to the dialogue on it.
+//! The way from a port's table to the dialogue on it.
 
 use alloc::boxed::Box;
 use core::f64::consts::TAU;

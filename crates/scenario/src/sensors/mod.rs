@@ -1,4 +1,4 @@
-//! From a sensor's table to a [`Sensor`].
+//! The way from a sensor's table to a [`Sensor`].
 
 mod dialogue;
 mod place;
@@ -102,7 +102,7 @@ fn built(path: &Path, common: &Common, mut table: Table, context: &mut Context<'
     )
 }
 
-/// What can stand in the table of any sensor, behind what can stand in that of its kind.
+/// The fields of the table of any sensor, behind those of its kind.
 fn with_common_fields(path: &Path, mut error: FieldError) -> FieldError {
     if matches!(error.cause, Cause::UnknownField { .. }) && is_in(path, &error.path) {
         error.problem += &format!("; all sensors have `{}`", COMMON.join("`, `"));
@@ -116,7 +116,7 @@ fn is_in(table: &Path, field: &str) -> bool {
     name.is_some_and(|name| !name.contains(['.', '[']))
 }
 
-/// The noise, with what the fields of a kind say of it.
+/// The noise, with the fields of a kind that are short for it.
 fn with_shorthands(path: &Path, mut noise: Noise, built: &Built<Device>) -> Result<Noise> {
     if built.multiplicative != 0.0 && noise.multiplicative != 0.0 {
         return Err(path.field("sigma").error("is short for noise.multiplicative, which is given, too"));
@@ -139,7 +139,7 @@ pub(super) fn take(table: &mut Table, fields: &[&str]) -> Table {
     fields.iter().filter_map(|&field| table.remove_entry(field)).collect()
 }
 
-/// Lasers and devices with a port measure at their own pace, also if the scenario does not say so.
+/// Lasers and devices with a port measure at their own pace, also if the scenario does not state so.
 fn clock(
     path: &Path,
     raw: Option<raw::Clock>,

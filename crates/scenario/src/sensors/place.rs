@@ -1,4 +1,4 @@
-//! Where a sensor sits.
+//! The place of a sensor on the robot.
 
 use alloc::format;
 use alloc::string::String;
@@ -15,7 +15,7 @@ use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::sensor::Height;
 use baudbot_sim::sensor::Mount;
 
-/// Takes out of a sensor's table what says where it sits: on the rim looking outwards, or anywhere looking any way.
+/// Takes the fields for the mount out of a sensor's table: on the rim looking outwards, or anywhere looking any way.
 pub(super) fn mount(path: &Path, table: &mut Table, context: &mut Context<'_>) -> Result<Mount> {
     let raw: Place = Sheet::from(take(table, &PLACE)).read(path)?;
     let pose = match (raw.bearing_rad, raw.mount) {
@@ -37,7 +37,7 @@ pub(super) fn mount(path: &Path, table: &mut Table, context: &mut Context<'_>) -
     Ok(Mount { pose, turret, height: height(raw.height_m, context) })
 }
 
-/// As [`mount`] for a sensor that sits in the robot's centre and only looks somewhere.
+/// The [`mount`] of a sensor that sits in the robot's centre and has a direction only.
 pub(super) fn centre(path: &Path, table: &mut Table, context: &mut Context<'_>) -> Result<Mount> {
     let raw: Place = Sheet::from(take(table, &PLACE)).read(path)?;
     if raw.mount.is_some() || raw.turret.is_some() {

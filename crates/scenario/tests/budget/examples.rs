@@ -1,4 +1,4 @@
-//! Well-known numbers: as the budget has them, and as they are in a run.
+//! Well-known numbers: by the budget, and in a run.
 
 use std::fmt::Write;
 
@@ -48,13 +48,14 @@ fn most_per_s(robot: &RobotBudget, what: &str) -> f64 {
     rate.unwrap_or_else(|| panic!("no {what} in {:?}", robot.rates)).most_per_s.unwrap()
 }
 
-/// Adds a row, and says how far the two are apart, as a share.
+/// Adds a row, and returns how far the two are apart, as a share.
 fn row(table: &mut String, what: &str, foretold: f64, measured: f64) -> f64 {
     writeln!(table, "{what:<52} {foretold:>10.2} {measured:>10.2}").unwrap();
     (foretold - measured).abs() / measured
 }
 
-/// A Khepera that is asked in lines of text, of which all eight sensors say `code`: compasses, which stand for any.
+/// A Khepera that is asked in lines of text, all of whose eight sensors have the reading `code`: compasses, which stand
+/// for any.
 fn lines_of_text(code: f64) -> String {
     let heading = -core::f64::consts::PI + code * core::f64::consts::TAU / 1023.0;
     let mut toml = format!(
@@ -111,7 +112,7 @@ fn scans_per_s(toml: &str) -> f64 {
     per_s(&answers)
 }
 
-/// Of a brain that asks again as soon as readings have come.
+/// The polls a second of a brain that asks again as soon as readings have come.
 fn polls_per_s(toml: &str) -> f64 {
     let mut world = World::new(baudbot_scenario::parse(toml).unwrap().into());
     let (mut asks, mut arrivals) = (true, Vec::new());
@@ -127,7 +128,7 @@ fn polls_per_s(toml: &str) -> f64 {
     per_s(&arrivals)
 }
 
-/// The rate at which a Khepera answers a program that says this line as soon as it has the answer to the one before.
+/// The rate at which a Khepera answers a program that sends this line as soon as it has the answer to the one before.
 fn lines_per_s(toml: &str, line: &[u8]) -> f64 {
     let mut world = World::new(baudbot_scenario::parse(toml).unwrap().into());
     let (mut asks, mut arrivals) = (true, Vec::new());
@@ -171,7 +172,7 @@ fn onboard_thinking() -> String {
     )
 }
 
-/// From the thoughts on its timeline that did not wait for the processor: the shortest.
+/// The operations by the shortest thought on the timeline, one that did not wait for the processor.
 fn operations_in_10_ms(toml: &str) -> f64 {
     let world = run(baudbot_scenario::parse(toml).unwrap(), 2.0).world;
     let thoughts =

@@ -1,4 +1,4 @@
-//! Scenarios that nobody can wait for: they are refused, or their budget says what it left out.
+//! Scenarios that would take too long: they are refused, or their budget states what it left out.
 
 use std::fmt::Write;
 

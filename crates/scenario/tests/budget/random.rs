@@ -225,7 +225,7 @@ fn check(budget: &RobotBudget, measured: &Measured) -> Result<(), String> {
     rates(budget, measured)
 }
 
-/// So many in a run: what has begun when it ends is counted, and what was counted when it began.
+/// The numbers of a run: what has begun when it ends is counted, and what was counted when it began.
 fn rates(budget: &RobotBudget, measured: &Measured) -> Result<(), String> {
     let robot = measured.world.robot(0);
     let no_more = |what: &str, count: u64, spare: f64| {

@@ -27,7 +27,7 @@ fn mended(toml: &str, changes: &[&str], remedy: &Remedy) -> RobotBudget {
     RobotBudget::without_remedies(&scenario, &scenario.robots[0])
 }
 
-/// Checks each remedy that can be said as overrides; says what they are.
+/// Checks each remedy that has the form of overrides; returns all of them in words.
 fn check(toml: &str, changes: &[&str]) -> Vec<String> {
     let robot = budget(toml, changes);
     assert_eq!(robot.verdict == Verdict::Misses, !robot.remedies.is_empty(), "{robot:?}");
@@ -49,7 +49,7 @@ fn has(remedies: &[String], what: &str) {
 fn a_faster_cable_mends_wander() {
     let remedies = check(WANDER, &[]);
     has(&remedies, "38400 baud");
-    // With 30 ms every second message would wait for the next step.
+    // A step of 30 ms would not do: every second message would wait for the next step.
     has(&remedies, "a step of 50 ms");
 }
 
@@ -73,7 +73,7 @@ fn a_chip_that_waits_is_told_not_to() {
     has(&remedies, "an adapter without a latency timer");
     let total = |toml: String| budget(&toml, &["robots.r.link.adapter.latency_ms=1"]).cycle.total;
     assert_ne!(total(polled(115_200)), total(real));
-    // At 1200 baud that is not enough.
+    // A latency timer of 1 ms is not enough at 1200 baud.
     let remedies = check(&polled(1200), &[]);
     assert_eq!(remedies[0], "a latency timer of 1 ms and 9600 baud");
 }
@@ -110,7 +110,7 @@ const SQUEEZES: [&str; 9] = [
     "microcontroller={ preset = \"bs2\", bootloader_s = 0.3007 }",
 ];
 
-/// Checks the remedies of each robot, with changes that the scenario may refuse; says what they are.
+/// Checks the remedies of each robot, with changes that the scenario may refuse; returns what they are.
 fn check_if_sound(toml: &str, changes: &[String]) -> Vec<String> {
     let parsed: Vec<_> = changes.iter().map(|text| Override::parse(text).unwrap()).collect();
     let Ok(scenario) = baudbot_scenario::parse_with(toml, &parsed) else { return Vec::new() };

@@ -13,19 +13,19 @@ pub(crate) struct Measured {
     /// Messages that arrived, and commands that were understood.
     pub(crate) messages: u64,
     pub(crate) commands: u64,
-    /// When messages of the microcontroller arrived, in seconds.
+    /// The instants at which messages of the microcontroller arrived, in seconds.
     pub(crate) arrivals: Vec<f64>,
-    /// When each sensor was readable, in seconds.
+    /// The instants at which each sensor was readable, in seconds.
     pub(crate) readable: Vec<Vec<f64>>,
     /// The true ages of its readings then, in nanoseconds.
     pub(crate) ages: Vec<Vec<u64>>,
     pub(crate) world: World,
 }
 
-/// When a brain of a run writes.
+/// The times at which a brain of a run writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Writer {
-    /// When a message has come, from a port too.
+    /// The brain writes when a message has come, from a port too.
     OnMessage,
     /// In each turn.
     EveryTick,
@@ -35,7 +35,7 @@ pub(crate) enum Writer {
     Blind,
     /// In answer to a message, but not before its last command is off the cable.
     WhenFree,
-    /// Not at all.
+    /// The brain never writes.
     Never,
 }
 
@@ -43,7 +43,7 @@ impl Writer {
     pub(crate) const ALL: [Self; 6] =
         [Self::OnMessage, Self::EveryTick, Self::Twice, Self::Blind, Self::WhenFree, Self::Never];
 
-    /// The writes that a budget is told of it.
+    /// The writes that are stated to a budget.
     pub(crate) fn writes(self, step_ns: u64) -> Writes {
         let at_most = |per_s: f64| Writes::AtMost(Frequency::new(per_s).unwrap());
         match self {
@@ -89,7 +89,7 @@ impl Hand {
 }
 
 /// Runs the only robot for a while; its brain answers each message, from a port too, and thinks as long as the scenario
-/// says, in each step.
+/// states, in each step.
 pub(crate) fn run(scenario: Scenario, seconds: f64) -> Measured {
     let thinking_ns = scenario.robots[0].thinking_ns;
     run_thinking(scenario, seconds, |_| thinking_ns)
@@ -149,8 +149,8 @@ fn run_as(
         }
         let news = last.replace(heard + ports).is_some_and(|last| heard + ports > last);
         let first = heard + ports > 0 && tick == 0;
-        // A polled robot speaks when asked; a streaming one needs no first word, which would delay the answer to it.
-        // Before its firmware starts nobody hears.
+        // A polled robot sends when asked; a streaming one needs no first command, which would delay the answer to it.
+        // Commands before the start of the firmware are lost.
         let is_first = !has_started && turn.at.as_ns() >= bootloader_ns;
         has_started |= is_first;
         let asks = is_first && world.robot(0).spec().firmware.mode == Mode::Poll;
@@ -158,7 +158,7 @@ fn run_as(
         let said = if is_first { &opening[..] } else { &[] };
         let at = turn.at + thinking_ns(tick);
         let commands = hand.commands(turn.at, speaks);
-        // An answer to a port that comes behind the start is heard, and no first word is needed.
+        // An answer to a port that comes behind the start is received, and no first command is needed.
         has_started |= commands > 0 && at.as_ns() >= bootloader_ns;
         let first = if commands > 0 { &bytes[..] } else { said };
         let inputs = [first].into_iter().chain((1..commands).map(|_| &bytes[..]));

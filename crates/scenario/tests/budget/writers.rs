@@ -1,5 +1,5 @@
-//! Whatever the scenario and whenever its brain writes: no cycle is longer than the bound of a budget that was told when, and
-//! the median is the one that was foretold.
+//! Whatever the scenario and whenever its brain writes: no cycle is longer than the bound of a budget with these times,
+//! and the median is the one that was foretold.
 //!
 //! 200 scenarios here. A thousand, with how tight the bounds are:
 //!

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::schema::corpus::{SCHEMA, parsed, path, places, scenarios};
 use crate::schema::validator::{Bounds, findings, is_valid};
 
-/// Fields of which the parser refuses more, as another field says more, and what that is.
+/// Fields of which the parser refuses more because of another field, with the reason.
 const NARROWER: [(&str, &str); 33] = [
     ("/lit_ms", "`blink_ms` is longer"),
     ("/metrics/cell_m", "the arena has so many cells"),
@@ -71,7 +71,7 @@ fn bounds_are_the_parsers() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    // Of the others the parser says that another field does not fit.
+    // The other bounds depend on another field, by the parser's answer.
     assert!(bounds > 400 && taken * 10 > bounds * 7, "of {bounds} bounds {taken} are taken");
 }
 
@@ -82,10 +82,10 @@ struct Tried<'a> {
     bounds: Bounds,
 }
 
-/// What the parser says of another number there.
+/// The parser's answer to another number there.
 enum Told {
     AsTheSchema,
-    /// That another field does not fit to it.
+    /// Another field does not fit to the number.
     OfAnother,
     Otherwise(String),
 }
@@ -124,7 +124,7 @@ impl Tried<'_> {
         }
     }
 
-    /// Its field: of a number in lists that of the lists.
+    /// The field of the number; for a number in lists that of the lists.
     fn field(&self) -> &str {
         self.place.trim_end_matches(|c: char| c.is_ascii_digit() || c == '/')
     }

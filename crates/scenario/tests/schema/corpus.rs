@@ -15,13 +15,13 @@ pub(crate) fn scenarios() -> Vec<Value> {
     include_str!("all_fields.txt").split("# ----\n").skip(1).map(read).collect()
 }
 
-/// What a text says.
+/// The value of a text.
 pub(crate) fn read(toml: &str) -> Value {
     let table: toml::Table = toml.parse().unwrap_or_else(|error| panic!("{error} in\n{toml}"));
     serde_json::to_value(table).unwrap()
 }
 
-/// What the parser says of a scenario.
+/// The parser's result for a scenario.
 pub(crate) fn parsed(scenario: &Value) -> Result<(), ScenarioError> {
     let table: toml::Table = serde_json::from_value(scenario.clone()).unwrap();
     baudbot_scenario::parse(&toml::to_string(&table).unwrap()).map(drop)
@@ -44,7 +44,7 @@ pub(crate) fn places(value: &Value) -> Vec<String> {
     all
 }
 
-/// `/robots/0/start/x_m` as errors have it. Names of pins may be numbers.
+/// The path `/robots/0/start/x_m` in the form of errors. Names of pins may be numbers.
 pub(crate) fn path(place: &str) -> String {
     let mut path = String::new();
     for part in place.split('/').skip(1) {

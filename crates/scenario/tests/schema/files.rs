@@ -40,7 +40,7 @@ fn every_scenario_of_the_project_is_valid() {
     assert!(checked >= 60, "found only {checked}");
 }
 
-/// What the manual shows, also where a file that it refers to is not there.
+/// The examples of the manual are valid, also where a file that they refer to does not exist.
 #[test]
 fn every_example_of_the_manual_is_valid() {
     let mut checked = 0;

@@ -1,4 +1,4 @@
-//! The schema and the parser say the same: of all scenarios of the project, of each field of each table, and of each bound.
+//! The schema and the parser agree: of all scenarios of the project, of each field of each table, and of each bound.
 
 mod bounds;
 mod corpus;

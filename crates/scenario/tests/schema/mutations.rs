@@ -99,7 +99,7 @@ fn kind(value: &Value) -> u8 {
     }
 }
 
-/// What one takes and the other refuses.
+/// The difference between the two: one takes the value and the other refuses it.
 fn difference(place: &str, change: &str, changed: &Value) -> Option<String> {
     let (parser, schema) = (parsed(changed), findings(&SCHEMA, changed).wrong);
     match (parser, schema.is_empty()) {

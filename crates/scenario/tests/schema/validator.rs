@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value};
 
-/// Keywords that say nothing of what is valid.
+/// Keywords that do not affect what is valid.
 const WORDS: [&str; 7] = ["$schema", "title", "description", "default", "x-manual", "x-taplo", "then"];
 
-/// What a value is held against, and what was found.
+/// The schema of a value, and the findings.
 #[derive(Default)]
 pub(crate) struct Findings {
-    /// The places of what is wrong, with the keyword that says so.
+    /// The places of faults, with the keyword of the schema.
     pub(crate) wrong: Vec<String>,
     /// The bounds of each number, by its place as a JSON pointer.
     pub(crate) numbers: BTreeMap<String, Bounds>,
@@ -26,7 +26,7 @@ pub(crate) struct Bounds {
     pub(crate) is_one_of: bool,
 }
 
-/// What is wrong with a value.
+/// The faults of a value.
 pub(crate) fn findings(schema: &Value, value: &Value) -> Findings {
     let mut findings = Findings::default();
     findings.check(schema, value, "");
