@@ -19,7 +19,7 @@ pub struct Polygon {
     pub solid: bool,
     /// Whether the last corner is joined to the first.
     pub closed: bool,
-    /// Its height and its colour.
+    /// The height of the polygon and its colour.
     pub look: Look,
 }
 
@@ -30,7 +30,7 @@ pub struct Pillar {
     pub name: String,
     /// The outline, in metres.
     pub circle: Circle,
-    /// Its height and its colour.
+    /// The height of the pillar and its colour.
     pub look: Look,
 }
 
@@ -40,7 +40,7 @@ pub struct Look {
     /// The height up to which it reaches from the floor, in metres; infinite for a wall. A sensor that sits higher
     /// overlooks it (§6.1).
     pub height_m: f64,
-    /// Red, green and blue.
+    /// The colour: red, green and blue.
     pub color: [u8; 3],
 }
 
@@ -62,7 +62,7 @@ pub struct Arena {
 /// The polygons that are solid.
 #[derive(Clone, Debug, Default)]
 struct Solids {
-    /// Their places, in order.
+    /// The places of the solids, in order.
     places: Vec<usize>,
     /// The box around each.
     bounds: Vec<Bounds>,
@@ -236,7 +236,8 @@ impl Arena {
     }
 }
 
-/// Of so many polygons all boxes are compared sooner than the cells are found in which their discs lie.
+/// The number of polygons up to which all boxes are compared, as that is faster than to find the cells in which their
+/// discs lie.
 const FEW: usize = 16;
 
 /// A generous bound on the rounding error of a distance, as a part of the coordinates that it is computed from.
@@ -278,7 +279,7 @@ impl Layer {
 }
 
 impl Polygon {
-    /// Its sides, in order.
+    /// The polygon's sides, in order.
     pub fn edges(&self) -> impl Iterator<Item = Segment> {
         let sides = if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) };
         polygon::edges(&self.points).take(sides)
@@ -316,7 +317,7 @@ mod tests {
     }
 
     proptest! {
-        /// Of few solids and of many.
+        /// The arenas have few solids or many.
         #[test]
         fn the_first_solid_around_a_point_is_found(
             boxes in prop::collection::vec((-5.0..5.0, -5.0..5.0, 0.1..6.0, 0.1..6.0, any::<bool>()), 0..3 * FEW),

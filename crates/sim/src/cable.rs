@@ -35,7 +35,7 @@ pub struct Listener {
 }
 
 impl Listener {
-    /// A listener at this cable that has heard nothing; `None` if the robot has no such cable.
+    /// A listener at this cable that has received nothing; `None` if the robot has no such cable.
     pub fn new(spec: &RobotSpec, cable: Cable) -> Option<Self> {
         Cable::all(spec).find(|other| *other == cable)?;
         let (up, down) = (vec![0; longest_up(spec, cable)], vec![0; MAX_FRAME]);
@@ -43,7 +43,7 @@ impl Listener {
         Some(Self { cable, analyser, seen: [0; 2], missed_bytes: 0, message_until: [None; 2] })
     }
 
-    /// Forgets what it has heard: the world is at another time.
+    /// Forgets what it has received: the world is at another time.
     pub fn reset(&mut self, spec: &RobotSpec) {
         if let Some(new) = Self::new(spec, self.cable) {
             *self = new;

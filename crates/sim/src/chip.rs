@@ -36,11 +36,11 @@ use crate::drive::Wheels;
 /// A chip with its program, and what is on its pins.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChipSpec {
-    /// As it is before its supply is switched on.
+    /// The board before its supply is switched on.
     start: Board,
     /// The place on the robot of each part of the wiring, in the parts' order.
     attached: Vec<Attached>,
-    /// Whether nobody but the user's own programs knows what its bytes mean.
+    /// Whether the meaning of the bytes is known only to the user's own programs.
     is_opaque: bool,
 }
 
@@ -88,7 +88,7 @@ pub enum Attached {
     WheelServo(Side),
     /// An actuator's place.
     Actuator(usize),
-    /// Nothing of the robot's: a light-emitting diode or a buzzer on the board.
+    /// The part belongs to nothing of the robot's: a light-emitting diode or a buzzer on the board.
     Board,
 }
 

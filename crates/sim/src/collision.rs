@@ -130,7 +130,8 @@ pub(crate) struct Step<'a> {
     pub(crate) arena: &'a Arena,
     /// Other obstacles, such as doors.
     pub(crate) obstacles: &'a [Body],
-    /// The movables, once they have been pushed: nobody is to slide into them. No robot is in one before the step or after it.
+    /// The movables, once they have been pushed: robots must not slide into them. No robot is in one before the step or
+    /// after it.
     pub(crate) movables: &'a [Body],
     /// The robots' shapes.
     pub(crate) form: &'a (dyn Fn(usize) -> Form<'a> + Sync),
@@ -305,7 +306,7 @@ mod tests {
         xs.iter().map(|&x| Pose::new(x, 0.0, 0.0)).collect()
     }
 
-    /// Looks at a step of robots of these shapes.
+    /// Does a step of robots of these shapes, and returns a view of it.
     fn look<T>(
         arena: &Arena,
         forms: &[Form<'_>],

@@ -15,8 +15,8 @@ pub fn sensor_columns(spec: &RobotSpec) -> Vec<String> {
     columns(spec, |name, _| name.to_owned())
 }
 
-/// As [`sensor_columns`], with the unit in each name that has one: `sonar.m`, `gyroscope.rad_s`, `laser.m.0`. A sensor's
-/// name has no dot, so that none of them is called as a column of anything else.
+/// The same as [`sensor_columns`], with the unit in each name that has one: `sonar.m`, `gyroscope.rad_s`, `laser.m.0`.
+/// A sensor's name has no dot, so that none of them is called as a column of anything else.
 pub fn sensor_columns_with_units(spec: &RobotSpec) -> Vec<String> {
     columns(spec, |name, unit| match unit {
         "" | "1" | "count" => name.to_owned(),

@@ -16,7 +16,7 @@ use crate::time::SimTime;
 pub(crate) enum Decoder {
     Framed(baudbot_wire::Decoder),
     Bare(BareDecoder),
-    /// At the robot's end, with what it owes in answer to the lines that came.
+    /// The decoder at the robot's end, with what it owes in answer to the lines that came.
     Khepera {
         lines: Lines,
         owed: Owed,
@@ -26,14 +26,14 @@ pub(crate) enum Decoder {
         lines: Lines,
         registers: Box<Registers>,
     },
-    /// Of lines of text, at the laptop's end, with the positions that were told since the last readings.
+    /// A decoder of lines of text, at the laptop's end, with the positions since the last readings.
     Answers {
         lines: Lines,
         positions: Option<[i32; 2]>,
     },
-    /// Of a Create, at the robot's end.
+    /// The decoder of a Create, at the robot's end.
     OpenInterface(Box<OpenInterface>),
-    /// Of a Create, at the laptop's end.
+    /// The decoder of a Create, at the laptop's end.
     Stream(Stream),
 }
 

@@ -4,7 +4,7 @@
 //! Deviations.
 //! - (3.19) and (3.20) multiply by the heading before the step; ARSim's program uses the new one, and so do we.
 //! - The notes use one R for the body's radius and for half the distance between the wheels. Here the
-//!   half track is its own number, equal to the radius unless a scenario says otherwise.
+//!   half track is its own number, equal to the radius unless a scenario states otherwise.
 //! - Servos and stepper motors turn their wheels at their own speed, whatever the body weighs: (2.5) and
 //!   (2.6) in place of (2.31) and (2.32).
 //! - ARSim feeds its motors wheel speeds computed with half the half track. `motor_track_factor` is that
@@ -65,8 +65,8 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// With D_R / D_L = `wheel_ratio`, the mean of both diameters `wheel_scale` times the data sheet's, and this half
-    /// track, in metres. Ratio and scale must be positive.
+    /// A `Deviation` with D_R / D_L = `wheel_ratio`, the mean of both diameters `wheel_scale` times the data sheet's,
+    /// and this half track, in metres. Ratio and scale must be positive.
     pub fn new(wheel_ratio: f64, wheel_scale: f64, half_track_m: f64) -> Self {
         let left = 2.0 * wheel_scale / (wheel_ratio + 1.0);
         Self { wheels: Wheels { left, right: wheel_ratio * left }, half_track_m }
@@ -254,7 +254,7 @@ impl Drive {
         Twist::of_wheels([grip.left * left, grip.right * right], half_track_m)
     }
 
-    /// After something else has changed a robot's speeds, the wheels roll as they say.
+    /// The wheels roll with the speeds of the body after something else has changed these.
     pub(crate) fn roll_with(&self, motion: &mut Motion) {
         motion.wheel_speed_rad_s = self.wheel_speeds(motion);
     }

@@ -15,7 +15,7 @@ use crate::time::SimTime;
 pub struct Fault {
     /// The kind of the fault.
     pub kind: FaultKind,
-    /// When.
+    /// The times at which the fault is in force.
     pub when: When,
 }
 
@@ -33,16 +33,16 @@ pub enum FaultKind {
     Brain,
     /// A sensor sticks: it gives its last value again and again, as if it were new.
     Sensor {
-        /// Its place in [`RobotModel::sensors`](crate::model::RobotModel::sensors).
+        /// The place of the sensor in [`RobotModel::sensors`](crate::model::RobotModel::sensors).
         sensor: usize,
-        /// Its name.
+        /// The name of the sensor.
         name: String,
     },
     /// The signal of a sensor is lost: it gives zeros, as if these were new.
     LostSignal {
-        /// Its place in [`RobotModel::sensors`](crate::model::RobotModel::sensors).
+        /// The sensor's place in [`RobotModel::sensors`](crate::model::RobotModel::sensors).
         sensor: usize,
-        /// Its name.
+        /// The sensor's name.
         name: String,
     },
 }
@@ -50,9 +50,9 @@ pub enum FaultKind {
 /// The effect of a fault on a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FaultEffect {
-    /// It gives its last value.
+    /// The sensor gives its last value.
     Sticks,
-    /// It gives zeros.
+    /// The sensor gives zeros.
     Lost,
 }
 
@@ -68,17 +68,17 @@ impl fmt::Display for FaultKind {
     }
 }
 
-/// When a fault is in force.
+/// The times at which a fault is in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
-    /// Once.
+    /// The fault is in force once.
     Once {
-        /// From this instant on.
+        /// The instant from which on it is in force.
         from: SimTime,
-        /// Until just before this one.
+        /// The instant until just before which it is in force.
         until: SimTime,
     },
-    /// Once in each span of time, at random.
+    /// The fault is in force once in each span of time, at random.
     Each {
         /// Length of the spans, in nanoseconds; at least 1.
         every_ns: u64,
@@ -97,7 +97,7 @@ impl When {
             Self::Once { from, until } => within((from, until)),
             Self::Each { every_ns, for_ns, key } => {
                 let span = at.as_ns() / every_ns;
-                // That of the span before may reach into this one, and then into this one's own.
+                // The fault of the span before may reach into this one, and then into this one's own.
                 let before = span.checked_sub(1).and_then(|span| within(drawn(span, every_ns, for_ns, key)));
                 within(drawn(span, every_ns, for_ns, key)).max(before)
             }
@@ -118,7 +118,7 @@ impl When {
     }
 }
 
-/// From when until when it is in force that came in this span.
+/// The begin and the end of the fault that came in this span.
 fn drawn(span: u64, every_ns: u64, for_ns: u64, key: u64) -> (SimTime, SimTime) {
     let share = random::spread(key.wrapping_add(span));
     let offset_ns = ((u128::from(share) * u128::from(every_ns)) >> 64) as u64;

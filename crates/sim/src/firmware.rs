@@ -1,4 +1,4 @@
-//! Firmware: what the microcontroller says on its wire, and how it is understood at the laptop's end.
+//! Firmware: the microcontroller's messages on its wire, and their meaning at the laptop's end.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -21,12 +21,12 @@ use crate::time::SECOND_NS;
 pub struct Firmware {
     /// The form of its messages.
     pub protocol: Protocol,
-    /// When it sends readings.
+    /// The rule for when readings are sent.
     pub mode: Mode,
     layout: WireLayout,
 }
 
-/// When readings are sent.
+/// The rule for when readings are sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// On a schedule of the microcontroller's; of a Create, while there is a stream.
@@ -70,7 +70,7 @@ impl Firmware {
         self.layout.heap_bytes()
     }
 
-    /// Whether nothing comes from it until somebody has spoken.
+    /// Whether the firmware sends nothing until it has received something.
     pub(crate) fn is_silent_at_first(&self) -> bool {
         self.mode == Mode::Poll || self.protocol.pace() == Pace::Opened
     }
@@ -85,7 +85,7 @@ impl Firmware {
         self.agreement().command_len()[1]
     }
 
-    /// The least baud rate of a cable on which its messages are told apart: a bare one ends when there is silence for
+    /// The least baud rate of a cable on which its messages are separable: a bare one ends when there is silence for
     /// longer than a character takes.
     pub(crate) fn least_baud(&self, uart: &Uart) -> u64 {
         let Protocol::Bare { gap_ns } = self.protocol else { return LEAST_BAUD };

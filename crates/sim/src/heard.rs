@@ -8,7 +8,7 @@ use crate::time::SimTime;
 /// The truth about the reading of a sensor that is at the laptop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Heard {
-    /// When it was truly sampled, as far as that is known.
+    /// The instant at which it was truly sampled, as far as that is known.
     pub sampled_at: Option<SimTime>,
     /// The age of the sensor's readings whenever one came in the last tick: the one that went, and the one that came.
     pub ages: AgeSpan,
@@ -22,7 +22,7 @@ pub struct AgeSpan {
 }
 
 impl Default for AgeSpan {
-    /// Of no ages.
+    /// An `AgeSpan` of no ages.
     fn default() -> Self {
         Self { least_ns: u64::MAX, most_ns: 0 }
     }
@@ -51,13 +51,13 @@ impl AgeSpan {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AllHeard {
     sensors: Vec<Heard>,
-    /// When the counters were sampled that become a reading with the message that comes next.
+    /// The instants at which the counters were sampled that become a reading with the message that comes next.
     positions: Vec<(usize, SimTime)>,
     has_news: bool,
 }
 
 impl AllHeard {
-    /// Of a sensor, by its place.
+    /// The last reading of a sensor, by its place.
     pub(crate) fn of(&self, sensor: usize) -> Heard {
         self.sensors.get(sensor).copied().unwrap_or_default()
     }
@@ -97,15 +97,15 @@ impl AllHeard {
         self.positions.extend_from_slice(sampled);
     }
 
-    /// They do, at `now`.
+    /// Takes the positions of the wheels as readings, at `now`.
     pub(crate) fn take_positions(&mut self, now: SimTime) {
         let mut positions = core::mem::take(&mut self.positions);
         positions.drain(..).for_each(|(sensor, sampled_at)| self.take(sensor, now, Some(sampled_at)));
-        // Its memory is for the next ones.
+        // The memory of the list is kept for the next ones.
         self.positions = positions;
     }
 
-    /// The bytes that it takes when each of so many sensors has been heard.
+    /// The bytes that it takes when each of so many sensors has had a reading.
     pub(crate) fn heap_bytes(&self, sensors: usize) -> usize {
         sensors * size_of::<Heard>() + self.positions.len() * size_of::<(usize, SimTime)>()
     }

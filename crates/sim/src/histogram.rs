@@ -57,7 +57,7 @@ impl Histogram {
         }
     }
 
-    /// As it is saved.
+    /// The histogram in the form in which it is saved.
     fn spread(&self) -> Spread {
         match self.0 {
             Counts::Alike { count: 0, .. } => Spread::default(),
@@ -89,7 +89,7 @@ impl Histogram {
         }
     }
 
-    /// Their sum, in nanoseconds.
+    /// The sum of the durations, in nanoseconds.
     pub fn sum_ns(&self) -> u64 {
         match &self.0 {
             Counts::Alike { ns, count } => ns.saturating_mul(*count),
@@ -97,7 +97,7 @@ impl Histogram {
         }
     }
 
-    /// Their mean, in nanoseconds, cut off; `None` if there were none.
+    /// The mean of the durations, in nanoseconds, cut off; `None` if there were none.
     pub fn mean_ns(&self) -> Option<u64> {
         self.sum_ns().checked_div(self.count())
     }
@@ -139,7 +139,7 @@ impl Default for Histogram {
 impl Serialize for Histogram {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match &self.0 {
-            // It has no list as long as all are alike.
+            // The histogram has no list as long as all durations are alike.
             Counts::Alike { .. } => serializer.serialize_newtype_struct(NO_MEMORY, &self.spread()),
             Counts::Spread(spread) => spread.serialize(serializer),
         }
@@ -205,7 +205,7 @@ impl Spread {
     }
 }
 
-/// Of its number of buckets in an octave the logarithm to base 2.
+/// The logarithm to base 2 of the number of buckets in an octave.
 const FINE: u32 = 6;
 
 fn bucket(ns: u64) -> u32 {

@@ -21,8 +21,8 @@ use crate::values::ReadingValues;
 pub struct Reading {
     /// One value a component, in SI units, as the wire's quantisation left them; empty if none came yet.
     pub values: ReadingValues,
-    /// When it was sampled, by the microcontroller's clock and to its resolution on the wire (0.1 ms); `None`
-    /// if the protocol does not say, or the sample was 25.5 ms old or more when its frame was closed. A
+    /// The instant at which it was sampled, by the microcontroller's clock and to its resolution on the wire (0.1 ms);
+    /// `None` if the protocol does not give it, or the sample was 25.5 ms old or more when its frame was closed. A
     /// sample within a tick is of the scene at the tick's start.
     pub sampled_at: Option<SimTime>,
     /// Sequence number of the frame that brought it.
@@ -38,15 +38,15 @@ pub(crate) struct Laptop {
     pub(crate) readings: Vec<Reading>,
     /// Bytes that arrived since the brain's last step.
     pub(crate) unread: Vec<u8>,
-    /// When each of them arrived, for a program that has opened the port.
+    /// The instants at which each of them arrived, for a program that has opened the port.
     #[serde(skip)]
     pub(crate) instants: Vec<SimTime>,
     /// A message has arrived whole since the brain's last step.
     pub(crate) has_message: bool,
-    /// Until when the brain thinks.
+    /// The instant until which the brain thinks.
     pub(crate) busy_until: SimTime,
     pub(crate) freshness: Vec<Freshness>,
-    /// When the readings that are readable were truly sampled.
+    /// The instants at which the readings that are readable were truly sampled.
     sampled: Vec<Option<SimTime>>,
     /// The truth for observers.
     #[serde(skip)]
@@ -188,8 +188,8 @@ impl Laptop {
         None
     }
 
-    /// The bytes of a message arrive that is [told](Self::note_message) besides; false, and nothing is done, if it matters which
-    /// they are.
+    /// Takes the bytes of a message that is [noted](Self::note_message) besides; false, and nothing is done, if it
+    /// matters which they are.
     pub(crate) fn take_at_once(&mut self, spec: &RobotSpec, bytes: &[u8]) -> bool {
         let has_room = self.unread.len() + bytes.len() <= spec.link.laptop_buffer();
         let is_taken = has_room && self.decoder.is_between_frames();
@@ -212,7 +212,7 @@ impl Laptop {
         self.heard.is_some() || on_wire.any(|(reading, _)| reading.readable)
     }
 
-    /// Each sensor's reading, and when that was truly sampled; and where observers are told of it.
+    /// Each sensor's reading with the instant of its sample, and with the true one for observers.
     pub(crate) fn readings_with_truth(
         &mut self,
     ) -> (impl Iterator<Item = (&mut Reading, &mut Option<SimTime>)>, &mut AllHeard) {
@@ -235,8 +235,8 @@ impl Laptop {
         new.for_each(|(i, _)| self.truth.take(i, now, None));
     }
 
-    /// A byte arrives on the cable of sensor `i`'s own. If it ends a message that is no reading, the answer is whether that
-    /// says that readings will come.
+    /// A byte arrives on the cable of sensor `i`'s own. If it ends a message that is no reading, the answer is whether
+    /// readings follow it.
     pub(crate) fn receive_from_port(
         &mut self,
         spec: &RobotSpec,
@@ -270,7 +270,7 @@ impl Laptop {
         None
     }
 
-    /// When the control cycle began that what is written now answers.
+    /// The instant at which the control cycle began that what is written now answers.
     pub(crate) fn answer(&mut self) -> Option<SimTime> {
         match self.answers_tick {
             None => {
@@ -281,7 +281,7 @@ impl Laptop {
         }
     }
 
-    /// When the control cycle began that the brain's step has not answered, now that it is over.
+    /// The instant at which the control cycle began that the brain's step has not answered, now that it is over.
     pub(crate) fn left_unanswered(&mut self) -> Option<SimTime> {
         self.answers_tick = None;
         if self.has_answered { None } else { self.asked.back()?.1 }

@@ -19,15 +19,15 @@ pub(crate) struct OpenInterface {
     pub(crate) version: Version,
     commands: Commands,
     pub(crate) mode: Mode,
-    /// Numbers of packets and groups that are to be told once.
+    /// Numbers of packets and groups that are to be sent once.
     asked: VecDeque<u8>,
-    /// The text of the boot is to be told.
+    /// The text of the boot is to be sent.
     pub(crate) boots: bool,
     /// Bytes before this instant, while it boots, are lost.
     pub(crate) deaf_until: SimTime,
     streamed: Vec<u8>,
     is_paused: bool,
-    /// When the stream is due, while there is one.
+    /// The instant at which the stream is due, while there is one.
     pub(crate) due: SimTime,
     /// Velocity and radius; right and left velocity. As they were last asked for, in mm/s and mm.
     pub(crate) requested: [i16; 2],
@@ -37,11 +37,11 @@ pub(crate) struct OpenInterface {
     pub(crate) song: u8,
     plays_until: SimTime,
     shown: Shown,
-    /// Way and turn that have been told, in mm and degrees.
+    /// Way and turn that have been sent, in mm and degrees.
     pub(crate) told: [i64; 2],
     /// The baud rate that the cable is to have from the end of the tick on.
     baud: Option<u32>,
-    /// Somebody has taken it up, so that its wheels have dropped, since the interface last looked.
+    /// The robot was lifted, so that its wheels have dropped, since the last read of the interface.
     pub(crate) was_lifted: bool,
 }
 
@@ -58,9 +58,9 @@ struct Shown {
 /// The effect of a command on the rest of the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Deed {
-    /// It was not obeyed.
+    /// The command was not obeyed.
     Refused,
-    /// Nothing, or an answer that is owed now.
+    /// The command needs no deed, or an answer is owed now.
     Nothing,
     /// The wheels turn so that the centre has this velocity, in mm/s, on this radius, in mm.
     Turns([i16; 2]),
@@ -76,14 +76,14 @@ pub(crate) enum Deed {
 
 const MOST_SONGS: usize = 16;
 
-/// Most packets and groups that wait to be told. What is asked for beyond that is not told (a guess).
+/// Most packets and groups that wait to be sent. Requests beyond that are dropped (a guess).
 const MOST_ASKED: usize = 256;
 
 /// 1/64 s, in nanoseconds.
 const BEAT_NS: u64 = SECOND_NS / 64;
 
 impl OpenInterface {
-    /// That of a robot that has been switched on.
+    /// An `OpenInterface` of a robot that has been switched on.
     pub(crate) fn new(version: Version) -> Self {
         Self {
             version,
@@ -244,7 +244,7 @@ impl OpenInterface {
         now < self.plays_until
     }
 
-    /// Whether something is to be told at once.
+    /// Whether something is to be sent at once.
     pub(crate) fn owes(&self) -> bool {
         self.boots || !self.asked.is_empty()
     }
@@ -259,7 +259,7 @@ impl OpenInterface {
         &self.streamed
     }
 
-    /// The packets and groups that are told next, in `room` bytes; they are owed no more.
+    /// The packets and groups that are sent next, in `room` bytes; they are owed no more.
     pub(crate) fn settle(&mut self, room: usize) -> Vec<u8> {
         let (version, mut len) = (self.version, 0);
         let fits = |id: &&u8| {

@@ -69,7 +69,7 @@ mod tests {
         error_m: Option<[f64; 2]>,
     }
 
-    /// The same after somebody has added a part.
+    /// The same type with another part added.
     #[derive(Debug, Default, PartialEq)]
     struct After {
         added: Option<u64>,

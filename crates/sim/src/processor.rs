@@ -5,11 +5,11 @@ use crate::time::SECOND_NS;
 /// The timing of the processor; reading a sensor is that sensor's acquisition time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Processor {
-    /// To frame readings, for each byte that goes on the wire.
+    /// The time to frame readings, for each byte that goes on the wire, in nanoseconds.
     pub framing_ns_per_byte: u64,
-    /// To take a byte from the receiver.
+    /// The time to take a byte from the receiver, in nanoseconds.
     pub receiving_ns_per_byte: u64,
-    /// To obey a command, once its last byte is taken.
+    /// The time to obey a command, once its last byte is taken, in nanoseconds.
     pub obeying_ns: u64,
     /// The operations of a brain's program a second, if it is to run one.
     pub operations_per_s: Option<f64>,

@@ -21,7 +21,7 @@ pub struct RayCaster<'a> {
 /// A ray, and how far it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CastRay {
-    /// From the sensor, in the world.
+    /// The ray from the sensor, in the world.
     pub ray: Ray,
     /// Distance to what it meets, in metres; none if there is nothing within the range.
     pub distance_m: Option<f64>,

@@ -12,7 +12,7 @@ use crate::time::SimTime;
 pub(crate) struct Registers {
     /// Letters of commands to be answered, bit 0 that of `A`; then the refusals.
     owed: u32,
-    /// Kept, and without an effect: the motors' own regulators are those of the scenario.
+    /// The gains are kept, and without an effect: the motors' own regulators are those of the scenario.
     speed_gains: [i32; 3],
     position_gains: [i32; 3],
     pub(crate) target: [i32; 2],
@@ -29,7 +29,7 @@ pub(crate) struct Registers {
     pub(crate) moving_since: Option<SimTime>,
 }
 
-/// As the robot has them after a reset (kMatlab's defaults).
+/// The values of the robot's registers after a reset (kMatlab's defaults).
 impl Default for Registers {
     fn default() -> Self {
         Self {
@@ -52,7 +52,7 @@ impl Default for Registers {
 /// The next answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Say {
-    /// That a command was obeyed, positions, readings, or several of these.
+    /// The confirmation of a command, positions, readings, or several of these.
     Exchange(Owed),
     /// The answer to another command.
     Answer(Command),
@@ -83,14 +83,14 @@ impl Owed {
 /// The reason why a line is not obeyed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Refusal {
-    /// It begins with no command.
+    /// The line begins with no command.
     NotFound,
-    /// It is malformed, or the robot lacks what it wants.
+    /// The line is malformed, or the robot lacks the device.
     Protocol,
 }
 
 impl Registers {
-    /// Those of a robot that owes this.
+    /// The registers of a robot that owes this.
     pub(crate) fn owing(owed: Owed) -> Self {
         let mut registers = Self::default();
         registers.owe_exchange(owed);
@@ -118,7 +118,7 @@ impl Registers {
         self.owed != 0
     }
 
-    /// The first of what is owed, in the order of the alphabet, which is said now. `D`, `H` and `N` go together.
+    /// The first of what is owed, in the order of the alphabet, which is sent now. `D`, `H` and `N` go together.
     pub(crate) fn settle(&mut self) -> Option<Say> {
         let first = self.owed & self.owed.wrapping_neg();
         if first == 0 {

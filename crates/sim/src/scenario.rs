@@ -22,7 +22,7 @@ use crate::time::SimTime;
 /// one that is made or changed elsewhere, the ranges that the parser demands must hold.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// Its source, without manual changes that were made since.
+    /// The scenario's source, without manual changes that were made since.
     pub source: Source,
     /// A short name; empty if the file gives none.
     pub name: String,
@@ -38,7 +38,7 @@ pub struct Scenario {
     pub noise: bool,
     /// The consequence of a collision.
     pub collision: CollisionPolicy,
-    /// When the run ends.
+    /// The conditions for the end of the run.
     pub end: End,
     /// The rules that the referee applies.
     pub rules: Rules,
@@ -76,11 +76,11 @@ pub struct Source {
     pub overrides: Vec<String>,
 }
 
-/// When a run ends, collisions aside.
+/// The conditions for the end of a run, collisions aside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct End {
-    /// After this time.
+    /// The run ends after this time.
     pub after: Option<SimTime>,
-    /// When the centre of any robot is in this disc.
+    /// The disc that ends the run once the centre of any robot is in it.
     pub goal: Option<Circle>,
 }

@@ -1,4 +1,4 @@
-//! When something that repeats is due.
+//! The times of something that repeats.
 
 use serde::{Deserialize, Serialize};
 
@@ -61,7 +61,8 @@ impl Due {
         crate::sound::count(self.missed)
     }
 
-    /// Served at `now`, which is at or after `next`. What fell due meanwhile is missed, not made up for; says how much.
+    /// Served at `now`, which is at or after `next`. What fell due meanwhile is missed, not made up for; returns how
+    /// much.
     #[inline]
     pub fn serve(&mut self, schedule: &Schedule, now: SimTime) -> u64 {
         let late_ns = now.since(self.next);

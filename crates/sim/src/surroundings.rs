@@ -13,7 +13,7 @@ use crate::time::SimTime;
 pub struct Surroundings {
     /// Regions of the floor, in the scenario's order.
     pub zones: Vec<Zone>,
-    /// Lamps that stand somewhere.
+    /// Lamps with a place.
     pub lights: Vec<Light>,
     /// Scalar fields.
     pub fields: Vec<Field>,
@@ -21,7 +21,7 @@ pub struct Surroundings {
     pub ambient_lux: f64,
     /// The fraction of the light that the bare floor throws back, in [0, 1].
     pub floor: f64,
-    /// Whether the sky is hidden, so that no satellite is heard.
+    /// Whether the sky is hidden, so that no satellite is received.
     pub indoors: bool,
     /// Latitude and longitude of the arena's origin, in degrees; x is east, y is north.
     pub origin_deg: (f64, f64),
@@ -125,11 +125,11 @@ pub struct Field {
 /// A Gaussian bell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
-    /// Its middle.
+    /// The source's middle.
     pub position: Point,
-    /// Its height.
+    /// The source's height.
     pub strength: f64,
-    /// Its standard deviation, in metres.
+    /// The source's standard deviation, in metres.
     pub width_m: f64,
 }
 
@@ -151,7 +151,7 @@ impl Surroundings {
         self.zones.iter().filter(move |zone| zone.region.contains(point))
     }
 
-    /// Reflectance of the floor at a point: that of the last zone that says one.
+    /// Reflectance of the floor at a point: that of the last zone that has one.
     pub fn floor_at(&self, point: Point) -> f64 {
         self.zones_at(point).filter_map(|zone| zone.floor).last().unwrap_or(self.floor)
     }
@@ -171,7 +171,7 @@ impl Surroundings {
         }
     }
 
-    /// That of a robot that differs from its data sheet, or in an arena with zones.
+    /// The grip of a robot that differs from its data sheet, or in an arena with zones.
     fn grip_in_zones(&self, drive: &Drive, motion: &Motion) -> Option<Wheels> {
         if !self.zones.iter().any(|zone| zone.slip > 0.0) {
             return drive.deviation.map(|deviation| deviation.wheels);

@@ -10,9 +10,9 @@ use crate::time::SimTime;
 /// Something that happened on a robot, its cables, or its brain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
-    /// When it began.
+    /// The instant at which it began.
     pub start: SimTime,
-    /// When it was over; equal to `start` for what takes no time.
+    /// The instant at which it was over; equal to `start` for what takes no time.
     pub end: SimTime,
     /// The event.
     pub what: What,
@@ -41,7 +41,7 @@ pub enum What {
     Block,
     /// A message of readings was on the wire, as characters that follow each other.
     Up {
-        /// Its bytes.
+        /// The number of bytes.
         bytes: u32,
     },
     /// After the wire: the message waited in an adapter, or was in the air, until it was at the laptop whole.
@@ -50,14 +50,14 @@ pub enum What {
     Port {
         /// The sensor.
         sensor: u16,
-        /// Its bytes.
+        /// The number of bytes.
         bytes: u32,
     },
     /// Bytes to a device were on their way, on the cable of the sensor's own.
     PortDown {
         /// The sensor.
         sensor: u16,
-        /// Its bytes.
+        /// The number of bytes.
         bytes: u32,
     },
     /// The brain stepped and thought.
@@ -67,7 +67,7 @@ pub enum What {
     },
     /// The brain's bytes were on their way to the microcontroller, adapter and wire.
     Down {
-        /// Its bytes.
+        /// The number of bytes.
         bytes: u32,
     },
     /// The microcontroller took a message from its receiver byte by byte, and obeyed it.
@@ -119,7 +119,7 @@ impl Timeline {
         self.room * size_of::<Event>()
     }
 
-    /// From now on keeps so many events, of those that are there the last ones.
+    /// Keeps the last so many events, from now on.
     pub fn set_room(&mut self, room: usize) {
         if room == self.room {
             return;
@@ -153,7 +153,7 @@ impl Timeline {
         old.iter().chain(new)
     }
 
-    /// Those of number `first` and later, numbered from 0 in the order in which they were noted, and how many of
+    /// The events of number `first` and later, numbered from 0 in the order in which they were noted, and how many of
     /// them are no longer kept.
     pub fn since(&self, first: u64) -> (u64, impl Iterator<Item = &Event>) {
         let kept_from = self.total - self.events.len() as u64;

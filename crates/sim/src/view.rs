@@ -31,7 +31,7 @@ pub struct RobotView<'a> {
 pub struct SensorView<'a> {
     /// The last sample, before quantisation, one value a component; empty before the first.
     pub sample: &'a [f64],
-    /// When it was taken.
+    /// The instant at which it was taken.
     pub sampled_at: SimTime,
     /// Samples taken so far.
     pub samples: u64,
@@ -61,12 +61,12 @@ impl<'a> RobotView<'a> {
         self.state.motor_signals()
     }
 
-    /// Its actuators besides the wheels.
+    /// The robot's actuators besides the wheels.
     pub fn actuators(&self) -> &'a [ActuatorState] {
         &self.state.actuators
     }
 
-    /// Its battery, and the charge of that, if it can run out.
+    /// The robot's battery, and the charge of that, if it can run out.
     pub fn battery(&self) -> Option<(&'a Battery, &'a BatteryState)> {
         self.spec.battery.as_ref().zip(self.state.parts.battery.as_ref())
     }
@@ -101,13 +101,13 @@ impl<'a> RobotView<'a> {
         self.state.collided
     }
 
-    /// For the brain: the bytes that arrived at its port since its last step.
+    /// The bytes for the brain that arrived at its port since its last step.
     pub fn unread(&self) -> &'a [u8] {
         &self.state.laptop.unread
     }
 
-    /// When each of the [unread](Self::unread) bytes arrived, if [the port is open](crate::Intervention::OpenPort) for a
-    /// program; else nothing.
+    /// The instant at which each of the [unread](Self::unread) bytes arrived, if [the port is
+    /// open](crate::Intervention::OpenPort) for a program; else nothing.
     pub fn unread_instants(&self) -> &'a [SimTime] {
         &self.state.laptop.instants
     }
@@ -144,7 +144,7 @@ impl<'a> RobotView<'a> {
         })
     }
 
-    /// Its history so far, in numbers.
+    /// The numbers of the robot's run so far.
     pub fn counters(&self) -> &'a RobotCounters {
         &self.state.counters
     }
@@ -169,7 +169,7 @@ impl<'a> RobotView<'a> {
         &self.state.cycles
     }
 
-    /// Its latest events.
+    /// The robot's latest events.
     pub fn timeline(&self) -> &'a Timeline {
         &self.state.recorder.timeline
     }
@@ -211,13 +211,13 @@ impl<'a> RobotView<'a> {
 /// A look at something that moves by itself or is pushed.
 #[derive(Clone, Debug)]
 pub struct ThingView<'a> {
-    /// Its name.
+    /// The name of the thing.
     pub name: &'a str,
     /// The pose, world from thing.
     pub pose: Pose,
-    /// Its outline in the world.
+    /// The thing's outline in the world.
     pub outline: Outline,
-    /// Its height and its colour.
+    /// The height of the thing and its colour.
     pub look: Look,
     /// Time that something was in its way, in nanoseconds; 0 for what is pushed.
     pub blocked_ns: u64,

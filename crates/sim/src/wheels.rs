@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 /// A pair of values, one of each wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Wheels {
-    /// Of the left wheel.
+    /// The value of the left wheel.
     pub left: f64,
-    /// Of the right wheel.
+    /// The value of the right wheel.
     pub right: f64,
 }

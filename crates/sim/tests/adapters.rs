@@ -65,7 +65,7 @@ fn arrivals(world: &mut World, ticks: u64) -> BTreeMap<u64, usize> {
     arrivals
 }
 
-/// As many ticks, with a command in each twentieth: no more than a cable carries.
+/// Runs as many ticks, with a command in each twentieth: no more than a cable carries.
 fn run_calmly(world: &mut World, ticks: u64) {
     let bytes = command(world.robot(0).spec(), 0.1, 0.1);
     for tick in 0..ticks {
@@ -318,7 +318,7 @@ fn a_flood_over_any_link_is_refused_beyond_the_driver_and_harms_nothing() {
         }
         let down = *world.robot(0).downlink();
         let waiting = 1000 * 10_000 - down.bytes - down.refused_bytes;
-        // Those that the driver holds, and those that the receiver does.
+        // The bytes wait in the driver and in the receiver.
         assert!(waiting <= 256 + 64, "{waiting} over {link}");
         assert!(world.robot(0).uplink().messages > 3, "{:?} over {link}", world.robot(0).uplink());
     }

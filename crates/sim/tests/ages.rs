@@ -1,5 +1,5 @@
-//! When the reading was sampled that is at the laptop: what observers are told is what the brain's ages are counted from, over all
-//! protocols and cables.
+//! The instants at which the readings at the laptop were sampled: observers get those from which the brain's ages are
+//! counted, over all protocols and cables.
 
 use std::collections::BTreeMap;
 use std::fs;

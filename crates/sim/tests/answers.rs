@@ -80,7 +80,7 @@ fn a_command_makes_the_world_that_its_bytes_make() {
         for (firmware, more) in FIRMWARES {
             let mut by_bytes = world(link, firmware, more);
             let mut by_commands = by_bytes.clone();
-            // Somebody looks at the bytes on its cable.
+            // The bytes on the robot's cable are recorded.
             let mut listened = by_bytes.clone();
             listened.keep_tape(0, 1 << 12);
             for tick in 0..200 {

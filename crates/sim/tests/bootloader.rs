@@ -23,7 +23,7 @@ const LINKS: [&str; 6] = [
 
 const STREAM: &str = "protocol = \"bare\", period_ms = 10, phase_ms = 5";
 
-/// Sends a command in each fifth tick; says how many bytes were sent.
+/// Sends a command in each fifth tick; returns how many bytes were sent.
 fn run(world: &mut World, ticks: u64) -> u64 {
     let bytes = command(world.robot(0).spec(), 0.5, 0.5);
     let mut sent = 0;

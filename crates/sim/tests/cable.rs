@@ -1,4 +1,4 @@
-//! Cables as a protocol analyser sees them: what was said, at its instants, and that looking changes nothing.
+//! Cables under a protocol analyser: the bytes and their instants, and that looking changes nothing.
 
 use baudbot_sim::cable::{Cable, Listener};
 use baudbot_sim::timeline::What;

@@ -23,7 +23,7 @@ const CABLE: &str = "link = { kind = \"uart\", baud = 9600, bits_per_character =
 const MOTORS: &str = "9 = \"motors.left.pwm\"\n8 = \"motors.left.direction\"\n10 = \"motors.right.pwm\"\n\
                       7 = \"motors.right.direction\"\n";
 
-/// Writes at the end of the tick that comes next, and gives what is heard up to the end of that many ticks, with instants.
+/// Writes at the end of the next tick, and gives the bytes that come up to the end of that many ticks, with instants.
 fn ask(world: &mut World, bytes: &[u8], ticks: u64) -> Vec<(SimTime, u8)> {
     let mut heard = Vec::new();
     for tick in 0..ticks {
@@ -59,7 +59,8 @@ fn a_byte_comes_back_after_two_characters_whatever_the_tick() {
         assert_eq!(bytes(&heard), b"hello", "step_ms = {step_ms}");
         let asked = world.scenario().step_ns;
         let first = heard[0].0.as_ns() - asked;
-        // There at 9600 baud; the chip's receiver has it half a bit before its end, and it answers at 16 MHz / 16 / 104.
+        // The command is there at 9600 baud; the chip's receiver has it half a bit before its end, and it answers at 16
+        // MHz / 16 / 104.
         let character_ns = 10 * 1_000_000_000 / 9600;
         let late = first as i64 - 2 * character_ns;
         assert!((-60_000..20_000).contains(&late), "step_ms = {step_ms}: {late} ns");

@@ -12,7 +12,7 @@ const ROOM: &str =
     "[[arena.polygons]]\nname = \"room\"\nsolid = false\npoints_m = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n";
 const POLICIES: [&str; 3] = ["slide", "stop-robot", "stop-run"];
 
-/// A robot whose wheels turn at the speed that they are told, 0.4 m/s at most.
+/// A robot whose wheels turn at the commanded speed, 0.4 m/s at most.
 fn servo_robot(name: &str, start: &str) -> String {
     format!(
         "[[robots]]\nname = \"{name}\"\nbody = {{ radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.01, wheel_radius_m = 0.05 }}\n\
@@ -71,7 +71,7 @@ fn a_robot_goes_on_along_a_wall_at_its_tangential_speed_less_friction() {
             assert!((motion.speed_m_s - signal * 0.4 * k).abs() < 1e-6, "{}", motion.speed_m_s);
             assert_eq!(world.robot(0).counters().collisions, 1, "a contact that lasts is one collision");
             assert_eq!(world.robot(0).stood_in_contact_ns(), 0);
-            // It drives away.
+            // The robot drives away.
             run(&mut world, 50, -signal, -signal);
             assert!(at(&world, 0).x < 0.395, "{degrees} {friction}");
         }

@@ -378,7 +378,7 @@ proptest! {
     }
 }
 
-/// The cells that runs tell, and how many cells they are of.
+/// The cells of the runs, and the number of cells that they are of.
 fn told(floor: &Floor, runs: &[u32]) -> (Vec<(usize, usize)>, usize) {
     let each = runs.iter().enumerate().flat_map(|(i, &run)| std::iter::repeat_n(i % 2 == 1, run as usize));
     let all: Vec<_> = each.collect();

@@ -160,7 +160,7 @@ fn the_bytes_of_pycreate2_drive_it_and_are_answered() {
     say(&mut world, 500, &[173]);
     assert_eq!(say(&mut world, 30, &[142, 100]), [] as [u8; 0]);
     assert_eq!(world.robot(0).downlink().bad_messages, 0);
-    // reset() reads a second later. Of what it says the program takes 128 bytes.
+    // reset() reads a second later. The program takes 128 bytes of the text.
     let text = say(&mut world, 1100, &[7]);
     assert!(text.starts_with(b"bl-start\r\nSTR730"), "{text:?}");
 }
@@ -202,7 +202,7 @@ fn safe_stops_at_a_cliff_and_full_does_not() {
         assert_eq!(ask(&mut world, Packet::OiMode), if stops { 1 } else { 3 });
         if stops {
             assert_eq!(ask(&mut world, Packet::CliffFrontRight), 1);
-            // It may go backwards, in Safe again, and not forwards.
+            // The robot may go backwards, in Safe again, and not forwards.
             let backwards = [&[131][..], &drive_direct(-100, -100)].concat();
             say(&mut world, 1000, &backwards);
             assert!(place(&world)[0] < x - 0.02, "{:?}", place(&world));
@@ -292,7 +292,7 @@ fn another_baud_rate_is_that_of_the_cable_from_the_end_of_the_tick_on() {
     assert_eq!(say(&mut world, 8, &[]), [1]);
     // A value that it cannot have changes nothing, and a reset leaves it alone.
     say(&mut world, 200, &[129, 12]);
-    // Its text takes 5 s.
+    // The text of the command takes 5 s.
     say(&mut world, 8000, &[7]);
     assert_eq!(baud(&world), Some(300));
     let saved = World::load(world.origin().clone(), &world.save(), world.hash()).unwrap();
@@ -301,7 +301,7 @@ fn another_baud_rate_is_that_of_the_cable_from_the_end_of_the_tick_on() {
     assert_eq!(baud(&world), Some(9600));
 }
 
-/// A random byte, of a generator that anybody can rebuild.
+/// A random byte of a simple generator, so that the test can be rebuilt elsewhere.
 fn noise(seed: &mut u64) -> u8 {
     *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*seed >> 56) as u8
@@ -321,7 +321,7 @@ fn a_million_bytes_of_any_kind_harm_nothing_and_it_still_answers() {
             largest = largest.max(world.save().len());
         }
         assert!(largest < 512 << 10, "{largest}");
-        // Its wait ends, and then it listens.
+        // The robot's wait ends, and then the interface receives.
         say(&mut world, 20, &[0; 300]);
         let mut answer = String::new();
         write!(answer, "{:?}", say(&mut world, 20, &[128, 148, 0, 142, 35])).unwrap();

@@ -83,7 +83,7 @@ fn the_events_of_a_cycle_follow_each_other_without_a_gap() {
         (at - duration_ns, at)
     };
     let (frame, up, think, down) = (next(20_000), next(wire_ns), next(1_000_000), next(wire_ns));
-    // It takes the first byte as it arrives, while the second is on its way.
+    // The microcontroller takes the first byte as it arrives, while the second is on its way.
     let obey = (down.1 - wire_ns / 2, down.1 + 25_000);
     let act = (7_000_000, 7_000_000);
     assert_eq!(found.iter().map(ns).collect::<Vec<_>>(), [frame, up, think, down, obey, act]);
@@ -269,7 +269,7 @@ fn an_answer_that_comes_a_tick_late_is_late() {
     assert_eq!(cycles.durations.min_ns(), Some(COST_NS + 20_000_000));
 }
 
-/// A brain that writes twice in a turn, or in turns without a message, does what `writes` says, or is counted.
+/// A brain that writes twice in a turn, or in turns without a message, writes as `writes` states, or is counted.
 #[test]
 fn writes_that_nobody_stated_are_counted_with_the_cycles_that_they_disturb() {
     // Two ticks for a message: every other step has none.

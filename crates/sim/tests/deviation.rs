@@ -4,7 +4,7 @@ use baudbot_sim::World;
 
 use crate::common::{refusal, run, world};
 
-/// A robot of two servos, so that its wheels turn as they are told, with encoders, an odometer and a gyroscope.
+/// A robot of two servos, so that its wheels turn as commanded, with encoders, an odometer and a gyroscope.
 fn robot(deviation: &str) -> String {
     format!(
         "step_ms = 10.0\n\

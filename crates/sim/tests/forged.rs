@@ -1,4 +1,4 @@
-//! States that somebody has forged, fingerprint and all: what is taken up runs on as any other world.
+//! Forged states, fingerprint and all: what is taken up runs on as any other world.
 //!
 //! `BAUDBOT_FORGED=100000 cargo test --release -p baudbot-sim --test outside forged` tries as many; `BAUDBOT_FORGED_SEED` others, and
 //! `BAUDBOT_FORGED_TELL=1` says which one it is at.
@@ -23,7 +23,7 @@ fn scenarios() -> Vec<(String, Arc<Scenario>)> {
     paths.retain(|path| path.extension().is_some_and(|end| end == "toml"));
     paths.sort();
     let parse = |path: PathBuf| {
-        // Those with maps and plans are other crates' matter.
+        // The scenarios with maps and plans belong to other crates.
         let text = fs::read_to_string(&path).unwrap();
         let program = fs::read_to_string(path.with_file_name("firmware/wander.hex")).unwrap_or_default();
         let text = text.replace("\"firmware/wander.hex\"", &format!("{{ hex = '''\n{program}''' }}"));

@@ -150,7 +150,7 @@ fn another_baud_rate_holds_for_what_is_sent_from_then_on() {
     };
     assert_eq!(messages(None), (100, 0));
     assert_eq!(messages(Some(115_200)), (100, 0));
-    // At 300 baud a frame takes 0.3 s and more.
+    // A frame takes 0.3 s and more at 300 baud.
     let (slow, bad) = messages(Some(300));
     assert!((4..=8).contains(&slow) && bad == 0, "{slow} {bad}");
     let mut world = world();

@@ -10,7 +10,7 @@ use baudbot_wire::khepera::{POLL, readings_len_max};
 
 const SCENARIO: &str = include_str!("../../../catalogue/scenarios/devices/khepera-ascii.toml");
 
-/// A robot with eight sensors of ten bits that all say `code`: compasses, which stand for any.
+/// A robot with eight sensors of ten bits, all with the reading `code`: compasses, which stand for any.
 fn robot(code: f64, link: &str) -> String {
     let heading = -PI + code * 2.0 * PI / 1023.0;
     let mut toml = format!(
@@ -229,7 +229,7 @@ fn every_value_that_arrives_is_readable_and_only_the_truth_knows_its_age() {
     assert!(answers > 70, "{answers}");
     for sensor in world.robot(0).sensors().take(8) {
         let freshness = sensor.freshness;
-        // The first answers come before the last sensors are first read, and say 0 of them.
+        // The first answers come before the last sensors are first read, and have 0 for them.
         assert_eq!(freshness.readable, answers);
         assert!(answers - freshness.ages.count() <= 3, "{freshness:?} of {answers}");
         assert!((20_000_000..40_000_000).contains(&freshness.ages.max_ns().unwrap()), "{freshness:?}");

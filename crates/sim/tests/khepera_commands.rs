@@ -240,7 +240,7 @@ fn a_brain_of_messages_has_the_infra_red_sensors_and_the_wheels_of_one_exchange(
             world.finish(&[Input { robot: 0, at: turn.at, bytes }]);
         }
         assert!(answers > 20, "{link}: {answers}");
-        // At half of 0.5 m/s for nearly 2 s.
+        // The wheels turn at half of 0.5 m/s for nearly 2 s.
         let counts = world.robot(0).readings()[8].values[0];
         assert!((4000.0..6000.0).contains(&counts), "{link}: {counts}");
         assert_eq!((world.robot(0).downlink().bad_messages, world.robot(0).uplink().bad_messages), (0, 0));

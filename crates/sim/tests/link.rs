@@ -123,7 +123,7 @@ fn the_age_of_a_reading_is_the_truth_where_the_wire_cannot_tell_it() {
         (freshness.readable, freshness.ages.count(), freshness.ages.max_ns().unwrap()),
         (10, 10, 90_000_000)
     );
-    // Bare messages tell no age at all, and repeat old values.
+    // Bare messages have no age at all, and repeat old values.
     let bare = late
         .replace("{ ", "{ protocol = \"bare\", ")
         .replace("phase_ms = 90.0", "phase_ms = 0.0")

@@ -48,7 +48,7 @@ impl Brain {
         mixed >> 16
     }
 
-    /// Commands, nothing, and what makes no sense, more than the cable carries.
+    /// Commands, nothing, and what is invalid, more than the cable carries.
     fn bytes(&self, spec: &baudbot_sim::model::RobotSpec, robot: usize, at: SimTime) -> Vec<u8> {
         let signal = (self.draw(robot, at, 0) % 200) as f64 / 100.0 - 1.0;
         match self.draw(robot, at, 1) % 60 {

@@ -36,7 +36,7 @@ mod steady_tick;
 mod timing;
 mod world;
 
-/// A file that nobody names here is no test.
+/// A file that is not named here is no test.
 #[test]
 fn each_file_of_tests_is_part_of_a_program() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests");

@@ -36,7 +36,7 @@ fn a_velocity_regulated_robot_reaches_its_reference_speed_and_needs_encoders() {
     let mut still = world(&(robot("substeps = 10", &body, motors) + ENCODERS));
     run(&mut still, 200, 1.0, 1.0);
     assert!((speeds(&still).0 - 0.5).abs() < 1e-6, "{:?}", speeds(&still));
-    // With α = 15: 15 V = 2 · 10 · 1.5 (0.5 − V).
+    // The speed V with α = 15 follows from 15 V = 2 · 10 · 1.5 (0.5 − V).
     let mut damped = world(&(robot("substeps = 10", BODY, motors) + ENCODERS));
     run(&mut damped, 200, 1.0, 1.0);
     assert!((speeds(&damped).0 - 1.0 / 3.0).abs() < 1e-6, "{:?}", speeds(&damped));
@@ -78,14 +78,14 @@ fn a_turret_obeys_with_its_next_pulse() {
     assert_eq!(turns, [false, false, false, false, true, true]);
 }
 
-/// Motors that do at once what they are told, on a robot with a lamp.
+/// Motors that obey commands at once, on a robot with a lamp.
 fn at_once(top: &str, motors: &str) -> World {
     let lamp = "[robots.actuators.lamp]\nkind = \"lamp\"\nintensity_cd = 1.0\n";
     let motors = format!("kind = \"stepper\", max_acceleration_steps_s2 = 1e9{motors}");
     world(&(robot(top, BODY, &motors) + lamp))
 }
 
-/// Ticks in which the robot moves and in which its lamp is lit, if it is told to do both in tick 1 and then nothing more.
+/// Ticks in which the robot moves and in which its lamp is lit, if both are commanded in tick 1 and then nothing more.
 fn told_once(mut world: World, ticks: usize) -> [Vec<usize>; 2] {
     let mut found = [Vec::new(), Vec::new()];
     for i in 0..ticks {
@@ -105,7 +105,8 @@ fn told_once(mut world: World, ticks: usize) -> [Vec<usize>; 2] {
 #[test]
 fn a_dead_time_delays_the_motors_by_so_much_and_nothing_else() {
     let found = |dead: &str| told_once(at_once("step_ms = 10.0", dead), 20);
-    // Told at 10 ms: 95 ms later is within the step from 100 ms on, so the one at 110 ms is the first to have it.
+    // The command comes at 10 ms: 95 ms later is within the step from 100 ms on, so the one at 110 ms is the first to
+    // have it.
     for (dead, first) in [("", 1), (", dead_time_ms = 10.0", 2), (", dead_time_ms = 95.0", 11)] {
         let [moves, lit] = found(dead);
         assert_eq!(moves, (first..20).collect::<Vec<_>>(), "{dead}");
@@ -132,7 +133,7 @@ fn run_three(world: &mut World, ticks: usize) {
 #[test]
 fn what_stops_the_motors_passes_their_dead_time_too() {
     let moves = |motors: &str| told_once(at_once("step_ms = 10.0", motors), 40)[0].clone();
-    // Told at 10 ms, stopped by the firmware at 60 ms; both 100 ms later.
+    // The command comes at 10 ms, and the firmware stops the motors at 60 ms; both act 100 ms later.
     assert_eq!(moves(", timeout_ms = 50.0"), (1..6).collect::<Vec<_>>());
     assert_eq!(moves(", timeout_ms = 50.0, dead_time_ms = 100.0"), (11..16).collect::<Vec<_>>());
     // A deadline of 20 ms that is missed after the second step, found out by the third.

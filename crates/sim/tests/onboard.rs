@@ -52,7 +52,7 @@ fn on_board_everything_is_as_over_an_ideal_cable() {
         "protocol = \"bare\", period_ms = 20.0",
         "mode = \"poll\"",
     ] {
-        // A bare command is another one, so there nobody drives.
+        // The command of the bare protocol has another form, so the robot stands in that case.
         let [ideal, onboard] = ["ideal", "onboard"].map(|link| seen(world(link, firmware, "")));
         for (tick, (ideal, onboard)) in ideal.iter().zip(&onboard).enumerate() {
             assert_eq!(onboard, ideal, "tick {tick} with {firmware}");

@@ -1,4 +1,4 @@
-//! Sensors around a body read what their rays say, although most of them cast none.
+//! Sensors around a body have the readings of their rays, although most of them cast none.
 
 use baudbot_sim::World;
 use baudbot_sim::raycast::RayCaster;

@@ -9,7 +9,7 @@ use baudbot_scenario::Override;
 use baudbot_sim::{Input, Intervention, SavedError, World};
 use proptest::prelude::*;
 
-/// Goes on for so many ticks; brains say something that makes no sense to some firmware.
+/// Goes on for so many ticks; brains send something that is invalid to some firmware.
 fn run(world: &mut World, ticks: u64) {
     for _ in 0..ticks {
         let turns = world.begin().to_vec();
@@ -21,7 +21,7 @@ fn run(world: &mut World, ticks: u64) {
 }
 
 fn again(world: &World) -> World {
-    // As another process does it: the scenario is parsed again.
+    // The scenario is parsed again, as another process does.
     let source = &world.scenario().source;
     let overrides: Vec<_> = source.overrides.iter().map(|text| Override::parse(text).unwrap()).collect();
     let scenario = baudbot_scenario::parse_with(&source.toml, &overrides).unwrap();
@@ -43,7 +43,7 @@ fn scenarios() -> Vec<PathBuf> {
 fn every_scenario_of_the_project_goes_on_as_it_would_have() {
     let mut tried = 0;
     for path in scenarios() {
-        // Those that refer to other files are read by the program, which puts them in place.
+        // The scenarios that refer to other files are read by the program, which puts them in place.
         let Ok(scenario) = baudbot_scenario::parse(&fs::read_to_string(&path).unwrap()) else { continue };
         let mut world = World::new(scenario.into());
         run(&mut world, 137);
@@ -103,7 +103,7 @@ fn what_is_of_another_world_or_damaged_is_refused() {
     let (saved, hash, scenario) = (world.save(), world.hash(), Arc::clone(world.scenario()));
     let load = |saved: &[u8], hash| World::load(Arc::clone(&scenario), saved, hash).map(drop).unwrap_err();
     assert_eq!(load(&saved, hash ^ 1), SavedError::Hash);
-    // Whoever forges a state does not learn from the error what would make it good.
+    // The error does not contain what would make a forged state good.
     let error = load(&saved, hash ^ 1).to_string();
     assert!(
         !error.contains(&format!("{hash:016x}")) && !error.contains(&format!("{:016x}", hash ^ 1)),

@@ -145,7 +145,7 @@ fn programs_open_ports_and_reset_boards_as_often_as_they_like() {
     let loaded = World::load(world.origin().clone(), &world.save(), world.hash()).unwrap();
     assert_eq!(loaded.hash(), world.hash());
     open(&mut world, false);
-    // Cables that are pulled have a limit, but nobody is kept from closing a port then.
+    // The pulls of a cable have a limit, but a port can always be closed.
     open(&mut world, true);
     let pull = |pulled| Intervention::PullCable { robot: "k".into(), pulled };
     let refused = (0..10_000).find_map(|i| world.intervene(&pull(i % 2 == 0)).err());

@@ -87,7 +87,7 @@ fn a_reading_says_when_it_was_sampled() {
         let turn = world.begin()[0];
         for (i, reading) in world.robot(0).readings()[..8].iter().enumerate() {
             let Some(at) = reading.sampled_at else { continue };
-            // The wire tells time in units of 0.1 ms: the frame's and the age, each rounded down.
+            // The wire has time in units of 0.1 ms: the frame's and the age, each rounded down.
             let phase = (at.as_ns() + 100_000) % 20_000_000;
             let due = i as u64 * 2_500_000;
             assert!(phase.abs_diff(due + 100_000) <= 100_000, "sensor {i} sampled at {at:?}");
@@ -141,7 +141,7 @@ fn a_brain_that_thinks_is_not_asked_until_it_is_done() {
         asked.extend(world.begin().iter().map(|turn| turn.at));
         world.finish(&[]);
     }
-    // It stepped at the end of the first tick, 1 ms, and thought until 6.5 ms.
+    // The brain stepped at the end of the first tick, 1 ms, and thought until 6.5 ms.
     assert_eq!(asked[0], SimTime::from_ns(7_000_000));
     assert_eq!(asked.len(), 5);
 }

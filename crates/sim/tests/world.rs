@@ -134,7 +134,7 @@ fn robots_that_run_into_each_other_end_the_run_or_stand_still() {
     assert!((0.4..0.41).contains(&gap), "{gap}");
     assert_eq!(stopped.robot(0).counters().collisions, 1, "a contact that lasts is one collision");
     assert!(stopped.robot(0).collided());
-    // It can drive away again.
+    // The robot can drive away again.
     run(&mut stopped, 100, -0.5, -0.5);
     assert!(!stopped.robot(0).collided());
     assert!(stopped.robot(0).motion().pose.position.x < 0.2);
@@ -216,7 +216,7 @@ fn other_robots_are_seen_and_the_own_body_is_not() {
     );
     let mut world = world(&toml);
     world.begin();
-    // From rim to rim 0.6 m: 0.03/0.36 + 0.1.
+    // The distance from rim to rim is 0.6 m: 0.03/0.36 + 0.1.
     let sample = world.robot(0).sensors().next().unwrap().sample[0];
     assert!((sample - (0.03 / 0.36 + 0.1)).abs() < 1e-12, "{sample}");
 }

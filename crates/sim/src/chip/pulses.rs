@@ -1,4 +1,4 @@
-//! A wire's edges in stretches: pulses that are too short to be shown one by one are told together.
+//! A wire's edges in stretches: pulses that are too short to be shown one by one are summed up.
 //!
 //! Pulses whose period is shorter than a limit are a run. Within a run, some that are alike, as those of a timer are, become one
 //! stretch with their period and duty; so do others, as the bits of a UART, without. A stretch lasts from one rise to another, so
@@ -15,7 +15,7 @@ pub enum Stretch {
     Level {
         /// In nanoseconds.
         at_ns: u64,
-        /// Its level.
+        /// The wire's level.
         level: Level,
     },
     /// The wire goes high and low many times.
@@ -31,14 +31,14 @@ pub struct Pulses {
     pub until_ns: u64,
     /// The number of pulses.
     pub count: u32,
-    /// For how long the wire was high in all.
+    /// The time for which the wire was high in all, in nanoseconds.
     pub high_ns: u64,
     /// Whether they are alike, in their period and in how long they are high.
     pub is_even: bool,
 }
 
 impl Stretch {
-    /// When it begins, in nanoseconds.
+    /// The instant at which it begins, in nanoseconds.
     pub const fn at_ns(&self) -> u64 {
         match *self {
             Self::Level { at_ns, .. } => at_ns,
@@ -62,7 +62,7 @@ impl Pulses {
         self.until_ns.saturating_sub(self.from_ns)
     }
 
-    /// Takes in pulses that follow on these and are alike. Says whether it has done so.
+    /// Takes in pulses that follow on these and are alike. Returns whether it has done so.
     pub fn join(&mut self, next: &Self) -> bool {
         let alike = self.is_even == next.is_even && (!self.is_even || self.mean().is_like(next.mean()));
         let joins = alike && self.until_ns == next.from_ns;
@@ -94,17 +94,17 @@ pub fn add(stretches: &mut Vec<Stretch>, next: Stretch) {
 #[derive(Clone, Debug)]
 pub struct Condenser {
     finest_ns: u64,
-    /// Rises and falls, in turns, from a rise on, that are not told yet.
+    /// Rises and falls, in turns, from a rise on, that are not reported yet.
     run: Vec<(u64, bool)>,
 }
 
 impl Condenser {
-    /// Pulses with a period below this, in nanoseconds, are told together; with 0 none are.
+    /// Pulses with a period below this, in nanoseconds, are summed up; with 0 none are.
     pub const fn new(finest_ns: u64) -> Self {
         Self { finest_ns, run: Vec::new() }
     }
 
-    /// The wire has another level from an instant on. Tells what is known of the time before.
+    /// The wire has another level from an instant on. Gives the stretches of the time before.
     pub fn take(&mut self, at_ns: u64, level: Level, out: &mut Vec<Stretch>) {
         let last = self.run.last().map(|(_, high)| *high);
         let goes_on = match level {
@@ -122,7 +122,7 @@ impl Condenser {
         }
     }
 
-    /// It is this late, and no more edges come before. Tells what is known by now.
+    /// Gives the stretches that are known by `now_ns`, before which no more edges come.
     pub fn settle(&mut self, now_ns: u64, out: &mut Vec<Stretch>) {
         if !self.is_near(now_ns) {
             self.finish(out);
@@ -135,7 +135,7 @@ impl Condenser {
         }
     }
 
-    /// Tells the rest.
+    /// Gives the remaining stretches.
     pub fn finish(&mut self, out: &mut Vec<Stretch>) {
         tell(&self.run, out);
         // The rest behind the last rise is no whole period.
@@ -153,7 +153,7 @@ impl Condenser {
     }
 }
 
-/// From one rise to the next.
+/// The time from one rise to the next.
 #[derive(Clone, Copy, Debug)]
 struct Period {
     from_ns: u64,
@@ -168,7 +168,7 @@ impl Period {
     }
 }
 
-/// Tells the whole periods of a run.
+/// Gives the whole periods of a run.
 fn tell(run: &[(u64, bool)], out: &mut Vec<Stretch>) {
     let period = |edges: &[(u64, bool)]| {
         let [rise, fall, next] = [edges[0].0, edges[1].0, edges[2].0];
@@ -217,10 +217,10 @@ const fn level(high: bool) -> Level {
     if high { Level::High } else { Level::Low }
 }
 
-/// Pulses that are alike are told together if there are as many.
+/// The number of equal pulses from which on they are summed up.
 const LEAST_EVEN: usize = 4;
 
-/// Others are told together if there are as many.
+/// The number of unequal pulses from which on they are summed up.
 const LEAST_UNEVEN: usize = 3;
 
 /// Pulses are alike if they differ by less than this part of a period.

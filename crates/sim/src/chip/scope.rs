@@ -9,11 +9,11 @@ use super::pulses::{Condenser, Stretch};
 use super::signals::{Line, Signal};
 use super::turns::{Rounds, Turns};
 
-/// Reads the [edges](Board::edges) of a board as they come, and says what is on each of its signals.
+/// Reads the [edges](Board::edges) of a board as they come, and returns what is on each of its signals.
 #[derive(Clone, Debug)]
 pub struct Scope {
     signals: Vec<Signal>,
-    /// Of each signal; that of no wire is idle.
+    /// The condenser of each signal; that of no wire is idle.
     condensers: Vec<Condenser>,
     rounds: Rounds,
     /// The number of edges that have been read.
@@ -51,7 +51,7 @@ pub struct News {
 }
 
 impl Shown {
-    /// When it begins, in nanoseconds.
+    /// The instant at which it begins, in nanoseconds.
     pub const fn at_ns(&self) -> u64 {
         match *self {
             Self::Stretch(stretch) => stretch.at_ns(),
@@ -62,7 +62,7 @@ impl Shown {
 }
 
 impl Shown {
-    /// Takes in what follows on this and goes on with it. Says whether it has done so.
+    /// Takes in what follows on this and goes on with it. Returns whether it has done so.
     pub fn join(&mut self, next: &Self) -> bool {
         match (self, next) {
             (Self::Stretch(Stretch::Pulses(last)), Self::Stretch(Stretch::Pulses(next))) => last.join(next),
@@ -73,8 +73,8 @@ impl Shown {
 }
 
 impl Scope {
-    /// A scope on the pins of such a chip. Pulses with a period below a limit, in nanoseconds, and rounds of the main loop that are
-    /// shorter than that are told together.
+    /// A scope on the pins of such a chip. Pulses with a period below a limit, in nanoseconds, and rounds of the main
+    /// loop that are shorter than that are summed up.
     pub fn new(chip: &ChipSpec, finest_ns: u64) -> Self {
         let signals = chip.signals();
         let condensers = signals.iter().map(|_| Condenser::new(finest_ns)).collect();
@@ -86,7 +86,7 @@ impl Scope {
         &self.signals
     }
 
-    /// The events since the last look; `now_ns` is the world's time. Pulses that go on are told a little later.
+    /// The events since the last look; `now_ns` is the world's time. Pulses that go on are reported a little later.
     pub fn look(&mut self, board: &Board, now_ns: u64) -> News {
         let mut news = News::default();
         let Some(edges) = board.edges() else { return news };

@@ -34,7 +34,7 @@ impl Line {
             Seen::Sends(_) => Some(Self::Sent),
             Seen::Receives(_) => Some(Self::Received),
             Seen::Round(_) => Some(Self::MainLoop),
-            // Its edges are drawn.
+            // The edges of a shape are drawn.
             Seen::Shape { .. } => None,
         }
     }
@@ -50,7 +50,7 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// Its short name: `main loop`, `D9` and `A0` as on an Arduino, `PB6`, `adc0`, `uart sent`.
+    /// The signal's short name: `main loop`, `D9` and `A0` as on an Arduino, `PB6`, `adc0`, `uart sent`.
     pub fn name(&self) -> String {
         match self.line {
             Line::MainLoop => "main loop".to_string(),
@@ -61,7 +61,7 @@ impl Signal {
         }
     }
 
-    /// Its name with what is on it: `D9 motors.left.pwm`.
+    /// The signal's name with what is on it: `D9 motors.left.pwm`.
     pub fn label(&self) -> String {
         let mut label = self.name();
         label.extend(self.on.iter().map(|terminal| format!(" {terminal}")));
@@ -136,5 +136,5 @@ pub fn identifier(name: &str) -> String {
 /// Pins with numbers on an Arduino: 0 to 13, and A0 to A5.
 const PRINTED: u8 = 20;
 
-/// Of the ADC: data sheet, chapter *Analog-to-Digital Converter*.
+/// The channels of the ADC: data sheet, chapter *Analog-to-Digital Converter*.
 const CHANNELS: u8 = 8;

@@ -7,15 +7,15 @@ use baudbot_board::RoundsOver;
 /// Rounds of the program's main loop that follow on each other and are over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Turns {
-    /// When the first begins, in nanoseconds.
+    /// The instant at which the first begins, in nanoseconds.
     pub from_ns: u64,
-    /// When the last is over, in nanoseconds.
+    /// The instant at which the last is over, in nanoseconds.
     pub until_ns: u64,
     /// The number of rounds.
     pub count: u32,
     /// The sum of their durations, in periods of the chip's clock source.
     pub cycles: u64,
-    /// Whether they are short, so that they are told together.
+    /// Whether they are short, so that they are summed up.
     pub are_short: bool,
 }
 
@@ -25,7 +25,7 @@ impl Turns {
         self.cycles as f64 / f64::from(self.count.max(1))
     }
 
-    /// Takes in rounds that follow on these, if both are short. Says whether it has done so.
+    /// Takes in rounds that follow on these, if both are short. Returns whether it has done so.
     pub fn join(&mut self, next: &Self) -> bool {
         let joins = self.are_short && next.are_short && self.until_ns == next.from_ns;
         if joins {
@@ -46,16 +46,16 @@ pub(super) struct Rounds {
 }
 
 impl Rounds {
-    /// Rounds that are shorter than this, in nanoseconds, are told together.
+    /// Rounds that are shorter than this, in nanoseconds, are summed up.
     pub(super) const fn new(finest_ns: u64) -> Self {
         Self { finest_ns, last: None }
     }
 
-    /// A round begins. Tells of those before it.
+    /// A round begins. Gives those before it.
     pub(super) fn take(&mut self, at_ns: u64, over: &RoundsOver, out: &mut Vec<Turns>) {
         let before = self.last.replace((over.head, at_ns));
         let Some(from_ns) = before.filter(|(head, _)| *head == over.head).map(|(_, from_ns)| from_ns) else {
-            // Another loop was taken for the main one: what it was in has been told.
+            // Another loop was taken for the main one: its rounds have been reported.
             return;
         };
         let &RoundsOver { short, short_cycles, cycles, since_ns, .. } = over;
@@ -80,7 +80,7 @@ fn add(all: &mut Vec<Turns>, next: Turns) {
     }
 }
 
-/// In periods of the clock source: those that are shorter have no begins that are told.
+/// The length below which the begins of rounds are not reported, in periods of the clock source.
 const SHORTEST: u64 = 1000;
 
 #[cfg(test)]

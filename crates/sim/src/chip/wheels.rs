@@ -38,8 +38,9 @@ impl ChipSpec {
     }
 }
 
-/// Tells from the [edges](baudbot_board::Board::edges) of a board when the program makes a wheel's motor do otherwise: a pin of a
-/// bridge moves, the duty or the frequency of its PWM is another one, or a pulse of a servo is longer or shorter than the one before.
+/// Finds by the [edges](baudbot_board::Board::edges) of a board when the program changes the signal of a wheel's motor:
+/// a pin of a bridge moves, the duty or the frequency of its PWM is another one, or a pulse of a servo is longer or
+/// shorter than the one before.
 #[derive(Clone, Debug)]
 pub struct WheelPins(Vec<WheelPin>);
 
@@ -80,7 +81,7 @@ impl WheelPins {
 }
 
 impl WheelPin {
-    /// The chip has moved the pin. Says whether the motor does otherwise from now on.
+    /// The chip has moved the pin. Returns whether the motor does otherwise from now on.
     fn moves(&mut self, at_ns: u64, high: bool) -> bool {
         if !self.is_servo {
             return true;

@@ -13,7 +13,7 @@
 //! Deviations.
 //! - Wheels give way sideways without friction of their own: they resist nothing but the motors.
 //! - Nothing turns the robot: neither friction at its rim nor a wall at its corners.
-//! - Nobody is pushed: a robot or mover that is slid along stays as it is. Movables have been pushed before: a robot that would slide
+//! - No robot is pushed: a robot or mover that is slid along stays as it is. Movables have been pushed before: a robot that would slide
 //!   into one stays where it was.
 //! - Corners that turn into something do not turn on, as with robots that stop.
 
@@ -46,14 +46,14 @@ pub(crate) struct Thrust {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slid {
     pub(crate) after: Pose,
-    /// Its speed, in m/s; backwards negative.
+    /// The robot's speed, in m/s; backwards negative.
     pub(crate) speed_m_s: f64,
-    /// That of its wheels.
+    /// The speed of the robot's wheels, in m/s.
     pub(crate) wheels_m_s: f64,
 }
 
 impl Thrust {
-    /// That of a step from one motion to another.
+    /// The thrust of a step from one motion to another.
     pub(crate) fn of_step(
         drive: &Drive,
         before: &Motion,
@@ -64,13 +64,13 @@ impl Thrust {
         let rolled = drive.wheels_roll_at(before);
         let gain = match drive.motor {
             Motors::Dc(_) | Motors::Velocity(_) => after.speed_m_s - before.speed_m_s,
-            // These turn the wheels at a speed, whatever the body does.
+            // These motors turn the wheels at a speed, whatever the body does.
             Motors::Servo(_) | Motors::Stepper(_) => after.speed_m_s - rolled,
         };
         Self { body: before.speed_m_s, wheels: rolled + gain, gain, over_ground, dt }
     }
 
-    /// That of a robot whose step has been judged before.
+    /// The thrust of a robot whose step has been judged before.
     pub(crate) fn of_motion(drive: &Drive, motion: &Motion, dt: f64) -> Self {
         let wheels = drive.wheels_roll_at(motion);
         Self { body: motion.speed_m_s, wheels, gain: 0.0, over_ground: None, dt }
@@ -81,8 +81,8 @@ impl Thrust {
         self.wheels
     }
 
-    /// The speed at which it slides where the share k of its wheels' is left, and how far it comes. `sign` says which way
-    /// it goes.
+    /// The speed at which it slides where the share k of its wheels' is left, and how far it comes. `sign` is that of
+    /// its direction.
     fn sliding(&self, k: f64, sign: f64) -> (f64, f64) {
         let [body, wheels, gain] = [self.body, self.wheels, self.gain].map(|speed| sign * speed);
         let speed = (k * wheels).min(body + k * gain).max(0.0);
@@ -191,7 +191,7 @@ fn course(touch: &Touch, ahead: Vector, friction: f64) -> Option<Course<'_>> {
     (k > 0.0 && c > 0.0).then(|| Course { touch, tangent: along / c, k })
 }
 
-/// As far as something else lets the robot go, and up to what it slides along.
+/// The displacement as far as something else lets the robot go, and up to what it slides along.
 fn displacement(course: &Course<'_>, far: f64, touches: &[Touch]) -> Vector {
     // Less than rounding is nothing, so that a robot in a corner stands.
     let room = |gap: f64| if gap - CLEAR_M > ALMOST_NOTHING_M { gap - CLEAR_M } else { 0.0 };

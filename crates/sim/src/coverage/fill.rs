@@ -77,7 +77,7 @@ struct Sides {
     right: bool,
     /// A wall is between its centre and that of the one above, or there is none.
     above: bool,
-    /// Its centre is in a pillar, or it has been entered.
+    /// The cell's centre is in a pillar, or the cell has been entered.
     closed: bool,
 }
 
@@ -143,7 +143,7 @@ impl Barriers {
     }
 }
 
-/// From a cell's centre to that of the cell on its right, or else of the one above. In the grid frame.
+/// The step from a cell's centre to that of the cell on its right, or else of the one above. In the grid frame.
 fn step(cell: Cell, rightwards: bool) -> Segment {
     let start = Point::new(f64::from(cell.column) + 0.5, f64::from(cell.row) + 0.5);
     let end =

@@ -29,10 +29,10 @@ pub struct Floor {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FloorError {
-    /// Without shapes there are no bounds.
+    /// The floor has no bounds without shapes.
     #[error("coverage needs an arena with walls")]
     NoWalls,
-    /// The side of a cell makes no sense.
+    /// The side of a cell is invalid.
     #[error("must be between {MIN_CELL_M} and {MAX_CELL_M}, is {cell_m}")]
     CellSize {
         /// The side, in metres.

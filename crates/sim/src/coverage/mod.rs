@@ -55,7 +55,7 @@ impl Coverage {
         self.covered.heap_bytes() + self.sensed.heap_bytes()
     }
 
-    /// Whether it is of this floor: of as many cells, none of them one that nobody can reach.
+    /// Whether the coverage is of this floor: of as many cells, none of them one that cannot be reached.
     pub(crate) fn is_of(&self, floor: &Floor) -> bool {
         let none = Bits::new(floor.grid().cells.count());
         let is_in = |cells: &Bits| cells.words() == none.words() && cells.is_within(floor.free());

@@ -23,7 +23,7 @@ pub(crate) fn of<T: Serialize>(value: &T) -> usize {
 /// The place of a value in its owner.
 struct Place<'a> {
     heap: &'a mut usize,
-    /// Its bytes.
+    /// The number of bytes of the place.
     room: usize,
 }
 
@@ -39,7 +39,7 @@ struct Parts<'a> {
 }
 
 impl<'a> Place<'a> {
-    /// So many bytes are there, or behind a pointer that is.
+    /// Adds bytes that are there, or behind a pointer that is.
     fn has(&mut self, bytes: usize) {
         if bytes > self.room {
             *self.heap += bytes;
@@ -91,7 +91,7 @@ macro_rules! plain {
     };
 }
 
-/// What has several parts, and whether it is a list.
+/// A type with several parts, and whether it is a list.
 macro_rules! parts {
     ($($method:ident($($type:ty),*): $is_list:literal),*) => {
         $(fn $method(self, $(_: $type),*) -> Result<Self::SerializeSeq, fmt::Error> {

@@ -24,7 +24,7 @@ use crate::time::SimTime;
 /// The adapter that a UART's bytes pass at the laptop's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Adapter {
-    /// Nothing: a serial port of its own.
+    /// The link has no adapter: a serial port of its own.
     None,
     /// A USB serial port without a latency timer, as CP210x, CH340 or a CDC-ACM device.
     Cdc(Frames),
@@ -48,9 +48,9 @@ pub struct Ftdi {
 /// A packet on its way to the laptop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Packet {
-    /// It has what was in the chip at this instant.
+    /// The instant at which the packet was closed, with the bytes that were in the chip then.
     pub(super) closed: SimTime,
-    /// When the laptop has it.
+    /// The instant at which the laptop has the packet.
     pub(super) at: SimTime,
 }
 
@@ -66,7 +66,7 @@ impl Adapter {
         }
     }
 
-    /// When that is at the chip which a brain writes at an instant, but by radio.
+    /// The instant at which that is at the chip which a brain writes at an instant, but by radio.
     pub(super) fn at_chip(&self, written: SimTime) -> SimTime {
         match self {
             Self::None | Self::Bluetooth(_) => written,

@@ -6,8 +6,8 @@
 //! *Choices.* The notes know no such wire, so these are ours.
 //!
 //! - The microcontroller asks for the wire when it begins to frame, the laptop when its bytes are at the wire.
-//!   Who asked first sends first; of two at the same instant, the microcontroller.
-//! - Both hear each other, so bytes never collide. A robot that talks all the time keeps the wire only as long as
+//!   The side that asked first sends first; of two at the same instant, the microcontroller.
+//! - Both receive each other, so bytes never collide. A robot that talks all the time keeps the wire only as long as
 //!   its transmitter is never empty.
 //! - The laptop's bytes are written ahead of time if a brain declares that it thinks, so they are put on the wire
 //!   only when the time has come ([`Line::settle`]); until then, all that is said of them is a forecast.
@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(wire.down.arrival(&wire.link), at(60));
         wire.readings(at(20), at(20), &[3, 4]);
         assert_eq!(wire.down.arrival(&wire.link), at(60));
-        // These are not, and the brain has to wait.
+        // The readings are not on the wire yet, and the brain has to wait.
         wire.readings(at(46), at(48), &[5]);
         assert_eq!(wire.down.arrival(&wire.link), at(73));
         assert_eq!(wire.arrivals(), [vec![30, 40, 58], vec![73, 83]]);

@@ -47,7 +47,8 @@ fn echoes(link: &Link, pause_ns: impl Fn(u64) -> u64, robot_ns: u64) -> Vec<f64>
     (0..12_001).map(echo).skip(1).collect()
 }
 
-/// As [`echoes`], with a plug that connects the adapter's output with its input: the byte comes in as it goes out.
+/// The same as [`echoes`], with a plug that connects the adapter's output with its input: the byte comes in as it goes
+/// out.
 fn plugged_echoes(link: &Link, pause_ns: impl Fn(u64) -> u64) -> Vec<f64> {
     let (mut down, mut up) = (down(link), line(link));
     let mut now = SimTime::from_ns(7 * MS + 654_321);
@@ -162,7 +163,7 @@ fn a_packet_does_not_overtake_the_one_before() {
 fn bytes_that_go_with_one_frame_have_one_jitter() {
     let link = with_adapter(uart(100_000, 10), ch340());
     let mut line = line(&link);
-    // They come to the chip at 2.1 to 2.5 ms.
+    // The bytes come to the chip at 2.1 to 2.5 ms.
     line.send(&link, SimTime::from_ns(2 * MS), &[1, 2, 3, 4, 5]);
     let packets = super::properties::delivered(&mut line, &link, 10 * MS);
     assert_eq!(packets.len(), 1, "{packets:?}");

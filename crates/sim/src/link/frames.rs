@@ -33,12 +33,13 @@ pub struct Frames {
     pub extra: u32,
     /// Longest random delay after a frame's boundary, in nanoseconds.
     pub jitter_ns: u64,
-    /// From a brain's write until the bytes are at the chip, in nanoseconds; `None` if they wait for the next frame.
+    /// The time from a brain's write until the bytes are at the chip, in nanoseconds; `None` if they wait for the next
+    /// frame.
     pub down_ns: Option<u64>,
 }
 
 impl Frames {
-    /// Those of an adapter that adds nothing to the bus.
+    /// The frames of an adapter that adds nothing to the bus.
     pub const fn of(frame_ns: u64) -> Self {
         Self { frame_ns, extra: 0, jitter_ns: 0, down_ns: None }
     }
@@ -58,12 +59,12 @@ impl Frames {
         self.down_ns.unwrap_or(self.frame_ns)
     }
 
-    /// When that is at the laptop which the chip has at an instant, if so much is drawn for it.
+    /// The instant at which that is at the laptop which the chip has at an instant, if so much is drawn for it.
     pub fn at_laptop(&self, at_chip: SimTime, jitter_ns: u64) -> SimTime {
         at_chip.up_to(self.frame_ns) + self.least_up_ns() + jitter_ns
     }
 
-    /// When that is at the chip which a brain writes at an instant.
+    /// The instant at which that is at the chip which a brain writes at an instant.
     pub(super) fn at_chip(&self, written: SimTime) -> SimTime {
         self.down_ns.map_or_else(|| written.up_to(self.frame_ns), |ns| written + ns)
     }

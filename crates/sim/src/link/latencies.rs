@@ -9,7 +9,7 @@ use crate::random::Stream;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Latencies {
     chance: Stream,
-    /// That of the next packet, in nanoseconds: drawn ahead, so that it can be told when it will be there.
+    /// The latency of the next packet, in nanoseconds: drawn ahead, so that its arrival can be known.
     pub(super) next_ns: u64,
 }
 

@@ -31,7 +31,7 @@ pub struct Line {
     /// Under way as it is: nothing else is then, and at the tick's end it becomes bytes.
     #[serde(skip)]
     command: Option<Whole>,
-    /// The record of its bytes, if somebody looks.
+    /// The record of the line's bytes, if it is wanted.
     #[serde(skip)]
     tape: Option<Box<Tape>>,
 }
@@ -41,7 +41,7 @@ pub struct Line {
 pub(crate) struct Command {
     pub(crate) sequence: u8,
     pub(crate) wheels: Wheels,
-    /// For the other actuators.
+    /// The signals for the other actuators.
     pub(crate) others: Vec<f64>,
 }
 
@@ -78,7 +78,7 @@ impl Line {
         }
     }
 
-    /// From now on keeps the last so many bytes that are taken at its end.
+    /// Keeps the last so many bytes that are taken at its end, from now on.
     pub(crate) fn keep_tape(&mut self, bytes: usize) {
         self.tape = (bytes > 0).then(|| Box::new(Tape::with_room(bytes)));
     }
@@ -128,7 +128,7 @@ impl Line {
             && self.counters.is_sound()
     }
 
-    /// From now on the cable can be out.
+    /// Allows outages of the cable, from now on.
     pub(crate) fn watch_outages(&mut self, link: &Link, seed: u64, name: &[&str], direction: Direction) {
         if link.has_detour() && self.transport_path.is_none() {
             self.transport_path = Some(TransportPath::new(link, seed, name, direction));
@@ -176,7 +176,8 @@ impl Line {
         self.sent += 1;
     }
 
-    /// Puts a message on the line, and says when it is on the wire, as far as can be told now: from when until when.
+    /// Puts a message on the line, and returns when it is on the wire, as far as it is known now: its begin and its
+    /// end.
     pub(crate) fn send_message(
         &mut self,
         link: &Link,
@@ -203,8 +204,8 @@ impl Line {
         is_instant && self.in_flight.is_empty() && self.command.is_none()
     }
 
-    /// As [`send_message`](Self::send_message) on a line that is [idle and instant](Self::is_idle_and_instant), with a command in
-    /// place of so many bytes.
+    /// The same as [`send_message`](Self::send_message) on a line that is [idle and
+    /// instant](Self::is_idle_and_instant), with a command in place of so many bytes.
     pub(crate) fn send_command(
         &mut self,
         (now, bytes): (SimTime, usize),
@@ -234,8 +235,8 @@ impl Line {
         self.in_flight.extend(bytes.iter().map(|&byte| (arrival, byte)));
     }
 
-    /// These bytes of a message are sent at `now` and taken at once, on a line that is
-    /// [idle and instant](Self::is_idle_and_instant).
+    /// Sends bytes of a message at `now` that are taken at once, on a line that is [idle and
+    /// instant](Self::is_idle_and_instant).
     pub(crate) fn pass_message(&mut self, now: SimTime, bytes: &[u8]) {
         if let Some(tape) = &mut self.tape {
             let taped = |&byte| Taped { at: now, byte, message_until: Some(now) };
@@ -249,13 +250,13 @@ impl Line {
         self.messages.forget(self.over());
     }
 
-    /// The message whose last byte has just arrived. What it tells is the truth, which is for statistics and not for
-    /// the brain.
+    /// The message whose last byte has just arrived. Its content is the truth, which is for statistics and not for the
+    /// brain.
     pub(crate) fn message(&mut self) -> Option<Message> {
         self.messages.take(self.over())
     }
 
-    /// When the control cycle began that the message with the byte that has just arrived belongs to.
+    /// The instant at which the control cycle began that the message with the byte that has just arrived belongs to.
     pub(crate) fn cycle_of_last_byte(&mut self) -> Option<SimTime> {
         self.messages.around(self.over())?.cycle
     }
@@ -279,7 +280,7 @@ impl Line {
         (self.in_flight.len() + asking) as u64 + whole
     }
 
-    /// From when on the wire is free for more, as far as can be told now.
+    /// The instant from which on the wire is free for more, as far as it is known now.
     pub(crate) fn free_at(&self, link: &Link) -> SimTime {
         let Some(transport_path) = &self.transport_path else { return self.transmission.end() };
         let asking = self.forecast(link, transport_path).last();
@@ -304,7 +305,7 @@ impl Line {
         }
     }
 
-    /// Nobody listens at the line's end before an instant: what arrives earlier is lost.
+    /// The line's end does not receive before an instant: what arrives earlier is lost.
     pub(crate) fn lose_before(&mut self, link: &Link, instant: SimTime) {
         if self.transport_path.is_some() {
             self.settle(link, instant);
@@ -318,8 +319,8 @@ impl Line {
         self.counters.lost_bytes += lost;
     }
 
-    /// When the next byte is delivered, as far as can be told now. Only what is sent before then can change it,
-    /// and never to an instant that is over.
+    /// The instant at which the next byte is delivered, as far as it is known now. Only what is sent before then can
+    /// change it, and never to an instant that is over.
     #[inline]
     pub fn arrival(&self, link: &Link) -> SimTime {
         match &self.transport_path {
@@ -362,7 +363,7 @@ impl Line {
         asking + self.in_flight.len() - self.in_flight.partition_point(|(at, _)| *at <= now)
     }
 
-    /// When the microcontroller's transmitter has taken all that was sent.
+    /// The instant at which the microcontroller's transmitter has taken all that was sent.
     pub fn drained(&self, link: &Link) -> SimTime {
         self.transmission.drained_to(link, link.transmit_depth())
     }

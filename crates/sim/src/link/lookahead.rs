@@ -4,10 +4,10 @@ use super::{Line, Link};
 use crate::time::SimTime;
 
 impl Line {
-    /// When the first byte is at the end of the line that is handed over at `at`, or later. `None` where that cannot be
-    /// told, or what is handed over then could matter before it arrives: where the line takes no time; where others
-    /// share the wire, or what is under way waits in an adapter; and while anything is still under way, as the room that
-    /// it leaves is looked at when more is sent.
+    /// The instant at which the first byte is at the end of the line that is handed over at `at`, or later. `None`
+    /// where that is unknown, or what is handed over then could matter before it arrives: where the line takes no time;
+    /// where others share the wire, or what is under way waits in an adapter; and while anything is still under way, as
+    /// the room that it leaves is looked at when more is sent.
     pub(crate) fn reach(&self, link: &Link, at: SimTime) -> Option<SimTime> {
         match link {
             Link::Ideal | Link::Onboard => None,

@@ -10,11 +10,11 @@ use crate::time::SimTime;
 /// A message on its way.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Message {
-    /// When each of its fresh readings was truly sampled.
+    /// The instants at which each of its fresh readings was truly sampled.
     pub(crate) sampled: Vec<(usize, SimTime)>,
-    /// When the control cycle began that it belongs to, if it belongs to one.
+    /// The instant at which the control cycle began that it belongs to, if it belongs to one.
     pub(crate) cycle: Option<SimTime>,
-    /// When its last byte is at the end of the wire.
+    /// The instant at which its last byte is at the end of the wire.
     pub(crate) on_wire_until: SimTime,
 }
 
@@ -74,7 +74,7 @@ impl Messages {
         self.0.iter().find(|sent| sent.begin < over && over <= sent.end).map(|sent| &sent.message)
     }
 
-    /// A message of which the last byte is over, and that nobody asked about then, was not understood.
+    /// Drops a message whose last byte is over and which was not asked about then: it was not understood.
     pub(super) fn forget(&mut self, over: u64) {
         while self.0.pop_front_if(|sent| sent.end < over).is_some() {}
     }

@@ -85,7 +85,7 @@ pub struct Uart {
     /// Both directions share the wire; the pause, in nanoseconds, from the end of one side's last byte to the
     /// start of the other's first. `None` is full duplex.
     pub turnaround_ns: Option<u64>,
-    /// When the cable is out, in their order and apart.
+    /// The times at which the cable is out, in their order and apart.
     pub outages: Vec<Outage>,
     /// Faults that take the cable out.
     pub cuts: Vec<When>,
@@ -174,7 +174,7 @@ impl Link {
         }
     }
 
-    /// Of a byte that is put on the wire at this instant.
+    /// The error rate of a byte that is put on the wire at this instant.
     fn byte_error_rate(&self, at: SimTime) -> f64 {
         match self {
             Self::Ideal | Self::Onboard | Self::Usb(_) => 0.0,
@@ -241,7 +241,7 @@ impl Link {
         }
     }
 
-    /// Its baud rate, if it has one.
+    /// The link's baud rate, if it has one.
     pub fn baud(&self) -> Option<u32> {
         match self {
             Self::Uart(uart) => Some(uart.baud),

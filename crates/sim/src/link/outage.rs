@@ -5,9 +5,9 @@ use crate::time::SimTime;
 /// A time in which the cable is out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outage {
-    /// From this instant on.
+    /// The instant from which on the cable is out.
     pub from: SimTime,
-    /// Until just before this one.
+    /// The instant until just before which the cable is out.
     pub until: SimTime,
 }
 

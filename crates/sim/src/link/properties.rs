@@ -134,7 +134,7 @@ impl Concat for Vec<(u64, Vec<u8>)> {
     }
 }
 
-/// Those of the bus alone, or of a chip that adds to them, with a jitter of more than a frame, too.
+/// The frames of the bus alone, or of a chip that adds to them, with a jitter of more than a frame, too.
 fn frames() -> impl Strategy<Value = Frames> {
     let jitter_ns = prop_oneof![Just(0), 0_u64..300_000, 0_u64..3_000_000];
     let down_ns = prop::option::of(0_u64..2_000_000);
@@ -259,7 +259,7 @@ proptest! {
     ) {
         let link = with_adapter(uart(baud, 10), adapter);
         let most = match adapter {
-            // These can meet at a frame's boundary, a character apart or a frame.
+            // Bytes over these adapters can meet at a frame's boundary, a character apart or a frame.
             Adapter::None | Adapter::Cdc(_) => usize::MAX,
             // Jitter can bring several together.
             Adapter::Ftdi(ftdi) if ftdi.frames.jitter_ns > 0 => usize::MAX,

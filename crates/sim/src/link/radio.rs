@@ -27,7 +27,7 @@ pub struct Bluetooth {
     pub spread_ns: u64,
     /// Probability that a packet is held up.
     pub burst_probability: f64,
-    /// For how long it then is, in nanoseconds.
+    /// The length of such a burst, in nanoseconds.
     pub burst_ns: u64,
     /// Most bytes of a packet.
     pub packet_bytes: u32,

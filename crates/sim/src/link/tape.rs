@@ -8,20 +8,22 @@ use crate::time::SimTime;
 /// A cable of a robot's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Cable {
-    /// From its microcontroller to the laptop.
+    /// The cable from the robot's microcontroller to the laptop.
     Robot,
-    /// Of a sensor's own, by the sensor's place among the sensors of the robot's [model](crate::model::RobotModel).
+    /// The cable of a sensor's own, by the sensor's place among the sensors of the robot's
+    /// [model](crate::model::RobotModel).
     Sensor(usize),
 }
 
 /// A byte that has come over a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Taped {
-    /// When it was at the line's end: at the laptop with its adapter, or in the microcontroller's receiver.
+    /// The instant at which it was at the line's end: at the laptop with its adapter, or in the microcontroller's
+    /// receiver.
     pub at: SimTime,
     /// The byte, as it came.
     pub byte: u8,
-    /// The end of the message that it is of, as [`Event::end`](crate::timeline::Event::end) has it; `None` if it is of none that
+    /// The end of the byte's message, as [`Event::end`](crate::timeline::Event::end); `None` if it belongs to none that
     /// is known.
     pub message_until: Option<SimTime>,
 }
@@ -57,7 +59,7 @@ impl Tape {
         self.total
     }
 
-    /// Those of number `first` and later, numbered from 0, and how many of them are no longer kept.
+    /// The bytes of number `first` and later, numbered from 0, and how many of them are no longer kept.
     pub fn since(&self, first: u64) -> (u64, impl Iterator<Item = &Taped>) {
         let kept_from = self.total - self.bytes.len() as u64;
         let skipped = usize::try_from(first.saturating_sub(kept_from)).unwrap_or(usize::MAX);

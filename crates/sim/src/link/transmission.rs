@@ -20,13 +20,12 @@ use crate::time::SimTime;
 pub(super) struct Transmission {
     start: SimTime,
     characters: u64,
-    /// When its last character has arrived.
+    /// The instant at which its last character has arrived.
     end: SimTime,
 }
 
 impl Transmission {
-    /// Puts a character on the wire, behind those that are on it, and not before `ready`. Says when it has
-    /// arrived.
+    /// Puts a character on the wire, behind those that are on it, and not before `ready`. Returns when it has arrived.
     pub(super) fn put(&mut self, link: &Link, ready: SimTime) -> SimTime {
         let frame_ns = link.frame_ns();
         if ready + frame_ns > self.end {
@@ -62,7 +61,7 @@ impl Transmission {
         (self.start, self.characters) = (self.end, 0);
     }
 
-    /// When at most `depth` of its characters will still be on the way.
+    /// The instant at which at most `depth` of its characters will still be on the way.
     pub(super) fn drained_to(&self, link: &Link, depth: usize) -> SimTime {
         match self.characters.saturating_sub(depth as u64) {
             0 => SimTime::ZERO,
@@ -75,12 +74,12 @@ impl Transmission {
         crate::sound::count(self.characters) && self.end == self.start + link.burst_ns(self.characters)
     }
 
-    /// When its last character has arrived; the start of the run if there was none yet.
+    /// The instant at which its last character has arrived; the start of the run if there was none yet.
     pub(super) fn end(&self) -> SimTime {
         self.end
     }
 
-    /// From when on the other side may begin, where both share the wire.
+    /// The instant from which on the other side may begin, where both share the wire.
     pub(super) fn over(&self, turnaround_ns: u64) -> SimTime {
         if self.end == SimTime::ZERO { SimTime::ZERO } else { self.end + turnaround_ns }
     }

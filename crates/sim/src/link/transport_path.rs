@@ -17,9 +17,9 @@ use crate::time::SimTime;
 /// The direction of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Direction {
-    /// To the laptop: first the wire, then the adapter.
+    /// The direction to the laptop: first the wire, then the adapter.
     Up,
-    /// To the microcontroller: first the adapter, then the wire.
+    /// The direction to the microcontroller: first the adapter, then the wire.
     Down,
 }
 
@@ -27,9 +27,9 @@ pub(crate) enum Direction {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct TransportPath {
     direction: Direction,
-    /// Of the last packet. Up: when its chip was free for the next; down: when it was closed.
+    /// The instant of the last packet. Up: when its chip was free for the next; down: when it was closed.
     since: SimTime,
-    /// When the last packet is delivered.
+    /// The instant at which the last packet is delivered.
     packet_at: SimTime,
     /// Up: its bytes that are still to be taken; down: those that it still has room for.
     packet_left: u32,
@@ -81,7 +81,7 @@ impl TransportPath {
         latencies && packet && self.direction == direction
     }
 
-    /// From when on a byte that is handed over at `now` can be on the wire.
+    /// The instant from which on a byte that is handed over at `now` can be on the wire.
     fn ready(&mut self, link: &Link, now: SimTime) -> SimTime {
         match (self.direction, link.adapter()) {
             (Direction::Up, _) => now,
@@ -151,7 +151,7 @@ impl Line {
         }
     }
 
-    /// When the bytes that ask for the wire will be at its end, if nobody else asks.
+    /// The instants at which the bytes that ask for the wire will be at its end, if no others ask.
     pub(super) fn forecast(
         &self,
         link: &Link,
@@ -162,7 +162,7 @@ impl Line {
         asking.map(move |(ready, _)| transmission.put(link, (*ready).max(transport_path.blocked_until)))
     }
 
-    /// When bytes that are not lost will be at the end of the wire.
+    /// The instant at which bytes that are not lost will be at the end of the wire.
     fn landings(&self, link: &Link, transport_path: &TransportPath) -> impl Iterator<Item = SimTime> {
         let on_the_wire = self.in_flight.iter().map(|(at, _)| *at);
         on_the_wire.chain(self.forecast(link, transport_path)).filter(|at| !link.is_out(*at))

@@ -12,13 +12,13 @@ pub(crate) struct Acquired {
     pub(crate) sensor: usize,
     /// Whether reads of it were left out before.
     pub(crate) has_missed: bool,
-    /// Until when the processor is busy with it.
+    /// The instant until which the processor is busy with it.
     pub(crate) until: SimTime,
-    /// The pulse that it sent, if others can hear it.
+    /// The pulse that the sensor sent, if others can receive it.
     pub(crate) ping: Option<Ping>,
 }
 
-/// When the first of these sensors is due, and which that is; never if there is none.
+/// The instant at which the first of these sensors is due, and which that is; never if there is none.
 pub(super) fn first_due(channels: &[Channel]) -> (SimTime, usize) {
     let mut first = (SimTime::NEVER, 0);
     for (i, channel) in channels.iter().enumerate() {
@@ -28,9 +28,9 @@ pub(super) fn first_due(channels: &[Channel]) -> (SimTime, usize) {
 }
 
 impl Microcontroller {
-    /// Reads sensor `first`, which is due, and those behind it that fell due at the same instant, as long as reading takes no
-    /// time. `note` gets to know of each. Says which comes next and when, if that is another of those: sensors come first at
-    /// an instant, in their order.
+    /// Reads sensor `first`, which is due, and those behind it that fell due at the same instant, as long as reading
+    /// takes no time. `note` gets to know of each. Returns which comes next and when, if that is another of those:
+    /// sensors come first at an instant, in their order.
     pub(crate) fn acquire<'a>(
         &mut self,
         spec: &'a RobotSpec,
@@ -43,7 +43,8 @@ impl Microcontroller {
         next
     }
 
-    /// Measures with sensor `i` now, for a program that asks. Gives the values and the pulse that it sent, if others can hear it.
+    /// Measures with sensor `i` now, for a program that asks. Gives the values and the pulse that it sent, if others
+    /// can receive it.
     pub(crate) fn sense(
         &mut self,
         spec: &RobotSpec,
@@ -119,7 +120,7 @@ impl Channel {
         reads_0
     }
 
-    /// Takes a sample of a sensor with this fault; gives back the pulse that it sent, if others can hear it.
+    /// Takes a sample of a sensor with this fault; gives back the pulse that it sent, if others can receive it.
     #[inline(never)]
     fn acquire(&mut self, sensor: &Sensor, at: &Measurement<'_>, fault: Option<FaultEffect>) -> Option<Ping> {
         let sticks = self.samples > 0 && fault == Some(FaultEffect::Sticks);
@@ -135,7 +136,7 @@ impl Channel {
         effect.ping
     }
 
-    /// It holds a sample that was taken at `now`.
+    /// Notes a sample that was taken at `now`.
     #[inline]
     fn note_sample(&mut self, sensor: &Sensor, now: SimTime, wait_ns: u64) {
         self.sampled_at = now;

@@ -54,8 +54,9 @@ impl Microcontroller {
         self.take_request(spec, request, counters)
     }
 
-    /// Frames what is readable and gives it to the laptop, if all of that takes no time; says how many bytes it has and when the
-    /// control cycle began that it belongs to. `None`, and nothing is done, if something depends on the bytes.
+    /// Frames what is readable and gives it to the laptop, if all of that takes no time; returns how many bytes it has
+    /// and when the control cycle began that it belongs to. `None`, and nothing is done, if something depends on the
+    /// bytes.
     pub(crate) fn send_at_once(
         &mut self,
         spec: &RobotSpec,

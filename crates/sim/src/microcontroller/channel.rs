@@ -27,9 +27,9 @@ pub(crate) struct Channel {
     pub(super) running: Option<Box<Running>>,
     /// The last sample, one value a component; empty before the first.
     pub(crate) values: ReadingValues,
-    /// When the microcontroller took it; of a device with a cable of its own, when it was measured.
+    /// The instant at which the microcontroller took it; of a device with a cable of its own, when it was measured.
     pub(crate) sampled_at: SimTime,
-    /// When it was measured: earlier, if the device held it.
+    /// The instant at which it was measured: earlier, if the device held it.
     pub(super) measured_at: SimTime,
     /// The time that the last read took the processor, in nanoseconds.
     pub(super) took_ns: u64,

@@ -75,7 +75,7 @@ impl Microcontroller {
         self.drive(spec, Wheels { left, right }, Vec::new())
     }
 
-    /// When the interface speaks next: at once if it owes something, else when the stream is due.
+    /// Finds the next instant at which the interface sends: at once if it owes something, else when the stream is due.
     pub(super) fn speak_next(&mut self) {
         if let Some(interface) = self.decoder.open_interface() {
             self.frame.next = match (interface.owes(), interface.streams()) {
@@ -86,8 +86,8 @@ impl Microcontroller {
         }
     }
 
-    /// Writes the owed packets first, or else a message of the stream. Says how many bytes they are, and whether they
-    /// are of the stream.
+    /// Writes the owed packets first, or else a message of the stream. Returns how many bytes they are, and whether
+    /// they are of the stream.
     pub(super) fn write_packets(
         &mut self,
         spec: &RobotSpec,
@@ -117,7 +117,7 @@ impl Microcontroller {
         (len, true)
     }
 
-    /// The stream is told now: when is it due next?
+    /// Notes that the stream is sent now, and finds the next instant.
     fn serve_stream(&mut self, spec: &RobotSpec, now: SimTime) {
         let Some(interface) = self.decoder.open_interface_mut() else { return };
         if let firmware::Mode::Stream(schedule) = spec.firmware.mode {
@@ -127,7 +127,7 @@ impl Microcontroller {
         }
     }
 
-    /// Way and turn were among what was told.
+    /// Notes that way and turn were among the packets.
     fn note_way(&mut self, spec: &RobotSpec, ids: &[u8]) {
         let way = self.way(spec);
         let Some(interface) = self.decoder.open_interface_mut() else { return };
@@ -157,7 +157,7 @@ impl Microcontroller {
         [(left + right) / 2.0 * 1e3, turn * 180.0 / PI].map(|way| way as i64)
     }
 
-    /// Somebody takes the robot up, and puts it down elsewhere.
+    /// A person takes the robot up, and puts it down elsewhere.
     pub(crate) fn lift(&mut self) {
         if let Some(interface) = self.decoder.open_interface_mut() {
             interface.was_lifted = true;
@@ -259,7 +259,7 @@ impl Microcontroller {
     }
 }
 
-/// The part of a way or a turn that has not been told.
+/// The part of a way or a turn that has not been sent.
 fn untold(way: i64, told: i64) -> i32 {
     way.saturating_sub(told).clamp(-32_768, 32_767) as i32
 }
@@ -292,7 +292,7 @@ fn approaches(spec: &RobotSpec, signals: Wheels) -> bool {
     speed > 0.0 || speed.abs() < turn / (2.0 * spec.drive.half_track_m) * spec.drive.radius_m
 }
 
-/// Bytes that came while a Create booted are lost, until this instant; says whether the receiver is empty then.
+/// Bytes that came while a Create booted are lost, until this instant; returns whether the receiver is empty then.
 pub(super) fn missed_boot(spec: &RobotSpec, (now, until): (SimTime, SimTime), downlink: &mut Line) -> bool {
     if until == SimTime::ZERO {
         return false;
@@ -326,19 +326,20 @@ const LIGHTS: [Packet; 6] = [
     Packet::LightRightSignal,
 ];
 
-/// A cliff sensor's signal below which there is a cliff, of 4095: a tenth. A guess; nobody publishes the real one.
+/// A cliff sensor's signal below which there is a cliff, of 4095: a tenth. A guess; the real one is not published.
 const CLIFF_BELOW: i32 = 410;
 
 /// A signal of the wall sensor or a light bumper from which on something is seen, of 4095. A guess.
 const SEEN_FROM: i32 = 100;
 
-/// Of the battery, in °C; a guess.
+/// The temperature of the battery, in °C; a guess.
 const RESTING_C: i32 = 25;
 
 /// The value of a first Create's receiver while it sees no character (recalled: 255).
 const NO_CHARACTER: i32 = 255;
 
-/// From a reset to the first byte of its text, while nothing is heard. A guess: pycreate2 reads after one second.
+/// The time from a reset to the first byte of its text, while it receives nothing. A guess: pycreate2 reads after one
+/// second.
 const BOOT_NS: u64 = SECOND_NS;
 
 /// The text of a Create 2 when it boots (pycreate2 0.8.0, what `reset` returned).

@@ -12,7 +12,7 @@ impl Microcontroller {
         running.map_or((SimTime::NEVER, Event::Output), |running| running.next(&sensor.device))
     }
 
-    /// The device of sensor `i` measures, as its own clock says.
+    /// The device of sensor `i` measures, as its own clock gives.
     pub(crate) fn measure(&mut self, spec: &RobotSpec, i: usize, at: &Measurement<'_>) {
         let sensor = &spec.sensors[i];
         let Channel { running, memory, noise, stream, .. } = &mut self.channels[i];
@@ -21,13 +21,13 @@ impl Microcontroller {
         running.measure(sensor, clock, at, Parts { memory, noise, stream }, effect);
     }
 
-    /// When the measurement of sensor `i` began that comes to its output next.
+    /// The instant at which the measurement of sensor `i` began that comes to its output next.
     pub(crate) fn pending_since(&self, i: usize) -> Option<SimTime> {
         self.channels[i].running.as_ref()?.pending_since()
     }
 
     /// Moves the measurement of sensor `i`'s device to its output. If it has a cable of its own, the answer is its
-    /// message: the values, the instant of the measurement as it tells it, and the true one.
+    /// message: the values, the instant of the measurement in it, and the true one.
     pub(crate) fn output(&mut self, i: usize, sensor: &Sensor) -> Option<(&[f64], SimTime, SimTime)> {
         let channel = &mut self.channels[i];
         let held = channel.running.as_mut()?.output()?;

@@ -1,14 +1,14 @@
 //! The answers and commands of a Khepera's microcontroller: its registers, bound to the robot.
 //!
-//! Pulses are counts of the robot's encoders, as the microcontroller last read them. A movement to a target (`C`) goes at
-//! v(e) = K e within e₀ = a / K² pulses of it, farther away at √(2 a (e − e₀ / 2)), and never beyond the speed and the
-//! acceleration a of the profile (`J`): along a trapezoid whose end is rounded. It is over when both wheels stand at their
-//! targets; then they are told to stand, as K-Team's kMatlab shows it.
+//! Pulses are counts of the robot's encoders, as the microcontroller last read them. A movement to a target (`C`) goes
+//! at v(e) = K e within e₀ = a / K² pulses of it, farther away at √(2 a (e − e₀ / 2)), and never beyond the speed and
+//! the acceleration a of the profile (`J`): along a trapezoid whose end is rounded. It is over when both wheels stand
+//! at their targets; then they get the command to stand, as in K-Team's kMatlab.
 //!
-//! Deviations. Nobody publishes the real controller, so K is ours. Motors obey the speeds that they are told as the
-//! scenario says, so PID gains have no effect, and motors that hold no speed (all but `velocity`) go to no target. A pulse
-//! width is a share of full signal: of a DC motor the voltage, of a `velocity` motor its speed. The control takes the
-//! processor no time, and runs with every substep of the world.
+//! Deviations. The real controller is not published, so K is ours. Motors obey commanded speeds as the scenario states,
+//! so PID gains have no effect, and motors that hold no speed (all but `velocity`) go to no target. A pulse width is a
+//! share of full signal: of a DC motor the voltage, of a `velocity` motor its speed. The control takes the processor no
+//! time, and runs with every substep of the world.
 
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
@@ -27,8 +27,8 @@ use crate::sensor::{Device, InfraredModel, Sensor};
 use crate::time::SimTime;
 
 impl Microcontroller {
-    /// The line that it owes first; that a command was obeyed, positions and readings go together. Says how many bytes they
-    /// are, and which readings are in them.
+    /// The line that it owes first; that a command was obeyed, positions and readings go together. Returns how many
+    /// bytes they are, and which readings are in them.
     pub(super) fn write_lines(
         &mut self,
         spec: &RobotSpec,
@@ -209,7 +209,7 @@ impl Microcontroller {
     }
 }
 
-/// Writes bytes that are always the same, and says how many they are.
+/// Writes bytes that are always the same, and returns how many they are.
 fn put(said: &[u8], out: &mut [u8]) -> usize {
     out[..said.len()].copy_from_slice(said);
     said.len()
@@ -262,7 +262,7 @@ fn infrared(spec: &RobotSpec) -> impl Iterator<Item = (usize, &InfraredModel)> {
     })
 }
 
-/// Those that tell how bright it is.
+/// The sensors that measure the ambient light.
 fn ambient(spec: &RobotSpec) -> impl Iterator<Item = usize> {
     let tells = |(i, model)| matches!(model, &InfraredModel::Ambient { .. }).then_some(i);
     infrared(spec).filter_map(tells)
@@ -290,7 +290,7 @@ impl Pulses {
         [left, right].map(|speed| speed / TAU * self.per_turn)
     }
 
-    /// The speed at signal 1, in pulses a second, of motors that hold the speed that they are told.
+    /// The speed at signal 1, in pulses a second, of motors that regulate the speed.
     fn full_per_s(self, spec: &RobotSpec) -> Option<f64> {
         let Motors::Velocity(motor) = &spec.drive.motor else { return None };
         let turns_per_s = motor.full_speed_m_s / (TAU * spec.drive.wheel_radius_m);
@@ -340,5 +340,5 @@ const STANDS_PER_S: f64 = 10.0;
 /// The value of an infra-red sensor in the dark, roughly (manual of the Khepera II, section 3.1.7).
 const DARK: i32 = 500;
 
-/// The value of a bus that nobody drives; a guess.
+/// The value of a bus that is not driven; a guess.
 const NOBODY: i32 = 255;

@@ -45,9 +45,9 @@ use crate::time::SimTime;
 pub(crate) struct Microcontroller {
     free_at: SimTime,
     channels: Vec<Channel>,
-    /// When the next frame of readings is due; never in poll mode, and of a Create, until somebody asks.
+    /// The instant of the next frame of readings; never in poll mode, and of a Create, before a request.
     frame: Due,
-    /// When the first sensor is due, and which that is, once one has been read.
+    /// The instant at which the first sensor is due, and which that is, once one has been read.
     #[serde(skip)]
     first_due: Option<(SimTime, usize)>,
     sequence: u8,
@@ -61,25 +61,25 @@ pub(crate) struct Microcontroller {
 pub(crate) struct Order {
     pub(crate) at: SimTime,
     pub(crate) signals: Wheels,
-    /// Those of the other actuators, in their order.
+    /// The signals of the other actuators, in their order.
     pub(crate) others: Vec<f64>,
 }
 
 /// A message that was sent.
 pub(crate) struct Sent {
     pub(crate) bytes: u32,
-    /// When the control cycle began that it belongs to; `None` if there are no readings in it.
+    /// The instant at which the control cycle began that it belongs to; `None` if there are no readings in it.
     pub(crate) cycle: Option<SimTime>,
-    /// When it was framed.
+    /// The instant at which it was framed.
     pub(crate) closed: SimTime,
-    /// From when until when it is on the wire.
+    /// The begin and the end of the message on the wire.
     pub(crate) on_wire: (SimTime, SimTime),
 }
 
 /// The message that a byte from the laptop completed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Taken {
-    /// Nothing yet.
+    /// The line is not complete yet.
     Part,
     /// A message that made no sense.
     Nonsense,
@@ -199,7 +199,7 @@ impl Microcontroller {
     /// A frame is sent now: when is the next one due?
     fn serve_frame(&mut self, spec: &RobotSpec, now: SimTime) {
         match spec.firmware.mode {
-            // Its interface says when.
+            // The Open Interface has a schedule of its own.
             Mode::Stream(_) if self.decoder.open_interface().is_some() => {}
             Mode::Stream(schedule) => _ = self.frame.serve(&schedule, now),
             Mode::Poll => self.frame.next = SimTime::NEVER,
@@ -347,13 +347,13 @@ impl Microcontroller {
     }
 
     /// The brain thinks on this processor for so long, from `begun` on or as soon as it is free: nothing else runs
-    /// meanwhile. Says when it is done.
+    /// meanwhile. Returns when it is done.
     pub(crate) fn think(&mut self, begun: SimTime, thinking_ns: u64) -> SimTime {
         self.free_at = self.free_at.max(begun) + thinking_ns;
         self.free_at
     }
 
-    /// Until when the processor is busy.
+    /// The instant until which the processor is busy.
     pub(crate) fn free_at(&self) -> SimTime {
         self.free_at
     }

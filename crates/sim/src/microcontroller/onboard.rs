@@ -9,7 +9,7 @@ use crate::time::SimTime;
 use crate::values::ReadingValues;
 
 impl Microcontroller {
-    /// Hands over what is readable, and says when the control cycle began that it belongs to.
+    /// Hands over what is readable, and returns when the control cycle began that it belongs to.
     pub(crate) fn tell(&mut self, spec: &RobotSpec, now: SimTime, laptop: &mut Laptop) -> SimTime {
         self.serve_frame(spec, now);
         let (ages, repeats) = (spec.firmware.layout().ages, spec.firmware.protocol.repeats());
@@ -48,7 +48,7 @@ impl Microcontroller {
     }
 }
 
-/// The value of a sample once it has crossed the wire. Before the first one there are no values, and all may be told.
+/// The value of a sample once it has crossed the wire. Before the first one there are no values, and all may be sent.
 fn tell_values(encodings: &[Encoding], sample: &[f64], told: &mut ReadingValues) {
     if let ([Encoding::Float64], [value], [told]) = (encodings, sample, &mut told[..]) {
         *told = *value;
@@ -70,7 +70,8 @@ fn tell_several(encodings: &[Encoding], sample: &[f64], told: &mut ReadingValues
     }
 }
 
-/// When a reading was sampled as far as a frame that is closed now would tell it; `None` if that is too long ago.
+/// The instant at which a reading was sampled as far as it is in a frame that is closed now; `None` if that is too long
+/// ago.
 fn told_at(now: SimTime, sampled_at: SimTime) -> Option<SimTime> {
     let age = clock::age_100us(now.since(sampled_at));
     let closed_ns = now.as_ns() / clock::UNIT_NS * clock::UNIT_NS;

@@ -22,7 +22,7 @@ pub(super) enum Request {
 }
 
 impl Request {
-    /// An error if the payload makes no sense to this firmware, a signal beyond the motor's limit included.
+    /// An error if the payload is invalid to this firmware, a signal beyond the motor's limit included.
     pub(super) fn parse(spec: &RobotSpec, payload: &[u8]) -> Result<Self, Refusal> {
         let layout = spec.firmware.layout();
         let request = match spec.firmware.protocol {

@@ -22,7 +22,7 @@ impl Microcontroller {
     }
 }
 
-/// Bytes that came while the bootloader waited are lost; says whether the receiver is empty then.
+/// Bytes that came while the bootloader waited are lost; returns whether the receiver is empty then.
 #[cold]
 #[inline(never)]
 pub(super) fn missed_start(spec: &RobotSpec, now: SimTime, downlink: &mut Line) -> bool {

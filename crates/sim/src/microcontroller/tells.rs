@@ -1,4 +1,4 @@
-//! The readings that a message tells, and their instants.
+//! The readings of a message, and their instants.
 
 use alloc::vec::Vec;
 
@@ -9,7 +9,7 @@ use crate::firmware::Firmware;
 use crate::link::Message as Tag;
 use crate::time::SimTime;
 
-/// The readings that a message tells.
+/// The part of the readings that a message has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Tells {
     Nothing,
@@ -35,7 +35,7 @@ impl Tells {
 }
 
 impl Microcontroller {
-    /// These readings are in a message that was begun at `now`.
+    /// Notes that these readings are in a message that was begun at `now`.
     pub(super) fn note_told(
         &mut self,
         firmware: &Firmware,
@@ -50,7 +50,7 @@ impl Microcontroller {
         let mut reading_ns = 0;
         sampled.clear();
         for (i, channel) in self.channels.iter_mut().enumerate().take(layout.counts.len()) {
-            // Only a Khepera tells a part of them.
+            // Messages of a Khepera alone have a part of them.
             if tells != Tells::Readings && !layout.sensors().nth(i).is_some_and(|own| tells.has(own)) {
                 continue;
             }

@@ -27,7 +27,7 @@ impl Move {
 }
 
 impl Scene<'_> {
-    /// Whoever finds its pose taken tries again when others have moved on; at last it takes a part of its way.
+    /// A thing whose pose is taken tries again when others have moved on; at last it takes a part of its way.
     pub(super) fn move_things(&mut self, awake: &[bool], before: &[Mover], contacts: &[Contact], h: f64) {
         let mut moves: Vec<_> = (0..self.things.len()).map(|i| self.way(i, &before[i], h)).collect();
         self.part(&mut moves, contacts);
@@ -114,7 +114,7 @@ impl Scene<'_> {
             && !body.overlaps_arena(self.fixed.arena)
     }
 
-    /// The robots' order does not matter, as each is held against things alone.
+    /// The robots' order does not matter, as each is tried with things alone.
     pub(super) fn move_bots(&mut self, h: f64, last: bool) {
         for i in 0..self.bots.len() {
             let wanted = self.roll(i, h);
@@ -128,7 +128,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Its share of the step, changed as its speeds were.
+    /// The thing's part of the step, changed as its speeds were.
     fn roll(&self, i: usize, h: f64) -> Move {
         let (bot, mover) = (&self.bots[i], &self.movers[self.things.len() + i]);
         let (before, after) = (&bot.pusher.before, &bot.pusher.after);

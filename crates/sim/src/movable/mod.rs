@@ -5,7 +5,7 @@
 //!
 //! 1. contacts are found: places where two bodies are about to meet (`contact`),
 //! 2. impulses J at them, along the normal n, change velocities, Δv = J n / m and Δω = (r × n) J / I, until
-//!    nobody approaches any more; the floor takes from moving things what friction can take (`solve`):
+//!    no bodies approach any more; the floor takes from moving things what friction can take (`solve`):
 //!    μ g h of u = √(v² + k² ω²), where k = √(I/m) is the radius of gyration and h the slice; where bodies
 //!    met fast, a share e of each impulse is given back,
 //! 3. things move by their new velocities, each only to a pose that is free, then the robots (`step`).
@@ -26,7 +26,7 @@
 //! - Friction with the floor is one number for resting and sliding. It acts on the way and on the turning
 //!   together as if all weight were on a ring of radius k (an ellipsoid as limit surface); for a square that
 //!   spins on its place this is 7 % more than an even pressure gives.
-//! - Nobody tips over or is lifted, whatever the height.
+//! - No body tips over or is lifted, whatever the height.
 //! - A body that meets another with restitution e stops and bounces up to one slice's way before that, not at it.
 //!   Below 1 cm/s nothing bounces. Two things meet with the smaller of their two e.
 //! - Contacts of one slice are simultaneous: of a row of touching balls that is hit at one end, the last does
@@ -36,7 +36,7 @@
 //!   and loses half its velocity; a robot waits for a slice, and keeps its speed.
 //! - Within one step a thing does not enter the place where a robot was at its beginning.
 //! - A robot's sideways grip has no limit: pushed from the side, it is a wall.
-//! - Obstacles that move, such as doors, stand still within a step. Who moves one asks `Form::at` and
+//! - Obstacles that move, such as doors, stand still within a step. The code that moves one asks `Form::at` and
 //!   `Body::overlaps` whether it would run into a thing, and then leaves it.
 //! - Something so fast that it would need more than a thousand slices moves less than it should.
 
@@ -92,7 +92,7 @@ pub enum MovableShape {
         /// In metres; positive.
         radius_m: f64,
     },
-    /// With corners.
+    /// A movable with corners.
     Box {
         /// The corners in metres, in the thing's own frame: convex, counter-clockwise, the centroid at the
         /// origin.
@@ -118,7 +118,7 @@ impl MovableState {
 }
 
 impl Movable {
-    /// At its start, at rest.
+    /// The state at the start, at rest.
     pub fn at_start(&self) -> MovableState {
         MovableState { pose: self.start, velocity_m_s: Vector::zeros(), spin_rad_s: 0.0 }
     }

@@ -39,7 +39,7 @@ pub(super) struct Bot<'a> {
     pub(super) home: Body,
     pub(super) reach_m: f64,
     pub(super) thickness_m: f64,
-    /// As fast as its fastest corner moves, in m/s, if nothing hinders it.
+    /// The speed of its fastest corner, in m/s, if nothing hinders it.
     pub(super) rate_m_s: f64,
     /// Whether it may meet something in this step.
     pub(super) near: bool,
@@ -176,7 +176,7 @@ impl Bot<'_> {
     }
 }
 
-/// As fast as its fastest corner moves, in m/s.
+/// The speed of its fastest corner, in m/s.
 fn rate(mover: &Mover, reach_m: f64) -> f64 {
     let turning = if mover.gyration > 0.0 { mover.spin.abs() * reach_m } else { 0.0 };
     mover.velocity.norm() + turning

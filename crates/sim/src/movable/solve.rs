@@ -1,4 +1,4 @@
-//! Impulses, so that nobody approaches what is about to be met.
+//! Impulses, so that no body approaches one that it is about to meet.
 //!
 //! Contacts are asked in turns (projected Gauss-Seidel), each gives or takes back so much of its impulse that
 //! its bodies no longer approach. Giving and taking back never make the speed at the contact greater than it
@@ -26,7 +26,7 @@ pub(super) struct Mover {
     /// In rad/s.
     pub(super) spin: f64,
     pub(super) mass: f64,
-    /// Moment of inertia by mass, in m²; 0 of discs, which nobody can turn.
+    /// Moment of inertia by mass, in m²; 0 of discs, which cannot be turned.
     pub(super) gyration: f64,
     /// A robot's heading, a unit vector, along which alone its velocity can change.
     pub(super) rail: Option<Vector>,
@@ -116,7 +116,7 @@ impl Contact {
         }
     }
 
-    /// Gives or takes back what is needed. Says by how much this changed the speed.
+    /// Gives or takes back what is needed. Returns by how much this changed the speed.
     fn relax(&mut self, movers: &mut [Mover]) -> f64 {
         let speed = self.speed(movers);
         let wanted = if speed < self.allowed {

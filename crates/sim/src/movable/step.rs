@@ -23,7 +23,7 @@ pub(crate) struct Pusher<'a> {
     pub(crate) form: Form<'a>,
     /// World from robot, before the step: free of everything.
     pub(crate) before: Pose,
-    /// World from robot, after it, if nobody is pushed.
+    /// World from robot, after the step, if nothing is pushed.
     pub(crate) after: Pose,
     pub(crate) mass_kg: f64,
     /// About the origin of its frame.
@@ -80,7 +80,7 @@ pub(crate) fn step(
     robots.map(|(bot, mover)| reaction(bot, mover)).collect()
 }
 
-/// As fast as the robot's fastest corner moves, in m/s, if nothing hinders it.
+/// The speed of the robot's fastest corner, in m/s, if nothing hinders it.
 fn rate_m_s(pusher: &Pusher<'_>, dt: f64) -> f64 {
     let way = (pusher.after.position - pusher.before.position).norm();
     let turning = match pusher.form {

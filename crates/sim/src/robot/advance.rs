@@ -44,7 +44,7 @@ impl Robot {
         }
     }
 
-    /// Runs the cable from the start of the tick up to the brain's step, and says when that is. In a run that has
+    /// Runs the cable from the start of the tick up to the brain's step, and returns when that is. In a run that has
     /// `ended` the sensors are read a last time, and no brain steps.
     pub(crate) fn listen(&mut self, spec: &RobotSpec, tick: &Tick<'_>, ended: bool) -> Option<SimTime> {
         let (now, end) = (tick.start, tick.end);
@@ -80,9 +80,9 @@ impl Robot {
         Some(step)
     }
 
-    /// Runs the timeline of microcontroller and link through all that happens before `until`. With
-    /// `earliest`, stops when the brain can step, which is when a message has arrived and `earliest` is
-    /// reached, and says when that is; what happens at that very instant has then happened.
+    /// Runs the timeline of microcontroller and link through all that happens before `until`. With `earliest`, stops
+    /// when the brain can step, which is when a message has arrived and `earliest` is reached, and returns when that
+    /// is; what happens at that very instant has then happened.
     pub(crate) fn advance(
         &mut self,
         spec: &RobotSpec,
@@ -113,7 +113,7 @@ impl Robot {
             }
             let mut heard = arrival;
             if let Some(port) = port {
-                // An answer that the laptop's driver hears may make it write.
+                // An answer that the laptop's driver receives may make it write.
                 if self.hear_port(spec, arrival, port) {
                     on_robot = self.next_on_robot(spec);
                 }
@@ -126,8 +126,8 @@ impl Robot {
         }
     }
 
-    /// Does what comes next; says what comes behind it, if that is known without looking at all there is.
-    /// A chip runs until `end` at most.
+    /// Does what comes next; returns what comes behind it, if that is known without looking at all there is. A chip
+    /// runs until `end` at most.
     #[inline]
     fn run_next(
         &mut self,
@@ -169,7 +169,7 @@ impl Robot {
         next
     }
 
-    /// Does a task; says what comes next, if that is known without looking at all there is.
+    /// Does a task; returns what comes next, if that is known without looking at all there is.
     #[inline(never)]
     fn run(
         &mut self,
@@ -285,8 +285,8 @@ impl Robot {
         }
     }
 
-    /// Takes the bytes that arrive at the laptop from `first` on, up to the first message since the brain's last step and
-    /// `before` anything else happens. Says when the last of them came.
+    /// Takes the bytes that arrive at the laptop from `first` on, up to the first message since the brain's last step
+    /// and `before` anything else happens. Returns when the last of them came.
     #[inline(never)]
     fn hear(&mut self, spec: &RobotSpec, first: SimTime, before: SimTime) -> SimTime {
         let alone = self.ports.is_empty() && self.uplink.is_direct();

@@ -16,7 +16,7 @@ pub enum Written<'a> {
     Bytes(&'a [u8]),
     /// A command in the firmware's own form. Nothing is written if there are not as many signals as actuators.
     Command {
-        /// Its sequence number, if the protocol has one.
+        /// The command's sequence number, if the protocol has one.
         sequence: u8,
         /// Signals for the wheels.
         wheels: Wheels,
@@ -26,7 +26,8 @@ pub enum Written<'a> {
 }
 
 impl Robot {
-    /// When a brain is done that thinks from `begun` to `until`: on board it waits for the processor first.
+    /// The instant at which a brain is done that thinks from `begun` to `until`: on board it waits for the processor
+    /// first.
     pub(crate) fn think(&mut self, spec: &RobotSpec, begun: SimTime, until: SimTime) -> SimTime {
         match spec.link {
             Link::Onboard => self.microcontroller.think(begun, until.since(begun)),
@@ -76,7 +77,7 @@ impl Robot {
         self.recorder.note(at, until, What::Down { bytes: len as u32 });
     }
 
-    /// When the control cycle began that is answered with so many bytes at `at`.
+    /// The instant at which the control cycle began that is answered with so many bytes at `at`.
     fn note_write(&mut self, spec: &RobotSpec, at: SimTime, bytes: usize) -> Option<SimTime> {
         let is_late = self.laptop.answers_tick.is_some();
         let cycle = self.laptop.answer();

@@ -24,9 +24,9 @@ use crate::time::SimTime;
 /// The control cycles of a robot.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Cycles {
-    /// Answered by a command that took effect by the deadline.
+    /// The number of cycles that were answered by a command that took effect by the deadline.
     pub kept: u64,
-    /// Answered later than that, or, where a deadline is stated, not by then.
+    /// The number of cycles that were answered later than that, or, where a deadline is stated, not by then.
     pub late: u64,
     /// Overtaken or not answered.
     pub unanswered: u64,
@@ -35,9 +35,9 @@ pub struct Cycles {
     pub exceptions: Exceptions,
     /// The durations of the answered cycles, in time or not.
     pub durations: Histogram,
-    /// Those that are not over yet, oldest first.
+    /// The cycles that are not over yet, oldest first.
     open: VecDeque<Open>,
-    /// When the newest began that was answered.
+    /// The instant at which the newest began that was answered.
     answered: Option<SimTime>,
 }
 
@@ -45,14 +45,14 @@ pub struct Cycles {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Open {
     begun: SimTime,
-    /// It has been counted as late, and is only waited for.
+    /// The cycle has been counted as late, and is only waited for.
     is_late: bool,
-    /// When the command takes effect that closes it, and whether that answers this very message.
+    /// The instant at which the command takes effect that closes the cycle, and whether that answers this very message.
     closed: Option<(SimTime, bool)>,
 }
 
 impl Cycles {
-    /// Whether cycles can have gone so.
+    /// Whether the counts and durations are possible.
     pub(crate) fn are_sound(&self) -> bool {
         let counts = [self.kept, self.late, self.unanswered].into_iter().all(crate::sound::count);
         counts && self.durations.is_sound() && self.open.len() <= MAX_OPEN
@@ -64,7 +64,7 @@ impl Cycles {
         (all > 0).then(|| self.kept as f64 / all as f64)
     }
 
-    /// Those that are neither kept nor late nor unanswered yet.
+    /// The number of cycles that are neither kept nor late nor unanswered yet.
     pub fn under_way(&self) -> u64 {
         self.open.iter().filter(|open| !open.is_late).count() as u64
     }
@@ -98,7 +98,7 @@ impl Cycles {
             open.closed = open.closed.or(Some((at, is_it)));
         }
         if !is_known {
-            // It was given up: nobody thought that an answer would come.
+            // The cycle had been given up before its answer came.
             self.unanswered = self.unanswered.saturating_sub(1);
             self.count(deadline, at.since(begun));
         }
@@ -125,8 +125,8 @@ impl Cycles {
         }
     }
 
-    /// Counts what is over at `now`. Where a deadline is stated, says of the first that has passed unnoticed when that
-    /// was: ask again until there is none.
+    /// Counts what is over at `now`. Where a deadline is stated, returns the instant of the first that has passed
+    /// unnoticed: ask again until there is none.
     pub(super) fn settle(&mut self, deadline: &Deadline, now: SimTime) -> Option<SimTime> {
         while let Some(Open { begun, is_late, closed: Some((at, is_it)) }) = self.open.front().copied() {
             let due = begun + deadline.within_ns;

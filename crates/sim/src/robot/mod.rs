@@ -53,7 +53,7 @@ pub(crate) struct Robot {
     pub(crate) motor_noise: NoiseState,
     /// Ran into something in the last tick.
     pub(crate) collided: bool,
-    /// Its obstacles since there was last some room around it.
+    /// The robot's obstacles since there was last some room around it.
     pub(crate) contacts: Vec<Partner>,
     pub(crate) microcontroller: Microcontroller,
     pub(crate) uplink: Line,
@@ -63,9 +63,9 @@ pub(crate) struct Robot {
     pub(crate) ports: Vec<PortState>,
     pub(crate) actuators: Vec<ActuatorState>,
     pub(crate) parts: OptionalParts,
-    /// The pulse that it sent in this tick, and the one that others hear, which is of the last tick.
+    /// The pulse that it sent in this tick, and the one that others receive, which is of the last tick.
     pub(crate) pings: [Option<Ping>; 2],
-    /// When the last command was obeyed.
+    /// The instant at which the last command was obeyed.
     pub(crate) commanded_at: SimTime,
     pub(crate) counters: RobotCounters,
     pub(crate) cycles: Cycles,
@@ -88,7 +88,7 @@ pub(crate) struct OptionalParts {
     pub(crate) dialogues: Option<Dialogues>,
     /// The chip that runs its program.
     pub(crate) chip: Option<Box<ChipState>>,
-    /// How long, in nanoseconds, something has kept it from sliding on.
+    /// The time, in nanoseconds, for which the robot has been kept from sliding on.
     pub(crate) standing_ns: Option<u64>,
 }
 
@@ -173,7 +173,7 @@ impl Robot {
         }
     }
 
-    /// Somebody puts it somewhere else.
+    /// A person puts the robot somewhere else.
     pub(crate) fn put_down(&mut self, spec: &RobotSpec, pose: Pose) {
         self.motion.pose = pose;
         self.motion.turn_rate_rad_s = 0.0;
@@ -190,7 +190,7 @@ impl Robot {
         self.downlink.watch_outages(link, seed, &[name, "/link:down"], Direction::Down);
     }
 
-    /// From now on keeps the last so many bytes that come over each of its cables, each way.
+    /// Keeps the last so many bytes that come over each of its cables, each way, from now on.
     pub(crate) fn keep_tape(&mut self, bytes: usize) {
         let ports = self.ports.iter_mut().map(|port| &mut port.line);
         let dialogues =
@@ -199,21 +199,21 @@ impl Robot {
         own.into_iter().chain(ports).chain(dialogues).for_each(|line| line.keep_tape(bytes));
     }
 
-    /// From now on keeps what a logic analyser on the pins of its chip would see, or no longer does.
+    /// Keeps the edges on the pins of its chip, from now on, or no longer does.
     pub(crate) fn keep_edges(&mut self, keep: bool) {
         if let Some(chip) = &mut self.parts.chip {
             chip.keep_edges(keep);
         }
     }
 
-    /// From now on counts the rounds of the main loop of its chip's program, or no longer does.
+    /// Counts the rounds of the main loop of its chip's program, from now on, or no longer does.
     pub(crate) fn keep_rounds(&mut self, keep: bool) {
         if let Some(chip) = &mut self.parts.chip {
             chip.keep_rounds(keep);
         }
     }
 
-    /// Its microcontroller is reset at `now`: it begins anew when its bootloader has waited, which `spec` says.
+    /// The microcontroller is reset at `now`: it begins anew after the wait of its bootloader, which is in `spec`.
     pub(crate) fn reset_board(&mut self, spec: &RobotSpec, now: SimTime) {
         self.lay_down_command(spec);
         self.downlink.lose_before(&spec.link, now);
@@ -243,7 +243,7 @@ fn started(spec: &RobotSpec) -> Motion {
     motion
 }
 
-/// Of each port, whether it is a dialogue; nothing if none is.
+/// Whether each port is a dialogue; nothing if none is.
 fn dialogues(spec: &RobotSpec, seed: u64) -> Option<Dialogues> {
     let dialogue = |&i: &usize| {
         let sensor = &spec.sensors[i];

@@ -9,7 +9,7 @@ use crate::time::SimTime;
 use crate::timeline::What;
 
 impl Robot {
-    /// The baud rate that its microcontroller was told, once all is sent that it said before.
+    /// The new baud rate of the microcontroller, once all is sent that it sent before.
     pub(crate) fn take_baud(&mut self) -> Option<u32> {
         if self.uplink.under_way() > 0 { None } else { self.microcontroller.take_baud() }
     }
@@ -27,7 +27,8 @@ impl Robot {
         }
     }
 
-    /// When the next byte arrives at the laptop, and on which sensor's cable, if it is not the microcontroller's.
+    /// The instant at which the next byte arrives at the laptop, and on which sensor's cable, if it is not the
+    /// microcontroller's.
     #[inline]
     pub(super) fn next_byte(&self, spec: &RobotSpec) -> (SimTime, Option<usize>) {
         let mut next = (self.uplink.arrival(&spec.link), None);
@@ -98,7 +99,7 @@ impl Robot {
         self.parts.dialogues.as_mut()?.get_mut(k)?.as_mut()
     }
 
-    /// When a device does something next on a port of its own, if there is a dialogue, and on which.
+    /// The instant at which a device does something next on a port of its own, if there is a dialogue, and on which.
     #[inline(never)]
     pub(super) fn next_of_dialogues(&self, spec: &RobotSpec) -> Option<(SimTime, usize)> {
         let nexts = (0..self.ports.len()).filter_map(|k| Some((self.dialogue(k)?.next(port(spec, k)?), k)));
@@ -120,14 +121,14 @@ impl Robot {
         }
     }
 
-    /// A device says something that is no scan, on port `k`.
+    /// A device sends something that is no scan, on port `k`.
     fn note_up(&mut self, spec: &RobotSpec, k: usize, on_wire: OnWire) {
         let OnWire { from, until, bytes } = on_wire;
         let sensor = spec.sensors.ports()[k] as u16;
         self.recorder.note(from, until, What::Port { sensor, bytes });
     }
 
-    /// Something is said to a device, on port `k`.
+    /// A device is sent something, on port `k`.
     fn note_down(&mut self, spec: &RobotSpec, k: usize, on_wire: OnWire) {
         let OnWire { from, until, bytes } = on_wire;
         let sensor = spec.sensors.ports()[k] as u16;
@@ -171,7 +172,8 @@ impl Robot {
         }
     }
 
-    /// Somebody writes to the port of sensor `i`. Whether it has one: a device that speaks by itself hears nothing.
+    /// Bytes are written to the port of sensor `i`. Returns whether it has one: a device without a dialogue ignores
+    /// them.
     pub(crate) fn write_port(&mut self, spec: &RobotSpec, i: usize, at: SimTime, bytes: &[u8]) -> bool {
         let Some(k) = spec.sensors.ports().iter().position(|&other| other == i) else { return false };
         if let (Some(port), Some(dialogue)) = (port(spec, k), self.dialogue_mut(k)) {

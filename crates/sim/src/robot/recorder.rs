@@ -38,7 +38,7 @@ impl Recorder {
         }
     }
 
-    /// When a tick ends, so many bytes have been lost on the robot's cables so far.
+    /// Notes at the end of a tick that so many bytes have been lost on the robot's cables so far.
     pub(super) fn note_losses(&mut self, now: SimTime, lost: u64) {
         let bytes =
             u32::try_from(lost.saturating_sub(core::mem::replace(&mut self.lost, lost))).unwrap_or(u32::MAX);

@@ -1,4 +1,4 @@
-//! When its brain writes, held against what is stated of it ([`Writes`]): a budget holds only as far as that is so.
+//! The writes of a robot's brain, compared with its statement ([`Writes`]): a budget holds only as far as that is so.
 //!
 //! A command is an *exception* if the statement does not allow it. A cycle is disturbed by an exception if one was written in
 //! it, or since the last cycle that left the way down empty; only such a cycle may be longer than its budget says.
@@ -23,7 +23,7 @@ pub struct Exceptions {
 /// The memory of a brain's writing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct WriteWatch {
-    /// When the brain's step is, and how long a tick.
+    /// The instant at which the brain's step is, and how long a tick.
     step: (SimTime, u64),
     /// Bytes that were written in it.
     bytes: u64,
@@ -39,7 +39,7 @@ pub(crate) struct WriteWatch {
 struct CommandSize {
     /// The most bytes of a command, with the question that goes with it.
     bytes: u64,
-    /// Its time on the cable.
+    /// The command's time on the cable, in nanoseconds.
     time_ns: u64,
 }
 
@@ -50,7 +50,7 @@ impl WriteWatch {
         self.bytes = 0;
     }
 
-    /// It writes so many bytes, which answer a message or do not. Whether that is an exception.
+    /// Notes so many bytes of the brain, which answer a message or do not. Returns whether that is an exception.
     pub(super) fn note(&mut self, spec: &RobotSpec, now: SimTime, bytes: usize, is_asked: bool) -> bool {
         if now.as_ns() < spec.processor.bootloader_ns {
             return false;

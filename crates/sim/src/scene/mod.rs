@@ -25,7 +25,7 @@ pub(crate) use sector::{InSector, Sector};
 pub(crate) struct Figure {
     /// The disc that it is, or that its outline fits in.
     pub(crate) disc: Circle,
-    /// Its corners in the world; none if it is the disc.
+    /// The corners in the world; none if it is the disc.
     pub(crate) outline: Vec<Point>,
     pub(crate) look: Look,
 }
@@ -42,7 +42,7 @@ pub(crate) struct Frozen {
     pub(crate) pings: Vec<Ping>,
 }
 
-/// A pulse of a sonar that others can hear.
+/// A pulse of a sonar that others can receive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Ping {
     /// The robot that sent it.
@@ -69,14 +69,14 @@ pub(crate) struct Scene<'a> {
     pub(crate) own: usize,
     /// The radius around it within which the shapes for its sensors are collected, if that pays.
     reach: Option<Reach>,
-    /// The shapes near it, once somebody asks; `None` if there are too many.
+    /// The shapes near the robot, computed at the first use; `None` if there are too many.
     neighbors: OnceCell<Option<Neighbors>>,
     strokes: OnceCell<Option<Strokes>>,
     facing: OnceCell<Direction>,
 }
 
 impl<'a> Scene<'a> {
-    /// As robot `own` sees it, whose sensors reach so far.
+    /// The scene for robot `own`, whose sensors reach so far.
     pub(crate) fn new(
         (arena, surroundings): (&'a Arena, &'a Surroundings),
         frozen: &'a Frozen,
@@ -178,11 +178,11 @@ pub(crate) struct RayHit {
     pub(crate) what: What,
 }
 
-/// Whose surface a ray met.
+/// The owner of the surface that a ray met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum What {
     Fixed(baudbot_geometry::Shape),
-    /// By its place among the bodies.
+    /// The place of the figure among the bodies.
     Figure(usize),
 }
 
@@ -295,7 +295,7 @@ impl Viewpoint<'_> {
         nearest.is_finite().then_some(nearest)
     }
 
-    /// Its colour and height.
+    /// The colour and height of what the ray hit.
     pub(crate) fn look_of(&self, hit: &RayHit) -> Look {
         match hit.what {
             What::Fixed(shape) => self.scene.arena.look_of(self.height.layer, shape),
@@ -303,7 +303,7 @@ impl Viewpoint<'_> {
         }
     }
 
-    /// Its radius in metres, if it is round.
+    /// The radius of what the ray hit, in metres, if it is round.
     pub(crate) fn radius_of(&self, hit: &RayHit) -> Option<f64> {
         match hit.what {
             What::Fixed(baudbot_geometry::Shape::Segment(_)) => None,

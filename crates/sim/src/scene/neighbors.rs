@@ -8,7 +8,7 @@ use super::Frozen;
 /// The range around a robot of its sensors with few rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reach {
-    /// From the robot's centre, in metres.
+    /// The distance from the robot's centre, in metres.
     pub(crate) radius_m: f64,
     /// The layer of the arena that they see.
     pub(crate) layer: usize,
@@ -19,9 +19,9 @@ pub(crate) struct Reach {
 pub(crate) struct Neighbors {
     around: Circle,
     pub(super) layer: usize,
-    /// By their places in the layer's index: segments, then circles.
+    /// The shapes by their places in the layer's index: segments, then circles.
     shapes: ArrayVec<u32, MOST_SHAPES>,
-    /// By their places among the frozen bodies.
+    /// The places of the bodies among the frozen ones.
     pub(crate) bodies: ArrayVec<u32, MOST_BODIES>,
 }
 
@@ -119,7 +119,7 @@ fn number(index: &Index, shape: Shape) -> u32 {
     }
 }
 
-/// By more than rounding can make of coordinates of this size.
+/// The disc, wider by more than the rounding of coordinates of this size.
 fn widened(disc: &Circle, near: Point) -> Circle {
     let size = disc.center.coords.abs().sum() + near.coords.abs().sum();
     Circle { radius: disc.radius + SLACK * size, ..*disc }

@@ -80,7 +80,7 @@ impl Side {
 }
 
 impl Sector {
-    /// Of a sensor that sits and looks so, robot from sensor; `None` if it looks almost everywhere.
+    /// A `Sector` of a sensor that sits and looks so, robot from sensor; `None` if it looks almost everywhere.
     pub(crate) fn new(mount: &Pose, fan: &Fan, range_m: f64) -> Option<Self> {
         let (forward, relative) = (mount.direction(), fan.relative());
         let (right, left) = (relative[0], relative[relative.len() - 1]);

@@ -22,8 +22,8 @@ impl<'a> From<Input<'a>> for Answer<'a> {
 }
 
 impl World {
-    /// As [`finish`](Self::finish), with answers that may be commands. The state is the same as with the bytes of these
-    /// commands, to the last bit; where a cable takes no time and loses nothing, the bytes are only counted.
+    /// The same as [`finish`](Self::finish), with answers that may be commands. The state is the same as with the bytes
+    /// of these commands, to the last bit; where a cable takes no time and loses nothing, the bytes are only counted.
     pub fn finish_answers(&mut self, answers: &[Answer<'_>]) {
         self.finish_with(answers, |answer| *answer);
     }

@@ -16,13 +16,13 @@ pub enum Ending {
     Collision(Collision),
     /// The robot of this name reached the scenario's goal.
     GoalReached(String),
-    /// So many collisions were allowed, and there were as many.
+    /// The allowed number of collisions was reached.
     Collisions(u64),
     /// The robots have been in all of the zones that are goals.
     AllGoals,
-    /// As much of the floor was covered as was asked for.
+    /// The floor was covered to the wanted part.
     Covered,
-    /// As much of the floor was sensed as was asked for.
+    /// The floor was sensed to the wanted part.
     Sensed,
     /// The battery of the robot of this name is empty.
     BatteryEmpty(String),

@@ -1,4 +1,4 @@
-//! Whose inputs are which.
+//! The assignment of inputs to robots.
 
 use alloc::vec::Vec;
 

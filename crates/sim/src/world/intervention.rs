@@ -1,4 +1,4 @@
-//! Changes by hand: somebody moves a robot, pulls a cable, or sets another baud rate.
+//! Manual changes: an operator moves a robot, pulls a cable, or sets another baud rate.
 //!
 //! They happen between two ticks, and are inputs like a brain's bytes: the same ones at the same ticks make the same
 //! run. A cable that is changed is another cable in the scenario from then on; [`World::hash`](crate::World::hash)
@@ -22,14 +22,14 @@ use crate::time::SimTime;
 pub enum Intervention {
     /// A robot is put somewhere else, where it stands still. Its wheels do not turn meanwhile.
     PlaceRobot {
-        /// Its name.
+        /// The robot's name.
         robot: String,
         /// World from robot.
         pose: Pose,
     },
     /// Something that is pushed is put somewhere else, where it lies still.
     PlaceThing {
-        /// Its name.
+        /// The thing's name.
         thing: String,
         /// World from thing.
         pose: Pose,
@@ -38,7 +38,7 @@ pub enum Intervention {
     PullCable {
         /// The robot's name.
         robot: String,
-        /// Pulled; otherwise plugged in.
+        /// Whether the cable is pulled; otherwise it is plugged in.
         pulled: bool,
     },
     /// Both ends of the cable between a robot and its brain change to another baud rate. What is on the wire by then
@@ -46,7 +46,7 @@ pub enum Intervention {
     SetBaud {
         /// The robot's name.
         robot: String,
-        /// Bits a second.
+        /// The rate, in bits a second.
         baud: u32,
     },
     /// The laptop's serial ports at a robot's cables are opened for a program, or closed again. Such a program reads each
@@ -55,7 +55,7 @@ pub enum Intervention {
     OpenPort {
         /// The robot's name.
         robot: String,
-        /// Opened; otherwise closed.
+        /// Whether the port is opened; otherwise it is closed.
         open: bool,
     },
     /// The microcontroller of a robot is reset, as many boards are by DTR when a program opens their port. Its bootloader
@@ -85,15 +85,15 @@ pub enum InterventionError {
         /// The name, cut off if it is long.
         name: String,
     },
-    /// Not a place.
+    /// The number is not a place.
     #[error("{field}: must be a number from -{most} to {most}")]
     Place {
-        /// The field that has it.
+        /// The field of the place.
         field: &'static str,
         /// The greatest that it can be.
         most: u32,
     },
-    /// There is something there.
+    /// The place is taken.
     #[error("no room: `{with}` is in the way")]
     NoRoom {
         /// The obstacle.
@@ -107,7 +107,7 @@ pub enum InterventionError {
         /// The cable that was asked for.
         cable: &'static str,
     },
-    /// Not a rate that the cable can have.
+    /// The rate is none that the cable can have.
     #[error("baud: must be {least} to {most} here, is {baud}")]
     Baud {
         /// The rate.
@@ -117,7 +117,7 @@ pub enum InterventionError {
         /// The most that it can be.
         most: u64,
     },
-    /// It has been done too often.
+    /// The change has been made too often.
     #[error(
         "robot: the cable of `{robot}` stays as it is: cables have been changed {MOST_ALTERED} times, the limit; reset the world"
     )]
@@ -136,7 +136,7 @@ enum Placed {
 
 type Result<T> = core::result::Result<T, InterventionError>;
 
-/// The changes of the scenario. They are no part of the state of a world in which nobody made any.
+/// The changes of the scenario. They are no part of the state of a world without manual changes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Altered(Vec<(SimTime, Intervention)>);
 
@@ -173,7 +173,7 @@ impl World {
     /// Changes something by hand, between two ticks.
     ///
     /// # Errors
-    /// Says why not; then nothing has changed.
+    /// An error with the reason; then nothing has changed.
     pub fn intervene(&mut self, intervention: &Intervention) -> Result<()> {
         if self.ending().is_some() {
             return Err(InterventionError::Ended);
@@ -238,7 +238,7 @@ impl World {
         }
     }
 
-    /// Says whether that made a difference.
+    /// Returns whether that made a difference.
     fn pull_cable(&mut self, name: &str, pulled: bool) -> Result<bool> {
         let Some(own) = self.cut_cable(name, self.time(), pulled)? else { return Ok(false) };
         let (seed, link) = (self.scenario().seed, self.scenario().robots[own].link.clone());
@@ -246,7 +246,7 @@ impl World {
         Ok(true)
     }
 
-    /// Changes the cable of the robot of this name; says which robot that is, if it makes a difference.
+    /// Changes the cable of the robot of this name; returns which robot that is, if it makes a difference.
     fn cut_cable(&mut self, name: &str, at: SimTime, pulled: bool) -> Result<Option<usize>> {
         let own = self.robot_named(name)?;
         let link = &self.scenario().robots[own].link;
@@ -262,7 +262,7 @@ impl World {
         Ok(Some(own))
     }
 
-    /// Says whether that made a difference.
+    /// Returns whether that made a difference.
     pub(super) fn set_baud(&mut self, name: &str, baud: u32) -> Result<bool> {
         let Some(own) = self.change_baud(name, baud)? else { return Ok(false) };
         let model = Arc::clone(&self.scenario().robots[own].model);
@@ -270,7 +270,7 @@ impl World {
         Ok(true)
     }
 
-    /// As [`cut_cable`](Self::cut_cable).
+    /// Changes the baud rate, with the result of [`cut_cable`](Self::cut_cable).
     fn change_baud(&mut self, name: &str, baud: u32) -> Result<Option<usize>> {
         let own = self.robot_named(name)?;
         let spec = &self.scenario().robots[own];
@@ -291,7 +291,7 @@ impl World {
         Ok(Some(own))
     }
 
-    /// As [`cut_cable`](Self::cut_cable).
+    /// Opens or closes the port, with the result of [`cut_cable`](Self::cut_cable).
     fn open_port(&mut self, name: &str, open: bool) -> Result<Option<usize>> {
         let own = self.robot_named(name)?;
         let spec = &self.scenario().robots[own];
@@ -315,7 +315,7 @@ impl World {
         true
     }
 
-    /// Says whether that made a difference, which it always does.
+    /// Returns whether that made a difference, which it always does.
     fn reset_board(&mut self, name: &str) -> Result<bool> {
         let now = self.time();
         let own = self.start_board(name, now)?;

@@ -2,7 +2,7 @@
 //! reached its robot by then.
 //!
 //! Bytes that a brain writes at an instant are on the cable from then on, and the first arrives later. Until that
-//! arrival the answer is known to nobody but the laptop's end of the cable, and nothing looks there; so it makes no
+//! arrival the answer is known only to the laptop's end of the cable, and nothing reads it there; so it makes no
 //! difference whether it is put there at once or [supplied](World::supply) afterwards. What does look there is listed
 //! at `Line::reach`, and at those that call it: the driver's room, which is why nothing may be under way before, and
 //! the next step of the same brain.
@@ -36,8 +36,8 @@ impl World {
         !robot.laptop.unread.is_empty() || robot.ports.iter().any(|port| !port.unread.is_empty())
     }
 
-    /// Until when it makes no difference what this robot's brain writes at `done` or later; `None` if it always does. It
-    /// stays true while nothing else is written to the robot.
+    /// The instant until which it makes no difference what this robot's brain writes at `done` or later; `None` if it
+    /// always does. It stays true while nothing else is written to the robot.
     pub fn reach(&self, robot: usize, done: SimTime) -> Option<SimTime> {
         let state = self.state.robots.get(robot)?;
         // The bytes may change its cable at the end of the tick.
@@ -55,10 +55,10 @@ impl World {
         state.downlink.reach(&self.scenario.robots[robot].link, done)
     }
 
-    /// As [`finish_answers`](Self::finish_answers), without the answers of the robots in `open`, each with when its brain is
-    /// done. Each of them must be [supplied](Self::supply) before the world is taken beyond the robot's [`reach`](Self::reach), and
-    /// before [`hash`](Self::hash) or anybody else looks at the world. Tick by tick the world is then as if `finish` had
-    /// had the answer.
+    /// As [`finish_answers`](Self::finish_answers), without the answers of the robots in `open`, each with when its
+    /// brain is done. Each of them must be [supplied](Self::supply) before the world is taken beyond the robot's
+    /// [`reach`](Self::reach), and before [`hash`](Self::hash) or an observer uses the world. Tick by tick the world is
+    /// then as if `finish` had had the answer.
     pub fn finish_ahead(&mut self, answers: &[Answer<'_>], open: &[(usize, SimTime)]) {
         if !self.state.begun || self.state.ending.is_some() {
             return;

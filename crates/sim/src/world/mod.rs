@@ -65,9 +65,9 @@ use spare::Spare;
 /// ```
 #[derive(Clone, Debug)]
 pub struct World {
-    /// As it was made.
+    /// The scenario of which the world was made.
     origin: Arc<Scenario>,
-    /// As it is now: what people [change by hand](Self::intervene) is another scenario from then on.
+    /// The scenario as it is now: a [manual change](Self::intervene) makes it another one from then on.
     scenario: Arc<Scenario>,
     pub(crate) altered: Altered,
     state: State,
@@ -80,7 +80,7 @@ pub struct World {
     may_change_baud: bool,
 }
 
-/// All that changes.
+/// All of the world that changes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct State {
     tick: u64,
@@ -111,7 +111,7 @@ pub struct Turn {
 pub struct Input<'a> {
     /// Index of its robot. An index that no robot has is ignored.
     pub robot: usize,
-    /// When the bytes are handed to the port, and the brain is free again. Taken as the instant of the
+    /// The instant at which the bytes are handed to the port, and the brain is free again. Taken as the instant of the
     /// brain's last step if it is earlier than that.
     pub at: SimTime,
     /// Bytes for the microcontroller; may be empty.
@@ -168,27 +168,26 @@ impl World {
         }
     }
 
-    /// As many events of each robot's timeline as a new world keeps.
+    /// The number of events of each robot's timeline that a new world keeps.
     pub fn usual_timeline(&self) -> usize {
         TIMELINE_EVENTS / self.state.robots.len().clamp(16, 1024)
     }
 
-    /// From now on keeps so many events of each robot's timeline, of those that are there the last ones. Makes no difference
-    /// to anything else.
+    /// Keeps the last so many events of each robot's timeline, from now on. Makes no difference to anything else.
     pub fn resize_timeline(&mut self, events: usize) {
         self.state.robots.iter_mut().for_each(|robot| robot.recorder.timeline.set_room(events));
     }
 
     /// Whether ticks use all threads of the rayon pool that they are called in, where there are enough robots for it.
-    /// Worlds of 256 robots and more do so unless told otherwise. Makes no difference to any bit.
+    /// Worlds of 256 robots and more do so by default. Makes no difference to any bit.
     #[cfg(feature = "rayon")]
     pub fn set_parallel(&mut self, is_parallel: bool) {
         self.is_parallel = is_parallel;
     }
 
-    /// First half of a tick: the scene is frozen, sensors that are due sample it, the microcontrollers read
-    /// and send, and what arrives is there for the brains. Says which brains step now. A second call
-    /// without [`finish`](Self::finish) in between changes nothing.
+    /// First half of a tick: the scene is frozen, sensors that are due sample it, the microcontrollers read and send,
+    /// and what arrives is there for the brains. Returns which brains step now. A second call without
+    /// [`finish`](Self::finish) in between changes nothing.
     ///
     /// In a run that has ended this reads the sensors a last time at the state that it ended in, and no
     /// brain steps.
@@ -391,9 +390,9 @@ impl World {
     }
 }
 
-/// So many robots are moved by several threads, if there are any: the work of a tick is then well above what it costs
-/// to call them.
+/// The number of robots from which on several threads move them, if there are any: the work of a tick is then well
+/// above what it costs to call them.
 const CROWD: usize = 256;
 
-/// Events that a world keeps of all its robots' timelines together, unless it is told otherwise.
+/// Events that a world keeps of all its robots' timelines together, by default.
 const TIMELINE_EVENTS: usize = 1 << 16;

@@ -27,7 +27,7 @@ pub(super) struct Lists {
     ways: Vec<Way>,
     crowd: Crowd,
     held: Vec<Option<Met>>,
-    /// Those that were held before anybody was pushed.
+    /// The robots that were held before any was pushed.
     held_first: Vec<Option<Met>>,
     found: Vec<Option<Found>>,
     obstacles: Vec<Body>,
@@ -110,8 +110,8 @@ impl World {
         });
     }
 
-    /// Robots push what can be pushed, those first held back that something else stops: nobody pushes who cannot
-    /// move.
+    /// Robots push what can be pushed, those first held back that something else stops: a robot that cannot move does
+    /// not push.
     fn push(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
         if scenario.collision != CollisionPolicy::StopRun {
             let Lists { ways, crowd, held_first, found, obstacles, movables, .. } = lists;
@@ -315,7 +315,7 @@ fn gather(scenario: &Scenario, lists: &mut Lists) {
     lists.crowd.rebuild(ways.map(|(way, spec)| swept(&spec.form(), way)));
 }
 
-/// Looks at a step of all robots.
+/// Does a step of all robots, and returns a view of it.
 fn step<T>(
     scenario: &Scenario,
     (obstacles, movables): (&[Body], &[Body]),

@@ -1,13 +1,13 @@
-//! Programs that talk to sensors on their own cables, and people who look at any cable.
+//! Programs that talk to sensors on their own cables, and observers of any cable.
 
 use super::{Intervention, World};
 use crate::time::SimTime;
 
 impl World {
-    /// A program hands bytes to the port of a sensor's own, between [`begin`](Self::begin) and [`finish`](Self::finish), which
-    /// puts them on the cable in the order of their instants, and those of one instant in the order of the calls. An instant
-    /// before that of the brain's step in this tick, or before the tick if the brain does not step, is taken as that. A
-    /// device that speaks by itself hears them and does nothing.
+    /// A program hands bytes to the port of a sensor's own, between [`begin`](Self::begin) and
+    /// [`finish`](Self::finish), which puts them on the cable in the order of their instants, and those of one instant
+    /// in the order of the calls. An instant before that of the brain's step in this tick, or before the tick if the
+    /// brain does not step, is taken as that. A device that sends by itself receives them and does nothing.
     ///
     /// `sensor` is its place in the robot's [specification](crate::model::RobotSpec). What has no room in the laptop's buffer is
     /// refused and counted.
@@ -33,8 +33,8 @@ impl World {
         state.dialogue(k).map_or_else(|| port.link.baud(), |dialogue| dialogue.baud(port, self.time()))
     }
 
-    /// From now on keeps the last so many bytes that come over each of a robot's cables, each way; 0 keeps none. What was kept
-    /// is forgotten. Makes no difference to anything else.
+    /// Keeps the last so many bytes that come over each of a robot's cables, each way, from now on; 0 keeps none. What
+    /// was kept is forgotten. Makes no difference to anything else.
     pub fn keep_tape(&mut self, robot: usize, bytes: usize) {
         if let Some(robot) = self.state.robots.get_mut(robot) {
             robot.keep_tape(bytes);
@@ -46,16 +46,16 @@ impl World {
         self.state.robots.get(robot).is_some_and(|robot| robot.uplink.is_taped())
     }
 
-    /// From now on keeps what a logic analyser on the pins of a robot's chip would see, with the world's instants, or no longer
-    /// does: see [`Board::keep_edges`](crate::chip::Board::keep_edges). It can be read [there](crate::RobotView::board). A
-    /// robot without a program of the user's own has no such chip. Makes no difference to anything else.
+    /// Keeps the edges on the pins of a robot's chip, with the world's instants, from now on, or no longer does: see
+    /// [`Board::keep_edges`](crate::chip::Board::keep_edges). It can be read [there](crate::RobotView::board). A robot
+    /// without a program of the user's own has no such chip. Makes no difference to anything else.
     pub fn keep_edges(&mut self, robot: usize, keep: bool) {
         if let Some(robot) = self.state.robots.get_mut(robot) {
             robot.keep_edges(keep);
         }
     }
 
-    /// From now on counts the rounds of the main loop of the program on a robot's chip, or no longer does: see
+    /// Counts the rounds of the main loop of the program on a robot's chip, from now on, or no longer does: see
     /// [`Board::keep_rounds`](crate::chip::Board::keep_rounds). Makes no difference to anything else.
     pub fn keep_rounds(&mut self, robot: usize, keep: bool) {
         if let Some(robot) = self.state.robots.get_mut(robot) {

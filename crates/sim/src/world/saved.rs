@@ -31,10 +31,10 @@ pub enum SavedError {
     /// The bytes are no state.
     #[error("is no state of a world of this version: {0}")]
     Unreadable(postcard::Error),
-    /// They are a state of another world.
+    /// The bytes are a state of another world.
     #[error("is the state of a world with other {0}")]
     Other(&'static str),
-    /// The hash is another. Which one is not told: whoever changes a state on purpose need not be helped.
+    /// The hash is another. The right one is not in the error: a deliberate change of a state need not be helped.
     #[error("is damaged, or of another version: its fingerprint is not the one that was kept with it")]
     Hash,
     /// Something is in it that no run of this scenario comes to.
@@ -45,14 +45,14 @@ pub enum SavedError {
 impl World {
     /// The state by value. It has all that makes the future; the robots' timelines, which are of the past, are left out.
     pub fn save(&self) -> Vec<u8> {
-        // As with the hash: all of the state's types serialise.
+        // The serialisation cannot fail, as with the hash.
         postcard::to_allocvec(&(&self.state, &self.altered)).expect("the state's types serialise")
     }
 
     /// The world of this scenario in a state that was saved, of which [`hash`](Self::hash) was `hash`.
     ///
     /// # Errors
-    /// Says why the bytes are not that.
+    /// An error with the reason why the bytes are not that.
     pub fn load(scenario: Arc<Scenario>, saved: &[u8], hash: u64) -> Result<Self, SavedError> {
         let (state, rest): ((State, Altered), _) =
             postcard::take_from_bytes(saved).map_err(SavedError::Unreadable)?;

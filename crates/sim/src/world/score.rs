@@ -17,9 +17,9 @@ use crate::scene::Scene;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     coverage: Option<Coverage>,
-    /// For each zone, whether any robot has been there.
+    /// Whether any robot has been in each zone.
     visited: Vec<bool>,
-    /// For each robot, its time in each zone, in nanoseconds.
+    /// The time of each robot in each zone, in nanoseconds.
     in_zone_ns: Vec<Vec<u64>>,
 }
 
@@ -63,7 +63,7 @@ impl Score {
         Some(coverage.sensed_fraction(rules.floor.as_ref()?))
     }
 
-    /// For each zone, in the scenario's order, whether any robot has been there.
+    /// Whether any robot has been in each zone, in the scenario's order.
     pub fn visited(&self) -> &[bool] {
         &self.visited
     }
@@ -128,7 +128,7 @@ impl World {
         }
     }
 
-    /// Whether the rules say that it has been enough.
+    /// Whether the run ends by the rules.
     pub(crate) fn judge(&self) -> Option<Ending> {
         let (scenario, rules) = (self.scenario(), &self.scenario().rules);
         let collisions = || self.robots().map(|robot| robot.counters().collisions).sum::<u64>();

@@ -15,7 +15,7 @@ use crate::time::SimTime;
 pub(super) struct Spare {
     pub(super) frozen: Option<Box<Frozen>>,
     pub(super) lists: Option<Box<Lists>>,
-    /// When each robot's brain steps in the tick, if it does.
+    /// The instants at which each robot's brain steps in the tick, if it does.
     pub(super) steps: Vec<Option<SimTime>>,
     pub(super) inputs_by_robot: InputsByRobot,
     pub(super) starts: Starts,

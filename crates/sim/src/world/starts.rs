@@ -1,7 +1,7 @@
 //! The state of robots when the tick began, for observers within a tick.
 //!
-//! The first half of a tick runs each robot's cable up to its brain's step, which is later than the tick's start. Who looks
-//! between two ticks sees the start; a replay always stands within a tick.
+//! The first half of a tick runs each robot's cable up to its brain's step, which is later than the tick's start. A
+//! reader between two ticks gets the start; a replay always stands within a tick.
 
 use alloc::vec::Vec;
 
@@ -17,7 +17,7 @@ pub(super) struct Starts {
 }
 
 impl Starts {
-    /// A tick begins.
+    /// Takes the state of the robots at the begin of a tick.
     #[inline]
     pub(super) fn take(&mut self, robots: &mut [Robot]) {
         self.robots.clear();
@@ -28,8 +28,8 @@ impl Starts {
 }
 
 impl World {
-    /// From the next tick on keeps how robots are when it begins, or no longer does. It costs a copy of each robot a tick, and
-    /// makes no difference to anything else. A clone does not keep it.
+    /// Keeps the state of robots at the begin of each tick, from the next one on, or no longer does. It costs a copy of
+    /// each robot a tick, and makes no difference to anything else. A clone does not keep it.
     pub fn keep_starts(&mut self, is_on: bool) {
         if !is_on {
             self.spare.starts.robots.clear();

@@ -86,7 +86,7 @@ pub fn tick(world: &mut World, left: f64, right: f64) {
     world.finish(&inputs);
 }
 
-/// As many ticks.
+/// Runs so many ticks with these signals.
 pub fn run(world: &mut World, ticks: u64, left: f64, right: f64) {
     for _ in 0..ticks {
         tick(world, left, right);

@@ -40,7 +40,7 @@ fn a_turret_slews_at_its_rate_to_its_target_and_stays_there() {
 fn a_turret_does_not_move_within_its_dead_band() {
     let mut world = turret("frame_ms = 0.0\ndead_band_rad = 0.1");
     near(*angles(&mut world, 50, 0.04).last().unwrap(), 0.0);
-    // It goes for 0.12 rad, by 0.02 a tick, and is content when that is near.
+    // The turret goes for 0.12 rad, by 0.02 a tick, and stops when that is near.
     near(*angles(&mut world, 50, 0.06).last().unwrap(), 0.02);
 }
 
@@ -99,7 +99,7 @@ fn motors_stop_when_no_command_comes_for_too_long() {
 const ONBOARD: &str = "link = { kind = \"onboard\" }\nmicrocontroller = { operations_per_s = 4000.0, ram_bytes = 32 }\n\
                        brain = { operations = 80, memory_bytes = 26 }";
 
-/// Ticks of a brain that thinks as long as its scenario says.
+/// Ticks of a brain that thinks as long as its scenario states.
 fn think(world: &mut World, ticks: usize) {
     for _ in 0..ticks {
         let turns = world.begin().to_vec();

@@ -43,7 +43,7 @@ fn a_door_waits_for_the_robot_in_its_way_and_goes_on_when_that_has_left() {
     assert!(blocked.is_sorted() && blocked[299] > 1_500_000_000, "{}", blocked[299]);
     assert!((0.1..0.7).contains(&thing(&world, "door").pose.heading));
     assert_eq!(world.robot(0).counters().collisions, 0, "who stands does not run into anything");
-    // It drives away, forwards, and the door opens.
+    // The robot drives away, forwards, and the door opens.
     run(&mut world, 400, 0.6, 0.6);
     let mut open = 0.0;
     for _ in 0..400 {

@@ -123,7 +123,7 @@ fn a_step_counter_counts_commanded_steps_also_those_that_are_lost() {
     let mut world = world(&scene(&wall, robot, &named("s", "kind = \"steps\"")));
     run(&mut world, 100, 1.0, 0.5);
     let [left, right] = counts(&mut world);
-    // The first command acts in the first tick; both wheels were told 10 and 5 steps a tick.
+    // The first command acts in the first tick; both wheels were commanded to 10 and 5 steps a tick.
     assert!((left - 1000.0).abs() <= 1.0 && (right - 500.0).abs() <= 1.0, "{left} {right}");
     let rolled = world.robot(0).motion().travel_m.left * 1000.0 / (TAU * 0.1);
     assert!(rolled < 400.0, "held back at the wall after {rolled}");

@@ -1,4 +1,4 @@
-//! Scenarios with every device there is, numbers that nobody would write, and the promise that nothing panics.
+//! Scenarios with every device there is, absurd numbers, and the promise that nothing panics.
 
 use baudbot_sim::World;
 use proptest::prelude::*;
@@ -493,7 +493,7 @@ fn spoilt(toml: &str, changes: &[(usize, usize)]) -> String {
     spoilt
 }
 
-/// Parses and, if that is a scenario, runs it for a while, in which every reading is a number. Says how that ended.
+/// Parses and, if that is a scenario, runs it for a while, in which every reading is a number. Returns how that ended.
 fn survives(toml: &str) -> Option<u64> {
     let scenario = baudbot_scenario::parse(toml).ok()?;
     let mut world = World::new(scenario.into());

@@ -20,7 +20,7 @@ fn moving(top: &str, sensor: &str) -> String {
 fn an_accelerometer_feels_the_change_of_speed_and_the_curve() {
     let mut world = world(&moving("", &ACCELEROMETER.replace("5.0", "20.0")));
     world.begin();
-    // At the start nothing has changed yet; to the side V φ̇.
+    // The reading is 0 ahead at the start, as nothing has changed yet; to the side it is V φ̇.
     crate::devices::scene::all_near(view(&world, "s").sample, &[0.0, 0.4]);
     let before = *world.robot(0).motion();
     world.finish(&[]);

@@ -68,7 +68,7 @@ fn the_truth_knows_how_old_a_held_value_is() {
     assert_eq!(freshness.ages.sum_ns() / 400, 19_500_000);
 }
 
-/// A receiver on an ideal cable of its own: the truth tells to the nanosecond when it measured.
+/// A receiver on an ideal cable of its own: the truth has the instants of its measurements to the nanosecond.
 fn instants(clock: &str, ticks: usize) -> Vec<u64> {
     let sensor = format!(
         "kind = \"gps\"\nport = {{ link = {{ kind = \"ideal\" }}, sentences = \"rmc\" }}\nclock = {{ {clock} }}"

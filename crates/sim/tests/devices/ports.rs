@@ -8,7 +8,7 @@ use baudbot_wire::{line_image, nmea, scip};
 use crate::common::{run, world};
 use crate::devices::scene::{block, named, scene, view, wall};
 
-/// The microcontroller says nothing by itself, so that the brain steps when something has come through a port.
+/// The microcontroller sends nothing by itself, so that the brain steps when something has come through a port.
 const POLLED: &str = "firmware = { mode = \"poll\" }";
 
 /// An URG-04LX: 682 of 1024 steps, ten scans a second.
@@ -107,7 +107,7 @@ fn bad_bytes_on_a_port_are_counted_and_the_next_message_is_whole() {
     let mut world = world(&urg("{ kind = \"uart\", baud = 750000, byte_error_rate = 0.0002 }", ""));
     run(&mut world, 2000, 0.0, 0.0);
     let port = world.robot(0).port(0).unwrap();
-    // Of 200 scans a share of 0.9998^2137 = 0.65 is sound.
+    // The sound part of 200 scans is 0.9998^2137 = 0.65.
     assert!((110..=150).contains(&port.messages), "{port:?}");
     assert!(port.bad_frames > 40 && port.corrupted_bytes > 50, "{port:?}");
 }

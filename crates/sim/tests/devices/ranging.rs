@@ -33,7 +33,7 @@ fn an_ir_sensor_saturates_and_sees_nothing_beyond_its_range_or_behind_it() {
     near(single(&with_sensor(&wall(1.21), IR)), 0.0);
     let behind = block("back", [-0.4, -5.0, -0.3, 5.0], "");
     near(single(&with_sensor(&behind, IR)), 0.0);
-    // At 0.99 m only the middle ray is still within the range.
+    // The middle ray alone is still within the range at 0.99 m.
     near(single(&with_sensor(&wall(1.19), IR)), (0.03 / (0.99 * 0.99) + 0.1) / 3.0);
 }
 
@@ -229,7 +229,8 @@ fn noise_of_a_sonar_is_normal_on_an_echo_and_leaves_silence_alone() {
     assert_distributed(&mut echoes, |scale| normal(1.0, 0.02 * scale));
 }
 
-/// Of a sonar that hears a wall up to 6 m, how far it hears something that is so wide and so high: by steps of 1 cm.
+/// The farthest distance at which a sonar that reaches 6 m gets an echo of something so wide and so high: by steps of 1
+/// cm.
 fn heard_up_to(width_m: f64, height_m: f64) -> f64 {
     let sonar = SONAR.replace("max_m = 3.0", "max_m = 6.0\nwall_range_m = 6.0\nheight_m = 0.01");
     let hears = |d: &f64| {
@@ -259,7 +260,7 @@ fn a_wall_of_many_short_pieces_is_as_loud_as_one_piece() {
     near(single(&with_sensor(&pieces, &sonar)), 5.5);
 }
 
-/// When the microcontroller gets to read the compass, whose turn comes right after the sonar's.
+/// The instant at which the microcontroller gets to read the compass, whose turn comes right after the sonar's.
 fn compass_after_sonar(top: &str, sonar: &str) -> u64 {
     let sensors = named("s", sonar) + &named("c", "kind = \"compass\"\nperiod_ms = 1.0");
     let mut world = world(&scene(&format!("step_ms = 100.0\n{top}"), "", &sensors));
@@ -275,7 +276,7 @@ fn a_sonar_keeps_the_microcontroller_busy_until_its_echo_is_back() {
     let sonar = format!("{SONAR}\nperiod_ms = 1000.0\nholdoff_us = 750.0\ntimeout_ms = 18.5");
     // 0.75 ms and 2 · 1.7 m at 340 m/s, 10 ms: the compass, due each ms from 0 on, is read at 10.75 ms.
     assert_eq!(compass_after_sonar(&wall(1.9), &sonar), 10);
-    // Nothing is heard: 0.75 + 18.5 ms.
+    // No echo comes: 0.75 + 18.5 ms.
     assert_eq!(compass_after_sonar("", &sonar), 19);
     assert_eq!(compass_after_sonar(&wall(0.21), &sonar), 0);
 }
@@ -323,7 +324,7 @@ fn a_strange_pulse_seems_as_far_away_as_an_echo_that_comes_with_it() {
         world.begin();
         world.finish(&[]);
     }
-    // It was sent 1 ms before, 2 m away: of those it had 2 − 0.34 m to go, and an echo would have gone half of that.
+    // The pulse was sent 1 ms before, 2 m away: it had 2 − 0.34 m to go, and an echo would have gone half of that.
     let seems_m = view(&world, "s").sample[0];
     assert!((seems_m - 0.83).abs() < 1e-6, "{seems_m}");
 }
@@ -442,7 +443,7 @@ fn a_robot_does_not_see_itself_from_anywhere_on_its_body() {
 
 #[test]
 fn a_sensor_that_stands_in_a_wall_reads_something_finite() {
-    // Its mount is half a metre ahead of a robot that stands before the wall.
+    // The sensor is mounted half a metre ahead of a robot that stands before the wall.
     for sensor in [IR, LOOKUP, VOLTAGE, SONAR, LASER, CAMERA] {
         let inside = sensor
             .replace("bearing_rad = 0.0", "mount = { x_m = 0.3 }")

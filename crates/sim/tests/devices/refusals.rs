@@ -1,9 +1,9 @@
-//! The errors of devices that make no sense: with the field and the number.
+//! The errors of invalid devices: with the field and the number.
 
 use crate::common::refusal;
 use crate::devices::scene::{named, scene, with_sensor};
 
-/// Of a robot with the sensor `s`.
+/// The error for a robot with the sensor `s`.
 #[track_caller]
 fn sensor(fields: &str, expected: &str) {
     refused(&with_sensor("", fields), &format!("robots[0].sensors.s{expected}"));

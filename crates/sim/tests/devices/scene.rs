@@ -61,7 +61,7 @@ pub(crate) fn single(toml: &str) -> f64 {
     values[0]
 }
 
-/// So many readings of `s`, one a tick.
+/// A number of readings of `s`, one a tick.
 pub(crate) fn collect(toml: &str, count: usize) -> Vec<Vec<f64>> {
     let mut world = world(toml);
     (0..count)

@@ -115,7 +115,7 @@ fn a_photoresistors_count_is_the_time_in_which_its_capacitor_falls() {
     near(single(&with_sensor(&lit(10.0 * (LN_2 / 0.7).exp()), PHOTORESISTOR)), 31.0);
     near(single(&with_sensor(&lit(1e6), PHOTORESISTOR)), 1.0);
     near(single(&with_sensor("", PHOTORESISTOR)), 0.0);
-    // RCTIME's counter counts units that are over; the page says the same.
+    // RCTIME's counter counts units that are over, as on the page.
     let page = include_str!("../../../../docs/explanation/devices.md");
     assert!(page.contains("what is left of the last one is cut off"), "63.65 and 31.8 units read 63 and 31");
 }

@@ -9,7 +9,7 @@ fn balls_that_meet_head_on_share_their_momentum() {
     for (e, expected) in [(1.0, (0.0, 2.0)), (0.5, (0.5, 1.5)), (0.0, (1.0, 1.0))] {
         let mut states = [state(0.0, 0.0, 2.0, 0.0), state(0.2005, 0.0, 0.0, 0.0)];
         let balls = [ball(0.1, 1.0, e), ball(0.1, 1.0, e)];
-        // Without restitution the gap is closed first.
+        // The gap is closed first without restitution.
         for _ in 0..3 {
             run(&balls, &mut states, &empty(), &[], 0.001);
         }
@@ -146,7 +146,7 @@ fn a_box_between_robot_and_wall_blocks_the_robot() {
     let (arena, mut x) = (wall_at(1.0), 0.0);
     let mut last = Vec::new();
     for _ in 0..300 {
-        // Its motors hold the speed whatever happens.
+        // The motors hold the speed whatever happens.
         last = run(&movables, &mut states, &arena, &[robot(x, 0.0, 0.0, 0.5, dt)], dt);
         x = last[0].pose.position.x;
     }
@@ -168,7 +168,7 @@ fn a_polygon_robot_pushes_flat_and_turns_a_box_with_its_corner() {
         "{states:?}"
     );
 
-    // Its corner, at (0.2, -0.2) from its centre, comes on at 0.2 m/s against the middle of a side.
+    // The robot's corner, at (0.2, -0.2) from its centre, comes on at 0.2 m/s against the middle of a side.
     let mut states = [state(0.4, -0.2, 0.0, 0.0)];
     let mut turning = body(robot(-0.0001, 0.0, 0.0, 0.0, 0.001));
     (turning.turn_rate_rad_s, turning.after.heading) = (1.0, 0.001);

@@ -40,7 +40,7 @@ impl Robot {
         self.parts.chip = Some(chip);
     }
 
-    /// The actuators do what the chip's pins say.
+    /// The actuators follow the chip's pins.
     #[cold]
     #[inline(never)]
     pub(super) fn take_up_from_chip(&mut self, spec: &RobotSpec, now: SimTime, dt_s: f64) {

@@ -14,7 +14,7 @@ use crate::time::{SECOND_NS, SimTime};
 /// The effect of bridges on both motors, as the mean over a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Output {
-    /// The motor signals: shares of the voltage, or of what pulses of servos can say.
+    /// The motor signals: fractions of the voltage, or of the range of servos' pulses.
     pub(crate) signals: Wheels,
     /// The share of the time in which each motor is open and rolls on; else it is driven or shorted.
     pub(crate) open: Wheels,
@@ -91,7 +91,7 @@ impl ChipState {
             let above_us = match (found.pulse.filter(is_recent), side) {
                 (None, _) => servo.trim_us,
                 (Some(pulse), Side::Left) => pulse.width_us() - servo.neutral_us,
-                // It is mounted the other way round.
+                // The servo is mounted the other way round.
                 (Some(pulse), Side::Right) => servo.neutral_us - pulse.width_us(),
             };
             *side.of(signals) = above_us / servo.half_range_us;
@@ -103,7 +103,7 @@ impl ChipState {
         &self.given
     }
 
-    /// The robot's other actuators do what the pins say.
+    /// The robot's other actuators follow the pins.
     pub(super) fn move_actuators(&self, spec: &ChipSpec, actuators: &mut [ActuatorState]) {
         let lights = self.board.lights().map(|light| (light.part, light.brightness));
         let tones = self.board.tones().map(|tone| (tone.part, f64::from(u8::from(tone.hz.is_some()))));

@@ -35,7 +35,7 @@ pub(crate) struct ChipState {
     pub(super) wheels: [Wheel; 2],
     /// The distance that they had rolled when this tick began, in metres.
     travel_m: Wheels,
-    /// Of each part that is a switch, whether it is closed.
+    /// Whether each part that is a switch is closed.
     pub(super) contacts: Vec<bool>,
     /// The effect of the pins on the motors, for each substep of this tick that has begun.
     pub(super) outputs: Vec<Output>,
@@ -50,9 +50,9 @@ pub(crate) struct ChipState {
 pub(crate) struct Span {
     /// The tick's length, in nanoseconds.
     pub(crate) tick_ns: u64,
-    /// Of a substep, in nanoseconds.
+    /// The length of a substep, in nanoseconds.
     pub(crate) substep_ns: u64,
-    /// Not beyond this instant.
+    /// The instant beyond which it does not go.
     pub(crate) until: SimTime,
 }
 
@@ -90,7 +90,7 @@ impl ChipState {
             && sound::count(other.offset_ns)
     }
 
-    /// From now on runs under a debugger.
+    /// Puts the chip under a debugger from now on.
     pub(crate) fn put_on(&mut self, probe: Arc<dyn Probe>) {
         self.probe.put_on(probe);
     }
@@ -110,7 +110,7 @@ impl ChipState {
         at.as_ns().saturating_sub(self.offset_ns)
     }
 
-    /// Until when the chip is held in reset.
+    /// The instant until which the chip is held in reset.
     pub(super) fn held_until(&self) -> SimTime {
         self.world(self.board.now_ns())
     }

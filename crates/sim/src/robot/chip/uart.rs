@@ -27,7 +27,7 @@ fn frame(settings: &Settings, byte: u8) -> Frame {
 }
 
 impl ChipState {
-    /// Puts characters on the line to the chip whose start bits have come. Says when the next one comes.
+    /// Puts characters on the line to the chip whose start bits have come. Returns when the next one comes.
     pub(super) fn hear(&mut self, link: &Link, downlink: &mut Line) -> SimTime {
         let settings = settings(link);
         let character_ns = link.burst_ns(1);
@@ -53,7 +53,7 @@ impl ChipState {
         }
     }
 
-    /// Puts the chip's characters on the line, and those that the laptop's UART reads of it on their way. Says when
+    /// Puts the chip's characters on the line, and those that the laptop's UART reads of it on their way. Returns when
     /// characters were on the line, and how many.
     pub(super) fn speak(&mut self, link: &Link, uplink: &mut Line) -> Option<(SimTime, SimTime, u32)> {
         let mut spoken: Option<(SimTime, SimTime, u32)> = None;
