@@ -14,7 +14,7 @@ pub const fn age_100us(age_ns: u64) -> u8 {
     if units > 255 { 255 } else { units as u8 }
 }
 
-/// The latest instant, in nanoseconds, of which the wire says `time_100us` and which is not after `now_ns`; 0 if
+/// The latest instant, in nanoseconds, whose time on the wire is `time_100us` and which is not after `now_ns`; 0 if
 /// there is none.
 ///
 /// Both times are the microcontroller's clock, of which the receiver has only an estimate. An instant up to one unit

@@ -12,7 +12,7 @@ pub struct Terms<'a> {
     pub places: &'a [Option<u8>],
 }
 
-/// When a firmware sends readings.
+/// The schedule by which a firmware sends readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
     /// On a schedule, or in answer to each message.
@@ -23,10 +23,10 @@ pub enum Pace {
     Opened,
 }
 
-/// Bytes of what a robot says in answer to a command and a question before the readings come.
+/// Bytes of a robot's answer to a command and a question before the readings come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Preface {
-    /// That the command was obeyed.
+    /// The number of bytes that confirm the command.
     pub acknowledgement: usize,
     /// The shortest and the longest line with the positions of the wheels.
     pub positions: [usize; 2],
@@ -35,9 +35,9 @@ pub struct Preface {
 /// The sense of a message to the laptop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notice {
-    /// None.
+    /// The message has no valid content.
     Nonsense,
-    /// Of a command: nothing that a brain waits for.
+    /// The confirmation of a command: a brain does not wait for it.
     Acknowledgement,
     /// No readings, but what a brain that asks waits for.
     Answer,
@@ -52,7 +52,7 @@ pub enum Notice {
 pub struct Stamp {
     /// The number of the message.
     pub sequence: u8,
-    /// When it was sampled, in nanoseconds, if the message says it.
+    /// The instant at which it was sampled, in nanoseconds, if the message has it.
     pub sampled_at_ns: Option<u64>,
 }
 

@@ -36,8 +36,8 @@ pub enum Encoding {
         /// The value of the highest level, in the unit of the sensor.
         max: f64,
     },
-    /// A signed command, saturating at ±limit. Unlike a `Level` from −limit to limit, whose number of levels is
-    /// even, it has an exact zero: a motor can be told to stop.
+    /// A signed command, saturating at ±limit. Unlike a `Level` from −limit to limit, whose number of levels is even,
+    /// it has an exact zero: a command can stop a motor.
     Signed {
         /// Resolution, 2 to 32 bits, the sign included.
         bits: u8,
@@ -95,7 +95,7 @@ impl Encoding {
         })
     }
 
-    /// The least and the greatest code, as a text has it: those of `Signed` and `Counter` with their sign. `None` of
+    /// The least and the greatest code as numbers in a text: those of `Signed` and `Counter` with their sign. `None` of
     /// `Float64`, which has none.
     pub const fn numbers(self) -> Option<[i64; 2]> {
         let top = self.top() as i64;
@@ -110,7 +110,7 @@ impl Encoding {
         }
     }
 
-    /// The code that stands for `value`, as a text has it; `None` of `Float64`.
+    /// The code that stands for `value`, as a number in a text; `None` of `Float64`.
     pub fn number(self, value: f64) -> Option<i64> {
         match self {
             Self::Float64 => None,
@@ -118,7 +118,7 @@ impl Encoding {
         }
     }
 
-    /// The value of a code, as a text has it; `None` if the encoding has no such code.
+    /// The value of a code given as a number in a text; `None` if the encoding has no such code.
     pub fn value_of(self, number: i64) -> Option<f64> {
         let [least, greatest] = self.numbers()?;
         (least..=greatest).contains(&number).then(|| self.value(number))

@@ -56,9 +56,9 @@ pub enum LayoutError {
     /// A range that is empty, not finite, or too large to compute with.
     #[error("the range from {min} to {max} is empty, not finite or too large")]
     Range {
-        /// Lower end.
+        /// The lower end.
         min: f64,
-        /// Upper end.
+        /// The upper end.
         max: f64,
     },
     /// The longest message does not fit in a frame.
@@ -67,7 +67,7 @@ pub enum LayoutError {
     /// A protocol of texts has an encoding without codes.
     #[error("a text says whole numbers, but there is a value without a number of bits")]
     NoCode,
-    /// A robot that tells the position counters of its two wheels has others.
+    /// A robot whose messages have the position counters of its two wheels has others.
     #[error(
         "the protocol tells the counters of 2 wheels, which are one sensor's, but there are {found} counters"
     )]

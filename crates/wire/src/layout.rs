@@ -19,7 +19,7 @@ pub struct Layout<'a> {
     pub counts: &'a [u8],
     /// The encodings of the motor signals.
     pub motors: &'a [Encoding],
-    /// Whether a readings message tells how old each reading is, at one byte each.
+    /// Whether a readings message has the age of each reading, at one byte each.
     pub ages: bool,
 }
 
@@ -116,7 +116,7 @@ pub(crate) fn total_len(encodings: &[Encoding]) -> usize {
 /// Kind, sequence number, two bytes of time.
 pub(crate) const READINGS_HEADER_LEN: usize = 4;
 
-/// Kind, sequence number.
+/// The bytes of the head: kind, sequence number.
 pub(crate) const COMMAND_HEADER_LEN: usize = 2;
 
 #[cfg(test)]

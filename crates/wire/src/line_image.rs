@@ -28,7 +28,7 @@ use crate::frame::CRC;
 /// The pixel that the camera sees in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Red, green and blue, each 0 to 255.
+    /// The colour: red, green and blue, each 0 to 255.
     pub rgb: [u8; 3],
     /// Depth in millimetres, 0 if nothing is within range.
     pub depth_mm: u16,
@@ -94,13 +94,13 @@ pub fn encode(
 /// A frame as it arrived whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LineImage<'a> {
-    /// Counts the camera's frames; wraps after 65,535.
+    /// The number of the camera's frame; wraps after 65,535.
     pub sequence: u16,
     /// The number of columns.
     pub columns: u16,
     /// The number of rows. They are alike if a simulated camera sent them.
     pub rows: u16,
-    /// Row by row.
+    /// The pixels, row by row.
     pixels: &'a [[u8; 3]],
     depths: &'a [[u8; 2]],
 }
@@ -176,7 +176,7 @@ pub fn message_len(received: &[u8]) -> Result<Option<usize>, ParseError> {
 /// Reads one whole message.
 ///
 /// # Errors
-/// Says what about the bytes is not as a frame has it. Nothing of such a message should be used.
+/// An error if the bytes are not a frame. Nothing of such a message should be used.
 pub fn parse(message: &[u8]) -> Result<LineImage<'_>, ParseError> {
     let no_header = ParseError::Length { expected: encoded_len(0, 0), found: message.len() };
     let expected = message_len(message)?.ok_or(no_header)?;
@@ -231,7 +231,7 @@ mod tests {
         vec(any::<([u8; 3], u16)>().prop_map(|(rgb, depth_mm)| column(rgb, depth_mm)), 0..40)
     }
 
-    /// By hand; the CRC is that of crates/wire/frames.py.
+    /// The frame was computed by hand; the CRC is that of crates/wire/frames.py.
     #[test]
     fn a_frame_by_hand() {
         let wire = [

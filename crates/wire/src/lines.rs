@@ -70,7 +70,7 @@ enum Ends {
     Feed,
 }
 
-/// A reason why a line makes no sense.
+/// A reason why a line is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum LineError {
     /// More characters than any line has.
@@ -81,7 +81,7 @@ pub enum LineError {
         /// The number of values in the line.
         found: usize,
     },
-    /// Nothing stands in it.
+    /// The line is empty.
     #[error("an empty line")]
     Empty,
     /// No line of this direction begins like this.

@@ -46,7 +46,7 @@ pub enum Message<'a> {
     Command(Command<'a>),
     /// A request for readings.
     Poll {
-        /// Wraps after 255.
+        /// The sequence number, which wraps after 255.
         sequence: u8,
     },
 }
@@ -55,7 +55,7 @@ impl<'a> Message<'a> {
     /// The meaning of a frame's payload. Both ends must have the same `layout`.
     ///
     /// # Errors
-    /// Says what about the payload is not as the layout has it. Nothing of such a message should be used.
+    /// An error if the payload does not fit the layout. Nothing of such a message should be used.
     pub fn parse(payload: &'a [u8], layout: &Layout<'a>) -> Result<Self, MessageError> {
         let &[kind, sequence, ref body @ ..] = payload else {
             return Err(MessageError::Length { expected: COMMAND_HEADER_LEN, found: payload.len() });
@@ -76,7 +76,7 @@ impl<'a> Message<'a> {
 /// New readings, as the microcontroller sent them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings<'a> {
-    /// Counts the microcontroller's frames; wraps after 255.
+    /// The number of the microcontroller's frame; wraps after 255.
     pub sequence: u8,
     /// The microcontroller's clock when the frame was closed, in units of 100 µs; wraps. See
     /// [`unwrap_time`](crate::unwrap_time).
@@ -137,7 +137,7 @@ pub struct Entry<'a> {
     /// The age of the sample at the frame's time, in units of 100 µs; 255 means that or longer. `None` if the layout
     /// has no ages.
     pub age_100us: Option<u8>,
-    /// Its components. Those sent as `Float64` may be NaN or infinite.
+    /// The components of the entry. Those sent as `Float64` may be NaN or infinite.
     pub values: Values<'a>,
 }
 
@@ -172,7 +172,7 @@ impl<'a> Iterator for Entries<'a> {
 /// Motor signals, all finite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Command<'a> {
-    /// Counts the brain's frames; wraps after 255.
+    /// The number of the brain's frame; wraps after 255.
     pub sequence: u8,
     values: Values<'a>,
 }
@@ -196,7 +196,7 @@ impl<'a> Command<'a> {
     }
 }
 
-/// A reason why a payload makes no sense under a layout.
+/// A reason why a payload is invalid under a layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum MessageError {
     /// Another version of the protocol.
@@ -307,7 +307,7 @@ pub(crate) fn read(layout: &Layout<'_>, payload: &[u8], at_ns: u64, sink: &mut i
     let Ok(Message::Readings(message)) = Message::parse(payload, layout) else { return Notice::Nonsense };
     let closed_ns = clock::unwrap_time(message.time_100us, at_ns);
     for entry in message.entries() {
-        // The largest age on the wire stands for any from there on, so it tells nothing.
+        // The largest age on the wire stands for any from there on, so it is no measurement.
         let age = entry.age_100us.filter(|&age| age < u8::MAX);
         let age_ns = age.map(|age| u64::from(age) * clock::UNIT_NS);
         let sampled_at_ns = age_ns.map(|age_ns| closed_ns.saturating_sub(age_ns));

@@ -81,7 +81,7 @@ pub enum Message {
 }
 
 impl Format {
-    /// Looks for a message that ends with the last byte. To be asked after every byte.
+    /// Finds a message that ends with the last byte. To be called after every byte.
     #[must_use]
     pub fn find(self, received: &[u8]) -> Found {
         let is_whole = match self {

@@ -33,7 +33,7 @@ pub enum Protocol {
 }
 
 impl Protocol {
-    /// Its name, in a few words.
+    /// The name of the protocol, in a few words.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Framed { .. } => "framed",
@@ -44,7 +44,7 @@ impl Protocol {
         }
     }
 
-    /// When readings are sent.
+    /// The schedule by which readings are sent.
     #[inline]
     pub const fn pace(self) -> Pace {
         match self {
@@ -232,8 +232,8 @@ impl Agreement<'_> {
         }
     }
 
-    /// Writes the next question for readings, and says how long it is; `None` if the protocol has none, or `out` is too short. What
-    /// has to be opened is opened.
+    /// Writes the next question for readings, and returns how long it is; `None` if the protocol has none, or `out` is
+    /// too short. What has to be opened is opened.
     pub fn write_poll(&self, sequence: &mut u8, out: &mut [u8]) -> Option<usize> {
         let sequence = self.protocol.count(sequence);
         match self.protocol {

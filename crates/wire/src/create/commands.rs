@@ -21,19 +21,19 @@ pub const BAUDS: [u32; 12] =
 /// A mode of the interface, by the commands that it obeys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Mode {
-    /// Nothing but Start and Reset.
+    /// The interface obeys nothing but Start and Reset.
     #[default]
     Off,
     /// Commands that move nothing.
     Passive,
-    /// Everything, until a cliff, a dropped wheel or a charger ends it.
+    /// The mode Safe: all commands are obeyed, until a cliff, a dropped wheel or a charger ends it.
     Safe,
-    /// Everything.
+    /// The mode Full: all commands are obeyed.
     Full,
 }
 
 impl Mode {
-    /// Its number in packet 35.
+    /// The number of the mode in packet 35.
     pub const fn number(self) -> u8 {
         match self {
             Self::Off => 0,
@@ -78,7 +78,7 @@ impl Commands {
     }
 }
 
-/// Bytes of the command that begins with these, as far as they tell: 1 of what is no opcode.
+/// Bytes of the command that begins with these, as far as they determine it: 1 of what is no opcode.
 fn len(version: Version, begun: &[u8]) -> usize {
     let counted = |at: usize, each: usize, most: usize| {
         let count = begun.get(at).map_or(0, |&count| usize::from(count).min(most));
@@ -124,23 +124,23 @@ pub enum Command<'a> {
     Demo(u8),
     /// 137: speed of the centre and radius of the turn.
     Drive {
-        /// Forwards, in mm/s.
+        /// The speed forwards, in mm/s.
         velocity_mm_s: i16,
-        /// To the left, in mm; see [`wheels_mm_s`](super::wheels_mm_s).
+        /// The radius to the left, in mm; see [`wheels_mm_s`](super::wheels_mm_s).
         radius_mm: i16,
     },
     /// 145: speeds of the wheels.
     DriveDirect {
-        /// Forwards, in mm/s.
+        /// The speed forwards, in mm/s.
         right_mm_s: i16,
-        /// Forwards, in mm/s.
+        /// The speed forwards, in mm/s.
         left_mm_s: i16,
     },
     /// 146: pulse widths of the wheels, −255 to 255 (Create 2).
     DrivePwm {
-        /// Forwards.
+        /// The duty forwards, −255 to 255.
         right: i16,
-        /// Forwards.
+        /// The duty forwards, −255 to 255.
         left: i16,
     },
     /// 138: bits of brushes, or of low side drivers (Create 1).
@@ -157,7 +157,7 @@ pub enum Command<'a> {
     Characters([u8; 4]),
     /// 140: keeps a song.
     Song {
-        /// Its number.
+        /// The number of the song.
         number: u8,
         /// Number of a note and its duration in 1/64 s, for each.
         notes: &'a [u8],

@@ -1,7 +1,7 @@
 //! Speeds of the wheels: from a radius, and from the signals of our own brains.
 
-/// The fastest that a wheel can be told to turn, in mm/s; signal 1 (libcreate, CREATE_2_MAX_VEL; the table of commands of the
-/// first Create).
+/// The greatest speed of a wheel in a command, in mm/s; signal 1 (libcreate, CREATE_2_MAX_VEL; the table of commands of
+/// the first Create).
 pub const FULL_MM_S: f64 = 500.0;
 
 /// The speeds of the left and the right wheel, in mm/s, for a speed of the centre and the radius of its turn to the left, on

@@ -20,8 +20,8 @@
 //!
 //! # Deviations
 //!
-//! An opcode that the robot has not is passed over, and so is each byte behind it up to the next one that is an opcode; nobody
-//! has published what the real one does. Lists of packets may name groups.
+//! An opcode that the robot has not is passed over, and so is each byte behind it up to the next one that is an opcode;
+//! the behaviour of the real one is not published. Lists of packets may name groups.
 
 mod commands;
 mod drive;
@@ -51,7 +51,7 @@ pub enum Version {
 }
 
 impl Version {
-    /// Its number: 1 or 2.
+    /// The number of the version: 1 or 2.
     pub const fn number(self) -> u8 {
         match self {
             Self::One => 1,

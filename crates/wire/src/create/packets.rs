@@ -44,29 +44,29 @@ packets! {
     VirtualWall = 13, 1;
     /// Bits of motors that take too much current.
     Overcurrents = 14, 1;
-    /// The amount of dirt that is heard; 0 of a Create 1.
+    /// The amount of dirt on the acoustic sensor; 0 of a Create 1.
     Dirt = 15, 1;
-    /// Always 0.
+    /// An unused byte, always 0.
     Unused16 = 16, 1;
     /// The character that the receiver on top sees.
     InfraredOmni = 17, 1;
     /// Bits of buttons that are pressed.
     Buttons = 18, 1;
-    /// Signed: the way since it was last told, in mm.
+    /// Signed: the way since it was last sent, in mm.
     Distance = 19, 2;
-    /// Signed: the turn since it was last told, in degrees, counter-clockwise.
+    /// Signed: the turn since it was last sent, in degrees, counter-clockwise.
     Angle = 20, 2;
     /// 0 not charging, 1 reconditioning, 2 full charging, 3 trickle charging, 4 waiting, 5 fault.
     ChargingState = 21, 1;
-    /// Of the battery, in mV.
+    /// The voltage of the battery, in mV.
     Voltage = 22, 2;
-    /// Signed: into the battery, in mA.
+    /// Signed: the current into the battery, in mA.
     Current = 23, 2;
-    /// Signed: of the battery, in °C.
+    /// Signed: the temperature of the battery, in °C.
     Temperature = 24, 1;
-    /// Of the battery, in mAh.
+    /// The charge of the battery, in mAh.
     Charge = 25, 2;
-    /// Of the battery when it is full, in mAh.
+    /// The charge of the battery when it is full, in mAh.
     Capacity = 26, 2;
     /// Strength of the wall sensor's signal.
     WallSignal = 27, 2;
@@ -92,13 +92,13 @@ packets! {
     SongPlaying = 37, 1;
     /// The number of packets in the stream.
     StreamPackets = 38, 1;
-    /// Signed: of the last [`Drive`](super::Command::Drive), in mm/s.
+    /// Signed: the speed of the last [`Drive`](super::Command::Drive), in mm/s.
     RequestedVelocity = 39, 2;
-    /// Signed: of the last [`Drive`](super::Command::Drive), in mm.
+    /// Signed: the radius of the last [`Drive`](super::Command::Drive), in mm.
     RequestedRadius = 40, 2;
-    /// Signed: of the last [`DriveDirect`](super::Command::DriveDirect), in mm/s.
+    /// Signed: the right speed of the last [`DriveDirect`](super::Command::DriveDirect), in mm/s.
     RequestedRight = 41, 2;
-    /// Signed: of the last [`DriveDirect`](super::Command::DriveDirect), in mm/s.
+    /// Signed: the left speed of the last [`DriveDirect`](super::Command::DriveDirect), in mm/s.
     RequestedLeft = 42, 2;
     /// Counts of the left wheel, modulo 2^16.
     EncoderLeft = 43, 2;
@@ -122,13 +122,13 @@ packets! {
     InfraredLeft = 52, 1;
     /// The character that the right receiver sees.
     InfraredRight = 53, 1;
-    /// Signed: of the left wheel's motor, in mA.
+    /// Signed: the current of the left wheel's motor, in mA.
     LeftMotorCurrent = 54, 2;
-    /// Signed: of the right wheel's motor, in mA.
+    /// Signed: the current of the right wheel's motor, in mA.
     RightMotorCurrent = 55, 2;
-    /// Signed: in mA.
+    /// Signed: the current of the main brush's motor, in mA.
     MainBrushCurrent = 56, 2;
-    /// Signed: in mA.
+    /// Signed: the current of the side brush's motor, in mA.
     SideBrushCurrent = 57, 2;
     /// Bits: 0 the caster's wheel is seen turning, 1 its sensor is dirty.
     Stasis = 58, 1;
@@ -141,13 +141,13 @@ impl Packet {
         Some(*packet)
     }
 
-    /// Its number.
+    /// The number of the packet.
     pub const fn id(self) -> u8 {
         self as u8
     }
 
-    /// Writes its value to the front of `out`, of which as many bits count as it has; says how many bytes that were, 0 if
-    /// `out` is too short.
+    /// Writes its value to the front of `out`, of which as many bits count as it has; returns how many bytes that were,
+    /// 0 if `out` is too short.
     pub fn put(self, value: i32, out: &mut [u8]) -> usize {
         let bytes = (value as u16).to_be_bytes();
         let bytes = &bytes[bytes.len() - self.size()..];

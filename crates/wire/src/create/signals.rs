@@ -14,7 +14,7 @@ pub struct Signal {
     pub bits: u8,
 }
 
-/// Of the strength of a signal: 0 to 4095 (recalled of both specifications).
+/// The bits of a signal's strength: 0 to 4095 (recalled of both specifications).
 const SIGNAL_BITS: u8 = 12;
 
 const fn whole(packet: Packet, bits: u8) -> Signal {

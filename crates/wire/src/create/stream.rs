@@ -21,8 +21,8 @@ pub fn stream_len(version: Version, ids: &[u8]) -> usize {
     3 + ids.len() + listed_len(version, ids)
 }
 
-/// Writes a message of a stream to the front of `out`, with the value that `read` gives of each packet, and says how long it is;
-/// 0 if `out` is too short, or there is more than [`MOST_STREAMED`].
+/// Writes a message of a stream to the front of `out`, with the value that `read` gives of each packet, and returns how
+/// long it is; 0 if `out` is too short, or there is more than [`MOST_STREAMED`].
 pub fn write_stream(
     version: Version,
     ids: &[u8],
@@ -57,10 +57,10 @@ pub struct Stream {
 /// A reason why a message of a stream is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum StreamError {
-    /// Its bytes do not add up to 0.
+    /// The bytes do not add up to 0.
     #[error("the bytes of a message add up to {found}, not to 0")]
     Sum {
-        /// Their sum, modulo 256.
+        /// The sum of the bytes, modulo 256.
         found: u8,
     },
 }
@@ -115,7 +115,7 @@ pub struct Payload<'a> {
 }
 
 impl Payload<'_> {
-    /// The value of a component that is told so, if it is there.
+    /// The value of a component that has this signal, if it is there.
     pub fn value(&self, signal: Signal, encoding: Encoding) -> Option<f64> {
         signal.value(self.packet(signal.packet)?, encoding)
     }

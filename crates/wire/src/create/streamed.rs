@@ -6,7 +6,7 @@ use crate::buffer::Buffer;
 use crate::codec::{Notice, Sink, Terms};
 use crate::error::LayoutError;
 
-/// The packets that tell the components of a layout, each once, in the order in which they are first met.
+/// The packets with the components of a layout, each once, in the order in which they are first met.
 pub(crate) fn streamed(terms: &Terms<'_>) -> Buffer<MOST_STREAMED> {
     let mut ids = Buffer::new();
     for signal in terms.places.iter().filter_map(|place| Signal::at((*place)?)) {
@@ -18,8 +18,8 @@ pub(crate) fn streamed(terms: &Terms<'_>) -> Buffer<MOST_STREAMED> {
     ids
 }
 
-/// Writes the bytes that come before all else, and says how many they are: Start, Full, and the stream that a program
-/// wants. The robot stands then. `None` if `out` is too short.
+/// Writes the bytes that come before all else, and returns how many they are: Start, Full, and the stream that a
+/// program wants. The robot stands then. `None` if `out` is too short.
 pub(crate) fn write_opening(terms: &Terms<'_>, out: &mut [u8]) -> Option<usize> {
     let ids = streamed(terms);
     let ids = ids.used();

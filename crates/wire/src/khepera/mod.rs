@@ -24,7 +24,7 @@
 //!
 //! # Deviations
 //!
-//! A robot with other sensors than the real one's tells them in its `N`, too, in the order of the layout. The codes of
+//! A robot with other sensors than the real one's sends them in its `N`, too, in the order of the layout. The codes of
 //! signals are pulses per 10 ms where the layout's owner has made their encoding so.
 
 mod readings;
@@ -48,8 +48,7 @@ pub fn poll(layout: &Layout<'_>) -> &'static [u8] {
     if has_counters(layout) { b"H\rN\r" } else { b"N\r" }
 }
 
-/// The values of a sensor with these components in the position counters, if `H` tells it, and not `N`. Counters of fewer
-/// than 32 bits wrap.
+/// The values of a sensor with these components in the position counters, if it is in `H`, and not in `N`.
 pub fn counted(components: &[Encoding], positions: [i32; 2]) -> Option<[f64; 2]> {
     let &[left, right] = components else { return None };
     let both = is_counter(&left) && is_counter(&right);
@@ -64,7 +63,7 @@ fn has_counters(layout: &Layout<'_>) -> bool {
     layout.components.iter().any(is_counter)
 }
 
-/// Those that `N` tells.
+/// The encodings of the answer to `N`.
 fn levels<'a>(layout: &Layout<'a>) -> impl Iterator<Item = &'a Encoding> {
     layout.components.iter().filter(|encoding| !is_counter(encoding))
 }
@@ -202,7 +201,7 @@ impl<'a> Question<'a> {
     /// The meaning of a line.
     ///
     /// # Errors
-    /// Says what about the line is not as the layout has it. Nothing of such a line should be used.
+    /// An error if the line does not fit the layout. Nothing of such a line should be used.
     pub fn parse(line: &'a [u8], layout: &Layout<'a>) -> Result<Self, LineError> {
         match line {
             [b'N', rest @ ..] => Numbers::parse(rest, &[]).map(|_| Self::Poll),

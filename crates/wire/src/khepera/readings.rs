@@ -1,4 +1,4 @@
-//! From answers to readings.
+//! The way from answers to readings.
 
 use super::{Answer, counted};
 use crate::codec::{Notice, Sink, take_all};

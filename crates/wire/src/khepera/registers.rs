@@ -230,7 +230,7 @@ impl Access {
     /// The meaning of a line.
     ///
     /// # Errors
-    /// Says what about it is not as the command has it. Nothing of such a line should be used.
+    /// An error if the line does not fit the command. Nothing of such a line should be used.
     pub fn parse(line: &[u8]) -> Result<Self, LineError> {
         let (&found, text) = line.split_first().ok_or(LineError::Empty)?;
         let command = Command::of(found).ok_or(LineError::Letter { found })?;

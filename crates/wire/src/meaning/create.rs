@@ -6,7 +6,8 @@ use super::{Cut, Meaning, commands};
 use crate::buffer::Buffer;
 use crate::create::{Commands, HEADER, Version, group, listed_len};
 
-/// After so many nanoseconds a question is not answered any more: the interface was off, or its answer was lost.
+/// The time after which a question is not answered any more, in nanoseconds: the interface was off, or its answer was
+/// lost.
 pub const PATIENCE_NS: u64 = 500_000_000;
 
 /// Most bytes of questions that wait for their answers. Of what is asked beyond them the answers are not understood.
@@ -169,7 +170,7 @@ pub(super) fn add_list(meaning: &mut Meaning, version: Version, ids: &[u8]) {
 #[derive(Clone, Debug, Default)]
 struct Asked {
     questions: Buffer<MOST_ASKED>,
-    /// When the last one came.
+    /// The instant at which the last one came.
     at_ns: u64,
 }
 
@@ -187,7 +188,7 @@ impl Asked {
         }
     }
 
-    /// At this instant nobody answers what was asked too long ago.
+    /// The questions that were asked too long ago are dropped: no answer will come.
     fn forget(&mut self, at_ns: u64) {
         if at_ns.saturating_sub(self.at_ns) > PATIENCE_NS {
             self.questions.clear();

@@ -63,9 +63,9 @@ use crate::layout::Layout;
 /// The direction of a byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Direction {
-    /// From the robot or the device to the laptop.
+    /// The direction from the robot or the device to the laptop.
     Up,
-    /// From the laptop to the robot or the device.
+    /// The direction from the laptop to the robot or the device.
     Down,
 }
 
@@ -121,7 +121,7 @@ pub struct Cable<'a> {
 pub struct Heard {
     /// The direction.
     pub direction: Direction,
-    /// When it is at the end of its way, in nanoseconds. Instants of a direction do not go back.
+    /// The instant at which it is at the end of its way, in nanoseconds. Instants of a direction do not go back.
     pub at_ns: u64,
     /// The byte.
     pub byte: u8,
@@ -136,7 +136,7 @@ pub struct Item<'a> {
     pub from_ns: u64,
     /// The instant of its last byte, in nanoseconds.
     pub to_ns: u64,
-    /// Its bytes, at least one.
+    /// The bytes of the item, at least one.
     pub bytes: &'a [u8],
     /// The meaning, in the words of the protocol; at most [`MAX_TEXT`] bytes.
     pub text: &'a str,
@@ -147,8 +147,8 @@ pub struct Item<'a> {
     pub age_ns: Option<u64>,
 }
 
-/// Cuts the bytes of a cable into items. `B` is memory for the message that is under way in each direction: what is longer is
-/// told in parts that are not understood.
+/// Cuts the bytes of a cable into items. `B` is memory for the message that is under way in each direction: what is
+/// longer is reported in parts that are not understood.
 #[derive(Clone, Debug)]
 pub struct Analyser<B> {
     up: Half<B>,
@@ -159,16 +159,16 @@ pub struct Analyser<B> {
 /// The bound that the last byte makes for the bytes in hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Cut {
-    /// They may be the beginning of a message.
+    /// The bytes may be the beginning of a message.
     Wait,
-    /// It begins something else: those before it belong to nothing.
+    /// The last byte begins something else: those before it belong to nothing.
     Before,
-    /// They are an item.
+    /// The bytes are an item.
     After,
 }
 
 impl<B: AsRef<[u8]> + AsMut<[u8]>> Analyser<B> {
-    /// An analyser that has heard nothing, with memory for a message up and one down.
+    /// An analyser that has received nothing, with memory for a message up and one down.
     pub fn new([up, down]: [B; 2]) -> Self {
         Self { up: Half::new(up), down: Half::new(down), interface: Conversation::default() }
     }
@@ -193,7 +193,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Analyser<B> {
         }
     }
 
-    /// It is `now_ns` nanoseconds: `each` is called for messages that silence has cut off.
+    /// Reports the messages that silence has cut off by `now_ns` nanoseconds: `each` is called for each.
     pub fn wait(&mut self, cable: &Cable<'_>, now_ns: u64, each: &mut impl FnMut(Item<'_>)) {
         for direction in [Direction::Up, Direction::Down] {
             self.end_silent(cable, direction, now_ns, each);
@@ -289,14 +289,14 @@ struct Meaning {
 }
 
 impl Meaning {
-    /// Of a sound message without readings.
+    /// A `Meaning` of a sound message without readings.
     fn of(text: impl Display) -> Self {
         let mut meaning = Self { text: Text::new(), is_understood: true, age_ns: None };
         meaning.add(text);
         meaning
     }
 
-    /// Of bytes that fit nothing, for this reason if there is one to be told.
+    /// The meaning of bytes that fit nothing, for this reason if there is one.
     fn not_understood(bytes: &[u8], why: &str) -> Self {
         let (open, close) = if why.is_empty() { ("", "") } else { (" (", ")") };
         let text = format_args!("not understood{open}{why}{close}: {}", Hex(bytes));

@@ -43,7 +43,7 @@ pub(super) fn read(at_ns: u64, bytes: &[u8]) -> Meaning {
     }
 }
 
-/// A sound sentence that is told by its name and its fields.
+/// A sound sentence, described by its name and its fields.
 fn other(line: &[u8]) -> Meaning {
     let fields = line.get(1..line.len().saturating_sub(3)).unwrap_or_default();
     let (name, fields) = fields.split_at_checked(5).unwrap_or((fields, &[]));

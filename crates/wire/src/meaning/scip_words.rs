@@ -15,15 +15,15 @@ pub(super) struct Kind {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Parameters {
     None,
-    /// A digit.
+    /// The time mode is one digit.
     TimeMode,
-    /// Six digits.
+    /// The rate is six digits.
     Rate,
     /// First step, last step, cluster.
     Steps,
     /// The same, scan interval, number of scans.
     Scans,
-    /// Not told apart.
+    /// The parameters are not distinguished.
     Other,
 }
 

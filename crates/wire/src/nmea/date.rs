@@ -36,7 +36,7 @@ const fn days_of_month(month: u8, year: u32) -> u32 {
     }
 }
 
-/// The calendar repeats.
+/// The days after which the calendar repeats.
 const DAYS_OF_400_YEARS: u32 = 146_097;
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ pub struct Fix {
 /// A satellite in view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Satellite {
-    /// Its number, 1 to 99.
+    /// The number of the satellite, 1 to 99.
     pub prn: u8,
     /// Degrees above the horizon, 0 to 90.
     pub elevation_deg: u8,

@@ -78,7 +78,7 @@ pub enum ParseError {
         /// The expected content.
         name: &'static str,
     },
-    /// A field makes no sense.
+    /// A field is invalid.
     #[error("field {index} must be {name}, and is not")]
     Field {
         /// The index of the field, the sentence's name being 0.
@@ -92,7 +92,7 @@ pub enum ParseError {
 /// `$GNRMC` is read as `$GPRMC` is.
 ///
 /// # Errors
-/// Says what about the line is not as it should be. Nothing of it should be used then.
+/// An error if the line is not as it should be. Nothing of it should be used then.
 pub fn parse(line: &[u8]) -> Result<Sentence, ParseError> {
     let line = line.strip_suffix(b"\r\n").unwrap_or(line);
     let [b'$', fields @ .., b'*', high, low] = line else { return Err(ParseError::Frame) };
@@ -167,7 +167,7 @@ impl<'a> Fields<'a> {
         Ok(field)
     }
 
-    /// The next field as `read` has it, or `None` if it is empty.
+    /// The next field as `read` parses it, or `None` if it is empty.
     fn known<T>(
         &mut self,
         name: &'static str,
@@ -212,7 +212,7 @@ fn hexadecimal(digit: u8) -> Option<u8> {
     }
 }
 
-/// 1 or -1.
+/// The sign 1 or -1.
 fn sign(field: &[u8], positive: u8, negative: u8) -> Option<f64> {
     match field {
         [letter] if *letter == positive => Some(1.0),

@@ -108,7 +108,7 @@ fn without_a_fix_the_fields_of_position_and_motion_are_empty() {
     assert_eq!((gga.position, gga.quality, gga.satellites), (None, 0, Some(2)));
 }
 
-/// At 4800 baud a second has room for 480 characters.
+/// The cable at 4800 baud has room for 480 characters a second.
 #[test]
 fn a_cycle_once_a_second_fits_into_4800_baud_as_a_real_one_does() {
     let cycle = [gga(&FIX), gsa(&FIX, &SKY), gsv(&SKY), rmc(&FIX)];

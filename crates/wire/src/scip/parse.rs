@@ -86,7 +86,7 @@ pub enum ParseError {
 /// Reads one whole message, from the `M` to the second line feed in a row.
 ///
 /// # Errors
-/// Says what about the bytes is not as a scan has it. Nothing of such a message should be used.
+/// An error if the bytes are not a scan. Nothing of such a message should be used.
 pub fn parse(message: &[u8]) -> Result<Scan<'_>, ParseError> {
     let number = |at, len| digits(message, at, len);
     let format = Format {

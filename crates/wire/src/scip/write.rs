@@ -93,7 +93,7 @@ impl Writer<'_> {
         self.put(LINE_FEED);
     }
 
-    /// As many decimal digits as `place`, a power of ten, has.
+    /// Writes as many decimal digits as `place`, a power of ten, has.
     fn digits(&mut self, number: u16, mut place: u16) {
         while place > 0 {
             self.put(b'0' + (number / place % 10) as u8);

@@ -60,7 +60,7 @@ impl Commands {
 /// Two characters.
 pub(super) type Status = [u8; 2];
 
-/// At most 16 letters, digits and some signs.
+/// Checks that a text has at most 16 letters, digits and some signs.
 fn check_text(text: &[u8], model: Model) -> Result<(), Status> {
     if text.len() > 16 {
         return Err(*b"0G");
@@ -159,7 +159,7 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Command {
     pub(super) kind: Kind,
-    /// Of a scan.
+    /// The steps of a scan.
     pub(super) steps: Steps,
     /// Scans that are left out between two; of `SS` the rate; of `TM` the digit.
     pub(super) number: u32,

@@ -12,11 +12,11 @@ use crate::buffer::Buffer;
 pub struct Device {
     commands: Commands,
     mode: Mode,
-    /// When its own clock was 0.
+    /// The instant at which its own clock was 0.
     clock_zero_ns: u64,
     /// Since when the laser is lit, if it is.
     lit_ns: u64,
-    /// Until when a second `RB` counts; 0 if there was no first.
+    /// The instant until which a second `RB` counts; 0 if there was no first.
     reboot_until_ns: u64,
 }
 
@@ -63,18 +63,18 @@ pub enum Answer {
 /// The effect behind an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// Nothing outside of the device.
+    /// The command has no effect outside of the device.
     None,
-    /// Behind the answer the cable has this rate, in bits a second, one of [`RATES`](super::RATES).
+    /// The cable has this rate behind the answer, in bits a second, one of [`RATES`](super::RATES).
     Rate(u32),
-    /// Behind the answer the cable has the rate that it has at power-on.
+    /// The cable has the rate of power-on behind the answer.
     FirstRate,
 }
 
 /// The newest scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newest<'a> {
-    /// When it began, in nanoseconds.
+    /// The instant at which it began, in nanoseconds.
     pub begun_ns: u64,
     /// Distances from [`Description::first_step`] on, in metres; negative where there was no measurement.
     pub ranges_m: &'a [f64],
@@ -297,7 +297,7 @@ impl Device {
     }
 }
 
-/// The device's own clock in milliseconds, as its 24 bits tell it.
+/// The device's own clock in milliseconds, in its 24 bits.
 const fn clock_ms(at_ns: u64, zero_ns: u64) -> u32 {
     ((at_ns.saturating_sub(zero_ns) / 1_000_000) & 0xff_ffff) as u32
 }

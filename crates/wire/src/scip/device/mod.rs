@@ -48,7 +48,7 @@ pub enum Model {
 /// A device's description of itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Description {
-    /// Its family.
+    /// The family of the model.
     pub model: Model,
     /// Nearest distance in millimetres.
     pub least_mm: u32,

@@ -8,7 +8,7 @@ use crate::scip;
 
 const MS: u64 = 1_000_000;
 
-/// An URG-04LX as C-42-03320B has it.
+/// A URG-04LX by its specification C-42-03320B.
 const URG: Description = Description {
     model: Model::Urg04lx,
     least_mm: 20,
@@ -69,7 +69,7 @@ fn scan(device: &mut Device, facts: &Description, begun_ns: u64) -> Option<Strin
 fn versions_and_parameters_have_the_checksums_of_a_real_urg() {
     let mut device = Device::new();
     let parameters = ask(&mut device, &URG, 0, "PP\n");
-    // As the page of the sensor's makers prints the answer of a real one.
+    // The text is the real sensor's answer as printed on the page of its makers.
     let real = "PP\n00P\nMODL:URG-04LX(Hokuyo Automatic Co.,Ltd.);N\nDMIN:20;4\nDMAX:5600;_\nARES:1024;\\\nAMIN:44;7\n\
                 AMAX:725;o\nAFRT:384;6\nSCAN:600;e\n\n";
     assert_eq!(parameters, real);
