@@ -909,508 +909,512 @@ impl BudgetCost {
         }
     }
 }
-/// Asks for a world.
+/// Request of CreateWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct CreateWorldRequest {
-    /// Its name on this server: 1 to 64 letters, digits, `_` or `-`. Empty: the scenario's name.
+    /// Name of the new world on this server: 1 to 64 letters, digits, `_` or `-`. Empty: the scenario's name.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// The scenario, as in a scenario file.
+    /// Text of the scenario, as in a scenario file. Required unless `saved_mcap` is set.
     #[prost(string, tag = "2")]
     pub scenario_toml: ::prost::alloc::string::String,
-    /// Changes of single fields, such as `robots.alice.start.x_m=0.5`.
+    /// Changes of single fields of the scenario, each as `path=value`, such as `robots.alice.start.x_m=0.5`.
     #[prost(string, repeated, tag = "3")]
     pub overrides: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
-    /// Absent: real time.
+    /// Pace of the world. Absent: real time.
     #[prost(message, optional, tag = "4")]
     pub pace: ::core::option::Option<Pace>,
-    /// Keep the world paused until StartWorld.
+    /// True: the world stays paused until StartWorld.
     #[prost(bool, tag = "5")]
     pub paused: bool,
-    /// A state from SaveWorld to continue from; then scenario_toml and overrides must be empty.
+    /// State to continue from, as returned by SaveWorld. If set, `scenario_toml` and `overrides` must be empty.
     #[prost(bytes = "vec", tag = "6")]
     pub saved_mcap: ::prost::alloc::vec::Vec<u8>,
 }
-/// The world that was made.
+/// Response of CreateWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct CreateWorldResponse {
-    /// It.
+    /// Status of the new world.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks for all worlds.
+/// Request of ListWorlds.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct ListWorldsRequest {}
-/// All worlds.
+/// Response of ListWorlds.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ListWorldsResponse {
-    /// In the order of their names.
+    /// Status of every world, sorted by name.
     #[prost(message, repeated, tag = "1")]
     pub worlds: ::prost::alloc::vec::Vec<WorldStatus>,
 }
-/// Asks for one world.
+/// Request of GetWorld.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct GetWorldRequest {
-    /// Its name.
+    /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
 }
-/// The world.
+/// Response of GetWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct GetWorldResponse {
-    /// It.
+    /// Current status of the world.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks a world to run.
+/// Request of StartWorld.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct StartWorldRequest {
-    /// Its name.
+    /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
 }
-/// The running world.
+/// Response of StartWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct StartWorldResponse {
-    /// It.
+    /// Status of the running world.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks a world to stop before its next tick.
+/// Request of PauseWorld.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct PauseWorldRequest {
-    /// Its name.
+    /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
 }
-/// The paused world.
+/// Response of PauseWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct PauseWorldResponse {
-    /// It.
+    /// Status of the paused world.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks for some ticks of a stepped world.
+/// Request of StepWorld.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct StepWorldRequest {
-    /// Its name.
+    /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// How many; 0 means 1.
+    /// Number of ticks to run; 0 means 1.
     #[prost(uint64, tag = "2")]
     pub ticks: u64,
 }
-/// The world after those ticks, or after fewer if the run ended.
+/// Response of StepWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct StepWorldResponse {
-    /// It.
+    /// Status after the requested ticks, or after fewer if the run ended.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks for another pace.
+/// Request of SetPace.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct SetPaceRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// The new pace; required.
+    /// New pace of the world. Required.
     #[prost(message, optional, tag = "2")]
     pub pace: ::core::option::Option<Pace>,
 }
-/// The world at its new pace.
+/// Response of SetPace.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct SetPaceResponse {
-    /// It.
+    /// Status of the world at its new pace.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks for the start of a run. What is not given is as it was when the world was made, whatever earlier resets have changed.
-/// The world is then in the state, with the same hash, that CreateWorld makes of the same scenario with these overrides.
+/// Request of ResetWorld. Omitted fields keep the values from the creation of the world, whatever earlier resets
+/// changed. The resulting state, including its hash, is the one that CreateWorld makes of the same scenario with these
+/// changes.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ResetWorldRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// Seed of all random streams, 0 to 2^63 - 1.
+    /// Seed of all random streams, 0 to 2^63 - 1. Absent: the seed at creation.
     #[prost(uint64, optional, tag = "2")]
     pub seed: ::core::option::Option<u64>,
-    /// Where robots start; a robot may be left out.
+    /// Start poses. Robots that are not listed start as at creation; none may be listed twice.
     #[prost(message, repeated, tag = "3")]
     pub starts: ::prost::alloc::vec::Vec<RobotStart>,
-    /// Changes of single fields of the scenario, as in CreateWorldRequest. They may not change the length of a tick, which robots
-    /// there are, or a robot's data sheet, but for the baud rate of the cable to its brain.
+    /// Changes of single fields of the scenario, each as `path=value`. They must leave unchanged the tick length, the set
+    /// of robots, and each robot's data sheet except for the baud rate of the cable to its brain.
     #[prost(string, repeated, tag = "4")]
     pub overrides: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
 }
-/// Where a robot starts. Its speed there is that of the scenario.
+/// Start pose of a robot in the world frame. Its initial speed stays that of the scenario.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct RobotStart {
-    /// Its name.
+    /// Name of the robot.
     #[prost(string, tag = "1")]
     pub robot: ::prost::alloc::string::String,
-    /// In metres.
+    /// x coordinate of the robot's centre, in metres.
     #[prost(double, tag = "2")]
     pub x_m: f64,
-    /// In metres.
+    /// y coordinate of the robot's centre, in metres.
     #[prost(double, tag = "3")]
     pub y_m: f64,
-    /// Counter-clockwise from the x axis.
+    /// Heading in radians, counter-clockwise from the world's x axis.
     #[prost(double, tag = "4")]
     pub heading_rad: f64,
 }
-/// The world at its start.
+/// Response of ResetWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ResetWorldResponse {
-    /// It.
+    /// Status of the world at its start.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks for a snapshot.
+/// Request of SnapshotWorld.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct SnapshotWorldRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
 }
-/// The snapshot.
+/// Response of SnapshotWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct SnapshotWorldResponse {
-    /// Its number, within this world. The oldest snapshot is dropped once there are more than the server keeps of a world (64 by default).
+    /// Number of the snapshot within this world. The server stores a limited number per world (64 by default), and drops
+    /// the oldest one beyond that.
     #[prost(uint64, tag = "1")]
     pub snapshot: u64,
-    /// The world in the snapshot.
+    /// Status of the world in the snapshot.
     #[prost(message, optional, tag = "2")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks to restore a snapshot.
+/// Request of RestoreWorld.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct RestoreWorldRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// Number of the state.
+    /// Number of the snapshot, from SnapshotWorld.
     #[prost(uint64, tag = "2")]
     pub snapshot: u64,
 }
-/// The world at that state.
+/// Response of RestoreWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct RestoreWorldResponse {
-    /// It.
+    /// Status of the restored world.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks for a state by value.
+/// Request of SaveWorld.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct SaveWorldRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// Number of a snapshot from SnapshotWorld; 0: the current state.
+    /// Number of the snapshot to return, from SnapshotWorld; 0: the current state.
     #[prost(uint64, tag = "2")]
     pub snapshot: u64,
 }
-/// A state by value.
+/// Response of SaveWorld.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct SaveWorldResponse {
-    /// A small recording in MCAP, with the scenario and this one state.
+    /// Contents of an MCAP file with the scenario and this one state.
     #[prost(bytes = "vec", tag = "1")]
     pub saved_mcap: ::prost::alloc::vec::Vec<u8>,
-    /// Its tick.
+    /// Number of the tick at which the state was taken.
     #[prost(uint64, tag = "2")]
     pub tick: u64,
-    /// Fingerprint of the whole state.
+    /// Hash of the complete state; equal states have equal hashes.
     #[prost(fixed64, tag = "3")]
     pub state_hash: u64,
 }
-/// Asks for a clone.
+/// Request of CloneWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct CloneWorldRequest {
-    /// Name of the world that is cloned. One that replays a recording gets a live clone.
+    /// Name of the world to clone. If it replays a recording, the clone is live.
     #[prost(string, tag = "1")]
     pub original: ::prost::alloc::string::String,
-    /// Name of the clone, as of a world that CreateWorld makes. Empty: the original's name and a number, such as `wander-2`.
+    /// Name of the clone, by the rules of CreateWorldRequest. Empty: the original's name with a number, such as
+    /// `wander-2`.
     #[prost(string, tag = "2")]
     pub world: ::prost::alloc::string::String,
-    /// Absent: the original's.
+    /// Pace of the clone. Absent: the original's.
     #[prost(message, optional, tag = "3")]
     pub pace: ::core::option::Option<Pace>,
 }
-/// The clone.
+/// Response of CloneWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct CloneWorldResponse {
-    /// It stands at the original's tick until StartWorld, so that brains can attach and changes be made at that tick. It has no
-    /// brains, no snapshots and no recording of its own yet.
+    /// Status of the clone. It is paused at the original's tick until StartWorld, so that brains can attach and changes
+    /// can be made first. It has no brains, snapshots or recording.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks to record.
+/// Request of StartRecording.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct StartRecordingRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// Name of the recording: 1 to 64 letters, digits, `_`, `-` or `.`, the first of them no `.`. Empty: the world's name
-    /// and a number.
+    /// Name of the recording: 1 to 64 letters, digits, `_`, `-` or `.`, not beginning with `.`. Empty: the world's name
+    /// with a number.
     #[prost(string, tag = "2")]
     pub recording: ::prost::alloc::string::String,
-    /// Frames of truth, readings and timelines a simulated second, for other tools to look at; 0 for none. The replay needs
-    /// none of them.
+    /// Frames of truth, readings and timelines to write per simulated second, for display in other tools; 0: none. A
+    /// replay does not need them.
     #[prost(double, tag = "3")]
     pub look_hz: f64,
 }
-/// It records.
+/// Response of StartRecording.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct StartRecordingResponse {
-    /// The world.
+    /// Status of the world that is being recorded.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks to close a recording.
+/// Request of StopRecording.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct StopRecordingRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
 }
-/// It is closed.
+/// Response of StopRecording.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct StopRecordingResponse {
-    /// The recording as it is.
+    /// Final status of the recording.
     #[prost(message, optional, tag = "1")]
     pub recording: ::core::option::Option<RecordingStatus>,
 }
-/// Asks what there is.
+/// Request of ListRecordings.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct ListRecordingsRequest {}
-/// What there is.
+/// Response of ListRecordings.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ListRecordingsResponse {
-    /// In the order of their names.
+    /// Files in the folder, sorted by name.
     #[prost(message, repeated, tag = "1")]
     pub recordings: ::prost::alloc::vec::Vec<RecordingFile>,
 }
-/// A file in the server's folder of recordings.
+/// File in the server's folder of recordings.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct RecordingFile {
-    /// Its name, without `.mcap`.
+    /// Name of the recording: the file name without `.mcap`.
     #[prost(string, tag = "1")]
     pub recording: ::prost::alloc::string::String,
-    /// How long it is.
+    /// Size of the file in bytes.
     #[prost(uint64, tag = "2")]
     pub bytes: u64,
-    /// When it was last written to, since 1970.
+    /// Time of the last write, in nanoseconds of wall-clock time since 1970 (Unix time).
     #[prost(uint64, tag = "3")]
     pub modified_unix_ns: u64,
 }
-/// Asks to replay a recording.
+/// Request of OpenRecording.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct OpenRecordingRequest {
-    /// Its name in the server's folder.
+    /// Name of the recording in the server's folder, without `.mcap`.
     #[prost(string, tag = "1")]
     pub recording: ::prost::alloc::string::String,
     /// Name of the new world. Empty: the recording's name.
     #[prost(string, tag = "2")]
     pub world: ::prost::alloc::string::String,
 }
-/// It is being replayed.
+/// Response of OpenRecording.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct OpenRecordingResponse {
-    /// The world, at the recording's first tick.
+    /// Status of the new world, at the recording's first tick.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks what there is in a recording.
+/// Request of DescribeReplay.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct DescribeReplayRequest {
-    /// Name of a world that replays.
+    /// Name of a world that replays a recording.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
 }
-/// What there is in a recording.
+/// Response of DescribeReplay.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct DescribeReplayResponse {
-    /// The world that was recorded.
+    /// Name of the world that was recorded.
     #[prost(string, tag = "1")]
     pub recorded_world: ::prost::alloc::string::String,
-    /// Version of the program that recorded it.
+    /// Version of the program that made the recording.
     #[prost(string, tag = "2")]
     pub program_version: ::prost::alloc::string::String,
-    /// When the recording began, by the wall clock, since 1970.
+    /// Start of the recording, in nanoseconds of wall-clock time since 1970 (Unix time).
     #[prost(uint64, tag = "3")]
     pub started_unix_ns: u64,
-    /// The first tick, of which the start is recorded.
+    /// Number of the first recorded tick; the recording has the state at its start.
     #[prost(uint64, tag = "4")]
     pub first_tick: u64,
-    /// The last tick whose state is known.
+    /// Number of the last tick whose state is known.
     #[prost(uint64, tag = "5")]
     pub last_tick: u64,
-    /// The file ends in the middle: the program that wrote it was killed, or the disk was full.
+    /// True if the file is truncated, because the recording program was killed or the disk was full.
     #[prost(bool, tag = "6")]
     pub cut_off: bool,
-    /// What happened, in the order of ticks; the first 10,000.
+    /// Events in the order of ticks, at most the first 10,000.
     #[prost(message, repeated, tag = "7")]
     pub events: ::prost::alloc::vec::Vec<ReplayEvent>,
 }
-/// Something that happened in a recording.
+/// Event in a recording.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct ReplayEvent {
-    /// When.
+    /// Number of the tick in which it happened.
     #[prost(uint64, tag = "1")]
     pub tick: u64,
-    /// What it was.
+    /// Kind of the event.
     #[prost(enumeration = "ReplayEventKind", tag = "2")]
     pub kind: i32,
-    /// For people.
+    /// Description for people.
     #[prost(string, tag = "3")]
     pub text: ::prost::alloc::string::String,
 }
-/// Asks for another tick.
+/// Request of SeekReplay.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct SeekReplayRequest {
-    /// Name of a world that replays.
+    /// Name of a world that replays a recording.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// The tick, within the range from DescribeReplay; a later one means the last.
+    /// Number of the tick to move to, within the range from DescribeReplay; a larger number means the last tick.
     #[prost(uint64, tag = "2")]
     pub tick: u64,
 }
-/// The world at that tick.
+/// Response of SeekReplay.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct SeekReplayResponse {
-    /// It.
+    /// Status of the world at that tick.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks for a live world.
+/// Request of ForkReplay.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ForkReplayRequest {
-    /// Name of a world that replays.
+    /// Name of a world that replays a recording.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// Its pace from now on. Absent: real time.
+    /// Pace of the live world. Absent: real time.
     #[prost(message, optional, tag = "2")]
     pub pace: ::core::option::Option<Pace>,
 }
-/// The world, which is paused, and waits for its brains.
+/// Response of ForkReplay.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ForkReplayResponse {
-    /// It.
+    /// Status of the live world, which is paused until StartWorld so that brains can attach.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks to end a world.
+/// Request of DeleteWorld.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct DeleteWorldRequest {
-    /// Its name.
+    /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
 }
-/// The world is gone.
+/// Response of DeleteWorld.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct DeleteWorldResponse {
-    /// Its last state.
+    /// Last status of the deleted world.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks for a manual change.
+/// Request of Intervene.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct InterveneRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// What to do; exactly one.
+    /// Change to make. Required.
     #[prost(oneof = "intervene_request::Intervention", tags = "2, 3, 4, 5, 6")]
     pub intervention: ::core::option::Option<intervene_request::Intervention>,
 }
 /// Nested message and enum types in `InterveneRequest`.
 pub mod intervene_request {
-    /// What to do; exactly one.
+    /// Change to make. Required.
     #[derive(Clone, PartialEq, ::prost::Oneof)]
     pub enum Intervention {
-        /// Puts a robot somewhere else.
+        /// Moves a robot.
         #[prost(message, tag = "2")]
         PlaceRobot(super::PlaceRobot),
-        /// Puts a movable thing somewhere else.
+        /// Moves a movable thing.
         #[prost(message, tag = "3")]
         PlaceThing(super::PlaceThing),
-        /// Pulls the cable between a robot and its brain, or plugs it in.
+        /// Pulls or plugs in the cable between a robot and its brain.
         #[prost(message, tag = "4")]
         PullCable(super::PullCable),
-        /// Gives the cable between a robot and its brain another baud rate.
+        /// Changes the baud rate of the cable between a robot and its brain.
         #[prost(message, tag = "5")]
         SetBaud(super::SetBaud),
-        /// Detaches a robot's brain: its stream ends, and it may attach again.
+        /// Detaches a robot's brain. Its stream ends, and it may attach again.
         #[prost(message, tag = "6")]
         DetachBrain(super::DetachBrain),
     }
 }
-/// It has been done.
+/// Response of Intervene.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct InterveneResponse {
-    /// The world before its next tick.
+    /// Status of the world after the change, before its next tick.
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Puts a robot somewhere else, where there is room for it. It stands still there; its sensors know nothing of it.
+/// Moves a robot to a free place in the world frame, where it stands still. Sensors that integrate motion, such as
+/// odometers, do not notice the move.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct PlaceRobot {
-    /// Its name.
+    /// Name of the robot.
     #[prost(string, tag = "1")]
     pub robot: ::prost::alloc::string::String,
-    /// In metres.
+    /// x coordinate of the robot's centre, in metres.
     #[prost(double, tag = "2")]
     pub x_m: f64,
-    /// In metres.
+    /// y coordinate of the robot's centre, in metres.
     #[prost(double, tag = "3")]
     pub y_m: f64,
-    /// Counter-clockwise from the x axis.
+    /// Heading in radians, counter-clockwise from the world's x axis.
     #[prost(double, tag = "4")]
     pub heading_rad: f64,
 }
-/// Puts a movable thing somewhere else, where there is room for it. It lies still there.
+/// Moves a movable thing to a free place in the world frame, where it lies still.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct PlaceThing {
-    /// Its name.
+    /// Name of the thing.
     #[prost(string, tag = "1")]
     pub thing: ::prost::alloc::string::String,
-    /// In metres.
+    /// x coordinate of the thing's origin, in metres.
     #[prost(double, tag = "2")]
     pub x_m: f64,
-    /// In metres.
+    /// y coordinate of the thing's origin, in metres.
     #[prost(double, tag = "3")]
     pub y_m: f64,
-    /// Counter-clockwise from the x axis.
+    /// Heading in radians, counter-clockwise from the world's x axis.
     #[prost(double, tag = "4")]
     pub heading_rad: f64,
 }
-/// Pulls the cable between a robot and its brain, or plugs it in: bytes that would arrive meanwhile are lost, both ways.
+/// Pulls or plugs in the cable between a robot and its brain. While it is out, bytes in both directions are lost.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct PullCable {
-    /// The robot's name.
+    /// Name of the robot.
     #[prost(string, tag = "1")]
     pub robot: ::prost::alloc::string::String,
-    /// Pulled; otherwise plugged in.
+    /// True pulls the cable, false plugs it in.
     #[prost(bool, tag = "2")]
     pub pulled: bool,
 }
-/// Gives the cable between a robot and its brain another baud rate, at both ends.
+/// Changes the baud rate of the cable between a robot and its brain, at both ends.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct SetBaud {
-    /// The robot's name.
+    /// Name of the robot.
     #[prost(string, tag = "1")]
     pub robot: ::prost::alloc::string::String,
-    /// The new rate.
+    /// New baud rate in bits per second.
     #[prost(uint32, tag = "2")]
     pub baud: u32,
 }
-/// Detaches a robot's brain: the stream that holds the robot ends, for all robots that it holds.
+/// Detaches a robot's brain. Its stream ends, which releases all robots of that stream.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct DetachBrain {
-    /// The robot's name.
+    /// Name of the robot.
     #[prost(string, tag = "1")]
     pub robot: ::prost::alloc::string::String,
-    /// The brain is to restart: its program is told by a trailer (see Attach), creates the brain afresh and attaches again. A
-    /// program that does not support this leaves as if this were not set.
+    /// True asks the brain to restart: the stream ends with a trailer (see Attach), on which the program creates its brain
+    /// afresh and attaches it again. Programs that do not support this just detach.
     #[prost(bool, tag = "2")]
     pub restart: bool,
 }
@@ -1451,21 +1455,21 @@ pub struct ServerLimit {
     #[prost(uint64, tag = "7")]
     pub refused: u64,
 }
-/// What can happen in a recording.
+/// Kind of event in a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum ReplayEventKind {
     /// Never sent.
     Unspecified = 0,
-    /// A robot ran into something.
+    /// A robot collided with something.
     Collision = 1,
     /// A brain attached or detached.
     Brain = 2,
-    /// A manual change.
+    /// An operator made a manual change.
     Change = 3,
     /// The run ended.
     Ending = 4,
-    /// The holder of a token requested something: the name of the token, and what.
+    /// A client made a request; the text has the name of its token and the request.
     Order = 5,
 }
 impl ReplayEventKind {
@@ -1545,7 +1549,13 @@ pub mod control_service_client {
     )]
     use tonic::codegen::*;
     use tonic::codegen::http::Uri;
-    /// For the operator: makes worlds and runs them.
+    /// For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
+    /// GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+    ///
+    /// Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    /// (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
+    /// it). A call that names a world fails with NOT_FOUND if there is none of that name, and with ABORTED if the world is
+    /// deleted meanwhile. Calls that change a live world fail with FAILED_PRECONDITION if the world replays a recording.
     #[derive(Debug, Clone)]
     pub struct ControlServiceClient<T> {
         inner: tonic::client::Grpc<T>,
@@ -1615,7 +1625,8 @@ pub mod control_service_client {
             self.inner = self.inner.max_encoding_message_size(limit);
             self
         }
-        /// Makes a world from a scenario. INVALID_ARGUMENT names the field of the scenario that is wrong.
+        /// Creates a world from a scenario or a saved state. INVALID_ARGUMENT: the request or the scenario is wrong; the
+        /// message names the field. ALREADY_EXISTS: the name is taken. UNAVAILABLE: the server is stopping.
         pub async fn create_world(
             &mut self,
             request: impl tonic::IntoRequest<super::CreateWorldRequest>,
@@ -1665,7 +1676,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "ListWorlds"));
             self.inner.unary(req, path, codec).await
         }
-        /// One world and what happened in it.
+        /// Returns the status of one world.
         pub async fn get_world(
             &mut self,
             request: impl tonic::IntoRequest<super::GetWorldRequest>,
@@ -1690,7 +1701,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "GetWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Starts a world, or lets it continue.
+        /// Starts a world, or resumes it after a pause.
         pub async fn start_world(
             &mut self,
             request: impl tonic::IntoRequest<super::StartWorldRequest>,
@@ -1715,7 +1726,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "StartWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Stops a world before its next tick.
+        /// Pauses a world before its next tick.
         pub async fn pause_world(
             &mut self,
             request: impl tonic::IntoRequest<super::PauseWorldRequest>,
@@ -1740,8 +1751,9 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "PauseWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Runs some ticks of a world whose pace is stepped, and answers when they are done. FAILED_PRECONDITION while it runs those
-        /// of another call. When the client is gone, the remaining ticks are not run.
+        /// Runs a number of ticks of a world whose pace is stepped, and returns when they are done. If the client cancels the
+        /// call, the remaining ticks are not run. FAILED_PRECONDITION: the pace is not stepped, the run or the recording has
+        /// ended, a robot still has no brain, or another StepWorld is in progress.
         pub async fn step_world(
             &mut self,
             request: impl tonic::IntoRequest<super::StepWorldRequest>,
@@ -1766,7 +1778,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "StepWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Changes a world's pace.
+        /// Changes the pace of a world. INVALID_ARGUMENT: the pace is missing or wrong.
         pub async fn set_pace(
             &mut self,
             request: impl tonic::IntoRequest<super::SetPaceRequest>,
@@ -1791,9 +1803,10 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "SetPace"));
             self.inner.unary(req, path, codec).await
         }
-        /// Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
-        /// attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
-        /// sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
+        /// Returns a world to the start of its run, optionally with another seed, other start poses or other values in its
+        /// scenario. Brains stay attached. If the call fails, the world is unchanged. NOT_FOUND: no such robot in `starts`.
+        /// INVALID_ARGUMENT: a value is wrong; the message names the field. FAILED_PRECONDITION: an override changes the tick
+        /// length, the set of robots or a data sheet.
         pub async fn reset_world(
             &mut self,
             request: impl tonic::IntoRequest<super::ResetWorldRequest>,
@@ -1818,7 +1831,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "ResetWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Keeps a snapshot of a world's current state on the server, under a number.
+        /// Stores a snapshot of a world's current state on the server and returns its number.
         pub async fn snapshot_world(
             &mut self,
             request: impl tonic::IntoRequest<super::SnapshotWorldRequest>,
@@ -1843,7 +1856,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "SnapshotWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Takes a world back to a snapshot. Brains stay attached.
+        /// Returns a world to a snapshot. Brains stay attached. NOT_FOUND: no such snapshot.
         pub async fn restore_world(
             &mut self,
             request: impl tonic::IntoRequest<super::RestoreWorldRequest>,
@@ -1868,7 +1881,9 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "RestoreWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Makes a manual change in a world, before its next tick.
+        /// Makes a manual change in a world between two ticks. NOT_FOUND: no such robot or thing. INVALID_ARGUMENT: a value is
+        /// wrong. FAILED_PRECONDITION: no room at that place, no cable, or the run has ended. ABORTED: the world was reset or
+        /// restored before the change took effect.
         pub async fn intervene(
             &mut self,
             request: impl tonic::IntoRequest<super::InterveneRequest>,
@@ -1893,7 +1908,9 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "Intervene"));
             self.inner.unary(req, path, codec).await
         }
-        /// What a control cycle of each robot costs, from the scenario alone: nothing is run.
+        /// Computes the cost of each robot's control cycle from the scenario alone, without a run. INVALID_ARGUMENT: the
+        /// scenario is missing or wrong. NOT_FOUND: no such world or robot. FAILED_PRECONDITION: a named robot's
+        /// microcontroller runs a program of the user's own, which only a run can measure.
         pub async fn get_budget(
             &mut self,
             request: impl tonic::IntoRequest<super::GetBudgetRequest>,
@@ -1918,8 +1935,8 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "GetBudget"));
             self.inner.unary(req, path, codec).await
         }
-        /// A world's current state, or a snapshot, by value: a file from which CreateWorld makes a world, also in another
-        /// process.
+        /// Returns a world's current state, or a snapshot, as the contents of a file. CreateWorld makes a world of it, on this
+        /// or another server. NOT_FOUND: no such snapshot.
         pub async fn save_world(
             &mut self,
             request: impl tonic::IntoRequest<super::SaveWorldRequest>,
@@ -1944,8 +1961,9 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "SaveWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Makes a new world that goes on from the present state of another one, to try what would happen if. It has the same
-        /// scenario, seed and changes by hand, and from there on nothing in common with the original.
+        /// Creates a world that continues from the current state of another one, for example to compare alternatives. It
+        /// starts with the same scenario, seed and manual changes, and is independent of the original afterwards.
+        /// ALREADY_EXISTS: the name is taken.
         pub async fn clone_world(
             &mut self,
             request: impl tonic::IntoRequest<super::CloneWorldRequest>,
@@ -1970,7 +1988,8 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "CloneWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Records a world from now on, into the server's folder of recordings. FAILED_PRECONDITION if it has none.
+        /// Starts recording a world into the server's folder of recordings. INVALID_ARGUMENT: the recording's name is not
+        /// valid. FAILED_PRECONDITION: the server has no such folder, or the world is being recorded already.
         pub async fn start_recording(
             &mut self,
             request: impl tonic::IntoRequest<super::StartRecordingRequest>,
@@ -1995,7 +2014,8 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "StartRecording"));
             self.inner.unary(req, path, codec).await
         }
-        /// Closes a world's recording.
+        /// Closes a world's recording and returns once the file is complete. FAILED_PRECONDITION: the world is not being
+        /// recorded.
         pub async fn stop_recording(
             &mut self,
             request: impl tonic::IntoRequest<super::StopRecordingRequest>,
@@ -2020,7 +2040,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "StopRecording"));
             self.inner.unary(req, path, codec).await
         }
-        /// Lists what is in the server's folder of recordings.
+        /// Lists the files in the server's folder of recordings. FAILED_PRECONDITION: the server has no such folder.
         pub async fn list_recordings(
             &mut self,
             request: impl tonic::IntoRequest<super::ListRecordingsRequest>,
@@ -2045,7 +2065,9 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "ListRecordings"));
             self.inner.unary(req, path, codec).await
         }
-        /// Makes a world that replays a recording. It is paused at its first tick; no brain can attach to it.
+        /// Creates a world that replays a recording. It is paused at the first recorded tick, and no brain can attach to it.
+        /// NOT_FOUND: no such recording. FAILED_PRECONDITION: the file cannot be read, or the server has no folder of
+        /// recordings. ALREADY_EXISTS: the name is taken.
         pub async fn open_recording(
             &mut self,
             request: impl tonic::IntoRequest<super::OpenRecordingRequest>,
@@ -2070,7 +2092,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "OpenRecording"));
             self.inner.unary(req, path, codec).await
         }
-        /// What there is in a recording that is being replayed.
+        /// Describes the recording that a world replays. FAILED_PRECONDITION: the world is live.
         pub async fn describe_replay(
             &mut self,
             request: impl tonic::IntoRequest<super::DescribeReplayRequest>,
@@ -2095,7 +2117,8 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "DescribeReplay"));
             self.inner.unary(req, path, codec).await
         }
-        /// Takes a world that replays to another tick, forwards or backwards.
+        /// Moves a world that replays a recording to another tick, forwards or backwards. FAILED_PRECONDITION: the world is
+        /// live. DATA_LOSS: the recording is damaged.
         pub async fn seek_replay(
             &mut self,
             request: impl tonic::IntoRequest<super::SeekReplayRequest>,
@@ -2120,7 +2143,8 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "SeekReplay"));
             self.inner.unary(req, path, codec).await
         }
-        /// Makes a live world of one that replays: it continues from its current tick, and brains can attach to it.
+        /// Turns a world that replays a recording into a live one, which continues from the current tick and accepts brains.
+        /// FAILED_PRECONDITION: the world is live already.
         pub async fn fork_replay(
             &mut self,
             request: impl tonic::IntoRequest<super::ForkReplayRequest>,
@@ -2145,7 +2169,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "ForkReplay"));
             self.inner.unary(req, path, codec).await
         }
-        /// Ends a world; its brains' and observers' streams end.
+        /// Deletes a world. The streams of its brains and observers end.
         pub async fn delete_world(
             &mut self,
             request: impl tonic::IntoRequest<super::DeleteWorldRequest>,
@@ -2211,7 +2235,8 @@ pub mod control_service_server {
     /// Generated trait containing gRPC methods that should be implemented for use with ControlServiceServer.
     #[async_trait]
     pub trait ControlService: std::marker::Send + std::marker::Sync + 'static {
-        /// Makes a world from a scenario. INVALID_ARGUMENT names the field of the scenario that is wrong.
+        /// Creates a world from a scenario or a saved state. INVALID_ARGUMENT: the request or the scenario is wrong; the
+        /// message names the field. ALREADY_EXISTS: the name is taken. UNAVAILABLE: the server is stopping.
         async fn create_world(
             &self,
             request: tonic::Request<super::CreateWorldRequest>,
@@ -2227,7 +2252,7 @@ pub mod control_service_server {
             tonic::Response<super::ListWorldsResponse>,
             tonic::Status,
         >;
-        /// One world and what happened in it.
+        /// Returns the status of one world.
         async fn get_world(
             &self,
             request: tonic::Request<super::GetWorldRequest>,
@@ -2235,7 +2260,7 @@ pub mod control_service_server {
             tonic::Response<super::GetWorldResponse>,
             tonic::Status,
         >;
-        /// Starts a world, or lets it continue.
+        /// Starts a world, or resumes it after a pause.
         async fn start_world(
             &self,
             request: tonic::Request<super::StartWorldRequest>,
@@ -2243,7 +2268,7 @@ pub mod control_service_server {
             tonic::Response<super::StartWorldResponse>,
             tonic::Status,
         >;
-        /// Stops a world before its next tick.
+        /// Pauses a world before its next tick.
         async fn pause_world(
             &self,
             request: tonic::Request<super::PauseWorldRequest>,
@@ -2251,8 +2276,9 @@ pub mod control_service_server {
             tonic::Response<super::PauseWorldResponse>,
             tonic::Status,
         >;
-        /// Runs some ticks of a world whose pace is stepped, and answers when they are done. FAILED_PRECONDITION while it runs those
-        /// of another call. When the client is gone, the remaining ticks are not run.
+        /// Runs a number of ticks of a world whose pace is stepped, and returns when they are done. If the client cancels the
+        /// call, the remaining ticks are not run. FAILED_PRECONDITION: the pace is not stepped, the run or the recording has
+        /// ended, a robot still has no brain, or another StepWorld is in progress.
         async fn step_world(
             &self,
             request: tonic::Request<super::StepWorldRequest>,
@@ -2260,14 +2286,15 @@ pub mod control_service_server {
             tonic::Response<super::StepWorldResponse>,
             tonic::Status,
         >;
-        /// Changes a world's pace.
+        /// Changes the pace of a world. INVALID_ARGUMENT: the pace is missing or wrong.
         async fn set_pace(
             &self,
             request: tonic::Request<super::SetPaceRequest>,
         ) -> std::result::Result<tonic::Response<super::SetPaceResponse>, tonic::Status>;
-        /// Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
-        /// attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
-        /// sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
+        /// Returns a world to the start of its run, optionally with another seed, other start poses or other values in its
+        /// scenario. Brains stay attached. If the call fails, the world is unchanged. NOT_FOUND: no such robot in `starts`.
+        /// INVALID_ARGUMENT: a value is wrong; the message names the field. FAILED_PRECONDITION: an override changes the tick
+        /// length, the set of robots or a data sheet.
         async fn reset_world(
             &self,
             request: tonic::Request<super::ResetWorldRequest>,
@@ -2275,7 +2302,7 @@ pub mod control_service_server {
             tonic::Response<super::ResetWorldResponse>,
             tonic::Status,
         >;
-        /// Keeps a snapshot of a world's current state on the server, under a number.
+        /// Stores a snapshot of a world's current state on the server and returns its number.
         async fn snapshot_world(
             &self,
             request: tonic::Request<super::SnapshotWorldRequest>,
@@ -2283,7 +2310,7 @@ pub mod control_service_server {
             tonic::Response<super::SnapshotWorldResponse>,
             tonic::Status,
         >;
-        /// Takes a world back to a snapshot. Brains stay attached.
+        /// Returns a world to a snapshot. Brains stay attached. NOT_FOUND: no such snapshot.
         async fn restore_world(
             &self,
             request: tonic::Request<super::RestoreWorldRequest>,
@@ -2291,7 +2318,9 @@ pub mod control_service_server {
             tonic::Response<super::RestoreWorldResponse>,
             tonic::Status,
         >;
-        /// Makes a manual change in a world, before its next tick.
+        /// Makes a manual change in a world between two ticks. NOT_FOUND: no such robot or thing. INVALID_ARGUMENT: a value is
+        /// wrong. FAILED_PRECONDITION: no room at that place, no cable, or the run has ended. ABORTED: the world was reset or
+        /// restored before the change took effect.
         async fn intervene(
             &self,
             request: tonic::Request<super::InterveneRequest>,
@@ -2299,7 +2328,9 @@ pub mod control_service_server {
             tonic::Response<super::InterveneResponse>,
             tonic::Status,
         >;
-        /// What a control cycle of each robot costs, from the scenario alone: nothing is run.
+        /// Computes the cost of each robot's control cycle from the scenario alone, without a run. INVALID_ARGUMENT: the
+        /// scenario is missing or wrong. NOT_FOUND: no such world or robot. FAILED_PRECONDITION: a named robot's
+        /// microcontroller runs a program of the user's own, which only a run can measure.
         async fn get_budget(
             &self,
             request: tonic::Request<super::GetBudgetRequest>,
@@ -2307,8 +2338,8 @@ pub mod control_service_server {
             tonic::Response<super::GetBudgetResponse>,
             tonic::Status,
         >;
-        /// A world's current state, or a snapshot, by value: a file from which CreateWorld makes a world, also in another
-        /// process.
+        /// Returns a world's current state, or a snapshot, as the contents of a file. CreateWorld makes a world of it, on this
+        /// or another server. NOT_FOUND: no such snapshot.
         async fn save_world(
             &self,
             request: tonic::Request<super::SaveWorldRequest>,
@@ -2316,8 +2347,9 @@ pub mod control_service_server {
             tonic::Response<super::SaveWorldResponse>,
             tonic::Status,
         >;
-        /// Makes a new world that goes on from the present state of another one, to try what would happen if. It has the same
-        /// scenario, seed and changes by hand, and from there on nothing in common with the original.
+        /// Creates a world that continues from the current state of another one, for example to compare alternatives. It
+        /// starts with the same scenario, seed and manual changes, and is independent of the original afterwards.
+        /// ALREADY_EXISTS: the name is taken.
         async fn clone_world(
             &self,
             request: tonic::Request<super::CloneWorldRequest>,
@@ -2325,7 +2357,8 @@ pub mod control_service_server {
             tonic::Response<super::CloneWorldResponse>,
             tonic::Status,
         >;
-        /// Records a world from now on, into the server's folder of recordings. FAILED_PRECONDITION if it has none.
+        /// Starts recording a world into the server's folder of recordings. INVALID_ARGUMENT: the recording's name is not
+        /// valid. FAILED_PRECONDITION: the server has no such folder, or the world is being recorded already.
         async fn start_recording(
             &self,
             request: tonic::Request<super::StartRecordingRequest>,
@@ -2333,7 +2366,8 @@ pub mod control_service_server {
             tonic::Response<super::StartRecordingResponse>,
             tonic::Status,
         >;
-        /// Closes a world's recording.
+        /// Closes a world's recording and returns once the file is complete. FAILED_PRECONDITION: the world is not being
+        /// recorded.
         async fn stop_recording(
             &self,
             request: tonic::Request<super::StopRecordingRequest>,
@@ -2341,7 +2375,7 @@ pub mod control_service_server {
             tonic::Response<super::StopRecordingResponse>,
             tonic::Status,
         >;
-        /// Lists what is in the server's folder of recordings.
+        /// Lists the files in the server's folder of recordings. FAILED_PRECONDITION: the server has no such folder.
         async fn list_recordings(
             &self,
             request: tonic::Request<super::ListRecordingsRequest>,
@@ -2349,7 +2383,9 @@ pub mod control_service_server {
             tonic::Response<super::ListRecordingsResponse>,
             tonic::Status,
         >;
-        /// Makes a world that replays a recording. It is paused at its first tick; no brain can attach to it.
+        /// Creates a world that replays a recording. It is paused at the first recorded tick, and no brain can attach to it.
+        /// NOT_FOUND: no such recording. FAILED_PRECONDITION: the file cannot be read, or the server has no folder of
+        /// recordings. ALREADY_EXISTS: the name is taken.
         async fn open_recording(
             &self,
             request: tonic::Request<super::OpenRecordingRequest>,
@@ -2357,7 +2393,7 @@ pub mod control_service_server {
             tonic::Response<super::OpenRecordingResponse>,
             tonic::Status,
         >;
-        /// What there is in a recording that is being replayed.
+        /// Describes the recording that a world replays. FAILED_PRECONDITION: the world is live.
         async fn describe_replay(
             &self,
             request: tonic::Request<super::DescribeReplayRequest>,
@@ -2365,7 +2401,8 @@ pub mod control_service_server {
             tonic::Response<super::DescribeReplayResponse>,
             tonic::Status,
         >;
-        /// Takes a world that replays to another tick, forwards or backwards.
+        /// Moves a world that replays a recording to another tick, forwards or backwards. FAILED_PRECONDITION: the world is
+        /// live. DATA_LOSS: the recording is damaged.
         async fn seek_replay(
             &self,
             request: tonic::Request<super::SeekReplayRequest>,
@@ -2373,7 +2410,8 @@ pub mod control_service_server {
             tonic::Response<super::SeekReplayResponse>,
             tonic::Status,
         >;
-        /// Makes a live world of one that replays: it continues from its current tick, and brains can attach to it.
+        /// Turns a world that replays a recording into a live one, which continues from the current tick and accepts brains.
+        /// FAILED_PRECONDITION: the world is live already.
         async fn fork_replay(
             &self,
             request: tonic::Request<super::ForkReplayRequest>,
@@ -2381,7 +2419,7 @@ pub mod control_service_server {
             tonic::Response<super::ForkReplayResponse>,
             tonic::Status,
         >;
-        /// Ends a world; its brains' and observers' streams end.
+        /// Deletes a world. The streams of its brains and observers end.
         async fn delete_world(
             &self,
             request: tonic::Request<super::DeleteWorldRequest>,
@@ -2398,7 +2436,13 @@ pub mod control_service_server {
             tonic::Status,
         >;
     }
-    /// For the operator: makes worlds and runs them.
+    /// For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
+    /// GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+    ///
+    /// Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    /// (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
+    /// it). A call that names a world fails with NOT_FOUND if there is none of that name, and with ABORTED if the world is
+    /// deleted meanwhile. Calls that change a live world fail with FAILED_PRECONDITION if the world replays a recording.
     #[derive(Debug)]
     pub struct ControlServiceServer<T> {
         inner: Arc<T>,
@@ -3553,332 +3597,336 @@ pub mod control_service_server {
         const NAME: &'static str = SERVICE_NAME;
     }
 }
-/// From the brain.
+/// Message from the brain to the server.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct AttachRequest {
-    /// Exactly one.
+    /// Content of the message. Required.
     #[prost(oneof = "attach_request::Request", tags = "1, 2, 3")]
     pub request: ::core::option::Option<attach_request::Request>,
 }
 /// Nested message and enum types in `AttachRequest`.
 pub mod attach_request {
-    /// Exactly one.
+    /// Content of the message. Required.
     #[derive(Clone, PartialEq, ::prost::Oneof)]
     pub enum Request {
-        /// First, and once.
+        /// First message of the stream, sent exactly once.
         #[prost(message, tag = "1")]
         Hello(super::Hello),
-        /// The answer to a Turn, or a command at any time.
+        /// Answer to a Turn, or (except in lockstep) a command at any time.
         #[prost(message, tag = "2")]
         Step(super::Step),
-        /// A belief for observers, at any time.
+        /// Belief for observers, allowed at any time.
         #[prost(message, tag = "3")]
         Annotate(super::Annotate),
     }
 }
-/// To the brain.
+/// Message from the server to the brain.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct AttachResponse {
-    /// Exactly one.
+    /// Content of the message; always set.
     #[prost(oneof = "attach_response::Response", tags = "1, 2, 3")]
     pub response: ::core::option::Option<attach_response::Response>,
 }
 /// Nested message and enum types in `AttachResponse`.
 pub mod attach_response {
-    /// Exactly one.
+    /// Content of the message; always set.
     #[derive(Clone, PartialEq, ::prost::Oneof)]
     pub enum Response {
-        /// First, and once.
+        /// First message of the stream, sent exactly once.
         #[prost(message, tag = "1")]
         Welcome(super::Welcome),
-        /// The brain can step.
+        /// Signals that the brain can step.
         #[prost(message, tag = "2")]
         Turn(super::Turn),
-        /// The run is over.
+        /// Signals that the run is over.
         #[prost(message, tag = "3")]
         Ended(super::Ended),
     }
 }
-/// Who the brain is and what it wants to drive.
+/// Identifies the brain and the robots to attach it to.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Hello {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// Names of the robots; at least one. Turns and Steps name them by their place in this list.
+    /// Names of the robots, at least one. Turns and Steps refer to a robot by its index in this list, from 0.
     #[prost(string, repeated, tag = "2")]
     pub robots: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
-    /// The same for all of them.
+    /// Port mode, the same for all robots of the stream.
     #[prost(enumeration = "PortMode", tag = "3")]
     pub mode: i32,
-    /// What the program calls itself, for people: one line of at most 64 characters, none of them a control character.
+    /// Name of the program for display: one line of at most 64 characters without control characters.
     #[prost(string, tag = "4")]
     pub brain: ::prost::alloc::string::String,
-    /// Memory that the program's variables need on each robot. Only for robots that are onboard: on another one
-    /// the program runs on a laptop, and this is INVALID_ARGUMENT.
+    /// Memory that the program's variables need on each robot, in bytes. Allowed only for robots whose brain runs on board
+    /// (see RobotDescription.onboard); otherwise INVALID_ARGUMENT.
     #[prost(uint64, optional, tag = "5")]
     pub memory_bytes: ::core::option::Option<u64>,
-    /// The program promises that each of its Steps has a part for every robot of its Turn and for no other, and declares
-    /// no thinking of its own. Then it is known when it is done before it has answered, and in lockstep the world goes on
-    /// while an answer is under way that could not have reached its robot yet. A Step that breaks the promise ends the
-    /// stream (FAILED_PRECONDITION).
+    /// Promise that each Step has a part for every robot of its Turn and for no other, and sets neither thinking_ns nor
+    /// operations. The server then knows the thinking time in advance, and in lockstep finishes ticks that the pending
+    /// answer cannot affect yet. A Step that breaks the promise ends the stream (FAILED_PRECONDITION).
     #[prost(bool, tag = "6")]
     pub thinks_as_scenario: bool,
-    /// A final command for when the program is gone: once this stream is over, however it ends, the server writes a command
-    /// that stops the wheels of its robots. Where the world does not wait for its brains, it also does so when the program
-    /// has sent no Step for a second of simulated time and a second of wall-clock time. The command goes over the cable like
-    /// any other, and is lost if the cable is out. Only in MESSAGES mode: the server cannot write raw bytes (INVALID_ARGUMENT).
+    /// True: once this stream has ended for any reason, the server writes a command that stops the wheels of its robots.
+    /// At paces that do not wait for brains it also does so when no Step has come for one second of simulated time and one
+    /// second of wall-clock time. The command goes over the cable like any other, and is lost if the cable is out.
+    /// Requires MESSAGES mode; otherwise INVALID_ARGUMENT.
     #[prost(bool, tag = "7")]
     pub stop_when_gone: bool,
-    /// The program passes bytes on to somebody else's, who opens a serial port. Only in RAW mode (INVALID_ARGUMENT). Turns say
-    /// when each byte arrived and which instant of the wall clock that is; what comes during a tick is in its Turn, so the
-    /// instant of the step is the end of the tick, and what is written enters the cable then.
+    /// True if the program forwards the bytes to another program that opens a serial port. Turns then contain the arrival
+    /// time of each byte and the wall-clock time of the tick. Bytes that arrive during a tick are in the Turn of that
+    /// tick; the step takes place at the end of the tick, and written bytes enter the cable then. Requires RAW mode
+    /// (otherwise INVALID_ARGUMENT) and a pace that follows the wall clock (otherwise FAILED_PRECONDITION).
     #[prost(bool, tag = "8")]
     pub serial_port: bool,
 }
-/// What the brain may know of its robots' bodies.
+/// Describes the attached robots.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Welcome {
-    /// Length of a tick.
+    /// Length of a tick in nanoseconds.
     #[prost(uint64, tag = "1")]
     pub step_ns: u64,
-    /// The world waits for the answer to each Turn.
+    /// True if the world waits for the answer to each Turn.
     #[prost(bool, tag = "2")]
     pub lockstep: bool,
-    /// In the order of the Hello.
+    /// Data sheets of the robots, in the order of the Hello.
     #[prost(message, repeated, tag = "3")]
     pub robots: ::prost::alloc::vec::Vec<RobotDescription>,
 }
-/// A robot as its maker's data sheet has it.
+/// Data sheet of a robot.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct RobotDescription {
-    /// Its name.
+    /// Name of the robot.
     #[prost(string, tag = "1")]
     pub robot: ::prost::alloc::string::String,
-    /// Radius of its disc.
+    /// Radius of the disc-shaped body, or of the disc that encloses it, in metres.
     #[prost(double, tag = "2")]
     pub radius_m: f64,
-    /// Half the distance between its wheels.
+    /// Half the distance between the wheels, in metres.
     #[prost(double, tag = "3")]
     pub half_track_m: f64,
-    /// Radius of its wheels.
+    /// Radius of the wheels, in metres.
     #[prost(double, tag = "4")]
     pub wheel_radius_m: f64,
-    /// Largest size of a motor signal; absent if there is none.
+    /// Largest magnitude of a motor signal. Absent: no limit.
     #[prost(double, optional, tag = "5")]
     pub signal_limit: ::core::option::Option<f64>,
-    /// How a motor signal crosses the wire.
+    /// Encoding of a motor signal on the cable.
     #[prost(message, optional, tag = "6")]
     pub motor_encoding: ::core::option::Option<Encoding>,
-    /// Those that the microcontroller reads, in the order of the wire; then those with a port of their own.
+    /// Sensors: first those read by the microcontroller, in the order of the cable's messages, then those with a port.
+    /// Readings refer to a sensor by its index in this list, from 0.
     #[prost(message, repeated, tag = "7")]
     pub sensors: ::prost::alloc::vec::Vec<SensorDescription>,
-    /// What the microcontroller says on its wire.
+    /// Messages that the microcontroller sends on the cable.
     #[prost(message, optional, tag = "8")]
     pub firmware: ::core::option::Option<Firmware>,
-    /// Baud rate of the cable; absent if it has none: if it is ideal, or USB.
+    /// Baud rate of the cable, in bits per second. Absent if it has none, as with USB or an ideal link.
     #[prost(uint32, optional, tag = "9")]
     pub baud: ::core::option::Option<u32>,
-    /// Bits a character; absent where there is no baud rate.
+    /// Bits per character on the cable, start and stop bits included. Absent if there is no baud rate.
     #[prost(uint32, optional, tag = "10")]
     pub bits_per_character: ::core::option::Option<u32>,
-    /// Actuators besides the wheels, in the order of the wire.
+    /// Actuators besides the wheels, in the order of the cable's messages.
     #[prost(message, repeated, tag = "11")]
     pub actuators: ::prost::alloc::vec::Vec<ActuatorDescription>,
-    /// What turns the wheels.
+    /// Kind of the drive motors.
     #[prost(enumeration = "MotorKind", tag = "12")]
     pub motor_kind: i32,
-    /// There is no cable: the brain is the microcontroller's program, and its thinking takes that processor's
-    /// time.
+    /// True if there is no cable: the brain is the microcontroller's own program, and its thinking takes time on that
+    /// processor.
     #[prost(bool, tag = "13")]
     pub onboard: bool,
-    /// How many operations of a brain's program the microcontroller does a second; absent if it is not known.
+    /// Operations of a brain's program that the microcontroller executes per second. Absent if unknown.
     #[prost(double, optional, tag = "14")]
     pub operations_per_s: ::core::option::Option<f64>,
-    /// Memory for the variables of a brain's program; absent if it is not known.
+    /// Memory for the variables of a brain's program, in bytes. Absent if unknown.
     #[prost(uint64, optional, tag = "15")]
     pub ram_bytes: ::core::option::Option<u64>,
 }
-/// An actuator besides the wheels, as its maker's data sheet has it. It takes one signal.
+/// Data sheet of an actuator besides the wheels. Each takes one signal.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ActuatorDescription {
-    /// Its name.
+    /// Name of the actuator.
     #[prost(string, tag = "1")]
     pub actuator: ::prost::alloc::string::String,
-    /// What it does with its signal.
+    /// Kind of the actuator.
     #[prost(enumeration = "ActuatorKind", tag = "2")]
     pub kind: i32,
-    /// Least angle, of a turret.
+    /// For a turret: smallest angle in radians, positive counter-clockwise from straight ahead. Otherwise absent.
     #[prost(double, optional, tag = "3")]
     pub min_rad: ::core::option::Option<f64>,
-    /// Greatest angle, of a turret.
+    /// For a turret: largest angle in radians, positive counter-clockwise from straight ahead. Otherwise absent.
     #[prost(double, optional, tag = "4")]
     pub max_rad: ::core::option::Option<f64>,
 }
-/// A sensor as its maker's data sheet has it.
+/// Data sheet of a sensor.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct SensorDescription {
-    /// Its name.
+    /// Name of the sensor.
     #[prost(string, tag = "1")]
     pub sensor: ::prost::alloc::string::String,
-    /// What it measures, and how.
+    /// Kind of the sensor.
     #[prost(enumeration = "SensorKind", tag = "2")]
     pub kind: i32,
-    /// The parts of a reading, in order.
+    /// Components of a reading, in the order of Reading.values.
     #[prost(message, repeated, tag = "3")]
     pub components: ::prost::alloc::vec::Vec<ComponentDescription>,
-    /// Time between two samples.
+    /// Time between two samples, in nanoseconds.
     #[prost(uint64, tag = "4")]
     pub period_ns: u64,
-    /// The first sample; 0 also if a sensor with a port of its own begins somewhere.
+    /// Time of the first sample, in nanoseconds of simulated time. Also 0 for a sensor with a port whose phase is random.
     #[prost(uint64, tag = "5")]
     pub phase_ns: u64,
-    /// Where it sits and in which direction it looks, if that matters.
+    /// Pose of the sensor on the robot. Absent if it does not matter.
     #[prost(message, optional, tag = "6")]
     pub mount: ::core::option::Option<Mount>,
-    /// Range, if it has one.
+    /// Largest distance that the sensor measures, in metres. Absent if it has no such limit.
     #[prost(double, optional, tag = "7")]
     pub range_m: ::core::option::Option<f64>,
-    /// Counts a turn of the wheel, if it counts.
+    /// Counts per turn of a wheel. Absent for sensors that do not count turns.
     #[prost(uint32, optional, tag = "8")]
     pub counts_per_turn: ::core::option::Option<u32>,
-    /// A cable of its own to the laptop, past the microcontroller, if it has one.
+    /// Sensor's own cable to the laptop, past the microcontroller. Absent if it has none.
     #[prost(message, optional, tag = "9")]
     pub port: ::core::option::Option<Port>,
-    /// From the first of the rays that it looks along to the last, if it looks along rays; 0 if that is one ray.
+    /// For a sensor that casts rays: angle from the first ray to the last, in radians; 0 for a single ray. Otherwise
+    /// absent.
     #[prost(double, optional, tag = "10")]
     pub opening_rad: ::core::option::Option<f64>,
-    /// How a laser's mirror turns; absent of all other sensors.
+    /// Sweep of a laser range finder. Absent for other sensors.
     #[prost(message, optional, tag = "11")]
     pub sweep: ::core::option::Option<Sweep>,
-    /// Counts per metre of travel over the floor, if it counts that.
+    /// Counts per metre of motion over the floor. Absent for sensors that do not count it.
     #[prost(double, optional, tag = "12")]
     pub counts_per_m: ::core::option::Option<f64>,
 }
-/// The sweep of a laser range finder. A reading of it is as old as its first ray.
+/// Sweep of a laser range finder. The sampling time of a scan is that of its first ray.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Sweep {
-    /// Time from the first ray of a scan to the last.
+    /// Time from the first ray of a scan to the last, in nanoseconds.
     #[prost(uint64, tag = "1")]
     pub duration_ns: u64,
-    /// The first ray is the one farthest to the left, and not the one farthest to the right.
+    /// True: a scan runs clockwise, from its leftmost ray to the rightmost. False: counter-clockwise.
     #[prost(bool, tag = "2")]
     pub clockwise: bool,
 }
-/// A sensor's own cable to the laptop.
+/// Sensor's own cable to the laptop.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Port {
-    /// What is said on it.
+    /// Format of the data on the cable.
     #[prost(enumeration = "PortFormat", tag = "1")]
     pub format: i32,
-    /// Bytes of one message.
+    /// Size of one message, in bytes.
     #[prost(uint64, tag = "2")]
     pub message_bytes: u64,
-    /// Baud rate; absent if the cable is ideal, such as USB.
+    /// Baud rate in bits per second. Absent for an ideal cable, such as USB.
     #[prost(uint32, optional, tag = "3")]
     pub baud: ::core::option::Option<u32>,
-    /// Bits a character; absent if the cable is ideal.
+    /// Bits per character, start and stop bits included. Absent for an ideal cable.
     #[prost(uint32, optional, tag = "4")]
     pub bits_per_character: ::core::option::Option<u32>,
 }
-/// Robot from sensor; on a turret, turret from sensor.
+/// Pose of a sensor in the robot frame (origin at the robot's centre, x axis forwards, y axis to the left), or for a
+/// sensor on a turret, in the frame of the turret.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct Mount {
-    /// Forwards of the robot's centre.
+    /// x coordinate in metres, positive forwards.
     #[prost(double, tag = "1")]
     pub x_m: f64,
-    /// To the left of the robot's centre.
+    /// y coordinate in metres, positive to the left.
     #[prost(double, tag = "2")]
     pub y_m: f64,
-    /// Counter-clockwise of the robot's heading.
+    /// Viewing direction in radians, positive counter-clockwise from straight ahead.
     #[prost(double, tag = "3")]
     pub heading_rad: f64,
-    /// The actuator that turns it about the robot's centre, by its place in the description; absent if none does.
+    /// Index, in RobotDescription.actuators, of the turret that carries the sensor and turns about the robot's centre.
+    /// Absent if the sensor is fixed to the robot.
     #[prost(uint32, optional, tag = "4")]
     pub turret: ::core::option::Option<u32>,
 }
-/// A part of a reading: one value, or as many as a scan has rays.
+/// Component of a reading: one value, or one per ray or column.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ComponentDescription {
-    /// Its name; empty if the sensor has only this one.
+    /// Name of the component; empty if it is the sensor's only one.
     #[prost(string, tag = "1")]
     pub name: ::prost::alloc::string::String,
-    /// SI unit; `1` for a ratio.
+    /// SI unit of the values; `1` for a ratio.
     #[prost(string, tag = "2")]
     pub unit: ::prost::alloc::string::String,
-    /// How each value crosses the wire; without meaning for a sensor with a port of its own.
+    /// Encoding of each value on the cable. Not used for a sensor with a port.
     #[prost(message, optional, tag = "3")]
     pub encoding: ::core::option::Option<Encoding>,
-    /// How many values it has; 0 means 1.
+    /// Number of values; 0 means 1.
     #[prost(uint32, tag = "4")]
     pub count: u32,
 }
-/// How one number crosses the wire; `docs/reference/wire.md` has the bytes.
+/// Encoding of a number on the cable; docs/reference/wire.md has the bytes.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct Encoding {
-    /// Exactly one.
+    /// Kind of encoding. Required.
     #[prost(oneof = "encoding::Kind", tags = "1, 2, 3, 4")]
     pub kind: ::core::option::Option<encoding::Kind>,
 }
 /// Nested message and enum types in `Encoding`.
 pub mod encoding {
-    /// 8 bytes, IEEE 754, little endian.
+    /// IEEE 754 double, 8 bytes, little endian.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Float64 {}
-    /// Equal steps from min to max.
+    /// Unsigned code with equal steps from `min` to `max`.
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Level {
-        /// 1 to 32.
+        /// Width of the code in bits, 1 to 32.
         #[prost(uint32, tag = "1")]
         pub bits: u32,
-        /// At code 0.
+        /// Value of code 0, in the unit of the number.
         #[prost(double, tag = "2")]
         pub min: f64,
-        /// At the largest code.
+        /// Value of the largest code, in the unit of the number.
         #[prost(double, tag = "3")]
         pub max: f64,
     }
-    /// A whole number that wraps.
+    /// Integer that wraps around.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Counter {
-        /// 8 to 32.
+        /// Width in bits, 8 to 32.
         #[prost(uint32, tag = "1")]
         pub bits: u32,
     }
-    /// Equal steps on either side of an exact 0.
+    /// Signed code with equal steps on both sides of an exact 0.
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Signed {
-        /// 2 to 32.
+        /// Width of the code in bits, 2 to 32.
         #[prost(uint32, tag = "1")]
         pub bits: u32,
-        /// At the largest code.
+        /// Value of the largest code, in the unit of the number; the range is symmetric about 0.
         #[prost(double, tag = "2")]
         pub limit: f64,
     }
-    /// Exactly one.
+    /// Kind of encoding. Required.
     #[derive(Clone, Copy, PartialEq, ::prost::Oneof)]
     pub enum Kind {
-        /// 8 bytes, IEEE 754, little endian.
+        /// IEEE 754 double, 8 bytes, little endian.
         #[prost(message, tag = "1")]
         Float64(Float64),
-        /// Equal steps from min to max.
+        /// Unsigned code with equal steps from `min` to `max`.
         #[prost(message, tag = "2")]
         Level(Level),
-        /// A whole number that wraps.
+        /// Integer that wraps around.
         #[prost(message, tag = "3")]
         Counter(Counter),
-        /// Equal steps on either side of an exact 0.
+        /// Signed code with equal steps on both sides of an exact 0.
         #[prost(message, tag = "4")]
         Signed(Signed),
     }
 }
-/// What the microcontroller says on its wire.
+/// Protocol of a robot's microcontroller on its cable.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Firmware {
-    /// Time between two messages of readings; absent if it answers only when asked.
+    /// Time between two messages of readings, in nanoseconds. Absent if the firmware sends them only on request.
     #[prost(uint64, optional, tag = "3")]
     pub period_ns: ::core::option::Option<u64>,
-    /// The form of its messages.
+    /// Form of the messages.
     #[prost(oneof = "firmware::Protocol", tags = "1, 2, 4, 5")]
     pub protocol: ::core::option::Option<firmware::Protocol>,
 }
@@ -3887,349 +3935,356 @@ pub mod firmware {
     /// Frames with sequence number, time and checksum.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Framed {
-        /// Whether each reading carries its age.
+        /// True if each reading carries its age.
         #[prost(bool, tag = "1")]
         pub ages: bool,
     }
-    /// One value after the other and nothing else.
+    /// Bare values without any framing.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Bare {
-        /// Silence after which an incomplete message is discarded.
+        /// Length of silence, in nanoseconds, after which an incomplete message is discarded.
         #[prost(uint64, tag = "1")]
         pub gap_ns: u64,
     }
-    /// Lines of text, as a Khepera's: one answer for each question. All values are codes of their encodings in
-    /// decimal digits; every sensor is in every answer.
+    /// Lines of text as of a Khepera robot, one answer per request. Values are sent as codes of their encoding in decimal
+    /// digits; every answer contains all sensors.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Khepera {}
-    /// The Open Interface of an iRobot Create. Every sensor that it tells is in every message of the stream that the server asks
-    /// for; it tells those whose names docs/reference/robots/create.md lists.
+    /// Open Interface of an iRobot Create. Every message of the requested stream contains all sensors that the protocol
+    /// supports; docs/reference/robots/create.md lists their names.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Create {
-        /// 1 for the Create of 2007, 2 for the Create 2.
+        /// Version of the robot: 1 for the Create of 2007, 2 for the Create 2.
         #[prost(uint32, tag = "1")]
         pub version: u32,
     }
-    /// The form of its messages.
+    /// Form of the messages.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Oneof)]
     pub enum Protocol {
         /// Frames with sequence number, time and checksum.
         #[prost(message, tag = "1")]
         Framed(Framed),
-        /// One value after the other and nothing else.
+        /// Bare values without any framing.
         #[prost(message, tag = "2")]
         Bare(Bare),
-        /// Lines of text, as a Khepera's: one answer for each question.
+        /// Lines of text as of a Khepera robot, one answer per request.
         #[prost(message, tag = "4")]
         Khepera(Khepera),
-        /// The Open Interface of an iRobot Create: a stream of packets, once one is asked for.
+        /// Open Interface of an iRobot Create: a stream of packets, which starts on request.
         #[prost(message, tag = "5")]
         Create(Create),
     }
 }
-/// A brain's step: what has arrived for it, and when it is.
+/// Opportunity for a step: what has arrived since the last one, and the time.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Turn {
-    /// Number of the tick. It goes back when the world is reset.
+    /// Number of the tick. It decreases when the world is reset or a snapshot is restored.
     #[prost(uint64, tag = "1")]
     pub tick: u64,
-    /// Those of the stream's robots whose brain can step in this tick; one that still thinks cannot.
+    /// Robots of the stream that can step in this tick. A robot whose brain is still thinking, in simulated time, is
+    /// omitted.
     #[prost(message, repeated, tag = "2")]
     pub robots: ::prost::alloc::vec::Vec<RobotTurn>,
-    /// Number of the Turn on this stream, from 1; the answering Step repeats it.
+    /// Number of the Turn on this stream, from 1. The answering Step repeats it.
     #[prost(uint64, tag = "3")]
     pub turn: u64,
-    /// For a serial port, where simulated time follows the wall clock.
+    /// Mapping of simulated time to the wall clock. Set only for a serial port (Hello.serial_port).
     #[prost(message, optional, tag = "4")]
     pub wall_clock: ::core::option::Option<WallClock>,
 }
-/// How simulated time follows the wall clock.
+/// Mapping of simulated time to the wall clock.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct WallClock {
-    /// When the tick begins, in nanoseconds since 1970 by the clock of the server's machine. A world that cannot keep up sets
-    /// its clock back; then it is later than the ticks before say.
+    /// Start of the tick, in nanoseconds since 1970 (Unix time) by the clock of the server's machine. If the world falls
+    /// behind real time, later ticks map to later wall-clock times than earlier ticks implied.
     #[prost(int64, tag = "1")]
     pub tick_begins_unix_ns: i64,
-    /// Simulated seconds a second of the wall clock.
+    /// Simulated seconds per second of wall-clock time.
     #[prost(double, tag = "2")]
     pub factor: f64,
 }
-/// One robot's part of a Turn.
+/// Part of a Turn for one robot.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct RobotTurn {
-    /// Its place in the Hello.
+    /// Index of the robot in Hello.robots.
     #[prost(uint32, tag = "1")]
     pub robot: u32,
-    /// The instant of the step, by the laptop's clock.
+    /// Time of the step, in nanoseconds by the laptop's clock.
     #[prost(uint64, tag = "2")]
     pub at_ns: u64,
-    /// RAW: the bytes that arrived since the last step.
+    /// RAW mode: bytes that arrived on the robot's cable since the last step.
     #[prost(bytes = "vec", tag = "3")]
     pub raw: ::prost::alloc::vec::Vec<u8>,
-    /// MESSAGES: the last reading of each sensor of which one has arrived.
+    /// MESSAGES mode: latest reading of each sensor. Sensors of which no reading has arrived yet are omitted.
     #[prost(message, repeated, tag = "4")]
     pub readings: ::prost::alloc::vec::Vec<Reading>,
-    /// RAW: the bytes that arrived since the last step on the cables of sensors' own; ports on which nothing came
-    /// are left out.
+    /// RAW mode: bytes that arrived since the last step on the sensors' own cables. Ports without new bytes are omitted.
     #[prost(message, repeated, tag = "5")]
     pub ports: ::prost::alloc::vec::Vec<PortBytes>,
-    /// For a serial port: how long after the tick began each byte of `raw` arrived.
+    /// For a serial port: arrival time of each byte of `raw`, in nanoseconds after the start of the tick.
     #[prost(uint64, repeated, tag = "6")]
     pub raw_after_ns: ::prost::alloc::vec::Vec<u64>,
-    /// For a serial port: the baud rate of the robot's cable, if it has one; programs and robots may change it.
+    /// For a serial port: current baud rate of the robot's cable, in bits per second; programs and robots may change it.
+    /// Absent if the cable has none.
     #[prost(uint32, optional, tag = "7")]
     pub baud: ::core::option::Option<u32>,
-    /// MESSAGES: a complete, valid message of readings has arrived from the microcontroller since the last step. It may have no new
-    /// reading: who asks a polled firmware more often than its sensors sample gets such answers, and must ask again.
+    /// MESSAGES mode: true if a complete, valid message of readings has arrived from the microcontroller since the last
+    /// step. It may contain no new reading: a firmware that is polled more often than its sensors sample sends such
+    /// answers, and must be polled again.
     #[prost(bool, tag = "8")]
     pub has_message: bool,
 }
-/// What arrived on the cable of a sensor's own.
+/// Bytes on the cable of a sensor's own.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct PortBytes {
-    /// The sensor's place in the description.
+    /// Index of the sensor in RobotDescription.sensors.
     #[prost(uint32, tag = "1")]
     pub sensor: u32,
-    /// As they came: perhaps the end of one message and the beginning of the next.
+    /// Bytes as they arrived. They may start or end in the middle of a message.
     #[prost(bytes = "vec", tag = "2")]
     pub data: ::prost::alloc::vec::Vec<u8>,
-    /// For a serial port: how long after the tick began each byte arrived.
+    /// For a serial port: arrival time of each byte, in nanoseconds after the start of the tick.
     #[prost(uint64, repeated, tag = "3")]
     pub after_ns: ::prost::alloc::vec::Vec<u64>,
-    /// For a serial port, which is told of each port in each Turn: its baud rate, if it has one.
+    /// Baud rate of the port in bits per second. Set only for a serial port, whose Turns list every port; absent if the
+    /// cable has none.
     #[prost(uint32, optional, tag = "4")]
     pub baud: ::core::option::Option<u32>,
 }
-/// A reading as it came over the wire.
+/// Reading as received over the cable.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Reading {
-    /// The sensor's place in the description.
+    /// Index of the sensor in RobotDescription.sensors.
     #[prost(uint32, tag = "1")]
     pub sensor: u32,
-    /// Component by component, in SI units. A ray that met nothing has -1.
+    /// Values, component by component, in the units of the components. A ray that hit nothing has the value -1.
     #[prost(double, repeated, tag = "2")]
     pub values: ::prost::alloc::vec::Vec<f64>,
-    /// When it was sampled, by the microcontroller's or the device's clock; absent if the protocol does not say.
+    /// Time of the sample, in nanoseconds by the clock of the microcontroller or of the device. Absent if the protocol
+    /// does not transmit it.
     #[prost(uint64, optional, tag = "3")]
     pub sampled_at_ns: ::core::option::Option<u64>,
-    /// Sequence number of the message that brought it; of a sensor with a port of its own, how many there were.
-    /// It wraps at 256.
+    /// Sequence number of the message that contained the reading; for a sensor with a port, the number of messages
+    /// received. It wraps at 256.
     #[prost(uint32, tag = "4")]
     pub sequence: u32,
-    /// New since the last Turn; an old value is repeated with false.
+    /// True if the reading arrived since the last Turn. False: a repeat of the previous one.
     #[prost(bool, tag = "5")]
     pub readable: bool,
 }
-/// What the brain does.
+/// Action of the brain.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Step {
-    /// The number of the Turn that this answers; 0 if it answers none, which lockstep does not allow. An answer
-    /// to a Turn from before a reset, or from before a change of pace, is discarded.
+    /// Number of the Turn that this answers; 0 if it answers none, which lockstep does not permit. The answer to a Turn
+    /// from before a reset or a change of pace is discarded.
     #[prost(uint64, tag = "1")]
     pub turn: u64,
-    /// What it writes, robot by robot; a robot may be left out.
+    /// Actions by robot. Robots without an action may be omitted.
     #[prost(message, repeated, tag = "2")]
     pub robots: ::prost::alloc::vec::Vec<RobotStep>,
 }
-/// One robot's part of a Step.
+/// Part of a Step for one robot.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct RobotStep {
-    /// Its place in the Hello.
+    /// Index of the robot in Hello.robots.
     #[prost(uint32, tag = "1")]
     pub robot: u32,
-    /// How long the brain thought, in simulated time; absent: what the scenario says. Where simulated time
-    /// follows the wall clock this is ignored: the brain takes the time that it takes.
+    /// Thinking time of the brain, in nanoseconds of simulated time. Absent: the time given in the scenario. Ignored where
+    /// simulated time follows the wall clock, since the real thinking time counts there.
     #[prost(uint64, optional, tag = "2")]
     pub thinking_ns: ::core::option::Option<u64>,
-    /// Instead of thinking_ns, for a robot that is onboard: how many operations its program did. What that takes
-    /// of the processor's time follows from operations_per_s.
+    /// For a robot whose brain runs on board, in place of thinking_ns: operations that its program executed.
+    /// RobotDescription.operations_per_s gives the time that they take.
     #[prost(uint64, optional, tag = "6")]
     pub operations: ::core::option::Option<u64>,
-    /// The brain now waits for a message, and need not be asked before one has come; absent: it is asked at each of its
-    /// steps. It matters in lockstep alone, and there too the server may ask more often: it does not look ahead if the
-    /// operator forbids it, nor after a reset.
+    /// Wait for the next message: the robot gets no Turn before then. Absent: a Turn at each step. It has an effect only
+    /// in lockstep, and even there the server may send Turns earlier, namely when the operator has disabled lookahead, and
+    /// after a reset.
     #[prost(message, optional, tag = "7")]
     pub until_message: ::core::option::Option<UntilMessage>,
-    /// For a serial port: a program has opened it, which pulls DTR. That resets a microcontroller that has a bootloader, as soon
-    /// as the tick is over.
+    /// For a serial port: true if a program has opened it, which asserts DTR. A microcontroller with a bootloader is reset
+    /// by that at the end of the tick.
     #[prost(bool, tag = "8")]
     pub opened: bool,
-    /// RAW: bytes for sensors on their own cables; `after_ns` is not used. A device that speaks by itself passes them over.
+    /// RAW mode: bytes for sensors with a port; `after_ns` is not used. Devices that send without being asked ignore them.
     #[prost(message, repeated, tag = "9")]
     pub ports: ::prost::alloc::vec::Vec<PortBytes>,
-    /// What it writes to the port, if anything.
+    /// Output to the robot. Absent: none.
     #[prost(oneof = "robot_step::Output", tags = "3, 4, 5")]
     pub output: ::core::option::Option<robot_step::Output>,
 }
 /// Nested message and enum types in `RobotStep`.
 pub mod robot_step {
-    /// What it writes to the port, if anything.
+    /// Output to the robot. Absent: none.
     #[derive(Clone, PartialEq, ::prost::Oneof)]
     pub enum Output {
-        /// RAW: any bytes.
+        /// RAW mode: bytes for the robot's cable.
         #[prost(bytes, tag = "3")]
         Raw(::prost::alloc::vec::Vec<u8>),
-        /// MESSAGES: signals for the motors.
+        /// MESSAGES mode: signals for the motors and other actuators.
         #[prost(message, tag = "4")]
         Command(super::Command),
-        /// MESSAGES: asks a polled firmware for readings. A command does that too; where it does not on the wire, as
-        /// in the Khepera's protocol, the server sends the poll behind it.
+        /// MESSAGES mode: request for readings from a firmware that is polled. A command is a request too; if the protocol
+        /// needs a separate one, as that of the Khepera does, the server sends it after the command.
         #[prost(message, tag = "5")]
         Poll(super::Poll),
     }
 }
-/// Like a program that waits in poll(2) for its serial port: the robot has no part in a Turn before something has come.
-/// In MESSAGES mode that is a whole, sound message of readings, in RAW mode any byte, in both on any of the robot's
-/// ports. Each step at which the brain is not asked counts as if it had answered with a RobotStep that says no more
-/// than this: it writes nothing, and has thought as long as the scenario says.
+/// Suspends the Turns of a robot until something arrives, as poll(2) does on a serial port: in MESSAGES mode a complete,
+/// valid message of readings, in RAW mode any byte, and in both modes anything on one of the robot's ports. Each step
+/// without a Turn counts as a RobotStep with nothing but this field: no output, and the thinking time given in the
+/// scenario.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct UntilMessage {
-    /// It is asked anyway at the first step at this instant or later; absent: it waits indefinitely.
+    /// Time, by the laptop's clock in nanoseconds, from which the next step gets a Turn in any case. Absent: no time
+    /// limit.
     #[prost(uint64, optional, tag = "1")]
     pub at_latest_ns: ::core::option::Option<u64>,
 }
-/// Signals for the motors; 1 is full voltage, or full speed, forwards.
+/// Signals for the motors and other actuators. For the wheels, 1 is full voltage or full speed forwards, and negative
+/// values are backwards; RobotDescription.signal_limit is the largest magnitude.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Command {
-    /// Left.
+    /// Signal for the left motor.
     #[prost(double, tag = "1")]
     pub left_signal: f64,
-    /// Right.
+    /// Signal for the right motor.
     #[prost(double, tag = "2")]
     pub right_signal: f64,
-    /// For the other actuators, as many as the robot has, in their order. Left out: those that were sent last on
-    /// this stream are sent again; at first, those that were in force when it began.
+    /// Signals for all other actuators, in the order of RobotDescription.actuators. Empty: the last ones sent on this
+    /// stream are repeated, or if there are none, those in effect when it began.
     #[prost(double, repeated, tag = "3")]
     pub other_signals: ::prost::alloc::vec::Vec<f64>,
 }
-/// Asks for readings.
+/// Request for readings.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Poll {}
-/// The run is over. A brain is not told why.
+/// Signals that the run is over. The reason is not given to brains.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Ended {
-    /// The last tick.
+    /// Number of the last tick.
     #[prost(uint64, tag = "1")]
     pub tick: u64,
 }
-/// What a brain publishes for observers. It takes no time on any cable, changes nothing in the world, and reaches no
-/// brain. If a brain publishes faster than observers read, they get the newest. At most 256 KiB. In lockstep, what comes
-/// before the Step that answers a Turn is in the next tick's frame; what comes after it may be late.
+/// Data that a brain publishes for observers, at most 256 KiB. It takes no time on a cable, has no effect in the world,
+/// and is not visible to brains. If it is published faster than observers read, they get the newest. In lockstep, what
+/// is sent before the Step that answers a Turn is in the frame of the next tick; what is sent after it may come later.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Annotate {
-    /// The robot's place in the Hello.
+    /// Index of the robot in Hello.robots.
     #[prost(uint32, tag = "1")]
     pub robot: u32,
-    /// What it says; it replaces all that was said before.
+    /// Belief that replaces the previous one as a whole.
     #[prost(message, optional, tag = "2")]
     pub belief: ::core::option::Option<Belief>,
 }
-/// What a brain believes and does, in coordinates of the world as it believes them to be.
+/// Belief and activity of a brain. Coordinates are in the world frame as the brain believes it to be. All numbers must
+/// be finite.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Belief {
-    /// The state or behaviour that is active, in a few words: one line without control characters.
+    /// Active state or behaviour in a few words: one line without control characters.
     #[prost(string, tag = "1")]
     pub state: ::prost::alloc::string::String,
-    /// Utilities of behaviours.
+    /// Utilities of the behaviours.
     #[prost(message, repeated, tag = "2")]
     pub utilities: ::prost::alloc::vec::Vec<Utility>,
-    /// Where it believes that it is.
+    /// Estimated pose of the robot. Absent: no estimate.
     #[prost(message, optional, tag = "3")]
     pub pose: ::core::option::Option<BelievedPose>,
-    /// Other poses that it thinks possible.
+    /// Further poses considered possible, as of a particle filter.
     #[prost(message, repeated, tag = "4")]
     pub particles: ::prost::alloc::vec::Vec<Particle>,
-    /// Where it intends to go.
+    /// Planned path.
     #[prost(message, repeated, tag = "5")]
     pub path: ::prost::alloc::vec::Vec<Point>,
-    /// Its map of the world.
+    /// Map of the world. Absent: no map.
     #[prost(message, optional, tag = "6")]
     pub map: ::core::option::Option<GridMap>,
 }
-/// The utility of a behaviour.
+/// Utility of a behaviour.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Utility {
-    /// The behaviour's name.
+    /// Name of the behaviour.
     #[prost(string, tag = "1")]
     pub name: ::prost::alloc::string::String,
-    /// Its utility.
+    /// Utility of the behaviour, without unit.
     #[prost(double, tag = "2")]
     pub value: f64,
-    /// Whether it runs.
+    /// True if the behaviour is active.
     #[prost(bool, tag = "3")]
     pub active: bool,
 }
-/// A pose that a brain believes in.
+/// Estimated pose.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct BelievedPose {
-    /// In metres.
+    /// x coordinate in metres.
     #[prost(double, tag = "1")]
     pub x_m: f64,
-    /// In metres.
+    /// y coordinate in metres.
     #[prost(double, tag = "2")]
     pub y_m: f64,
-    /// Counter-clockwise from the x axis.
+    /// Heading in radians, counter-clockwise from the x axis.
     #[prost(double, tag = "3")]
     pub heading_rad: f64,
-    /// Of x and y: xx, xy and yy in square metres; absent or all three. All numbers of a Belief must be finite.
+    /// Covariance of x and y in square metres, as the three numbers xx, xy and yy. Empty: unknown.
     #[prost(double, repeated, tag = "4")]
     pub covariance_m2: ::prost::alloc::vec::Vec<f64>,
 }
-/// A pose that a brain thinks possible.
+/// Pose considered possible.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct Particle {
-    /// In metres.
+    /// x coordinate in metres.
     #[prost(float, tag = "1")]
     pub x_m: f32,
-    /// In metres.
+    /// y coordinate in metres.
     #[prost(float, tag = "2")]
     pub y_m: f32,
-    /// Counter-clockwise from the x axis.
+    /// Heading in radians, counter-clockwise from the x axis.
     #[prost(float, tag = "3")]
     pub heading_rad: f32,
-    /// Its weight; all are equal if none has any.
+    /// Weight of the pose. If all weights are 0, all poses count equally.
     #[prost(float, tag = "4")]
     pub weight: f32,
 }
-/// Square cells of a map.
+/// Occupancy map with square cells, aligned with the axes.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct GridMap {
-    /// Of the lower left corner.
+    /// x coordinate of the lower left corner, in metres.
     #[prost(double, tag = "1")]
     pub x_m: f64,
-    /// Of the lower left corner.
+    /// y coordinate of the lower left corner, in metres.
     #[prost(double, tag = "2")]
     pub y_m: f64,
-    /// The side of a cell.
+    /// Side of a cell, in metres.
     #[prost(double, tag = "3")]
     pub cell_m: f64,
-    /// Cells in a row.
+    /// Number of cells in a row.
     #[prost(uint32, tag = "4")]
     pub columns: u32,
-    /// A byte a cell, row by row from the lower left corner: 0 is free for sure, 254 is occupied for sure, 255 is not
-    /// known.
+    /// One byte per cell, row by row from the lower left corner: 0 is certainly free, 254 is certainly occupied, 255 is
+    /// unknown.
     #[prost(bytes = "vec", tag = "5")]
     pub cells: ::prost::alloc::vec::Vec<u8>,
 }
-/// A place.
+/// Position in the plane.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct Point {
-    /// In metres.
+    /// x coordinate in metres.
     #[prost(double, tag = "1")]
     pub x_m: f64,
-    /// In metres.
+    /// y coordinate in metres.
     #[prost(double, tag = "2")]
     pub y_m: f64,
 }
-/// How a brain speaks over its ports.
+/// Form in which a brain exchanges data with its robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum PortMode {
-    /// MESSAGES.
+    /// Same as PORT_MODE_MESSAGES.
     Unspecified = 0,
-    /// The server en- and decodes at the laptop's end: the brain gets readings and gives commands.
+    /// The server encodes and decodes at the laptop's end: the brain gets readings and sends commands.
     Messages = 1,
-    /// The brain reads and writes the bytes of the wire itself.
+    /// The brain reads and writes the bytes on the cable itself.
     Raw = 2,
 }
 impl PortMode {
@@ -4254,19 +4309,19 @@ impl PortMode {
         }
     }
 }
-/// What turns the wheels.
+/// Kind of motor that turns the wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum MotorKind {
-    /// A kind that this version of the contract does not know.
+    /// Kind unknown to this version of the contract.
     Unspecified = 0,
-    /// DC motors: a signal is a share of the voltage.
+    /// DC motor; the signal is the fraction of the full voltage.
     Dc = 1,
-    /// Wheels that have the speed that the signal says.
+    /// Motor with speed control; the signal sets the wheel's speed.
     Velocity = 2,
-    /// Servos that turn without end.
+    /// Continuous-rotation servo.
     Servo = 3,
-    /// Stepper motors.
+    /// Stepper motor.
     Stepper = 4,
 }
 impl MotorKind {
@@ -4295,18 +4350,18 @@ impl MotorKind {
         }
     }
 }
-/// What an actuator besides the wheels does with its signal.
+/// Kind of actuator besides the wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum ActuatorKind {
-    /// A kind that this version of the contract does not know.
+    /// Kind unknown to this version of the contract.
     Unspecified = 0,
-    /// Turns what is mounted on it to the angle that is the signal times its end farther from 0, and no farther than either
-    /// end.
+    /// Turret that turns the sensors mounted on it. The commanded angle is the signal times whichever of min_rad and
+    /// max_rad has the larger magnitude, limited to that range.
     Turret = 1,
-    /// Shines; 1 is full strength, and 0 and less is nothing.
+    /// Lamp; signal 1 is full brightness, 0 and below is off.
     Lamp = 2,
-    /// Sounds; 1 is full strength, and 0 and less is nothing.
+    /// Speaker; signal 1 is full volume, 0 and below is off.
     Speaker = 3,
 }
 impl ActuatorKind {
@@ -4333,54 +4388,53 @@ impl ActuatorKind {
         }
     }
 }
-/// What a sensor measures, and how. The names are those of scenario files, where `SENSOR_KIND_LINE_CAMERA` is
-/// `line-camera`.
+/// Kind of sensor. The names match those of scenario files, where SENSOR_KIND_LINE_CAMERA is `line-camera`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum SensorKind {
-    /// A kind that this version of the contract does not know.
+    /// Kind unknown to this version of the contract.
     Unspecified = 0,
-    /// Nearness by infra-red light, in \[0, 1\].
+    /// Infrared proximity sensor; the value is in \[0, 1\] and larger the nearer the object.
     Ir = 1,
-    /// Distance by infra-red light, as the sensor's voltage.
+    /// Infrared distance sensor; the value is its output voltage.
     IrVoltage = 2,
-    /// Distance by sound.
+    /// Ultrasonic distance sensor.
     Sonar = 3,
-    /// A laser range finder's scan.
+    /// Laser range finder; the values are the distances of one scan.
     Laser = 4,
-    /// A line of an image, with depth.
+    /// Camera that takes one row of an image, with depth.
     LineCamera = 5,
-    /// Counts of both wheels.
+    /// Encoders of both wheels, in counts.
     Encoders = 6,
-    /// Steps of both stepper motors.
+    /// Step counters of both stepper motors.
     Steps = 7,
-    /// Pose since the start, by the wheels.
+    /// Odometer; pose relative to the start, computed from the wheels' rotation.
     Odometer = 8,
-    /// Heading.
+    /// Compass; heading.
     Compass = 9,
-    /// Acceleration along two axes.
+    /// Accelerometer with two axes.
     Accelerometer = 10,
-    /// Turn rate.
+    /// Gyroscope; turn rate.
     Gyroscope = 11,
-    /// Position and course by satellites.
+    /// Satellite receiver; position and course.
     Gps = 12,
-    /// Touch of a wire: 1 or 0.
+    /// Contact whisker; 1 if touched, otherwise 0.
     Whisker = 13,
-    /// Touch of a bar on the rim: 1 or 0.
+    /// Contact bar on the rim; 1 if pressed, otherwise 0.
     Bumper = 14,
-    /// Light, as the time that a capacitor takes, in counts.
+    /// Photoresistor; charging time of a capacitor, in counts.
     Photoresistor = 15,
-    /// Light, in lux.
+    /// Light sensor; illuminance in lux.
     Light = 16,
-    /// The strength of a field, such as a scent.
+    /// Strength of a scalar field, such as a scent.
     Field = 17,
-    /// Sound.
+    /// Microphone.
     Microphone = 18,
-    /// The floor's brightness, in \[0, 1\].
+    /// Reflectance of the floor, in \[0, 1\].
     Floor = 19,
-    /// The battery's voltage, and the charge that is left, in \[0, 1\].
+    /// Battery monitor; voltage, and the remaining charge as a fraction in \[0, 1\].
     Battery = 20,
-    /// The distance that the sensor moved over the floor since its last read, in counts.
+    /// Optical flow sensor; motion over the floor since the last read, in counts.
     OpticalFlow = 21,
 }
 impl SensorKind {
@@ -4443,17 +4497,17 @@ impl SensorKind {
         }
     }
 }
-/// What is said on a sensor's own cable.
+/// Format of the data on a sensor's own cable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum PortFormat {
-    /// A kind that this version of the contract does not know.
+    /// Format unknown to this version of the contract.
     Unspecified = 0,
-    /// A laser's scans, by SCIP 2.
+    /// Scans of a laser range finder in SCIP 2.
     Scip2 = 1,
     /// Images of a line camera.
     LineImage = 2,
-    /// A satellite receiver's sentences, by NMEA 0183.
+    /// Sentences of a satellite receiver in NMEA 0183.
     Nmea = 3,
 }
 impl PortFormat {
@@ -4492,8 +4546,8 @@ pub mod brain_link_service_client {
     )]
     use tonic::codegen::*;
     use tonic::codegen::http::Uri;
-    /// For a brain: the laptop's end of its robot's serial cable, and nothing else. Whatever a brain learns here,
-    /// a program on a real laptop could learn from a real cable.
+    /// For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
+    /// real laptop could not get from a real cable.
     #[derive(Debug, Clone)]
     pub struct BrainLinkServiceClient<T> {
         inner: tonic::client::Grpc<T>,
@@ -4563,24 +4617,27 @@ pub mod brain_link_service_client {
             self.inner = self.inner.max_encoding_message_size(limit);
             self
         }
-        /// Attaches a brain program to one or more robots of a world, for as long as the stream lasts.
+        /// Attaches a brain program to one or more robots of a world for as long as the stream lasts. The token needs the
+        /// right `drive` for each of these robots.
         ///
-        /// The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in
-        /// which a brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; in
-        /// the other paces a brain may send Steps when it likes. When the run is over the server sends Ended and
-        /// keeps the stream open, because the operator may reset the world.
+        /// The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
+        /// brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
+        /// brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
+        /// an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
+        /// closes the other side.
         ///
-        /// Errors: NOT_FOUND (no such world or robot), ALREADY_EXISTS (another brain holds the robot),
-        /// INVALID_ARGUMENT (names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the
-        /// robot), FAILED_PRECONDITION (a Step before a Hello, a second Hello, in lockstep a Step without a Turn or one that
-        /// breaks a promise of the Hello),
-        /// DEADLINE_EXCEEDED (the watchdog detached the brain, or no Hello came), OUT_OF_RANGE (a request of more than 4 MiB),
-        /// UNAVAILABLE (the server stops, or has reached its limit of connections; both are temporary),
-        /// INTERNAL (the world has ended by a panic), ABORTED (the world was deleted, or the operator has detached the
-        /// brain). If the operator wants the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`: a
-        /// program that supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the
-        /// same robots. They are free by then.
-        /// A brain that ends its side of the stream releases its robots, and the server ends the other side.
+        /// Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
+        /// NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message
+        /// names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the robot, or a limit of the server),
+        /// FAILED_PRECONDITION (a Step before the Hello, a second Hello, a world that replays a recording; in lockstep a Step
+        /// without a Turn, or one that breaks a promise of the Hello), DEADLINE_EXCEEDED (the watchdog detached the brain, or
+        /// no Hello came), OUT_OF_RANGE (a request of more than 4 MiB), UNAVAILABLE (the server is stopping or has reached its
+        /// limit of connections; both are temporary), INTERNAL (the world ended because of a bug in the server), ABORTED (the
+        /// world was deleted, or an operator detached the brain).
+        ///
+        /// If an operator asks the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`. A program that
+        /// supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the same
+        /// robots, which are free by then.
         pub async fn attach(
             &mut self,
             request: impl tonic::IntoStreamingRequest<Message = super::AttachRequest>,
@@ -4627,31 +4684,34 @@ pub mod brain_link_service_server {
             >
             + std::marker::Send
             + 'static;
-        /// Attaches a brain program to one or more robots of a world, for as long as the stream lasts.
+        /// Attaches a brain program to one or more robots of a world for as long as the stream lasts. The token needs the
+        /// right `drive` for each of these robots.
         ///
-        /// The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in
-        /// which a brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; in
-        /// the other paces a brain may send Steps when it likes. When the run is over the server sends Ended and
-        /// keeps the stream open, because the operator may reset the world.
+        /// The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
+        /// brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
+        /// brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
+        /// an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
+        /// closes the other side.
         ///
-        /// Errors: NOT_FOUND (no such world or robot), ALREADY_EXISTS (another brain holds the robot),
-        /// INVALID_ARGUMENT (names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the
-        /// robot), FAILED_PRECONDITION (a Step before a Hello, a second Hello, in lockstep a Step without a Turn or one that
-        /// breaks a promise of the Hello),
-        /// DEADLINE_EXCEEDED (the watchdog detached the brain, or no Hello came), OUT_OF_RANGE (a request of more than 4 MiB),
-        /// UNAVAILABLE (the server stops, or has reached its limit of connections; both are temporary),
-        /// INTERNAL (the world has ended by a panic), ABORTED (the world was deleted, or the operator has detached the
-        /// brain). If the operator wants the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`: a
-        /// program that supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the
-        /// same robots. They are free by then.
-        /// A brain that ends its side of the stream releases its robots, and the server ends the other side.
+        /// Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
+        /// NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message
+        /// names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the robot, or a limit of the server),
+        /// FAILED_PRECONDITION (a Step before the Hello, a second Hello, a world that replays a recording; in lockstep a Step
+        /// without a Turn, or one that breaks a promise of the Hello), DEADLINE_EXCEEDED (the watchdog detached the brain, or
+        /// no Hello came), OUT_OF_RANGE (a request of more than 4 MiB), UNAVAILABLE (the server is stopping or has reached its
+        /// limit of connections; both are temporary), INTERNAL (the world ended because of a bug in the server), ABORTED (the
+        /// world was deleted, or an operator detached the brain).
+        ///
+        /// If an operator asks the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`. A program that
+        /// supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the same
+        /// robots, which are free by then.
         async fn attach(
             &self,
             request: tonic::Request<tonic::Streaming<super::AttachRequest>>,
         ) -> std::result::Result<tonic::Response<Self::AttachStream>, tonic::Status>;
     }
-    /// For a brain: the laptop's end of its robot's serial cable, and nothing else. Whatever a brain learns here,
-    /// a program on a real laptop could learn from a real cable.
+    /// For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
+    /// real laptop could not get from a real cable.
     #[derive(Debug)]
     pub struct BrainLinkServiceServer<T> {
         inner: Arc<T>,

@@ -26,21 +26,21 @@ class _PortMode:
 class _PortModeEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_PortMode.ValueType], _builtins.type):
     DESCRIPTOR: _descriptor.EnumDescriptor
     PORT_MODE_UNSPECIFIED: _PortMode.ValueType  # 0
-    """MESSAGES."""
+    """Same as PORT_MODE_MESSAGES."""
     PORT_MODE_MESSAGES: _PortMode.ValueType  # 1
-    """The server en- and decodes at the laptop's end: the brain gets readings and gives commands."""
+    """The server encodes and decodes at the laptop's end: the brain gets readings and sends commands."""
     PORT_MODE_RAW: _PortMode.ValueType  # 2
-    """The brain reads and writes the bytes of the wire itself."""
+    """The brain reads and writes the bytes on the cable itself."""
 
 class PortMode(_PortMode, metaclass=_PortModeEnumTypeWrapper):
-    """How a brain speaks over its ports."""
+    """Form in which a brain exchanges data with its robots."""
 
 PORT_MODE_UNSPECIFIED: PortMode.ValueType  # 0
-"""MESSAGES."""
+"""Same as PORT_MODE_MESSAGES."""
 PORT_MODE_MESSAGES: PortMode.ValueType  # 1
-"""The server en- and decodes at the laptop's end: the brain gets readings and gives commands."""
+"""The server encodes and decodes at the laptop's end: the brain gets readings and sends commands."""
 PORT_MODE_RAW: PortMode.ValueType  # 2
-"""The brain reads and writes the bytes of the wire itself."""
+"""The brain reads and writes the bytes on the cable itself."""
 Global___PortMode: _TypeAlias = PortMode  # noqa: Y015
 
 class _MotorKind:
@@ -50,29 +50,29 @@ class _MotorKind:
 class _MotorKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_MotorKind.ValueType], _builtins.type):
     DESCRIPTOR: _descriptor.EnumDescriptor
     MOTOR_KIND_UNSPECIFIED: _MotorKind.ValueType  # 0
-    """A kind that this version of the contract does not know."""
+    """Kind unknown to this version of the contract."""
     MOTOR_KIND_DC: _MotorKind.ValueType  # 1
-    """DC motors: a signal is a share of the voltage."""
+    """DC motor; the signal is the fraction of the full voltage."""
     MOTOR_KIND_VELOCITY: _MotorKind.ValueType  # 2
-    """Wheels that have the speed that the signal says."""
+    """Motor with speed control; the signal sets the wheel's speed."""
     MOTOR_KIND_SERVO: _MotorKind.ValueType  # 3
-    """Servos that turn without end."""
+    """Continuous-rotation servo."""
     MOTOR_KIND_STEPPER: _MotorKind.ValueType  # 4
-    """Stepper motors."""
+    """Stepper motor."""
 
 class MotorKind(_MotorKind, metaclass=_MotorKindEnumTypeWrapper):
-    """What turns the wheels."""
+    """Kind of motor that turns the wheels."""
 
 MOTOR_KIND_UNSPECIFIED: MotorKind.ValueType  # 0
-"""A kind that this version of the contract does not know."""
+"""Kind unknown to this version of the contract."""
 MOTOR_KIND_DC: MotorKind.ValueType  # 1
-"""DC motors: a signal is a share of the voltage."""
+"""DC motor; the signal is the fraction of the full voltage."""
 MOTOR_KIND_VELOCITY: MotorKind.ValueType  # 2
-"""Wheels that have the speed that the signal says."""
+"""Motor with speed control; the signal sets the wheel's speed."""
 MOTOR_KIND_SERVO: MotorKind.ValueType  # 3
-"""Servos that turn without end."""
+"""Continuous-rotation servo."""
 MOTOR_KIND_STEPPER: MotorKind.ValueType  # 4
-"""Stepper motors."""
+"""Stepper motor."""
 Global___MotorKind: _TypeAlias = MotorKind  # noqa: Y015
 
 class _ActuatorKind:
@@ -82,29 +82,29 @@ class _ActuatorKind:
 class _ActuatorKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_ActuatorKind.ValueType], _builtins.type):
     DESCRIPTOR: _descriptor.EnumDescriptor
     ACTUATOR_KIND_UNSPECIFIED: _ActuatorKind.ValueType  # 0
-    """A kind that this version of the contract does not know."""
+    """Kind unknown to this version of the contract."""
     ACTUATOR_KIND_TURRET: _ActuatorKind.ValueType  # 1
-    """Turns what is mounted on it to the angle that is the signal times its end farther from 0, and no farther than either
-    end.
+    """Turret that turns the sensors mounted on it. The commanded angle is the signal times whichever of min_rad and
+    max_rad has the larger magnitude, limited to that range.
     """
     ACTUATOR_KIND_LAMP: _ActuatorKind.ValueType  # 2
-    """Shines; 1 is full strength, and 0 and less is nothing."""
+    """Lamp; signal 1 is full brightness, 0 and below is off."""
     ACTUATOR_KIND_SPEAKER: _ActuatorKind.ValueType  # 3
-    """Sounds; 1 is full strength, and 0 and less is nothing."""
+    """Speaker; signal 1 is full volume, 0 and below is off."""
 
 class ActuatorKind(_ActuatorKind, metaclass=_ActuatorKindEnumTypeWrapper):
-    """What an actuator besides the wheels does with its signal."""
+    """Kind of actuator besides the wheels."""
 
 ACTUATOR_KIND_UNSPECIFIED: ActuatorKind.ValueType  # 0
-"""A kind that this version of the contract does not know."""
+"""Kind unknown to this version of the contract."""
 ACTUATOR_KIND_TURRET: ActuatorKind.ValueType  # 1
-"""Turns what is mounted on it to the angle that is the signal times its end farther from 0, and no farther than either
-end.
+"""Turret that turns the sensors mounted on it. The commanded angle is the signal times whichever of min_rad and
+max_rad has the larger magnitude, limited to that range.
 """
 ACTUATOR_KIND_LAMP: ActuatorKind.ValueType  # 2
-"""Shines; 1 is full strength, and 0 and less is nothing."""
+"""Lamp; signal 1 is full brightness, 0 and below is off."""
 ACTUATOR_KIND_SPEAKER: ActuatorKind.ValueType  # 3
-"""Sounds; 1 is full strength, and 0 and less is nothing."""
+"""Speaker; signal 1 is full volume, 0 and below is off."""
 Global___ActuatorKind: _TypeAlias = ActuatorKind  # noqa: Y015
 
 class _SensorKind:
@@ -114,99 +114,97 @@ class _SensorKind:
 class _SensorKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_SensorKind.ValueType], _builtins.type):
     DESCRIPTOR: _descriptor.EnumDescriptor
     SENSOR_KIND_UNSPECIFIED: _SensorKind.ValueType  # 0
-    """A kind that this version of the contract does not know."""
+    """Kind unknown to this version of the contract."""
     SENSOR_KIND_IR: _SensorKind.ValueType  # 1
-    """Nearness by infra-red light, in [0, 1]."""
+    """Infrared proximity sensor; the value is in [0, 1] and larger the nearer the object."""
     SENSOR_KIND_IR_VOLTAGE: _SensorKind.ValueType  # 2
-    """Distance by infra-red light, as the sensor's voltage."""
+    """Infrared distance sensor; the value is its output voltage."""
     SENSOR_KIND_SONAR: _SensorKind.ValueType  # 3
-    """Distance by sound."""
+    """Ultrasonic distance sensor."""
     SENSOR_KIND_LASER: _SensorKind.ValueType  # 4
-    """A laser range finder's scan."""
+    """Laser range finder; the values are the distances of one scan."""
     SENSOR_KIND_LINE_CAMERA: _SensorKind.ValueType  # 5
-    """A line of an image, with depth."""
+    """Camera that takes one row of an image, with depth."""
     SENSOR_KIND_ENCODERS: _SensorKind.ValueType  # 6
-    """Counts of both wheels."""
+    """Encoders of both wheels, in counts."""
     SENSOR_KIND_STEPS: _SensorKind.ValueType  # 7
-    """Steps of both stepper motors."""
+    """Step counters of both stepper motors."""
     SENSOR_KIND_ODOMETER: _SensorKind.ValueType  # 8
-    """Pose since the start, by the wheels."""
+    """Odometer; pose relative to the start, computed from the wheels' rotation."""
     SENSOR_KIND_COMPASS: _SensorKind.ValueType  # 9
-    """Heading."""
+    """Compass; heading."""
     SENSOR_KIND_ACCELEROMETER: _SensorKind.ValueType  # 10
-    """Acceleration along two axes."""
+    """Accelerometer with two axes."""
     SENSOR_KIND_GYROSCOPE: _SensorKind.ValueType  # 11
-    """Turn rate."""
+    """Gyroscope; turn rate."""
     SENSOR_KIND_GPS: _SensorKind.ValueType  # 12
-    """Position and course by satellites."""
+    """Satellite receiver; position and course."""
     SENSOR_KIND_WHISKER: _SensorKind.ValueType  # 13
-    """Touch of a wire: 1 or 0."""
+    """Contact whisker; 1 if touched, otherwise 0."""
     SENSOR_KIND_BUMPER: _SensorKind.ValueType  # 14
-    """Touch of a bar on the rim: 1 or 0."""
+    """Contact bar on the rim; 1 if pressed, otherwise 0."""
     SENSOR_KIND_PHOTORESISTOR: _SensorKind.ValueType  # 15
-    """Light, as the time that a capacitor takes, in counts."""
+    """Photoresistor; charging time of a capacitor, in counts."""
     SENSOR_KIND_LIGHT: _SensorKind.ValueType  # 16
-    """Light, in lux."""
+    """Light sensor; illuminance in lux."""
     SENSOR_KIND_FIELD: _SensorKind.ValueType  # 17
-    """The strength of a field, such as a scent."""
+    """Strength of a scalar field, such as a scent."""
     SENSOR_KIND_MICROPHONE: _SensorKind.ValueType  # 18
-    """Sound."""
+    """Microphone."""
     SENSOR_KIND_FLOOR: _SensorKind.ValueType  # 19
-    """The floor's brightness, in [0, 1]."""
+    """Reflectance of the floor, in [0, 1]."""
     SENSOR_KIND_BATTERY: _SensorKind.ValueType  # 20
-    """The battery's voltage, and the charge that is left, in [0, 1]."""
+    """Battery monitor; voltage, and the remaining charge as a fraction in [0, 1]."""
     SENSOR_KIND_OPTICAL_FLOW: _SensorKind.ValueType  # 21
-    """The distance that the sensor moved over the floor since its last read, in counts."""
+    """Optical flow sensor; motion over the floor since the last read, in counts."""
 
 class SensorKind(_SensorKind, metaclass=_SensorKindEnumTypeWrapper):
-    """What a sensor measures, and how. The names are those of scenario files, where `SENSOR_KIND_LINE_CAMERA` is
-    `line-camera`.
-    """
+    """Kind of sensor. The names match those of scenario files, where SENSOR_KIND_LINE_CAMERA is `line-camera`."""
 
 SENSOR_KIND_UNSPECIFIED: SensorKind.ValueType  # 0
-"""A kind that this version of the contract does not know."""
+"""Kind unknown to this version of the contract."""
 SENSOR_KIND_IR: SensorKind.ValueType  # 1
-"""Nearness by infra-red light, in [0, 1]."""
+"""Infrared proximity sensor; the value is in [0, 1] and larger the nearer the object."""
 SENSOR_KIND_IR_VOLTAGE: SensorKind.ValueType  # 2
-"""Distance by infra-red light, as the sensor's voltage."""
+"""Infrared distance sensor; the value is its output voltage."""
 SENSOR_KIND_SONAR: SensorKind.ValueType  # 3
-"""Distance by sound."""
+"""Ultrasonic distance sensor."""
 SENSOR_KIND_LASER: SensorKind.ValueType  # 4
-"""A laser range finder's scan."""
+"""Laser range finder; the values are the distances of one scan."""
 SENSOR_KIND_LINE_CAMERA: SensorKind.ValueType  # 5
-"""A line of an image, with depth."""
+"""Camera that takes one row of an image, with depth."""
 SENSOR_KIND_ENCODERS: SensorKind.ValueType  # 6
-"""Counts of both wheels."""
+"""Encoders of both wheels, in counts."""
 SENSOR_KIND_STEPS: SensorKind.ValueType  # 7
-"""Steps of both stepper motors."""
+"""Step counters of both stepper motors."""
 SENSOR_KIND_ODOMETER: SensorKind.ValueType  # 8
-"""Pose since the start, by the wheels."""
+"""Odometer; pose relative to the start, computed from the wheels' rotation."""
 SENSOR_KIND_COMPASS: SensorKind.ValueType  # 9
-"""Heading."""
+"""Compass; heading."""
 SENSOR_KIND_ACCELEROMETER: SensorKind.ValueType  # 10
-"""Acceleration along two axes."""
+"""Accelerometer with two axes."""
 SENSOR_KIND_GYROSCOPE: SensorKind.ValueType  # 11
-"""Turn rate."""
+"""Gyroscope; turn rate."""
 SENSOR_KIND_GPS: SensorKind.ValueType  # 12
-"""Position and course by satellites."""
+"""Satellite receiver; position and course."""
 SENSOR_KIND_WHISKER: SensorKind.ValueType  # 13
-"""Touch of a wire: 1 or 0."""
+"""Contact whisker; 1 if touched, otherwise 0."""
 SENSOR_KIND_BUMPER: SensorKind.ValueType  # 14
-"""Touch of a bar on the rim: 1 or 0."""
+"""Contact bar on the rim; 1 if pressed, otherwise 0."""
 SENSOR_KIND_PHOTORESISTOR: SensorKind.ValueType  # 15
-"""Light, as the time that a capacitor takes, in counts."""
+"""Photoresistor; charging time of a capacitor, in counts."""
 SENSOR_KIND_LIGHT: SensorKind.ValueType  # 16
-"""Light, in lux."""
+"""Light sensor; illuminance in lux."""
 SENSOR_KIND_FIELD: SensorKind.ValueType  # 17
-"""The strength of a field, such as a scent."""
+"""Strength of a scalar field, such as a scent."""
 SENSOR_KIND_MICROPHONE: SensorKind.ValueType  # 18
-"""Sound."""
+"""Microphone."""
 SENSOR_KIND_FLOOR: SensorKind.ValueType  # 19
-"""The floor's brightness, in [0, 1]."""
+"""Reflectance of the floor, in [0, 1]."""
 SENSOR_KIND_BATTERY: SensorKind.ValueType  # 20
-"""The battery's voltage, and the charge that is left, in [0, 1]."""
+"""Battery monitor; voltage, and the remaining charge as a fraction in [0, 1]."""
 SENSOR_KIND_OPTICAL_FLOW: SensorKind.ValueType  # 21
-"""The distance that the sensor moved over the floor since its last read, in counts."""
+"""Optical flow sensor; motion over the floor since the last read, in counts."""
 Global___SensorKind: _TypeAlias = SensorKind  # noqa: Y015
 
 class _PortFormat:
@@ -216,30 +214,30 @@ class _PortFormat:
 class _PortFormatEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_PortFormat.ValueType], _builtins.type):
     DESCRIPTOR: _descriptor.EnumDescriptor
     PORT_FORMAT_UNSPECIFIED: _PortFormat.ValueType  # 0
-    """A kind that this version of the contract does not know."""
+    """Format unknown to this version of the contract."""
     PORT_FORMAT_SCIP2: _PortFormat.ValueType  # 1
-    """A laser's scans, by SCIP 2."""
+    """Scans of a laser range finder in SCIP 2."""
     PORT_FORMAT_LINE_IMAGE: _PortFormat.ValueType  # 2
     """Images of a line camera."""
     PORT_FORMAT_NMEA: _PortFormat.ValueType  # 3
-    """A satellite receiver's sentences, by NMEA 0183."""
+    """Sentences of a satellite receiver in NMEA 0183."""
 
 class PortFormat(_PortFormat, metaclass=_PortFormatEnumTypeWrapper):
-    """What is said on a sensor's own cable."""
+    """Format of the data on a sensor's own cable."""
 
 PORT_FORMAT_UNSPECIFIED: PortFormat.ValueType  # 0
-"""A kind that this version of the contract does not know."""
+"""Format unknown to this version of the contract."""
 PORT_FORMAT_SCIP2: PortFormat.ValueType  # 1
-"""A laser's scans, by SCIP 2."""
+"""Scans of a laser range finder in SCIP 2."""
 PORT_FORMAT_LINE_IMAGE: PortFormat.ValueType  # 2
 """Images of a line camera."""
 PORT_FORMAT_NMEA: PortFormat.ValueType  # 3
-"""A satellite receiver's sentences, by NMEA 0183."""
+"""Sentences of a satellite receiver in NMEA 0183."""
 Global___PortFormat: _TypeAlias = PortFormat  # noqa: Y015
 
 @_typing.final
 class AttachRequest(_message.Message):
-    """From the brain."""
+    """Message from the brain to the server."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -248,15 +246,15 @@ class AttachRequest(_message.Message):
     ANNOTATE_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def hello(self) -> Global___Hello:
-        """First, and once."""
+        """First message of the stream, sent exactly once."""
 
     @_builtins.property
     def step(self) -> Global___Step:
-        """The answer to a Turn, or a command at any time."""
+        """Answer to a Turn, or (except in lockstep) a command at any time."""
 
     @_builtins.property
     def annotate(self) -> Global___Annotate:
-        """A belief for observers, at any time."""
+        """Belief for observers, allowed at any time."""
 
     def __init__(
         self,
@@ -277,7 +275,7 @@ Global___AttachRequest: _TypeAlias = AttachRequest  # noqa: Y015
 
 @_typing.final
 class AttachResponse(_message.Message):
-    """To the brain."""
+    """Message from the server to the brain."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -286,15 +284,15 @@ class AttachResponse(_message.Message):
     ENDED_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def welcome(self) -> Global___Welcome:
-        """First, and once."""
+        """First message of the stream, sent exactly once."""
 
     @_builtins.property
     def turn(self) -> Global___Turn:
-        """The brain can step."""
+        """Signals that the brain can step."""
 
     @_builtins.property
     def ended(self) -> Global___Ended:
-        """The run is over."""
+        """Signals that the run is over."""
 
     def __init__(
         self,
@@ -315,7 +313,7 @@ Global___AttachResponse: _TypeAlias = AttachResponse  # noqa: Y015
 
 @_typing.final
 class Hello(_message.Message):
-    """Who the brain is and what it wants to drive."""
+    """Identifies the brain and the robots to attach it to."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -330,33 +328,33 @@ class Hello(_message.Message):
     world: _builtins.str
     """Name of the world."""
     mode: Global___PortMode.ValueType
-    """The same for all of them."""
+    """Port mode, the same for all robots of the stream."""
     brain: _builtins.str
-    """What the program calls itself, for people: one line of at most 64 characters, none of them a control character."""
+    """Name of the program for display: one line of at most 64 characters without control characters."""
     memory_bytes: _builtins.int
-    """Memory that the program's variables need on each robot. Only for robots that are onboard: on another one
-    the program runs on a laptop, and this is INVALID_ARGUMENT.
+    """Memory that the program's variables need on each robot, in bytes. Allowed only for robots whose brain runs on board
+    (see RobotDescription.onboard); otherwise INVALID_ARGUMENT.
     """
     thinks_as_scenario: _builtins.bool
-    """The program promises that each of its Steps has a part for every robot of its Turn and for no other, and declares
-    no thinking of its own. Then it is known when it is done before it has answered, and in lockstep the world goes on
-    while an answer is under way that could not have reached its robot yet. A Step that breaks the promise ends the
-    stream (FAILED_PRECONDITION).
+    """Promise that each Step has a part for every robot of its Turn and for no other, and sets neither thinking_ns nor
+    operations. The server then knows the thinking time in advance, and in lockstep finishes ticks that the pending
+    answer cannot affect yet. A Step that breaks the promise ends the stream (FAILED_PRECONDITION).
     """
     stop_when_gone: _builtins.bool
-    """A final command for when the program is gone: once this stream is over, however it ends, the server writes a command
-    that stops the wheels of its robots. Where the world does not wait for its brains, it also does so when the program
-    has sent no Step for a second of simulated time and a second of wall-clock time. The command goes over the cable like
-    any other, and is lost if the cable is out. Only in MESSAGES mode: the server cannot write raw bytes (INVALID_ARGUMENT).
+    """True: once this stream has ended for any reason, the server writes a command that stops the wheels of its robots.
+    At paces that do not wait for brains it also does so when no Step has come for one second of simulated time and one
+    second of wall-clock time. The command goes over the cable like any other, and is lost if the cable is out.
+    Requires MESSAGES mode; otherwise INVALID_ARGUMENT.
     """
     serial_port: _builtins.bool
-    """The program passes bytes on to somebody else's, who opens a serial port. Only in RAW mode (INVALID_ARGUMENT). Turns say
-    when each byte arrived and which instant of the wall clock that is; what comes during a tick is in its Turn, so the
-    instant of the step is the end of the tick, and what is written enters the cable then.
+    """True if the program forwards the bytes to another program that opens a serial port. Turns then contain the arrival
+    time of each byte and the wall-clock time of the tick. Bytes that arrive during a tick are in the Turn of that
+    tick; the step takes place at the end of the tick, and written bytes enter the cable then. Requires RAW mode
+    (otherwise INVALID_ARGUMENT) and a pace that follows the wall clock (otherwise FAILED_PRECONDITION).
     """
     @_builtins.property
     def robots(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
-        """Names of the robots; at least one. Turns and Steps name them by their place in this list."""
+        """Names of the robots, at least one. Turns and Steps refer to a robot by its index in this list, from 0."""
 
     def __init__(
         self,
@@ -382,7 +380,7 @@ Global___Hello: _TypeAlias = Hello  # noqa: Y015
 
 @_typing.final
 class Welcome(_message.Message):
-    """What the brain may know of its robots' bodies."""
+    """Describes the attached robots."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -390,12 +388,12 @@ class Welcome(_message.Message):
     LOCKSTEP_FIELD_NUMBER: _builtins.int
     ROBOTS_FIELD_NUMBER: _builtins.int
     step_ns: _builtins.int
-    """Length of a tick."""
+    """Length of a tick in nanoseconds."""
     lockstep: _builtins.bool
-    """The world waits for the answer to each Turn."""
+    """True if the world waits for the answer to each Turn."""
     @_builtins.property
     def robots(self) -> _containers.RepeatedCompositeFieldContainer[Global___RobotDescription]:
-        """In the order of the Hello."""
+        """Data sheets of the robots, in the order of the Hello."""
 
     def __init__(
         self,
@@ -414,7 +412,7 @@ Global___Welcome: _TypeAlias = Welcome  # noqa: Y015
 
 @_typing.final
 class RobotDescription(_message.Message):
-    """A robot as its maker's data sheet has it."""
+    """Data sheet of a robot."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -434,44 +432,46 @@ class RobotDescription(_message.Message):
     OPERATIONS_PER_S_FIELD_NUMBER: _builtins.int
     RAM_BYTES_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
-    """Its name."""
+    """Name of the robot."""
     radius_m: _builtins.float
-    """Radius of its disc."""
+    """Radius of the disc-shaped body, or of the disc that encloses it, in metres."""
     half_track_m: _builtins.float
-    """Half the distance between its wheels."""
+    """Half the distance between the wheels, in metres."""
     wheel_radius_m: _builtins.float
-    """Radius of its wheels."""
+    """Radius of the wheels, in metres."""
     signal_limit: _builtins.float
-    """Largest size of a motor signal; absent if there is none."""
+    """Largest magnitude of a motor signal. Absent: no limit."""
     baud: _builtins.int
-    """Baud rate of the cable; absent if it has none: if it is ideal, or USB."""
+    """Baud rate of the cable, in bits per second. Absent if it has none, as with USB or an ideal link."""
     bits_per_character: _builtins.int
-    """Bits a character; absent where there is no baud rate."""
+    """Bits per character on the cable, start and stop bits included. Absent if there is no baud rate."""
     motor_kind: Global___MotorKind.ValueType
-    """What turns the wheels."""
+    """Kind of the drive motors."""
     onboard: _builtins.bool
-    """There is no cable: the brain is the microcontroller's program, and its thinking takes that processor's
-    time.
+    """True if there is no cable: the brain is the microcontroller's own program, and its thinking takes time on that
+    processor.
     """
     operations_per_s: _builtins.float
-    """How many operations of a brain's program the microcontroller does a second; absent if it is not known."""
+    """Operations of a brain's program that the microcontroller executes per second. Absent if unknown."""
     ram_bytes: _builtins.int
-    """Memory for the variables of a brain's program; absent if it is not known."""
+    """Memory for the variables of a brain's program, in bytes. Absent if unknown."""
     @_builtins.property
     def motor_encoding(self) -> Global___Encoding:
-        """How a motor signal crosses the wire."""
+        """Encoding of a motor signal on the cable."""
 
     @_builtins.property
     def sensors(self) -> _containers.RepeatedCompositeFieldContainer[Global___SensorDescription]:
-        """Those that the microcontroller reads, in the order of the wire; then those with a port of their own."""
+        """Sensors: first those read by the microcontroller, in the order of the cable's messages, then those with a port.
+        Readings refer to a sensor by its index in this list, from 0.
+        """
 
     @_builtins.property
     def firmware(self) -> Global___Firmware:
-        """What the microcontroller says on its wire."""
+        """Messages that the microcontroller sends on the cable."""
 
     @_builtins.property
     def actuators(self) -> _containers.RepeatedCompositeFieldContainer[Global___ActuatorDescription]:
-        """Actuators besides the wheels, in the order of the wire."""
+        """Actuators besides the wheels, in the order of the cable's messages."""
 
     def __init__(
         self,
@@ -521,7 +521,7 @@ Global___RobotDescription: _TypeAlias = RobotDescription  # noqa: Y015
 
 @_typing.final
 class ActuatorDescription(_message.Message):
-    """An actuator besides the wheels, as its maker's data sheet has it. It takes one signal."""
+    """Data sheet of an actuator besides the wheels. Each takes one signal."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -530,13 +530,13 @@ class ActuatorDescription(_message.Message):
     MIN_RAD_FIELD_NUMBER: _builtins.int
     MAX_RAD_FIELD_NUMBER: _builtins.int
     actuator: _builtins.str
-    """Its name."""
+    """Name of the actuator."""
     kind: Global___ActuatorKind.ValueType
-    """What it does with its signal."""
+    """Kind of the actuator."""
     min_rad: _builtins.float
-    """Least angle, of a turret."""
+    """For a turret: smallest angle in radians, positive counter-clockwise from straight ahead. Otherwise absent."""
     max_rad: _builtins.float
-    """Greatest angle, of a turret."""
+    """For a turret: largest angle in radians, positive counter-clockwise from straight ahead. Otherwise absent."""
     def __init__(
         self,
         *,
@@ -562,7 +562,7 @@ Global___ActuatorDescription: _TypeAlias = ActuatorDescription  # noqa: Y015
 
 @_typing.final
 class SensorDescription(_message.Message):
-    """A sensor as its maker's data sheet has it."""
+    """Data sheet of a sensor."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -579,36 +579,38 @@ class SensorDescription(_message.Message):
     SWEEP_FIELD_NUMBER: _builtins.int
     COUNTS_PER_M_FIELD_NUMBER: _builtins.int
     sensor: _builtins.str
-    """Its name."""
+    """Name of the sensor."""
     kind: Global___SensorKind.ValueType
-    """What it measures, and how."""
+    """Kind of the sensor."""
     period_ns: _builtins.int
-    """Time between two samples."""
+    """Time between two samples, in nanoseconds."""
     phase_ns: _builtins.int
-    """The first sample; 0 also if a sensor with a port of its own begins somewhere."""
+    """Time of the first sample, in nanoseconds of simulated time. Also 0 for a sensor with a port whose phase is random."""
     range_m: _builtins.float
-    """Range, if it has one."""
+    """Largest distance that the sensor measures, in metres. Absent if it has no such limit."""
     counts_per_turn: _builtins.int
-    """Counts a turn of the wheel, if it counts."""
+    """Counts per turn of a wheel. Absent for sensors that do not count turns."""
     opening_rad: _builtins.float
-    """From the first of the rays that it looks along to the last, if it looks along rays; 0 if that is one ray."""
+    """For a sensor that casts rays: angle from the first ray to the last, in radians; 0 for a single ray. Otherwise
+    absent.
+    """
     counts_per_m: _builtins.float
-    """Counts per metre of travel over the floor, if it counts that."""
+    """Counts per metre of motion over the floor. Absent for sensors that do not count it."""
     @_builtins.property
     def components(self) -> _containers.RepeatedCompositeFieldContainer[Global___ComponentDescription]:
-        """The parts of a reading, in order."""
+        """Components of a reading, in the order of Reading.values."""
 
     @_builtins.property
     def mount(self) -> Global___Mount:
-        """Where it sits and in which direction it looks, if that matters."""
+        """Pose of the sensor on the robot. Absent if it does not matter."""
 
     @_builtins.property
     def port(self) -> Global___Port:
-        """A cable of its own to the laptop, past the microcontroller, if it has one."""
+        """Sensor's own cable to the laptop, past the microcontroller. Absent if it has none."""
 
     @_builtins.property
     def sweep(self) -> Global___Sweep:
-        """How a laser's mirror turns; absent of all other sensors."""
+        """Sweep of a laser range finder. Absent for other sensors."""
 
     def __init__(
         self,
@@ -663,16 +665,16 @@ Global___SensorDescription: _TypeAlias = SensorDescription  # noqa: Y015
 
 @_typing.final
 class Sweep(_message.Message):
-    """The sweep of a laser range finder. A reading of it is as old as its first ray."""
+    """Sweep of a laser range finder. The sampling time of a scan is that of its first ray."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     DURATION_NS_FIELD_NUMBER: _builtins.int
     CLOCKWISE_FIELD_NUMBER: _builtins.int
     duration_ns: _builtins.int
-    """Time from the first ray of a scan to the last."""
+    """Time from the first ray of a scan to the last, in nanoseconds."""
     clockwise: _builtins.bool
-    """The first ray is the one farthest to the left, and not the one farthest to the right."""
+    """True: a scan runs clockwise, from its leftmost ray to the rightmost. False: counter-clockwise."""
     def __init__(
         self,
         *,
@@ -689,7 +691,7 @@ Global___Sweep: _TypeAlias = Sweep  # noqa: Y015
 
 @_typing.final
 class Port(_message.Message):
-    """A sensor's own cable to the laptop."""
+    """Sensor's own cable to the laptop."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -698,13 +700,13 @@ class Port(_message.Message):
     BAUD_FIELD_NUMBER: _builtins.int
     BITS_PER_CHARACTER_FIELD_NUMBER: _builtins.int
     format: Global___PortFormat.ValueType
-    """What is said on it."""
+    """Format of the data on the cable."""
     message_bytes: _builtins.int
-    """Bytes of one message."""
+    """Size of one message, in bytes."""
     baud: _builtins.int
-    """Baud rate; absent if the cable is ideal, such as USB."""
+    """Baud rate in bits per second. Absent for an ideal cable, such as USB."""
     bits_per_character: _builtins.int
-    """Bits a character; absent if the cable is ideal."""
+    """Bits per character, start and stop bits included. Absent for an ideal cable."""
     def __init__(
         self,
         *,
@@ -730,7 +732,9 @@ Global___Port: _TypeAlias = Port  # noqa: Y015
 
 @_typing.final
 class Mount(_message.Message):
-    """Robot from sensor; on a turret, turret from sensor."""
+    """Pose of a sensor in the robot frame (origin at the robot's centre, x axis forwards, y axis to the left), or for a
+    sensor on a turret, in the frame of the turret.
+    """
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -739,13 +743,15 @@ class Mount(_message.Message):
     HEADING_RAD_FIELD_NUMBER: _builtins.int
     TURRET_FIELD_NUMBER: _builtins.int
     x_m: _builtins.float
-    """Forwards of the robot's centre."""
+    """x coordinate in metres, positive forwards."""
     y_m: _builtins.float
-    """To the left of the robot's centre."""
+    """y coordinate in metres, positive to the left."""
     heading_rad: _builtins.float
-    """Counter-clockwise of the robot's heading."""
+    """Viewing direction in radians, positive counter-clockwise from straight ahead."""
     turret: _builtins.int
-    """The actuator that turns it about the robot's centre, by its place in the description; absent if none does."""
+    """Index, in RobotDescription.actuators, of the turret that carries the sensor and turns about the robot's centre.
+    Absent if the sensor is fixed to the robot.
+    """
     def __init__(
         self,
         *,
@@ -766,7 +772,7 @@ Global___Mount: _TypeAlias = Mount  # noqa: Y015
 
 @_typing.final
 class ComponentDescription(_message.Message):
-    """A part of a reading: one value, or as many as a scan has rays."""
+    """Component of a reading: one value, or one per ray or column."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -775,14 +781,14 @@ class ComponentDescription(_message.Message):
     ENCODING_FIELD_NUMBER: _builtins.int
     COUNT_FIELD_NUMBER: _builtins.int
     name: _builtins.str
-    """Its name; empty if the sensor has only this one."""
+    """Name of the component; empty if it is the sensor's only one."""
     unit: _builtins.str
-    """SI unit; `1` for a ratio."""
+    """SI unit of the values; `1` for a ratio."""
     count: _builtins.int
-    """How many values it has; 0 means 1."""
+    """Number of values; 0 means 1."""
     @_builtins.property
     def encoding(self) -> Global___Encoding:
-        """How each value crosses the wire; without meaning for a sensor with a port of its own."""
+        """Encoding of each value on the cable. Not used for a sensor with a port."""
 
     def __init__(
         self,
@@ -802,13 +808,13 @@ Global___ComponentDescription: _TypeAlias = ComponentDescription  # noqa: Y015
 
 @_typing.final
 class Encoding(_message.Message):
-    """How one number crosses the wire; `docs/reference/wire.md` has the bytes."""
+    """Encoding of a number on the cable; docs/reference/wire.md has the bytes."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     @_typing.final
     class Float64(_message.Message):
-        """8 bytes, IEEE 754, little endian."""
+        """IEEE 754 double, 8 bytes, little endian."""
 
         DESCRIPTOR: _descriptor.Descriptor
 
@@ -823,7 +829,7 @@ class Encoding(_message.Message):
 
     @_typing.final
     class Level(_message.Message):
-        """Equal steps from min to max."""
+        """Unsigned code with equal steps from `min` to `max`."""
 
         DESCRIPTOR: _descriptor.Descriptor
 
@@ -831,11 +837,11 @@ class Encoding(_message.Message):
         MIN_FIELD_NUMBER: _builtins.int
         MAX_FIELD_NUMBER: _builtins.int
         bits: _builtins.int
-        """1 to 32."""
+        """Width of the code in bits, 1 to 32."""
         min: _builtins.float
-        """At code 0."""
+        """Value of code 0, in the unit of the number."""
         max: _builtins.float
-        """At the largest code."""
+        """Value of the largest code, in the unit of the number."""
         def __init__(
             self,
             *,
@@ -851,13 +857,13 @@ class Encoding(_message.Message):
 
     @_typing.final
     class Counter(_message.Message):
-        """A whole number that wraps."""
+        """Integer that wraps around."""
 
         DESCRIPTOR: _descriptor.Descriptor
 
         BITS_FIELD_NUMBER: _builtins.int
         bits: _builtins.int
-        """8 to 32."""
+        """Width in bits, 8 to 32."""
         def __init__(
             self,
             *,
@@ -871,16 +877,16 @@ class Encoding(_message.Message):
 
     @_typing.final
     class Signed(_message.Message):
-        """Equal steps on either side of an exact 0."""
+        """Signed code with equal steps on both sides of an exact 0."""
 
         DESCRIPTOR: _descriptor.Descriptor
 
         BITS_FIELD_NUMBER: _builtins.int
         LIMIT_FIELD_NUMBER: _builtins.int
         bits: _builtins.int
-        """2 to 32."""
+        """Width of the code in bits, 2 to 32."""
         limit: _builtins.float
-        """At the largest code."""
+        """Value of the largest code, in the unit of the number; the range is symmetric about 0."""
         def __init__(
             self,
             *,
@@ -899,19 +905,19 @@ class Encoding(_message.Message):
     SIGNED_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def float64(self) -> Global___Encoding.Float64:
-        """8 bytes, IEEE 754, little endian."""
+        """IEEE 754 double, 8 bytes, little endian."""
 
     @_builtins.property
     def level(self) -> Global___Encoding.Level:
-        """Equal steps from min to max."""
+        """Unsigned code with equal steps from `min` to `max`."""
 
     @_builtins.property
     def counter(self) -> Global___Encoding.Counter:
-        """A whole number that wraps."""
+        """Integer that wraps around."""
 
     @_builtins.property
     def signed(self) -> Global___Encoding.Signed:
-        """Equal steps on either side of an exact 0."""
+        """Signed code with equal steps on both sides of an exact 0."""
 
     def __init__(
         self,
@@ -933,7 +939,7 @@ Global___Encoding: _TypeAlias = Encoding  # noqa: Y015
 
 @_typing.final
 class Firmware(_message.Message):
-    """What the microcontroller says on its wire."""
+    """Protocol of a robot's microcontroller on its cable."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -945,7 +951,7 @@ class Firmware(_message.Message):
 
         AGES_FIELD_NUMBER: _builtins.int
         ages: _builtins.bool
-        """Whether each reading carries its age."""
+        """True if each reading carries its age."""
         def __init__(
             self,
             *,
@@ -959,13 +965,13 @@ class Firmware(_message.Message):
 
     @_typing.final
     class Bare(_message.Message):
-        """One value after the other and nothing else."""
+        """Bare values without any framing."""
 
         DESCRIPTOR: _descriptor.Descriptor
 
         GAP_NS_FIELD_NUMBER: _builtins.int
         gap_ns: _builtins.int
-        """Silence after which an incomplete message is discarded."""
+        """Length of silence, in nanoseconds, after which an incomplete message is discarded."""
         def __init__(
             self,
             *,
@@ -979,8 +985,8 @@ class Firmware(_message.Message):
 
     @_typing.final
     class Khepera(_message.Message):
-        """Lines of text, as a Khepera's: one answer for each question. All values are codes of their encodings in
-        decimal digits; every sensor is in every answer.
+        """Lines of text as of a Khepera robot, one answer per request. Values are sent as codes of their encoding in decimal
+        digits; every answer contains all sensors.
         """
 
         DESCRIPTOR: _descriptor.Descriptor
@@ -996,15 +1002,15 @@ class Firmware(_message.Message):
 
     @_typing.final
     class Create(_message.Message):
-        """The Open Interface of an iRobot Create. Every sensor that it tells is in every message of the stream that the server asks
-        for; it tells those whose names docs/reference/robots/create.md lists.
+        """Open Interface of an iRobot Create. Every message of the requested stream contains all sensors that the protocol
+        supports; docs/reference/robots/create.md lists their names.
         """
 
         DESCRIPTOR: _descriptor.Descriptor
 
         VERSION_FIELD_NUMBER: _builtins.int
         version: _builtins.int
-        """1 for the Create of 2007, 2 for the Create 2."""
+        """Version of the robot: 1 for the Create of 2007, 2 for the Create 2."""
         def __init__(
             self,
             *,
@@ -1022,22 +1028,22 @@ class Firmware(_message.Message):
     CREATE_FIELD_NUMBER: _builtins.int
     PERIOD_NS_FIELD_NUMBER: _builtins.int
     period_ns: _builtins.int
-    """Time between two messages of readings; absent if it answers only when asked."""
+    """Time between two messages of readings, in nanoseconds. Absent if the firmware sends them only on request."""
     @_builtins.property
     def framed(self) -> Global___Firmware.Framed:
         """Frames with sequence number, time and checksum."""
 
     @_builtins.property
     def bare(self) -> Global___Firmware.Bare:
-        """One value after the other and nothing else."""
+        """Bare values without any framing."""
 
     @_builtins.property
     def khepera(self) -> Global___Firmware.Khepera:
-        """Lines of text, as a Khepera's: one answer for each question."""
+        """Lines of text as of a Khepera robot, one answer per request."""
 
     @_builtins.property
     def create(self) -> Global___Firmware.Create:
-        """The Open Interface of an iRobot Create: a stream of packets, once one is asked for."""
+        """Open Interface of an iRobot Create: a stream of packets, which starts on request."""
 
     def __init__(
         self,
@@ -1065,7 +1071,7 @@ Global___Firmware: _TypeAlias = Firmware  # noqa: Y015
 
 @_typing.final
 class Turn(_message.Message):
-    """A brain's step: what has arrived for it, and when it is."""
+    """Opportunity for a step: what has arrived since the last one, and the time."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1074,16 +1080,18 @@ class Turn(_message.Message):
     TURN_FIELD_NUMBER: _builtins.int
     WALL_CLOCK_FIELD_NUMBER: _builtins.int
     tick: _builtins.int
-    """Number of the tick. It goes back when the world is reset."""
+    """Number of the tick. It decreases when the world is reset or a snapshot is restored."""
     turn: _builtins.int
-    """Number of the Turn on this stream, from 1; the answering Step repeats it."""
+    """Number of the Turn on this stream, from 1. The answering Step repeats it."""
     @_builtins.property
     def robots(self) -> _containers.RepeatedCompositeFieldContainer[Global___RobotTurn]:
-        """Those of the stream's robots whose brain can step in this tick; one that still thinks cannot."""
+        """Robots of the stream that can step in this tick. A robot whose brain is still thinking, in simulated time, is
+        omitted.
+        """
 
     @_builtins.property
     def wall_clock(self) -> Global___WallClock:
-        """For a serial port, where simulated time follows the wall clock."""
+        """Mapping of simulated time to the wall clock. Set only for a serial port (Hello.serial_port)."""
 
     def __init__(
         self,
@@ -1103,18 +1111,18 @@ Global___Turn: _TypeAlias = Turn  # noqa: Y015
 
 @_typing.final
 class WallClock(_message.Message):
-    """How simulated time follows the wall clock."""
+    """Mapping of simulated time to the wall clock."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     TICK_BEGINS_UNIX_NS_FIELD_NUMBER: _builtins.int
     FACTOR_FIELD_NUMBER: _builtins.int
     tick_begins_unix_ns: _builtins.int
-    """When the tick begins, in nanoseconds since 1970 by the clock of the server's machine. A world that cannot keep up sets
-    its clock back; then it is later than the ticks before say.
+    """Start of the tick, in nanoseconds since 1970 (Unix time) by the clock of the server's machine. If the world falls
+    behind real time, later ticks map to later wall-clock times than earlier ticks implied.
     """
     factor: _builtins.float
-    """Simulated seconds a second of the wall clock."""
+    """Simulated seconds per second of wall-clock time."""
     def __init__(
         self,
         *,
@@ -1131,7 +1139,7 @@ Global___WallClock: _TypeAlias = WallClock  # noqa: Y015
 
 @_typing.final
 class RobotTurn(_message.Message):
-    """One robot's part of a Turn."""
+    """Part of a Turn for one robot."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1144,30 +1152,31 @@ class RobotTurn(_message.Message):
     BAUD_FIELD_NUMBER: _builtins.int
     HAS_MESSAGE_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
-    """Its place in the Hello."""
+    """Index of the robot in Hello.robots."""
     at_ns: _builtins.int
-    """The instant of the step, by the laptop's clock."""
+    """Time of the step, in nanoseconds by the laptop's clock."""
     raw: _builtins.bytes
-    """RAW: the bytes that arrived since the last step."""
+    """RAW mode: bytes that arrived on the robot's cable since the last step."""
     baud: _builtins.int
-    """For a serial port: the baud rate of the robot's cable, if it has one; programs and robots may change it."""
+    """For a serial port: current baud rate of the robot's cable, in bits per second; programs and robots may change it.
+    Absent if the cable has none.
+    """
     has_message: _builtins.bool
-    """MESSAGES: a complete, valid message of readings has arrived from the microcontroller since the last step. It may have no new
-    reading: who asks a polled firmware more often than its sensors sample gets such answers, and must ask again.
+    """MESSAGES mode: true if a complete, valid message of readings has arrived from the microcontroller since the last
+    step. It may contain no new reading: a firmware that is polled more often than its sensors sample sends such
+    answers, and must be polled again.
     """
     @_builtins.property
     def readings(self) -> _containers.RepeatedCompositeFieldContainer[Global___Reading]:
-        """MESSAGES: the last reading of each sensor of which one has arrived."""
+        """MESSAGES mode: latest reading of each sensor. Sensors of which no reading has arrived yet are omitted."""
 
     @_builtins.property
     def ports(self) -> _containers.RepeatedCompositeFieldContainer[Global___PortBytes]:
-        """RAW: the bytes that arrived since the last step on the cables of sensors' own; ports on which nothing came
-        are left out.
-        """
+        """RAW mode: bytes that arrived since the last step on the sensors' own cables. Ports without new bytes are omitted."""
 
     @_builtins.property
     def raw_after_ns(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
-        """For a serial port: how long after the tick began each byte of `raw` arrived."""
+        """For a serial port: arrival time of each byte of `raw`, in nanoseconds after the start of the tick."""
 
     def __init__(
         self,
@@ -1193,7 +1202,7 @@ Global___RobotTurn: _TypeAlias = RobotTurn  # noqa: Y015
 
 @_typing.final
 class PortBytes(_message.Message):
-    """What arrived on the cable of a sensor's own."""
+    """Bytes on the cable of a sensor's own."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1202,14 +1211,16 @@ class PortBytes(_message.Message):
     AFTER_NS_FIELD_NUMBER: _builtins.int
     BAUD_FIELD_NUMBER: _builtins.int
     sensor: _builtins.int
-    """The sensor's place in the description."""
+    """Index of the sensor in RobotDescription.sensors."""
     data: _builtins.bytes
-    """As they came: perhaps the end of one message and the beginning of the next."""
+    """Bytes as they arrived. They may start or end in the middle of a message."""
     baud: _builtins.int
-    """For a serial port, which is told of each port in each Turn: its baud rate, if it has one."""
+    """Baud rate of the port in bits per second. Set only for a serial port, whose Turns list every port; absent if the
+    cable has none.
+    """
     @_builtins.property
     def after_ns(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
-        """For a serial port: how long after the tick began each byte arrived."""
+        """For a serial port: arrival time of each byte, in nanoseconds after the start of the tick."""
 
     def __init__(
         self,
@@ -1231,7 +1242,7 @@ Global___PortBytes: _TypeAlias = PortBytes  # noqa: Y015
 
 @_typing.final
 class Reading(_message.Message):
-    """A reading as it came over the wire."""
+    """Reading as received over the cable."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1241,18 +1252,20 @@ class Reading(_message.Message):
     SEQUENCE_FIELD_NUMBER: _builtins.int
     READABLE_FIELD_NUMBER: _builtins.int
     sensor: _builtins.int
-    """The sensor's place in the description."""
+    """Index of the sensor in RobotDescription.sensors."""
     sampled_at_ns: _builtins.int
-    """When it was sampled, by the microcontroller's or the device's clock; absent if the protocol does not say."""
+    """Time of the sample, in nanoseconds by the clock of the microcontroller or of the device. Absent if the protocol
+    does not transmit it.
+    """
     sequence: _builtins.int
-    """Sequence number of the message that brought it; of a sensor with a port of its own, how many there were.
-    It wraps at 256.
+    """Sequence number of the message that contained the reading; for a sensor with a port, the number of messages
+    received. It wraps at 256.
     """
     readable: _builtins.bool
-    """New since the last Turn; an old value is repeated with false."""
+    """True if the reading arrived since the last Turn. False: a repeat of the previous one."""
     @_builtins.property
     def values(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
-        """Component by component, in SI units. A ray that met nothing has -1."""
+        """Values, component by component, in the units of the components. A ray that hit nothing has the value -1."""
 
     def __init__(
         self,
@@ -1275,19 +1288,19 @@ Global___Reading: _TypeAlias = Reading  # noqa: Y015
 
 @_typing.final
 class Step(_message.Message):
-    """What the brain does."""
+    """Action of the brain."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     TURN_FIELD_NUMBER: _builtins.int
     ROBOTS_FIELD_NUMBER: _builtins.int
     turn: _builtins.int
-    """The number of the Turn that this answers; 0 if it answers none, which lockstep does not allow. An answer
-    to a Turn from before a reset, or from before a change of pace, is discarded.
+    """Number of the Turn that this answers; 0 if it answers none, which lockstep does not permit. The answer to a Turn
+    from before a reset or a change of pace is discarded.
     """
     @_builtins.property
     def robots(self) -> _containers.RepeatedCompositeFieldContainer[Global___RobotStep]:
-        """What it writes, robot by robot; a robot may be left out."""
+        """Actions by robot. Robots without an action may be omitted."""
 
     def __init__(
         self,
@@ -1305,7 +1318,7 @@ Global___Step: _TypeAlias = Step  # noqa: Y015
 
 @_typing.final
 class RobotStep(_message.Message):
-    """One robot's part of a Step."""
+    """Part of a Step for one robot."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1319,41 +1332,41 @@ class RobotStep(_message.Message):
     OPENED_FIELD_NUMBER: _builtins.int
     PORTS_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
-    """Its place in the Hello."""
+    """Index of the robot in Hello.robots."""
     thinking_ns: _builtins.int
-    """How long the brain thought, in simulated time; absent: what the scenario says. Where simulated time
-    follows the wall clock this is ignored: the brain takes the time that it takes.
+    """Thinking time of the brain, in nanoseconds of simulated time. Absent: the time given in the scenario. Ignored where
+    simulated time follows the wall clock, since the real thinking time counts there.
     """
     raw: _builtins.bytes
-    """RAW: any bytes."""
+    """RAW mode: bytes for the robot's cable."""
     operations: _builtins.int
-    """Instead of thinking_ns, for a robot that is onboard: how many operations its program did. What that takes
-    of the processor's time follows from operations_per_s.
+    """For a robot whose brain runs on board, in place of thinking_ns: operations that its program executed.
+    RobotDescription.operations_per_s gives the time that they take.
     """
     opened: _builtins.bool
-    """For a serial port: a program has opened it, which pulls DTR. That resets a microcontroller that has a bootloader, as soon
-    as the tick is over.
+    """For a serial port: true if a program has opened it, which asserts DTR. A microcontroller with a bootloader is reset
+    by that at the end of the tick.
     """
     @_builtins.property
     def command(self) -> Global___Command:
-        """MESSAGES: signals for the motors."""
+        """MESSAGES mode: signals for the motors and other actuators."""
 
     @_builtins.property
     def poll(self) -> Global___Poll:
-        """MESSAGES: asks a polled firmware for readings. A command does that too; where it does not on the wire, as
-        in the Khepera's protocol, the server sends the poll behind it.
+        """MESSAGES mode: request for readings from a firmware that is polled. A command is a request too; if the protocol
+        needs a separate one, as that of the Khepera does, the server sends it after the command.
         """
 
     @_builtins.property
     def until_message(self) -> Global___UntilMessage:
-        """The brain now waits for a message, and need not be asked before one has come; absent: it is asked at each of its
-        steps. It matters in lockstep alone, and there too the server may ask more often: it does not look ahead if the
-        operator forbids it, nor after a reset.
+        """Wait for the next message: the robot gets no Turn before then. Absent: a Turn at each step. It has an effect only
+        in lockstep, and even there the server may send Turns earlier, namely when the operator has disabled lookahead, and
+        after a reset.
         """
 
     @_builtins.property
     def ports(self) -> _containers.RepeatedCompositeFieldContainer[Global___PortBytes]:
-        """RAW: bytes for sensors on their own cables; `after_ns` is not used. A device that speaks by itself passes them over."""
+        """RAW mode: bytes for sensors with a port; `after_ns` is not used. Devices that send without being asked ignore them."""
 
     def __init__(
         self,
@@ -1389,17 +1402,19 @@ Global___RobotStep: _TypeAlias = RobotStep  # noqa: Y015
 
 @_typing.final
 class UntilMessage(_message.Message):
-    """Like a program that waits in poll(2) for its serial port: the robot has no part in a Turn before something has come.
-    In MESSAGES mode that is a whole, sound message of readings, in RAW mode any byte, in both on any of the robot's
-    ports. Each step at which the brain is not asked counts as if it had answered with a RobotStep that says no more
-    than this: it writes nothing, and has thought as long as the scenario says.
+    """Suspends the Turns of a robot until something arrives, as poll(2) does on a serial port: in MESSAGES mode a complete,
+    valid message of readings, in RAW mode any byte, and in both modes anything on one of the robot's ports. Each step
+    without a Turn counts as a RobotStep with nothing but this field: no output, and the thinking time given in the
+    scenario.
     """
 
     DESCRIPTOR: _descriptor.Descriptor
 
     AT_LATEST_NS_FIELD_NUMBER: _builtins.int
     at_latest_ns: _builtins.int
-    """It is asked anyway at the first step at this instant or later; absent: it waits indefinitely."""
+    """Time, by the laptop's clock in nanoseconds, from which the next step gets a Turn in any case. Absent: no time
+    limit.
+    """
     def __init__(
         self,
         *,
@@ -1417,7 +1432,9 @@ Global___UntilMessage: _TypeAlias = UntilMessage  # noqa: Y015
 
 @_typing.final
 class Command(_message.Message):
-    """Signals for the motors; 1 is full voltage, or full speed, forwards."""
+    """Signals for the motors and other actuators. For the wheels, 1 is full voltage or full speed forwards, and negative
+    values are backwards; RobotDescription.signal_limit is the largest magnitude.
+    """
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1425,13 +1442,13 @@ class Command(_message.Message):
     RIGHT_SIGNAL_FIELD_NUMBER: _builtins.int
     OTHER_SIGNALS_FIELD_NUMBER: _builtins.int
     left_signal: _builtins.float
-    """Left."""
+    """Signal for the left motor."""
     right_signal: _builtins.float
-    """Right."""
+    """Signal for the right motor."""
     @_builtins.property
     def other_signals(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
-        """For the other actuators, as many as the robot has, in their order. Left out: those that were sent last on
-        this stream are sent again; at first, those that were in force when it began.
+        """Signals for all other actuators, in the order of RobotDescription.actuators. Empty: the last ones sent on this
+        stream are repeated, or if there are none, those in effect when it began.
         """
 
     def __init__(
@@ -1451,7 +1468,7 @@ Global___Command: _TypeAlias = Command  # noqa: Y015
 
 @_typing.final
 class Poll(_message.Message):
-    """Asks for readings."""
+    """Request for readings."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1468,13 +1485,13 @@ Global___Poll: _TypeAlias = Poll  # noqa: Y015
 
 @_typing.final
 class Ended(_message.Message):
-    """The run is over. A brain is not told why."""
+    """Signals that the run is over. The reason is not given to brains."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     TICK_FIELD_NUMBER: _builtins.int
     tick: _builtins.int
-    """The last tick."""
+    """Number of the last tick."""
     def __init__(
         self,
         *,
@@ -1490,9 +1507,9 @@ Global___Ended: _TypeAlias = Ended  # noqa: Y015
 
 @_typing.final
 class Annotate(_message.Message):
-    """What a brain publishes for observers. It takes no time on any cable, changes nothing in the world, and reaches no
-    brain. If a brain publishes faster than observers read, they get the newest. At most 256 KiB. In lockstep, what comes
-    before the Step that answers a Turn is in the next tick's frame; what comes after it may be late.
+    """Data that a brain publishes for observers, at most 256 KiB. It takes no time on a cable, has no effect in the world,
+    and is not visible to brains. If it is published faster than observers read, they get the newest. In lockstep, what
+    is sent before the Step that answers a Turn is in the frame of the next tick; what is sent after it may come later.
     """
 
     DESCRIPTOR: _descriptor.Descriptor
@@ -1500,10 +1517,10 @@ class Annotate(_message.Message):
     ROBOT_FIELD_NUMBER: _builtins.int
     BELIEF_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
-    """The robot's place in the Hello."""
+    """Index of the robot in Hello.robots."""
     @_builtins.property
     def belief(self) -> Global___Belief:
-        """What it says; it replaces all that was said before."""
+        """Belief that replaces the previous one as a whole."""
 
     def __init__(
         self,
@@ -1521,7 +1538,9 @@ Global___Annotate: _TypeAlias = Annotate  # noqa: Y015
 
 @_typing.final
 class Belief(_message.Message):
-    """What a brain believes and does, in coordinates of the world as it believes them to be."""
+    """Belief and activity of a brain. Coordinates are in the world frame as the brain believes it to be. All numbers must
+    be finite.
+    """
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1532,26 +1551,26 @@ class Belief(_message.Message):
     PATH_FIELD_NUMBER: _builtins.int
     MAP_FIELD_NUMBER: _builtins.int
     state: _builtins.str
-    """The state or behaviour that is active, in a few words: one line without control characters."""
+    """Active state or behaviour in a few words: one line without control characters."""
     @_builtins.property
     def utilities(self) -> _containers.RepeatedCompositeFieldContainer[Global___Utility]:
-        """Utilities of behaviours."""
+        """Utilities of the behaviours."""
 
     @_builtins.property
     def pose(self) -> Global___BelievedPose:
-        """Where it believes that it is."""
+        """Estimated pose of the robot. Absent: no estimate."""
 
     @_builtins.property
     def particles(self) -> _containers.RepeatedCompositeFieldContainer[Global___Particle]:
-        """Other poses that it thinks possible."""
+        """Further poses considered possible, as of a particle filter."""
 
     @_builtins.property
     def path(self) -> _containers.RepeatedCompositeFieldContainer[Global___Point]:
-        """Where it intends to go."""
+        """Planned path."""
 
     @_builtins.property
     def map(self) -> Global___GridMap:
-        """Its map of the world."""
+        """Map of the world. Absent: no map."""
 
     def __init__(
         self,
@@ -1573,7 +1592,7 @@ Global___Belief: _TypeAlias = Belief  # noqa: Y015
 
 @_typing.final
 class Utility(_message.Message):
-    """The utility of a behaviour."""
+    """Utility of a behaviour."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1581,11 +1600,11 @@ class Utility(_message.Message):
     VALUE_FIELD_NUMBER: _builtins.int
     ACTIVE_FIELD_NUMBER: _builtins.int
     name: _builtins.str
-    """The behaviour's name."""
+    """Name of the behaviour."""
     value: _builtins.float
-    """Its utility."""
+    """Utility of the behaviour, without unit."""
     active: _builtins.bool
-    """Whether it runs."""
+    """True if the behaviour is active."""
     def __init__(
         self,
         *,
@@ -1603,7 +1622,7 @@ Global___Utility: _TypeAlias = Utility  # noqa: Y015
 
 @_typing.final
 class BelievedPose(_message.Message):
-    """A pose that a brain believes in."""
+    """Estimated pose."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1612,14 +1631,14 @@ class BelievedPose(_message.Message):
     HEADING_RAD_FIELD_NUMBER: _builtins.int
     COVARIANCE_M2_FIELD_NUMBER: _builtins.int
     x_m: _builtins.float
-    """In metres."""
+    """x coordinate in metres."""
     y_m: _builtins.float
-    """In metres."""
+    """y coordinate in metres."""
     heading_rad: _builtins.float
-    """Counter-clockwise from the x axis."""
+    """Heading in radians, counter-clockwise from the x axis."""
     @_builtins.property
     def covariance_m2(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
-        """Of x and y: xx, xy and yy in square metres; absent or all three. All numbers of a Belief must be finite."""
+        """Covariance of x and y in square metres, as the three numbers xx, xy and yy. Empty: unknown."""
 
     def __init__(
         self,
@@ -1639,7 +1658,7 @@ Global___BelievedPose: _TypeAlias = BelievedPose  # noqa: Y015
 
 @_typing.final
 class Particle(_message.Message):
-    """A pose that a brain thinks possible."""
+    """Pose considered possible."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1648,13 +1667,13 @@ class Particle(_message.Message):
     HEADING_RAD_FIELD_NUMBER: _builtins.int
     WEIGHT_FIELD_NUMBER: _builtins.int
     x_m: _builtins.float
-    """In metres."""
+    """x coordinate in metres."""
     y_m: _builtins.float
-    """In metres."""
+    """y coordinate in metres."""
     heading_rad: _builtins.float
-    """Counter-clockwise from the x axis."""
+    """Heading in radians, counter-clockwise from the x axis."""
     weight: _builtins.float
-    """Its weight; all are equal if none has any."""
+    """Weight of the pose. If all weights are 0, all poses count equally."""
     def __init__(
         self,
         *,
@@ -1673,7 +1692,7 @@ Global___Particle: _TypeAlias = Particle  # noqa: Y015
 
 @_typing.final
 class GridMap(_message.Message):
-    """Square cells of a map."""
+    """Occupancy map with square cells, aligned with the axes."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1683,16 +1702,16 @@ class GridMap(_message.Message):
     COLUMNS_FIELD_NUMBER: _builtins.int
     CELLS_FIELD_NUMBER: _builtins.int
     x_m: _builtins.float
-    """Of the lower left corner."""
+    """x coordinate of the lower left corner, in metres."""
     y_m: _builtins.float
-    """Of the lower left corner."""
+    """y coordinate of the lower left corner, in metres."""
     cell_m: _builtins.float
-    """The side of a cell."""
+    """Side of a cell, in metres."""
     columns: _builtins.int
-    """Cells in a row."""
+    """Number of cells in a row."""
     cells: _builtins.bytes
-    """A byte a cell, row by row from the lower left corner: 0 is free for sure, 254 is occupied for sure, 255 is not
-    known.
+    """One byte per cell, row by row from the lower left corner: 0 is certainly free, 254 is certainly occupied, 255 is
+    unknown.
     """
     def __init__(
         self,
@@ -1713,16 +1732,16 @@ Global___GridMap: _TypeAlias = GridMap  # noqa: Y015
 
 @_typing.final
 class Point(_message.Message):
-    """A place."""
+    """Position in the plane."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     X_M_FIELD_NUMBER: _builtins.int
     Y_M_FIELD_NUMBER: _builtins.int
     x_m: _builtins.float
-    """In metres."""
+    """x coordinate in metres."""
     y_m: _builtins.float
-    """In metres."""
+    """y coordinate in metres."""
     def __init__(
         self,
         *,

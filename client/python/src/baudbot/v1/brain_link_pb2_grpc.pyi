@@ -27,8 +27,8 @@ GRPC_GENERATED_VERSION: str
 GRPC_VERSION: str
 
 class BrainLinkServiceStub:
-    """For a brain: the laptop's end of its robot's serial cable, and nothing else. Whatever a brain learns here,
-    a program on a real laptop could learn from a real cable.
+    """For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
+    real laptop could not get from a real cable.
     """
 
     @_typing.overload
@@ -36,57 +36,63 @@ class BrainLinkServiceStub:
     @_typing.overload
     def __new__(cls, channel: _aio.Channel) -> BrainLinkServiceAsyncStub: ...
     Attach: _grpc.StreamStreamMultiCallable[_brain_link_pb2.AttachRequest, _brain_link_pb2.AttachResponse]
-    """Attaches a brain program to one or more robots of a world, for as long as the stream lasts.
+    """Attaches a brain program to one or more robots of a world for as long as the stream lasts. The token needs the
+    right `drive` for each of these robots.
 
-    The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in
-    which a brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; in
-    the other paces a brain may send Steps when it likes. When the run is over the server sends Ended and
-    keeps the stream open, because the operator may reset the world.
+    The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
+    brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
+    brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
+    an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
+    closes the other side.
 
-    Errors: NOT_FOUND (no such world or robot), ALREADY_EXISTS (another brain holds the robot),
-    INVALID_ARGUMENT (names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the
-    robot), FAILED_PRECONDITION (a Step before a Hello, a second Hello, in lockstep a Step without a Turn or one that
-    breaks a promise of the Hello),
-    DEADLINE_EXCEEDED (the watchdog detached the brain, or no Hello came), OUT_OF_RANGE (a request of more than 4 MiB),
-    UNAVAILABLE (the server stops, or has reached its limit of connections; both are temporary),
-    INTERNAL (the world has ended by a panic), ABORTED (the world was deleted, or the operator has detached the
-    brain). If the operator wants the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`: a
-    program that supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the
-    same robots. They are free by then.
-    A brain that ends its side of the stream releases its robots, and the server ends the other side.
+    Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
+    NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message
+    names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the robot, or a limit of the server),
+    FAILED_PRECONDITION (a Step before the Hello, a second Hello, a world that replays a recording; in lockstep a Step
+    without a Turn, or one that breaks a promise of the Hello), DEADLINE_EXCEEDED (the watchdog detached the brain, or
+    no Hello came), OUT_OF_RANGE (a request of more than 4 MiB), UNAVAILABLE (the server is stopping or has reached its
+    limit of connections; both are temporary), INTERNAL (the world ended because of a bug in the server), ABORTED (the
+    world was deleted, or an operator detached the brain).
+
+    If an operator asks the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`. A program that
+    supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the same
+    robots, which are free by then.
     """
 
 @_typing.type_check_only
 class BrainLinkServiceAsyncStub(BrainLinkServiceStub):
-    """For a brain: the laptop's end of its robot's serial cable, and nothing else. Whatever a brain learns here,
-    a program on a real laptop could learn from a real cable.
+    """For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
+    real laptop could not get from a real cable.
     """
 
     def __init__(self, channel: _aio.Channel) -> None: ...
     Attach: _aio.StreamStreamMultiCallable[_brain_link_pb2.AttachRequest, _brain_link_pb2.AttachResponse]  # type: ignore[assignment]
-    """Attaches a brain program to one or more robots of a world, for as long as the stream lasts.
+    """Attaches a brain program to one or more robots of a world for as long as the stream lasts. The token needs the
+    right `drive` for each of these robots.
 
-    The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in
-    which a brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; in
-    the other paces a brain may send Steps when it likes. When the run is over the server sends Ended and
-    keeps the stream open, because the operator may reset the world.
+    The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
+    brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
+    brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
+    an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
+    closes the other side.
 
-    Errors: NOT_FOUND (no such world or robot), ALREADY_EXISTS (another brain holds the robot),
-    INVALID_ARGUMENT (names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the
-    robot), FAILED_PRECONDITION (a Step before a Hello, a second Hello, in lockstep a Step without a Turn or one that
-    breaks a promise of the Hello),
-    DEADLINE_EXCEEDED (the watchdog detached the brain, or no Hello came), OUT_OF_RANGE (a request of more than 4 MiB),
-    UNAVAILABLE (the server stops, or has reached its limit of connections; both are temporary),
-    INTERNAL (the world has ended by a panic), ABORTED (the world was deleted, or the operator has detached the
-    brain). If the operator wants the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`: a
-    program that supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the
-    same robots. They are free by then.
-    A brain that ends its side of the stream releases its robots, and the server ends the other side.
+    Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
+    NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message
+    names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the robot, or a limit of the server),
+    FAILED_PRECONDITION (a Step before the Hello, a second Hello, a world that replays a recording; in lockstep a Step
+    without a Turn, or one that breaks a promise of the Hello), DEADLINE_EXCEEDED (the watchdog detached the brain, or
+    no Hello came), OUT_OF_RANGE (a request of more than 4 MiB), UNAVAILABLE (the server is stopping or has reached its
+    limit of connections; both are temporary), INTERNAL (the world ended because of a bug in the server), ABORTED (the
+    world was deleted, or an operator detached the brain).
+
+    If an operator asks the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`. A program that
+    supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the same
+    robots, which are free by then.
     """
 
 class BrainLinkServiceServicer(metaclass=_abc_1.ABCMeta):
-    """For a brain: the laptop's end of its robot's serial cable, and nothing else. Whatever a brain learns here,
-    a program on a real laptop could learn from a real cable.
+    """For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
+    real laptop could not get from a real cable.
     """
 
     @_abc_1.abstractmethod
@@ -95,24 +101,27 @@ class BrainLinkServiceServicer(metaclass=_abc_1.ABCMeta):
         request_iterator: _MaybeAsyncIterator[_brain_link_pb2.AttachRequest],
         context: _ServicerContext,
     ) -> _typing.Union[_abc.Iterator[_brain_link_pb2.AttachResponse], _abc.AsyncIterator[_brain_link_pb2.AttachResponse]]:
-        """Attaches a brain program to one or more robots of a world, for as long as the stream lasts.
+        """Attaches a brain program to one or more robots of a world for as long as the stream lasts. The token needs the
+        right `drive` for each of these robots.
 
-        The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in
-        which a brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; in
-        the other paces a brain may send Steps when it likes. When the run is over the server sends Ended and
-        keeps the stream open, because the operator may reset the world.
+        The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
+        brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
+        brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
+        an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
+        closes the other side.
 
-        Errors: NOT_FOUND (no such world or robot), ALREADY_EXISTS (another brain holds the robot),
-        INVALID_ARGUMENT (names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the
-        robot), FAILED_PRECONDITION (a Step before a Hello, a second Hello, in lockstep a Step without a Turn or one that
-        breaks a promise of the Hello),
-        DEADLINE_EXCEEDED (the watchdog detached the brain, or no Hello came), OUT_OF_RANGE (a request of more than 4 MiB),
-        UNAVAILABLE (the server stops, or has reached its limit of connections; both are temporary),
-        INTERNAL (the world has ended by a panic), ABORTED (the world was deleted, or the operator has detached the
-        brain). If the operator wants the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`: a
-        program that supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the
-        same robots. They are free by then.
-        A brain that ends its side of the stream releases its robots, and the server ends the other side.
+        Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
+        NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message
+        names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the robot, or a limit of the server),
+        FAILED_PRECONDITION (a Step before the Hello, a second Hello, a world that replays a recording; in lockstep a Step
+        without a Turn, or one that breaks a promise of the Hello), DEADLINE_EXCEEDED (the watchdog detached the brain, or
+        no Hello came), OUT_OF_RANGE (a request of more than 4 MiB), UNAVAILABLE (the server is stopping or has reached its
+        limit of connections; both are temporary), INTERNAL (the world ended because of a bug in the server), ABORTED (the
+        world was deleted, or an operator detached the brain).
+
+        If an operator asks the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`. A program that
+        supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the same
+        robots, which are free by then.
         """
 
 def add_BrainLinkServiceServicer_to_server(servicer: BrainLinkServiceServicer, server: _typing.Union[_grpc.Server, _aio.Server]) -> None: ...

@@ -29,31 +29,31 @@ class _ReplayEventKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_Repla
     REPLAY_EVENT_KIND_UNSPECIFIED: _ReplayEventKind.ValueType  # 0
     """Never sent."""
     REPLAY_EVENT_KIND_COLLISION: _ReplayEventKind.ValueType  # 1
-    """A robot ran into something."""
+    """A robot collided with something."""
     REPLAY_EVENT_KIND_BRAIN: _ReplayEventKind.ValueType  # 2
     """A brain attached or detached."""
     REPLAY_EVENT_KIND_CHANGE: _ReplayEventKind.ValueType  # 3
-    """A manual change."""
+    """An operator made a manual change."""
     REPLAY_EVENT_KIND_ENDING: _ReplayEventKind.ValueType  # 4
     """The run ended."""
     REPLAY_EVENT_KIND_ORDER: _ReplayEventKind.ValueType  # 5
-    """The holder of a token requested something: the name of the token, and what."""
+    """A client made a request; the text has the name of its token and the request."""
 
 class ReplayEventKind(_ReplayEventKind, metaclass=_ReplayEventKindEnumTypeWrapper):
-    """What can happen in a recording."""
+    """Kind of event in a recording."""
 
 REPLAY_EVENT_KIND_UNSPECIFIED: ReplayEventKind.ValueType  # 0
 """Never sent."""
 REPLAY_EVENT_KIND_COLLISION: ReplayEventKind.ValueType  # 1
-"""A robot ran into something."""
+"""A robot collided with something."""
 REPLAY_EVENT_KIND_BRAIN: ReplayEventKind.ValueType  # 2
 """A brain attached or detached."""
 REPLAY_EVENT_KIND_CHANGE: ReplayEventKind.ValueType  # 3
-"""A manual change."""
+"""An operator made a manual change."""
 REPLAY_EVENT_KIND_ENDING: ReplayEventKind.ValueType  # 4
 """The run ended."""
 REPLAY_EVENT_KIND_ORDER: ReplayEventKind.ValueType  # 5
-"""The holder of a token requested something: the name of the token, and what."""
+"""A client made a request; the text has the name of its token and the request."""
 Global___ReplayEventKind: _TypeAlias = ReplayEventKind  # noqa: Y015
 
 class _LimitUnit:
@@ -86,7 +86,7 @@ Global___LimitUnit: _TypeAlias = LimitUnit  # noqa: Y015
 
 @_typing.final
 class CreateWorldRequest(_message.Message):
-    """Asks for a world."""
+    """Request of CreateWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -97,20 +97,20 @@ class CreateWorldRequest(_message.Message):
     PAUSED_FIELD_NUMBER: _builtins.int
     SAVED_MCAP_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Its name on this server: 1 to 64 letters, digits, `_` or `-`. Empty: the scenario's name."""
+    """Name of the new world on this server: 1 to 64 letters, digits, `_` or `-`. Empty: the scenario's name."""
     scenario_toml: _builtins.str
-    """The scenario, as in a scenario file."""
+    """Text of the scenario, as in a scenario file. Required unless `saved_mcap` is set."""
     paused: _builtins.bool
-    """Keep the world paused until StartWorld."""
+    """True: the world stays paused until StartWorld."""
     saved_mcap: _builtins.bytes
-    """A state from SaveWorld to continue from; then scenario_toml and overrides must be empty."""
+    """State to continue from, as returned by SaveWorld. If set, `scenario_toml` and `overrides` must be empty."""
     @_builtins.property
     def overrides(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
-        """Changes of single fields, such as `robots.alice.start.x_m=0.5`."""
+        """Changes of single fields of the scenario, each as `path=value`, such as `robots.alice.start.x_m=0.5`."""
 
     @_builtins.property
     def pace(self) -> _world_pb2.Pace:
-        """Absent: real time."""
+        """Pace of the world. Absent: real time."""
 
     def __init__(
         self,
@@ -132,14 +132,14 @@ Global___CreateWorldRequest: _TypeAlias = CreateWorldRequest  # noqa: Y015
 
 @_typing.final
 class CreateWorldResponse(_message.Message):
-    """The world that was made."""
+    """Response of CreateWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """It."""
+        """Status of the new world."""
 
     def __init__(
         self,
@@ -156,7 +156,7 @@ Global___CreateWorldResponse: _TypeAlias = CreateWorldResponse  # noqa: Y015
 
 @_typing.final
 class ListWorldsRequest(_message.Message):
-    """Asks for all worlds."""
+    """Request of ListWorlds."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -173,14 +173,14 @@ Global___ListWorldsRequest: _TypeAlias = ListWorldsRequest  # noqa: Y015
 
 @_typing.final
 class ListWorldsResponse(_message.Message):
-    """All worlds."""
+    """Response of ListWorlds."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLDS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def worlds(self) -> _containers.RepeatedCompositeFieldContainer[_world_pb2.WorldStatus]:
-        """In the order of their names."""
+        """Status of every world, sorted by name."""
 
     def __init__(
         self,
@@ -197,13 +197,13 @@ Global___ListWorldsResponse: _TypeAlias = ListWorldsResponse  # noqa: Y015
 
 @_typing.final
 class GetWorldRequest(_message.Message):
-    """Asks for one world."""
+    """Request of GetWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLD_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Its name."""
+    """Name of the world."""
     def __init__(
         self,
         *,
@@ -219,14 +219,14 @@ Global___GetWorldRequest: _TypeAlias = GetWorldRequest  # noqa: Y015
 
 @_typing.final
 class GetWorldResponse(_message.Message):
-    """The world."""
+    """Response of GetWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """It."""
+        """Current status of the world."""
 
     def __init__(
         self,
@@ -243,13 +243,13 @@ Global___GetWorldResponse: _TypeAlias = GetWorldResponse  # noqa: Y015
 
 @_typing.final
 class StartWorldRequest(_message.Message):
-    """Asks a world to run."""
+    """Request of StartWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLD_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Its name."""
+    """Name of the world."""
     def __init__(
         self,
         *,
@@ -265,14 +265,14 @@ Global___StartWorldRequest: _TypeAlias = StartWorldRequest  # noqa: Y015
 
 @_typing.final
 class StartWorldResponse(_message.Message):
-    """The running world."""
+    """Response of StartWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """It."""
+        """Status of the running world."""
 
     def __init__(
         self,
@@ -289,13 +289,13 @@ Global___StartWorldResponse: _TypeAlias = StartWorldResponse  # noqa: Y015
 
 @_typing.final
 class PauseWorldRequest(_message.Message):
-    """Asks a world to stop before its next tick."""
+    """Request of PauseWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLD_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Its name."""
+    """Name of the world."""
     def __init__(
         self,
         *,
@@ -311,14 +311,14 @@ Global___PauseWorldRequest: _TypeAlias = PauseWorldRequest  # noqa: Y015
 
 @_typing.final
 class PauseWorldResponse(_message.Message):
-    """The paused world."""
+    """Response of PauseWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """It."""
+        """Status of the paused world."""
 
     def __init__(
         self,
@@ -335,16 +335,16 @@ Global___PauseWorldResponse: _TypeAlias = PauseWorldResponse  # noqa: Y015
 
 @_typing.final
 class StepWorldRequest(_message.Message):
-    """Asks for some ticks of a stepped world."""
+    """Request of StepWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLD_FIELD_NUMBER: _builtins.int
     TICKS_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Its name."""
+    """Name of the world."""
     ticks: _builtins.int
-    """How many; 0 means 1."""
+    """Number of ticks to run; 0 means 1."""
     def __init__(
         self,
         *,
@@ -361,14 +361,14 @@ Global___StepWorldRequest: _TypeAlias = StepWorldRequest  # noqa: Y015
 
 @_typing.final
 class StepWorldResponse(_message.Message):
-    """The world after those ticks, or after fewer if the run ended."""
+    """Response of StepWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """It."""
+        """Status after the requested ticks, or after fewer if the run ended."""
 
     def __init__(
         self,
@@ -385,7 +385,7 @@ Global___StepWorldResponse: _TypeAlias = StepWorldResponse  # noqa: Y015
 
 @_typing.final
 class SetPaceRequest(_message.Message):
-    """Asks for another pace."""
+    """Request of SetPace."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -395,7 +395,7 @@ class SetPaceRequest(_message.Message):
     """Name of the world."""
     @_builtins.property
     def pace(self) -> _world_pb2.Pace:
-        """The new pace; required."""
+        """New pace of the world. Required."""
 
     def __init__(
         self,
@@ -413,14 +413,14 @@ Global___SetPaceRequest: _TypeAlias = SetPaceRequest  # noqa: Y015
 
 @_typing.final
 class SetPaceResponse(_message.Message):
-    """The world at its new pace."""
+    """Response of SetPace."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """It."""
+        """Status of the world at its new pace."""
 
     def __init__(
         self,
@@ -437,8 +437,9 @@ Global___SetPaceResponse: _TypeAlias = SetPaceResponse  # noqa: Y015
 
 @_typing.final
 class ResetWorldRequest(_message.Message):
-    """Asks for the start of a run. What is not given is as it was when the world was made, whatever earlier resets have changed.
-    The world is then in the state, with the same hash, that CreateWorld makes of the same scenario with these overrides.
+    """Request of ResetWorld. Omitted fields keep the values from the creation of the world, whatever earlier resets
+    changed. The resulting state, including its hash, is the one that CreateWorld makes of the same scenario with these
+    changes.
     """
 
     DESCRIPTOR: _descriptor.Descriptor
@@ -450,15 +451,15 @@ class ResetWorldRequest(_message.Message):
     world: _builtins.str
     """Name of the world."""
     seed: _builtins.int
-    """Seed of all random streams, 0 to 2^63 - 1."""
+    """Seed of all random streams, 0 to 2^63 - 1. Absent: the seed at creation."""
     @_builtins.property
     def starts(self) -> _containers.RepeatedCompositeFieldContainer[Global___RobotStart]:
-        """Where robots start; a robot may be left out."""
+        """Start poses. Robots that are not listed start as at creation; none may be listed twice."""
 
     @_builtins.property
     def overrides(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
-        """Changes of single fields of the scenario, as in CreateWorldRequest. They may not change the length of a tick, which robots
-        there are, or a robot's data sheet, but for the baud rate of the cable to its brain.
+        """Changes of single fields of the scenario, each as `path=value`. They must leave unchanged the tick length, the set
+        of robots, and each robot's data sheet except for the baud rate of the cable to its brain.
         """
 
     def __init__(
@@ -481,7 +482,7 @@ Global___ResetWorldRequest: _TypeAlias = ResetWorldRequest  # noqa: Y015
 
 @_typing.final
 class RobotStart(_message.Message):
-    """Where a robot starts. Its speed there is that of the scenario."""
+    """Start pose of a robot in the world frame. Its initial speed stays that of the scenario."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -490,13 +491,13 @@ class RobotStart(_message.Message):
     Y_M_FIELD_NUMBER: _builtins.int
     HEADING_RAD_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
-    """Its name."""
+    """Name of the robot."""
     x_m: _builtins.float
-    """In metres."""
+    """x coordinate of the robot's centre, in metres."""
     y_m: _builtins.float
-    """In metres."""
+    """y coordinate of the robot's centre, in metres."""
     heading_rad: _builtins.float
-    """Counter-clockwise from the x axis."""
+    """Heading in radians, counter-clockwise from the world's x axis."""
     def __init__(
         self,
         *,
@@ -515,14 +516,14 @@ Global___RobotStart: _TypeAlias = RobotStart  # noqa: Y015
 
 @_typing.final
 class ResetWorldResponse(_message.Message):
-    """The world at its start."""
+    """Response of ResetWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """It."""
+        """Status of the world at its start."""
 
     def __init__(
         self,
@@ -539,7 +540,7 @@ Global___ResetWorldResponse: _TypeAlias = ResetWorldResponse  # noqa: Y015
 
 @_typing.final
 class SnapshotWorldRequest(_message.Message):
-    """Asks for a snapshot."""
+    """Request of SnapshotWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -561,17 +562,19 @@ Global___SnapshotWorldRequest: _TypeAlias = SnapshotWorldRequest  # noqa: Y015
 
 @_typing.final
 class SnapshotWorldResponse(_message.Message):
-    """The snapshot."""
+    """Response of SnapshotWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     SNAPSHOT_FIELD_NUMBER: _builtins.int
     STATUS_FIELD_NUMBER: _builtins.int
     snapshot: _builtins.int
-    """Its number, within this world. The oldest snapshot is dropped once there are more than the server keeps of a world (64 by default)."""
+    """Number of the snapshot within this world. The server stores a limited number per world (64 by default), and drops
+    the oldest one beyond that.
+    """
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """The world in the snapshot."""
+        """Status of the world in the snapshot."""
 
     def __init__(
         self,
@@ -589,7 +592,7 @@ Global___SnapshotWorldResponse: _TypeAlias = SnapshotWorldResponse  # noqa: Y015
 
 @_typing.final
 class RestoreWorldRequest(_message.Message):
-    """Asks to restore a snapshot."""
+    """Request of RestoreWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -598,7 +601,7 @@ class RestoreWorldRequest(_message.Message):
     world: _builtins.str
     """Name of the world."""
     snapshot: _builtins.int
-    """Number of the state."""
+    """Number of the snapshot, from SnapshotWorld."""
     def __init__(
         self,
         *,
@@ -615,14 +618,14 @@ Global___RestoreWorldRequest: _TypeAlias = RestoreWorldRequest  # noqa: Y015
 
 @_typing.final
 class RestoreWorldResponse(_message.Message):
-    """The world at that state."""
+    """Response of RestoreWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """It."""
+        """Status of the restored world."""
 
     def __init__(
         self,
@@ -639,7 +642,7 @@ Global___RestoreWorldResponse: _TypeAlias = RestoreWorldResponse  # noqa: Y015
 
 @_typing.final
 class SaveWorldRequest(_message.Message):
-    """Asks for a state by value."""
+    """Request of SaveWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -648,7 +651,7 @@ class SaveWorldRequest(_message.Message):
     world: _builtins.str
     """Name of the world."""
     snapshot: _builtins.int
-    """Number of a snapshot from SnapshotWorld; 0: the current state."""
+    """Number of the snapshot to return, from SnapshotWorld; 0: the current state."""
     def __init__(
         self,
         *,
@@ -665,7 +668,7 @@ Global___SaveWorldRequest: _TypeAlias = SaveWorldRequest  # noqa: Y015
 
 @_typing.final
 class SaveWorldResponse(_message.Message):
-    """A state by value."""
+    """Response of SaveWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -673,11 +676,11 @@ class SaveWorldResponse(_message.Message):
     TICK_FIELD_NUMBER: _builtins.int
     STATE_HASH_FIELD_NUMBER: _builtins.int
     saved_mcap: _builtins.bytes
-    """A small recording in MCAP, with the scenario and this one state."""
+    """Contents of an MCAP file with the scenario and this one state."""
     tick: _builtins.int
-    """Its tick."""
+    """Number of the tick at which the state was taken."""
     state_hash: _builtins.int
-    """Fingerprint of the whole state."""
+    """Hash of the complete state; equal states have equal hashes."""
     def __init__(
         self,
         *,
@@ -695,7 +698,7 @@ Global___SaveWorldResponse: _TypeAlias = SaveWorldResponse  # noqa: Y015
 
 @_typing.final
 class CloneWorldRequest(_message.Message):
-    """Asks for a clone."""
+    """Request of CloneWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -703,12 +706,14 @@ class CloneWorldRequest(_message.Message):
     WORLD_FIELD_NUMBER: _builtins.int
     PACE_FIELD_NUMBER: _builtins.int
     original: _builtins.str
-    """Name of the world that is cloned. One that replays a recording gets a live clone."""
+    """Name of the world to clone. If it replays a recording, the clone is live."""
     world: _builtins.str
-    """Name of the clone, as of a world that CreateWorld makes. Empty: the original's name and a number, such as `wander-2`."""
+    """Name of the clone, by the rules of CreateWorldRequest. Empty: the original's name with a number, such as
+    `wander-2`.
+    """
     @_builtins.property
     def pace(self) -> _world_pb2.Pace:
-        """Absent: the original's."""
+        """Pace of the clone. Absent: the original's."""
 
     def __init__(
         self,
@@ -727,15 +732,15 @@ Global___CloneWorldRequest: _TypeAlias = CloneWorldRequest  # noqa: Y015
 
 @_typing.final
 class CloneWorldResponse(_message.Message):
-    """The clone."""
+    """Response of CloneWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """It stands at the original's tick until StartWorld, so that brains can attach and changes be made at that tick. It has no
-        brains, no snapshots and no recording of its own yet.
+        """Status of the clone. It is paused at the original's tick until StartWorld, so that brains can attach and changes
+        can be made first. It has no brains, snapshots or recording.
         """
 
     def __init__(
@@ -753,7 +758,7 @@ Global___CloneWorldResponse: _TypeAlias = CloneWorldResponse  # noqa: Y015
 
 @_typing.final
 class StartRecordingRequest(_message.Message):
-    """Asks to record."""
+    """Request of StartRecording."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -763,12 +768,12 @@ class StartRecordingRequest(_message.Message):
     world: _builtins.str
     """Name of the world."""
     recording: _builtins.str
-    """Name of the recording: 1 to 64 letters, digits, `_`, `-` or `.`, the first of them no `.`. Empty: the world's name
-    and a number.
+    """Name of the recording: 1 to 64 letters, digits, `_`, `-` or `.`, not beginning with `.`. Empty: the world's name
+    with a number.
     """
     look_hz: _builtins.float
-    """Frames of truth, readings and timelines a simulated second, for other tools to look at; 0 for none. The replay needs
-    none of them.
+    """Frames of truth, readings and timelines to write per simulated second, for display in other tools; 0: none. A
+    replay does not need them.
     """
     def __init__(
         self,
@@ -787,14 +792,14 @@ Global___StartRecordingRequest: _TypeAlias = StartRecordingRequest  # noqa: Y015
 
 @_typing.final
 class StartRecordingResponse(_message.Message):
-    """It records."""
+    """Response of StartRecording."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """The world."""
+        """Status of the world that is being recorded."""
 
     def __init__(
         self,
@@ -811,7 +816,7 @@ Global___StartRecordingResponse: _TypeAlias = StartRecordingResponse  # noqa: Y0
 
 @_typing.final
 class StopRecordingRequest(_message.Message):
-    """Asks to close a recording."""
+    """Request of StopRecording."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -833,14 +838,14 @@ Global___StopRecordingRequest: _TypeAlias = StopRecordingRequest  # noqa: Y015
 
 @_typing.final
 class StopRecordingResponse(_message.Message):
-    """It is closed."""
+    """Response of StopRecording."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     RECORDING_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def recording(self) -> _world_pb2.RecordingStatus:
-        """The recording as it is."""
+        """Final status of the recording."""
 
     def __init__(
         self,
@@ -857,7 +862,7 @@ Global___StopRecordingResponse: _TypeAlias = StopRecordingResponse  # noqa: Y015
 
 @_typing.final
 class ListRecordingsRequest(_message.Message):
-    """Asks what there is."""
+    """Request of ListRecordings."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -874,14 +879,14 @@ Global___ListRecordingsRequest: _TypeAlias = ListRecordingsRequest  # noqa: Y015
 
 @_typing.final
 class ListRecordingsResponse(_message.Message):
-    """What there is."""
+    """Response of ListRecordings."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     RECORDINGS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def recordings(self) -> _containers.RepeatedCompositeFieldContainer[Global___RecordingFile]:
-        """In the order of their names."""
+        """Files in the folder, sorted by name."""
 
     def __init__(
         self,
@@ -898,7 +903,7 @@ Global___ListRecordingsResponse: _TypeAlias = ListRecordingsResponse  # noqa: Y0
 
 @_typing.final
 class RecordingFile(_message.Message):
-    """A file in the server's folder of recordings."""
+    """File in the server's folder of recordings."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -906,11 +911,11 @@ class RecordingFile(_message.Message):
     BYTES_FIELD_NUMBER: _builtins.int
     MODIFIED_UNIX_NS_FIELD_NUMBER: _builtins.int
     recording: _builtins.str
-    """Its name, without `.mcap`."""
+    """Name of the recording: the file name without `.mcap`."""
     bytes: _builtins.int
-    """How long it is."""
+    """Size of the file in bytes."""
     modified_unix_ns: _builtins.int
-    """When it was last written to, since 1970."""
+    """Time of the last write, in nanoseconds of wall-clock time since 1970 (Unix time)."""
     def __init__(
         self,
         *,
@@ -928,14 +933,14 @@ Global___RecordingFile: _TypeAlias = RecordingFile  # noqa: Y015
 
 @_typing.final
 class OpenRecordingRequest(_message.Message):
-    """Asks to replay a recording."""
+    """Request of OpenRecording."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     RECORDING_FIELD_NUMBER: _builtins.int
     WORLD_FIELD_NUMBER: _builtins.int
     recording: _builtins.str
-    """Its name in the server's folder."""
+    """Name of the recording in the server's folder, without `.mcap`."""
     world: _builtins.str
     """Name of the new world. Empty: the recording's name."""
     def __init__(
@@ -954,14 +959,14 @@ Global___OpenRecordingRequest: _TypeAlias = OpenRecordingRequest  # noqa: Y015
 
 @_typing.final
 class OpenRecordingResponse(_message.Message):
-    """It is being replayed."""
+    """Response of OpenRecording."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """The world, at the recording's first tick."""
+        """Status of the new world, at the recording's first tick."""
 
     def __init__(
         self,
@@ -978,13 +983,13 @@ Global___OpenRecordingResponse: _TypeAlias = OpenRecordingResponse  # noqa: Y015
 
 @_typing.final
 class DescribeReplayRequest(_message.Message):
-    """Asks what there is in a recording."""
+    """Request of DescribeReplay."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLD_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Name of a world that replays."""
+    """Name of a world that replays a recording."""
     def __init__(
         self,
         *,
@@ -1000,7 +1005,7 @@ Global___DescribeReplayRequest: _TypeAlias = DescribeReplayRequest  # noqa: Y015
 
 @_typing.final
 class DescribeReplayResponse(_message.Message):
-    """What there is in a recording."""
+    """Response of DescribeReplay."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1012,20 +1017,20 @@ class DescribeReplayResponse(_message.Message):
     CUT_OFF_FIELD_NUMBER: _builtins.int
     EVENTS_FIELD_NUMBER: _builtins.int
     recorded_world: _builtins.str
-    """The world that was recorded."""
+    """Name of the world that was recorded."""
     program_version: _builtins.str
-    """Version of the program that recorded it."""
+    """Version of the program that made the recording."""
     started_unix_ns: _builtins.int
-    """When the recording began, by the wall clock, since 1970."""
+    """Start of the recording, in nanoseconds of wall-clock time since 1970 (Unix time)."""
     first_tick: _builtins.int
-    """The first tick, of which the start is recorded."""
+    """Number of the first recorded tick; the recording has the state at its start."""
     last_tick: _builtins.int
-    """The last tick whose state is known."""
+    """Number of the last tick whose state is known."""
     cut_off: _builtins.bool
-    """The file ends in the middle: the program that wrote it was killed, or the disk was full."""
+    """True if the file is truncated, because the recording program was killed or the disk was full."""
     @_builtins.property
     def events(self) -> _containers.RepeatedCompositeFieldContainer[Global___ReplayEvent]:
-        """What happened, in the order of ticks; the first 10,000."""
+        """Events in the order of ticks, at most the first 10,000."""
 
     def __init__(
         self,
@@ -1048,7 +1053,7 @@ Global___DescribeReplayResponse: _TypeAlias = DescribeReplayResponse  # noqa: Y0
 
 @_typing.final
 class ReplayEvent(_message.Message):
-    """Something that happened in a recording."""
+    """Event in a recording."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1056,11 +1061,11 @@ class ReplayEvent(_message.Message):
     KIND_FIELD_NUMBER: _builtins.int
     TEXT_FIELD_NUMBER: _builtins.int
     tick: _builtins.int
-    """When."""
+    """Number of the tick in which it happened."""
     kind: Global___ReplayEventKind.ValueType
-    """What it was."""
+    """Kind of the event."""
     text: _builtins.str
-    """For people."""
+    """Description for people."""
     def __init__(
         self,
         *,
@@ -1078,16 +1083,16 @@ Global___ReplayEvent: _TypeAlias = ReplayEvent  # noqa: Y015
 
 @_typing.final
 class SeekReplayRequest(_message.Message):
-    """Asks for another tick."""
+    """Request of SeekReplay."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLD_FIELD_NUMBER: _builtins.int
     TICK_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Name of a world that replays."""
+    """Name of a world that replays a recording."""
     tick: _builtins.int
-    """The tick, within the range from DescribeReplay; a later one means the last."""
+    """Number of the tick to move to, within the range from DescribeReplay; a larger number means the last tick."""
     def __init__(
         self,
         *,
@@ -1104,14 +1109,14 @@ Global___SeekReplayRequest: _TypeAlias = SeekReplayRequest  # noqa: Y015
 
 @_typing.final
 class SeekReplayResponse(_message.Message):
-    """The world at that tick."""
+    """Response of SeekReplay."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """It."""
+        """Status of the world at that tick."""
 
     def __init__(
         self,
@@ -1128,17 +1133,17 @@ Global___SeekReplayResponse: _TypeAlias = SeekReplayResponse  # noqa: Y015
 
 @_typing.final
 class ForkReplayRequest(_message.Message):
-    """Asks for a live world."""
+    """Request of ForkReplay."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLD_FIELD_NUMBER: _builtins.int
     PACE_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Name of a world that replays."""
+    """Name of a world that replays a recording."""
     @_builtins.property
     def pace(self) -> _world_pb2.Pace:
-        """Its pace from now on. Absent: real time."""
+        """Pace of the live world. Absent: real time."""
 
     def __init__(
         self,
@@ -1156,14 +1161,14 @@ Global___ForkReplayRequest: _TypeAlias = ForkReplayRequest  # noqa: Y015
 
 @_typing.final
 class ForkReplayResponse(_message.Message):
-    """The world, which is paused, and waits for its brains."""
+    """Response of ForkReplay."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """It."""
+        """Status of the live world, which is paused until StartWorld so that brains can attach."""
 
     def __init__(
         self,
@@ -1180,13 +1185,13 @@ Global___ForkReplayResponse: _TypeAlias = ForkReplayResponse  # noqa: Y015
 
 @_typing.final
 class DeleteWorldRequest(_message.Message):
-    """Asks to end a world."""
+    """Request of DeleteWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLD_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Its name."""
+    """Name of the world."""
     def __init__(
         self,
         *,
@@ -1202,14 +1207,14 @@ Global___DeleteWorldRequest: _TypeAlias = DeleteWorldRequest  # noqa: Y015
 
 @_typing.final
 class DeleteWorldResponse(_message.Message):
-    """The world is gone."""
+    """Response of DeleteWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """Its last state."""
+        """Last status of the deleted world."""
 
     def __init__(
         self,
@@ -1226,7 +1231,7 @@ Global___DeleteWorldResponse: _TypeAlias = DeleteWorldResponse  # noqa: Y015
 
 @_typing.final
 class InterveneRequest(_message.Message):
-    """Asks for a manual change."""
+    """Request of Intervene."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1240,23 +1245,23 @@ class InterveneRequest(_message.Message):
     """Name of the world."""
     @_builtins.property
     def place_robot(self) -> Global___PlaceRobot:
-        """Puts a robot somewhere else."""
+        """Moves a robot."""
 
     @_builtins.property
     def place_thing(self) -> Global___PlaceThing:
-        """Puts a movable thing somewhere else."""
+        """Moves a movable thing."""
 
     @_builtins.property
     def pull_cable(self) -> Global___PullCable:
-        """Pulls the cable between a robot and its brain, or plugs it in."""
+        """Pulls or plugs in the cable between a robot and its brain."""
 
     @_builtins.property
     def set_baud(self) -> Global___SetBaud:
-        """Gives the cable between a robot and its brain another baud rate."""
+        """Changes the baud rate of the cable between a robot and its brain."""
 
     @_builtins.property
     def detach_brain(self) -> Global___DetachBrain:
-        """Detaches a robot's brain: its stream ends, and it may attach again."""
+        """Detaches a robot's brain. Its stream ends, and it may attach again."""
 
     def __init__(
         self,
@@ -1280,14 +1285,14 @@ Global___InterveneRequest: _TypeAlias = InterveneRequest  # noqa: Y015
 
 @_typing.final
 class InterveneResponse(_message.Message):
-    """It has been done."""
+    """Response of Intervene."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     STATUS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def status(self) -> _world_pb2.WorldStatus:
-        """The world before its next tick."""
+        """Status of the world after the change, before its next tick."""
 
     def __init__(
         self,
@@ -1304,7 +1309,9 @@ Global___InterveneResponse: _TypeAlias = InterveneResponse  # noqa: Y015
 
 @_typing.final
 class PlaceRobot(_message.Message):
-    """Puts a robot somewhere else, where there is room for it. It stands still there; its sensors know nothing of it."""
+    """Moves a robot to a free place in the world frame, where it stands still. Sensors that integrate motion, such as
+    odometers, do not notice the move.
+    """
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1313,13 +1320,13 @@ class PlaceRobot(_message.Message):
     Y_M_FIELD_NUMBER: _builtins.int
     HEADING_RAD_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
-    """Its name."""
+    """Name of the robot."""
     x_m: _builtins.float
-    """In metres."""
+    """x coordinate of the robot's centre, in metres."""
     y_m: _builtins.float
-    """In metres."""
+    """y coordinate of the robot's centre, in metres."""
     heading_rad: _builtins.float
-    """Counter-clockwise from the x axis."""
+    """Heading in radians, counter-clockwise from the world's x axis."""
     def __init__(
         self,
         *,
@@ -1338,7 +1345,7 @@ Global___PlaceRobot: _TypeAlias = PlaceRobot  # noqa: Y015
 
 @_typing.final
 class PlaceThing(_message.Message):
-    """Puts a movable thing somewhere else, where there is room for it. It lies still there."""
+    """Moves a movable thing to a free place in the world frame, where it lies still."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1347,13 +1354,13 @@ class PlaceThing(_message.Message):
     Y_M_FIELD_NUMBER: _builtins.int
     HEADING_RAD_FIELD_NUMBER: _builtins.int
     thing: _builtins.str
-    """Its name."""
+    """Name of the thing."""
     x_m: _builtins.float
-    """In metres."""
+    """x coordinate of the thing's origin, in metres."""
     y_m: _builtins.float
-    """In metres."""
+    """y coordinate of the thing's origin, in metres."""
     heading_rad: _builtins.float
-    """Counter-clockwise from the x axis."""
+    """Heading in radians, counter-clockwise from the world's x axis."""
     def __init__(
         self,
         *,
@@ -1372,16 +1379,16 @@ Global___PlaceThing: _TypeAlias = PlaceThing  # noqa: Y015
 
 @_typing.final
 class PullCable(_message.Message):
-    """Pulls the cable between a robot and its brain, or plugs it in: bytes that would arrive meanwhile are lost, both ways."""
+    """Pulls or plugs in the cable between a robot and its brain. While it is out, bytes in both directions are lost."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     ROBOT_FIELD_NUMBER: _builtins.int
     PULLED_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
-    """The robot's name."""
+    """Name of the robot."""
     pulled: _builtins.bool
-    """Pulled; otherwise plugged in."""
+    """True pulls the cable, false plugs it in."""
     def __init__(
         self,
         *,
@@ -1398,16 +1405,16 @@ Global___PullCable: _TypeAlias = PullCable  # noqa: Y015
 
 @_typing.final
 class SetBaud(_message.Message):
-    """Gives the cable between a robot and its brain another baud rate, at both ends."""
+    """Changes the baud rate of the cable between a robot and its brain, at both ends."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     ROBOT_FIELD_NUMBER: _builtins.int
     BAUD_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
-    """The robot's name."""
+    """Name of the robot."""
     baud: _builtins.int
-    """The new rate."""
+    """New baud rate in bits per second."""
     def __init__(
         self,
         *,
@@ -1424,17 +1431,17 @@ Global___SetBaud: _TypeAlias = SetBaud  # noqa: Y015
 
 @_typing.final
 class DetachBrain(_message.Message):
-    """Detaches a robot's brain: the stream that holds the robot ends, for all robots that it holds."""
+    """Detaches a robot's brain. Its stream ends, which releases all robots of that stream."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     ROBOT_FIELD_NUMBER: _builtins.int
     RESTART_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
-    """The robot's name."""
+    """Name of the robot."""
     restart: _builtins.bool
-    """The brain is to restart: its program is told by a trailer (see Attach), creates the brain afresh and attaches again. A
-    program that does not support this leaves as if this were not set.
+    """True asks the brain to restart: the stream ends with a trailer (see Attach), on which the program creates its brain
+    afresh and attaches it again. Programs that do not support this just detach.
     """
     def __init__(
         self,

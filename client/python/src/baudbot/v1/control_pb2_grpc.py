@@ -27,7 +27,13 @@ if _version_not_supported:
 
 
 class ControlServiceStub(object):
-    """For the operator: makes worlds and runs them.
+    """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
+    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
+    it). A call that names a world fails with NOT_FOUND if there is none of that name, and with ABORTED if the world is
+    deleted meanwhile. Calls that change a live world fail with FAILED_PRECONDITION if the world replays a recording.
     """
 
     def __init__(self, channel):
@@ -154,11 +160,18 @@ class ControlServiceStub(object):
 
 
 class ControlServiceServicer(object):
-    """For the operator: makes worlds and runs them.
+    """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
+    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
+    it). A call that names a world fails with NOT_FOUND if there is none of that name, and with ABORTED if the world is
+    deleted meanwhile. Calls that change a live world fail with FAILED_PRECONDITION if the world replays a recording.
     """
 
     def CreateWorld(self, request, context):
-        """Makes a world from a scenario. INVALID_ARGUMENT names the field of the scenario that is wrong.
+        """Creates a world from a scenario or a saved state. INVALID_ARGUMENT: the request or the scenario is wrong; the
+        message names the field. ALREADY_EXISTS: the name is taken. UNAVAILABLE: the server is stopping.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -172,145 +185,158 @@ class ControlServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def GetWorld(self, request, context):
-        """One world and what happened in it.
+        """Returns the status of one world.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def StartWorld(self, request, context):
-        """Starts a world, or lets it continue.
+        """Starts a world, or resumes it after a pause.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def PauseWorld(self, request, context):
-        """Stops a world before its next tick.
+        """Pauses a world before its next tick.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def StepWorld(self, request, context):
-        """Runs some ticks of a world whose pace is stepped, and answers when they are done. FAILED_PRECONDITION while it runs those
-        of another call. When the client is gone, the remaining ticks are not run.
+        """Runs a number of ticks of a world whose pace is stepped, and returns when they are done. If the client cancels the
+        call, the remaining ticks are not run. FAILED_PRECONDITION: the pace is not stepped, the run or the recording has
+        ended, a robot still has no brain, or another StepWorld is in progress.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def SetPace(self, request, context):
-        """Changes a world's pace.
+        """Changes the pace of a world. INVALID_ARGUMENT: the pace is missing or wrong.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def ResetWorld(self, request, context):
-        """Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
-        attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
-        sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
+        """Returns a world to the start of its run, optionally with another seed, other start poses or other values in its
+        scenario. Brains stay attached. If the call fails, the world is unchanged. NOT_FOUND: no such robot in `starts`.
+        INVALID_ARGUMENT: a value is wrong; the message names the field. FAILED_PRECONDITION: an override changes the tick
+        length, the set of robots or a data sheet.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def SnapshotWorld(self, request, context):
-        """Keeps a snapshot of a world's current state on the server, under a number.
+        """Stores a snapshot of a world's current state on the server and returns its number.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def RestoreWorld(self, request, context):
-        """Takes a world back to a snapshot. Brains stay attached.
+        """Returns a world to a snapshot. Brains stay attached. NOT_FOUND: no such snapshot.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def Intervene(self, request, context):
-        """Makes a manual change in a world, before its next tick.
+        """Makes a manual change in a world between two ticks. NOT_FOUND: no such robot or thing. INVALID_ARGUMENT: a value is
+        wrong. FAILED_PRECONDITION: no room at that place, no cable, or the run has ended. ABORTED: the world was reset or
+        restored before the change took effect.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def GetBudget(self, request, context):
-        """What a control cycle of each robot costs, from the scenario alone: nothing is run.
+        """Computes the cost of each robot's control cycle from the scenario alone, without a run. INVALID_ARGUMENT: the
+        scenario is missing or wrong. NOT_FOUND: no such world or robot. FAILED_PRECONDITION: a named robot's
+        microcontroller runs a program of the user's own, which only a run can measure.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def SaveWorld(self, request, context):
-        """A world's current state, or a snapshot, by value: a file from which CreateWorld makes a world, also in another
-        process.
+        """Returns a world's current state, or a snapshot, as the contents of a file. CreateWorld makes a world of it, on this
+        or another server. NOT_FOUND: no such snapshot.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def CloneWorld(self, request, context):
-        """Makes a new world that goes on from the present state of another one, to try what would happen if. It has the same
-        scenario, seed and changes by hand, and from there on nothing in common with the original.
+        """Creates a world that continues from the current state of another one, for example to compare alternatives. It
+        starts with the same scenario, seed and manual changes, and is independent of the original afterwards.
+        ALREADY_EXISTS: the name is taken.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def StartRecording(self, request, context):
-        """Records a world from now on, into the server's folder of recordings. FAILED_PRECONDITION if it has none.
+        """Starts recording a world into the server's folder of recordings. INVALID_ARGUMENT: the recording's name is not
+        valid. FAILED_PRECONDITION: the server has no such folder, or the world is being recorded already.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def StopRecording(self, request, context):
-        """Closes a world's recording.
+        """Closes a world's recording and returns once the file is complete. FAILED_PRECONDITION: the world is not being
+        recorded.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def ListRecordings(self, request, context):
-        """Lists what is in the server's folder of recordings.
+        """Lists the files in the server's folder of recordings. FAILED_PRECONDITION: the server has no such folder.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def OpenRecording(self, request, context):
-        """Makes a world that replays a recording. It is paused at its first tick; no brain can attach to it.
+        """Creates a world that replays a recording. It is paused at the first recorded tick, and no brain can attach to it.
+        NOT_FOUND: no such recording. FAILED_PRECONDITION: the file cannot be read, or the server has no folder of
+        recordings. ALREADY_EXISTS: the name is taken.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def DescribeReplay(self, request, context):
-        """What there is in a recording that is being replayed.
+        """Describes the recording that a world replays. FAILED_PRECONDITION: the world is live.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def SeekReplay(self, request, context):
-        """Takes a world that replays to another tick, forwards or backwards.
+        """Moves a world that replays a recording to another tick, forwards or backwards. FAILED_PRECONDITION: the world is
+        live. DATA_LOSS: the recording is damaged.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def ForkReplay(self, request, context):
-        """Makes a live world of one that replays: it continues from its current tick, and brains can attach to it.
+        """Turns a world that replays a recording into a live one, which continues from the current tick and accepts brains.
+        FAILED_PRECONDITION: the world is live already.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def DeleteWorld(self, request, context):
-        """Ends a world; its brains' and observers' streams end.
+        """Deletes a world. The streams of its brains and observers end.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -450,7 +476,13 @@ def add_ControlServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class ControlService(object):
-    """For the operator: makes worlds and runs them.
+    """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
+    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
+    it). A call that names a world fails with NOT_FOUND if there is none of that name, and with ABORTED if the world is
+    deleted meanwhile. Calls that change a live world fail with FAILED_PRECONDITION if the world replays a recording.
     """
 
     @staticmethod

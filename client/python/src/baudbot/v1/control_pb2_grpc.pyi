@@ -28,131 +28,196 @@ GRPC_GENERATED_VERSION: str
 GRPC_VERSION: str
 
 class ControlServiceStub:
-    """For the operator: makes worlds and runs them."""
+    """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
+    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
+    it). A call that names a world fails with NOT_FOUND if there is none of that name, and with ABORTED if the world is
+    deleted meanwhile. Calls that change a live world fail with FAILED_PRECONDITION if the world replays a recording.
+    """
 
     @_typing.overload
     def __new__(cls, channel: _grpc.Channel) -> _Self: ...
     @_typing.overload
     def __new__(cls, channel: _aio.Channel) -> ControlServiceAsyncStub: ...
     CreateWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.CreateWorldRequest, _control_pb2.CreateWorldResponse]
-    """Makes a world from a scenario. INVALID_ARGUMENT names the field of the scenario that is wrong."""
+    """Creates a world from a scenario or a saved state. INVALID_ARGUMENT: the request or the scenario is wrong; the
+    message names the field. ALREADY_EXISTS: the name is taken. UNAVAILABLE: the server is stopping.
+    """
     ListWorlds: _grpc.UnaryUnaryMultiCallable[_control_pb2.ListWorldsRequest, _control_pb2.ListWorldsResponse]
     """Lists the worlds of this server."""
     GetWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.GetWorldRequest, _control_pb2.GetWorldResponse]
-    """One world and what happened in it."""
+    """Returns the status of one world."""
     StartWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.StartWorldRequest, _control_pb2.StartWorldResponse]
-    """Starts a world, or lets it continue."""
+    """Starts a world, or resumes it after a pause."""
     PauseWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.PauseWorldRequest, _control_pb2.PauseWorldResponse]
-    """Stops a world before its next tick."""
+    """Pauses a world before its next tick."""
     StepWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.StepWorldRequest, _control_pb2.StepWorldResponse]
-    """Runs some ticks of a world whose pace is stepped, and answers when they are done. FAILED_PRECONDITION while it runs those
-    of another call. When the client is gone, the remaining ticks are not run.
+    """Runs a number of ticks of a world whose pace is stepped, and returns when they are done. If the client cancels the
+    call, the remaining ticks are not run. FAILED_PRECONDITION: the pace is not stepped, the run or the recording has
+    ended, a robot still has no brain, or another StepWorld is in progress.
     """
     SetPace: _grpc.UnaryUnaryMultiCallable[_control_pb2.SetPaceRequest, _control_pb2.SetPaceResponse]
-    """Changes a world's pace."""
+    """Changes the pace of a world. INVALID_ARGUMENT: the pace is missing or wrong."""
     ResetWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.ResetWorldRequest, _control_pb2.ResetWorldResponse]
-    """Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
-    attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
-    sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
+    """Returns a world to the start of its run, optionally with another seed, other start poses or other values in its
+    scenario. Brains stay attached. If the call fails, the world is unchanged. NOT_FOUND: no such robot in `starts`.
+    INVALID_ARGUMENT: a value is wrong; the message names the field. FAILED_PRECONDITION: an override changes the tick
+    length, the set of robots or a data sheet.
     """
     SnapshotWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.SnapshotWorldRequest, _control_pb2.SnapshotWorldResponse]
-    """Keeps a snapshot of a world's current state on the server, under a number."""
+    """Stores a snapshot of a world's current state on the server and returns its number."""
     RestoreWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.RestoreWorldRequest, _control_pb2.RestoreWorldResponse]
-    """Takes a world back to a snapshot. Brains stay attached."""
+    """Returns a world to a snapshot. Brains stay attached. NOT_FOUND: no such snapshot."""
     Intervene: _grpc.UnaryUnaryMultiCallable[_control_pb2.InterveneRequest, _control_pb2.InterveneResponse]
-    """Makes a manual change in a world, before its next tick."""
+    """Makes a manual change in a world between two ticks. NOT_FOUND: no such robot or thing. INVALID_ARGUMENT: a value is
+    wrong. FAILED_PRECONDITION: no room at that place, no cable, or the run has ended. ABORTED: the world was reset or
+    restored before the change took effect.
+    """
     GetBudget: _grpc.UnaryUnaryMultiCallable[_budget_pb2.GetBudgetRequest, _budget_pb2.GetBudgetResponse]
-    """What a control cycle of each robot costs, from the scenario alone: nothing is run."""
+    """Computes the cost of each robot's control cycle from the scenario alone, without a run. INVALID_ARGUMENT: the
+    scenario is missing or wrong. NOT_FOUND: no such world or robot. FAILED_PRECONDITION: a named robot's
+    microcontroller runs a program of the user's own, which only a run can measure.
+    """
     SaveWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.SaveWorldRequest, _control_pb2.SaveWorldResponse]
-    """A world's current state, or a snapshot, by value: a file from which CreateWorld makes a world, also in another
-    process.
+    """Returns a world's current state, or a snapshot, as the contents of a file. CreateWorld makes a world of it, on this
+    or another server. NOT_FOUND: no such snapshot.
     """
     CloneWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.CloneWorldRequest, _control_pb2.CloneWorldResponse]
-    """Makes a new world that goes on from the present state of another one, to try what would happen if. It has the same
-    scenario, seed and changes by hand, and from there on nothing in common with the original.
+    """Creates a world that continues from the current state of another one, for example to compare alternatives. It
+    starts with the same scenario, seed and manual changes, and is independent of the original afterwards.
+    ALREADY_EXISTS: the name is taken.
     """
     StartRecording: _grpc.UnaryUnaryMultiCallable[_control_pb2.StartRecordingRequest, _control_pb2.StartRecordingResponse]
-    """Records a world from now on, into the server's folder of recordings. FAILED_PRECONDITION if it has none."""
+    """Starts recording a world into the server's folder of recordings. INVALID_ARGUMENT: the recording's name is not
+    valid. FAILED_PRECONDITION: the server has no such folder, or the world is being recorded already.
+    """
     StopRecording: _grpc.UnaryUnaryMultiCallable[_control_pb2.StopRecordingRequest, _control_pb2.StopRecordingResponse]
-    """Closes a world's recording."""
+    """Closes a world's recording and returns once the file is complete. FAILED_PRECONDITION: the world is not being
+    recorded.
+    """
     ListRecordings: _grpc.UnaryUnaryMultiCallable[_control_pb2.ListRecordingsRequest, _control_pb2.ListRecordingsResponse]
-    """Lists what is in the server's folder of recordings."""
+    """Lists the files in the server's folder of recordings. FAILED_PRECONDITION: the server has no such folder."""
     OpenRecording: _grpc.UnaryUnaryMultiCallable[_control_pb2.OpenRecordingRequest, _control_pb2.OpenRecordingResponse]
-    """Makes a world that replays a recording. It is paused at its first tick; no brain can attach to it."""
+    """Creates a world that replays a recording. It is paused at the first recorded tick, and no brain can attach to it.
+    NOT_FOUND: no such recording. FAILED_PRECONDITION: the file cannot be read, or the server has no folder of
+    recordings. ALREADY_EXISTS: the name is taken.
+    """
     DescribeReplay: _grpc.UnaryUnaryMultiCallable[_control_pb2.DescribeReplayRequest, _control_pb2.DescribeReplayResponse]
-    """What there is in a recording that is being replayed."""
+    """Describes the recording that a world replays. FAILED_PRECONDITION: the world is live."""
     SeekReplay: _grpc.UnaryUnaryMultiCallable[_control_pb2.SeekReplayRequest, _control_pb2.SeekReplayResponse]
-    """Takes a world that replays to another tick, forwards or backwards."""
+    """Moves a world that replays a recording to another tick, forwards or backwards. FAILED_PRECONDITION: the world is
+    live. DATA_LOSS: the recording is damaged.
+    """
     ForkReplay: _grpc.UnaryUnaryMultiCallable[_control_pb2.ForkReplayRequest, _control_pb2.ForkReplayResponse]
-    """Makes a live world of one that replays: it continues from its current tick, and brains can attach to it."""
+    """Turns a world that replays a recording into a live one, which continues from the current tick and accepts brains.
+    FAILED_PRECONDITION: the world is live already.
+    """
     DeleteWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.DeleteWorldRequest, _control_pb2.DeleteWorldResponse]
-    """Ends a world; its brains' and observers' streams end."""
+    """Deletes a world. The streams of its brains and observers end."""
     GetLimits: _grpc.UnaryUnaryMultiCallable[_control_pb2.GetLimitsRequest, _control_pb2.GetLimitsResponse]
     """Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something."""
 
 @_typing.type_check_only
 class ControlServiceAsyncStub(ControlServiceStub):
-    """For the operator: makes worlds and runs them."""
+    """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
+    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
+    it). A call that names a world fails with NOT_FOUND if there is none of that name, and with ABORTED if the world is
+    deleted meanwhile. Calls that change a live world fail with FAILED_PRECONDITION if the world replays a recording.
+    """
 
     def __init__(self, channel: _aio.Channel) -> None: ...
     CreateWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.CreateWorldRequest, _control_pb2.CreateWorldResponse]  # type: ignore[assignment]
-    """Makes a world from a scenario. INVALID_ARGUMENT names the field of the scenario that is wrong."""
+    """Creates a world from a scenario or a saved state. INVALID_ARGUMENT: the request or the scenario is wrong; the
+    message names the field. ALREADY_EXISTS: the name is taken. UNAVAILABLE: the server is stopping.
+    """
     ListWorlds: _aio.UnaryUnaryMultiCallable[_control_pb2.ListWorldsRequest, _control_pb2.ListWorldsResponse]  # type: ignore[assignment]
     """Lists the worlds of this server."""
     GetWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.GetWorldRequest, _control_pb2.GetWorldResponse]  # type: ignore[assignment]
-    """One world and what happened in it."""
+    """Returns the status of one world."""
     StartWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.StartWorldRequest, _control_pb2.StartWorldResponse]  # type: ignore[assignment]
-    """Starts a world, or lets it continue."""
+    """Starts a world, or resumes it after a pause."""
     PauseWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.PauseWorldRequest, _control_pb2.PauseWorldResponse]  # type: ignore[assignment]
-    """Stops a world before its next tick."""
+    """Pauses a world before its next tick."""
     StepWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.StepWorldRequest, _control_pb2.StepWorldResponse]  # type: ignore[assignment]
-    """Runs some ticks of a world whose pace is stepped, and answers when they are done. FAILED_PRECONDITION while it runs those
-    of another call. When the client is gone, the remaining ticks are not run.
+    """Runs a number of ticks of a world whose pace is stepped, and returns when they are done. If the client cancels the
+    call, the remaining ticks are not run. FAILED_PRECONDITION: the pace is not stepped, the run or the recording has
+    ended, a robot still has no brain, or another StepWorld is in progress.
     """
     SetPace: _aio.UnaryUnaryMultiCallable[_control_pb2.SetPaceRequest, _control_pb2.SetPaceResponse]  # type: ignore[assignment]
-    """Changes a world's pace."""
+    """Changes the pace of a world. INVALID_ARGUMENT: the pace is missing or wrong."""
     ResetWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.ResetWorldRequest, _control_pb2.ResetWorldResponse]  # type: ignore[assignment]
-    """Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
-    attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
-    sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
+    """Returns a world to the start of its run, optionally with another seed, other start poses or other values in its
+    scenario. Brains stay attached. If the call fails, the world is unchanged. NOT_FOUND: no such robot in `starts`.
+    INVALID_ARGUMENT: a value is wrong; the message names the field. FAILED_PRECONDITION: an override changes the tick
+    length, the set of robots or a data sheet.
     """
     SnapshotWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.SnapshotWorldRequest, _control_pb2.SnapshotWorldResponse]  # type: ignore[assignment]
-    """Keeps a snapshot of a world's current state on the server, under a number."""
+    """Stores a snapshot of a world's current state on the server and returns its number."""
     RestoreWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.RestoreWorldRequest, _control_pb2.RestoreWorldResponse]  # type: ignore[assignment]
-    """Takes a world back to a snapshot. Brains stay attached."""
+    """Returns a world to a snapshot. Brains stay attached. NOT_FOUND: no such snapshot."""
     Intervene: _aio.UnaryUnaryMultiCallable[_control_pb2.InterveneRequest, _control_pb2.InterveneResponse]  # type: ignore[assignment]
-    """Makes a manual change in a world, before its next tick."""
+    """Makes a manual change in a world between two ticks. NOT_FOUND: no such robot or thing. INVALID_ARGUMENT: a value is
+    wrong. FAILED_PRECONDITION: no room at that place, no cable, or the run has ended. ABORTED: the world was reset or
+    restored before the change took effect.
+    """
     GetBudget: _aio.UnaryUnaryMultiCallable[_budget_pb2.GetBudgetRequest, _budget_pb2.GetBudgetResponse]  # type: ignore[assignment]
-    """What a control cycle of each robot costs, from the scenario alone: nothing is run."""
+    """Computes the cost of each robot's control cycle from the scenario alone, without a run. INVALID_ARGUMENT: the
+    scenario is missing or wrong. NOT_FOUND: no such world or robot. FAILED_PRECONDITION: a named robot's
+    microcontroller runs a program of the user's own, which only a run can measure.
+    """
     SaveWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.SaveWorldRequest, _control_pb2.SaveWorldResponse]  # type: ignore[assignment]
-    """A world's current state, or a snapshot, by value: a file from which CreateWorld makes a world, also in another
-    process.
+    """Returns a world's current state, or a snapshot, as the contents of a file. CreateWorld makes a world of it, on this
+    or another server. NOT_FOUND: no such snapshot.
     """
     CloneWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.CloneWorldRequest, _control_pb2.CloneWorldResponse]  # type: ignore[assignment]
-    """Makes a new world that goes on from the present state of another one, to try what would happen if. It has the same
-    scenario, seed and changes by hand, and from there on nothing in common with the original.
+    """Creates a world that continues from the current state of another one, for example to compare alternatives. It
+    starts with the same scenario, seed and manual changes, and is independent of the original afterwards.
+    ALREADY_EXISTS: the name is taken.
     """
     StartRecording: _aio.UnaryUnaryMultiCallable[_control_pb2.StartRecordingRequest, _control_pb2.StartRecordingResponse]  # type: ignore[assignment]
-    """Records a world from now on, into the server's folder of recordings. FAILED_PRECONDITION if it has none."""
+    """Starts recording a world into the server's folder of recordings. INVALID_ARGUMENT: the recording's name is not
+    valid. FAILED_PRECONDITION: the server has no such folder, or the world is being recorded already.
+    """
     StopRecording: _aio.UnaryUnaryMultiCallable[_control_pb2.StopRecordingRequest, _control_pb2.StopRecordingResponse]  # type: ignore[assignment]
-    """Closes a world's recording."""
+    """Closes a world's recording and returns once the file is complete. FAILED_PRECONDITION: the world is not being
+    recorded.
+    """
     ListRecordings: _aio.UnaryUnaryMultiCallable[_control_pb2.ListRecordingsRequest, _control_pb2.ListRecordingsResponse]  # type: ignore[assignment]
-    """Lists what is in the server's folder of recordings."""
+    """Lists the files in the server's folder of recordings. FAILED_PRECONDITION: the server has no such folder."""
     OpenRecording: _aio.UnaryUnaryMultiCallable[_control_pb2.OpenRecordingRequest, _control_pb2.OpenRecordingResponse]  # type: ignore[assignment]
-    """Makes a world that replays a recording. It is paused at its first tick; no brain can attach to it."""
+    """Creates a world that replays a recording. It is paused at the first recorded tick, and no brain can attach to it.
+    NOT_FOUND: no such recording. FAILED_PRECONDITION: the file cannot be read, or the server has no folder of
+    recordings. ALREADY_EXISTS: the name is taken.
+    """
     DescribeReplay: _aio.UnaryUnaryMultiCallable[_control_pb2.DescribeReplayRequest, _control_pb2.DescribeReplayResponse]  # type: ignore[assignment]
-    """What there is in a recording that is being replayed."""
+    """Describes the recording that a world replays. FAILED_PRECONDITION: the world is live."""
     SeekReplay: _aio.UnaryUnaryMultiCallable[_control_pb2.SeekReplayRequest, _control_pb2.SeekReplayResponse]  # type: ignore[assignment]
-    """Takes a world that replays to another tick, forwards or backwards."""
+    """Moves a world that replays a recording to another tick, forwards or backwards. FAILED_PRECONDITION: the world is
+    live. DATA_LOSS: the recording is damaged.
+    """
     ForkReplay: _aio.UnaryUnaryMultiCallable[_control_pb2.ForkReplayRequest, _control_pb2.ForkReplayResponse]  # type: ignore[assignment]
-    """Makes a live world of one that replays: it continues from its current tick, and brains can attach to it."""
+    """Turns a world that replays a recording into a live one, which continues from the current tick and accepts brains.
+    FAILED_PRECONDITION: the world is live already.
+    """
     DeleteWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.DeleteWorldRequest, _control_pb2.DeleteWorldResponse]  # type: ignore[assignment]
-    """Ends a world; its brains' and observers' streams end."""
+    """Deletes a world. The streams of its brains and observers end."""
     GetLimits: _aio.UnaryUnaryMultiCallable[_control_pb2.GetLimitsRequest, _control_pb2.GetLimitsResponse]  # type: ignore[assignment]
     """Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something."""
 
 class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
-    """For the operator: makes worlds and runs them."""
+    """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
+    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
+    it). A call that names a world fails with NOT_FOUND if there is none of that name, and with ABORTED if the world is
+    deleted meanwhile. Calls that change a live world fail with FAILED_PRECONDITION if the world replays a recording.
+    """
 
     @_abc_1.abstractmethod
     def CreateWorld(
@@ -160,7 +225,9 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.CreateWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.CreateWorldResponse, _abc.Awaitable[_control_pb2.CreateWorldResponse]]:
-        """Makes a world from a scenario. INVALID_ARGUMENT names the field of the scenario that is wrong."""
+        """Creates a world from a scenario or a saved state. INVALID_ARGUMENT: the request or the scenario is wrong; the
+        message names the field. ALREADY_EXISTS: the name is taken. UNAVAILABLE: the server is stopping.
+        """
 
     @_abc_1.abstractmethod
     def ListWorlds(
@@ -176,7 +243,7 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.GetWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.GetWorldResponse, _abc.Awaitable[_control_pb2.GetWorldResponse]]:
-        """One world and what happened in it."""
+        """Returns the status of one world."""
 
     @_abc_1.abstractmethod
     def StartWorld(
@@ -184,7 +251,7 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.StartWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.StartWorldResponse, _abc.Awaitable[_control_pb2.StartWorldResponse]]:
-        """Starts a world, or lets it continue."""
+        """Starts a world, or resumes it after a pause."""
 
     @_abc_1.abstractmethod
     def PauseWorld(
@@ -192,7 +259,7 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.PauseWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.PauseWorldResponse, _abc.Awaitable[_control_pb2.PauseWorldResponse]]:
-        """Stops a world before its next tick."""
+        """Pauses a world before its next tick."""
 
     @_abc_1.abstractmethod
     def StepWorld(
@@ -200,8 +267,9 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.StepWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.StepWorldResponse, _abc.Awaitable[_control_pb2.StepWorldResponse]]:
-        """Runs some ticks of a world whose pace is stepped, and answers when they are done. FAILED_PRECONDITION while it runs those
-        of another call. When the client is gone, the remaining ticks are not run.
+        """Runs a number of ticks of a world whose pace is stepped, and returns when they are done. If the client cancels the
+        call, the remaining ticks are not run. FAILED_PRECONDITION: the pace is not stepped, the run or the recording has
+        ended, a robot still has no brain, or another StepWorld is in progress.
         """
 
     @_abc_1.abstractmethod
@@ -210,7 +278,7 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.SetPaceRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.SetPaceResponse, _abc.Awaitable[_control_pb2.SetPaceResponse]]:
-        """Changes a world's pace."""
+        """Changes the pace of a world. INVALID_ARGUMENT: the pace is missing or wrong."""
 
     @_abc_1.abstractmethod
     def ResetWorld(
@@ -218,9 +286,10 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.ResetWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.ResetWorldResponse, _abc.Awaitable[_control_pb2.ResetWorldResponse]]:
-        """Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
-        attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
-        sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
+        """Returns a world to the start of its run, optionally with another seed, other start poses or other values in its
+        scenario. Brains stay attached. If the call fails, the world is unchanged. NOT_FOUND: no such robot in `starts`.
+        INVALID_ARGUMENT: a value is wrong; the message names the field. FAILED_PRECONDITION: an override changes the tick
+        length, the set of robots or a data sheet.
         """
 
     @_abc_1.abstractmethod
@@ -229,7 +298,7 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.SnapshotWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.SnapshotWorldResponse, _abc.Awaitable[_control_pb2.SnapshotWorldResponse]]:
-        """Keeps a snapshot of a world's current state on the server, under a number."""
+        """Stores a snapshot of a world's current state on the server and returns its number."""
 
     @_abc_1.abstractmethod
     def RestoreWorld(
@@ -237,7 +306,7 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.RestoreWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.RestoreWorldResponse, _abc.Awaitable[_control_pb2.RestoreWorldResponse]]:
-        """Takes a world back to a snapshot. Brains stay attached."""
+        """Returns a world to a snapshot. Brains stay attached. NOT_FOUND: no such snapshot."""
 
     @_abc_1.abstractmethod
     def Intervene(
@@ -245,7 +314,10 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.InterveneRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.InterveneResponse, _abc.Awaitable[_control_pb2.InterveneResponse]]:
-        """Makes a manual change in a world, before its next tick."""
+        """Makes a manual change in a world between two ticks. NOT_FOUND: no such robot or thing. INVALID_ARGUMENT: a value is
+        wrong. FAILED_PRECONDITION: no room at that place, no cable, or the run has ended. ABORTED: the world was reset or
+        restored before the change took effect.
+        """
 
     @_abc_1.abstractmethod
     def GetBudget(
@@ -253,7 +325,10 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _budget_pb2.GetBudgetRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_budget_pb2.GetBudgetResponse, _abc.Awaitable[_budget_pb2.GetBudgetResponse]]:
-        """What a control cycle of each robot costs, from the scenario alone: nothing is run."""
+        """Computes the cost of each robot's control cycle from the scenario alone, without a run. INVALID_ARGUMENT: the
+        scenario is missing or wrong. NOT_FOUND: no such world or robot. FAILED_PRECONDITION: a named robot's
+        microcontroller runs a program of the user's own, which only a run can measure.
+        """
 
     @_abc_1.abstractmethod
     def SaveWorld(
@@ -261,8 +336,8 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.SaveWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.SaveWorldResponse, _abc.Awaitable[_control_pb2.SaveWorldResponse]]:
-        """A world's current state, or a snapshot, by value: a file from which CreateWorld makes a world, also in another
-        process.
+        """Returns a world's current state, or a snapshot, as the contents of a file. CreateWorld makes a world of it, on this
+        or another server. NOT_FOUND: no such snapshot.
         """
 
     @_abc_1.abstractmethod
@@ -271,8 +346,9 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.CloneWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.CloneWorldResponse, _abc.Awaitable[_control_pb2.CloneWorldResponse]]:
-        """Makes a new world that goes on from the present state of another one, to try what would happen if. It has the same
-        scenario, seed and changes by hand, and from there on nothing in common with the original.
+        """Creates a world that continues from the current state of another one, for example to compare alternatives. It
+        starts with the same scenario, seed and manual changes, and is independent of the original afterwards.
+        ALREADY_EXISTS: the name is taken.
         """
 
     @_abc_1.abstractmethod
@@ -281,7 +357,9 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.StartRecordingRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.StartRecordingResponse, _abc.Awaitable[_control_pb2.StartRecordingResponse]]:
-        """Records a world from now on, into the server's folder of recordings. FAILED_PRECONDITION if it has none."""
+        """Starts recording a world into the server's folder of recordings. INVALID_ARGUMENT: the recording's name is not
+        valid. FAILED_PRECONDITION: the server has no such folder, or the world is being recorded already.
+        """
 
     @_abc_1.abstractmethod
     def StopRecording(
@@ -289,7 +367,9 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.StopRecordingRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.StopRecordingResponse, _abc.Awaitable[_control_pb2.StopRecordingResponse]]:
-        """Closes a world's recording."""
+        """Closes a world's recording and returns once the file is complete. FAILED_PRECONDITION: the world is not being
+        recorded.
+        """
 
     @_abc_1.abstractmethod
     def ListRecordings(
@@ -297,7 +377,7 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.ListRecordingsRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.ListRecordingsResponse, _abc.Awaitable[_control_pb2.ListRecordingsResponse]]:
-        """Lists what is in the server's folder of recordings."""
+        """Lists the files in the server's folder of recordings. FAILED_PRECONDITION: the server has no such folder."""
 
     @_abc_1.abstractmethod
     def OpenRecording(
@@ -305,7 +385,10 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.OpenRecordingRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.OpenRecordingResponse, _abc.Awaitable[_control_pb2.OpenRecordingResponse]]:
-        """Makes a world that replays a recording. It is paused at its first tick; no brain can attach to it."""
+        """Creates a world that replays a recording. It is paused at the first recorded tick, and no brain can attach to it.
+        NOT_FOUND: no such recording. FAILED_PRECONDITION: the file cannot be read, or the server has no folder of
+        recordings. ALREADY_EXISTS: the name is taken.
+        """
 
     @_abc_1.abstractmethod
     def DescribeReplay(
@@ -313,7 +396,7 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.DescribeReplayRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.DescribeReplayResponse, _abc.Awaitable[_control_pb2.DescribeReplayResponse]]:
-        """What there is in a recording that is being replayed."""
+        """Describes the recording that a world replays. FAILED_PRECONDITION: the world is live."""
 
     @_abc_1.abstractmethod
     def SeekReplay(
@@ -321,7 +404,9 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.SeekReplayRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.SeekReplayResponse, _abc.Awaitable[_control_pb2.SeekReplayResponse]]:
-        """Takes a world that replays to another tick, forwards or backwards."""
+        """Moves a world that replays a recording to another tick, forwards or backwards. FAILED_PRECONDITION: the world is
+        live. DATA_LOSS: the recording is damaged.
+        """
 
     @_abc_1.abstractmethod
     def ForkReplay(
@@ -329,7 +414,9 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.ForkReplayRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.ForkReplayResponse, _abc.Awaitable[_control_pb2.ForkReplayResponse]]:
-        """Makes a live world of one that replays: it continues from its current tick, and brains can attach to it."""
+        """Turns a world that replays a recording into a live one, which continues from the current tick and accepts brains.
+        FAILED_PRECONDITION: the world is live already.
+        """
 
     @_abc_1.abstractmethod
     def DeleteWorld(
@@ -337,7 +424,7 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.DeleteWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.DeleteWorldResponse, _abc.Awaitable[_control_pb2.DeleteWorldResponse]]:
-        """Ends a world; its brains' and observers' streams end."""
+        """Deletes a world. The streams of its brains and observers end."""
 
     @_abc_1.abstractmethod
     def GetLimits(

@@ -13,19 +13,19 @@ export const file_baudbot_v1_brain_link: GenFile = /*@__PURE__*/
   fileDesc("ChtiYXVkYm90L3YxL2JyYWluX2xpbmsucHJvdG8SCmJhdWRib3QudjEiigEKDUF0dGFjaFJlcXVlc3QSIgoFaGVsbG8YASABKAsyES5iYXVkYm90LnYxLkhlbGxvSAASIAoEc3RlcBgCIAEoCzIQLmJhdWRib3QudjEuU3RlcEgAEigKCGFubm90YXRlGAMgASgLMhQuYmF1ZGJvdC52MS5Bbm5vdGF0ZUgAQgkKB3JlcXVlc3QiigEKDkF0dGFjaFJlc3BvbnNlEiYKB3dlbGNvbWUYASABKAsyEy5iYXVkYm90LnYxLldlbGNvbWVIABIgCgR0dXJuGAIgASgLMhAuYmF1ZGJvdC52MS5UdXJuSAASIgoFZW5kZWQYAyABKAsyES5iYXVkYm90LnYxLkVuZGVkSABCCgoIcmVzcG9uc2UizgEKBUhlbGxvEg0KBXdvcmxkGAEgASgJEg4KBnJvYm90cxgCIAMoCRIiCgRtb2RlGAMgASgOMhQuYmF1ZGJvdC52MS5Qb3J0TW9kZRINCgVicmFpbhgEIAEoCRIZCgxtZW1vcnlfYnl0ZXMYBSABKARIAIgBARIaChJ0aGlua3NfYXNfc2NlbmFyaW8YBiABKAgSFgoOc3RvcF93aGVuX2dvbmUYByABKAgSEwoLc2VyaWFsX3BvcnQYCCABKAhCDwoNX21lbW9yeV9ieXRlcyJaCgdXZWxjb21lEg8KB3N0ZXBfbnMYASABKAQSEAoIbG9ja3N0ZXAYAiABKAgSLAoGcm9ib3RzGAMgAygLMhwuYmF1ZGJvdC52MS5Sb2JvdERlc2NyaXB0aW9uIrEEChBSb2JvdERlc2NyaXB0aW9uEg0KBXJvYm90GAEgASgJEhAKCHJhZGl1c19tGAIgASgBEhQKDGhhbGZfdHJhY2tfbRgDIAEoARIWCg53aGVlbF9yYWRpdXNfbRgEIAEoARIZCgxzaWduYWxfbGltaXQYBSABKAFIAIgBARIsCg5tb3Rvcl9lbmNvZGluZxgGIAEoCzIULmJhdWRib3QudjEuRW5jb2RpbmcSLgoHc2Vuc29ycxgHIAMoCzIdLmJhdWRib3QudjEuU2Vuc29yRGVzY3JpcHRpb24SJgoIZmlybXdhcmUYCCABKAsyFC5iYXVkYm90LnYxLkZpcm13YXJlEhEKBGJhdWQYCSABKA1IAYgBARIfChJiaXRzX3Blcl9jaGFyYWN0ZXIYCiABKA1IAogBARIyCglhY3R1YXRvcnMYCyADKAsyHy5iYXVkYm90LnYxLkFjdHVhdG9yRGVzY3JpcHRpb24SKQoKbW90b3Jfa2luZBgMIAEoDjIVLmJhdWRib3QudjEuTW90b3JLaW5kEg8KB29uYm9hcmQYDSABKAgSHQoQb3BlcmF0aW9uc19wZXJfcxgOIAEoAUgDiAEBEhYKCXJhbV9ieXRlcxgPIAEoBEgEiAEBQg8KDV9zaWduYWxfbGltaXRCBwoFX2JhdWRCFQoTX2JpdHNfcGVyX2NoYXJhY3RlckITChFfb3BlcmF0aW9uc19wZXJfc0IMCgpfcmFtX2J5dGVzIpMBChNBY3R1YXRvckRlc2NyaXB0aW9uEhAKCGFjdHVhdG9yGAEgASgJEiYKBGtpbmQYAiABKA4yGC5iYXVkYm90LnYxLkFjdHVhdG9yS2luZBIUCgdtaW5fcmFkGAMgASgBSACIAQESFAoHbWF4X3JhZBgEIAEoAUgBiAEBQgoKCF9taW5fcmFkQgoKCF9tYXhfcmFkIt4DChFTZW5zb3JEZXNjcmlwdGlvbhIOCgZzZW5zb3IYASABKAkSJAoEa2luZBgCIAEoDjIWLmJhdWRib3QudjEuU2Vuc29yS2luZBI0Cgpjb21wb25lbnRzGAMgAygLMiAuYmF1ZGJvdC52MS5Db21wb25lbnREZXNjcmlwdGlvbhIRCglwZXJpb2RfbnMYBCABKAQSEAoIcGhhc2VfbnMYBSABKAQSJQoFbW91bnQYBiABKAsyES5iYXVkYm90LnYxLk1vdW50SACIAQESFAoHcmFuZ2VfbRgHIAEoAUgBiAEBEhwKD2NvdW50c19wZXJfdHVybhgIIAEoDUgCiAEBEiMKBHBvcnQYCSABKAsyEC5iYXVkYm90LnYxLlBvcnRIA4gBARIYCgtvcGVuaW5nX3JhZBgKIAEoAUgEiAEBEiUKBXN3ZWVwGAsgASgLMhEuYmF1ZGJvdC52MS5Td2VlcEgFiAEBEhkKDGNvdW50c19wZXJfbRgMIAEoAUgGiAEBQggKBl9tb3VudEIKCghfcmFuZ2VfbUISChBfY291bnRzX3Blcl90dXJuQgcKBV9wb3J0Qg4KDF9vcGVuaW5nX3JhZEIICgZfc3dlZXBCDwoNX2NvdW50c19wZXJfbSIvCgVTd2VlcBITCgtkdXJhdGlvbl9ucxgBIAEoBBIRCgljbG9ja3dpc2UYAiABKAgimQEKBFBvcnQSJgoGZm9ybWF0GAEgASgOMhYuYmF1ZGJvdC52MS5Qb3J0Rm9ybWF0EhUKDW1lc3NhZ2VfYnl0ZXMYAiABKAQSEQoEYmF1ZBgDIAEoDUgAiAEBEh8KEmJpdHNfcGVyX2NoYXJhY3RlchgEIAEoDUgBiAEBQgcKBV9iYXVkQhUKE19iaXRzX3Blcl9jaGFyYWN0ZXIiVgoFTW91bnQSCwoDeF9tGAEgASgBEgsKA3lfbRgCIAEoARITCgtoZWFkaW5nX3JhZBgDIAEoARITCgZ0dXJyZXQYBCABKA1IAIgBAUIJCgdfdHVycmV0ImkKFENvbXBvbmVudERlc2NyaXB0aW9uEgwKBG5hbWUYASABKAkSDAoEdW5pdBgCIAEoCRImCghlbmNvZGluZxgDIAEoCzIULmJhdWRib3QudjEuRW5jb2RpbmcSDQoFY291bnQYBCABKA0izAIKCEVuY29kaW5nEi8KB2Zsb2F0NjQYASABKAsyHC5iYXVkYm90LnYxLkVuY29kaW5nLkZsb2F0NjRIABIrCgVsZXZlbBgCIAEoCzIaLmJhdWRib3QudjEuRW5jb2RpbmcuTGV2ZWxIABIvCgdjb3VudGVyGAMgASgLMhwuYmF1ZGJvdC52MS5FbmNvZGluZy5Db3VudGVySAASLQoGc2lnbmVkGAQgASgLMhsuYmF1ZGJvdC52MS5FbmNvZGluZy5TaWduZWRIABoJCgdGbG9hdDY0Gi8KBUxldmVsEgwKBGJpdHMYASABKA0SCwoDbWluGAIgASgBEgsKA21heBgDIAEoARoXCgdDb3VudGVyEgwKBGJpdHMYASABKA0aJQoGU2lnbmVkEgwKBGJpdHMYASABKA0SDQoFbGltaXQYAiABKAFCBgoEa2luZCLMAgoIRmlybXdhcmUSLQoGZnJhbWVkGAEgASgLMhsuYmF1ZGJvdC52MS5GaXJtd2FyZS5GcmFtZWRIABIpCgRiYXJlGAIgASgLMhkuYmF1ZGJvdC52MS5GaXJtd2FyZS5CYXJlSAASLwoHa2hlcGVyYRgEIAEoCzIcLmJhdWRib3QudjEuRmlybXdhcmUuS2hlcGVyYUgAEi0KBmNyZWF0ZRgFIAEoCzIbLmJhdWRib3QudjEuRmlybXdhcmUuQ3JlYXRlSAASFgoJcGVyaW9kX25zGAMgASgESAGIAQEaFgoGRnJhbWVkEgwKBGFnZXMYASABKAgaFgoEQmFyZRIOCgZnYXBfbnMYASABKAQaCQoHS2hlcGVyYRoZCgZDcmVhdGUSDwoHdmVyc2lvbhgBIAEoDUIKCghwcm90b2NvbEIMCgpfcGVyaW9kX25zInQKBFR1cm4SDAoEdGljaxgBIAEoBBIlCgZyb2JvdHMYAiADKAsyFS5iYXVkYm90LnYxLlJvYm90VHVybhIMCgR0dXJuGAMgASgEEikKCndhbGxfY2xvY2sYBCABKAsyFS5iYXVkYm90LnYxLldhbGxDbG9jayI4CglXYWxsQ2xvY2sSGwoTdGlja19iZWdpbnNfdW5peF9ucxgBIAEoAxIOCgZmYWN0b3IYAiABKAEiygEKCVJvYm90VHVybhINCgVyb2JvdBgBIAEoDRINCgVhdF9ucxgCIAEoBBILCgNyYXcYAyABKAwSJQoIcmVhZGluZ3MYBCADKAsyEy5iYXVkYm90LnYxLlJlYWRpbmcSJAoFcG9ydHMYBSADKAsyFS5iYXVkYm90LnYxLlBvcnRCeXRlcxIUCgxyYXdfYWZ0ZXJfbnMYBiADKAQSEQoEYmF1ZBgHIAEoDUgAiAEBEhMKC2hhc19tZXNzYWdlGAggASgIQgcKBV9iYXVkIlcKCVBvcnRCeXRlcxIOCgZzZW5zb3IYASABKA0SDAoEZGF0YRgCIAEoDBIQCghhZnRlcl9ucxgDIAMoBBIRCgRiYXVkGAQgASgNSACIAQFCBwoFX2JhdWQiewoHUmVhZGluZxIOCgZzZW5zb3IYASABKA0SDgoGdmFsdWVzGAIgAygBEhoKDXNhbXBsZWRfYXRfbnMYAyABKARIAIgBARIQCghzZXF1ZW5jZRgEIAEoDRIQCghyZWFkYWJsZRgFIAEoCEIQCg5fc2FtcGxlZF9hdF9ucyI7CgRTdGVwEgwKBHR1cm4YASABKAQSJQoGcm9ib3RzGAIgAygLMhUuYmF1ZGJvdC52MS5Sb2JvdFN0ZXAitgIKCVJvYm90U3RlcBINCgVyb2JvdBgBIAEoDRIYCgt0aGlua2luZ19ucxgCIAEoBEgBiAEBEg0KA3JhdxgDIAEoDEgAEiYKB2NvbW1hbmQYBCABKAsyEy5iYXVkYm90LnYxLkNvbW1hbmRIABIgCgRwb2xsGAUgASgLMhAuYmF1ZGJvdC52MS5Qb2xsSAASFwoKb3BlcmF0aW9ucxgGIAEoBEgCiAEBEi8KDXVudGlsX21lc3NhZ2UYByABKAsyGC5iYXVkYm90LnYxLlVudGlsTWVzc2FnZRIOCgZvcGVuZWQYCCABKAgSJAoFcG9ydHMYCSADKAsyFS5iYXVkYm90LnYxLlBvcnRCeXRlc0IICgZvdXRwdXRCDgoMX3RoaW5raW5nX25zQg0KC19vcGVyYXRpb25zIjoKDFVudGlsTWVzc2FnZRIZCgxhdF9sYXRlc3RfbnMYASABKARIAIgBAUIPCg1fYXRfbGF0ZXN0X25zIksKB0NvbW1hbmQSEwoLbGVmdF9zaWduYWwYASABKAESFAoMcmlnaHRfc2lnbmFsGAIgASgBEhUKDW90aGVyX3NpZ25hbHMYAyADKAEiBgoEUG9sbCIVCgVFbmRlZBIMCgR0aWNrGAEgASgEIj0KCEFubm90YXRlEg0KBXJvYm90GAEgASgNEiIKBmJlbGllZhgCIAEoCzISLmJhdWRib3QudjEuQmVsaWVmItMBCgZCZWxpZWYSDQoFc3RhdGUYASABKAkSJgoJdXRpbGl0aWVzGAIgAygLMhMuYmF1ZGJvdC52MS5VdGlsaXR5EiYKBHBvc2UYAyABKAsyGC5iYXVkYm90LnYxLkJlbGlldmVkUG9zZRInCglwYXJ0aWNsZXMYBCADKAsyFC5iYXVkYm90LnYxLlBhcnRpY2xlEh8KBHBhdGgYBSADKAsyES5iYXVkYm90LnYxLlBvaW50EiAKA21hcBgGIAEoCzITLmJhdWRib3QudjEuR3JpZE1hcCI2CgdVdGlsaXR5EgwKBG5hbWUYASABKAkSDQoFdmFsdWUYAiABKAESDgoGYWN0aXZlGAMgASgIIlQKDEJlbGlldmVkUG9zZRILCgN4X20YASABKAESCwoDeV9tGAIgASgBEhMKC2hlYWRpbmdfcmFkGAMgASgBEhUKDWNvdmFyaWFuY2VfbTIYBCADKAEiSQoIUGFydGljbGUSCwoDeF9tGAEgASgCEgsKA3lfbRgCIAEoAhITCgtoZWFkaW5nX3JhZBgDIAEoAhIOCgZ3ZWlnaHQYBCABKAIiUwoHR3JpZE1hcBILCgN4X20YASABKAESCwoDeV9tGAIgASgBEg4KBmNlbGxfbRgDIAEoARIPCgdjb2x1bW5zGAQgASgNEg0KBWNlbGxzGAUgASgMIiEKBVBvaW50EgsKA3hfbRgBIAEoARILCgN5X20YAiABKAEqUAoIUG9ydE1vZGUSGQoVUE9SVF9NT0RFX1VOU1BFQ0lGSUVEEAASFgoSUE9SVF9NT0RFX01FU1NBR0VTEAESEQoNUE9SVF9NT0RFX1JBVxACKoEBCglNb3RvcktpbmQSGgoWTU9UT1JfS0lORF9VTlNQRUNJRklFRBAAEhEKDU1PVE9SX0tJTkRfREMQARIXChNNT1RPUl9LSU5EX1ZFTE9DSVRZEAISFAoQTU9UT1JfS0lORF9TRVJWTxADEhYKEk1PVE9SX0tJTkRfU1RFUFBFUhAEKnoKDEFjdHVhdG9yS2luZBIdChlBQ1RVQVRPUl9LSU5EX1VOU1BFQ0lGSUVEEAASGAoUQUNUVUFUT1JfS0lORF9UVVJSRVQQARIWChJBQ1RVQVRPUl9LSU5EX0xBTVAQAhIZChVBQ1RVQVRPUl9LSU5EX1NQRUFLRVIQAyq/BAoKU2Vuc29yS2luZBIbChdTRU5TT1JfS0lORF9VTlNQRUNJRklFRBAAEhIKDlNFTlNPUl9LSU5EX0lSEAESGgoWU0VOU09SX0tJTkRfSVJfVk9MVEFHRRACEhUKEVNFTlNPUl9LSU5EX1NPTkFSEAMSFQoRU0VOU09SX0tJTkRfTEFTRVIQBBIbChdTRU5TT1JfS0lORF9MSU5FX0NBTUVSQRAFEhgKFFNFTlNPUl9LSU5EX0VOQ09ERVJTEAYSFQoRU0VOU09SX0tJTkRfU1RFUFMQBxIYChRTRU5TT1JfS0lORF9PRE9NRVRFUhAIEhcKE1NFTlNPUl9LSU5EX0NPTVBBU1MQCRIdChlTRU5TT1JfS0lORF9BQ0NFTEVST01FVEVSEAoSGQoVU0VOU09SX0tJTkRfR1lST1NDT1BFEAsSEwoPU0VOU09SX0tJTkRfR1BTEAwSFwoTU0VOU09SX0tJTkRfV0hJU0tFUhANEhYKElNFTlNPUl9LSU5EX0JVTVBFUhAOEh0KGVNFTlNPUl9LSU5EX1BIT1RPUkVTSVNUT1IQDxIVChFTRU5TT1JfS0lORF9MSUdIVBAQEhUKEVNFTlNPUl9LSU5EX0ZJRUxEEBESGgoWU0VOU09SX0tJTkRfTUlDUk9QSE9ORRASEhUKEVNFTlNPUl9LSU5EX0ZMT09SEBMSFwoTU0VOU09SX0tJTkRfQkFUVEVSWRAUEhwKGFNFTlNPUl9LSU5EX09QVElDQUxfRkxPVxAVKnIKClBvcnRGb3JtYXQSGwoXUE9SVF9GT1JNQVRfVU5TUEVDSUZJRUQQABIVChFQT1JUX0ZPUk1BVF9TQ0lQMhABEhoKFlBPUlRfRk9STUFUX0xJTkVfSU1BR0UQAhIUChBQT1JUX0ZPUk1BVF9OTUVBEAMyVwoQQnJhaW5MaW5rU2VydmljZRJDCgZBdHRhY2gSGS5iYXVkYm90LnYxLkF0dGFjaFJlcXVlc3QaGi5iYXVkYm90LnYxLkF0dGFjaFJlc3BvbnNlKAEwAWIGcHJvdG8z");
 
 /**
- * From the brain.
+ * Message from the brain to the server.
  *
  * @generated from message baudbot.v1.AttachRequest
  */
 export type AttachRequest = Message<"baudbot.v1.AttachRequest"> & {
   /**
-   * Exactly one.
+   * Content of the message. Required.
    *
    * @generated from oneof baudbot.v1.AttachRequest.request
    */
   request: {
     /**
-     * First, and once.
+     * First message of the stream, sent exactly once.
      *
      * @generated from field: baudbot.v1.Hello hello = 1;
      */
@@ -33,7 +33,7 @@ export type AttachRequest = Message<"baudbot.v1.AttachRequest"> & {
     case: "hello";
   } | {
     /**
-     * The answer to a Turn, or a command at any time.
+     * Answer to a Turn, or (except in lockstep) a command at any time.
      *
      * @generated from field: baudbot.v1.Step step = 2;
      */
@@ -41,7 +41,7 @@ export type AttachRequest = Message<"baudbot.v1.AttachRequest"> & {
     case: "step";
   } | {
     /**
-     * A belief for observers, at any time.
+     * Belief for observers, allowed at any time.
      *
      * @generated from field: baudbot.v1.Annotate annotate = 3;
      */
@@ -58,19 +58,19 @@ export const AttachRequestSchema: GenMessage<AttachRequest> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 0);
 
 /**
- * To the brain.
+ * Message from the server to the brain.
  *
  * @generated from message baudbot.v1.AttachResponse
  */
 export type AttachResponse = Message<"baudbot.v1.AttachResponse"> & {
   /**
-   * Exactly one.
+   * Content of the message; always set.
    *
    * @generated from oneof baudbot.v1.AttachResponse.response
    */
   response: {
     /**
-     * First, and once.
+     * First message of the stream, sent exactly once.
      *
      * @generated from field: baudbot.v1.Welcome welcome = 1;
      */
@@ -78,7 +78,7 @@ export type AttachResponse = Message<"baudbot.v1.AttachResponse"> & {
     case: "welcome";
   } | {
     /**
-     * The brain can step.
+     * Signals that the brain can step.
      *
      * @generated from field: baudbot.v1.Turn turn = 2;
      */
@@ -86,7 +86,7 @@ export type AttachResponse = Message<"baudbot.v1.AttachResponse"> & {
     case: "turn";
   } | {
     /**
-     * The run is over.
+     * Signals that the run is over.
      *
      * @generated from field: baudbot.v1.Ended ended = 3;
      */
@@ -103,7 +103,7 @@ export const AttachResponseSchema: GenMessage<AttachResponse> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 1);
 
 /**
- * Who the brain is and what it wants to drive.
+ * Identifies the brain and the robots to attach it to.
  *
  * @generated from message baudbot.v1.Hello
  */
@@ -116,58 +116,58 @@ export type Hello = Message<"baudbot.v1.Hello"> & {
   world: string;
 
   /**
-   * Names of the robots; at least one. Turns and Steps name them by their place in this list.
+   * Names of the robots, at least one. Turns and Steps refer to a robot by its index in this list, from 0.
    *
    * @generated from field: repeated string robots = 2;
    */
   robots: string[];
 
   /**
-   * The same for all of them.
+   * Port mode, the same for all robots of the stream.
    *
    * @generated from field: baudbot.v1.PortMode mode = 3;
    */
   mode: PortMode;
 
   /**
-   * What the program calls itself, for people: one line of at most 64 characters, none of them a control character.
+   * Name of the program for display: one line of at most 64 characters without control characters.
    *
    * @generated from field: string brain = 4;
    */
   brain: string;
 
   /**
-   * Memory that the program's variables need on each robot. Only for robots that are onboard: on another one
-   * the program runs on a laptop, and this is INVALID_ARGUMENT.
+   * Memory that the program's variables need on each robot, in bytes. Allowed only for robots whose brain runs on board
+   * (see RobotDescription.onboard); otherwise INVALID_ARGUMENT.
    *
    * @generated from field: optional uint64 memory_bytes = 5;
    */
   memoryBytes?: bigint | undefined;
 
   /**
-   * The program promises that each of its Steps has a part for every robot of its Turn and for no other, and declares
-   * no thinking of its own. Then it is known when it is done before it has answered, and in lockstep the world goes on
-   * while an answer is under way that could not have reached its robot yet. A Step that breaks the promise ends the
-   * stream (FAILED_PRECONDITION).
+   * Promise that each Step has a part for every robot of its Turn and for no other, and sets neither thinking_ns nor
+   * operations. The server then knows the thinking time in advance, and in lockstep finishes ticks that the pending
+   * answer cannot affect yet. A Step that breaks the promise ends the stream (FAILED_PRECONDITION).
    *
    * @generated from field: bool thinks_as_scenario = 6;
    */
   thinksAsScenario: boolean;
 
   /**
-   * A final command for when the program is gone: once this stream is over, however it ends, the server writes a command
-   * that stops the wheels of its robots. Where the world does not wait for its brains, it also does so when the program
-   * has sent no Step for a second of simulated time and a second of wall-clock time. The command goes over the cable like
-   * any other, and is lost if the cable is out. Only in MESSAGES mode: the server cannot write raw bytes (INVALID_ARGUMENT).
+   * True: once this stream has ended for any reason, the server writes a command that stops the wheels of its robots.
+   * At paces that do not wait for brains it also does so when no Step has come for one second of simulated time and one
+   * second of wall-clock time. The command goes over the cable like any other, and is lost if the cable is out.
+   * Requires MESSAGES mode; otherwise INVALID_ARGUMENT.
    *
    * @generated from field: bool stop_when_gone = 7;
    */
   stopWhenGone: boolean;
 
   /**
-   * The program passes bytes on to somebody else's, who opens a serial port. Only in RAW mode (INVALID_ARGUMENT). Turns say
-   * when each byte arrived and which instant of the wall clock that is; what comes during a tick is in its Turn, so the
-   * instant of the step is the end of the tick, and what is written enters the cable then.
+   * True if the program forwards the bytes to another program that opens a serial port. Turns then contain the arrival
+   * time of each byte and the wall-clock time of the tick. Bytes that arrive during a tick are in the Turn of that
+   * tick; the step takes place at the end of the tick, and written bytes enter the cable then. Requires RAW mode
+   * (otherwise INVALID_ARGUMENT) and a pace that follows the wall clock (otherwise FAILED_PRECONDITION).
    *
    * @generated from field: bool serial_port = 8;
    */
@@ -182,27 +182,27 @@ export const HelloSchema: GenMessage<Hello> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 2);
 
 /**
- * What the brain may know of its robots' bodies.
+ * Describes the attached robots.
  *
  * @generated from message baudbot.v1.Welcome
  */
 export type Welcome = Message<"baudbot.v1.Welcome"> & {
   /**
-   * Length of a tick.
+   * Length of a tick in nanoseconds.
    *
    * @generated from field: uint64 step_ns = 1;
    */
   stepNs: bigint;
 
   /**
-   * The world waits for the answer to each Turn.
+   * True if the world waits for the answer to each Turn.
    *
    * @generated from field: bool lockstep = 2;
    */
   lockstep: boolean;
 
   /**
-   * In the order of the Hello.
+   * Data sheets of the robots, in the order of the Hello.
    *
    * @generated from field: repeated baudbot.v1.RobotDescription robots = 3;
    */
@@ -217,112 +217,113 @@ export const WelcomeSchema: GenMessage<Welcome> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 3);
 
 /**
- * A robot as its maker's data sheet has it.
+ * Data sheet of a robot.
  *
  * @generated from message baudbot.v1.RobotDescription
  */
 export type RobotDescription = Message<"baudbot.v1.RobotDescription"> & {
   /**
-   * Its name.
+   * Name of the robot.
    *
    * @generated from field: string robot = 1;
    */
   robot: string;
 
   /**
-   * Radius of its disc.
+   * Radius of the disc-shaped body, or of the disc that encloses it, in metres.
    *
    * @generated from field: double radius_m = 2;
    */
   radiusM: number;
 
   /**
-   * Half the distance between its wheels.
+   * Half the distance between the wheels, in metres.
    *
    * @generated from field: double half_track_m = 3;
    */
   halfTrackM: number;
 
   /**
-   * Radius of its wheels.
+   * Radius of the wheels, in metres.
    *
    * @generated from field: double wheel_radius_m = 4;
    */
   wheelRadiusM: number;
 
   /**
-   * Largest size of a motor signal; absent if there is none.
+   * Largest magnitude of a motor signal. Absent: no limit.
    *
    * @generated from field: optional double signal_limit = 5;
    */
   signalLimit?: number | undefined;
 
   /**
-   * How a motor signal crosses the wire.
+   * Encoding of a motor signal on the cable.
    *
    * @generated from field: baudbot.v1.Encoding motor_encoding = 6;
    */
   motorEncoding?: Encoding | undefined;
 
   /**
-   * Those that the microcontroller reads, in the order of the wire; then those with a port of their own.
+   * Sensors: first those read by the microcontroller, in the order of the cable's messages, then those with a port.
+   * Readings refer to a sensor by its index in this list, from 0.
    *
    * @generated from field: repeated baudbot.v1.SensorDescription sensors = 7;
    */
   sensors: SensorDescription[];
 
   /**
-   * What the microcontroller says on its wire.
+   * Messages that the microcontroller sends on the cable.
    *
    * @generated from field: baudbot.v1.Firmware firmware = 8;
    */
   firmware?: Firmware | undefined;
 
   /**
-   * Baud rate of the cable; absent if it has none: if it is ideal, or USB.
+   * Baud rate of the cable, in bits per second. Absent if it has none, as with USB or an ideal link.
    *
    * @generated from field: optional uint32 baud = 9;
    */
   baud?: number | undefined;
 
   /**
-   * Bits a character; absent where there is no baud rate.
+   * Bits per character on the cable, start and stop bits included. Absent if there is no baud rate.
    *
    * @generated from field: optional uint32 bits_per_character = 10;
    */
   bitsPerCharacter?: number | undefined;
 
   /**
-   * Actuators besides the wheels, in the order of the wire.
+   * Actuators besides the wheels, in the order of the cable's messages.
    *
    * @generated from field: repeated baudbot.v1.ActuatorDescription actuators = 11;
    */
   actuators: ActuatorDescription[];
 
   /**
-   * What turns the wheels.
+   * Kind of the drive motors.
    *
    * @generated from field: baudbot.v1.MotorKind motor_kind = 12;
    */
   motorKind: MotorKind;
 
   /**
-   * There is no cable: the brain is the microcontroller's program, and its thinking takes that processor's
-   * time.
+   * True if there is no cable: the brain is the microcontroller's own program, and its thinking takes time on that
+   * processor.
    *
    * @generated from field: bool onboard = 13;
    */
   onboard: boolean;
 
   /**
-   * How many operations of a brain's program the microcontroller does a second; absent if it is not known.
+   * Operations of a brain's program that the microcontroller executes per second. Absent if unknown.
    *
    * @generated from field: optional double operations_per_s = 14;
    */
   operationsPerS?: number | undefined;
 
   /**
-   * Memory for the variables of a brain's program; absent if it is not known.
+   * Memory for the variables of a brain's program, in bytes. Absent if unknown.
    *
    * @generated from field: optional uint64 ram_bytes = 15;
    */
@@ -337,34 +338,34 @@ export const RobotDescriptionSchema: GenMessage<RobotDescription> = /*@__PURE__*
   messageDesc(file_baudbot_v1_brain_link, 4);
 
 /**
- * An actuator besides the wheels, as its maker's data sheet has it. It takes one signal.
+ * Data sheet of an actuator besides the wheels. Each takes one signal.
  *
  * @generated from message baudbot.v1.ActuatorDescription
  */
 export type ActuatorDescription = Message<"baudbot.v1.ActuatorDescription"> & {
   /**
-   * Its name.
+   * Name of the actuator.
    *
    * @generated from field: string actuator = 1;
    */
   actuator: string;
 
   /**
-   * What it does with its signal.
+   * Kind of the actuator.
    *
    * @generated from field: baudbot.v1.ActuatorKind kind = 2;
    */
   kind: ActuatorKind;
 
   /**
-   * Least angle, of a turret.
+   * For a turret: smallest angle in radians, positive counter-clockwise from straight ahead. Otherwise absent.
    *
    * @generated from field: optional double min_rad = 3;
    */
   minRad?: number | undefined;
 
   /**
-   * Greatest angle, of a turret.
+   * For a turret: largest angle in radians, positive counter-clockwise from straight ahead. Otherwise absent.
    *
    * @generated from field: optional double max_rad = 4;
    */
@@ -379,90 +380,91 @@ export const ActuatorDescriptionSchema: GenMessage<ActuatorDescription> = /*@__P
   messageDesc(file_baudbot_v1_brain_link, 5);
 
 /**
- * A sensor as its maker's data sheet has it.
+ * Data sheet of a sensor.
  *
  * @generated from message baudbot.v1.SensorDescription
  */
 export type SensorDescription = Message<"baudbot.v1.SensorDescription"> & {
   /**
-   * Its name.
+   * Name of the sensor.
    *
    * @generated from field: string sensor = 1;
    */
   sensor: string;
 
   /**
-   * What it measures, and how.
+   * Kind of the sensor.
    *
    * @generated from field: baudbot.v1.SensorKind kind = 2;
    */
   kind: SensorKind;
 
   /**
-   * The parts of a reading, in order.
+   * Components of a reading, in the order of Reading.values.
    *
    * @generated from field: repeated baudbot.v1.ComponentDescription components = 3;
    */
   components: ComponentDescription[];
 
   /**
-   * Time between two samples.
+   * Time between two samples, in nanoseconds.
    *
    * @generated from field: uint64 period_ns = 4;
    */
   periodNs: bigint;
 
   /**
-   * The first sample; 0 also if a sensor with a port of its own begins somewhere.
+   * Time of the first sample, in nanoseconds of simulated time. Also 0 for a sensor with a port whose phase is random.
    *
    * @generated from field: uint64 phase_ns = 5;
    */
   phaseNs: bigint;
 
   /**
-   * Where it sits and in which direction it looks, if that matters.
+   * Pose of the sensor on the robot. Absent if it does not matter.
    *
    * @generated from field: optional baudbot.v1.Mount mount = 6;
    */
   mount?: Mount | undefined;
 
   /**
-   * Range, if it has one.
+   * Largest distance that the sensor measures, in metres. Absent if it has no such limit.
    *
    * @generated from field: optional double range_m = 7;
    */
   rangeM?: number | undefined;
 
   /**
-   * Counts a turn of the wheel, if it counts.
+   * Counts per turn of a wheel. Absent for sensors that do not count turns.
    *
    * @generated from field: optional uint32 counts_per_turn = 8;
    */
   countsPerTurn?: number | undefined;
 
   /**
-   * A cable of its own to the laptop, past the microcontroller, if it has one.
+   * Sensor's own cable to the laptop, past the microcontroller. Absent if it has none.
    *
    * @generated from field: optional baudbot.v1.Port port = 9;
    */
   port?: Port | undefined;
 
   /**
-   * From the first of the rays that it looks along to the last, if it looks along rays; 0 if that is one ray.
+   * For a sensor that casts rays: angle from the first ray to the last, in radians; 0 for a single ray. Otherwise
+   * absent.
    *
    * @generated from field: optional double opening_rad = 10;
    */
   openingRad?: number | undefined;
 
   /**
-   * How a laser's mirror turns; absent of all other sensors.
+   * Sweep of a laser range finder. Absent for other sensors.
    *
    * @generated from field: optional baudbot.v1.Sweep sweep = 11;
    */
   sweep?: Sweep | undefined;
 
   /**
-   * Counts per metre of travel over the floor, if it counts that.
+   * Counts per metre of motion over the floor. Absent for sensors that do not count it.
    *
    * @generated from field: optional double counts_per_m = 12;
    */
@@ -477,20 +479,20 @@ export const SensorDescriptionSchema: GenMessage<SensorDescription> = /*@__PURE_
   messageDesc(file_baudbot_v1_brain_link, 6);
 
 /**
- * The sweep of a laser range finder. A reading of it is as old as its first ray.
+ * Sweep of a laser range finder. The sampling time of a scan is that of its first ray.
  *
  * @generated from message baudbot.v1.Sweep
  */
 export type Sweep = Message<"baudbot.v1.Sweep"> & {
   /**
-   * Time from the first ray of a scan to the last.
+   * Time from the first ray of a scan to the last, in nanoseconds.
    *
    * @generated from field: uint64 duration_ns = 1;
    */
   durationNs: bigint;
 
   /**
-   * The first ray is the one farthest to the left, and not the one farthest to the right.
+   * True: a scan runs clockwise, from its leftmost ray to the rightmost. False: counter-clockwise.
    *
    * @generated from field: bool clockwise = 2;
    */
@@ -505,34 +507,34 @@ export const SweepSchema: GenMessage<Sweep> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 7);
 
 /**
- * A sensor's own cable to the laptop.
+ * Sensor's own cable to the laptop.
  *
  * @generated from message baudbot.v1.Port
  */
 export type Port = Message<"baudbot.v1.Port"> & {
   /**
-   * What is said on it.
+   * Format of the data on the cable.
    *
    * @generated from field: baudbot.v1.PortFormat format = 1;
    */
   format: PortFormat;
 
   /**
-   * Bytes of one message.
+   * Size of one message, in bytes.
    *
    * @generated from field: uint64 message_bytes = 2;
    */
   messageBytes: bigint;
 
   /**
-   * Baud rate; absent if the cable is ideal, such as USB.
+   * Baud rate in bits per second. Absent for an ideal cable, such as USB.
    *
    * @generated from field: optional uint32 baud = 3;
    */
   baud?: number | undefined;
 
   /**
-   * Bits a character; absent if the cable is ideal.
+   * Bits per character, start and stop bits included. Absent for an ideal cable.
    *
    * @generated from field: optional uint32 bits_per_character = 4;
    */
@@ -547,34 +549,36 @@ export const PortSchema: GenMessage<Port> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 8);
 
 /**
- * Robot from sensor; on a turret, turret from sensor.
+ * Pose of a sensor in the robot frame (origin at the robot's centre, x axis forwards, y axis to the left), or for a
+ * sensor on a turret, in the frame of the turret.
  *
  * @generated from message baudbot.v1.Mount
  */
 export type Mount = Message<"baudbot.v1.Mount"> & {
   /**
-   * Forwards of the robot's centre.
+   * x coordinate in metres, positive forwards.
    *
    * @generated from field: double x_m = 1;
    */
   xM: number;
 
   /**
-   * To the left of the robot's centre.
+   * y coordinate in metres, positive to the left.
    *
    * @generated from field: double y_m = 2;
    */
   yM: number;
 
   /**
-   * Counter-clockwise of the robot's heading.
+   * Viewing direction in radians, positive counter-clockwise from straight ahead.
    *
    * @generated from field: double heading_rad = 3;
    */
   headingRad: number;
 
   /**
-   * The actuator that turns it about the robot's centre, by its place in the description; absent if none does.
+   * Index, in RobotDescription.actuators, of the turret that carries the sensor and turns about the robot's centre.
+   * Absent if the sensor is fixed to the robot.
    *
    * @generated from field: optional uint32 turret = 4;
    */
@@ -589,34 +593,34 @@ export const MountSchema: GenMessage<Mount> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 9);
 
 /**
- * A part of a reading: one value, or as many as a scan has rays.
+ * Component of a reading: one value, or one per ray or column.
  *
  * @generated from message baudbot.v1.ComponentDescription
  */
 export type ComponentDescription = Message<"baudbot.v1.ComponentDescription"> & {
   /**
-   * Its name; empty if the sensor has only this one.
+   * Name of the component; empty if it is the sensor's only one.
    *
    * @generated from field: string name = 1;
    */
   name: string;
 
   /**
-   * SI unit; `1` for a ratio.
+   * SI unit of the values; `1` for a ratio.
    *
    * @generated from field: string unit = 2;
    */
   unit: string;
 
   /**
-   * How each value crosses the wire; without meaning for a sensor with a port of its own.
+   * Encoding of each value on the cable. Not used for a sensor with a port.
    *
    * @generated from field: baudbot.v1.Encoding encoding = 3;
    */
   encoding?: Encoding | undefined;
 
   /**
-   * How many values it has; 0 means 1.
+   * Number of values; 0 means 1.
    *
    * @generated from field: uint32 count = 4;
    */
@@ -631,19 +635,19 @@ export const ComponentDescriptionSchema: GenMessage<ComponentDescription> = /*@_
   messageDesc(file_baudbot_v1_brain_link, 10);
 
 /**
- * How one number crosses the wire; `docs/reference/wire.md` has the bytes.
+ * Encoding of a number on the cable; docs/reference/wire.md has the bytes.
  *
  * @generated from message baudbot.v1.Encoding
  */
 export type Encoding = Message<"baudbot.v1.Encoding"> & {
   /**
-   * Exactly one.
+   * Kind of encoding. Required.
    *
    * @generated from oneof baudbot.v1.Encoding.kind
    */
   kind: {
     /**
-     * 8 bytes, IEEE 754, little endian.
+     * IEEE 754 double, 8 bytes, little endian.
      *
      * @generated from field: baudbot.v1.Encoding.Float64 float64 = 1;
      */
@@ -651,7 +655,7 @@ export type Encoding = Message<"baudbot.v1.Encoding"> & {
     case: "float64";
   } | {
     /**
-     * Equal steps from min to max.
+     * Unsigned code with equal steps from `min` to `max`.
      *
      * @generated from field: baudbot.v1.Encoding.Level level = 2;
      */
@@ -659,7 +663,7 @@ export type Encoding = Message<"baudbot.v1.Encoding"> & {
     case: "level";
   } | {
     /**
-     * A whole number that wraps.
+     * Integer that wraps around.
      *
      * @generated from field: baudbot.v1.Encoding.Counter counter = 3;
      */
@@ -667,7 +671,7 @@ export type Encoding = Message<"baudbot.v1.Encoding"> & {
     case: "counter";
   } | {
     /**
-     * Equal steps on either side of an exact 0.
+     * Signed code with equal steps on both sides of an exact 0.
      *
      * @generated from field: baudbot.v1.Encoding.Signed signed = 4;
      */
@@ -684,7 +688,7 @@ export const EncodingSchema: GenMessage<Encoding> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 11);
 
 /**
- * 8 bytes, IEEE 754, little endian.
+ * IEEE 754 double, 8 bytes, little endian.
  *
  * @generated from message baudbot.v1.Encoding.Float64
  */
@@ -699,27 +703,27 @@ export const Encoding_Float64Schema: GenMessage<Encoding_Float64> = /*@__PURE__*
   messageDesc(file_baudbot_v1_brain_link, 11, 0);
 
 /**
- * Equal steps from min to max.
+ * Unsigned code with equal steps from `min` to `max`.
  *
  * @generated from message baudbot.v1.Encoding.Level
  */
 export type Encoding_Level = Message<"baudbot.v1.Encoding.Level"> & {
   /**
-   * 1 to 32.
+   * Width of the code in bits, 1 to 32.
    *
    * @generated from field: uint32 bits = 1;
    */
   bits: number;
 
   /**
-   * At code 0.
+   * Value of code 0, in the unit of the number.
    *
    * @generated from field: double min = 2;
    */
   min: number;
 
   /**
-   * At the largest code.
+   * Value of the largest code, in the unit of the number.
    *
    * @generated from field: double max = 3;
    */
@@ -734,13 +738,13 @@ export const Encoding_LevelSchema: GenMessage<Encoding_Level> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 11, 1);
 
 /**
- * A whole number that wraps.
+ * Integer that wraps around.
  *
  * @generated from message baudbot.v1.Encoding.Counter
  */
 export type Encoding_Counter = Message<"baudbot.v1.Encoding.Counter"> & {
   /**
-   * 8 to 32.
+   * Width in bits, 8 to 32.
    *
    * @generated from field: uint32 bits = 1;
    */
@@ -755,20 +759,20 @@ export const Encoding_CounterSchema: GenMessage<Encoding_Counter> = /*@__PURE__*
   messageDesc(file_baudbot_v1_brain_link, 11, 2);
 
 /**
- * Equal steps on either side of an exact 0.
+ * Signed code with equal steps on both sides of an exact 0.
  *
  * @generated from message baudbot.v1.Encoding.Signed
  */
 export type Encoding_Signed = Message<"baudbot.v1.Encoding.Signed"> & {
   /**
-   * 2 to 32.
+   * Width of the code in bits, 2 to 32.
    *
    * @generated from field: uint32 bits = 1;
    */
   bits: number;
 
   /**
-   * At the largest code.
+   * Value of the largest code, in the unit of the number; the range is symmetric about 0.
    *
    * @generated from field: double limit = 2;
    */
@@ -783,13 +787,13 @@ export const Encoding_SignedSchema: GenMessage<Encoding_Signed> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 11, 3);
 
 /**
- * What the microcontroller says on its wire.
+ * Protocol of a robot's microcontroller on its cable.
  *
  * @generated from message baudbot.v1.Firmware
  */
 export type Firmware = Message<"baudbot.v1.Firmware"> & {
   /**
-   * The form of its messages.
+   * Form of the messages.
    *
    * @generated from oneof baudbot.v1.Firmware.protocol
    */
@@ -803,7 +807,7 @@ export type Firmware = Message<"baudbot.v1.Firmware"> & {
     case: "framed";
   } | {
     /**
-     * One value after the other and nothing else.
+     * Bare values without any framing.
      *
      * @generated from field: baudbot.v1.Firmware.Bare bare = 2;
      */
@@ -811,7 +815,7 @@ export type Firmware = Message<"baudbot.v1.Firmware"> & {
     case: "bare";
   } | {
     /**
-     * Lines of text, as a Khepera's: one answer for each question.
+     * Lines of text as of a Khepera robot, one answer per request.
      *
      * @generated from field: baudbot.v1.Firmware.Khepera khepera = 4;
      */
@@ -819,7 +823,7 @@ export type Firmware = Message<"baudbot.v1.Firmware"> & {
     case: "khepera";
   } | {
     /**
-     * The Open Interface of an iRobot Create: a stream of packets, once one is asked for.
+     * Open Interface of an iRobot Create: a stream of packets, which starts on request.
      *
      * @generated from field: baudbot.v1.Firmware.Create create = 5;
      */
@@ -828,7 +832,7 @@ export type Firmware = Message<"baudbot.v1.Firmware"> & {
   } | { case: undefined; value?: undefined };
 
   /**
-   * Time between two messages of readings; absent if it answers only when asked.
+   * Time between two messages of readings, in nanoseconds. Absent if the firmware sends them only on request.
    *
    * @generated from field: optional uint64 period_ns = 3;
    */
@@ -849,7 +853,7 @@ export const FirmwareSchema: GenMessage<Firmware> = /*@__PURE__*/
  */
 export type Firmware_Framed = Message<"baudbot.v1.Firmware.Framed"> & {
   /**
-   * Whether each reading carries its age.
+   * True if each reading carries its age.
    *
    * @generated from field: bool ages = 1;
    */
@@ -864,13 +868,13 @@ export const Firmware_FramedSchema: GenMessage<Firmware_Framed> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 12, 0);
 
 /**
- * One value after the other and nothing else.
+ * Bare values without any framing.
  *
  * @generated from message baudbot.v1.Firmware.Bare
  */
 export type Firmware_Bare = Message<"baudbot.v1.Firmware.Bare"> & {
   /**
-   * Silence after which an incomplete message is discarded.
+   * Length of silence, in nanoseconds, after which an incomplete message is discarded.
    *
    * @generated from field: uint64 gap_ns = 1;
    */
@@ -885,8 +889,8 @@ export const Firmware_BareSchema: GenMessage<Firmware_Bare> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 12, 1);
 
 /**
- * Lines of text, as a Khepera's: one answer for each question. All values are codes of their encodings in
- * decimal digits; every sensor is in every answer.
+ * Lines of text as of a Khepera robot, one answer per request. Values are sent as codes of their encoding in decimal
+ * digits; every answer contains all sensors.
  *
  * @generated from message baudbot.v1.Firmware.Khepera
  */
@@ -901,14 +905,14 @@ export const Firmware_KheperaSchema: GenMessage<Firmware_Khepera> = /*@__PURE__*
   messageDesc(file_baudbot_v1_brain_link, 12, 2);
 
 /**
- * The Open Interface of an iRobot Create. Every sensor that it tells is in every message of the stream that the server asks
- * for; it tells those whose names docs/reference/robots/create.md lists.
+ * Open Interface of an iRobot Create. Every message of the requested stream contains all sensors that the protocol
+ * supports; docs/reference/robots/create.md lists their names.
  *
  * @generated from message baudbot.v1.Firmware.Create
  */
 export type Firmware_Create = Message<"baudbot.v1.Firmware.Create"> & {
   /**
-   * 1 for the Create of 2007, 2 for the Create 2.
+   * Version of the robot: 1 for the Create of 2007, 2 for the Create 2.
    *
    * @generated from field: uint32 version = 1;
    */
@@ -923,34 +927,35 @@ export const Firmware_CreateSchema: GenMessage<Firmware_Create> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 12, 3);
 
 /**
- * A brain's step: what has arrived for it, and when it is.
+ * Opportunity for a step: what has arrived since the last one, and the time.
  *
  * @generated from message baudbot.v1.Turn
  */
 export type Turn = Message<"baudbot.v1.Turn"> & {
   /**
-   * Number of the tick. It goes back when the world is reset.
+   * Number of the tick. It decreases when the world is reset or a snapshot is restored.
    *
    * @generated from field: uint64 tick = 1;
    */
   tick: bigint;
 
   /**
-   * Those of the stream's robots whose brain can step in this tick; one that still thinks cannot.
+   * Robots of the stream that can step in this tick. A robot whose brain is still thinking, in simulated time, is
+   * omitted.
    *
    * @generated from field: repeated baudbot.v1.RobotTurn robots = 2;
    */
   robots: RobotTurn[];
 
   /**
-   * Number of the Turn on this stream, from 1; the answering Step repeats it.
+   * Number of the Turn on this stream, from 1. The answering Step repeats it.
    *
    * @generated from field: uint64 turn = 3;
    */
   turn: bigint;
 
   /**
-   * For a serial port, where simulated time follows the wall clock.
+   * Mapping of simulated time to the wall clock. Set only for a serial port (Hello.serial_port).
    *
    * @generated from field: baudbot.v1.WallClock wall_clock = 4;
    */
@@ -965,21 +970,21 @@ export const TurnSchema: GenMessage<Turn> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 13);
 
 /**
- * How simulated time follows the wall clock.
+ * Mapping of simulated time to the wall clock.
  *
  * @generated from message baudbot.v1.WallClock
  */
 export type WallClock = Message<"baudbot.v1.WallClock"> & {
   /**
-   * When the tick begins, in nanoseconds since 1970 by the clock of the server's machine. A world that cannot keep up sets
-   * its clock back; then it is later than the ticks before say.
+   * Start of the tick, in nanoseconds since 1970 (Unix time) by the clock of the server's machine. If the world falls
+   * behind real time, later ticks map to later wall-clock times than earlier ticks implied.
    *
    * @generated from field: int64 tick_begins_unix_ns = 1;
    */
   tickBeginsUnixNs: bigint;
 
   /**
-   * Simulated seconds a second of the wall clock.
+   * Simulated seconds per second of wall-clock time.
    *
    * @generated from field: double factor = 2;
    */
@@ -994,64 +999,65 @@ export const WallClockSchema: GenMessage<WallClock> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 14);
 
 /**
- * One robot's part of a Turn.
+ * Part of a Turn for one robot.
  *
  * @generated from message baudbot.v1.RobotTurn
  */
 export type RobotTurn = Message<"baudbot.v1.RobotTurn"> & {
   /**
-   * Its place in the Hello.
+   * Index of the robot in Hello.robots.
    *
    * @generated from field: uint32 robot = 1;
    */
   robot: number;
 
   /**
-   * The instant of the step, by the laptop's clock.
+   * Time of the step, in nanoseconds by the laptop's clock.
    *
    * @generated from field: uint64 at_ns = 2;
    */
   atNs: bigint;
 
   /**
-   * RAW: the bytes that arrived since the last step.
+   * RAW mode: bytes that arrived on the robot's cable since the last step.
    *
    * @generated from field: bytes raw = 3;
    */
   raw: Uint8Array;
 
   /**
-   * MESSAGES: the last reading of each sensor of which one has arrived.
+   * MESSAGES mode: latest reading of each sensor. Sensors of which no reading has arrived yet are omitted.
    *
    * @generated from field: repeated baudbot.v1.Reading readings = 4;
    */
   readings: Reading[];
 
   /**
-   * RAW: the bytes that arrived since the last step on the cables of sensors' own; ports on which nothing came
-   * are left out.
+   * RAW mode: bytes that arrived since the last step on the sensors' own cables. Ports without new bytes are omitted.
    *
    * @generated from field: repeated baudbot.v1.PortBytes ports = 5;
    */
   ports: PortBytes[];
 
   /**
-   * For a serial port: how long after the tick began each byte of `raw` arrived.
+   * For a serial port: arrival time of each byte of `raw`, in nanoseconds after the start of the tick.
    *
    * @generated from field: repeated uint64 raw_after_ns = 6;
    */
   rawAfterNs: bigint[];
 
   /**
-   * For a serial port: the baud rate of the robot's cable, if it has one; programs and robots may change it.
+   * For a serial port: current baud rate of the robot's cable, in bits per second; programs and robots may change it.
+   * Absent if the cable has none.
    *
    * @generated from field: optional uint32 baud = 7;
    */
   baud?: number | undefined;
 
   /**
-   * MESSAGES: a complete, valid message of readings has arrived from the microcontroller since the last step. It may have no new
-   * reading: who asks a polled firmware more often than its sensors sample gets such answers, and must ask again.
+   * MESSAGES mode: true if a complete, valid message of readings has arrived from the microcontroller since the last
+   * step. It may contain no new reading: a firmware that is polled more often than its sensors sample sends such
+   * answers, and must be polled again.
    *
    * @generated from field: bool has_message = 8;
    */
@@ -1066,34 +1072,35 @@ export const RobotTurnSchema: GenMessage<RobotTurn> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 15);
 
 /**
- * What arrived on the cable of a sensor's own.
+ * Bytes on the cable of a sensor's own.
  *
  * @generated from message baudbot.v1.PortBytes
  */
 export type PortBytes = Message<"baudbot.v1.PortBytes"> & {
   /**
-   * The sensor's place in the description.
+   * Index of the sensor in RobotDescription.sensors.
    *
    * @generated from field: uint32 sensor = 1;
    */
   sensor: number;
 
   /**
-   * As they came: perhaps the end of one message and the beginning of the next.
+   * Bytes as they arrived. They may start or end in the middle of a message.
    *
    * @generated from field: bytes data = 2;
    */
   data: Uint8Array;
 
   /**
-   * For a serial port: how long after the tick began each byte arrived.
+   * For a serial port: arrival time of each byte, in nanoseconds after the start of the tick.
    *
    * @generated from field: repeated uint64 after_ns = 3;
    */
   afterNs: bigint[];
 
   /**
-   * For a serial port, which is told of each port in each Turn: its baud rate, if it has one.
+   * Baud rate of the port in bits per second. Set only for a serial port, whose Turns list every port; absent if the
+   * cable has none.
    *
    * @generated from field: optional uint32 baud = 4;
    */
@@ -1108,42 +1115,43 @@ export const PortBytesSchema: GenMessage<PortBytes> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 16);
 
 /**
- * A reading as it came over the wire.
+ * Reading as received over the cable.
  *
  * @generated from message baudbot.v1.Reading
  */
 export type Reading = Message<"baudbot.v1.Reading"> & {
   /**
-   * The sensor's place in the description.
+   * Index of the sensor in RobotDescription.sensors.
    *
    * @generated from field: uint32 sensor = 1;
    */
   sensor: number;
 
   /**
-   * Component by component, in SI units. A ray that met nothing has -1.
+   * Values, component by component, in the units of the components. A ray that hit nothing has the value -1.
    *
    * @generated from field: repeated double values = 2;
    */
   values: number[];
 
   /**
-   * When it was sampled, by the microcontroller's or the device's clock; absent if the protocol does not say.
+   * Time of the sample, in nanoseconds by the clock of the microcontroller or of the device. Absent if the protocol
+   * does not transmit it.
    *
    * @generated from field: optional uint64 sampled_at_ns = 3;
    */
   sampledAtNs?: bigint | undefined;
 
   /**
-   * Sequence number of the message that brought it; of a sensor with a port of its own, how many there were.
-   * It wraps at 256.
+   * Sequence number of the message that contained the reading; for a sensor with a port, the number of messages
+   * received. It wraps at 256.
    *
    * @generated from field: uint32 sequence = 4;
    */
   sequence: number;
 
   /**
-   * New since the last Turn; an old value is repeated with false.
+   * True if the reading arrived since the last Turn. False: a repeat of the previous one.
    *
    * @generated from field: bool readable = 5;
    */
@@ -1158,21 +1166,21 @@ export const ReadingSchema: GenMessage<Reading> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 17);
 
 /**
- * What the brain does.
+ * Action of the brain.
  *
  * @generated from message baudbot.v1.Step
  */
 export type Step = Message<"baudbot.v1.Step"> & {
   /**
-   * The number of the Turn that this answers; 0 if it answers none, which lockstep does not allow. An answer
-   * to a Turn from before a reset, or from before a change of pace, is discarded.
+   * Number of the Turn that this answers; 0 if it answers none, which lockstep does not permit. The answer to a Turn
+   * from before a reset or a change of pace is discarded.
    *
    * @generated from field: uint64 turn = 1;
    */
   turn: bigint;
 
   /**
-   * What it writes, robot by robot; a robot may be left out.
+   * Actions by robot. Robots without an action may be omitted.
    *
    * @generated from field: repeated baudbot.v1.RobotStep robots = 2;
    */
@@ -1187,34 +1195,34 @@ export const StepSchema: GenMessage<Step> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 18);
 
 /**
- * One robot's part of a Step.
+ * Part of a Step for one robot.
  *
  * @generated from message baudbot.v1.RobotStep
  */
 export type RobotStep = Message<"baudbot.v1.RobotStep"> & {
   /**
-   * Its place in the Hello.
+   * Index of the robot in Hello.robots.
    *
    * @generated from field: uint32 robot = 1;
    */
   robot: number;
 
   /**
-   * How long the brain thought, in simulated time; absent: what the scenario says. Where simulated time
-   * follows the wall clock this is ignored: the brain takes the time that it takes.
+   * Thinking time of the brain, in nanoseconds of simulated time. Absent: the time given in the scenario. Ignored where
+   * simulated time follows the wall clock, since the real thinking time counts there.
    *
    * @generated from field: optional uint64 thinking_ns = 2;
    */
   thinkingNs?: bigint | undefined;
 
   /**
-   * What it writes to the port, if anything.
+   * Output to the robot. Absent: none.
    *
    * @generated from oneof baudbot.v1.RobotStep.output
    */
   output: {
     /**
-     * RAW: any bytes.
+     * RAW mode: bytes for the robot's cable.
      *
      * @generated from field: bytes raw = 3;
      */
@@ -1222,7 +1230,7 @@ export type RobotStep = Message<"baudbot.v1.RobotStep"> & {
     case: "raw";
   } | {
     /**
-     * MESSAGES: signals for the motors.
+     * MESSAGES mode: signals for the motors and other actuators.
      *
      * @generated from field: baudbot.v1.Command command = 4;
      */
@@ -1230,8 +1238,8 @@ export type RobotStep = Message<"baudbot.v1.RobotStep"> & {
     case: "command";
   } | {
     /**
-     * MESSAGES: asks a polled firmware for readings. A command does that too; where it does not on the wire, as
-     * in the Khepera's protocol, the server sends the poll behind it.
+     * MESSAGES mode: request for readings from a firmware that is polled. A command is a request too; if the protocol
+     * needs a separate one, as that of the Khepera does, the server sends it after the command.
      *
      * @generated from field: baudbot.v1.Poll poll = 5;
      */
@@ -1240,32 +1248,32 @@ export type RobotStep = Message<"baudbot.v1.RobotStep"> & {
   } | { case: undefined; value?: undefined };
 
   /**
-   * Instead of thinking_ns, for a robot that is onboard: how many operations its program did. What that takes
-   * of the processor's time follows from operations_per_s.
+   * For a robot whose brain runs on board, in place of thinking_ns: operations that its program executed.
+   * RobotDescription.operations_per_s gives the time that they take.
    *
    * @generated from field: optional uint64 operations = 6;
    */
   operations?: bigint | undefined;
 
   /**
-   * The brain now waits for a message, and need not be asked before one has come; absent: it is asked at each of its
-   * steps. It matters in lockstep alone, and there too the server may ask more often: it does not look ahead if the
-   * operator forbids it, nor after a reset.
+   * Wait for the next message: the robot gets no Turn before then. Absent: a Turn at each step. It has an effect only
+   * in lockstep, and even there the server may send Turns earlier, namely when the operator has disabled lookahead, and
+   * after a reset.
    *
    * @generated from field: baudbot.v1.UntilMessage until_message = 7;
    */
   untilMessage?: UntilMessage | undefined;
 
   /**
-   * For a serial port: a program has opened it, which pulls DTR. That resets a microcontroller that has a bootloader, as soon
-   * as the tick is over.
+   * For a serial port: true if a program has opened it, which asserts DTR. A microcontroller with a bootloader is reset
+   * by that at the end of the tick.
    *
    * @generated from field: bool opened = 8;
    */
   opened: boolean;
 
   /**
-   * RAW: bytes for sensors on their own cables; `after_ns` is not used. A device that speaks by itself passes them over.
+   * RAW mode: bytes for sensors with a port; `after_ns` is not used. Devices that send without being asked ignore them.
    *
    * @generated from field: repeated baudbot.v1.PortBytes ports = 9;
    */
@@ -1280,16 +1288,17 @@ export const RobotStepSchema: GenMessage<RobotStep> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 19);
 
 /**
- * Like a program that waits in poll(2) for its serial port: the robot has no part in a Turn before something has come.
- * In MESSAGES mode that is a whole, sound message of readings, in RAW mode any byte, in both on any of the robot's
- * ports. Each step at which the brain is not asked counts as if it had answered with a RobotStep that says no more
- * than this: it writes nothing, and has thought as long as the scenario says.
+ * Suspends the Turns of a robot until something arrives, as poll(2) does on a serial port: in MESSAGES mode a complete,
+ * valid message of readings, in RAW mode any byte, and in both modes anything on one of the robot's ports. Each step
+ * without a Turn counts as a RobotStep with nothing but this field: no output, and the thinking time given in the
+ * scenario.
  *
  * @generated from message baudbot.v1.UntilMessage
  */
 export type UntilMessage = Message<"baudbot.v1.UntilMessage"> & {
   /**
-   * It is asked anyway at the first step at this instant or later; absent: it waits indefinitely.
+   * Time, by the laptop's clock in nanoseconds, from which the next step gets a Turn in any case. Absent: no time
+   * limit.
    *
    * @generated from field: optional uint64 at_latest_ns = 1;
    */
@@ -1304,28 +1313,29 @@ export const UntilMessageSchema: GenMessage<UntilMessage> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 20);
 
 /**
- * Signals for the motors; 1 is full voltage, or full speed, forwards.
+ * Signals for the motors and other actuators. For the wheels, 1 is full voltage or full speed forwards, and negative
+ * values are backwards; RobotDescription.signal_limit is the largest magnitude.
  *
  * @generated from message baudbot.v1.Command
  */
 export type Command = Message<"baudbot.v1.Command"> & {
   /**
-   * Left.
+   * Signal for the left motor.
    *
    * @generated from field: double left_signal = 1;
    */
   leftSignal: number;
 
   /**
-   * Right.
+   * Signal for the right motor.
    *
    * @generated from field: double right_signal = 2;
    */
   rightSignal: number;
 
   /**
-   * For the other actuators, as many as the robot has, in their order. Left out: those that were sent last on
-   * this stream are sent again; at first, those that were in force when it began.
+   * Signals for all other actuators, in the order of RobotDescription.actuators. Empty: the last ones sent on this
+   * stream are repeated, or if there are none, those in effect when it began.
    *
    * @generated from field: repeated double other_signals = 3;
    */
@@ -1340,7 +1350,7 @@ export const CommandSchema: GenMessage<Command> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 21);
 
 /**
- * Asks for readings.
+ * Request for readings.
  *
  * @generated from message baudbot.v1.Poll
  */
@@ -1355,13 +1365,13 @@ export const PollSchema: GenMessage<Poll> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 22);
 
 /**
- * The run is over. A brain is not told why.
+ * Signals that the run is over. The reason is not given to brains.
  *
  * @generated from message baudbot.v1.Ended
  */
 export type Ended = Message<"baudbot.v1.Ended"> & {
   /**
-   * The last tick.
+   * Number of the last tick.
    *
    * @generated from field: uint64 tick = 1;
    */
@@ -1376,22 +1386,22 @@ export const EndedSchema: GenMessage<Ended> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 23);
 
 /**
- * What a brain publishes for observers. It takes no time on any cable, changes nothing in the world, and reaches no
- * brain. If a brain publishes faster than observers read, they get the newest. At most 256 KiB. In lockstep, what comes
- * before the Step that answers a Turn is in the next tick's frame; what comes after it may be late.
+ * Data that a brain publishes for observers, at most 256 KiB. It takes no time on a cable, has no effect in the world,
+ * and is not visible to brains. If it is published faster than observers read, they get the newest. In lockstep, what
+ * is sent before the Step that answers a Turn is in the frame of the next tick; what is sent after it may come later.
  *
  * @generated from message baudbot.v1.Annotate
  */
 export type Annotate = Message<"baudbot.v1.Annotate"> & {
   /**
-   * The robot's place in the Hello.
+   * Index of the robot in Hello.robots.
    *
    * @generated from field: uint32 robot = 1;
    */
   robot: number;
 
   /**
-   * What it says; it replaces all that was said before.
+   * Belief that replaces the previous one as a whole.
    *
    * @generated from field: baudbot.v1.Belief belief = 2;
    */
@@ -1406,48 +1416,49 @@ export const AnnotateSchema: GenMessage<Annotate> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 24);
 
 /**
- * What a brain believes and does, in coordinates of the world as it believes them to be.
+ * Belief and activity of a brain. Coordinates are in the world frame as the brain believes it to be. All numbers must
+ * be finite.
  *
  * @generated from message baudbot.v1.Belief
  */
 export type Belief = Message<"baudbot.v1.Belief"> & {
   /**
-   * The state or behaviour that is active, in a few words: one line without control characters.
+   * Active state or behaviour in a few words: one line without control characters.
    *
    * @generated from field: string state = 1;
    */
   state: string;
 
   /**
-   * Utilities of behaviours.
+   * Utilities of the behaviours.
    *
    * @generated from field: repeated baudbot.v1.Utility utilities = 2;
    */
   utilities: Utility[];
 
   /**
-   * Where it believes that it is.
+   * Estimated pose of the robot. Absent: no estimate.
    *
    * @generated from field: baudbot.v1.BelievedPose pose = 3;
    */
   pose?: BelievedPose | undefined;
 
   /**
-   * Other poses that it thinks possible.
+   * Further poses considered possible, as of a particle filter.
    *
    * @generated from field: repeated baudbot.v1.Particle particles = 4;
    */
   particles: Particle[];
 
   /**
-   * Where it intends to go.
+   * Planned path.
    *
    * @generated from field: repeated baudbot.v1.Point path = 5;
    */
   path: Point[];
 
   /**
-   * Its map of the world.
+   * Map of the world. Absent: no map.
    *
    * @generated from field: baudbot.v1.GridMap map = 6;
    */
@@ -1462,27 +1473,27 @@ export const BeliefSchema: GenMessage<Belief> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 25);
 
 /**
- * The utility of a behaviour.
+ * Utility of a behaviour.
  *
  * @generated from message baudbot.v1.Utility
  */
 export type Utility = Message<"baudbot.v1.Utility"> & {
   /**
-   * The behaviour's name.
+   * Name of the behaviour.
    *
    * @generated from field: string name = 1;
    */
   name: string;
 
   /**
-   * Its utility.
+   * Utility of the behaviour, without unit.
    *
    * @generated from field: double value = 2;
    */
   value: number;
 
   /**
-   * Whether it runs.
+   * True if the behaviour is active.
    *
    * @generated from field: bool active = 3;
    */
@@ -1497,34 +1508,34 @@ export const UtilitySchema: GenMessage<Utility> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 26);
 
 /**
- * A pose that a brain believes in.
+ * Estimated pose.
  *
  * @generated from message baudbot.v1.BelievedPose
  */
 export type BelievedPose = Message<"baudbot.v1.BelievedPose"> & {
   /**
-   * In metres.
+   * x coordinate in metres.
    *
    * @generated from field: double x_m = 1;
    */
   xM: number;
 
   /**
-   * In metres.
+   * y coordinate in metres.
    *
    * @generated from field: double y_m = 2;
    */
   yM: number;
 
   /**
-   * Counter-clockwise from the x axis.
+   * Heading in radians, counter-clockwise from the x axis.
    *
    * @generated from field: double heading_rad = 3;
    */
   headingRad: number;
 
   /**
-   * Of x and y: xx, xy and yy in square metres; absent or all three. All numbers of a Belief must be finite.
+   * Covariance of x and y in square metres, as the three numbers xx, xy and yy. Empty: unknown.
    *
    * @generated from field: repeated double covariance_m2 = 4;
    */
@@ -1539,34 +1550,34 @@ export const BelievedPoseSchema: GenMessage<BelievedPose> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 27);
 
 /**
- * A pose that a brain thinks possible.
+ * Pose considered possible.
  *
  * @generated from message baudbot.v1.Particle
  */
 export type Particle = Message<"baudbot.v1.Particle"> & {
   /**
-   * In metres.
+   * x coordinate in metres.
    *
    * @generated from field: float x_m = 1;
    */
   xM: number;
 
   /**
-   * In metres.
+   * y coordinate in metres.
    *
    * @generated from field: float y_m = 2;
    */
   yM: number;
 
   /**
-   * Counter-clockwise from the x axis.
+   * Heading in radians, counter-clockwise from the x axis.
    *
    * @generated from field: float heading_rad = 3;
    */
   headingRad: number;
 
   /**
-   * Its weight; all are equal if none has any.
+   * Weight of the pose. If all weights are 0, all poses count equally.
    *
    * @generated from field: float weight = 4;
    */
@@ -1581,42 +1592,42 @@ export const ParticleSchema: GenMessage<Particle> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 28);
 
 /**
- * Square cells of a map.
+ * Occupancy map with square cells, aligned with the axes.
  *
  * @generated from message baudbot.v1.GridMap
  */
 export type GridMap = Message<"baudbot.v1.GridMap"> & {
   /**
-   * Of the lower left corner.
+   * x coordinate of the lower left corner, in metres.
    *
    * @generated from field: double x_m = 1;
    */
   xM: number;
 
   /**
-   * Of the lower left corner.
+   * y coordinate of the lower left corner, in metres.
    *
    * @generated from field: double y_m = 2;
    */
   yM: number;
 
   /**
-   * The side of a cell.
+   * Side of a cell, in metres.
    *
    * @generated from field: double cell_m = 3;
    */
   cellM: number;
 
   /**
-   * Cells in a row.
+   * Number of cells in a row.
    *
    * @generated from field: uint32 columns = 4;
    */
   columns: number;
 
   /**
-   * A byte a cell, row by row from the lower left corner: 0 is free for sure, 254 is occupied for sure, 255 is not
-   * known.
+   * One byte per cell, row by row from the lower left corner: 0 is certainly free, 254 is certainly occupied, 255 is
+   * unknown.
    *
    * @generated from field: bytes cells = 5;
    */
@@ -1631,20 +1642,20 @@ export const GridMapSchema: GenMessage<GridMap> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 29);
 
 /**
- * A place.
+ * Position in the plane.
  *
  * @generated from message baudbot.v1.Point
  */
 export type Point = Message<"baudbot.v1.Point"> & {
   /**
-   * In metres.
+   * x coordinate in metres.
    *
    * @generated from field: double x_m = 1;
    */
   xM: number;
 
   /**
-   * In metres.
+   * y coordinate in metres.
    *
    * @generated from field: double y_m = 2;
    */
@@ -1659,27 +1670,27 @@ export const PointSchema: GenMessage<Point> = /*@__PURE__*/
   messageDesc(file_baudbot_v1_brain_link, 30);
 
 /**
- * How a brain speaks over its ports.
+ * Form in which a brain exchanges data with its robots.
  *
  * @generated from enum baudbot.v1.PortMode
  */
 export enum PortMode {
   /**
-   * MESSAGES.
+   * Same as PORT_MODE_MESSAGES.
    *
    * @generated from enum value: PORT_MODE_UNSPECIFIED = 0;
    */
   UNSPECIFIED = 0,
 
   /**
-   * The server en- and decodes at the laptop's end: the brain gets readings and gives commands.
+   * The server encodes and decodes at the laptop's end: the brain gets readings and sends commands.
    *
    * @generated from enum value: PORT_MODE_MESSAGES = 1;
    */
   MESSAGES = 1,
 
   /**
-   * The brain reads and writes the bytes of the wire itself.
+   * The brain reads and writes the bytes on the cable itself.
    *
    * @generated from enum value: PORT_MODE_RAW = 2;
    */
@@ -1693,41 +1704,41 @@ export const PortModeSchema: GenEnum<PortMode> = /*@__PURE__*/
   enumDesc(file_baudbot_v1_brain_link, 0);
 
 /**
- * What turns the wheels.
+ * Kind of motor that turns the wheels.
  *
  * @generated from enum baudbot.v1.MotorKind
  */
 export enum MotorKind {
   /**
-   * A kind that this version of the contract does not know.
+   * Kind unknown to this version of the contract.
    *
    * @generated from enum value: MOTOR_KIND_UNSPECIFIED = 0;
    */
   UNSPECIFIED = 0,
 
   /**
-   * DC motors: a signal is a share of the voltage.
+   * DC motor; the signal is the fraction of the full voltage.
    *
    * @generated from enum value: MOTOR_KIND_DC = 1;
    */
   DC = 1,
 
   /**
-   * Wheels that have the speed that the signal says.
+   * Motor with speed control; the signal sets the wheel's speed.
    *
    * @generated from enum value: MOTOR_KIND_VELOCITY = 2;
    */
   VELOCITY = 2,
 
   /**
-   * Servos that turn without end.
+   * Continuous-rotation servo.
    *
    * @generated from enum value: MOTOR_KIND_SERVO = 3;
    */
   SERVO = 3,
 
   /**
-   * Stepper motors.
+   * Stepper motor.
    *
    * @generated from enum value: MOTOR_KIND_STEPPER = 4;
    */
@@ -1741,35 +1752,35 @@ export const MotorKindSchema: GenEnum<MotorKind> = /*@__PURE__*/
   enumDesc(file_baudbot_v1_brain_link, 1);
 
 /**
- * What an actuator besides the wheels does with its signal.
+ * Kind of actuator besides the wheels.
  *
  * @generated from enum baudbot.v1.ActuatorKind
  */
 export enum ActuatorKind {
   /**
-   * A kind that this version of the contract does not know.
+   * Kind unknown to this version of the contract.
    *
    * @generated from enum value: ACTUATOR_KIND_UNSPECIFIED = 0;
    */
   UNSPECIFIED = 0,
 
   /**
-   * Turns what is mounted on it to the angle that is the signal times its end farther from 0, and no farther than either
-   * end.
+   * Turret that turns the sensors mounted on it. The commanded angle is the signal times whichever of min_rad and
+   * max_rad has the larger magnitude, limited to that range.
    *
    * @generated from enum value: ACTUATOR_KIND_TURRET = 1;
    */
   TURRET = 1,
 
   /**
-   * Shines; 1 is full strength, and 0 and less is nothing.
+   * Lamp; signal 1 is full brightness, 0 and below is off.
    *
    * @generated from enum value: ACTUATOR_KIND_LAMP = 2;
    */
   LAMP = 2,
 
   /**
-   * Sounds; 1 is full strength, and 0 and less is nothing.
+   * Speaker; signal 1 is full volume, 0 and below is off.
    *
    * @generated from enum value: ACTUATOR_KIND_SPEAKER = 3;
    */
@@ -1783,161 +1794,160 @@ export const ActuatorKindSchema: GenEnum<ActuatorKind> = /*@__PURE__*/
   enumDesc(file_baudbot_v1_brain_link, 2);
 
 /**
- * What a sensor measures, and how. The names are those of scenario files, where `SENSOR_KIND_LINE_CAMERA` is
- * `line-camera`.
+ * Kind of sensor. The names match those of scenario files, where SENSOR_KIND_LINE_CAMERA is `line-camera`.
  *
  * @generated from enum baudbot.v1.SensorKind
  */
 export enum SensorKind {
   /**
-   * A kind that this version of the contract does not know.
+   * Kind unknown to this version of the contract.
    *
    * @generated from enum value: SENSOR_KIND_UNSPECIFIED = 0;
    */
   UNSPECIFIED = 0,
 
   /**
-   * Nearness by infra-red light, in [0, 1].
+   * Infrared proximity sensor; the value is in [0, 1] and larger the nearer the object.
    *
    * @generated from enum value: SENSOR_KIND_IR = 1;
    */
   IR = 1,
 
   /**
-   * Distance by infra-red light, as the sensor's voltage.
+   * Infrared distance sensor; the value is its output voltage.
    *
    * @generated from enum value: SENSOR_KIND_IR_VOLTAGE = 2;
    */
   IR_VOLTAGE = 2,
 
   /**
-   * Distance by sound.
+   * Ultrasonic distance sensor.
    *
    * @generated from enum value: SENSOR_KIND_SONAR = 3;
    */
   SONAR = 3,
 
   /**
-   * A laser range finder's scan.
+   * Laser range finder; the values are the distances of one scan.
    *
    * @generated from enum value: SENSOR_KIND_LASER = 4;
    */
   LASER = 4,
 
   /**
-   * A line of an image, with depth.
+   * Camera that takes one row of an image, with depth.
    *
    * @generated from enum value: SENSOR_KIND_LINE_CAMERA = 5;
    */
   LINE_CAMERA = 5,
 
   /**
-   * Counts of both wheels.
+   * Encoders of both wheels, in counts.
    *
    * @generated from enum value: SENSOR_KIND_ENCODERS = 6;
    */
   ENCODERS = 6,
 
   /**
-   * Steps of both stepper motors.
+   * Step counters of both stepper motors.
    *
    * @generated from enum value: SENSOR_KIND_STEPS = 7;
    */
   STEPS = 7,
 
   /**
-   * Pose since the start, by the wheels.
+   * Odometer; pose relative to the start, computed from the wheels' rotation.
    *
    * @generated from enum value: SENSOR_KIND_ODOMETER = 8;
    */
   ODOMETER = 8,
 
   /**
-   * Heading.
+   * Compass; heading.
    *
    * @generated from enum value: SENSOR_KIND_COMPASS = 9;
    */
   COMPASS = 9,
 
   /**
-   * Acceleration along two axes.
+   * Accelerometer with two axes.
    *
    * @generated from enum value: SENSOR_KIND_ACCELEROMETER = 10;
    */
   ACCELEROMETER = 10,
 
   /**
-   * Turn rate.
+   * Gyroscope; turn rate.
    *
    * @generated from enum value: SENSOR_KIND_GYROSCOPE = 11;
    */
   GYROSCOPE = 11,
 
   /**
-   * Position and course by satellites.
+   * Satellite receiver; position and course.
    *
    * @generated from enum value: SENSOR_KIND_GPS = 12;
    */
   GPS = 12,
 
   /**
-   * Touch of a wire: 1 or 0.
+   * Contact whisker; 1 if touched, otherwise 0.
    *
    * @generated from enum value: SENSOR_KIND_WHISKER = 13;
    */
   WHISKER = 13,
 
   /**
-   * Touch of a bar on the rim: 1 or 0.
+   * Contact bar on the rim; 1 if pressed, otherwise 0.
    *
    * @generated from enum value: SENSOR_KIND_BUMPER = 14;
    */
   BUMPER = 14,
 
   /**
-   * Light, as the time that a capacitor takes, in counts.
+   * Photoresistor; charging time of a capacitor, in counts.
    *
    * @generated from enum value: SENSOR_KIND_PHOTORESISTOR = 15;
    */
   PHOTORESISTOR = 15,
 
   /**
-   * Light, in lux.
+   * Light sensor; illuminance in lux.
    *
    * @generated from enum value: SENSOR_KIND_LIGHT = 16;
    */
   LIGHT = 16,
 
   /**
-   * The strength of a field, such as a scent.
+   * Strength of a scalar field, such as a scent.
    *
    * @generated from enum value: SENSOR_KIND_FIELD = 17;
    */
   FIELD = 17,
 
   /**
-   * Sound.
+   * Microphone.
    *
    * @generated from enum value: SENSOR_KIND_MICROPHONE = 18;
    */
   MICROPHONE = 18,
 
   /**
-   * The floor's brightness, in [0, 1].
+   * Reflectance of the floor, in [0, 1].
    *
    * @generated from enum value: SENSOR_KIND_FLOOR = 19;
    */
   FLOOR = 19,
 
   /**
-   * The battery's voltage, and the charge that is left, in [0, 1].
+   * Battery monitor; voltage, and the remaining charge as a fraction in [0, 1].
    *
    * @generated from enum value: SENSOR_KIND_BATTERY = 20;
    */
   BATTERY = 20,
 
   /**
-   * The distance that the sensor moved over the floor since its last read, in counts.
+   * Optical flow sensor; motion over the floor since the last read, in counts.
    *
    * @generated from enum value: SENSOR_KIND_OPTICAL_FLOW = 21;
    */
@@ -1951,20 +1961,20 @@ export const SensorKindSchema: GenEnum<SensorKind> = /*@__PURE__*/
   enumDesc(file_baudbot_v1_brain_link, 3);
 
 /**
- * What is said on a sensor's own cable.
+ * Format of the data on a sensor's own cable.
  *
  * @generated from enum baudbot.v1.PortFormat
  */
 export enum PortFormat {
   /**
-   * A kind that this version of the contract does not know.
+   * Format unknown to this version of the contract.
    *
    * @generated from enum value: PORT_FORMAT_UNSPECIFIED = 0;
    */
   UNSPECIFIED = 0,
 
   /**
-   * A laser's scans, by SCIP 2.
+   * Scans of a laser range finder in SCIP 2.
    *
    * @generated from enum value: PORT_FORMAT_SCIP2 = 1;
    */
@@ -1978,7 +1988,7 @@ export enum PortFormat {
   LINE_IMAGE = 2,
 
   /**
-   * A satellite receiver's sentences, by NMEA 0183.
+   * Sentences of a satellite receiver in NMEA 0183.
    *
    * @generated from enum value: PORT_FORMAT_NMEA = 3;
    */
@@ -1992,31 +2002,34 @@ export const PortFormatSchema: GenEnum<PortFormat> = /*@__PURE__*/
   enumDesc(file_baudbot_v1_brain_link, 4);
 
 /**
- * For a brain: the laptop's end of its robot's serial cable, and nothing else. Whatever a brain learns here,
- * a program on a real laptop could learn from a real cable.
+ * For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
+ * real laptop could not get from a real cable.
  *
  * @generated from service baudbot.v1.BrainLinkService
  */
 export const BrainLinkService: GenService<{
   /**
-   * Attaches a brain program to one or more robots of a world, for as long as the stream lasts.
+   * Attaches a brain program to one or more robots of a world for as long as the stream lasts. The token needs the
+   * right `drive` for each of these robots.
    *
-   * The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in
-   * which a brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; in
-   * the other paces a brain may send Steps when it likes. When the run is over the server sends Ended and
-   * keeps the stream open, because the operator may reset the world.
+   * The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
+   * brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
+   * brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
+   * an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
+   * closes the other side.
    *
-   * Errors: NOT_FOUND (no such world or robot), ALREADY_EXISTS (another brain holds the robot),
-   * INVALID_ARGUMENT (names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the
-   * robot), FAILED_PRECONDITION (a Step before a Hello, a second Hello, in lockstep a Step without a Turn or one that
-   * breaks a promise of the Hello),
-   * DEADLINE_EXCEEDED (the watchdog detached the brain, or no Hello came), OUT_OF_RANGE (a request of more than 4 MiB),
-   * UNAVAILABLE (the server stops, or has reached its limit of connections; both are temporary),
-   * INTERNAL (the world has ended by a panic), ABORTED (the world was deleted, or the operator has detached the
-   * brain). If the operator wants the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`: a
-   * program that supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the
-   * same robots. They are free by then.
-   * A brain that ends its side of the stream releases its robots, and the server ends the other side.
+   * Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
+   * NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message
+   * names the field), RESOURCE_EXHAUSTED (the program's variables do not fit into the robot, or a limit of the server),
+   * FAILED_PRECONDITION (a Step before the Hello, a second Hello, a world that replays a recording; in lockstep a Step
+   * without a Turn, or one that breaks a promise of the Hello), DEADLINE_EXCEEDED (the watchdog detached the brain, or
+   * no Hello came), OUT_OF_RANGE (a request of more than 4 MiB), UNAVAILABLE (the server is stopping or has reached its
+   * limit of connections; both are temporary), INTERNAL (the world ended because of a bug in the server), ABORTED (the
+   * world was deleted, or an operator detached the brain).
+   *
+   * If an operator asks the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`. A program that
+   * supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the same
+   * robots, which are free by then.
    *
    * @generated from rpc baudbot.v1.BrainLinkService.Attach
    */
