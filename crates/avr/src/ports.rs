@@ -1,7 +1,7 @@
 //! The pins as digital inputs and outputs.
 //!
-//! Source: data sheet, chapter *I/O-Ports*; functions of other parts take a pin over by *Alternate Port Functions*, by
-//! a value (PVOE, PVOV) and a direction (DDOE, DDOV).
+//! Source: data sheet, chapter *I/O-Ports*; functions of other parts take a pin over as in *Alternate Port Functions*,
+//! by a value (PVOE, PVOV) and a direction (DDOE, DDOV).
 
 use serde::{Deserialize, Serialize};
 

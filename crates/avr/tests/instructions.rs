@@ -30,7 +30,8 @@ const STACK_LOW: u8 = 0x5D;
 const STACK_HIGH: u8 = 0x5E;
 const STATUS: u8 = 0x5F;
 const HALF_CARRY: u8 = 0x20;
-/// One state of `SBIS` in 32 is defined; states in which all of them differ in another simulator are left out.
+/// One state of `SBIS` in 32 is defined; an instruction that another simulator does otherwise in all states is left
+/// out.
 const MOST_TRIES: usize = 100;
 
 #[test]

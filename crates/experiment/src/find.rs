@@ -33,7 +33,7 @@ pub struct Limit {
 pub struct Probe {
     /// The value.
     pub value: f64,
-    /// The name of the probe.
+    /// The name of the value.
     pub name: String,
     /// Runs that succeeded.
     pub succeeded: u64,

@@ -132,8 +132,8 @@ struct Chosen {
 }
 
 impl Chosen {
-    /// A `Chosen` of rows that are the same, the first; refuses those that are not. A run that failed everywhere is one
-    /// that did, with the same one of its errors whatever the order of the journals.
+    /// A `Chosen` with the first of rows that are the same; refuses those that are not. A run that failed everywhere is
+    /// one that did, with the same one of its errors whatever the order of the journals.
     fn new(journals: &[Contents]) -> Result<Self, Error> {
         let mut chosen = Self { runs: Vec::new(), rows: vec![Vec::new(); journals.len()] };
         for of_a_run in sorted(journals, |journal| &journal.rows).chunk_by(|a, b| a.1.run == b.1.run) {

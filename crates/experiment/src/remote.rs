@@ -157,7 +157,7 @@ impl Remote {
     }
 
     async fn world(&self, experiment: &Experiment, task: &Task, lifetime: Lifetime) -> Result<Done, Failure> {
-        // The errors of the run are found here, in the same words as for one in this process.
+        // The errors of the run are reported here, in the same words as for one in this process.
         let mut setup = Setup::new(experiment, task).map_err(|error| Failure::Run(error.to_string()))?;
         setup.assigned.programs.iter_mut().for_each(|task| task.lifetime = lifetime);
         let mut control = self.control();

@@ -212,7 +212,8 @@ impl Search<'_> {
         if cost(&b) < cost(&a) { b } else { a }
     }
 
-    /// The least cost with one number held, from a point near it; `best` has the others' values.
+    /// The least cost with one number held, from a point near it; how far the others are from `best` sets the first
+    /// steps.
     fn constrained(&self, best: &[f64], near: &[f64], held: usize, at: f64) -> (Vec<f64>, f64) {
         let mut start = near.to_vec();
         start[held] = at;

@@ -70,7 +70,7 @@ impl Crowd {
         self.list_members();
     }
 
-    /// The begin of each list, from the number of its discs; and each disc into its list.
+    /// Finds the beginning of each list from the numbers of their discs, and puts each disc into its list.
     fn list_members(&mut self) {
         let mut end = 0;
         for start in &mut self.starts {

@@ -16,7 +16,7 @@ fn is_near_axis(angle: f64) -> bool {
 pub(crate) fn sin_cos(angle: f64) -> (f64, f64, bool) {
     let of = reduced(angle.abs());
     let (y0, y1) = (of.y0, of.y1);
-    // The formula for the sine alone loses nothing below an eighth of a turn.
+    // The remainder is exact below an eighth of a turn, for which the sine has a formula of its own.
     let sin_y = if of.is_one_or_more { sin_near_0(y0, y1) } else { sin_near_0_alone(y0) };
     let cos_y = cos_near_0(y0, y1);
     let (sin, cos) = if of.is_odd { (cos_y, sin_y) } else { (sin_y, cos_y) };
@@ -75,7 +75,7 @@ const fn from_high(high: u64) -> f64 {
     f64::from_bits(high << 32)
 }
 
-/// The cosine of x + y: in [-π/4, π/4], and y much smaller than x.
+/// The cosine of x + y, a sum in [-π/4, π/4] with y much smaller than x.
 #[inline(always)]
 fn cos_near_0(x: f64, y: f64) -> f64 {
     const C1: f64 = 4.166_666_666_666_660_190_37e-02;
@@ -92,7 +92,7 @@ fn cos_near_0(x: f64, y: f64) -> f64 {
     w + (((1.0 - w) - half) + (z * r - x * y))
 }
 
-/// The sine of x + y: in [-π/4, π/4], and y much smaller than x.
+/// The sine of x + y, a sum in [-π/4, π/4] with y much smaller than x.
 #[inline(always)]
 fn sin_near_0(x: f64, y: f64) -> f64 {
     let (z, v, r) = sine_series(x);

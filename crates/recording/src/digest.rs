@@ -165,7 +165,7 @@ fn of_robot(robot: &RobotView<'_>) -> [u64; FIELDS.len() - 1] {
     [pose, speed, numbers(signals), samples.0, readings.0, cable.0, battery, numbers(actuators)]
 }
 
-/// The values of a scan that stand for the others.
+/// The number of values of a scan that stand for the others.
 const VALUES: usize = 8;
 
 fn numbers(values: impl IntoIterator<Item = f64>) -> u64 {

@@ -47,7 +47,7 @@ pub enum RecordingError {
         /// The decoder's error.
         source: prost::DecodeError,
     },
-    /// The file is longer than the limit.
+    /// The file unpacks to more bytes than the limit.
     #[error("has more than {limit} bytes in it, which is the limit here")]
     TooLong {
         /// The limit.

@@ -173,7 +173,7 @@ impl Replay {
             }
         }
         if world.is_begun() {
-            // The inputs were made before this state was kept.
+            // The changes were made before this state was kept.
             self.compare(world);
             return Ok(());
         }

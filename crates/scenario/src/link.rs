@@ -155,7 +155,7 @@ fn bluetooth(path: &Path, raw: &raw::Adapter) -> Result<Bluetooth> {
     let spread_ms = raw.spread_ms.map_or_else(|| latency_ms.min(10.0), Number::get);
     Ok(Bluetooth {
         latency_ns: Millis::<Between<0, 10_000>>::value(latency_ms),
-        // The frame cannot be there before it is sent.
+        // The packet cannot be there before it is sent.
         spread_ns: path.ms("spread_ms", spread_ms, 0.0, latency_ms)?,
         burst_probability: raw.burst_probability.map_or(0.02, Number::get),
         burst_ns: raw.burst_ms.map_or(100_000_000, Number::get),

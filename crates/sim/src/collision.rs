@@ -306,7 +306,7 @@ mod tests {
         xs.iter().map(|&x| Pose::new(x, 0.0, 0.0)).collect()
     }
 
-    /// Does a step of robots of these shapes, and returns a view of it.
+    /// Calls `look` with a step of robots of these shapes, and returns its result.
     fn look<T>(
         arena: &Arena,
         forms: &[Form<'_>],

@@ -118,7 +118,7 @@ impl When {
     }
 }
 
-/// The begin and the end of the fault that came in this span.
+/// The beginning and the end of the fault that came in this span.
 fn drawn(span: u64, every_ns: u64, for_ns: u64, key: u64) -> (SimTime, SimTime) {
     let share = random::spread(key.wrapping_add(span));
     let offset_ns = ((u128::from(share) * u128::from(every_ns)) >> 64) as u64;

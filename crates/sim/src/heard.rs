@@ -57,7 +57,7 @@ pub(crate) struct AllHeard {
 }
 
 impl AllHeard {
-    /// The last reading of a sensor, by its place.
+    /// The truth about the reading of a sensor, by its place.
     pub(crate) fn of(&self, sensor: usize) -> Heard {
         self.sensors.get(sensor).copied().unwrap_or_default()
     }

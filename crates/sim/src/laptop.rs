@@ -212,7 +212,7 @@ impl Laptop {
         self.heard.is_some() || on_wire.any(|(reading, _)| reading.readable)
     }
 
-    /// Each sensor's reading with the instant of its sample, and with the true one for observers.
+    /// Each sensor's reading with the true instant of its sample, and the truth for observers.
     pub(crate) fn readings_with_truth(
         &mut self,
     ) -> (impl Iterator<Item = (&mut Reading, &mut Option<SimTime>)>, &mut AllHeard) {

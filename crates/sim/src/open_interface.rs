@@ -41,7 +41,7 @@ pub(crate) struct OpenInterface {
     pub(crate) told: [i64; 2],
     /// The baud rate that the cable is to have from the end of the tick on.
     baud: Option<u32>,
-    /// The robot was lifted, so that its wheels have dropped, since the last read of the interface.
+    /// The robot was lifted, so that its wheels have dropped, since the interface last checked.
     pub(crate) was_lifted: bool,
 }
 

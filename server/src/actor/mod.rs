@@ -296,7 +296,7 @@ impl WorldActor {
         sleeps
     }
 
-    /// Shows a tick that has begun to `on_tick`, and returns how far the world is.
+    /// Shows a tick that has begun to `on_tick`, and reports how far the world is.
     fn show(&mut self) {
         if let Some((on_belief, seen)) = &mut self.on_belief {
             for (robot, belief) in self.beliefs.since(seen) {

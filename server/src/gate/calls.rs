@@ -142,7 +142,8 @@ impl<S> Checked<S> {
 struct Unanswered(Option<Arc<Admission>>);
 
 impl Unanswered {
-    /// The service's answer to a request that broke off is dropped.
+    /// Notes that the call is answered. The service's answer to a request that broke off does not count, as it has no
+    /// receiver.
     fn answered(mut self, response: Response<Body>) -> Response<Body> {
         let code = response
             .headers()

@@ -33,7 +33,7 @@ pub(crate) struct Connection<IO> {
     stalled: Option<Pin<Box<Sleep>>>,
     /// Bytes read since other tasks had their turn.
     read: usize,
-    /// The counter of the frames of HTTP/2, if it is one of these connections.
+    /// The counter of the frames of HTTP/2, if the connection speaks that.
     frames: Option<Frames>,
 }
 
@@ -68,7 +68,7 @@ impl<IO> Connection<IO> {
         Ok(())
     }
 
-    /// Closes the connection for frames of this kind.
+    /// Logs that the connection is closed for frames of this kind.
     fn note_flood(&self, kind: &str) {
         if let Some(times) = self.admission.gate.0.floods.note(clock::now()) {
             let from = self.admission.tally.account().to_string();

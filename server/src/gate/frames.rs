@@ -29,7 +29,8 @@ const fn kind(number: u8, name: &'static str, most: u32) -> Kind {
     Kind { number, name, only_empty: false, most }
 }
 
-/// The rate of a client that measures its way to the server by a PING for each answer, at most; it acknowledges each.
+/// The kinds and their limits. A client measures its way to the server by a PING for each answer, at most, and
+/// acknowledges each.
 const KINDS: [Kind; 7] = [
     Kind { only_empty: true, ..kind(0, "DATA without data", 10_000) },
     kind(2, "PRIORITY", 1000),

@@ -18,7 +18,7 @@ pub(super) struct Metered {
     body: Body,
     outbox: Outbox,
     inbox: Inbox,
-    /// The payer whose calls become fewer if much waits for it.
+    /// The payer whose calls become fewer if much is sent to it.
     pays: Option<(InForce, Arc<Tally>)>,
     trailers: Option<HeaderMap>,
     is_over: bool,

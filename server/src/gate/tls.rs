@@ -288,7 +288,7 @@ impl Secured {
 /// A client that is refused may know no reason, such as that it showed no certificate; the operator does.
 fn note_failure(error: &io::Error) {
     static FAILURES: LazyLock<Throttle> = LazyLock::new(Throttle::default);
-    // A peer that leaves in the middle of a handshake gets no answer.
+    // A peer that leaves in the middle of a handshake is not logged.
     if error.kind() == io::ErrorKind::InvalidData
         && let Some(count) = FAILURES.note(Instant::now())
     {

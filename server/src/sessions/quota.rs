@@ -15,9 +15,9 @@ pub(crate) const STEPS_A_TICK: usize = 64;
 /// The Steps of a session.
 #[derive(Default)]
 pub(super) struct Quota {
-    /// The number of writes that the world has taken in this tick.
+    /// The number of Steps that the world has taken in this tick.
     taken: usize,
-    /// The number of writes that were dropped, here or before the world saw them.
+    /// The number of Steps that were dropped, here or before the world saw them.
     lost: Arc<AtomicU64>,
 }
 

@@ -107,7 +107,7 @@ impl WorldFiles {
 
     /// Wakes the world from now on if something of it cannot be kept.
     pub(super) fn wakes_if_lost(&self, waker: Waker) {
-        // The disk has one task only.
+        // The world has one task only.
         let _ = self.waker.set(waker);
     }
 

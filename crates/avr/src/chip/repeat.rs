@@ -49,7 +49,7 @@ enum Phase {
     #[default]
     New,
     Looking,
-    /// The search is over before the next event.
+    /// The search is over until the next event.
     Over,
     /// Neither, but jumps are watched.
     Watched,

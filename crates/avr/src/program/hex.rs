@@ -53,7 +53,7 @@ pub enum HexError {
     NoEnd,
 }
 
-/// Bytes of a record's data, the number of avr-objcopy.
+/// Bytes of a record's data, as many as avr-objcopy writes.
 const RECORD: usize = 16;
 /// Bytes that a record's address reaches.
 const SEGMENT: usize = 1 << 16;

@@ -197,12 +197,12 @@ impl Program {
         self.fuses
     }
 
-    /// The part that the compiler built it for, such as `atmega328p`, if the file states.
+    /// The part that the compiler built it for, such as `atmega328p`, if the file states it.
     pub fn device(&self) -> Option<&str> {
         self.device.as_deref()
     }
 
-    /// The data address behind the last variable (`.bss` and `.noinit`), if the file states. A stack that reaches below
+    /// The data address behind the last variable (`.bss` and `.noinit`), if the file states it. A stack that reaches
     /// it overwrites variables.
     pub const fn data_end(&self) -> Option<u16> {
         self.data_end

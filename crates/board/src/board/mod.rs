@@ -64,7 +64,7 @@ pub enum BoardError {
     },
 }
 
-/// The next instant of an event on a board without an instruction.
+/// The next instant of an event on a board to which nothing comes from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Next {
     /// The chip executes instructions.

@@ -146,7 +146,7 @@ impl Surroundings {
         }
     }
 
-    /// Marks pins that a part has shorted. The chip itself reports only its own.
+    /// Warns of pins that a part has shorted. The chip itself reports only its own.
     pub(crate) fn look_for_shorts(&mut self, now: u64) {
         for pin in self.pins.new_shorts() {
             self.warn(avr::Warning::Contention { pin }, now);

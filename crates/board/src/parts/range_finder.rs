@@ -20,7 +20,7 @@ pub struct RangeFinder {
 }
 
 impl RangeFinder {
-    /// The range finder with the address of the maker.
+    /// The range finder with the address that the maker sets.
     pub const SRF02: Self = Self { address: 0x70 };
 }
 

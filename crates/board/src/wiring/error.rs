@@ -56,9 +56,9 @@ pub enum WiringError {
         part: String,
         /// The terminal.
         terminal: Role,
-        /// The pin's first connection.
+        /// The terminal's first connection.
         first: Net,
-        /// The pin's second connection.
+        /// The terminal's second connection.
         second: Net,
     },
     /// Two terminals would drive one wire.

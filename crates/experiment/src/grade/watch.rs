@@ -45,7 +45,7 @@ pub(crate) struct Watch {
     last_ns: u64,
     turned_rad: f64,
     farthest_m: f64,
-    /// The time of the ticks so far, in nanoseconds.
+    /// The time for which the robot has stood in the ticks so far, in nanoseconds.
     standing_ns: u64,
     standing_since_ns: u64,
     saturated_ns: u64,

@@ -39,7 +39,7 @@ pub(crate) struct Entry {
     pub(crate) run: u64,
     /// The place in the file at which the line begins.
     pub(crate) start: u64,
-    /// The number of the entry, from 1.
+    /// The number of the line, from 1.
     pub(crate) line: u64,
     /// The entry's checksum: equal lines of equal experiments have equal ones.
     pub(crate) sum: u64,

@@ -188,7 +188,7 @@ impl<F: Stored> Journal<F> {
         Ok(())
     }
 
-    /// The run's line with the same failure: a run that fails again and again needs no other.
+    /// The place of the run's line with the same failure: a run that fails again and again needs no other.
     fn same_failure(&self, run: u64, line: &[u8]) -> Option<u64> {
         let place = self.failed.binary_search_by_key(&run, |row| row.run).ok()?;
         let (before, (_, sum)) = (&self.failed[place], self.seal.open(line)?);

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::run_record::{Row, Written};
 
-/// The checksums of a journal's lines.
+/// The means to make and check the checksums of a journal's lines.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Seal {
     /// The text with which each checksum begins.

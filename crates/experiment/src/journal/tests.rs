@@ -83,7 +83,7 @@ fn a_journal_that_is_cut_anywhere_has_the_rows_before_the_cut_and_tells_of_the_t
         let is_torn = len > first && bytes[len - 1] != b'\n';
         assert_eq!(damage.len(), usize::from(is_torn), "{len} bytes: {damage:?}");
         assert!(damage.iter().all(|damage| damage.ends_with(" is incomplete; its run is repeated")));
-        // The header is gone from its other end.
+        // The rest of the bytes has no header.
         let from = read(&bytes[len..]);
         let last = lines()[5].len();
         match from {
@@ -163,7 +163,7 @@ fn a_damaged_journal_is_mended_in_its_place_and_told_of_once() {
     again.keep_failed();
     assert_eq!(again.rows().unwrap().map(Result::unwrap).collect::<Vec<_>>(), [0, 1, 2, 3, 4].map(row));
     assert!(!path.with_extension("mended").exists());
-    // The damaged line after that is no row of a table either.
+    // A line that is damaged after that is no row of a table either.
     let mut bytes = fs::read(&path).unwrap();
     *bytes.last_mut().unwrap() = b' ';
     fs::write(&path, bytes).unwrap();

@@ -19,7 +19,7 @@ preset = "khepera-1"
 link = { kind = "uart", baud = 38400 }
 "#;
 
-/// The distance that a robot drives in a second without a wall.
+/// An experiment whose goal is the distance that a robot drives in a second without a collision.
 const STRAIGHT: &str = r#"
 scenario = "room.toml"
 brain = "constant:left=0.1"

@@ -17,7 +17,7 @@ pub enum Defect {
     FoldsBack(Point),
     /// The outline passes this place twice without crossing itself there.
     Touches(Point),
-    /// The outline's sides of these two cross.
+    /// These two sides of the outline cross.
     Crosses([Segment; 2]),
 }
 

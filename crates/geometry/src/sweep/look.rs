@@ -6,7 +6,7 @@ use crate::pose::Vector;
 use crate::segment::Segment;
 use crate::vectors::Work;
 
-/// The segments that rays may meet that start in a disc and end there.
+/// The search for segments that may be met by rays that start and end in a disc.
 pub(super) struct Look<'a> {
     pub(super) cone: &'a Cone,
     pub(super) around: Circle,
@@ -14,7 +14,7 @@ pub(super) struct Look<'a> {
     pub(super) slack: f64,
     pub(super) stray: f64,
     pub(super) segments: &'a [Segment],
-    /// All bits of each that may be met, as vectors.
+    /// A mask for each segment, in the form of vectors: all bits if it may be met, none otherwise.
     pub(super) may_meet: &'a mut [u64],
 }
 

@@ -113,7 +113,7 @@ proptest! {
         let mut distances = vec![f64::NAN; part.len()];
         let mut sweep = Sweep::of_bundle(&bundle, range, &mut distances);
         index.sweep(&mut sweep);
-        // Movers are identified by their surroundings.
+        // Movers are given to the sweep with the disc around them.
         let mover = arena.circles.first().map(|&circle| baudbot_geometry::Circle { center: [circle.center.y, circle.center.x].into(), ..circle });
         if let Some(mover) = mover {
             sweep.other(&mover, |ray| ray.hit_circle(&mover));

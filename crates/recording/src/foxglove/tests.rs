@@ -100,7 +100,7 @@ fn on<'a>(messages: &'a [FoxgloveMessage], topic: &str) -> Option<&'a FoxgloveMe
     messages.iter().find(|message| &*message.topic == topic)
 }
 
-/// Each child's parent, place and heading in a frame.
+/// Each child's parent, place and heading, from the messages of a frame.
 fn frames_of(messages: &[FoxgloveMessage]) -> BTreeMap<String, (String, [f64; 2], f64)> {
     let Some(message) = on(messages, "/tf") else { return BTreeMap::new() };
     let transforms = FrameTransforms::decode(&message.data[..]).unwrap().transforms;

@@ -60,7 +60,7 @@ struct Seen {
     statistics: Option<Statistics>,
     /// The last record of the file was there.
     has_footer: bool,
-    /// The place at which reading was given up.
+    /// Reading was given up.
     given_up: bool,
     /// Bytes that came out of chunks that were not sound.
     wasted: usize,

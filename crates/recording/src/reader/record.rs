@@ -28,7 +28,7 @@ pub(super) enum Record<'a> {
 
 /// Records that are packed together.
 pub(super) struct Chunk<'a> {
-    /// The number of bytes of the messages.
+    /// The number of bytes of the records.
     pub(super) size: u64,
     /// CRC-32 of them, 0 if it is not known.
     pub(super) checksum: u32,

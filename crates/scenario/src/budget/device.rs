@@ -47,7 +47,7 @@ pub(super) struct Ear {
     bytes: u64,
     /// The number of the measurement that comes next.
     nth: u64,
-    /// The instant at which it was measured that is on the cable, and when it arrives.
+    /// The instant of the measurement that is on the cable, and when that arrives.
     under_way: (SimTime, SimTime),
 }
 

@@ -152,7 +152,7 @@ impl<'a> Plan<'a> {
         if self.spec.firmware.protocol.pace() == Pace::Asked { bytes.middle() } else { bytes.most }
     }
 
-    /// The instant at which a cycle must be over, in nanoseconds.
+    /// The time within which a cycle must be over, in nanoseconds.
     pub(super) fn deadline_ns(&self) -> u64 {
         match self.spec.deadline.on_late {
             Some(_) => self.spec.deadline.within_ns,

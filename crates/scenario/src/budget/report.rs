@@ -142,7 +142,7 @@ pub struct Load {
 /// Memory and operations that a brain's program has on its chip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Chip {
-    /// Memory for the brain's variables, in bytes, if the scenario states.
+    /// Memory for the brain's variables, in bytes, if the scenario states it.
     pub ram_bytes: Option<u64>,
     /// The part of it that the brain declares to need.
     pub brain_memory_bytes: Option<u64>,
@@ -212,7 +212,7 @@ pub struct RobotBudget {
     pub step_ns: u64,
     /// The writing of the brain, on which all the rest depends.
     pub writes: Writes,
-    /// The instant at which a cycle must be over, in nanoseconds: Δt, or the deadline that the scenario states.
+    /// The time within which a cycle must be over, in nanoseconds: Δt, or the deadline that the scenario states.
     pub deadline_ns: u64,
     /// Until when after the start of the run nothing happens, in nanoseconds, because a bootloader waits; no part of a cycle.
     pub starts_after_ns: u64,

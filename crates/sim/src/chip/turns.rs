@@ -80,7 +80,7 @@ fn add(all: &mut Vec<Turns>, next: Turns) {
     }
 }
 
-/// The length below which the begins of rounds are not reported, in periods of the clock source.
+/// The length below which the beginnings of rounds are not reported, in periods of the clock source.
 const SHORTEST: u64 = 1000;
 
 #[cfg(test)]

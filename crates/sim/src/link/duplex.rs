@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(wire.down.arrival(&wire.link), at(60));
         wire.readings(at(20), at(20), &[3, 4]);
         assert_eq!(wire.down.arrival(&wire.link), at(60));
-        // The readings are not on the wire yet, and the brain has to wait.
+        // The readings of 4.6 ms are not over at 5 ms, and the brain has to wait.
         wire.readings(at(46), at(48), &[5]);
         assert_eq!(wire.down.arrival(&wire.link), at(73));
         assert_eq!(wire.arrivals(), [vec![30, 40, 58], vec![73, 83]]);

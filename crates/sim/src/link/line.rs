@@ -176,8 +176,8 @@ impl Line {
         self.sent += 1;
     }
 
-    /// Puts a message on the line, and returns when it is on the wire, as far as it is known now: its begin and its
-    /// end.
+    /// Puts a message on the line, and returns when it is on the wire, as far as that is known now: its beginning and
+    /// its end.
     pub(crate) fn send_message(
         &mut self,
         link: &Link,

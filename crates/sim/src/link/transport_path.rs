@@ -162,7 +162,7 @@ impl Line {
         asking.map(move |(ready, _)| transmission.put(link, (*ready).max(transport_path.blocked_until)))
     }
 
-    /// The instant at which bytes that are not lost will be at the end of the wire.
+    /// The instants at which bytes that are not lost will be at the end of the wire.
     fn landings(&self, link: &Link, transport_path: &TransportPath) -> impl Iterator<Item = SimTime> {
         let on_the_wire = self.in_flight.iter().map(|(at, _)| *at);
         on_the_wire.chain(self.forecast(link, transport_path)).filter(|at| !link.is_out(*at))

@@ -12,7 +12,7 @@ impl Microcontroller {
         running.map_or((SimTime::NEVER, Event::Output), |running| running.next(&sensor.device))
     }
 
-    /// The device of sensor `i` measures, as its own clock gives.
+    /// The device of sensor `i` measures, at an instant of its own clock.
     pub(crate) fn measure(&mut self, spec: &RobotSpec, i: usize, at: &Measurement<'_>) {
         let sensor = &spec.sensors[i];
         let Channel { running, memory, noise, stream, .. } = &mut self.channels[i];

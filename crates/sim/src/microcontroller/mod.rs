@@ -72,14 +72,14 @@ pub(crate) struct Sent {
     pub(crate) cycle: Option<SimTime>,
     /// The instant at which it was framed.
     pub(crate) closed: SimTime,
-    /// The begin and the end of the message on the wire.
+    /// The beginning and the end of the message on the wire.
     pub(crate) on_wire: (SimTime, SimTime),
 }
 
 /// The message that a byte from the laptop completed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Taken {
-    /// The line is not complete yet.
+    /// No message is complete yet.
     Part,
     /// A message that made no sense.
     Nonsense,

@@ -70,8 +70,8 @@ fn tell_several(encodings: &[Encoding], sample: &[f64], told: &mut ReadingValues
     }
 }
 
-/// The instant at which a reading was sampled as far as it is in a frame that is closed now; `None` if that is too long
-/// ago.
+/// The instant at which a reading was sampled, to the resolution of a frame that is closed now; `None` if that is too
+/// long ago.
 fn told_at(now: SimTime, sampled_at: SimTime) -> Option<SimTime> {
     let age = clock::age_100us(now.since(sampled_at));
     let closed_ns = now.as_ns() / clock::UNIT_NS * clock::UNIT_NS;

@@ -128,7 +128,7 @@ impl Scene<'_> {
         }
     }
 
-    /// The thing's part of the step, changed as its speeds were.
+    /// The robot's part of the step, changed as its speeds were.
     fn roll(&self, i: usize, h: f64) -> Move {
         let (bot, mover) = (&self.bots[i], &self.movers[self.things.len() + i]);
         let (before, after) = (&bot.pusher.before, &bot.pusher.after);

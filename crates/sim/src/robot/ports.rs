@@ -9,7 +9,7 @@ use crate::time::SimTime;
 use crate::timeline::What;
 
 impl Robot {
-    /// The new baud rate of the microcontroller, once all is sent that it sent before.
+    /// The new baud rate of the microcontroller, once all that it sent before has arrived.
     pub(crate) fn take_baud(&mut self) -> Option<u32> {
         if self.uplink.under_way() > 0 { None } else { self.microcontroller.take_baud() }
     }

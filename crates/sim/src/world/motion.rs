@@ -27,7 +27,7 @@ pub(super) struct Lists {
     ways: Vec<Way>,
     crowd: Crowd,
     held: Vec<Option<Met>>,
-    /// The robots that were held before any was pushed.
+    /// The robots that were held before anything was pushed.
     held_first: Vec<Option<Met>>,
     found: Vec<Option<Found>>,
     obstacles: Vec<Body>,
@@ -315,7 +315,7 @@ fn gather(scenario: &Scenario, lists: &mut Lists) {
     lists.crowd.rebuild(ways.map(|(way, spec)| swept(&spec.form(), way)));
 }
 
-/// Does a step of all robots, and returns a view of it.
+/// Calls `look` with a step of all robots, and returns its result.
 fn step<T>(
     scenario: &Scenario,
     (obstacles, movables): (&[Body], &[Body]),

@@ -17,7 +17,7 @@ pub(super) struct Starts {
 }
 
 impl Starts {
-    /// Takes the state of the robots at the begin of a tick.
+    /// Takes the state of the robots at the beginning of a tick.
     #[inline]
     pub(super) fn take(&mut self, robots: &mut [Robot]) {
         self.robots.clear();
@@ -28,8 +28,8 @@ impl Starts {
 }
 
 impl World {
-    /// Keeps the state of robots at the begin of each tick, from the next one on, or no longer does. It costs a copy of
-    /// each robot a tick, and makes no difference to anything else. A clone does not keep it.
+    /// Keeps the state of robots at the beginning of each tick, from the next one on, or no longer does. It costs a
+    /// copy of each robot a tick, and makes no difference to anything else. A clone does not keep it.
     pub fn keep_starts(&mut self, is_on: bool) {
         if !is_on {
             self.spare.starts.robots.clear();

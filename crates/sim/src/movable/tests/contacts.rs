@@ -9,7 +9,7 @@ fn balls_that_meet_head_on_share_their_momentum() {
     for (e, expected) in [(1.0, (0.0, 2.0)), (0.5, (0.5, 1.5)), (0.0, (1.0, 1.0))] {
         let mut states = [state(0.0, 0.0, 2.0, 0.0), state(0.2005, 0.0, 0.0, 0.0)];
         let balls = [ball(0.1, 1.0, e), ball(0.1, 1.0, e)];
-        // The gap is closed first without restitution.
+        // The gap is closed first if there is no restitution.
         for _ in 0..3 {
             run(&balls, &mut states, &empty(), &[], 0.001);
         }
