@@ -65,23 +65,23 @@ class _LimitUnitEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_LimitUnit.V
     LIMIT_UNIT_UNSPECIFIED: _LimitUnit.ValueType  # 0
     """Never sent."""
     LIMIT_UNIT_COUNT: _LimitUnit.ValueType  # 1
-    """Things that are counted, or of `requests_per_s` such things in a second."""
+    """Number of things; for `requests_per_s`, number per second."""
     LIMIT_UNIT_SECONDS: _LimitUnit.ValueType  # 2
-    """Seconds."""
+    """Time in seconds."""
     LIMIT_UNIT_BYTES: _LimitUnit.ValueType  # 3
-    """Bytes."""
+    """Size in bytes."""
 
 class LimitUnit(_LimitUnit, metaclass=_LimitUnitEnumTypeWrapper):
-    """The unit of a limit."""
+    """Unit of a limit."""
 
 LIMIT_UNIT_UNSPECIFIED: LimitUnit.ValueType  # 0
 """Never sent."""
 LIMIT_UNIT_COUNT: LimitUnit.ValueType  # 1
-"""Things that are counted, or of `requests_per_s` such things in a second."""
+"""Number of things; for `requests_per_s`, number per second."""
 LIMIT_UNIT_SECONDS: LimitUnit.ValueType  # 2
-"""Seconds."""
+"""Time in seconds."""
 LIMIT_UNIT_BYTES: LimitUnit.ValueType  # 3
-"""Bytes."""
+"""Size in bytes."""
 Global___LimitUnit: _TypeAlias = LimitUnit  # noqa: Y015
 
 @_typing.final
@@ -1459,7 +1459,7 @@ Global___DetachBrain: _TypeAlias = DetachBrain  # noqa: Y015
 
 @_typing.final
 class GetLimitsRequest(_message.Message):
-    """Asks for the limits of the server."""
+    """Request of GetLimits."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1476,14 +1476,14 @@ Global___GetLimitsRequest: _TypeAlias = GetLimitsRequest  # noqa: Y015
 
 @_typing.final
 class GetLimitsResponse(_message.Message):
-    """The limits of the server."""
+    """Response of GetLimits."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     LIMITS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def limits(self) -> _containers.RepeatedCompositeFieldContainer[Global___ServerLimit]:
-        """All of them, in the order of the manual."""
+        """All limits, in the order of the manual."""
 
     def __init__(
         self,
@@ -1500,7 +1500,7 @@ Global___GetLimitsResponse: _TypeAlias = GetLimitsResponse  # noqa: Y015
 
 @_typing.final
 class ServerLimit(_message.Message):
-    """A limit of the server. What would go beyond it is refused with RESOURCE_EXHAUSTED, a connection with UNAVAILABLE."""
+    """Limit of the server. A call that would exceed it fails with RESOURCE_EXHAUSTED, a connection with UNAVAILABLE."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1512,23 +1512,23 @@ class ServerLimit(_message.Message):
     USED_FIELD_NUMBER: _builtins.int
     REFUSED_FIELD_NUMBER: _builtins.int
     name: _builtins.str
-    """The name, as in the metrics, such as `worlds_per_caller`."""
+    """Name of the limit, as in the metrics, such as `worlds_per_caller`."""
     option: _builtins.str
-    """The option of the server that changes the limit, such as `--max-worlds-per-caller`."""
+    """Option of the server that sets the limit, such as `--max-worlds-per-caller`."""
     meaning: _builtins.str
-    """The thing that is limited, in one line."""
+    """Description of the limit in one line, for people."""
     unit: Global___LimitUnit.ValueType
-    """The unit of value and used."""
+    """Unit of `value` and `used`."""
     value: _builtins.int
-    """The greatest value that used may have for who asks. Absent if the limit does not hold for them, or the machine does not say
-    how much memory it has.
+    """Value of the limit for the caller. Absent if the limit does not apply to the caller, or depends on the memory of
+    the machine and that is unknown.
     """
     used: _builtins.int
-    """The part that is used: of a limit for each caller, by who asks; of others, by all. Absent if it is counted for each
-    connection, world or stream.
+    """Current use: by the caller, for a limit per caller; by all, for other limits. Absent for a limit per connection,
+    world or stream.
     """
     refused: _builtins.int
-    """The number of refusals since the server started, of all callers."""
+    """Number of refusals since the server started, over all callers."""
     def __init__(
         self,
         *,

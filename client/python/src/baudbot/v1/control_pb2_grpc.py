@@ -28,7 +28,7 @@ if _version_not_supported:
 
 class ControlServiceStub(object):
     """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
-    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+    GetWorld, GetBudget, ListRecordings, DescribeReplay and GetLimits, which need `observe`.
 
     Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
     (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
@@ -161,7 +161,7 @@ class ControlServiceStub(object):
 
 class ControlServiceServicer(object):
     """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
-    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+    GetWorld, GetBudget, ListRecordings, DescribeReplay and GetLimits, which need `observe`.
 
     Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
     (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
@@ -343,7 +343,7 @@ class ControlServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def GetLimits(self, request, context):
-        """Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something.
+        """Lists the limits of this server, each with its value for the caller, the current use and the number of refusals.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -477,7 +477,7 @@ def add_ControlServiceServicer_to_server(servicer, server):
  # This class is part of an EXPERIMENTAL API.
 class ControlService(object):
     """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
-    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+    GetWorld, GetBudget, ListRecordings, DescribeReplay and GetLimits, which need `observe`.
 
     Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
     (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises

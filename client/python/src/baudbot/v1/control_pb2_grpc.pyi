@@ -29,7 +29,7 @@ GRPC_VERSION: str
 
 class ControlServiceStub:
     """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
-    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+    GetWorld, GetBudget, ListRecordings, DescribeReplay and GetLimits, which need `observe`.
 
     Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
     (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
@@ -117,12 +117,12 @@ class ControlServiceStub:
     DeleteWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.DeleteWorldRequest, _control_pb2.DeleteWorldResponse]
     """Deletes a world. The streams of its brains and observers end."""
     GetLimits: _grpc.UnaryUnaryMultiCallable[_control_pb2.GetLimitsRequest, _control_pb2.GetLimitsResponse]
-    """Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something."""
+    """Lists the limits of this server, each with its value for the caller, the current use and the number of refusals."""
 
 @_typing.type_check_only
 class ControlServiceAsyncStub(ControlServiceStub):
     """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
-    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+    GetWorld, GetBudget, ListRecordings, DescribeReplay and GetLimits, which need `observe`.
 
     Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
     (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
@@ -207,11 +207,11 @@ class ControlServiceAsyncStub(ControlServiceStub):
     DeleteWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.DeleteWorldRequest, _control_pb2.DeleteWorldResponse]  # type: ignore[assignment]
     """Deletes a world. The streams of its brains and observers end."""
     GetLimits: _aio.UnaryUnaryMultiCallable[_control_pb2.GetLimitsRequest, _control_pb2.GetLimitsResponse]  # type: ignore[assignment]
-    """Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something."""
+    """Lists the limits of this server, each with its value for the caller, the current use and the number of refusals."""
 
 class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
     """For operators: creates worlds, runs them and changes them. All calls need the right `operate`, except ListWorlds,
-    GetWorld, GetBudget, ListRecordings and DescribeReplay, which need `observe`.
+    GetWorld, GetBudget, ListRecordings, DescribeReplay and GetLimits, which need `observe`.
 
     Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
     (the token lacks the right) and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises
@@ -432,6 +432,6 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.GetLimitsRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.GetLimitsResponse, _abc.Awaitable[_control_pb2.GetLimitsResponse]]:
-        """Lists the limits of this server with their values for who asks, what is used of them, and how often each refused something."""
+        """Lists the limits of this server, each with its value for the caller, the current use and the number of refusals."""
 
 def add_ControlServiceServicer_to_server(servicer: ControlServiceServicer, server: _typing.Union[_grpc.Server, _aio.Server]) -> None: ...

@@ -30,35 +30,35 @@ class _PinSignalKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_PinSign
     PIN_SIGNAL_KIND_UNSPECIFIED: _PinSignalKind.ValueType  # 0
     """Never sent."""
     PIN_SIGNAL_KIND_PIN: _PinSignalKind.ValueType  # 1
-    """The level of a pin."""
+    """Level of a pin."""
     PIN_SIGNAL_KIND_ADC: _PinSignalKind.ValueType  # 2
-    """The results of a channel of the ADC."""
+    """Results of a channel of the ADC."""
     PIN_SIGNAL_KIND_SENT: _PinSignalKind.ValueType  # 3
-    """The characters that the program sends."""
+    """Characters that the program sends over its UART."""
     PIN_SIGNAL_KIND_RECEIVED: _PinSignalKind.ValueType  # 4
-    """The characters that come to the program."""
+    """Characters that arrive at the program's UART."""
     PIN_SIGNAL_KIND_UART_PIN: _PinSignalKind.ValueType  # 5
-    """The level of the pin on which the UART is."""
+    """Level of a pin that the UART uses."""
     PIN_SIGNAL_KIND_MAIN_LOOP: _PinSignalKind.ValueType  # 6
-    """The rounds of the program's main loop."""
+    """Rounds of the program's main loop."""
 
 class PinSignalKind(_PinSignalKind, metaclass=_PinSignalKindEnumTypeWrapper):
-    """What a signal on a chip's pins is."""
+    """Kind of a signal of a chip."""
 
 PIN_SIGNAL_KIND_UNSPECIFIED: PinSignalKind.ValueType  # 0
 """Never sent."""
 PIN_SIGNAL_KIND_PIN: PinSignalKind.ValueType  # 1
-"""The level of a pin."""
+"""Level of a pin."""
 PIN_SIGNAL_KIND_ADC: PinSignalKind.ValueType  # 2
-"""The results of a channel of the ADC."""
+"""Results of a channel of the ADC."""
 PIN_SIGNAL_KIND_SENT: PinSignalKind.ValueType  # 3
-"""The characters that the program sends."""
+"""Characters that the program sends over its UART."""
 PIN_SIGNAL_KIND_RECEIVED: PinSignalKind.ValueType  # 4
-"""The characters that come to the program."""
+"""Characters that arrive at the program's UART."""
 PIN_SIGNAL_KIND_UART_PIN: PinSignalKind.ValueType  # 5
-"""The level of the pin on which the UART is."""
+"""Level of a pin that the UART uses."""
 PIN_SIGNAL_KIND_MAIN_LOOP: PinSignalKind.ValueType  # 6
-"""The rounds of the program's main loop."""
+"""Rounds of the program's main loop."""
 Global___PinSignalKind: _TypeAlias = PinSignalKind  # noqa: Y015
 
 class _CableDirection:
@@ -75,7 +75,7 @@ class _CableDirectionEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_CableD
     """From the laptop to the robot or the device."""
 
 class CableDirection(_CableDirection, metaclass=_CableDirectionEnumTypeWrapper):
-    """Which way bytes go on a cable."""
+    """Direction of bytes on a cable."""
 
 CABLE_DIRECTION_UNSPECIFIED: CableDirection.ValueType  # 0
 """Never sent."""
@@ -98,22 +98,22 @@ class _PinEventKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_PinEvent
     PIN_EVENT_KIND_HIGH: _PinEventKind.ValueType  # 2
     """The wire is high."""
     PIN_EVENT_KIND_OPEN: _PinEventKind.ValueType  # 3
-    """Nothing drives the wire, or it has a voltage that is no digital signal."""
+    """Nothing drives the wire, or its voltage is not a digital signal."""
     PIN_EVENT_KIND_SHORT: _PinEventKind.ValueType  # 4
     """The chip and a part drive the wire against each other."""
     PIN_EVENT_KIND_PULSES: _PinEventKind.ValueType  # 5
-    """Pulses that are too short to be told one by one."""
+    """Pulses that are too short for single events."""
     PIN_EVENT_KIND_NUMBER: _PinEventKind.ValueType  # 6
-    """The ADC holds a voltage, and the conversion will have this result; or a character begins."""
+    """For the ADC: it samples a voltage, and the conversion will have this result. For the UART: a character begins."""
     PIN_EVENT_KIND_OVER: _PinEventKind.ValueType  # 7
-    """The character is over."""
+    """The character ends."""
     PIN_EVENT_KIND_ROUND: _PinEventKind.ValueType  # 8
-    """A round of the main loop, which is over."""
+    """A completed round of the main loop."""
     PIN_EVENT_KIND_SHORT_ROUNDS: _PinEventKind.ValueType  # 9
-    """Rounds of the main loop that are too short to be told one by one, or one such. They are over."""
+    """One or more completed rounds of the main loop that are too short for single events."""
 
 class PinEventKind(_PinEventKind, metaclass=_PinEventKindEnumTypeWrapper):
-    """What can be on a signal of a chip's pins."""
+    """Kind of event on a signal of a chip."""
 
 PIN_EVENT_KIND_UNSPECIFIED: PinEventKind.ValueType  # 0
 """Never sent."""
@@ -122,19 +122,19 @@ PIN_EVENT_KIND_LOW: PinEventKind.ValueType  # 1
 PIN_EVENT_KIND_HIGH: PinEventKind.ValueType  # 2
 """The wire is high."""
 PIN_EVENT_KIND_OPEN: PinEventKind.ValueType  # 3
-"""Nothing drives the wire, or it has a voltage that is no digital signal."""
+"""Nothing drives the wire, or its voltage is not a digital signal."""
 PIN_EVENT_KIND_SHORT: PinEventKind.ValueType  # 4
 """The chip and a part drive the wire against each other."""
 PIN_EVENT_KIND_PULSES: PinEventKind.ValueType  # 5
-"""Pulses that are too short to be told one by one."""
+"""Pulses that are too short for single events."""
 PIN_EVENT_KIND_NUMBER: PinEventKind.ValueType  # 6
-"""The ADC holds a voltage, and the conversion will have this result; or a character begins."""
+"""For the ADC: it samples a voltage, and the conversion will have this result. For the UART: a character begins."""
 PIN_EVENT_KIND_OVER: PinEventKind.ValueType  # 7
-"""The character is over."""
+"""The character ends."""
 PIN_EVENT_KIND_ROUND: PinEventKind.ValueType  # 8
-"""A round of the main loop, which is over."""
+"""A completed round of the main loop."""
 PIN_EVENT_KIND_SHORT_ROUNDS: PinEventKind.ValueType  # 9
-"""Rounds of the main loop that are too short to be told one by one, or one such. They are over."""
+"""One or more completed rounds of the main loop that are too short for single events."""
 Global___PinEventKind: _TypeAlias = PinEventKind  # noqa: Y015
 
 class _TimelineKind:
@@ -146,86 +146,86 @@ class _TimelineKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_Timeline
     TIMELINE_KIND_UNSPECIFIED: _TimelineKind.ValueType  # 0
     """Never sent."""
     TIMELINE_KIND_ACQUIRE: _TimelineKind.ValueType  # 1
-    """The microcontroller read a sensor."""
+    """The microcontroller read a sensor (`part`)."""
     TIMELINE_KIND_MEASURE: _TimelineKind.ValueType  # 2
-    """A device with a clock of its own measured."""
+    """A sensor with a clock of its own (`part`) measured."""
     TIMELINE_KIND_FRAME: _TimelineKind.ValueType  # 3
-    """The microcontroller laid out a message."""
+    """The microcontroller framed a message of readings."""
     TIMELINE_KIND_BLOCK: _TimelineKind.ValueType  # 4
-    """It waited for its transmitter."""
+    """The microcontroller waited for its transmitter."""
     TIMELINE_KIND_UP: _TimelineKind.ValueType  # 5
     """A message of readings was on the wire."""
     TIMELINE_KIND_ADAPTER: _TimelineKind.ValueType  # 6
-    """It waited in an adapter, or was in the air."""
+    """A message of readings waited in an adapter, or was in the air."""
     TIMELINE_KIND_PORT: _TimelineKind.ValueType  # 7
-    """A sensor's message was on a wire of its own."""
+    """A message of a sensor (`part`) was on the sensor's own cable."""
     TIMELINE_KIND_THINK: _TimelineKind.ValueType  # 8
-    """The brain thought; part is 1 if a message had come."""
+    """The brain thought; `part` is 1 if a message had arrived since its previous step, otherwise 0."""
     TIMELINE_KIND_DOWN: _TimelineKind.ValueType  # 9
-    """What the brain wrote was on its way."""
+    """Bytes of the brain were on their way to the microcontroller."""
     TIMELINE_KIND_OBEY: _TimelineKind.ValueType  # 10
-    """The microcontroller took a message and obeyed it."""
+    """The microcontroller received a message and obeyed it."""
     TIMELINE_KIND_ACT: _TimelineKind.ValueType  # 11
-    """The actuators took a command up."""
+    """The actuators applied a command."""
     TIMELINE_KIND_LATE: _TimelineKind.ValueType  # 12
-    """A cycle was not closed by its deadline."""
+    """A control cycle missed its deadline."""
     TIMELINE_KIND_MISSED: _TimelineKind.ValueType  # 13
-    """A read of a sensor, or without a part a frame, was left out."""
+    """The microcontroller skipped the read of a sensor (`part`), or if `part` is absent, a message of readings."""
     TIMELINE_KIND_LOST: _TimelineKind.ValueType  # 14
-    """Bytes were lost, damaged or refused."""
+    """Bytes were lost, corrupted or refused on the cable."""
     TIMELINE_KIND_FAULT: _TimelineKind.ValueType  # 15
-    """A fault of the scenario's was in force."""
+    """A fault of the scenario (`part`) was in effect."""
     TIMELINE_KIND_PORT_DOWN: _TimelineKind.ValueType  # 16
-    """What was written to a device was on its way, on the wire of the sensor's own."""
+    """Bytes to a sensor (`part`) were on their way, on the sensor's own cable."""
 
 class TimelineKind(_TimelineKind, metaclass=_TimelineKindEnumTypeWrapper):
-    """What can happen on a robot."""
+    """Kind of event on a robot."""
 
 TIMELINE_KIND_UNSPECIFIED: TimelineKind.ValueType  # 0
 """Never sent."""
 TIMELINE_KIND_ACQUIRE: TimelineKind.ValueType  # 1
-"""The microcontroller read a sensor."""
+"""The microcontroller read a sensor (`part`)."""
 TIMELINE_KIND_MEASURE: TimelineKind.ValueType  # 2
-"""A device with a clock of its own measured."""
+"""A sensor with a clock of its own (`part`) measured."""
 TIMELINE_KIND_FRAME: TimelineKind.ValueType  # 3
-"""The microcontroller laid out a message."""
+"""The microcontroller framed a message of readings."""
 TIMELINE_KIND_BLOCK: TimelineKind.ValueType  # 4
-"""It waited for its transmitter."""
+"""The microcontroller waited for its transmitter."""
 TIMELINE_KIND_UP: TimelineKind.ValueType  # 5
 """A message of readings was on the wire."""
 TIMELINE_KIND_ADAPTER: TimelineKind.ValueType  # 6
-"""It waited in an adapter, or was in the air."""
+"""A message of readings waited in an adapter, or was in the air."""
 TIMELINE_KIND_PORT: TimelineKind.ValueType  # 7
-"""A sensor's message was on a wire of its own."""
+"""A message of a sensor (`part`) was on the sensor's own cable."""
 TIMELINE_KIND_THINK: TimelineKind.ValueType  # 8
-"""The brain thought; part is 1 if a message had come."""
+"""The brain thought; `part` is 1 if a message had arrived since its previous step, otherwise 0."""
 TIMELINE_KIND_DOWN: TimelineKind.ValueType  # 9
-"""What the brain wrote was on its way."""
+"""Bytes of the brain were on their way to the microcontroller."""
 TIMELINE_KIND_OBEY: TimelineKind.ValueType  # 10
-"""The microcontroller took a message and obeyed it."""
+"""The microcontroller received a message and obeyed it."""
 TIMELINE_KIND_ACT: TimelineKind.ValueType  # 11
-"""The actuators took a command up."""
+"""The actuators applied a command."""
 TIMELINE_KIND_LATE: TimelineKind.ValueType  # 12
-"""A cycle was not closed by its deadline."""
+"""A control cycle missed its deadline."""
 TIMELINE_KIND_MISSED: TimelineKind.ValueType  # 13
-"""A read of a sensor, or without a part a frame, was left out."""
+"""The microcontroller skipped the read of a sensor (`part`), or if `part` is absent, a message of readings."""
 TIMELINE_KIND_LOST: TimelineKind.ValueType  # 14
-"""Bytes were lost, damaged or refused."""
+"""Bytes were lost, corrupted or refused on the cable."""
 TIMELINE_KIND_FAULT: TimelineKind.ValueType  # 15
-"""A fault of the scenario's was in force."""
+"""A fault of the scenario (`part`) was in effect."""
 TIMELINE_KIND_PORT_DOWN: TimelineKind.ValueType  # 16
-"""What was written to a device was on its way, on the wire of the sensor's own."""
+"""Bytes to a sensor (`part`) were on their way, on the sensor's own cable."""
 Global___TimelineKind: _TypeAlias = TimelineKind  # noqa: Y015
 
 @_typing.final
 class DescribeWorldRequest(_message.Message):
-    """Asks what a world is."""
+    """Request of DescribeWorld."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLD_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Its name."""
+    """Name of the world."""
     def __init__(
         self,
         *,
@@ -241,7 +241,7 @@ Global___DescribeWorldRequest: _TypeAlias = DescribeWorldRequest  # noqa: Y015
 
 @_typing.final
 class DescribeWorldResponse(_message.Message):
-    """What a world is."""
+    """Response of DescribeWorld. Coordinates are in the world frame unless stated otherwise."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -256,34 +256,34 @@ class DescribeWorldResponse(_message.Message):
     LIGHTS_FIELD_NUMBER: _builtins.int
     FIELDS_FIELD_NUMBER: _builtins.int
     scenario: _builtins.str
-    """The name that the scenario gives itself."""
+    """Name of the scenario, as given in the scenario."""
     description: _builtins.str
-    """What it is about."""
+    """Description of the scenario, as given in the scenario. Empty if it has none."""
     step_ns: _builtins.int
-    """Length of a tick."""
+    """Length of a tick in nanoseconds."""
     @_builtins.property
     def polygons(self) -> _containers.RepeatedCompositeFieldContainer[Global___Polygon]:
-        """Polygons that stand still."""
+        """Fixed obstacles with corners."""
 
     @_builtins.property
     def circles(self) -> _containers.RepeatedCompositeFieldContainer[Global___Disc]:
-        """Discs that stand still."""
+        """Fixed obstacles that are discs."""
 
     @_builtins.property
     def robots(self) -> _containers.RepeatedCompositeFieldContainer[Global___ObservedRobot]:
-        """In the order of their names."""
+        """Robots, sorted by name."""
 
     @_builtins.property
     def things(self) -> _containers.RepeatedCompositeFieldContainer[Global___ObservedThing]:
-        """What moves by itself, then what robots push."""
+        """Things that are not fixed: first those that move by themselves, then those that robots can push."""
 
     @_builtins.property
     def zones(self) -> _containers.RepeatedCompositeFieldContainer[Global___Zone]:
-        """Regions of the floor where something is different."""
+        """Zones of the floor, in the order of the scenario."""
 
     @_builtins.property
     def lights(self) -> _containers.RepeatedCompositeFieldContainer[Global___Light]:
-        """Lamps that stand somewhere."""
+        """Fixed lamps."""
 
     @_builtins.property
     def fields(self) -> _containers.RepeatedCompositeFieldContainer[Global___ScalarField]:
@@ -313,7 +313,7 @@ Global___DescribeWorldResponse: _TypeAlias = DescribeWorldResponse  # noqa: Y015
 
 @_typing.final
 class Polygon(_message.Message):
-    """A polygon, or a line with corners."""
+    """Fixed obstacle with corners: a polygon, or an open line."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -323,18 +323,18 @@ class Polygon(_message.Message):
     CLOSED_FIELD_NUMBER: _builtins.int
     LOOK_FIELD_NUMBER: _builtins.int
     name: _builtins.str
-    """Its name."""
+    """Name of the obstacle."""
     solid: _builtins.bool
-    """Whether its inside is filled."""
+    """True if the inside is solid, false if only the lines are."""
     closed: _builtins.bool
-    """Whether the last corner is joined to the first."""
+    """True if the last corner is joined to the first."""
     @_builtins.property
     def points(self) -> _containers.RepeatedCompositeFieldContainer[_brain_link_pb2.Point]:
-        """Its corners."""
+        """Corners in order, in the world frame."""
 
     @_builtins.property
     def look(self) -> Global___Look:
-        """What it looks like from the side."""
+        """Height and colour."""
 
     def __init__(
         self,
@@ -355,7 +355,7 @@ Global___Polygon: _TypeAlias = Polygon  # noqa: Y015
 
 @_typing.final
 class Look(_message.Message):
-    """What something looks like from the side."""
+    """Height and colour of a body."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -364,13 +364,13 @@ class Look(_message.Message):
     GREEN_FIELD_NUMBER: _builtins.int
     BLUE_FIELD_NUMBER: _builtins.int
     height_m: _builtins.float
-    """How far it reaches up from the floor; absent if it is higher than any sensor."""
+    """Height of the top above the floor, in metres. Absent if the body is higher than any sensor."""
     red: _builtins.int
-    """0 to 255."""
+    """Red component of the colour, 0 to 255."""
     green: _builtins.int
-    """0 to 255."""
+    """Green component of the colour, 0 to 255."""
     blue: _builtins.int
-    """0 to 255."""
+    """Blue component of the colour, 0 to 255."""
     def __init__(
         self,
         *,
@@ -391,7 +391,7 @@ Global___Look: _TypeAlias = Look  # noqa: Y015
 
 @_typing.final
 class Outline(_message.Message):
-    """A flat shape: a polygon, or a disc."""
+    """Shape on the floor: a polygon or a disc."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -399,14 +399,14 @@ class Outline(_message.Message):
     CENTER_FIELD_NUMBER: _builtins.int
     RADIUS_M_FIELD_NUMBER: _builtins.int
     radius_m: _builtins.float
-    """Radius of a disc."""
+    """Radius of the disc in metres; 0 if the shape is a polygon."""
     @_builtins.property
     def points(self) -> _containers.RepeatedCompositeFieldContainer[_brain_link_pb2.Point]:
-        """Corners in order, the last joined to the first; none if it is a disc."""
+        """Corners in order, the last joined to the first. Empty if the shape is a disc."""
 
     @_builtins.property
     def center(self) -> _brain_link_pb2.Point:
-        """The middle of a disc."""
+        """Centre of the disc. Absent if the shape is a polygon."""
 
     def __init__(
         self,
@@ -425,7 +425,7 @@ Global___Outline: _TypeAlias = Outline  # noqa: Y015
 
 @_typing.final
 class Disc(_message.Message):
-    """A disc."""
+    """Fixed obstacle that is a disc."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -434,16 +434,16 @@ class Disc(_message.Message):
     RADIUS_M_FIELD_NUMBER: _builtins.int
     LOOK_FIELD_NUMBER: _builtins.int
     name: _builtins.str
-    """Its name."""
+    """Name of the obstacle."""
     radius_m: _builtins.float
-    """Its radius."""
+    """Radius in metres."""
     @_builtins.property
     def center(self) -> _brain_link_pb2.Point:
-        """Its centre."""
+        """Centre of the disc, in the world frame."""
 
     @_builtins.property
     def look(self) -> Global___Look:
-        """What it looks like from the side."""
+        """Height and colour."""
 
     def __init__(
         self,
@@ -463,7 +463,7 @@ Global___Disc: _TypeAlias = Disc  # noqa: Y015
 
 @_typing.final
 class ObservedThing(_message.Message):
-    """Something that moves by itself or is pushed."""
+    """Thing that is not fixed."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -472,16 +472,16 @@ class ObservedThing(_message.Message):
     OUTLINE_FIELD_NUMBER: _builtins.int
     LOOK_FIELD_NUMBER: _builtins.int
     thing: _builtins.str
-    """Its name."""
+    """Name of the thing."""
     movable: _builtins.bool
-    """Whether robots push it; otherwise it moves by itself."""
+    """True if robots can push it, false if it moves by itself."""
     @_builtins.property
     def outline(self) -> Global___Outline:
-        """In its own frame."""
+        """Shape of the thing in its own frame, whose pose is in ThingTruth."""
 
     @_builtins.property
     def look(self) -> Global___Look:
-        """What it looks like from the side."""
+        """Height and colour."""
 
     def __init__(
         self,
@@ -501,7 +501,7 @@ Global___ObservedThing: _TypeAlias = ObservedThing  # noqa: Y015
 
 @_typing.final
 class Zone(_message.Message):
-    """A region of the floor where something is different."""
+    """Zone: a region of the floor with properties of its own."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -513,20 +513,20 @@ class Zone(_message.Message):
     SLIP_FIELD_NUMBER: _builtins.int
     INDOORS_FIELD_NUMBER: _builtins.int
     zone: _builtins.str
-    """Its name."""
+    """Name of the zone."""
     goal: _builtins.bool
-    """Whether it is a place to be reached."""
+    """True if the zone is a goal, which counts as reached once the centre of a robot has been in it."""
     charger_w: _builtins.float
-    """Power that a battery is charged with here."""
+    """Power with which batteries are charged in the zone, in watts; 0: none."""
     floor: _builtins.float
-    """Reflectance of the floor, 0 to 1, if it differs."""
+    """Reflectance of the floor in the zone, 0 to 1. Absent if it is that of the floor around."""
     slip: _builtins.float
-    """Share of its rolling that a wheel loses here, 0 to 1."""
+    """Fraction of its rolling motion that a wheel loses in the zone, 0 (no slip) to 1 (the wheel spins on the spot)."""
     indoors: _builtins.bool
-    """Whether the sky is hidden."""
+    """True if the sky is hidden, so that satellite receivers have no signal."""
     @_builtins.property
     def outline(self) -> Global___Outline:
-        """In the world."""
+        """Shape of the zone, in the world frame."""
 
     def __init__(
         self,
@@ -551,7 +551,7 @@ Global___Zone: _TypeAlias = Zone  # noqa: Y015
 
 @_typing.final
 class Light(_message.Message):
-    """A lamp."""
+    """Fixed lamp."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -562,18 +562,18 @@ class Light(_message.Message):
     PERIOD_NS_FIELD_NUMBER: _builtins.int
     LIT_NS_FIELD_NUMBER: _builtins.int
     light: _builtins.str
-    """Its name."""
+    """Name of the lamp."""
     height_m: _builtins.float
-    """How high it hangs."""
+    """Height above the floor, in metres."""
     intensity_cd: _builtins.float
-    """Luminous intensity."""
+    """Luminous intensity in candela, equal in all directions."""
     period_ns: _builtins.int
-    """Time from one flash to the next; absent if it does not blink."""
+    """Time between the starts of two flashes, in nanoseconds. Absent if the lamp is always on."""
     lit_ns: _builtins.int
-    """How long a flash is; absent if it does not blink."""
+    """Duration of a flash, in nanoseconds. Absent if the lamp is always on."""
     @_builtins.property
     def position(self) -> _brain_link_pb2.Point:
-        """Where it stands."""
+        """Position in the world frame."""
 
     def __init__(
         self,
@@ -602,7 +602,7 @@ Global___Light: _TypeAlias = Light  # noqa: Y015
 
 @_typing.final
 class ScalarField(_message.Message):
-    """A scalar field over the plane, in a unit of its own: a background, a slope, and bells."""
+    """Scalar field over the plane, in a unit of its own: the sum of a background, a slope and Gaussian bells."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -612,16 +612,16 @@ class ScalarField(_message.Message):
     SLOPE_Y_PER_M_FIELD_NUMBER: _builtins.int
     SOURCES_FIELD_NUMBER: _builtins.int
     field: _builtins.str
-    """Its name."""
+    """Name of the field."""
     background: _builtins.float
-    """Value at the origin without the bells."""
+    """Value at the origin without the bells, in the unit of the field."""
     slope_x_per_m: _builtins.float
-    """Change a metre along x."""
+    """Slope along x, in units of the field per metre."""
     slope_y_per_m: _builtins.float
-    """Change a metre along y."""
+    """Slope along y, in units of the field per metre."""
     @_builtins.property
     def sources(self) -> _containers.RepeatedCompositeFieldContainer[Global___FieldSource]:
-        """Bells on top."""
+        """Bells that are added to background and slope."""
 
     def __init__(
         self,
@@ -642,7 +642,7 @@ Global___ScalarField: _TypeAlias = ScalarField  # noqa: Y015
 
 @_typing.final
 class FieldSource(_message.Message):
-    """A Gaussian bell."""
+    """Gaussian bell of a scalar field."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -650,12 +650,12 @@ class FieldSource(_message.Message):
     STRENGTH_FIELD_NUMBER: _builtins.int
     WIDTH_M_FIELD_NUMBER: _builtins.int
     strength: _builtins.float
-    """Its height."""
+    """Value at the centre, in the unit of the field."""
     width_m: _builtins.float
-    """Its standard deviation."""
+    """Standard deviation in metres."""
     @_builtins.property
     def position(self) -> _brain_link_pb2.Point:
-        """Its middle."""
+        """Centre of the bell, in the world frame."""
 
     def __init__(
         self,
@@ -674,7 +674,7 @@ Global___FieldSource: _TypeAlias = FieldSource  # noqa: Y015
 
 @_typing.final
 class ObservedRobot(_message.Message):
-    """What a robot is to an observer."""
+    """Description of a robot for observers."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -688,34 +688,36 @@ class ObservedRobot(_message.Message):
     DEADLINE_NS_FIELD_NUMBER: _builtins.int
     PINS_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
-    """Its name."""
+    """Name of the robot."""
     radius_m: _builtins.float
-    """Radius of its disc, or of the disc that it fits in."""
+    """Radius of the disc-shaped body, or of the disc that encloses it, in metres."""
     deadline_ns: _builtins.int
-    """When a command must answer the readings, after its control cycle began."""
+    """Deadline for a control cycle, in nanoseconds after its beginning: the length of a tick, unless the scenario states
+    another.
+    """
     @_builtins.property
     def sensor_columns(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
-        """Columns of its sensors' values, such as `ir_left`, `odometer.x_m` or `laser.0`."""
+        """Names of the columns of RobotTruth.samples, such as `ir_left`, `odometer.x_m` or `laser.0`."""
 
     @_builtins.property
     def outline(self) -> _containers.RepeatedCompositeFieldContainer[_brain_link_pb2.Point]:
-        """Corners of its body in its own frame; none if it is a disc."""
+        """Corners of the body in the robot frame (x axis forwards, y axis to the left). Empty if the body is a disc."""
 
     @_builtins.property
     def look(self) -> Global___Look:
-        """What it looks like from the side."""
+        """Height and colour."""
 
     @_builtins.property
     def actuators(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
-        """Names of its actuators besides the wheels."""
+        """Names of the actuators besides the wheels, in the order of RobotDescription.actuators."""
 
     @_builtins.property
     def description(self) -> _brain_link_pb2.RobotDescription:
-        """Its data sheet, as its brain gets it."""
+        """Data sheet of the robot, as its brain gets it in Welcome."""
 
     @_builtins.property
     def pins(self) -> _containers.RepeatedCompositeFieldContainer[Global___PinSignal]:
-        """The signals on the pins of its microcontroller, if that runs a program of the user's own."""
+        """Signals on the pins of its chip. Empty if its microcontroller does not run the user's own program."""
 
     def __init__(
         self,
@@ -740,7 +742,7 @@ Global___ObservedRobot: _TypeAlias = ObservedRobot  # noqa: Y015
 
 @_typing.final
 class PinSignal(_message.Message):
-    """A signal that a logic analyser on a chip's pins shows."""
+    """Signal of a chip, as shown by a logic analyser on its pins."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -749,14 +751,16 @@ class PinSignal(_message.Message):
     KIND_FIELD_NUMBER: _builtins.int
     PIN_FIELD_NUMBER: _builtins.int
     signal: _builtins.str
-    """Its name: `D9`, `A0` or `PB6` of a pin, `adc0`, `uart sent`, `uart received`, `main loop`."""
+    """Name of the signal: a pin such as `D9`, `A0` or `PB6`, or one of `adc0` (and so on), `uart sent`, `uart received`
+    and `main loop`.
+    """
     kind: Global___PinSignalKind.ValueType
-    """What it is."""
+    """Kind of the signal."""
     pin: _builtins.int
-    """Of an ADC's channel: the place of its pin among these signals, if that is one of them."""
+    """For a channel of the ADC: index of the signal of its pin in ObservedRobot.pins, if that has one. Otherwise absent."""
     @_builtins.property
     def on(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
-        """What is on it, such as `motors.left.pwm`."""
+        """Terminals of parts on this wire, such as `motors.left.pwm`."""
 
     def __init__(
         self,
@@ -778,7 +782,7 @@ Global___PinSignal: _TypeAlias = PinSignal  # noqa: Y015
 
 @_typing.final
 class WatchRequest(_message.Message):
-    """Asks for a world's truth."""
+    """Request of Watch."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -788,16 +792,20 @@ class WatchRequest(_message.Message):
     PINS_FIELD_NUMBER: _builtins.int
     PINS_FINEST_NS_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Its name."""
+    """Name of the world."""
     every_ticks: _builtins.int
-    """Ticks from one frame to the next; 0 means about 20 frames a simulated second."""
+    """Number of ticks from one frame to the next; 0 means about 20 frames per simulated second."""
     pins: _builtins.bool
-    """Whether details also have what a logic analyser on the pins of a robot's chip sees. It is kept only while somebody asks for it."""
+    """True: details contain the events on the pins of a robot's chip. The server stores these events only while an
+    observer requests them.
+    """
     pins_finest_ns: _builtins.int
-    """Pulses with a shorter period are told together, with their number and duty; 0 means 0.1 ms."""
+    """Limit on single events on pins, in nanoseconds; 0 means 100,000. Pulses with a shorter period, and rounds of the
+    main loop that are shorter, are combined into one event.
+    """
     @_builtins.property
     def details(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
-        """Names of the robots that frames tell more about: their rays, readings, cables and timelines. At most 64."""
+        """Names of the robots for which frames contain details, such as rays, readings, cables and timelines. At most 64."""
 
     def __init__(
         self,
@@ -818,8 +826,8 @@ Global___WatchRequest: _TypeAlias = WatchRequest  # noqa: Y015
 
 @_typing.final
 class WatchResponse(_message.Message):
-    """The truth at the start of a tick: at that instant, and of what came before it. What happens at the instant itself belongs to
-    the tick, and thus to a later frame.
+    """Frame: the true state of a world at the start of a tick, and the events before it. An event at the start of the tick
+    itself belongs to the tick, and so to a later frame.
     """
 
     DESCRIPTOR: _descriptor.Descriptor
@@ -835,36 +843,36 @@ class WatchResponse(_message.Message):
     DETAILS_FIELD_NUMBER: _builtins.int
     ANNOTATIONS_FIELD_NUMBER: _builtins.int
     tick: _builtins.int
-    """Ticks done."""
+    """Number of completed ticks."""
     time_ns: _builtins.int
-    """Simulated time."""
+    """Simulated time, in nanoseconds since the start of the run."""
     missed_frames: _builtins.int
-    """Frames that this observer missed so far because it read too slowly."""
+    """Number of frames that this stream has missed so far because the observer read too slowly."""
     ending: _builtins.str
-    """Why the run ended; empty while it has not."""
+    """Reason why the run ended, as text for people. Empty while it has not ended."""
     @_builtins.property
     def robots(self) -> _containers.RepeatedCompositeFieldContainer[Global___RobotTruth]:
-        """In the order of their names."""
+        """True state of each robot, sorted by name."""
 
     @_builtins.property
     def collisions(self) -> _containers.RepeatedCompositeFieldContainer[Global___Collision]:
-        """Collisions since the last frame that was made for this observer."""
+        """Collisions since the previous frame of this stream, at most the first 1000."""
 
     @_builtins.property
     def things(self) -> _containers.RepeatedCompositeFieldContainer[Global___ThingTruth]:
-        """What moves by itself and what is pushed, in the order of DescribeWorld."""
+        """True state of each thing, in the order of DescribeWorldResponse.things."""
 
     @_builtins.property
     def score(self) -> _world_pb2.Score:
-        """What the referee counted; absent if there is nothing to count."""
+        """Counts of the referee. Absent if the scenario measures no coverage and has no zones."""
 
     @_builtins.property
     def details(self) -> _containers.RepeatedCompositeFieldContainer[Global___RobotDetail]:
-        """More about the robots that were asked for, in the order of the request."""
+        """Details of the robots in WatchRequest.details, in the same order."""
 
     @_builtins.property
     def annotations(self) -> _containers.RepeatedCompositeFieldContainer[Global___Annotation]:
-        """What brains have published since the last frame that was made for this observer, the newest of each robot's."""
+        """Beliefs that brains have published since the previous frame of this stream: for each robot only the newest."""
 
     def __init__(
         self,
@@ -890,7 +898,7 @@ Global___WatchResponse: _TypeAlias = WatchResponse  # noqa: Y015
 
 @_typing.final
 class WatchCableRequest(_message.Message):
-    """Asks for the bytes of a cable."""
+    """Request of WatchCable."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -898,11 +906,11 @@ class WatchCableRequest(_message.Message):
     ROBOT_FIELD_NUMBER: _builtins.int
     SENSOR_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """The world's name."""
+    """Name of the world."""
     robot: _builtins.str
-    """The robot's name; may be left out if there is only one."""
+    """Name of the robot. May be empty if the world has only one."""
     sensor: _builtins.str
-    """The name of a sensor with a cable of its own; empty for the cable between the robot's microcontroller and the laptop."""
+    """Name of a sensor with a cable of its own. Empty: the cable between the robot's microcontroller and the laptop."""
     def __init__(
         self,
         *,
@@ -920,7 +928,7 @@ Global___WatchCableRequest: _TypeAlias = WatchCableRequest  # noqa: Y015
 
 @_typing.final
 class WatchCableResponse(_message.Message):
-    """What came over a cable since the last response. The first comes at once, without items."""
+    """Items of a cable since the previous response. The first response is sent at once and has no items."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -928,12 +936,14 @@ class WatchCableResponse(_message.Message):
     MISSED_ITEMS_FIELD_NUMBER: _builtins.int
     RESTARTED_FIELD_NUMBER: _builtins.int
     missed_items: _builtins.int
-    """Items that this watcher missed so far because it read too slowly."""
+    """Number of items that this stream has missed so far because the watcher read too slowly."""
     restarted: _builtins.bool
-    """Whether the world is at another time than before, as after a reset: what came before is no past of this."""
+    """True if the world has moved to another time since the previous response, for example by a reset. Earlier items then
+    do not precede these.
+    """
     @_builtins.property
     def items(self) -> _containers.RepeatedCompositeFieldContainer[Global___CableItem]:
-        """In the order in which they were complete."""
+        """Items in the order in which they were complete."""
 
     def __init__(
         self,
@@ -952,7 +962,7 @@ Global___WatchCableResponse: _TypeAlias = WatchCableResponse  # noqa: Y015
 
 @_typing.final
 class CableItem(_message.Message):
-    """A part of what is said on a cable: a message, a line, or bytes that fit nothing."""
+    """Item of a cable: a message, a line, or bytes that fit nothing."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -965,21 +975,23 @@ class CableItem(_message.Message):
     UNDERSTOOD_FIELD_NUMBER: _builtins.int
     AGE_NS_FIELD_NUMBER: _builtins.int
     direction: Global___CableDirection.ValueType
-    """Which way it went."""
+    """Direction of the bytes."""
     from_ns: _builtins.int
-    """Simulated instant at which its first byte came to the end of the cable."""
+    """Time at which the first byte arrived at the end of the cable, in nanoseconds."""
     to_ns: _builtins.int
-    """That of its last byte."""
+    """Time at which the last byte arrived at the end of the cable, in nanoseconds."""
     data: _builtins.bytes
-    """Its bytes, as they came. Of more than 4096 the first."""
+    """Bytes as they arrived, at most the first 4096."""
     size: _builtins.int
-    """How many bytes it has."""
+    """Total number of bytes, which may exceed the length of `data`."""
     text: _builtins.str
-    """What it means, in the words of the protocol."""
+    """Meaning of the bytes, in the terms of the protocol."""
     understood: _builtins.bool
-    """Whether it is a whole and sound message of the protocol."""
+    """True if the bytes are a complete, valid message of the protocol."""
     age_ns: _builtins.int
-    """How old its oldest reading was when its last byte came, as far as the message itself says it."""
+    """Age of the oldest reading in the message when its last byte arrived, in nanoseconds, according to the message
+    itself. Absent if it has no reading, or the protocol does not transmit ages.
+    """
     def __init__(
         self,
         *,
@@ -1004,13 +1016,13 @@ Global___CableItem: _TypeAlias = CableItem  # noqa: Y015
 
 @_typing.final
 class GetCoverageRequest(_message.Message):
-    """Asks which cells of a world's floor are covered."""
+    """Request of GetCoverage."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLD_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Its name."""
+    """Name of the world."""
     def __init__(
         self,
         *,
@@ -1026,11 +1038,11 @@ Global___GetCoverageRequest: _TypeAlias = GetCoverageRequest  # noqa: Y015
 
 @_typing.final
 class GetCoverageResponse(_message.Message):
-    """Cells of the floor: squares, row by row from the lower left corner, which lie on one grid.
+    """Response of GetCoverage: cells of a grid of squares over the floor, row by row from the lower left corner.
 
-    Each set of cells is told as lengths of runs: so many cells that are not in it, so many that are, so many that are not,
-    and so on. The first may be 0. They add up to columns times rows. Of millions of cells the message may be longer than
-    the 4 MiB that clients of gRPC take unless they are told to take more.
+    A set of cells is given as lengths of runs that alternate between cells outside and inside of the set, beginning with
+    cells outside. The first length may be 0. The lengths add up to columns times rows. With millions of cells the
+    message may exceed 4 MiB, the default limit of gRPC clients.
     """
 
     DESCRIPTOR: _descriptor.Descriptor
@@ -1045,28 +1057,30 @@ class GetCoverageResponse(_message.Message):
     COVERED_FIELD_NUMBER: _builtins.int
     SENSED_FIELD_NUMBER: _builtins.int
     tick: _builtins.int
-    """Ticks done."""
+    """Number of completed ticks."""
     cell_m: _builtins.float
-    """Side of a cell."""
+    """Side of a cell, in metres."""
     x_m: _builtins.float
-    """The grid's lower left corner."""
+    """x coordinate of the grid's lower left corner in the world frame, in metres."""
     y_m: _builtins.float
-    """The grid's lower left corner."""
+    """y coordinate of the grid's lower left corner in the world frame, in metres."""
     columns: _builtins.int
-    """Cells of a row."""
+    """Number of cells in a row."""
     rows: _builtins.int
-    """Rows."""
+    """Number of rows."""
     @_builtins.property
     def free(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
-        """Cells that a robot could come to from its start; the shares of a Score are shares of these."""
+        """Free cells: those whose centre can be reached from the start of a robot. The fractions in Score refer to these."""
 
     @_builtins.property
     def covered(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
-        """Cells whose middle was under a robot's body."""
+        """Free cells whose centre has been under the body of a robot."""
 
     @_builtins.property
     def sensed(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
-        """Cells that a ray of the chosen sensor ran through; none at all if the scenario chooses no sensor (`metrics.sensed_by`)."""
+        """Free cells that a ray of the chosen sensor has passed through. Empty, without any run, if the scenario chooses no
+        sensor with `metrics.sensed_by`.
+        """
 
     def __init__(
         self,
@@ -1091,7 +1105,7 @@ Global___GetCoverageResponse: _TypeAlias = GetCoverageResponse  # noqa: Y015
 
 @_typing.final
 class RobotDetail(_message.Message):
-    """More about one robot."""
+    """Details of one robot."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1112,53 +1126,57 @@ class RobotDetail(_message.Message):
     MISSED_PIN_EVENTS_FIELD_NUMBER: _builtins.int
     AT_NS_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
-    """Its place in DescribeWorld."""
+    """Index of the robot in DescribeWorldResponse.robots."""
     uplink_waiting_bytes: _builtins.int
-    """Bytes that wait for the wire or are on it, to the laptop."""
+    """Number of bytes on the uplink or waiting for it."""
     downlink_waiting_bytes: _builtins.int
-    """Bytes that wait for the wire or are on it, to the microcontroller."""
+    """Number of bytes on the downlink or waiting for it."""
     missed_events: _builtins.int
-    """Events since the last frame that are no longer known."""
+    """Number of events since the previous frame that are missing because they are no longer stored."""
     attached: _builtins.bool
-    """Whether a brain holds it."""
+    """True if a brain is attached."""
     brain: _builtins.str
-    """What that brain calls itself."""
+    """Name of the attached brain, from Hello. Empty if no brain is attached."""
     cable_pulled: _builtins.bool
-    """An operator has pulled the cable to its brain, and not plugged it in again."""
+    """True if an operator has pulled the cable to its brain and not plugged it in again."""
     baud: _builtins.int
-    """Baud rate of that cable as it is now; absent if it has none."""
+    """Current baud rate of that cable, in bits per second. Absent if it has none."""
     missed_pin_events: _builtins.int
-    """Events on pins since the last frame that are not told: until a signal is told again, nothing is known of it."""
+    """Number of events on pins since the previous frame that are missing. The state of a signal is then unknown until its
+    next event.
+    """
     at_ns: _builtins.int
-    """The instant of these numbers; absent if it is the frame's time. Who begins to look within a tick, as at a world that waits for
-    a brain's answer, sees in the first frame how the robot is at the brain's step.
+    """Time to which these values belong, in nanoseconds. Absent if it is the time of the frame. It differs in the first
+    frame of a stream that begins within a tick, for example while the world waits for a brain: the values are then
+    those at the brain's step.
     """
     @_builtins.property
     def sensors(self) -> _containers.RepeatedCompositeFieldContainer[Global___SensorDetail]:
-        """In the order of its data sheet."""
+        """Details of each sensor, in the order of RobotDescription.sensors."""
 
     @_builtins.property
     def uplink(self) -> _world_pb2.LineStatus:
-        """Microcontroller to laptop."""
+        """Counts of the uplink, from the microcontroller to the laptop."""
 
     @_builtins.property
     def downlink(self) -> _world_pb2.LineStatus:
-        """Laptop to microcontroller."""
+        """Counts of the downlink, from the laptop to the microcontroller."""
 
     @_builtins.property
     def cycles(self) -> _world_pb2.CycleStatus:
-        """Its control cycles."""
+        """Counts of its control cycles."""
 
     @_builtins.property
     def events(self) -> _containers.RepeatedCompositeFieldContainer[Global___TimelineEvent]:
-        """What happened on it since the last frame that was made for this observer, in the order in which it became known.
-        The first frame has what is kept of the time before.
+        """Events since the previous frame of this stream, in the order in which they became known. The first frame contains
+        the stored events from before.
         """
 
     @_builtins.property
     def pin_events(self) -> _containers.RepeatedCompositeFieldContainer[Global___PinEvent]:
-        """What was seen on the pins of its chip since the last frame that was made for this observer, if that was asked for: of each
-        signal in the order of time. The first frame has what is kept of the time before. At most 8192, the last ones.
+        """Events on the pins of its chip since the previous frame of this stream, if WatchRequest.pins is set; those of each
+        signal are in the order of time. The first frame contains the stored events from before. At most 8192: older events
+        are omitted.
         """
 
     def __init__(
@@ -1198,7 +1216,7 @@ Global___RobotDetail: _TypeAlias = RobotDetail  # noqa: Y015
 
 @_typing.final
 class PinEvent(_message.Message):
-    """Something on a signal of a chip's pins: see docs/reference/firmware.md."""
+    """Event on a signal of a chip; docs/reference/firmware.md describes the signals."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1213,25 +1231,27 @@ class PinEvent(_message.Message):
     ROUNDS_FIELD_NUMBER: _builtins.int
     CYCLES_FIELD_NUMBER: _builtins.int
     signal: _builtins.int
-    """The signal's place in DescribeWorld."""
+    """Index of the signal in ObservedRobot.pins."""
     at_ns: _builtins.int
-    """Simulated instant from which on it holds."""
+    """Time at which the event begins, in nanoseconds."""
     kind: Global___PinEventKind.ValueType
-    """What it is."""
+    """Kind of the event."""
     number: _builtins.int
-    """A result of the ADC, from 0 to 1023, or a character."""
+    """For NUMBER: result of the ADC, 0 to 1023, or the character. Otherwise 0."""
     until_ns: _builtins.int
-    """Of pulses: the rise behind the last of them. Of rounds: when the last of them is over."""
+    """End of the event in nanoseconds. For PULSES, the rising edge after the last pulse; for rounds, the end of the last
+    one. Otherwise 0.
+    """
     pulses: _builtins.int
-    """Of pulses: how many there are."""
+    """For PULSES: number of pulses. Otherwise 0."""
     high_ns: _builtins.int
-    """Of pulses: for how long the wire was high in all."""
+    """For PULSES: total time at the high level, in nanoseconds. Otherwise 0."""
     even: _builtins.bool
-    """Of pulses: whether they are alike, so that they have a frequency and a duty."""
+    """For PULSES: true if all pulses are alike, so that they have a frequency and a duty cycle."""
     rounds: _builtins.int
-    """Of rounds: how many there are."""
+    """For rounds: number of rounds. Otherwise 0."""
     cycles: _builtins.int
-    """Of rounds: how long they are together, in periods of the chip's clock source."""
+    """For rounds: total duration, in cycles of the chip's clock source. Otherwise 0."""
     def __init__(
         self,
         *,
@@ -1256,7 +1276,7 @@ Global___PinEvent: _TypeAlias = PinEvent  # noqa: Y015
 
 @_typing.final
 class SensorDetail(_message.Message):
-    """More about a sensor."""
+    """Details of a sensor."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1271,32 +1291,36 @@ class SensorDetail(_message.Message):
     LEAST_AGE_NS_FIELD_NUMBER: _builtins.int
     MOST_AGE_NS_FIELD_NUMBER: _builtins.int
     sampled_at_ns: _builtins.int
-    """When that was truly sampled; absent if it is not known."""
+    """True sampling time of that reading, in nanoseconds. Absent if it is unknown."""
     readable: _builtins.bool
-    """It is new since the brain's last step."""
+    """True if that reading arrived since the last step of the brain."""
     samples: _builtins.int
-    """Samples taken."""
+    """Number of samples taken."""
     missed: _builtins.int
-    """Samples left out because the microcontroller was busy."""
+    """Number of samples that were skipped because the microcontroller was busy when they fell due."""
     readable_steps: _builtins.int
-    """Steps of the brain in which it was readable."""
+    """Number of steps of the brain at which the sensor had a new reading."""
     least_age_ns: _builtins.int
-    """How old the reading has been at least since the last frame that was made for this observer, each instant in between counted:
-    as a reading came, and at the frames. Absent if it is not known.
+    """Smallest true age of the reading at any time since the previous frame of this stream, in nanoseconds. Absent if it
+    is unknown.
     """
     most_age_ns: _builtins.int
-    """How old at most: as the reading was about to be replaced, or at a frame."""
+    """Largest true age of the reading at any time since the previous frame of this stream, in nanoseconds. Absent if it
+    is unknown.
+    """
     @_builtins.property
     def values(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
-        """The last reading that has reached the laptop, as its brain has it; none if none has."""
+        """Latest reading at the laptop, as its brain has it, component by component as in Reading.values. Empty if no reading
+        has arrived yet.
+        """
 
     @_builtins.property
     def rays(self) -> Global___RayFan:
-        """Of a sensor that looks along rays: where they begin and go."""
+        """Current rays. Absent for sensors without rays."""
 
     @_builtins.property
     def port(self) -> _world_pb2.LineStatus:
-        """The line of its own cable; absent if it has none."""
+        """Counts of the sensor's own cable, towards the laptop. Absent if it has none."""
 
     def __init__(
         self,
@@ -1333,7 +1357,7 @@ Global___SensorDetail: _TypeAlias = SensorDetail  # noqa: Y015
 
 @_typing.final
 class RayFan(_message.Message):
-    """Rays of a sensor, as they run at the frame's time."""
+    """Rays of a sensor at the time of the frame, evenly spaced."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1343,16 +1367,18 @@ class RayFan(_message.Message):
     OPENING_RAD_FIELD_NUMBER: _builtins.int
     LENGTHS_M_FIELD_NUMBER: _builtins.int
     x_m: _builtins.float
-    """The sensor's pose in the world."""
+    """x coordinate of the sensor in the world frame, in metres."""
     y_m: _builtins.float
-    """The sensor's pose in the world."""
+    """y coordinate of the sensor in the world frame, in metres."""
     heading_rad: _builtins.float
-    """The sensor's pose in the world."""
+    """Viewing direction of the sensor in radians, counter-clockwise from the world's x axis."""
     opening_rad: _builtins.float
-    """The angle between the first ray, on the right, and the last; rays are evenly spaced."""
+    """Angle from the first ray, which is the rightmost, to the last, in radians. The fan is symmetric about the viewing
+    direction.
+    """
     @_builtins.property
     def lengths_m(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
-        """The length of each, up to what it hits; the range if it hits nothing."""
+        """Length of each ray up to the body that it hits, in metres; if it hits nothing, the range of the sensor."""
 
     def __init__(
         self,
@@ -1373,7 +1399,7 @@ Global___RayFan: _TypeAlias = RayFan  # noqa: Y015
 
 @_typing.final
 class TimelineEvent(_message.Message):
-    """Something that happened on a robot: see docs/how-to/diagram.md."""
+    """Event on a robot, its cables or its brain; docs/how-to/diagram.md shows them."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1383,15 +1409,17 @@ class TimelineEvent(_message.Message):
     PART_FIELD_NUMBER: _builtins.int
     BYTES_FIELD_NUMBER: _builtins.int
     start_ns: _builtins.int
-    """When it began."""
+    """Beginning of the event, in nanoseconds."""
     end_ns: _builtins.int
-    """When it was over; equal to start_ns for what takes no time."""
+    """End of the event, in nanoseconds; equal to start_ns for an event without duration."""
     kind: Global___TimelineKind.ValueType
-    """What it was."""
+    """Kind of the event."""
     part: _builtins.int
-    """The sensor's place in the data sheet, or the fault's number, where the kind has one."""
+    """Index of the sensor in RobotDescription.sensors, or of the fault among the faults of the robot in the scenario; 1
+    or 0 for THINK. Absent for kinds that have none of these.
+    """
     bytes: _builtins.int
-    """Bytes, where the kind has some."""
+    """Number of bytes, where the kind has one. Otherwise 0."""
     def __init__(
         self,
         *,
@@ -1413,17 +1441,17 @@ Global___TimelineEvent: _TypeAlias = TimelineEvent  # noqa: Y015
 
 @_typing.final
 class Annotation(_message.Message):
-    """What a brain has published for observers."""
+    """Belief of a brain."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     ROBOT_FIELD_NUMBER: _builtins.int
     BELIEF_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
-    """The robot's place in DescribeWorld."""
+    """Index of the robot in DescribeWorldResponse.robots."""
     @_builtins.property
     def belief(self) -> _brain_link_pb2.Belief:
-        """What it says."""
+        """Belief that its brain published."""
 
     def __init__(
         self,
@@ -1441,7 +1469,7 @@ Global___Annotation: _TypeAlias = Annotation  # noqa: Y015
 
 @_typing.final
 class ThingTruth(_message.Message):
-    """The truth about something that moves by itself or is pushed."""
+    """True state of a thing that is not fixed."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1451,15 +1479,15 @@ class ThingTruth(_message.Message):
     HEADING_RAD_FIELD_NUMBER: _builtins.int
     BLOCKED_NS_FIELD_NUMBER: _builtins.int
     thing: _builtins.str
-    """Its name."""
+    """Name of the thing."""
     x_m: _builtins.float
-    """In metres."""
+    """x coordinate of the thing's origin in the world frame, in metres."""
     y_m: _builtins.float
-    """In metres."""
+    """y coordinate of the thing's origin in the world frame, in metres."""
     heading_rad: _builtins.float
-    """Of a door that swings, not wrapped."""
+    """Heading in radians, counter-clockwise from the world's x axis. Not limited to one turn for a door that swings."""
     blocked_ns: _builtins.int
-    """Time that something was in its way; 0 for what is pushed."""
+    """Time during which something blocked its way, in nanoseconds; 0 for a thing that robots push."""
     def __init__(
         self,
         *,
@@ -1479,7 +1507,7 @@ Global___ThingTruth: _TypeAlias = ThingTruth  # noqa: Y015
 
 @_typing.final
 class RobotTruth(_message.Message):
-    """The truth about a robot."""
+    """True state of a robot."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1496,36 +1524,36 @@ class RobotTruth(_message.Message):
     ACTUATORS_FIELD_NUMBER: _builtins.int
     IN_ZONE_NS_FIELD_NUMBER: _builtins.int
     x_m: _builtins.float
-    """In metres."""
+    """x coordinate of the robot's centre in the world frame, in metres."""
     y_m: _builtins.float
-    """In metres."""
+    """y coordinate of the robot's centre in the world frame, in metres."""
     heading_rad: _builtins.float
-    """In (-pi, pi]."""
+    """Heading in radians, in (-pi, pi], counter-clockwise from the world's x axis."""
     speed_m_s: _builtins.float
-    """Along the heading."""
+    """Speed along the heading, in metres per second; negative backwards."""
     turn_rate_rad_s: _builtins.float
-    """Positive to the left."""
+    """Turn rate in radians per second, positive counter-clockwise."""
     left_signal: _builtins.float
-    """Signal in force on the left motor."""
+    """Signal in effect at the left motor."""
     right_signal: _builtins.float
-    """Signal in force on the right motor."""
+    """Signal in effect at the right motor."""
     collided: _builtins.bool
-    """Ran into something in the last tick."""
+    """True if the robot was in contact with something in the last tick."""
     @_builtins.property
     def samples(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
-        """The last samples, before quantisation, one a column; NaN before the first."""
+        """Latest samples before quantisation, one per column in ObservedRobot.sensor_columns; NaN before the first sample."""
 
     @_builtins.property
     def battery(self) -> _world_pb2.BatteryStatus:
-        """What feeds it; absent if that cannot run out."""
+        """State of its battery. Absent if the robot has none, and so cannot run out of energy."""
 
     @_builtins.property
     def actuators(self) -> _containers.RepeatedCompositeFieldContainer[Global___ActuatorTruth]:
-        """Its actuators besides the wheels, in their order."""
+        """True state of each actuator besides the wheels, in the order of RobotDescription.actuators."""
 
     @_builtins.property
     def in_zone_ns(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
-        """Its time in each zone, in their order."""
+        """Time that its centre has been in each zone, in nanoseconds, in the order of DescribeWorldResponse.zones."""
 
     def __init__(
         self,
@@ -1553,16 +1581,16 @@ Global___RobotTruth: _TypeAlias = RobotTruth  # noqa: Y015
 
 @_typing.final
 class ActuatorTruth(_message.Message):
-    """The truth about an actuator."""
+    """True state of an actuator."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     SIGNAL_FIELD_NUMBER: _builtins.int
     ANGLE_RAD_FIELD_NUMBER: _builtins.int
     signal: _builtins.float
-    """The signal in force."""
+    """Signal in effect, -1 to 1."""
     angle_rad: _builtins.float
-    """Where a turret stands, positive to the left; 0 for other kinds."""
+    """For a turret: angle in radians, positive counter-clockwise from straight ahead. Otherwise 0."""
     def __init__(
         self,
         *,
@@ -1579,14 +1607,14 @@ Global___ActuatorTruth: _TypeAlias = ActuatorTruth  # noqa: Y015
 
 @_typing.final
 class Collision(_message.Message):
-    """A robot ran into something."""
+    """Collision of a robot."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     ROBOT_FIELD_NUMBER: _builtins.int
     WITH_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
-    """Its name."""
+    """Name of the robot."""
     def __init__(
         self,
         *,

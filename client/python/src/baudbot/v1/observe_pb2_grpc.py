@@ -26,7 +26,13 @@ if _version_not_supported:
 
 
 class ObserveServiceStub(object):
-    """For observers: the truth. Brains must not use it.
+    """For observers: the truth about a world, which brains must not use. All calls need the right `observe`, which the
+    rights `operate` and `train` include. No call changes anything in a world.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right), NOT_FOUND (no such world), ABORTED (the world is deleted before the call is answered)
+    and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises it). A stream ends without an
+    error when its world is deleted.
     """
 
     def __init__(self, channel):
@@ -58,35 +64,44 @@ class ObserveServiceStub(object):
 
 
 class ObserveServiceServicer(object):
-    """For observers: the truth. Brains must not use it.
+    """For observers: the truth about a world, which brains must not use. All calls need the right `observe`, which the
+    rights `operate` and `train` include. No call changes anything in a world.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right), NOT_FOUND (no such world), ABORTED (the world is deleted before the call is answered)
+    and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises it). A stream ends without an
+    error when its world is deleted.
     """
 
     def DescribeWorld(self, request, context):
-        """What stands still in a world, and what its robots are.
+        """Returns the parts of a world that do not change during a run: its arena and the descriptions of its robots.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def Watch(self, request, context):
-        """A world's truth at a rate. An observer that reads too slowly misses frames, and is told how many.
+        """Streams the true state of a world: a first frame at once, then one per `every_ticks` ticks, and one at the end of
+        the run, after each manual change and after each SeekReplay. An observer that reads too slowly misses frames, and
+        the next frame gives their number. NOT_FOUND: no robot of a name in `details`. INVALID_ARGUMENT: more than 64
+        details.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def GetCoverage(self, request, context):
-        """Which cells of the floor robots have covered and sensed so far. FAILED_PRECONDITION if the world does not measure
-        coverage, which `metrics.cell_m` of its scenario switches on.
+        """Returns the cells of the floor that robots have covered and sensed so far. FAILED_PRECONDITION: the world does not
+        measure coverage; `metrics.cell_m` of a scenario enables it.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def WatchCable(self, request, context):
-        """The bytes that come over one cable from now on, with their meaning, as a protocol analyser shows them: nothing that is
-        not on the cable. A watcher that reads too slowly misses items, and is told how many. NOT_FOUND if there is no such robot or
-        sensor, FAILED_PRECONDITION if it has no cable.
+        """Streams the bytes that arrive over one cable from now on, decoded as by a protocol analyser. The stream contains
+        nothing that is not on the cable. A watcher that reads too slowly misses items, and the next response gives their
+        number. NOT_FOUND: no such robot or sensor. FAILED_PRECONDITION: it has no cable.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -124,7 +139,13 @@ def add_ObserveServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class ObserveService(object):
-    """For observers: the truth. Brains must not use it.
+    """For observers: the truth about a world, which brains must not use. All calls need the right `observe`, which the
+    rights `operate` and `train` include. No call changes anything in a world.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right), NOT_FOUND (no such world), ABORTED (the world is deleted before the call is answered)
+    and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises it). A stream ends without an
+    error when its world is deleted.
     """
 
     @staticmethod

@@ -27,47 +27,76 @@ GRPC_GENERATED_VERSION: str
 GRPC_VERSION: str
 
 class ObserveServiceStub:
-    """For observers: the truth. Brains must not use it."""
+    """For observers: the truth about a world, which brains must not use. All calls need the right `observe`, which the
+    rights `operate` and `train` include. No call changes anything in a world.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right), NOT_FOUND (no such world), ABORTED (the world is deleted before the call is answered)
+    and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises it). A stream ends without an
+    error when its world is deleted.
+    """
 
     @_typing.overload
     def __new__(cls, channel: _grpc.Channel) -> _Self: ...
     @_typing.overload
     def __new__(cls, channel: _aio.Channel) -> ObserveServiceAsyncStub: ...
     DescribeWorld: _grpc.UnaryUnaryMultiCallable[_observe_pb2.DescribeWorldRequest, _observe_pb2.DescribeWorldResponse]
-    """What stands still in a world, and what its robots are."""
+    """Returns the parts of a world that do not change during a run: its arena and the descriptions of its robots."""
     Watch: _grpc.UnaryStreamMultiCallable[_observe_pb2.WatchRequest, _observe_pb2.WatchResponse]
-    """A world's truth at a rate. An observer that reads too slowly misses frames, and is told how many."""
+    """Streams the true state of a world: a first frame at once, then one per `every_ticks` ticks, and one at the end of
+    the run, after each manual change and after each SeekReplay. An observer that reads too slowly misses frames, and
+    the next frame gives their number. NOT_FOUND: no robot of a name in `details`. INVALID_ARGUMENT: more than 64
+    details.
+    """
     GetCoverage: _grpc.UnaryUnaryMultiCallable[_observe_pb2.GetCoverageRequest, _observe_pb2.GetCoverageResponse]
-    """Which cells of the floor robots have covered and sensed so far. FAILED_PRECONDITION if the world does not measure
-    coverage, which `metrics.cell_m` of its scenario switches on.
+    """Returns the cells of the floor that robots have covered and sensed so far. FAILED_PRECONDITION: the world does not
+    measure coverage; `metrics.cell_m` of a scenario enables it.
     """
     WatchCable: _grpc.UnaryStreamMultiCallable[_observe_pb2.WatchCableRequest, _observe_pb2.WatchCableResponse]
-    """The bytes that come over one cable from now on, with their meaning, as a protocol analyser shows them: nothing that is
-    not on the cable. A watcher that reads too slowly misses items, and is told how many. NOT_FOUND if there is no such robot or
-    sensor, FAILED_PRECONDITION if it has no cable.
+    """Streams the bytes that arrive over one cable from now on, decoded as by a protocol analyser. The stream contains
+    nothing that is not on the cable. A watcher that reads too slowly misses items, and the next response gives their
+    number. NOT_FOUND: no such robot or sensor. FAILED_PRECONDITION: it has no cable.
     """
 
 @_typing.type_check_only
 class ObserveServiceAsyncStub(ObserveServiceStub):
-    """For observers: the truth. Brains must not use it."""
+    """For observers: the truth about a world, which brains must not use. All calls need the right `observe`, which the
+    rights `operate` and `train` include. No call changes anything in a world.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right), NOT_FOUND (no such world), ABORTED (the world is deleted before the call is answered)
+    and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises it). A stream ends without an
+    error when its world is deleted.
+    """
 
     def __init__(self, channel: _aio.Channel) -> None: ...
     DescribeWorld: _aio.UnaryUnaryMultiCallable[_observe_pb2.DescribeWorldRequest, _observe_pb2.DescribeWorldResponse]  # type: ignore[assignment]
-    """What stands still in a world, and what its robots are."""
+    """Returns the parts of a world that do not change during a run: its arena and the descriptions of its robots."""
     Watch: _aio.UnaryStreamMultiCallable[_observe_pb2.WatchRequest, _observe_pb2.WatchResponse]  # type: ignore[assignment]
-    """A world's truth at a rate. An observer that reads too slowly misses frames, and is told how many."""
+    """Streams the true state of a world: a first frame at once, then one per `every_ticks` ticks, and one at the end of
+    the run, after each manual change and after each SeekReplay. An observer that reads too slowly misses frames, and
+    the next frame gives their number. NOT_FOUND: no robot of a name in `details`. INVALID_ARGUMENT: more than 64
+    details.
+    """
     GetCoverage: _aio.UnaryUnaryMultiCallable[_observe_pb2.GetCoverageRequest, _observe_pb2.GetCoverageResponse]  # type: ignore[assignment]
-    """Which cells of the floor robots have covered and sensed so far. FAILED_PRECONDITION if the world does not measure
-    coverage, which `metrics.cell_m` of its scenario switches on.
+    """Returns the cells of the floor that robots have covered and sensed so far. FAILED_PRECONDITION: the world does not
+    measure coverage; `metrics.cell_m` of a scenario enables it.
     """
     WatchCable: _aio.UnaryStreamMultiCallable[_observe_pb2.WatchCableRequest, _observe_pb2.WatchCableResponse]  # type: ignore[assignment]
-    """The bytes that come over one cable from now on, with their meaning, as a protocol analyser shows them: nothing that is
-    not on the cable. A watcher that reads too slowly misses items, and is told how many. NOT_FOUND if there is no such robot or
-    sensor, FAILED_PRECONDITION if it has no cable.
+    """Streams the bytes that arrive over one cable from now on, decoded as by a protocol analyser. The stream contains
+    nothing that is not on the cable. A watcher that reads too slowly misses items, and the next response gives their
+    number. NOT_FOUND: no such robot or sensor. FAILED_PRECONDITION: it has no cable.
     """
 
 class ObserveServiceServicer(metaclass=_abc_1.ABCMeta):
-    """For observers: the truth. Brains must not use it."""
+    """For observers: the truth about a world, which brains must not use. All calls need the right `observe`, which the
+    rights `operate` and `train` include. No call changes anything in a world.
+
+    Besides the codes listed with each call, every call can fail with UNAUTHENTICATED (no valid token), PERMISSION_DENIED
+    (the token lacks the right), NOT_FOUND (no such world), ABORTED (the world is deleted before the call is answered)
+    and RESOURCE_EXHAUSTED (a limit of the server; the message names the option that raises it). A stream ends without an
+    error when its world is deleted.
+    """
 
     @_abc_1.abstractmethod
     def DescribeWorld(
@@ -75,7 +104,7 @@ class ObserveServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _observe_pb2.DescribeWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_observe_pb2.DescribeWorldResponse, _abc.Awaitable[_observe_pb2.DescribeWorldResponse]]:
-        """What stands still in a world, and what its robots are."""
+        """Returns the parts of a world that do not change during a run: its arena and the descriptions of its robots."""
 
     @_abc_1.abstractmethod
     def Watch(
@@ -83,7 +112,11 @@ class ObserveServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _observe_pb2.WatchRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_abc.Iterator[_observe_pb2.WatchResponse], _abc.AsyncIterator[_observe_pb2.WatchResponse]]:
-        """A world's truth at a rate. An observer that reads too slowly misses frames, and is told how many."""
+        """Streams the true state of a world: a first frame at once, then one per `every_ticks` ticks, and one at the end of
+        the run, after each manual change and after each SeekReplay. An observer that reads too slowly misses frames, and
+        the next frame gives their number. NOT_FOUND: no robot of a name in `details`. INVALID_ARGUMENT: more than 64
+        details.
+        """
 
     @_abc_1.abstractmethod
     def GetCoverage(
@@ -91,8 +124,8 @@ class ObserveServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _observe_pb2.GetCoverageRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_observe_pb2.GetCoverageResponse, _abc.Awaitable[_observe_pb2.GetCoverageResponse]]:
-        """Which cells of the floor robots have covered and sensed so far. FAILED_PRECONDITION if the world does not measure
-        coverage, which `metrics.cell_m` of its scenario switches on.
+        """Returns the cells of the floor that robots have covered and sensed so far. FAILED_PRECONDITION: the world does not
+        measure coverage; `metrics.cell_m` of a scenario enables it.
         """
 
     @_abc_1.abstractmethod
@@ -101,9 +134,9 @@ class ObserveServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _observe_pb2.WatchCableRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_abc.Iterator[_observe_pb2.WatchCableResponse], _abc.AsyncIterator[_observe_pb2.WatchCableResponse]]:
-        """The bytes that come over one cable from now on, with their meaning, as a protocol analyser shows them: nothing that is
-        not on the cable. A watcher that reads too slowly misses items, and is told how many. NOT_FOUND if there is no such robot or
-        sensor, FAILED_PRECONDITION if it has no cable.
+        """Streams the bytes that arrive over one cable from now on, decoded as by a protocol analyser. The stream contains
+        nothing that is not on the cable. A watcher that reads too slowly misses items, and the next response gives their
+        number. NOT_FOUND: no such robot or sensor. FAILED_PRECONDITION: it has no cable.
         """
 
 def add_ObserveServiceServicer_to_server(servicer: ObserveServiceServicer, server: _typing.Union[_grpc.Server, _aio.Server]) -> None: ...

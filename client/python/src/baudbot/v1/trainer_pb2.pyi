@@ -23,7 +23,7 @@ DESCRIPTOR: _descriptor.FileDescriptor
 
 @_typing.final
 class TrainRequest(_message.Message):
-    """From the trainer."""
+    """Message from the trainer to the server."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -31,11 +31,11 @@ class TrainRequest(_message.Message):
     CYCLE_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def open(self) -> Global___OpenTraining:
-        """First, and once."""
+        """First message of the stream, sent exactly once."""
 
     @_builtins.property
     def cycle(self) -> Global___TrainingCycle:
-        """What is done in some worlds."""
+        """Actions in some of the worlds."""
 
     def __init__(
         self,
@@ -55,15 +55,16 @@ Global___TrainRequest: _TypeAlias = TrainRequest  # noqa: Y015
 
 @_typing.final
 class OpenTraining(_message.Message):
-    """Takes robots of some worlds."""
+    """Selects the worlds and robots of the stream."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLDS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def worlds(self) -> _containers.RepeatedCompositeFieldContainer[_brain_link_pb2.Hello]:
-        """For each world what a brain says in Attach; no world twice, and at most 1024. A Hello without robots takes all robots of
-        its world.
+        """One Hello per world, as in Attach; an empty list of robots means all robots of the world. At least one world, none
+        twice, and at most as many as the server's limit permits (1024 by default). If a robot is not available, the
+        trainer gets none. WorldAction refers to a world by its index in this list, from 0.
         """
 
     def __init__(
@@ -81,14 +82,14 @@ Global___OpenTraining: _TypeAlias = OpenTraining  # noqa: Y015
 
 @_typing.final
 class TrainingCycle(_message.Message):
-    """What is done in some worlds."""
+    """Actions in some of the worlds."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLDS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def worlds(self) -> _containers.RepeatedCompositeFieldContainer[Global___WorldAction]:
-        """No world twice."""
+        """One action per world; no world twice. Worlds that are not listed stay as they are."""
 
     def __init__(
         self,
@@ -105,7 +106,7 @@ Global___TrainingCycle: _TypeAlias = TrainingCycle  # noqa: Y015
 
 @_typing.final
 class WorldAction(_message.Message):
-    """What is done in a world."""
+    """Action in one world."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -113,14 +114,14 @@ class WorldAction(_message.Message):
     STEP_FIELD_NUMBER: _builtins.int
     RESET_FIELD_NUMBER: _builtins.int
     world: _builtins.int
-    """The world's place in the OpenTraining."""
+    """Index of the world in OpenTraining.worlds."""
     @_builtins.property
     def step(self) -> _brain_link_pb2.Step:
-        """The answer to the world's last Turn. UntilMessage in it says when a robot has its next Turn, as in Attach."""
+        """Answer to the last Turn of the world. Its UntilMessage has the same effect as in Attach."""
 
     @_builtins.property
     def reset(self) -> _control_pb2.ResetWorldRequest:
-        """Takes the world back to its start, as ResetWorld does; its `world` is left empty."""
+        """Returns the world to the start of its run, as ResetWorld does. The field `world` must be empty."""
 
     def __init__(
         self,
@@ -141,14 +142,14 @@ Global___WorldAction: _TypeAlias = WorldAction  # noqa: Y015
 
 @_typing.final
 class TrainResponse(_message.Message):
-    """To the trainer: the response to one request."""
+    """Message from the server to the trainer: the response to one request."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLDS_FIELD_NUMBER: _builtins.int
     @_builtins.property
     def worlds(self) -> _containers.RepeatedCompositeFieldContainer[Global___WorldResult]:
-        """In the order of the request."""
+        """Results in the order of the request; for an OpenTraining, of all its worlds."""
 
     def __init__(
         self,
@@ -165,9 +166,9 @@ Global___TrainResponse: _TypeAlias = TrainResponse  # noqa: Y015
 
 @_typing.final
 class WorldResult(_message.Message):
-    """A world after a request. Unless that was refused or the world is closed, this has what is true at the start of the tick
-    `tick`: that of the Turn, or the one at which the run ended. The `at_ns` of a Turn are within that tick, up to its length
-    later; bodies move after that.
+    """State of one world after a request. Unless the outcome is `refused` or `closed`, the values are those at the start of
+    the tick `tick`: the tick of the Turn, or the one at which the run ended. The `at_ns` of a Turn may be up to one tick
+    later than `time_ns`; bodies move after that.
     """
 
     DESCRIPTOR: _descriptor.Descriptor
@@ -182,38 +183,38 @@ class WorldResult(_message.Message):
     TRUTHS_FIELD_NUMBER: _builtins.int
     SCORE_FIELD_NUMBER: _builtins.int
     tick: _builtins.int
-    """Number of the tick."""
+    """Number of completed ticks."""
     time_ns: _builtins.int
-    """Simulated time at the start of that tick."""
+    """Simulated time at the start of the tick, in nanoseconds since the start of the run."""
     @_builtins.property
     def welcome(self) -> _brain_link_pb2.Welcome:
-        """What its brain may know of its robots; only in the first response."""
+        """Data sheets of the trainer's robots. Set only in the first response."""
 
     @_builtins.property
     def turn(self) -> _brain_link_pb2.Turn:
-        """The robots' brains can step; the next action is a Step that answers this, or a reset."""
+        """The trainer's robots can step. The next action is a Step that answers this Turn, or a reset."""
 
     @_builtins.property
     def ended(self) -> Global___TrainingEnded:
-        """The run has ended; the next action is a reset."""
+        """The run has ended. The next action is a reset."""
 
     @_builtins.property
     def refused(self) -> Global___TrainingProblem:
-        """The action was refused, and the world stands as before."""
+        """The action was refused and the world is unchanged."""
 
     @_builtins.property
     def closed(self) -> Global___TrainingProblem:
-        """The robots are released: the world was deleted, an operator or a watchdog has detached the trainer, a Step has broken a
-        promise of the Hello, or the world has left lockstep. Every later action gets this, too.
+        """The robots of this world are released: the world was deleted or has left lockstep, an operator or the watchdog
+        detached the trainer, or a Step broke a promise of the Hello. All later actions in this world get this outcome.
         """
 
     @_builtins.property
     def truths(self) -> _containers.RepeatedCompositeFieldContainer[Global___Truth]:
-        """Of each robot that the stream holds, in the order of the Welcome."""
+        """True state of each of the trainer's robots, in the order of Welcome.robots."""
 
     @_builtins.property
     def score(self) -> _world_pb2.Score:
-        """What the referee counted; absent if there is nothing to count."""
+        """Counts of the referee. Absent if the scenario measures no coverage and has no zones."""
 
     def __init__(
         self,
@@ -240,16 +241,16 @@ Global___WorldResult: _TypeAlias = WorldResult  # noqa: Y015
 
 @_typing.final
 class TrainingEnded(_message.Message):
-    """The run is over."""
+    """End of a run."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     KIND_FIELD_NUMBER: _builtins.int
     ENDING_FIELD_NUMBER: _builtins.int
     kind: _world_pb2.EndingKind.ValueType
-    """Why."""
+    """Reason why the run ended."""
     ending: _builtins.str
-    """Why, in words for people."""
+    """Reason why the run ended, as text for people."""
     def __init__(
         self,
         *,
@@ -266,16 +267,16 @@ Global___TrainingEnded: _TypeAlias = TrainingEnded  # noqa: Y015
 
 @_typing.final
 class TrainingProblem(_message.Message):
-    """Why something was not done, or is over."""
+    """Reason why an action was refused or the robots of a world were released."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
     CODE_FIELD_NUMBER: _builtins.int
     MESSAGE_FIELD_NUMBER: _builtins.int
     code: _builtins.int
-    """A status code of gRPC."""
+    """Number of the gRPC status code, such as 9 for FAILED_PRECONDITION."""
     message: _builtins.str
-    """One line that names the field and the remedy."""
+    """Description in one line, with the field and a remedy."""
     def __init__(
         self,
         *,
@@ -292,7 +293,7 @@ Global___TrainingProblem: _TypeAlias = TrainingProblem  # noqa: Y015
 
 @_typing.final
 class Truth(_message.Message):
-    """The truth about a robot."""
+    """True state of a robot. Counts are since the start of the run."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -307,28 +308,30 @@ class Truth(_message.Message):
     BATTERY_FIELD_NUMBER: _builtins.int
     IN_ZONE_NS_FIELD_NUMBER: _builtins.int
     x_m: _builtins.float
-    """In metres."""
+    """x coordinate of the robot's centre in the world frame, in metres."""
     y_m: _builtins.float
-    """In metres."""
+    """y coordinate of the robot's centre in the world frame, in metres."""
     heading_rad: _builtins.float
-    """In (-pi, pi]."""
+    """Heading in radians, in (-pi, pi], counter-clockwise from the world's x axis."""
     speed_m_s: _builtins.float
-    """Along the heading."""
+    """Speed along the heading, in metres per second; negative backwards."""
     turn_rate_rad_s: _builtins.float
-    """Positive to the left."""
+    """Turn rate in radians per second, positive counter-clockwise."""
     collisions: _builtins.int
-    """Times that it ran into something since the start of the run."""
+    """Number of collisions. A contact that lasts counts once for each thing touched."""
     collided: _builtins.bool
-    """Whether one of those was after the last response about this world, or after the reset if the world was reset since."""
+    """True if a collision happened since the previous result of this world, or if the world was reset or restored since
+    then, after that.
+    """
     distance_m: _builtins.float
-    """Distance driven by its centre since the start of the run."""
+    """Distance travelled by its centre, in metres; forward and backward motion both count as positive."""
     @_builtins.property
     def battery(self) -> _world_pb2.BatteryStatus:
-        """What feeds it; absent if that cannot run out."""
+        """State of its battery. Absent if the robot has none, and so cannot run out of energy."""
 
     @_builtins.property
     def in_zone_ns(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
-        """Its time in each zone, in the scenario's order."""
+        """Time that its centre has been in each zone, in nanoseconds, in the order of the scenario."""
 
     def __init__(
         self,

@@ -26,8 +26,9 @@ if _version_not_supported:
 
 
 class TrainerServiceStub(object):
-    """For trainers: programs that improve a brain by its runs. They drive robots as brains do, and are told the truth, which
-    brains must not use. A server has this service only on a listener of its own (`--trainer`), where ControlService is, too.
+    """For trainers: programs that improve a brain over many runs. They drive robots as brains do, and also get the truth,
+    which brains must not use. A server offers this service only on a listener of its own (`--trainer`), together with
+    ControlService.
     """
 
     def __init__(self, channel):
@@ -44,23 +45,30 @@ class TrainerServiceStub(object):
 
 
 class TrainerServiceServicer(object):
-    """For trainers: programs that improve a brain by its runs. They drive robots as brains do, and are told the truth, which
-    brains must not use. A server has this service only on a listener of its own (`--trainer`), where ControlService is, too.
+    """For trainers: programs that improve a brain over many runs. They drive robots as brains do, and also get the truth,
+    which brains must not use. A server offers this service only on a listener of its own (`--trainer`), together with
+    ControlService.
     """
 
     def Train(self, request_iterator, context):
-        """Drives the robots of many worlds in lockstep, for as long as the stream lasts.
+        """Attaches a trainer to robots of many worlds, which must be in lockstep, for as long as the stream lasts. The token
+        needs the right `train`.
 
-        The first request opens the stream, and each later one has a Step or a reset for some of its worlds. Each request has one
-        response, which comes when every world of the request has its next Turn or has ended; the next request comes after that.
-        What a trainer writes to a robot takes the same way as what a brain writes: the same Steps give the same run.
+        The first request is an OpenTraining. Each later request has a Step or a reset for some of the worlds. Each request
+        gets one response, once every world of the request has its next Turn or has ended; the next request may be sent
+        after that. Output to a robot takes the same way as that of a brain: the same Steps make the same run. If the
+        trainer closes its side of the stream, its robots are released and the server closes the other side.
 
-        What happens to one world is told in its place of the response, and the others go on. A request that makes no sense ends
-        the stream, with the field (`worlds[3].step.robots[0].command.left_signal`) and before anything of it is done:
-        INVALID_ARGUMENT, NOT_FOUND (no such world or robot), ALREADY_EXISTS (another brain holds the robot), RESOURCE_EXHAUSTED
-        (too many worlds), FAILED_PRECONDITION (a world that is not in lockstep, a request before the last one is answered),
-        DEADLINE_EXCEEDED (no Open came), OUT_OF_RANGE (a request of more than 4 MiB). A trainer that ends its side of the stream
-        releases its robots, and the server ends the other side.
+        Problems of a single world are reported in its WorldResult, and do not affect the others. An invalid request has no
+        effect and ends the stream with an error that names the field, such as
+        `worlds[3].step.robots[0].command.left_signal`.
+
+        Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token lacks the right), INVALID_ARGUMENT (the
+        request is wrong), NOT_FOUND (no such world or robot), ALREADY_EXISTS (a robot has a brain already),
+        RESOURCE_EXHAUSTED (too many worlds, or another limit of the server), FAILED_PRECONDITION (a world that is not in
+        lockstep, a first request that is not an OpenTraining, a second OpenTraining, or a request before the response to
+        the previous one), DEADLINE_EXCEEDED (no OpenTraining came), OUT_OF_RANGE (a request of more than 4 MiB),
+        UNAVAILABLE (the server is stopping).
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -83,8 +91,9 @@ def add_TrainerServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class TrainerService(object):
-    """For trainers: programs that improve a brain by its runs. They drive robots as brains do, and are told the truth, which
-    brains must not use. A server has this service only on a listener of its own (`--trainer`), where ControlService is, too.
+    """For trainers: programs that improve a brain over many runs. They drive robots as brains do, and also get the truth,
+    which brains must not use. A server offers this service only on a listener of its own (`--trainer`), together with
+    ControlService.
     """
 
     @staticmethod
