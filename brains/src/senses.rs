@@ -106,7 +106,7 @@ impl Source {
         Err(SourceError::Part { sensor: name.to_owned(), part: part.to_owned(), known })
     }
 
-    /// The first value of the sensor's last reading; `None` if there is none yet.
+    /// The first of the source's values in the sensor's last reading; `None` if there is none yet.
     pub fn first(&self, turn: &Turn) -> Option<f64> {
         turn.readings.get(self.sensor)?.as_ref()?.values.get(self.values.start).copied()
     }

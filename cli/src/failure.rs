@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use crate::error::{self, ReaderGone, Refused};
 use crate::text::tell;
 
-/// Prints the error, unless stderr is closed, and gives the exit code.
+/// Prints the error, unless it is that the reader of an output has gone, and gives the exit code.
 pub(crate) fn told(error: &anyhow::Error) -> ExitCode {
     if !error.is::<ReaderGone>() {
         tell!("error: {}", error::text(error));

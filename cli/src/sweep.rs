@@ -63,7 +63,7 @@ fn report(experiment: &Experiment, args: &SweepArgs, out: &Path, swept: &Swept) 
     show(experiment, &args.work, swept)?;
     let failed = swept.summary.failed;
     match swept.summary.failures.first() {
-        // The table has the error in another form.
+        // Without these options the table has the error.
         Some((run, error)) if args.work.quiet || args.work.json => {
             bail!("{failed} of {} runs failed; the first, run {run}: {error}", swept.total)
         }

@@ -38,7 +38,7 @@ fn run(experiment: &Experiment, args: &TuneArgs, stop: &AtomicBool) -> anyhow::R
     show(experiment, args, &tuned)?;
     match tuned.best() {
         Some(_) => Ok(ExitCode::SUCCESS),
-        // The text has it in another form.
+        // Without these options the text has it.
         None if args.quiet || args.json => bail!("no candidate has a score"),
         None => Ok(ExitCode::FAILURE),
     }

@@ -21,7 +21,7 @@ pub(crate) struct Session {
     tick: u64,
     /// The robots whose brains wait for news.
     waiting: Vec<Option<Until>>,
-    /// The robots of the session that have a part in the last turn, but no news.
+    /// The robots with waiting brains that have a part in the last turn, but no news.
     asleep: Vec<usize>,
     /// The others that have a part in it.
     asked: Vec<usize>,

@@ -22,7 +22,7 @@ pub(super) struct Sense {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Receptor {
     sensor: usize,
-    /// The receptor's distance to the left, if positive.
+    /// The receptor's place in metres or direction in radians, to the left if positive.
     aside: f64,
     felt: Option<Felt>,
 }

@@ -41,7 +41,7 @@ pub struct Avoid {
     /// New readings have come since the last decision.
     news: bool,
     decided_ns: u64,
-    /// The brain has sent that it stands still, because no sensor gives a reading.
+    /// The brain has sent that it stands still, because a sensor gives no reading.
     stands: bool,
     pace: Pace,
 }

@@ -197,7 +197,7 @@ fn along(blocked: &[bool]) -> Vec<Stretch> {
     found
 }
 
-/// The cells of each column, from the rows.
+/// The stretches of each column, from the rows.
 fn across<'a>(rows: impl Iterator<Item = &'a [bool]>, columns: usize) -> Vec<Vec<Stretch>> {
     let mut found: Vec<Vec<Stretch>> = vec![Vec::new(); columns];
     let before_all = vec![true; columns];

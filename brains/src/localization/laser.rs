@@ -48,7 +48,7 @@ pub struct Parameters {
 pub struct Shrink {
     /// The number of failures, one after the other, that makes it smaller.
     pub failures: usize,
-    /// The widths of the search are multiplied by this at each step.
+    /// The widths of the box are multiplied by this at each reduction.
     pub factor: f64,
     /// The least width as a fraction of the first one.
     pub floor: f64,

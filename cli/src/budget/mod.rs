@@ -58,7 +58,7 @@ pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
     Ok(code(args, &computed, &programs))
 }
 
-/// The assignment of the robots, as far as that is known; `scenario` has afterwards the times at which they write.
+/// The assignment of the robots, as far as that is known; `scenario` has afterwards the rules by which they write.
 fn assigned(args: &BudgetArgs, source: &Source, scenario: &mut Scenario) -> anyhow::Result<Assigned> {
     let mut brains = args.brains.clone();
     let is_open = !brains.iter().any(|brain| assignment::is_for_all(brain));

@@ -78,5 +78,5 @@ pub(super) fn scope(robot: &RobotSpec, finest_ns: u64) -> Option<Scope> {
     robot.chip.as_ref().map(|chip| Scope::new(chip, finest_ns))
 }
 
-/// The part of the time before a window that is kept: a pulse may be reported later than a level that follows it.
+/// The number of entries before a window that are kept: a pulse may be reported later than a level that follows it.
 const KEPT: usize = 2;

@@ -13,7 +13,7 @@ use crate::csv::{collect, shared};
 
 /// A table that is being written, some rows at a time.
 pub(super) struct Rows {
-    /// The output; none until the first row.
+    /// The output until the first row, with which the writer takes it.
     out: Option<Out>,
     writer: Option<Writer<Out>>,
     names: Vec<(String, Kind)>,

@@ -123,7 +123,7 @@ fn value(estimate: &Estimate) -> String {
     if text.contains(['.', 'e']) { text } else { text + ".0" }
 }
 
-/// The number of digits by which the interval's ends differ.
+/// The number of digits with which the interval's ends are distinct.
 fn needed(Estimate { value, low, high, .. }: &Estimate) -> usize {
     let width = (high - low).max(value.abs() * 1e-9);
     let needed = if *value == 0.0 { 1.0 } else { (value.abs() / width).log10().ceil() + 2.0 };

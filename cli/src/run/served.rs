@@ -247,7 +247,7 @@ struct Silence {
     step_s: f64,
     /// Whether it is to be ended, and after how long.
     limit: Option<Duration>,
-    /// Whether a message is due, as there was none about this tick.
+    /// Whether a message may be printed, as there was none yet.
     tells: bool,
 }
 

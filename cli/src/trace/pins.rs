@@ -13,7 +13,7 @@ use baudbot_sim::{RobotView, SimTime};
 pub(super) struct Pins {
     robot: usize,
     scope: Scope,
-    /// The last on each signal, until what follows is known.
+    /// The last entry of each signal, until what follows is known.
     last: Vec<Option<Shown>>,
     /// Events that are over before this are not written.
     from: SimTime,

@@ -31,7 +31,7 @@ pub enum PrivateError {
     Exposed {
         /// The file or folder.
         path: PathBuf,
-        /// The file's mode.
+        /// The mode of the file or folder.
         mode: u32,
         /// The mode that it should have, as `chmod` takes it.
         wanted: &'static str,
@@ -47,7 +47,7 @@ pub enum PrivateError {
         /// The file's owner.
         owner: u32,
     },
-    /// The file belongs to another user, and there is no other place for the token of this user's own programs.
+    /// The folder belongs to another user, and there is no other place for the token of this user's own programs.
     #[error(
         "{}: belongs to the user with the number {owner}, so that it cannot be trusted, and no other place is free; set \
          XDG_RUNTIME_DIR to a folder of your own (mkdir -m 700), for the server and its clients",
@@ -56,7 +56,7 @@ pub enum PrivateError {
     NoPlace {
         /// The folder.
         path: PathBuf,
-        /// The file's owner.
+        /// The folder's owner.
         owner: u32,
     },
     /// The path is no ordinary file, or no folder, where one is needed.
@@ -103,8 +103,8 @@ impl PrivateError {
     }
 }
 
-/// A mark by which one content of a file differs from the next without reading it: any change of it, of its mode or its
-/// owner, and another file in its place.
+/// A mark that distinguishes one content of a file from the next without reading it: any change of it, of its mode or
+/// its owner, and another file in its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Stamp {
     device_and_inode: (u64, u64),

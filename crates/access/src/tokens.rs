@@ -44,7 +44,7 @@ pub enum Refused {
     Expired {
         /// The token.
         name: GrantName,
-        /// The instant at which it has.
+        /// The instant at which it expired.
         at: SystemTime,
     },
 }

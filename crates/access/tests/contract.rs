@@ -51,7 +51,7 @@ fn each_line_of_the_table_has_an_rpc() {
     assert_eq!(lines, rpcs.len(), "an RPC has two lines");
 }
 
-/// The rights of each call, by hand: a line that moves in the table moves here, too.
+/// The calls that each right allows, by hand: a line that moves in the table moves here, too.
 #[test]
 fn a_right_allows_what_it_says() {
     let allowed = |right: &str| -> BTreeSet<String> {

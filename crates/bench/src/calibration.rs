@@ -1,4 +1,4 @@
-//! A fixed piece of work by which machines, and the hours of a shared machine, differ.
+//! A fixed piece of work whose speed distinguishes machines, and the hours of a shared machine.
 //!
 //! A round is one step of a 64-bit linear congruential generator, the conversion of its upper 53 bits to a number in
 //! [0, 1), a square root, and one term of a geometric sum: integers and floating point in registers, each round waiting

@@ -13,7 +13,7 @@ fn start(program: &str) -> Result<Crew, Failure> {
     Crew::start(&[task(program)], "unix:/nowhere", "world", 7)
 }
 
-/// The robot has no brain, and perhaps there is one more that needs none.
+/// No brain holds the robot that should have one, and perhaps one holds the robot that was given none.
 fn robots(other: bool) -> Vec<Held> {
     let held = |robot: &str, held, expected| Held { robot: robot.to_owned(), held, expected };
     vec![held("alice", false, true), held("bob", other, false)]

@@ -118,7 +118,7 @@ pub enum Usual {
     Number(u64),
     /// The default holds for others than the user who runs the server.
     ForOthers(u64),
-    /// The default is the number for which the process may have open files.
+    /// The default follows from the number of files that the process may have open.
     Files,
     /// Half of all connections, for others than the user who runs the server.
     HalfOfConnections,

@@ -158,7 +158,7 @@ impl Observers {
         });
     }
 
-    /// Collects the data of a tick of which no image is sent.
+    /// Collects the data of a tick of which no frame is sent.
     pub(crate) fn note(&mut self, world: &World) {
         self.present.iter_mut().for_each(|observer| observer.eye.note(world));
     }

@@ -14,7 +14,7 @@ impl Nodes {
         State::Led { ended: self.map.ended(), leg: None }
     }
 
-    /// Follows the path of the map until the target has been seen; then places nodes there.
+    /// Follows the path of the map until a plan of the map has ended; then places nodes there.
     pub(super) fn follow(&mut self, input: &Input<'_>, ended: usize, leg: Option<Point>) -> Option<Command> {
         let here = &input.world_from_robot;
         let command = self.map.step(input);

@@ -83,7 +83,7 @@ enum State {
     Look {
         node: usize,
     },
-    /// Follows the map to the end of a straight path, after so many checks of the direct way.
+    /// Follows the map, of which so many plans had ended before, to the end of a straight path.
     Led {
         ended: usize,
         leg: Option<Point>,

@@ -70,8 +70,8 @@ pub struct Refined {
     pub scans: usize,
 }
 
-/// Searches from a guess for the pose at which a laser in this map sees the scan. The guess must have its certainty, at
-/// least the possible error of the pose.
+/// Searches from a guess for the pose at which a laser in this map sees the scan. The guess's covariance must be at
+/// least that of the possible error of the pose.
 ///
 /// # Panics
 /// If the scan has no rays.

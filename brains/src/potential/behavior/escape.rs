@@ -60,7 +60,7 @@ impl PotentialField {
         }
     }
 
-    /// No way is open. What was felt may not be there: it looks round. A robot without readings of obstacles stands.
+    /// No way is open. What was felt may not be there: it looks round. A robot without sensors for that stands.
     fn look_for_a_way(&mut self) -> Signals {
         if self.felt.is_senseless() {
             return Signals::default();

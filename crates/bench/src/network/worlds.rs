@@ -18,14 +18,14 @@ use crate::measure::{Effort, Sample};
 use crate::process;
 use crate::scenario::parse;
 
-/// The number of worlds in a server.
+/// The pace of many worlds in a server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Worlds {
     /// The worlds run as fast as they can; the figure is the ticks a second of all.
     Free,
     /// Tick by tick, as clients ask for; ticks a second of all.
     Stepped,
-    /// The worlds follow the wall clock; the figure is the fraction of ticks that end less than a step late.
+    /// The worlds follow the wall clock; the figure is the percentage of ticks that end less than a step late.
     RealTime,
 }
 

@@ -101,7 +101,7 @@ impl Crew {
         self.members.iter().map(|member| member.runs).max().unwrap_or(0)
     }
 
-    /// Waits until each program holds its robots; `look` returns the robots of the world that are held.
+    /// Waits until each program holds its robots; `look` returns the robots of the world, with whether they are held.
     ///
     /// # Errors
     /// If a program ends, holds another robot, or does not hold its own after `patience`; or that of `look`.
