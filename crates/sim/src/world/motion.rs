@@ -65,12 +65,12 @@ impl World {
         gather(scenario, lists);
         if !scenario.movables.is_empty() {
             self.push(scenario, lists, dt);
-            let movables = scenario.movables.iter().zip(&self.state.movables);
-            lists.movables.extend(movables.map(|(movable, state)| movable.shape.form().at(&state.pose)));
             for (way, robot) in lists.ways.iter_mut().zip(&self.state.robots) {
                 way.after = robot.motion.pose;
             }
             if scenario.collision.friction().is_some() {
+                let movables = scenario.movables.iter().zip(&self.state.movables);
+                lists.movables.extend(movables.map(|(movable, state)| movable.shape.form().at(&state.pose)));
                 for ((way, robot), spec) in
                     lists.ways.iter_mut().zip(&self.state.robots).zip(&scenario.robots)
                 {
