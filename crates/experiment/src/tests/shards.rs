@@ -93,9 +93,11 @@ fn a_shard_that_was_stopped_and_torn_goes_on_and_its_folder_takes_no_other() {
     let torn = shards.join("1");
     let (stop, seen) = (AtomicBool::new(false), AtomicU64::new(0));
     let progress = |_, _| stop.store(seen.fetch_add(1, Ordering::Relaxed) >= 4, Ordering::Relaxed);
-    let stopping = Options { stop: &stop, progress: &progress, shard: shard("1/3"), ..options(&torn) };
+    // One worker is at most three runs ahead of the journal, which is before the shard's last four runs, that fail.
+    let stopping =
+        Options { stop: &stop, progress: &progress, shard: shard("1/3"), jobs: 1, ..options(&torn) };
     let stopped = sweep(&experiment, &stopping).unwrap();
-    assert!(stopped.interrupted && (1..12).contains(&stopped.done) && stopped.total == 12, "{stopped:?}");
+    assert!(stopped.interrupted && (4..8).contains(&stopped.done) && stopped.total == 12, "{stopped:?}");
     let journal = torn.join("rows.jsonl");
     let mut bytes = fs::read(&journal).unwrap();
     bytes.truncate(bytes.len() - 7);
