@@ -639,7 +639,7 @@ async fn a_thousand_questions_are_answered_by_one_status() {
     let began = Instant::now();
     let ended = "baudbot_limit_refused_total{limit=\"unread_bytes_per_caller\"}";
     while metric(&server, ended).await < 900.0 {
-        assert!(began.elapsed() < Duration::from_secs(30), "{}", metric(&server, ended).await);
+        assert!(began.elapsed() < Duration::from_secs(300), "{}", metric(&server, ended).await);
         let waits = metric(&server, UNREAD).await;
         // The network has a piece of each call, which is counted until it goes.
         assert!(waits <= (MOST + u64::from(CALLS) * PIECE) as f64, "{waits}");
@@ -650,6 +650,8 @@ async fn a_thousand_questions_are_answered_by_one_status() {
         now.threads < before.threads + 16 && now.bytes < before.bytes + (64 << 20),
         "{before:?}, {now:?}"
     );
+    // A server that ends waits for connections that are open, until they count as stalled.
+    drop(attackers);
     server.shutdown().await;
 }
 
