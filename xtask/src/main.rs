@@ -18,6 +18,7 @@ mod place;
 mod records;
 mod sections;
 mod shell;
+mod temporary;
 
 use std::process::ExitCode;
 

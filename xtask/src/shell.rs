@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 use rustix::process::{Pid, Signal, kill_process_group};
 
 use crate::place::Place;
+use crate::temporary::Temporary;
 
 /// The time in which a program has to end after Ctrl-C.
 const GRACE: Duration = Duration::from_secs(5);
@@ -90,6 +91,7 @@ pub(crate) struct Shell {
     /// When the section must have ended.
     end: Option<Instant>,
     interrupted: Arc<AtomicBool>,
+    temporary: Temporary,
 }
 
 impl Shell {
@@ -101,7 +103,8 @@ impl Shell {
     pub(crate) fn new(place: Place, interrupted: Arc<AtomicBool>) -> Result<Self, Failure> {
         let log_path = place.target.join("test/log");
         let log = Self::log_at(&log_path)?;
-        Ok(Self { place, log, log_path, end: None, interrupted })
+        let temporary = Temporary::new().map_err(|(path, error)| Failure::File { path, error })?;
+        Ok(Self { place, log, log_path, end: None, interrupted, temporary })
     }
 
     /// Begins another section, which may take so many seconds; the path of its log.
@@ -151,6 +154,7 @@ impl Shell {
         // Programs for root lie where other users do not look.
         let path = std::env::var("PATH").unwrap_or_default();
         command.env("PATH", format!("{path}:/usr/sbin:/sbin"));
+        command.env("TMPDIR", self.temporary.path());
         command.env("INSTA_UPDATE", "no"); // A snapshot that differs is a failure, never a new file.
         command
     }
