@@ -4,13 +4,16 @@
 //! the robot stays, and falls when it drives off. It feeds by standing still, turns away on the spot, drives backwards slowly
 //! for the reversal of its cilia, stands still when it contracts, and detaches by driving off.
 //!
+//! With `water` = 1 the model's own water, (7.14) and (7.15), troubles it in place of its sensors, so that a run has the course of
+//! Fig. 7.4 in the utilities that the brain publishes.
+//!
 //! Deviations: steps longer than a twentieth of a second are divided, as Euler's method asks for. The notes do not say which
 //! way it turns: with sensors on both sides it is from the one that feels more, otherwise to a side drawn at random.
 
 use baudbot_brain::{Action, Belief, Body, Brain, SensorKind, Turn, Utility};
 
-use super::{Behaviour, Parameters as CellParameters, Stentor};
-use crate::animals::sense::Sense;
+use super::{Behaviour, Parameters as CellParameters, Stentor, Water};
+use crate::animals::sense::{Sense, Sides};
 use crate::animals::wheel_commands::{Motion, WheelCommands, full_speed};
 use crate::chance::Chance;
 use crate::parameter::Parameter;
@@ -20,6 +23,10 @@ use crate::parameter::Parameter;
 pub struct Parameters {
     /// The parameters of the cell as a model, which the robot follows.
     pub cell: CellParameters,
+    /// Whether the model's water troubles it (from 0.5 on), and not the world.
+    pub water: f64,
+    /// The constants of that water.
+    pub model: Water,
     /// X for each unit of what the sensors feel. The model's constants suit an X up to 1 or so.
     pub sensitivity: f64,
     /// The rate of turning away, in rad/s.
@@ -36,6 +43,8 @@ impl Default for Parameters {
     fn default() -> Self {
         Self {
             cell: CellParameters::default(),
+            water: 0.0,
+            model: Water::default(),
             sensitivity: 1.0,
             turn_rad_s: 0.6,
             reverse_m_s: 0.1,
@@ -77,6 +86,66 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
         field: |p| &mut p.cell.gain_hz[3],
     },
     Parameter {
+        name: "turn_decay_hz",
+        meaning: "how fast turning away falls off, a2 of (7.12), per second",
+        range: 0.0..=1e3,
+        field: |p| &mut p.cell.decay_hz[0],
+    },
+    Parameter {
+        name: "reverse_decay_hz",
+        meaning: "how fast reversing falls off, a3 of (7.12), per second",
+        range: 0.0..=1e3,
+        field: |p| &mut p.cell.decay_hz[1],
+    },
+    Parameter {
+        name: "contract_decay_hz",
+        meaning: "how fast contracting falls off, a4 of (7.12), per second",
+        range: 0.0..=1e3,
+        field: |p| &mut p.cell.decay_hz[2],
+    },
+    Parameter {
+        name: "detach_decay_hz",
+        meaning: "how fast detaching falls off, a5 of (7.12), per second",
+        range: 0.0..=1e3,
+        field: |p| &mut p.cell.decay_hz[3],
+    },
+    Parameter {
+        name: "water",
+        meaning: "1: the model's water troubles it, (7.14) and (7.15), and not its sensors",
+        range: 0.0..=1.0,
+        field: |p| &mut p.water,
+    },
+    Parameter {
+        name: "concentration",
+        meaning: "X of the model's water at first",
+        range: 0.0..=1e6,
+        field: |p| &mut p.model.concentration,
+    },
+    Parameter {
+        name: "feeding_decay_hz",
+        meaning: "loss of X while it feeds, k1 of (7.14), per second",
+        range: 0.0..=1e3,
+        field: |p| &mut p.model.feeding_decay_hz,
+    },
+    Parameter {
+        name: "feeding_inflow_hz",
+        meaning: "inflow of X while it feeds, X1 of (7.14), per second",
+        range: 0.0..=1e6,
+        field: |p| &mut p.model.feeding_inflow_hz,
+    },
+    Parameter {
+        name: "avoiding_decay_hz",
+        meaning: "loss of X while it avoids, k2 of (7.15), per second",
+        range: 0.0..=1e3,
+        field: |p| &mut p.model.avoiding_decay_hz,
+    },
+    Parameter {
+        name: "avoiding_inflow_hz",
+        meaning: "inflow of X while it avoids, X2 of (7.15), per second",
+        range: 0.0..=1e6,
+        field: |p| &mut p.model.avoiding_inflow_hz,
+    },
+    Parameter {
         name: "sensitivity",
         meaning: "X for each unit of what the sensors feel",
         range: 0.0..=1e9,
@@ -108,7 +177,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
 pub struct StentorBrain {
     parameters: Parameters,
     chance: Chance,
-    sense: Sense,
+    trouble: Trouble,
     wheels: WheelCommands,
     cell: Stentor,
     behaviour: Behaviour,
@@ -116,14 +185,37 @@ pub struct StentorBrain {
     turn_rad_s: f64,
 }
 
+/// The origin of X.
+#[derive(Clone, Debug, PartialEq)]
+enum Trouble {
+    /// The sensors of the robot.
+    World(Sense),
+    /// The water of the model.
+    Model(Water),
+}
+
+impl Trouble {
+    /// The sides that feel it, if there are any.
+    fn sides(&self) -> Option<Sides> {
+        match self {
+            Self::World(sense) => sense.sides(),
+            Self::Model(_) => None,
+        }
+    }
+}
+
 impl StentorBrain {
     /// A brain at its start. What troubles it is a field, or else light, or else what touches it or is near. `None` if the
-    /// robot senses none of these.
+    /// robot senses none of these, and the model's water is not to trouble it.
     pub fn new(parameters: Parameters, chance: Chance, body: &Body) -> Option<Self> {
+        let trouble = match parameters.water >= 0.5 {
+            true => Trouble::Model(parameters.model),
+            false => Trouble::World(Sense::new(body, &FELT)?),
+        };
         Some(Self {
             parameters,
             chance,
-            sense: Sense::new(body, &FELT)?,
+            trouble,
             wheels: WheelCommands::new(body, parameters.full_speed_m_s),
             cell: Stentor::new(parameters.cell),
             behaviour: Behaviour::Feed,
@@ -133,12 +225,21 @@ impl StentorBrain {
 
     /// Goes on with the model for so long.
     fn feel(&mut self, dt_s: f64) {
-        let concentration = self.parameters.sensitivity * self.sense.mean().max(0.0);
         let before = self.behaviour;
         // A pause of more than a minute has forgotten all before it.
         let steps = (dt_s.min(60.0) / LONGEST_STEP_S).ceil().max(1.0);
+        let step_s = dt_s.min(60.0) / steps;
         for _ in 0..steps as u32 {
-            self.behaviour = self.cell.step(concentration, dt_s.min(60.0) / steps);
+            match &mut self.trouble {
+                Trouble::World(sense) => {
+                    let concentration = self.parameters.sensitivity * sense.mean().max(0.0);
+                    self.behaviour = self.cell.step(concentration, step_s);
+                }
+                Trouble::Model(water) => {
+                    self.behaviour = self.cell.step(water.concentration, step_s);
+                    water.step(self.behaviour, step_s);
+                }
+            }
         }
         if self.behaviour == Behaviour::TurnAway && before != Behaviour::TurnAway {
             self.turn_rad_s = self.away() * self.parameters.turn_rad_s;
@@ -147,7 +248,7 @@ impl StentorBrain {
 
     /// 1 for a turn to the left, −1 for one to the right.
     fn away(&mut self) -> f64 {
-        match self.sense.sides() {
+        match self.trouble.sides() {
             Some(sides) if sides.left > sides.right => -1.0,
             Some(sides) if sides.left < sides.right => 1.0,
             _ if self.chance.happens(0.5) => 1.0,
@@ -169,9 +270,11 @@ impl StentorBrain {
 impl Brain for StentorBrain {
     fn step(&mut self, turn: &Turn) -> Action {
         let dt_s = self.wheels.seconds_since_last(turn);
-        self.sense.look(turn);
-        if self.sense.is_numb(turn.at_ns) {
-            return self.wheels.walk(Motion::default(), turn);
+        if let Trouble::World(sense) = &mut self.trouble {
+            sense.look(turn);
+            if sense.is_numb(turn.at_ns) {
+                return self.wheels.walk(Motion::default(), turn);
+            }
         }
         self.feel(dt_s);
         self.wheels.walk(self.motion(), turn)
@@ -250,6 +353,27 @@ mod tests {
         assert!(distance_m > math::sqrt(2.0 * (0.5_f64 / 0.1352).ln()), "{distance_m}");
         let (behaviours, distance_m) = escapes(60.0, 0.13);
         assert_eq!((behaviours.as_slice(), distance_m < 0.11), (&[Feed][..], true), "too weak to trouble it");
+    }
+
+    /// Figure 7.4 by a brain of the catalogue, in turns of 10 ms; the times are those of the model itself.
+    #[test]
+    fn the_model_s_water_gives_figure_7_4_to_a_robot_without_senses() {
+        use Behaviour::*;
+        let body = body(&[]);
+        let parameters = Parameters { water: 1.0, ..Parameters::default() };
+        let mut brain = StentorBrain::new(parameters, Chance::new(1, "alice/stentor"), &body).unwrap();
+        let mut begun = vec![];
+        for step in 0..700 {
+            brain.step(&turn(&body, step * 10_000_000, &[]));
+            if begun.last().is_none_or(|(behaviour, _)| *behaviour != brain.behaviour) {
+                begun.push((brain.behaviour, 0.01 * step as f64));
+            }
+        }
+        let figures = [(Feed, 0.0), (TurnAway, 0.37), (ReverseCilia, 1.71), (Contract, 3.35), (Detach, 5.13)];
+        for ((behaviour, at_s), (wanted, figure_s)) in begun.iter().zip(figures) {
+            assert!(*behaviour == wanted && (at_s - figure_s).abs() < 0.025, "{begun:?}");
+        }
+        assert!(begun.len() > figures.len(), "{begun:?}");
     }
 
     #[test]
