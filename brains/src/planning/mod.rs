@@ -44,7 +44,7 @@ mod tests;
 pub use baudbot_geometry::grid::Cell;
 pub use cells::{CellGrid, Door, Route};
 pub use grid::{Grid, GridError};
-pub use heuristic::Heuristic;
+pub use heuristic::{Heuristic, Penalised, obstacles};
 pub use moves::Moves;
 pub use plan::{End, Plan, PlanError};
 pub(crate) use search::cheapest;

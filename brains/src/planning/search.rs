@@ -14,7 +14,7 @@ use baudbot_geometry::grid::Cell;
 
 use super::best_first::{self, Found, Graph};
 use super::grid::Grid;
-use super::heuristic::Heuristic;
+use super::heuristic::{Heuristic, Penalised};
 use super::moves::Moves;
 use super::plan::{Plan, PlanError, check_ends};
 
@@ -36,9 +36,9 @@ pub fn a_star(
     start: Cell,
     target: Cell,
     moves: Moves,
-    heuristic: Heuristic,
+    heuristic: impl Into<Penalised>,
 ) -> Result<Plan, PlanError> {
-    search(&Search { grid, target, moves, order: Order::Sum(heuristic) }, start)
+    search(&Search { grid, target, moves, order: Order::Sum(heuristic.into()) }, start)
 }
 
 /// Some way, by greedy best-first search: always on from the cell that seems nearest to the target, of all that
@@ -51,9 +51,9 @@ pub fn greedy(
     start: Cell,
     target: Cell,
     moves: Moves,
-    heuristic: Heuristic,
+    heuristic: impl Into<Penalised>,
 ) -> Result<Plan, PlanError> {
-    search(&Search { grid, target, moves, order: Order::Estimate(heuristic) }, start)
+    search(&Search { grid, target, moves, order: Order::Estimate(heuristic.into()) }, start)
 }
 
 /// The cheapest way by A\*, where a step costs its length times the mean of what its two cells cost, and what it costs, in
@@ -101,8 +101,8 @@ struct Search<'a> {
 #[derive(Clone, Copy)]
 enum Order {
     Cost,
-    Sum(Heuristic),
-    Estimate(Heuristic),
+    Sum(Penalised),
+    Estimate(Penalised),
 }
 
 impl Graph for Search<'_> {
@@ -115,7 +115,7 @@ impl Graph for Search<'_> {
         match self.order {
             Order::Cost => 0.0,
             Order::Sum(heuristic) | Order::Estimate(heuristic) => {
-                heuristic.estimate(self.grid.cell(node), self.target)
+                heuristic.estimate(self.grid, self.grid.cell(node), self.target)
             }
         }
     }

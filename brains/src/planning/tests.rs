@@ -255,3 +255,23 @@ proptest! {
         }
     }
 }
+
+/// The penalty of §6.2.1 on the three grids: A\* expands fewer cells, and the path may be longer than the shortest one; it is never shorter.
+#[test]
+fn a_penalty_for_obstacles_costs_optimality_and_saves_cells() {
+    for text in [EMPTY, WALL, TRAP] {
+        let task = Task::new(text);
+        let shortest = task.dijkstra(EightNoCut);
+        let mut expanded = vec![];
+        for penalty in [0.0, 1.0, 5.0, 20.0] {
+            let heuristic = Penalised { heuristic: Euclidean, penalty };
+            let plan = a_star(&task.grid, task.start, task.target, EightNoCut, heuristic).unwrap();
+            task.check(&plan, EightNoCut);
+            assert!(plan.length_m >= shortest.length_m - 1e-9);
+            // An estimate is too large by no more than its penalties.
+            assert!(plan.length_m <= shortest.length_m + penalty * 2.0, "{penalty}: {}", plan.length_m);
+            expanded.push((plan.expanded.len(), plan.length_m));
+        }
+        println!("{expanded:?}");
+    }
+}

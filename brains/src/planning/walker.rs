@@ -8,7 +8,7 @@
 use baudbot_geometry::grid::Cell;
 
 use super::grid::Grid;
-use super::heuristic::Heuristic;
+use super::heuristic::Penalised;
 use super::moves::Moves;
 use super::plan::{Plan, PlanError, check_ends};
 
@@ -21,8 +21,9 @@ pub fn walk(
     start: Cell,
     target: Cell,
     moves: Moves,
-    heuristic: Heuristic,
+    heuristic: impl Into<Penalised>,
 ) -> Result<Plan, PlanError> {
+    let heuristic = heuristic.into();
     check_ends(grid, start, target)?;
     let (mut visited, mut seen) = (vec![false; grid.len()], vec![false; grid.len()]);
     seen[grid.number(start)] = true;
@@ -35,7 +36,7 @@ pub fn walk(
             if !std::mem::replace(&mut seen[grid.number(next)], true) {
                 touched.push(next);
             }
-            let cost = heuristic.estimate(next, target);
+            let cost = heuristic.estimate(grid, next, target);
             if best.is_none_or(|(_, _, least)| cost < least) {
                 best = Some((next, step, cost));
             }

@@ -28,6 +28,9 @@ pub(crate) struct PlanArgs {
     /// Estimate of the remaining path, for walker, greedy and a-star
     #[arg(long, value_name = "HEURISTIC", default_value = "euclidean")]
     pub(crate) heuristic: Estimate,
+    /// Penalty for each obstacle on the straight line to the goal, added to the estimate, in cells; a-star may then miss the shortest path
+    #[arg(long, value_name = "CELLS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
+    pub(crate) penalty: f64,
     /// Side of a cell, in metres
     #[arg(long, value_name = "M", default_value_t = 0.1, allow_negative_numbers = true, value_parser = finite)]
     pub(crate) cell_m: f64,

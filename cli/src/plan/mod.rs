@@ -81,6 +81,9 @@ impl<'a> Task<'a> {
         if args.margin_m < 0.0 {
             return Err(Refused::error(format!("--margin-m: must be 0 or more, is {}", args.margin_m)));
         }
+        if args.penalty < 0.0 {
+            return Err(Refused::error(format!("--penalty: must be 0 or more, is {}", args.penalty)));
+        }
         let clearance_m = robot.drive.radius_m + args.margin_m;
         let grid = map::grid(&scenario.arena, args.cell_m, clearance_m);
         let grid = grid.map_err(|error| {

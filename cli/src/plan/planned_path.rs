@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use baudbot_brains::planning::{self, Cell, CellGrid, Grid, Heuristic, Moves, Plan, PlanError};
+use baudbot_brains::planning::{self, Cell, CellGrid, Grid, Moves, Penalised, Plan, PlanError};
 use baudbot_geometry::{Bounds, Point};
 
 use crate::args::{Method, PlanArgs};
@@ -32,7 +32,8 @@ impl PlannedPath {
         let off = |end, point| move || PlanError::OffMap { end, point };
         let start = grid.cell_at(from).ok_or_else(off(planning::End::Start, from))?;
         let target = grid.cell_at(to).ok_or_else(off(planning::End::Target, to))?;
-        let (moves, heuristic): (Moves, Heuristic) = (args.steps.into(), args.heuristic.into());
+        let moves: Moves = args.steps.into();
+        let heuristic = Penalised { heuristic: args.heuristic.into(), penalty: args.penalty };
         let plan = match args.method {
             Method::Walker => planning::walk(grid, start, target, moves, heuristic),
             Method::Greedy => planning::greedy(grid, start, target, moves, heuristic),
