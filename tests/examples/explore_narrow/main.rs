@@ -44,13 +44,14 @@ fn main() {
     for case in cases(&seeds).into_iter().filter(is_wanted) {
         let run = case.run(MOST_S);
         let line = format!(
-            "{}\t{}\t{:.4}\t{}\t{:.0}\t{:.0}\t{:.1}\t{}",
+            "{}\t{}\t{:.4}\t{}\t{:.0}\t{:.0}\t{:.0}\t{:.1}\t{}",
             case.name(),
             run.problem().unwrap_or("good"),
             run.share,
             run.collisions,
             run.seconds,
             run.stale_s,
+            run.untold_s,
             run.distance_m,
             run.said
         );

@@ -124,6 +124,8 @@ pub struct Outcome {
     pub seconds: f64,
     /// The time since something new was sensed, in seconds.
     pub stale_s: f64,
+    /// The longest time for which nothing new was sensed and the brain did not say so, in seconds.
+    pub untold_s: f64,
     /// The distance that it drove, in metres.
     pub distance_m: f64,
     /// The last words of the brain.
@@ -171,7 +173,7 @@ impl Case {
         let scenario = self.scenario();
         let mut local = InProcess::new(scenario, brain).expect("it fits");
         let start = local.world.robot(0).motion().pose.position;
-        let (mut said, mut sensed, mut news_s) = (String::new(), 0.0, 0.0);
+        let (mut said, mut sensed, mut news_s, mut untold_s) = (String::new(), 0.0, 0.0, 0.0_f64);
         let seconds = |local: &InProcess| local.world.time().as_ns() as f64 * 1e-9;
         while seconds(&local) < most_s && !is_over(&said) {
             local.run(100);
@@ -179,6 +181,9 @@ impl Case {
             let now = local.world.score().sensed(&local.world.scenario().rules).expect("it is counted");
             if now > sensed {
                 (sensed, news_s) = (now, seconds(&local));
+            }
+            if !(is_over(&said) || said.contains("nothing new")) {
+                untold_s = untold_s.max(seconds(&local) - news_s);
             }
         }
         let truth = Truth::new(&self.arena(), 0.5 * self.body_m);
@@ -188,6 +193,7 @@ impl Case {
             collisions: counters.collisions,
             seconds: seconds(&local),
             stale_s: seconds(&local) - news_s,
+            untold_s,
             distance_m: counters.distance_m,
             said,
         }

@@ -161,13 +161,17 @@ impl Scout {
 
     /// The robot's present activity, in words.
     pub(super) fn intention(&self) -> String {
-        match self.command {
-            Command::Wait => "waits for a scan".to_owned(),
-            Command::Turn { .. } => "turns".to_owned(),
-            Command::Drive { .. } if self.waits_for_somebody() => "waits for somebody".to_owned(),
-            Command::Drive { .. } => "drives".to_owned(),
-            Command::Done(left_out) => left_out.to_string(),
-            Command::Failed(failure) => format!("gave up: {failure:?}"),
+        let activity = match self.command {
+            Command::Wait => "waits for a scan",
+            Command::Turn { .. } => "turns",
+            Command::Drive { .. } if self.waits_for_somebody() => "waits for somebody",
+            Command::Drive { .. } => "drives",
+            Command::Done(left_out) => return left_out.to_string(),
+            Command::Failed(failure) => return format!("gave up: {failure:?}"),
+        };
+        match self.watch.without_news_s() {
+            None => activity.to_owned(),
+            Some(seconds) => format!("{activity}, and has seen nothing new for {seconds} s"),
         }
     }
 

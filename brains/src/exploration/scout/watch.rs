@@ -3,6 +3,9 @@
 //!
 //! It gets on when it knows more of the floor, or when it comes nearer to a goal than it ever was. So one that goes to and fro between
 //! two goals does not get on, however much it drives. Time counts as much as the robot may drive of what it wants.
+//!
+//! A robot that drives from one goal to the next and sees nothing new gets on by this rule, and need not be wrong: so it goes on, and
+//! [states](Watch::without_news_s) for how long that has been so.
 
 use std::collections::BTreeMap;
 
@@ -33,6 +36,8 @@ pub(super) struct Watch {
     known_m2: f64,
     /// The time for which it has made no progress, in seconds.
     quiet_s: f64,
+    /// The time for which it has known no more of the floor, in seconds.
+    without_news_s: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -52,18 +57,33 @@ impl Watch {
     /// room.
     pub(super) fn new(radius_m: f64, speed_m_s: f64) -> Self {
         let speed_m_s = SLOW * speed_m_s;
-        Self { side_m: 2.0 * radius_m, speed_m_s, tried: BTreeMap::new(), known_m2: 0.0, quiet_s: 0.0 }
+        Self {
+            side_m: 2.0 * radius_m,
+            speed_m_s,
+            tried: BTreeMap::new(),
+            known_m2: 0.0,
+            quiet_s: 0.0,
+            without_news_s: 0.0,
+        }
     }
 
     /// Notes the time with this goal, and the known part of the floor, in square metres.
     pub(super) fn look(&mut self, passed_s: f64, goal: Option<Goal>, known_m2: f64) -> Verdict {
         self.quiet_s += passed_s;
+        self.without_news_s += passed_s;
         if known_m2 > self.known_m2 + self.side_m * self.side_m {
             self.known_m2 = known_m2;
+            self.without_news_s = 0.0;
             self.rest();
         }
         let verdict = goal.map_or(Verdict::GoesOn, |goal| self.pursue(passed_s, goal));
         if self.quiet_s > PATIENCE_S { Verdict::Ends } else { verdict }
+    }
+
+    /// The time for which it has known no more of the floor, in whole steps of 15 seconds, if that is long.
+    pub(super) fn without_news_s(&self) -> Option<u32> {
+        let steps = math::floor(self.without_news_s / NEWS_STEP_S);
+        (steps >= NEWS_STEPS).then_some((steps * NEWS_STEP_S) as u32)
     }
 
     /// Earlier standstill does not count.
@@ -102,6 +122,10 @@ const GRACE_S: f64 = 20.0;
 const QUIET_S: f64 = 15.0;
 /// The time without progress after which a robot ends, in seconds.
 const PATIENCE_S: f64 = 45.0;
+/// The time without news is stated in steps of so many seconds, ...
+const NEWS_STEP_S: f64 = 15.0;
+/// ... from so many of them on.
+const NEWS_STEPS: f64 = 2.0;
 
 #[cfg(test)]
 mod tests {
@@ -144,6 +168,23 @@ mod tests {
         let mut watch = Watch::new(0.2, 0.3);
         for i in 0..400 {
             assert_eq!(watch.look(0.5, None, 0.01 * f64::from(i)), Verdict::GoesOn, "{i}");
+            assert_eq!(watch.without_news_s(), None, "{i}");
         }
+    }
+
+    #[test]
+    fn who_goes_from_goal_to_goal_without_news_says_so() {
+        let mut watch = Watch::new(0.2, 0.3);
+        let mut said = Vec::new();
+        for i in 0..180 {
+            let at_s = 0.5 * f64::from(i);
+            // Each goal lies in another square, and comes nearer.
+            let goal = Goal { place: Point::new(at_s.floor(), 0.1), left_m: 4.0 - 2.0 * at_s.fract() };
+            assert_eq!(watch.look(0.5, Some(goal), 0.0), Verdict::GoesOn, "{at_s}");
+            if said.last() != Some(&watch.without_news_s()) {
+                said.push(watch.without_news_s());
+            }
+        }
+        assert_eq!(said, [None, Some(30), Some(45), Some(60), Some(75), Some(90)]);
     }
 }
