@@ -40,6 +40,7 @@ pub mod estimate;
 pub mod exploration;
 #[cfg(feature = "program")]
 mod given;
+pub mod internal;
 pub mod localization;
 pub mod mapping;
 pub mod navigate;

@@ -67,6 +67,11 @@ pub trait MotorBehavior: Send {
     /// Another is activated instead.
     fn leave(&mut self, _: &mut StepContext<'_>) {}
 
+    /// Whether it runs on to its end whatever is decided meanwhile: a fixed action pattern (Section 4.4.3).
+    fn is_fixed(&self) -> bool {
+        false
+    }
+
     /// Whether it drives by the believed pose. While odometry is overdue the robot then stands, and the older odometry is the
     /// slower it drives.
     fn goes_by_pose(&self) -> bool {

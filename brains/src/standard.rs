@@ -7,6 +7,7 @@ use baudbot_fields::{Cause, Misread};
 
 use crate::behavior::brain_behavior::BrainBehavior;
 use crate::behavior::charge::Charge;
+use crate::behavior::fixed_action::FixedAction;
 use crate::behavior::follow_path::FollowPath;
 use crate::behavior::follow_wall::FollowWall;
 use crate::behavior::go_to::GoTo;
@@ -45,6 +46,7 @@ impl Registry {
             .add("explore", |parameters: explore::Parameters, context| {
                 ExploreFloor::new(parameters, context.body)
             })
+            .add("fixed_action", |parameters, _| FixedAction::new(parameters))
             .add("follow_path", |parameters: follow_path::Parameters, context| {
                 FollowPath::new(&parameters, context.body)
             })

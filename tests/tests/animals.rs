@@ -110,3 +110,75 @@ fn forty_ants_come_home() {
     println!("vector {vector_m:.3} m, home {home_m:.3} m, {came} of 40");
     assert!(came == 40 && home_m < 0.15 && vector_m > 0.3, "{vector_m} {home_m} {came}");
 }
+
+const WATERHOLE: &str = include_str!("../../catalogue/scenarios/waterhole.toml");
+
+/// How often an animal with two needs changed between them, and what it died of, if it did.
+fn waterhole(brain: &str, seconds: u64) -> (usize, Option<String>) {
+    let mut local = InProcess::new(scenario(WATERHOLE, &[]), brain).unwrap();
+    let (mut changes, mut last) = (0, String::new());
+    for _ in 0..seconds * 50 {
+        local.tick(|_| {});
+        let Some(state) = local.belief(0).map(|belief| belief.state) else { continue };
+        if state.starts_with("dead") {
+            return (changes, Some(state));
+        }
+        let active = state.split(':').next().unwrap_or_default().to_owned();
+        changes += usize::from(!last.is_empty() && last != active);
+        last = active;
+    }
+    (changes, None)
+}
+
+/// §7.2.1: a price for changing makes it eat its fill; none makes it dither, and one that is too high kills it.
+#[test]
+fn two_needs_are_met_by_turns_where_a_change_has_a_price() {
+    let (changes, death) = waterhole("waterhole", 300);
+    assert!(death.is_none() && (4..20).contains(&changes), "{changes} {death:?}");
+    let (changes, death) = waterhole("waterhole:decision.change_cost=0", 300);
+    assert!(death.is_some(), "it leaves as soon as the other need is greater: {changes}");
+    let (changes, death) = waterhole("waterhole:decision.change_cost=0.9", 300);
+    assert!(death.is_some() && changes < 4, "{changes} {death:?}");
+}
+
+const NEST: &str = include_str!("../../catalogue/scenarios/nest.toml");
+
+/// §4.4.3: the pattern runs to its end after the egg has gone, and once for an egg.
+#[test]
+fn a_goose_rolls_in_an_egg_that_is_no_longer_there() {
+    let mut local = InProcess::new(scenario(NEST, &[]), "goose").unwrap();
+    let mut rolls = vec![];
+    for _ in 0..20 * 50 {
+        local.tick(|_| {});
+        let at = local.world.robot(0).motion().pose.position;
+        if local.belief(0).is_some_and(|belief| belief.state == "roll_in") {
+            rolls.push((local.world.time().as_seconds(), at.x));
+        }
+    }
+    let (first_s, last_s) = (rolls[0].0, rolls[rolls.len() - 1].0);
+    let farthest_m = rolls.iter().map(|(_, x)| *x).fold(0.0, f64::max);
+    let at = local.world.robot(0).motion().pose.position;
+    assert!((4.9..6.5).contains(&(last_s - first_s)), "{first_s} to {last_s}");
+    assert!(farthest_m > 0.1 && at.x.abs() < 0.05, "out to {farthest_m}, and back to {}", at.x);
+}
+
+const PILLAR: &str = include_str!("../../catalogue/scenarios/pillar.toml");
+
+/// §8.1.1: commands that contradict each other cancel, and those of unequal weights do not.
+#[test]
+fn two_ways_round_a_pillar_lead_straight_to_it() {
+    let ending = |brain: &str| {
+        let mut local = InProcess::new(scenario(PILLAR, &[]), brain).unwrap();
+        while local.world.ending().is_none() {
+            local.tick(|_| {});
+        }
+        let at = local.world.robot(0).motion().pose.position;
+        (at.x, at.y, local.world.robot(0).counters().collisions)
+    };
+    let (x, y, _) = ending("pillar");
+    assert!(x < 0.55 && y.abs() < 0.05, "it stops before the pillar: {x}, {y}");
+    for brain in ["pillar:decision.weights.right=0.2", "pillar:decision.weights.left=0.2"] {
+        let (x, y, collisions) = ending(brain);
+        assert!(x > 1.4 && collisions == 0, "{brain}: {x}, {y}, {collisions} collisions");
+    }
+}

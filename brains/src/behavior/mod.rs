@@ -2,6 +2,7 @@
 
 pub mod brain_behavior;
 pub mod charge;
+pub mod fixed_action;
 pub mod follow_path;
 pub mod follow_wall;
 pub mod go_to;

@@ -23,11 +23,14 @@ const PLACING: &[&str] = &["explore", "laser_localization", "particle_localizati
 const BUILT_IN: &[(&str, &str)] = &[
     ("forager", include_str!("../../repertoires/forager.toml")),
     ("errands", include_str!("../../repertoires/errands.toml")),
+    ("goose", include_str!("../../repertoires/goose.toml")),
     ("hall", include_str!("../../repertoires/hall.toml")),
     ("mower", include_str!("../../repertoires/mower.toml")),
     ("patient", include_str!("../../repertoires/patient.toml")),
+    ("pillar", include_str!("../../repertoires/pillar.toml")),
     ("sweeper", include_str!("../../repertoires/sweeper.toml")),
     ("tour", include_str!("../../repertoires/tour.toml")),
+    ("waterhole", include_str!("../../repertoires/waterhole.toml")),
     ("wedge", include_str!("../../repertoires/wedge.toml")),
 ];
 

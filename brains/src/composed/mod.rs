@@ -1,13 +1,14 @@
 //! A brain of many processes: what it senses, which of them are active, and what those do.
 //!
 //! In each turn: readings become state variables ([`Senses`]); the method of decision chooses; cognitive processes do their
-//! step, then the one motor behaviour does. A motor behaviour is left before another is entered.
+//! step, then the one motor behaviour does, or all that drive together. Motor behaviours are left before others are entered.
 
 use baudbot_brain::{Action, Belief, Body, Brain, Point, Signals, Turn};
 
 use crate::decision::utility::{self, Utility};
-use crate::decision::{Layers, Machine, Tree};
+use crate::decision::{Cooperative, Hydraulic, Layers, Machine, Tree};
 use crate::estimate::Estimate;
+use crate::internal::InternalState;
 use crate::mapping::Occupancy;
 use crate::odometry::OVERDUE_NS;
 use crate::process::{Beliefs, CognitiveProcess, MotorBehavior, StepContext};
@@ -17,11 +18,14 @@ use crate::throttle::CommandThrottle;
 /// A brain of processes.
 pub struct Composed {
     senses: Senses,
+    internal: InternalState,
     motors: Vec<Motor>,
     cognitives: Vec<Cognitive>,
     decision: Decision,
-    /// The motor behaviour that is active; `None` before the first turn.
+    /// The motor behaviour that is active, or has the greatest weight; `None` before the first turn.
     active: Option<usize>,
+    /// Whether each motor behaviour drives.
+    driving: Vec<bool>,
     beliefs: Beliefs,
     gammas: Vec<(String, f64)>,
     signals: Signals,
@@ -57,13 +61,34 @@ pub struct Cognitive {
 #[derive(Clone, Debug)]
 pub enum Decision {
     /// The behaviour of the greatest utility is active.
-    Utility,
+    Utility {
+        /// Another behaviour becomes active only if its utility is greater by more than this: the cost of changing (Section 7.2.1).
+        change_cost: f64,
+    },
     /// A finite-state machine chooses.
     Machine(Machine),
     /// Layers choose: the highest one all of whose conditions hold.
     Layers(Layers),
     /// A behaviour tree chooses.
     Tree(Tree),
+    /// The energy of reservoirs chooses.
+    Hydraulic(Hydraulic),
+    /// All behaviours that have a weight drive together.
+    Cooperative(Cooperative),
+}
+
+impl Decision {
+    /// Whether the behaviour at this place drives if that at another place is chosen.
+    fn drives(&self, place: usize, chosen: usize) -> bool {
+        match self {
+            Self::Cooperative(cooperative) => cooperative.share(place) > 0.0,
+            Self::Utility { .. }
+            | Self::Machine(_)
+            | Self::Layers(_)
+            | Self::Tree(_)
+            | Self::Hydraulic(_) => place == chosen,
+        }
+    }
 }
 
 impl Composed {
@@ -71,16 +96,20 @@ impl Composed {
     pub fn new(
         body: &Body,
         senses: Senses,
+        internal: InternalState,
         motors: Vec<Motor>,
         cognitives: Vec<Cognitive>,
         decision: Decision,
     ) -> Self {
+        let driving = vec![false; motors.len()];
         Self {
             senses,
+            internal,
             motors,
             cognitives,
             decision,
             active: None,
+            driving,
             beliefs: Beliefs::default(),
             gammas: Vec::new(),
             signals: Signals::default(),
@@ -90,7 +119,7 @@ impl Composed {
         }
     }
 
-    /// The name of the motor behaviour that is active.
+    /// The name of the motor behaviour that is active, or has the greatest weight.
     pub fn active(&self) -> Option<&str> {
         Some(self.motors.get(self.active?)?.name.as_str())
     }
@@ -102,9 +131,8 @@ impl Composed {
 
     /// Names, utilities, and whether they are active: motor behaviours first, then cognitive processes.
     pub fn utilities(&self) -> impl Iterator<Item = (&str, f64, bool)> {
-        let motors = self.motors.iter().enumerate();
-        let motors =
-            motors.map(|(i, motor)| (motor.name.as_str(), motor.utility.value(), self.active == Some(i)));
+        let motors = self.motors.iter().zip(&self.driving);
+        let motors = motors.map(|(motor, drives)| (motor.name.as_str(), motor.utility.value(), *drives));
         let cognitives = self.cognitives.iter();
         motors
             .chain(cognitives.map(|process| (process.name.as_str(), process.utility.value(), process.active)))
@@ -118,20 +146,30 @@ impl Composed {
         for process in &mut self.cognitives {
             process.utility.step(state, dt_s);
         }
+        let fixed = self.active.filter(|active| self.motors[*active].behavior.is_fixed());
+        if let Some(fixed) = fixed {
+            return fixed;
+        }
         match &mut self.decision {
-            Decision::Utility => {
-                let utilities = self.motors.iter().map(|motor| motor.utility.value());
+            Decision::Utility { change_cost } => {
+                let cost = |place| if self.active == Some(place) { *change_cost } else { 0.0 };
+                let motors = self.motors.iter().enumerate();
+                let utilities = motors.map(|(place, motor)| motor.utility.value() + cost(place));
                 utility::greatest(utilities).unwrap_or_default()
             }
             Decision::Machine(machine) => machine.step(state),
             Decision::Layers(layers) => layers.step(state),
             Decision::Tree(tree) => tree.step(state),
+            Decision::Hydraulic(hydraulic) => hydraulic.step(state, dt_s),
+            Decision::Cooperative(cooperative) => {
+                cooperative.step(self.motors.iter().map(|motor| motor.utility.value()))
+            }
         }
     }
 
     /// Leaves the active behaviours and processes that are no longer chosen, and enters the chosen ones.
     fn activate(&mut self, chosen: usize, turn: &Turn, dt_s: f64, state: &[f64]) {
-        let by_utility = matches!(self.decision, Decision::Utility);
+        let by_utility = matches!(self.decision, Decision::Utility { .. });
         let (beliefs, gammas) = (&mut self.beliefs, &mut self.gammas);
         let mut context = StepContext { turn, dt_s, state, beliefs, gammas };
         for process in &mut self.cognitives {
@@ -143,18 +181,24 @@ impl Composed {
             }
             process.active = active;
         }
-        if self.active == Some(chosen) {
+        let drives: Vec<_> =
+            (0..self.motors.len()).map(|place| self.decision.drives(place, chosen)).collect();
+        self.active = Some(chosen);
+        if drives == self.driving {
             return;
         }
-        if let Some(old) = self.active.and_then(|active| self.motors.get_mut(active)) {
-            old.behavior.leave(&mut context);
+        let changes = self.driving.iter().zip(&drives);
+        for (motor, _) in
+            self.motors.iter_mut().zip(changes.clone()).filter(|(_, (old, new))| **old && !**new)
+        {
+            motor.behavior.leave(&mut context);
         }
         context.beliefs.intention.clear();
         context.beliefs.path.clear();
-        if let Some(new) = self.motors.get_mut(chosen) {
-            new.behavior.enter(&mut context);
+        for (motor, _) in self.motors.iter_mut().zip(changes).filter(|(_, (old, new))| !**old && **new) {
+            motor.behavior.enter(&mut context);
         }
-        self.active = Some(chosen);
+        self.driving = drives;
     }
 
     /// Lets those that are active do their step.
@@ -165,16 +209,23 @@ impl Composed {
         for process in self.cognitives.iter_mut().filter(|process| process.active) {
             process.process.step(&mut context);
         }
-        let Some(motor) = self.active.and_then(|active| self.motors.get_mut(active)) else { return };
-        let signals = motor.behavior.step(&mut context);
-        let goes_by_pose = motor.behavior.goes_by_pose();
-        let odometry = self.beliefs.odometry.as_ref().filter(|_| goes_by_pose);
-        let is_overdue = odometry.is_some_and(|odometry| odometry.is_overdue(turn.at_ns, OVERDUE_NS));
-        if is_overdue || (goes_by_pose && self.beliefs.pose.is_none()) {
-            self.signals = Signals::default();
-        } else if let Some(signals) = signals {
-            let haste = odometry.map_or(1.0, |odometry| odometry.haste(self.command_ns));
-            self.signals = Signals { left: haste * signals.left, right: haste * signals.right };
+        let driving =
+            self.motors.iter_mut().zip(&self.driving).enumerate().filter(|(_, (_, drives))| **drives);
+        for (place, (motor, _)) in driving {
+            let signals = motor.behavior.step(&mut context);
+            let by_pose = motor.behavior.goes_by_pose();
+            let Some(signals) = allowed(signals, by_pose, &context, self.command_ns) else { continue };
+            match &mut self.decision {
+                Decision::Cooperative(cooperative) => cooperative.suggest(place, signals),
+                Decision::Utility { .. }
+                | Decision::Machine(_)
+                | Decision::Layers(_)
+                | Decision::Tree(_)
+                | Decision::Hydraulic(_) => self.signals = signals,
+            }
+        }
+        if let Decision::Cooperative(cooperative) = &self.decision {
+            self.signals = cooperative.command();
         }
     }
 
@@ -190,11 +241,34 @@ impl Composed {
     }
 }
 
+/// The part of a behaviour's signals that the age of its odometry allows.
+fn allowed(
+    signals: Option<Signals>,
+    goes_by_pose: bool,
+    context: &StepContext<'_>,
+    command_ns: u64,
+) -> Option<Signals> {
+    let beliefs = &context.beliefs;
+    let odometry = beliefs.odometry.as_ref().filter(|_| goes_by_pose);
+    let is_overdue = odometry.is_some_and(|odometry| odometry.is_overdue(context.turn.at_ns, OVERDUE_NS));
+    if is_overdue || (goes_by_pose && beliefs.pose.is_none()) {
+        return Some(Signals::default());
+    }
+    let haste = odometry.map_or(1.0, |odometry| odometry.haste(command_ns));
+    signals.map(|signals| Signals { left: haste * signals.left, right: haste * signals.right })
+}
+
 impl Brain for Composed {
     fn step(&mut self, turn: &Turn) -> Action {
         let dt_s = self.stepped_ns.map_or(0.0, |before| turn.at_ns.saturating_sub(before) as f64 * 1e-9);
         self.stepped_ns = Some(turn.at_ns);
-        let state = self.senses.take(turn).to_vec();
+        let mut state = self.senses.take(turn).to_vec();
+        self.internal.step(&state, &self.driving, dt_s);
+        self.internal.extend(&mut state);
+        if self.internal.dead().is_some() {
+            self.signals = Signals::default();
+            return self.throttle.send(turn, self.signals);
+        }
         let chosen = self.decide(&state, dt_s);
         self.activate(chosen, turn, dt_s, &state);
         self.act(turn, dt_s, &state);
@@ -204,11 +278,13 @@ impl Brain for Composed {
 
     fn belief(&mut self) -> Option<Belief> {
         let awaited = self.beliefs.awaited.as_ref().map(ToString::to_string);
+        let dead = self.internal.dead().map(|variable| format!("dead, by {variable}"));
         let state = match (self.active(), awaited.as_deref().unwrap_or(&self.beliefs.intention)) {
             (Some(active), "") => active.to_owned(),
             (Some(active), intention) => format!("{active}: {intention}"),
             (None, _) => String::new(),
         };
+        let state = dead.unwrap_or(state);
         let utilities = self.utilities().map(|(name, value, active)| baudbot_brain::Utility {
             name: name.to_owned(),
             value,

@@ -1,11 +1,19 @@
 //! The construction of a brain for a robot from its description.
 
+use std::collections::BTreeMap;
+
 use baudbot_brain::Body;
 
 use super::DescriptionError;
-use super::raw::{By, Raw, RawDecision, RawNode, RawProcess, RawUtility, RawVariable};
+use super::raw::{
+    By, Raw, RawDecision, RawInternal, RawNode, RawProcess, RawReservoir, RawUtility, RawVariable,
+};
 use crate::composed::{Cognitive, Composed, Decision, Motor};
-use crate::decision::{Condition, Layers, Machine, Node, Transition, Tree, Utility, UtilityFunction};
+use crate::decision::{
+    Condition, Cooperative, Hydraulic, Layers, Machine, Node, Reservoir, Transition, Tree, Utility,
+    UtilityFunction, Weight,
+};
+use crate::internal::{InternalState, InternalVariable};
 use crate::registry::{BuildContext, Registry, Unmade};
 use crate::senses::{Mapping, Network, Senses, Source, StateVariable};
 
@@ -16,7 +24,7 @@ pub(super) fn brain(raw: &Raw, seed: u64, body: &Body, registry: &Registry) -> R
     let senses = Senses::new(variables.collect::<Result<_>>()?, body);
     let (mut motors, mut cognitives) = (Vec::new(), Vec::new());
     let names: Vec<_> = raw.motor.keys().map(String::as_str).collect();
-    let by_utility = raw.decision == RawDecision::Utility;
+    let by_utility = matches!(raw.decision, RawDecision::Utility { .. });
     let context = |name| BuildContext { name, body, seed, motors: &names, by_utility };
     for (name, process) in &raw.motor {
         let made = registry.motors.make(&process.kind, process.parameters.clone(), context(name.as_str()));
@@ -33,8 +41,10 @@ pub(super) fn brain(raw: &Raw, seed: u64, body: &Body, registry: &Registry) -> R
         let utility = utility(&process.utility(ALWAYS), raw);
         cognitives.push(Cognitive { name: name.clone(), process: made, utility, active: false });
     }
-    let decision = Names::of(raw).decision(&raw.decision)?;
-    Ok(Composed::new(body, senses, motors, cognitives, decision))
+    let names = Names::of(raw);
+    let internal = raw.internal.iter().map(|(name, variable)| names.internal(name, variable));
+    let internal = InternalState::new(internal.collect::<Result<_>>()?);
+    Ok(Composed::new(body, senses, internal, motors, cognitives, names.decision(raw)?))
 }
 
 fn problem(table: &str, name: &str, process: &RawProcess, unmade: Unmade) -> DescriptionError {
@@ -81,26 +91,89 @@ fn state_variable(name: &str, raw: &RawVariable, body: &Body) -> Result<StateVar
 }
 
 fn utility(raw: &RawUtility, all: &Raw) -> Utility {
-    let weight = |variable: &String| raw.weights.get(variable).copied().unwrap_or(0.0);
+    let weight = |variable: &str| raw.weights.get(variable).copied().unwrap_or(0.0);
     Utility::new(UtilityFunction {
         tau_s: raw.tau_s,
         bias: raw.bias,
         slope: raw.slope,
-        weights: all.state_variables.keys().map(weight).collect(),
+        weights: all.variables().map(weight).collect(),
         gamma_tau_s: raw.gamma_tau_s,
     })
 }
 
+fn not_negative(path: &str, value: f64) -> Result<f64> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(value);
+    }
+    Err(DescriptionError::new(path, format!("must be 0 or more, is {value}")))
+}
+
 /// The names that a decision may use, in order.
 struct Names<'a> {
+    /// State variables first, then internal ones.
     variables: Vec<&'a str>,
+    /// The number of the former.
+    sensed: usize,
     behaviors: Vec<&'a str>,
 }
 
 impl<'a> Names<'a> {
     fn of(raw: &'a Raw) -> Self {
-        let variables = raw.state_variables.keys().map(String::as_str).collect();
-        Self { variables, behaviors: raw.motor.keys().map(String::as_str).collect() }
+        let behaviors = raw.motor.keys().map(String::as_str).collect();
+        Self { variables: raw.variables().collect(), sensed: raw.state_variables.len(), behaviors }
+    }
+
+    /// A number for each of these names, 0 for those that the table lacks.
+    fn numbers(path: &str, known: &[&str], table: &BTreeMap<String, f64>) -> Result<Vec<f64>> {
+        if let Some(name) = table.keys().find(|name| !known.contains(&name.as_str())) {
+            let there = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            let problem = format!("there is no `{name}`; there are: {there}");
+            return Err(DescriptionError::new(format!("{path}.{name}"), problem));
+        }
+        Ok(known.iter().map(|name| table.get(*name).copied().unwrap_or(0.0)).collect())
+    }
+
+    fn internal(&self, name: &str, raw: &RawInternal) -> Result<InternalVariable> {
+        let path = |field: &str| format!("internal.{name}.{field}");
+        let sensed = &self.variables[..self.sensed];
+        Ok(InternalVariable {
+            name: name.to_owned(),
+            initial: raw.initial,
+            rate_hz: raw.rate_hz,
+            decay_s: raw.decay_s,
+            release: Self::numbers(&path("release"), sensed, &raw.release)?,
+            during: Self::numbers(&path("during"), &self.behaviors, &raw.during)?,
+            gain: Self::numbers(&path("gain"), sensed, &raw.gain)?,
+            range: [raw.least, raw.most],
+            lethal: [raw.lethal_below, raw.lethal_above],
+        })
+    }
+
+    fn hydraulic(&self, reservoirs: &[RawReservoir], base: &str) -> Result<Decision> {
+        let reservoir = |(i, raw): (usize, &RawReservoir)| {
+            let path = |field: &str| format!("decision.reservoirs[{i}].{field}");
+            let releaser =
+                raw.releaser.as_ref().map(|name| self.variable(&path("releaser"), name)).transpose()?;
+            let capacity = not_negative(&path("capacity"), raw.capacity)?;
+            Ok(Reservoir {
+                behavior: self.behavior(&path("behavior"), &raw.behavior)?,
+                releaser,
+                fill_hz: not_negative(&path("fill_hz"), raw.fill_hz)?,
+                capacity,
+                outflow_hz: not_negative(&path("outflow_hz"), raw.outflow_hz)?,
+                spring: not_negative(&path("spring"), raw.spring)?,
+                energy: not_negative(&path("energy"), raw.energy)?.min(capacity),
+            })
+        };
+        let reservoirs = reservoirs.iter().enumerate().map(reservoir).collect::<Result<_>>()?;
+        Ok(Decision::Hydraulic(Hydraulic::new(reservoirs, self.behavior("decision.base", base)?)))
+    }
+
+    fn variable(&self, path: &str, name: &str) -> Result<usize> {
+        self.variables.iter().position(|variable| *variable == name).ok_or_else(|| {
+            let known = if self.variables.is_empty() { "none".to_owned() } else { self.variables.join(", ") };
+            DescriptionError::new(path, format!("there is no state variable `{name}`; there are: {known}"))
+        })
     }
 
     fn behavior(&self, path: &str, name: &str) -> Result<usize> {
@@ -119,9 +192,11 @@ impl<'a> Names<'a> {
         texts.iter().enumerate().map(parse).collect()
     }
 
-    fn decision(&self, raw: &RawDecision) -> Result<Decision> {
-        Ok(match raw {
-            RawDecision::Utility => Decision::Utility,
+    fn decision(&self, raw: &Raw) -> Result<Decision> {
+        Ok(match &raw.decision {
+            RawDecision::Utility { change_cost } => {
+                Decision::Utility { change_cost: not_negative("decision.change_cost", *change_cost)? }
+            }
             RawDecision::Machine { start, transitions } => {
                 let transition = |(i, raw): (usize, &super::raw::RawTransition)| {
                     let path = |field: &str| format!("decision.transitions[{i}].{field}");
@@ -147,7 +222,20 @@ impl<'a> Names<'a> {
                 let start = self.behavior("decision.start", start)?;
                 Decision::Tree(Tree::new(&self.node("decision.root", root)?, start))
             }
+            RawDecision::Hydraulic { reservoirs, base } => self.hydraulic(reservoirs, base)?,
+            RawDecision::Cooperative { weights } => self.cooperative(raw, weights)?,
         })
+    }
+
+    /// A behaviour without a weight has the weight 1, and one without a utility has always its weight.
+    fn cooperative(&self, raw: &Raw, weights: &BTreeMap<String, f64>) -> Result<Decision> {
+        Self::numbers("decision.weights", &self.behaviors, weights)?;
+        let weight = |(name, process): (&String, &RawProcess)| {
+            let weight = weights.get(name).copied().unwrap_or(1.0);
+            let weight = not_negative(&format!("decision.weights.{name}"), weight)?;
+            Ok(if process.utility.is_some() { Weight::Utility(weight) } else { Weight::Constant(weight) })
+        };
+        Ok(Decision::Cooperative(Cooperative::new(raw.motor.iter().map(weight).collect::<Result<_>>()?)))
     }
 
     fn node(&self, path: &str, raw: &RawNode) -> Result<Node> {

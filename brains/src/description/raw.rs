@@ -16,6 +16,8 @@ pub(super) struct Raw {
     #[serde(default)]
     pub(super) state_variables: BTreeMap<String, RawVariable>,
     #[serde(default)]
+    pub(super) internal: BTreeMap<String, RawInternal>,
+    #[serde(default)]
     pub(super) motor: BTreeMap<String, RawProcess>,
     #[serde(default)]
     pub(super) cognitive: BTreeMap<String, RawProcess>,
@@ -44,6 +46,57 @@ pub(super) enum By {
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct RawInternal {
+    pub(super) initial: f64,
+    pub(super) rate_hz: f64,
+    pub(super) decay_s: Option<f64>,
+    pub(super) release: BTreeMap<String, f64>,
+    pub(super) during: BTreeMap<String, f64>,
+    pub(super) gain: BTreeMap<String, f64>,
+    pub(super) least: f64,
+    pub(super) most: f64,
+    pub(super) lethal_below: Option<f64>,
+    pub(super) lethal_above: Option<f64>,
+}
+
+impl Default for RawInternal {
+    fn default() -> Self {
+        Self {
+            initial: 0.0,
+            rate_hz: 0.0,
+            decay_s: None,
+            release: BTreeMap::new(),
+            during: BTreeMap::new(),
+            gain: BTreeMap::new(),
+            least: 0.0,
+            most: 1.0,
+            lethal_below: None,
+            lethal_above: None,
+        }
+    }
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawReservoir {
+    pub(super) behavior: String,
+    pub(super) releaser: Option<String>,
+    pub(super) fill_hz: f64,
+    #[serde(default = "one")]
+    pub(super) capacity: f64,
+    #[serde(default = "one")]
+    pub(super) outflow_hz: f64,
+    pub(super) spring: f64,
+    #[serde(default)]
+    pub(super) energy: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawProcess {
     pub(super) kind: String,
@@ -68,11 +121,13 @@ impl Default for RawUtility {
     }
 }
 
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "method", rename_all = "lowercase", deny_unknown_fields)]
 pub(super) enum RawDecision {
-    #[default]
-    Utility,
+    Utility {
+        #[serde(default)]
+        change_cost: f64,
+    },
     Machine {
         start: String,
         #[serde(default)]
@@ -86,6 +141,20 @@ pub(super) enum RawDecision {
         start: String,
         root: RawNode,
     },
+    Hydraulic {
+        reservoirs: Vec<RawReservoir>,
+        base: String,
+    },
+    Cooperative {
+        #[serde(default)]
+        weights: BTreeMap<String, f64>,
+    },
+}
+
+impl Default for RawDecision {
+    fn default() -> Self {
+        Self::Utility { change_cost: 0.0 }
+    }
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -117,6 +186,11 @@ pub(super) enum RawNode {
 }
 
 impl Raw {
+    /// The names of all that decisions are based on: the state variables, and behind them the internal ones.
+    pub(super) fn variables(&self) -> impl Iterator<Item = &str> {
+        self.state_variables.keys().chain(self.internal.keys()).map(String::as_str)
+    }
+
     /// Checks the parts that need no robot.
     pub(super) fn check(&self) -> Result<(), DescriptionError> {
         if let Some(policy) = &self.policy {
@@ -136,6 +210,13 @@ impl Raw {
         }
         for (name, variable) in &self.state_variables {
             variable.check(&format!("state_variables.{name}"))?;
+        }
+        for (name, variable) in &self.internal {
+            if self.state_variables.contains_key(name) {
+                let problem = "a state variable has this name already";
+                return Err(DescriptionError::new(format!("internal.{name}"), problem));
+            }
+            variable.check(&format!("internal.{name}"))?;
         }
         for (table, processes) in [("motor", &self.motor), ("cognitive", &self.cognitive)] {
             for (name, process) in processes {
@@ -179,6 +260,27 @@ impl RawVariable {
     }
 }
 
+impl RawInternal {
+    fn check(&self, path: &str) -> Result<(), DescriptionError> {
+        let problem =
+            |field: &str, problem: String| Err(DescriptionError::new(format!("{path}.{field}"), problem));
+        if self.least > self.most {
+            return problem("most", format!("must be at least `least`, {}, is {}", self.least, self.most));
+        }
+        if !(self.least..=self.most).contains(&self.initial) {
+            let (least, most, initial) = (self.least, self.most, self.initial);
+            return problem(
+                "initial",
+                format!("must be from `least`, {least}, to `most`, {most}, is {initial}"),
+            );
+        }
+        match self.decay_s {
+            Some(decay_s) if decay_s <= 0.0 => problem("decay_s", format!("must be positive, is {decay_s}")),
+            Some(_) | None => Ok(()),
+        }
+    }
+}
+
 impl RawUtility {
     fn check(&self, path: &str, raw: &Raw) -> Result<(), DescriptionError> {
         let positive = [("tau_s", self.tau_s), ("slope", self.slope), ("gamma_tau_s", self.gamma_tau_s)];
@@ -198,8 +300,8 @@ impl RawUtility {
         }
         for (variable, weight) in &self.weights {
             let path = || format!("{path}.weights.{variable}");
-            if !raw.state_variables.contains_key(variable) {
-                let known: Vec<_> = raw.state_variables.keys().map(String::as_str).collect();
+            if !raw.variables().any(|known| known == variable) {
+                let known: Vec<_> = raw.variables().collect();
                 let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
                 let problem = format!("there is no state variable `{variable}`; there are: {known}");
                 return Err(DescriptionError::new(path(), problem));

@@ -282,14 +282,14 @@ mod docs {
         let first = blocks().find(|block| block.contains("[motor.")).unwrap();
         let mut decisions = 0;
         for block in blocks().filter(|block| !block.contains("[dependencies]")) {
-            let is_decision = block.starts_with("[decision]");
-            decisions += u32::from(is_decision);
-            let toml = if is_decision { format!("{first}\n{block}") } else { block.to_owned() };
+            let is_part = block.starts_with("[decision]") || block.starts_with("[internal.");
+            decisions += u32::from(block.starts_with("[decision]"));
+            let toml = if is_part { format!("{first}\n{block}") } else { block.to_owned() };
             let brain =
                 Description::parse(&toml).and_then(|description| description.any_brain(1, &body, &registry));
             assert!(brain.is_ok(), "{toml}\n{:?}", brain.err());
         }
-        assert_eq!(decisions, 3);
+        assert_eq!(decisions, 5);
     }
 
     #[test]
@@ -300,4 +300,176 @@ mod docs {
             assert!(DOCS.contains(&format!("| `{name}` |")), "{name}");
         }
     }
+}
+
+/// Stands while nothing is near, and rolls for 2 s when something was.
+const GOOSE: &str = r#"
+[state_variables.near]
+of = ["ir_left", "ir_right"]
+by = "max"
+
+[motor.brood]
+kind = "constant"
+parameters = { left = 0.0, right = 0.0 }
+
+[motor.roll]
+kind = "fixed_action"
+parameters = { motions = [[0.3, 0.3, 1.0], [-0.2, -0.2, 1.0]] }
+
+[decision]
+method = "layers"
+layers = [{ behavior = "roll", when = ["near > 0.3"] }]
+base = "brood"
+"#;
+
+#[test]
+fn a_fixed_action_pattern_runs_to_its_end_though_its_releaser_is_taken_away() {
+    let (out, back) = (Signals { left: 0.3, right: 0.3 }, Signals { left: -0.2, right: -0.2 });
+    // Signals at the end of each second.
+    let found = course(GOOSE, &[[0.0, 0.0], [0.4, 0.0], [0.0, 0.0], [0.0, 0.0]]);
+    let signals = found.iter().map(|(_, signals)| *signals).collect::<Vec<_>>();
+    assert_eq!(signals, [Signals::default(), out, back, Signals::default()]);
+    // A releaser that stays releases it once.
+    let found = course(GOOSE, &[[0.4, 0.0]; 5]);
+    let signals = found.iter().map(|(_, signals)| *signals).collect::<Vec<_>>();
+    assert_eq!(signals[..2], [out, back]);
+    assert_eq!(signals[2..], [Signals::default(); 3]);
+}
+
+/// Two needs that grow; each is satisfied while its behaviour drives.
+const NEEDS: &str = r#"
+[internal.hunger]
+rate_hz = 0.1
+during = { eat = -0.3 }
+
+[internal.thirst]
+initial = 0.05
+rate_hz = 0.1
+during = { drink = -0.3 }
+
+[motor.eat]
+kind = "constant"
+parameters = { left = 0.1, right = 0.0 }
+utility = { weights = { hunger = 1.0 }, tau_s = 0.01 }
+
+[motor.drink]
+kind = "constant"
+parameters = { left = 0.0, right = 0.1 }
+utility = { weights = { thirst = 1.0 }, tau_s = 0.01 }
+"#;
+
+/// The number of changes between behaviours in twenty seconds.
+fn changes(toml: &str) -> usize {
+    let body = eyes();
+    let mut brain = Description::parse(toml).unwrap().brain(1, &body, &Registry::standard()).unwrap();
+    let active = |step: u64| {
+        brain.step(&turn(&body, step * 10_000_000, &[Some(&[0.0]), Some(&[0.0])]));
+        brain.active().unwrap().to_owned()
+    };
+    let active: Vec<_> = (0..2000).map(active).collect();
+    active.windows(2).filter(|pair| pair[0] != pair[1]).count()
+}
+
+#[test]
+fn two_needs_make_it_dither_unless_a_change_costs() {
+    let free = changes(NEEDS);
+    assert!(free > 300, "{free}");
+    for (cost, most) in [(0.05, 100), (0.2, 30)] {
+        let changes = changes(&format!("{NEEDS}[decision]\nmethod = \"utility\"\nchange_cost = {cost}"));
+        assert!((2..most).contains(&changes), "{cost}: {changes}");
+    }
+}
+
+#[test]
+fn a_hormone_makes_a_brain_hungry_and_hunger_kills() {
+    let toml = r#"
+[state_variables.smell]
+of = ["ir_left"]
+by = "max"
+
+[internal.hunger]
+rate_hz = 0.2
+lethal_above = 1.0
+gain = { smell = 4.0 }
+
+[motor.rest]
+kind = "constant"
+utility = { bias = 0.5 }
+
+[motor.forage]
+kind = "constant"
+parameters = { left = 0.5, right = 0.5 }
+utility = { weights = { smell = 1.0 } }
+"#;
+    // The same smell means little to who has eaten: 0.2 (1 + 4 h) exceeds 0.5 from h = 0.375 on.
+    let found = course(toml, &[[0.2, 0.0]; 6]);
+    assert_eq!(named(&found), ["rest", "forage", "forage", "forage", "forage", "forage"]);
+    let go = Signals { left: 0.5, right: 0.5 };
+    assert_eq!(found[3].1, go);
+    assert_eq!(found[5].1, Signals::default(), "it starved after five seconds");
+}
+
+#[test]
+fn a_display_bursts_out_where_its_energy_is_not_released() {
+    let toml = format!(
+        "{REPERTOIRE}\n[decision]\nmethod = \"hydraulic\"\nbase = \"stroll\"\n\
+         reservoirs = [{{ behavior = \"turn\", releaser = \"near\", fill_hz = 0.2, spring = 0.6 }}]"
+    );
+    let found = course(&toml, &[[0.0, 0.0], [0.3, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]);
+    assert_eq!(named(&found), ["stroll", "turn", "stroll", "turn", "turn"]);
+}
+
+#[test]
+fn behaviours_that_cooperate_drive_together_by_their_weights() {
+    let toml = format!("{REPERTOIRE}\n[decision]\nmethod = \"cooperative\"\nweights = {{ turn = 2.0 }}");
+    let toml = toml.replace("utility = { bias = 0.2 }\n", "");
+    // tanh(3 × 0.4 − 0.5) twice, beside 1 of the stroll.
+    let weight = 2.0 * (0.7_f64).tanh();
+    let found = course(&toml, &[[0.0, 0.0], [0.4, 0.0]]);
+    assert_eq!(found[0].1, Signals { left: 0.5, right: 0.5 });
+    let expected = [0.5 + weight * 0.3, 0.5 - weight * 0.3].map(|sum| sum / (1.0 + weight));
+    let Signals { left, right } = found[1].1;
+    assert!((left - expected[0]).abs() < 1e-3 && (right - expected[1]).abs() < 1e-3, "{found:?}");
+}
+
+#[test]
+fn errors_of_the_internal_state_name_the_field_and_the_fix() {
+    let error = |change: (&str, &str)| {
+        let toml = NEEDS.replacen(change.0, change.1, 1);
+        match Description::parse(&toml) {
+            Err(error) => error.to_string(),
+            Ok(description) => match description.brain(1, &eyes(), &Registry::standard()) {
+                Err(error) => error.to_string(),
+                Ok(_) => panic!("{change:?} is taken"),
+            },
+        }
+    };
+    assert_eq!(
+        error(("{ eat =", "{ eats =")),
+        "internal.hunger.during.eats: there is no `eats`; there are: drink, eat"
+    );
+    assert_eq!(
+        error(("initial = 0.05", "initial = 2.0")),
+        "internal.thirst.initial: must be from `least`, 0, to `most`, 1, is 2"
+    );
+    assert_eq!(
+        error(("rate_hz", "decay_s = 0.0\nrate_hz")),
+        "internal.hunger.decay_s: must be positive, is 0"
+    );
+    let with =
+        |decision: &str| error(("[internal.hunger]", &format!("[decision]\n{decision}\n[internal.hunger]")));
+    assert_eq!(
+        with("method = \"utility\"\nchange_cost = -1.0"),
+        "decision.change_cost: must be 0 or more, is -1"
+    );
+    assert_eq!(
+        with("method = \"cooperative\"\nweights = { sleep = 1.0 }"),
+        "decision.weights.sleep: there is no `sleep`; there are: drink, eat"
+    );
+    assert_eq!(
+        with(
+            "method = \"hydraulic\"\nbase = \"eat\"\nreservoirs = [{ behavior = \"drink\", releaser = \"red\", fill_hz = 1.0, spring = 1.0 }]"
+        ),
+        "decision.reservoirs[0].releaser: there is no state variable `red`; there are: hunger, thirst"
+    );
 }

@@ -22,6 +22,8 @@ fn robot(cable: &str) -> String {
         ("ir_front", 0.0),
         ("ir_front_right", -0.4),
         ("ir_right", -0.8),
+        ("eye", 0.0),
+        ("ahead", 0.0),
     ];
     let eyes: String = eyes.into_iter().map(|(name, bearing_rad)| eye(name, bearing_rad)).collect();
     format!(
@@ -35,6 +37,8 @@ fn robot(cable: &str) -> String {
          [robots.sensors.odometer]\nkind = \"odometer\"\nperiod_ms = 20.0\n\
          [robots.sensors.gauge]\nkind = \"battery\"\nperiod_ms = 100.0\n\
          [robots.sensors.nose]\nkind = \"field\"\nfield = \"smell\"\nmount = {{ x_m = 0.0 }}\nperiod_ms = 50.0\n\
+         [robots.sensors.food]\nkind = \"field\"\nfield = \"smell\"\nmount = {{ x_m = 0.0 }}\nperiod_ms = 50.0\n\
+         [robots.sensors.water]\nkind = \"field\"\nfield = \"smell\"\nmount = {{ x_m = 0.0 }}\nperiod_ms = 50.0\n\
          [robots.sensors.laser]\nkind = \"laser\"\nmount = {{ x_m = 0.0 }}\nrays = 61\nopening_rad = 4.0\nrange_m = 5.0\nperiod_ms = 100.0\n\
          port = {{ link = {{ kind = \"uart\", baud = 115200 }} }}\n"
     )
