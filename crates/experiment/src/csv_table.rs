@@ -26,7 +26,7 @@ fn record(experiment: &Experiment, row: &Row) -> Vec<String> {
     let mut record = vec![row.run.to_string(), task.cell.number.to_string(), task.seed.to_string()];
     record.extend(task.cell.levels.into_iter().map(|level| level.name));
     let ran = row.outcome.as_ref().ok();
-    record.push(row.outcome.as_ref().err().cloned().unwrap_or_default());
+    record.push(row.outcome.as_ref().err().map(ToString::to_string).unwrap_or_default());
     record.push(ran.map(|ran| ran.ending.clone()).unwrap_or_default());
     record.extend(
         experiment

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use baudbot_import::source::SourceError;
 use baudbot_run::UnknownName;
 use baudbot_run::assignment;
 use baudbot_run::programs::{EXEC, Lifetime};
@@ -88,7 +89,7 @@ impl Experiment {
     pub fn parse(
         toml: &str,
         stem: &str,
-        find: impl FnOnce(&str) -> Result<String, String>,
+        find: impl FnOnce(&str) -> Result<String, SourceError>,
     ) -> Result<Self, Error> {
         let raw: raw::Experiment = fields(toml, "experiment")?;
         let text = find(&raw.scenario).map_err(|problem| Error::field("scenario", problem))?;

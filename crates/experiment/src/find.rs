@@ -285,7 +285,7 @@ impl Search<'_> {
         self.workers.work(self.experiment, tasks, self.stop, |row, _| {
             runs += 1;
             succeeded += u64::from(self.experiment.succeeded(&row).unwrap_or_default());
-            error = error.take().or_else(|| row.outcome.err());
+            error = error.take().or_else(|| row.outcome.err().map(|error| error.to_string()));
             Ok(())
         })?;
         self.runs += seeds;

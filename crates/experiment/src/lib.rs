@@ -75,7 +75,7 @@ pub use packed::Packed;
 pub use pool::{Place, Workers};
 pub use raw::{ChartKind, Method, Wants};
 pub use read::ReadError;
-pub use run_record::{Ran, Row, Task};
+pub use run_record::{Ran, Row, RunError, Task};
 pub use seeds::Seeds;
 pub use shard::{Shard, ShardError};
 pub use success::{Condition, Conditions, Quantity, Success};

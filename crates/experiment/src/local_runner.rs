@@ -7,21 +7,23 @@ use baudbot_run::in_process;
 use baudbot_server::world_status;
 
 use crate::experiment::Experiment;
-use crate::run_record::{Ran, Row, Task};
+use crate::run_record::{Ran, Row, RunError, Task};
 use crate::setup::Setup;
 
 /// Does a run with brains of the catalogue; others need a server ([`Workers`](crate::Workers)). Whatever goes wrong in it, a panic too, is the row's error, and touches no other run: a run shares nothing
 /// with others but the experiment, which never changes.
 pub fn run(experiment: &Experiment, task: &Task) -> Row {
-    let run = || -> Result<Ran, String> {
-        let Setup { scenario, assigned } = Setup::new(experiment, task).map_err(|error| error.to_string())?;
+    let run = || -> Result<Ran, RunError> {
+        let Setup { scenario, assigned } = Setup::new(experiment, task).map_err(RunError::new)?;
         if let Some(task) = assigned.programs.first() {
-            return Err(format!("`{}` is a program, which needs a server to attach to", task.program));
+            let problem = format!("`{}` is a program, which needs a server to attach to", task.program);
+            return Err(RunError::new(problem));
         }
-        let world = in_process::run(scenario, &assigned.brains).map_err(|error| error.to_string())?;
+        let world = in_process::run(scenario, &assigned.brains).map_err(RunError::new)?;
         Ok(Ran::of(&world_status(&world)))
     };
-    let outcome = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| Err(panicked(&*panic)));
+    let outcome =
+        catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| Err(RunError::new(panicked(&*panic))));
     Row { run: task.run, outcome }
 }
 

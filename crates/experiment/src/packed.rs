@@ -8,7 +8,7 @@ use baudbot_run::programs::EXEC;
 
 use crate::error::Error;
 use crate::experiment::Experiment;
-use crate::read::{self, ReadError};
+use crate::read::{self, ProgramError, ReadError};
 
 /// An experiment's file, with what it names.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,8 +45,9 @@ impl Packed {
     /// If something in it is invalid.
     pub fn experiment(&self) -> Result<Experiment, Error> {
         let experiment = Experiment::parse(&self.text, &self.name, |_| Ok(self.scenario.clone()))?;
-        let missing = |file: &str| format!("{file}: was not sent with the experiment");
-        read::put_programs(experiment, |file| self.programs.get(file).cloned().ok_or_else(|| missing(file)))
+        read::put_programs(experiment, |file| {
+            self.programs.get(file).cloned().ok_or_else(|| ProgramError::NotSent(file.to_owned()))
+        })
     }
 }
 

@@ -54,7 +54,9 @@ fn columns(experiment: &Experiment, rows: &[Row]) -> Vec<Column> {
         });
     }
     let ran = || rows.iter().map(|row| row.outcome.as_ref().ok());
-    all.push(Column::Text(rows.iter().map(|row| row.outcome.as_ref().err().cloned()).collect()));
+    all.push(Column::Text(
+        rows.iter().map(|row| row.outcome.as_ref().err().map(ToString::to_string)).collect(),
+    ));
     all.push(Column::Text(ran().map(|ran| ran.map(|ran| ran.ending.clone())).collect()));
     if experiment.success.is_some() {
         let success = |row: &Row| experiment.succeeded(row).filter(|_| row.outcome.is_ok());

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use baudbot_import::ImportError;
 use baudbot_import::embedded;
 use baudbot_import::kind::Kind;
 use baudbot_import::source::{self, Source, SourceError};
@@ -26,6 +27,15 @@ pub enum ReadError {
     },
 }
 
+/// A reason why there is no program for a microcontroller.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ProgramError {
+    #[error(transparent)]
+    File(#[from] ImportError),
+    #[error("{0}: was not sent with the experiment")]
+    NotSent(String),
+}
+
 /// The text of a file, and where it is from.
 pub(crate) struct Document<'a> {
     pub(crate) toml: &'a str,
@@ -36,8 +46,8 @@ pub(crate) struct Document<'a> {
 
 impl Document<'_> {
     /// The text of a scenario that the file refers to.
-    pub(crate) fn scenario(&self, name: &str) -> Result<String, String> {
-        Source::beside(self.folder, name).map(|source| source.text).map_err(|error| error.to_string())
+    pub(crate) fn scenario(&self, name: &str) -> Result<String, SourceError> {
+        Source::beside(self.folder, name).map(|source| source.text)
     }
 }
 
@@ -78,8 +88,7 @@ pub(crate) fn read(file: &Path, mut note: impl FnMut(&str, &str)) -> Result<(Str
     read_as((&path, Kind::Experiment), embedded::experiment(&path), |document| {
         let experiment = Experiment::parse(document.toml, document.stem, |name| document.scenario(name))?;
         let program = |name: &str| {
-            let program =
-                baudbot_import::program(&document.folder.join(name)).map_err(|error| error.to_string())?;
+            let program = baudbot_import::program(&document.folder.join(name))?;
             note(name, &program);
             Ok(program)
         };
@@ -91,7 +100,7 @@ pub(crate) fn read(file: &Path, mut note: impl FnMut(&str, &str)) -> Result<(Str
 /// Puts programs of microcontrollers into the places of their files' names.
 pub(crate) fn put_programs(
     mut experiment: Experiment,
-    mut program: impl FnMut(&str) -> Result<String, String>,
+    mut program: impl FnMut(&str) -> Result<String, ProgramError>,
 ) -> Result<Experiment, Error> {
     for (i, field) in experiment.fields.iter_mut().enumerate() {
         let Choice::Levels(levels) = &mut field.choice else { continue };

@@ -15,7 +15,7 @@ use tonic::{Code, Status};
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::private_server::PrivateServer;
-use crate::run_record::{Ran, Row, Task};
+use crate::run_record::{Ran, Row, RunError, Task};
 use crate::setup::{self, Setup};
 
 /// A connection to a server that does runs.
@@ -127,11 +127,11 @@ impl Remote {
         experiment: &Experiment,
         task: &Task,
         lifetime: Lifetime,
-    ) -> Result<Result<Done, String>, Error> {
+    ) -> Result<Result<Done, RunError>, Error> {
         match self.runtime.block_on(self.world(experiment, task, lifetime)) {
             Ok(done) => Ok(Ok(done)),
             // A table has a line for it.
-            Err(Failure::Run(problem)) => Ok(Err(problem.replace('\n', " | "))),
+            Err(Failure::Run(problem)) => Ok(Err(RunError::new(problem.replace('\n', " | ")))),
             Err(Failure::Server(error)) => Err(error),
         }
     }
@@ -239,7 +239,7 @@ impl Remote {
 }
 
 /// The error that a process keeps something from run to run.
-fn differs(task: &Task, ran: &Ran, again: &Result<Ran, String>) -> Error {
+fn differs(task: &Task, ran: &Ran, again: &Result<Ran, RunError>) -> Error {
     let again = match again {
         Ok(again) => format!("ends with the state {:016x}", again.hash),
         Err(problem) => format!("fails: {problem}"),

@@ -1,5 +1,7 @@
 //! A run that is to be done, and its record: its result, a row of the table.
 
+use std::fmt::Display;
+
 use baudbot_proto::v1::WorldStatus;
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +14,20 @@ pub struct Row {
     /// Number of the run, from 0.
     pub run: u64,
     /// The course of the run, or the reason why it could not be.
-    pub outcome: Result<Ran, String>,
+    pub outcome: Result<Ran, RunError>,
+}
+
+/// The reason why a run could not be done. It is a text, as a row that is read back from a journal has no more of the error.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
+#[error("{0}")]
+#[serde(transparent)]
+pub struct RunError(String);
+
+impl RunError {
+    /// The text of an error.
+    pub(crate) fn new(error: impl Display) -> Self {
+        Self(error.to_string())
+    }
 }
 
 /// The course of a run.
@@ -79,7 +94,7 @@ const HASH: &str = "state_hash";
 pub(crate) struct Written {
     pub(crate) run: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
-    error: Option<String>,
+    error: Option<RunError>,
     #[serde(skip_serializing_if = "Option::is_none")]
     ending: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -126,7 +141,7 @@ mod tests {
         figures.0[2] = Some(0.1 + 0.2);
         figures.0[8] = Some(19.791_666_666_666_668);
         let ran = Ran { ending: "the scenario's \"time\" is over\n".into(), figures, hash: u64::MAX - 1 };
-        for outcome in [Ok(ran), Err("robots[0].link.baud: must be ≥ 50".to_owned())] {
+        for outcome in [Ok(ran), Err(RunError::new("robots[0].link.baud: must be ≥ 50"))] {
             let row = Row { run: 7, outcome };
             let text = serde_json::to_string(&Written::from(&row)).unwrap();
             assert!(!text.contains('\n'), "{text}");

@@ -47,7 +47,7 @@ impl Summary {
         if let Err(problem) = &row.outcome {
             self.failed += 1;
             if self.failures.len() < MOST_FAILURES {
-                self.failures.push((row.run, problem.clone()));
+                self.failures.push((row.run, problem.to_string()));
             }
         }
         let seeds = experiment.seeds.count();

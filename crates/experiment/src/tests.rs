@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crate::find::find;
 use crate::fingerprint::{build, fingerprint};
 use crate::journal::{Header, Journal};
-use crate::{Error, Experiment, Options, Place, Row, Swept, Told, Workers, check, sweep};
+use crate::{Error, Experiment, Options, Place, Row, RunError, Swept, Told, Workers, check, sweep};
 
 const ROOM: &str = r#"
 name = "room"
@@ -413,7 +413,7 @@ fn a_run_that_failed_is_done_again_however_it_failed() {
     let expected = read(&out, "rows.csv");
     let with = |error: &str| {
         let mut journal = journal(&experiment, &out, build());
-        journal.append(&Row { run: 0, outcome: Err(error.to_owned()) }).unwrap();
+        journal.append(&Row { run: 0, outcome: Err(RunError::new(error)) }).unwrap();
         journal.append(&crate::run(&experiment, &experiment.task(1))).unwrap();
         run(&experiment, &out).unwrap()
     };
@@ -446,7 +446,7 @@ fn what_is_taken_from_a_journal_is_told_and_a_program_that_is_newer_is_named() {
     assert_eq!(told(&experiment), [note]);
     let mut failed = self::journal(&experiment, &out, build());
     failed.append(&crate::run(&experiment, &experiment.task(0))).unwrap();
-    failed.append(&Row { run: 1, outcome: Err("no".to_owned()) }).unwrap();
+    failed.append(&Row { run: 1, outcome: Err(RunError::new("no")) }).unwrap();
     drop(failed);
     let note = format!(
         "note: {journal} (the journal) has 1 of 2 runs; 1 that failed are done again; --fresh does all again"

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use baudbot_geometry::Point;
+use baudbot_import::source::SourceError;
 use baudbot_run::UnknownName;
 use baudbot_run::assignment::{self, NONE};
 use baudbot_scenario::Override;
@@ -79,7 +80,7 @@ impl Exercise {
     pub fn parse(
         toml: &str,
         name: &str,
-        find: impl FnOnce(&str) -> Result<String, String>,
+        find: impl FnOnce(&str) -> Result<String, SourceError>,
     ) -> Result<Self, Error> {
         let raw: raw::Exercise = fields(toml, "exercise")?;
         let text = find(&raw.scenario).map_err(|problem| Error::field("scenario", problem))?;

@@ -54,9 +54,7 @@ mod tests {
     fn the_example_of_the_book_is_an_exercise() {
         let book = include_str!("../../../../docs/how-to/grading.md");
         let text = book.split("```toml exercise\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
-        let find =
-            |name: &str| Source::find(name).map(|source| source.text).map_err(|error| error.to_string());
-        Exercise::parse(text, "example", find).unwrap();
+        Exercise::parse(text, "example", |name| Source::find(name).map(|source| source.text)).unwrap();
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use super::contents::Refusal;
 use super::*;
 use crate::figures::Figures;
-use crate::run_record::Ran;
+use crate::run_record::{Ran, RunError};
 
 fn header() -> Header {
     Header::new("test", "0123456789abcdef".to_owned(), "0.1.0 0".to_owned(), 5)
@@ -20,7 +20,7 @@ fn row(run: u64) -> Row {
     let mut figures = Figures::default();
     figures.0[2] = Some(0.1 + run as f64);
     let ran = Ran { ending: "time is over".to_owned(), figures, hash: 7 + run };
-    Row { run, outcome: if run == 3 { Err("robots[0]: is too large".to_owned()) } else { Ok(ran) } }
+    Row { run, outcome: if run == 3 { Err(RunError::new("robots[0]: is too large")) } else { Ok(ran) } }
 }
 
 /// A journal of five runs, line by line.
@@ -183,7 +183,7 @@ fn journal_of(name: &str, rows: &[Row]) -> PathBuf {
 
 #[test]
 fn a_later_line_replaces_that_of_a_run_that_failed_and_the_same_failure_is_not_written_again() {
-    let failed = |run, error: &str| Row { run, outcome: Err(error.to_owned()) };
+    let failed = |run, error: &str| Row { run, outcome: Err(RunError::new(error)) };
     let path = journal_of("failed", &[failed(0, "no"), row(1), failed(2, "no"), failed(2, "still no")]);
     let open = || Journal::open(&path, &header(), &|text| panic!("{text}")).unwrap();
     let mut journal = open();
@@ -200,7 +200,7 @@ fn a_later_line_replaces_that_of_a_run_that_failed_and_the_same_failure_is_not_w
 
 #[test]
 fn a_journal_in_which_every_run_failed_is_begun_anew_and_a_damaged_one_keeps_its_failures() {
-    let failed = |run| Row { run, outcome: Err("no".to_owned()) };
+    let failed = |run| Row { run, outcome: Err(RunError::new("no")) };
     let path = journal_of("all-failed", &[failed(0), failed(1)]);
     let old = fs::metadata(&path).unwrap().len();
     let journal = Journal::open(&path, &header(), &|_| {}).unwrap();
@@ -248,7 +248,7 @@ impl Stored for Full {
 
 #[test]
 fn on_a_full_disk_whole_rows_stay_and_the_error_names_the_file() {
-    let row = |run| Row { run, outcome: Err("too short".to_owned()) };
+    let row = |run| Row { run, outcome: Err(RunError::new("too short")) };
     let mut journal =
         Journal::new(Path::new("/somewhere/rows.jsonl"), Full { room: 100, ..Full::default() }, seal());
     let mut run = 0;
@@ -271,7 +271,7 @@ fn on_a_full_disk_whole_rows_stay_and_the_error_names_the_file() {
 
 #[test]
 fn rows_reach_the_disk_soon_but_not_each_by_itself() {
-    let row = |run| Row { run, outcome: Err("too short".to_owned()) };
+    let row = |run| Row { run, outcome: Err(RunError::new("too short")) };
     let medium = Full { room: 100_000, ..Full::default() };
     let mut journal = Journal::new(Path::new("/somewhere/rows.jsonl"), medium, seal());
     let start = Instant::now();

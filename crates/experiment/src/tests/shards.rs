@@ -227,7 +227,7 @@ fn a_run_that_failed_is_a_row_unless_another_shard_did_it() {
     drop(journal);
     fs::remove_file(path.join("rows.jsonl")).unwrap();
     let mut journal = Journal::open(&path.join("rows.jsonl"), &header(), &|_| {}).unwrap();
-    let failed = Row { outcome: Err("no program".to_owned()), ..rows[0].clone() };
+    let failed = Row { outcome: Err(RunError::new("no program")), ..rows[0].clone() };
     journal.append(&failed).unwrap();
     rows[1..].iter().for_each(|row| journal.append(row).unwrap());
     let merged = whole(&experiment, std::slice::from_ref(&shards), &out);

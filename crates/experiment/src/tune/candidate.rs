@@ -39,7 +39,7 @@ impl Outcome {
         for row in rows {
             outcome.runs += 1;
             outcome.succeeded += u64::from(experiment.succeeded(row).unwrap_or(true));
-            let score = row.outcome.as_ref().map_err(Clone::clone).and_then(|ran| {
+            let score = row.outcome.as_ref().map_err(ToString::to_string).and_then(|ran| {
                 let lacks = |figure: Figure| {
                     if figure == Figure::GoalTimeS {
                         "the goal was not reached, so there is no score".to_owned()

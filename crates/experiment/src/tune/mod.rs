@@ -120,10 +120,7 @@ impl Tuner<'_> {
     fn search(&mut self, tuned: &mut Tuned) -> Result<(), Error> {
         let mut past: Vec<Vec<f64>> = Vec::new();
         while past.len() < self.plan.tuning.generations && !tuned.interrupted {
-            let asked = self.plan.course.generation(&past);
-            let asked =
-                asked.map_err(|problem| Error::field("tune", format!("the optimizer says: {problem}")))?;
-            let Some(points) = asked else {
+            let Some(points) = self.plan.course.generation(&past)? else {
                 tuned.converged = true;
                 return Ok(());
             };

@@ -6,6 +6,8 @@
 //!
 //! Points are in the unit cube: each coordinate is how much of its field's range lies below. Costs are to be made small.
 
+use std::fmt::Display;
+
 use argmin::core::{CostFunction, PopulationState, Problem, Solver, State};
 use argmin::solver::particleswarm::ParticleSwarm;
 use cmaes::{CMAESOptions, DVector};
@@ -29,7 +31,7 @@ impl Course {
     ///
     /// # Errors
     /// The optimizer's error.
-    pub(super) fn generation(&self, past: &[Vec<f64>]) -> Result<Option<Vec<Vec<f64>>>, String> {
+    pub(super) fn generation(&self, past: &[Vec<f64>]) -> Result<Option<Vec<Vec<f64>>>, Error> {
         let ledger = Ledger::new(past);
         let goes_on = match self.method {
             Method::CmaEs => self.sample(past.len(), &ledger)?,
@@ -39,12 +41,12 @@ impl Course {
         Ok(goes_on.then(|| ledger.into_asked()))
     }
 
-    fn sample(&self, past: usize, ledger: &Ledger) -> Result<bool, String> {
+    fn sample(&self, past: usize, ledger: &Ledger) -> Result<bool, Error> {
         let folded = |point: &DVector<f64>| point.iter().map(|x| fold(*x)).collect::<Vec<_>>();
         let options = CMAESOptions::new(vec![0.5; self.dimensions], FIRST_STEP).tol_x(LEAST_STEP);
         let options = options.population_size(self.population).seed(self.seed);
         let cost = |point: &DVector<f64>| ledger.cost(&folded(point));
-        let mut optimizer = options.build(cost).map_err(|error| format!("{error:?}"))?;
+        let mut optimizer = options.build(cost).map_err(|error| failed(format!("{error:?}")))?;
         let is_over = (0..past).any(|_| optimizer.next().is_some());
         if !is_over {
             let _ = optimizer.next();
@@ -52,19 +54,23 @@ impl Course {
         Ok(!is_over)
     }
 
-    fn swarm(&self, past: usize, ledger: &Ledger) -> Result<bool, String> {
+    fn swarm(&self, past: usize, ledger: &Ledger) -> Result<bool, Error> {
         let bounds = (vec![0.0; self.dimensions], vec![1.0; self.dimensions]);
         let random = Xoshiro256PlusPlus::seed_from_u64(self.seed);
         let mut swarm: ParticleSwarm<_, f64, _> =
             ParticleSwarm::new(bounds, self.population).with_rng_generator(random);
         let mut problem = Problem::new(Told(ledger.clone()));
-        let words = |error: argmin::core::Error| error.to_string();
-        let (mut state, _) = swarm.init(&mut problem, PopulationState::new()).map_err(words)?;
+        let (mut state, _) = swarm.init(&mut problem, PopulationState::new()).map_err(failed)?;
         for _ in 0..past {
-            (state, _) = swarm.next_iter(&mut problem, state).map_err(words)?;
+            (state, _) = swarm.next_iter(&mut problem, state).map_err(failed)?;
         }
         Ok(true)
     }
+}
+
+/// The failure of an optimizer.
+fn failed(problem: impl Display) -> Error {
+    Error::field("tune", format!("the optimizer says: {problem}"))
 }
 
 /// The costs for the optimizers of a crate.
