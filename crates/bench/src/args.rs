@@ -78,10 +78,14 @@ pub(crate) struct BesideArgs {
     pub(crate) pairs: u32,
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// A text that is no length of a repeat.
+#[derive(Debug, thiserror::Error)]
+#[error("must be above 0 and at most {MOST_S}, is {0}")]
+struct SecondsError(String);
+
+fn seconds(text: &str) -> Result<f64, SecondsError> {
     let fits = |seconds: &f64| *seconds > 0.0 && *seconds <= MOST_S;
-    let found = text.parse().ok().filter(fits);
-    found.ok_or_else(|| format!("must be above 0 and at most {MOST_S}, is {text}"))
+    text.parse().ok().filter(fits).ok_or_else(|| SecondsError(text.to_owned()))
 }
 
 /// A repeat of an hour.

@@ -1,5 +1,6 @@
 //! A process that does a task: the task is its last argument, and what happens comes back on stdout, a line of JSON each.
 
+use std::error::Error;
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::PathBuf;
 use std::process::{Command, ExitCode, Stdio};
@@ -105,9 +106,9 @@ impl Child {
 }
 
 /// Sends the result of the task.
-pub(crate) fn tell<T: Serialize>(result: Result<T, String>) -> ExitCode {
+pub(crate) fn tell<T: Serialize>(result: Result<T, impl Error>) -> ExitCode {
     let code = if result.is_ok() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
-    say(&result.map_or_else(Said::Failed, Said::Done));
+    say(&result.map_or_else(|error| Said::Failed(error.to_string()), Said::Done));
     code
 }
 

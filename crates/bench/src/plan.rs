@@ -22,14 +22,30 @@ pub const CYLINDER_RADIUS_M: f64 = 0.05;
 
 /// An invalid line of a plan.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: `{text}`: {mending}")]
+#[error("line {line}: `{text}`: {remedy}")]
 pub struct PlanError {
     /// The number of the line, from 1.
     pub line: usize,
     /// The line.
     pub text: String,
     /// The remedy.
-    pub mending: String,
+    pub remedy: Remedy,
+}
+
+/// The correct form of a line of a plan.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Remedy {
+    /// A word that a plan knows comes first.
+    #[error("begin with size, outer, wall, desk, box, cyl or robot")]
+    Word,
+    /// As many finite numbers as the word takes follow it.
+    #[error("`{text}` must be {count} numbers")]
+    Numbers {
+        /// The text in their place.
+        text: String,
+        /// The count of the numbers.
+        count: usize,
+    },
 }
 
 impl FromStr for Plan {
@@ -40,7 +56,7 @@ impl FromStr for Plan {
         let mut has_outer_walls = false;
         for (i, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
             has_outer_walls |= line.starts_with("outer ");
-            let wrong = |mending| PlanError { line: i + 1, text: line.to_owned(), mending };
+            let wrong = |remedy| PlanError { line: i + 1, text: line.to_owned(), remedy };
             plan.read(line).map_err(wrong)?;
         }
         if !has_outer_walls {
@@ -52,7 +68,7 @@ impl FromStr for Plan {
 }
 
 impl Plan {
-    fn read(&mut self, line: &str) -> Result<(), String> {
+    fn read(&mut self, line: &str) -> Result<(), Remedy> {
         let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
         match word {
             "size" => self.size = numbers(rest)?,
@@ -64,7 +80,7 @@ impl Plan {
             }
             "cyl" => self.cylinders.push(numbers(rest)?),
             "robot" => self.robots.push(numbers(rest)?),
-            _ => return Err("begin with size, outer, wall, desk, box, cyl or robot".to_owned()),
+            _ => return Err(Remedy::Word),
         }
         Ok(())
     }
@@ -93,11 +109,11 @@ impl Plan {
     }
 }
 
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], Remedy> {
     let found: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
     let found = found.filter(|numbers| numbers.iter().all(|number: &f64| number.is_finite()));
     let found = found.and_then(|numbers| numbers.try_into().ok());
-    found.ok_or_else(|| format!("`{text}` must be {N} numbers"))
+    found.ok_or_else(|| Remedy::Numbers { text: text.to_owned(), count: N })
 }
 
 /// Side of a `box`.

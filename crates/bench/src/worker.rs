@@ -4,6 +4,7 @@ use std::process::{Command, ExitCode};
 
 use crate::catalogue::{self, Kind, Workload};
 use crate::child::{Child, ChildError, Means, Task, tell, tell_repeat};
+use crate::gallery::GalleryError;
 use crate::in_process::{Run, Unfit};
 use crate::measure::Effort;
 use crate::network::{self, Found, NetworkError};
@@ -31,47 +32,53 @@ pub fn serve(task: &str, command: Command) -> ExitCode {
     match serde_json::from_str::<Task>(task) {
         Ok(Task::Workload { name, effort, means }) => tell(perform(&name, effort, &means, command)),
         Ok(Task::Brains { address, what }) => tell(network::perform(&address, &what, tell_repeat)),
-        Err(error) => tell::<()>(Err(format!("`{task}` is no task: {error}"))),
+        Err(error) => tell::<()>(Err(WorkError::NoTask { task: task.to_owned(), error })),
     }
 }
 
-fn perform(name: &str, effort: Effort, means: &Means, command: Command) -> Result<Outcome, String> {
+/// A reason why a child process did not do its task.
+#[derive(Debug, thiserror::Error)]
+enum WorkError {
+    #[error("`{task}` is no task: {error}")]
+    NoTask { task: String, error: serde_json::Error },
+    #[error("there is no workload `{0}`")]
+    NoWorkload(String),
+    #[error(transparent)]
+    Unfit(#[from] Unfit),
+    #[error(transparent)]
+    Gallery(#[from] GalleryError),
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+}
+
+fn perform(name: &str, effort: Effort, means: &Means, command: Command) -> Result<Outcome, WorkError> {
     let workload = catalogue::WORKLOADS.iter().find(|workload| workload.name == name);
-    let workload = workload.ok_or_else(|| format!("there is no workload `{name}`"))?;
+    let workload = workload.ok_or_else(|| WorkError::NoWorkload(name.to_owned()))?;
     let mut outcome = Outcome::new(workload.name, workload.unit, means.threads);
     match workload.kind {
-        Kind::InProcess(world) => note(&mut outcome, world.run(effort, means.threads, tell_repeat))?,
-        Kind::Learner(learner) => note(&mut outcome, learner.run(effort, tell_repeat))?,
-        Kind::Gallery(gallery) => gallery
-            .run(&means.program, &mut outcome, effort, tell_repeat)
-            .map_err(|error| error.to_string())?,
-        Kind::Network(network) => note_found(&mut outcome, network.run(effort, command, tell_repeat))?,
-        Kind::Worlds(worlds) => note_found(&mut outcome, worlds.run(effort, tell_repeat))?,
+        Kind::InProcess(world) => note(&mut outcome, world.run(effort, means.threads, tell_repeat)?),
+        Kind::Learner(learner) => note(&mut outcome, learner.run(effort, tell_repeat)?),
+        Kind::Gallery(gallery) => gallery.run(&means.program, &mut outcome, effort, tell_repeat)?,
+        Kind::Network(network) => note_found(&mut outcome, network.run(effort, command, tell_repeat)?),
+        Kind::Worlds(worlds) => note_found(&mut outcome, worlds.run(effort, tell_repeat)?),
     }
     Ok(outcome)
 }
 
 /// Puts the result of a run in this process into the outcome.
-fn note(outcome: &mut Outcome, run: Result<Run, Unfit>) -> Result<(), String> {
-    let run = run.map_err(|error| error.to_string())?;
+fn note(outcome: &mut Outcome, run: Run) {
     outcome.samples = run.samples;
     outcome.hash = Some(format!("{:016x}", run.hash));
     outcome.hash_ticks = Some(run.probe_ticks);
     outcome.peak_memory_bytes = process::peak_memory_bytes();
     outcome.beside = run.beside;
     outcome.notes = run.notes;
-    Ok(())
 }
 
 /// Puts the result of a run with a server into the outcome.
-fn note_found(
-    outcome: &mut Outcome,
-    found: Result<(Found, Vec<String>), NetworkError>,
-) -> Result<(), String> {
-    let (found, notes) = found.map_err(|error| error.to_string())?;
+fn note_found(outcome: &mut Outcome, (found, notes): (Found, Vec<String>)) {
     outcome.samples = found.samples;
     outcome.notes = notes;
     outcome.peak_memory_bytes = found.usage.and_then(|usage| usage.peak_memory_bytes);
     outcome.beside = found.beside;
-    Ok(())
 }

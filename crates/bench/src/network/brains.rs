@@ -1,8 +1,11 @@
 //! The process with the brains.
 
+use std::io;
+
 use baudbot_client::{Action, Client, Error, Fleet, Robot, Signals, Turn, connect};
 use tokio::runtime::Runtime;
 use tokio::task::JoinSet;
+use tonic::Status;
 
 use super::Found;
 use super::ping::{self, Players};
@@ -13,21 +16,32 @@ use crate::measure::{self, Effort};
 use crate::outcome::Beside;
 use crate::process::{self, Clock};
 
+/// A reason why the brains did not do their task.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum BrainsError {
+    #[error("cannot start the runtime: {0}")]
+    Runtime(io::Error),
+    #[error(transparent)]
+    Client(#[from] Error),
+    #[error("the ping-pong: {}", .0.message())]
+    NoPing(Status),
+    #[error("{}", .0.message())]
+    Ping(Status),
+}
+
 /// Does what the server's process asks for.
 ///
 /// # Errors
-/// An error in words.
-pub(crate) fn perform(address: &str, what: &Brains, progress: impl FnMut(u32)) -> Result<Found, String> {
+/// If the server cannot be reached, or ends before the brains are done.
+pub(crate) fn perform(address: &str, what: &Brains, progress: impl FnMut(u32)) -> Result<Found, BrainsError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
-    let runtime = runtime.map_err(|error| format!("cannot start the runtime: {error}"))?;
+    let runtime = runtime.map_err(BrainsError::Runtime)?;
     let mut found = match what {
         Brains::Lockstep { robots, streams, ping, lookahead, effort } => {
-            let mut brains =
-                runtime.block_on(AttachedBrains::attach(address, robots, *streams)).map_err(text)?;
+            let mut brains = runtime.block_on(AttachedBrains::attach(address, robots, *streams))?;
             brains.waits = *lookahead;
             let connect = |address| runtime.block_on(Players::connect(address, robots.len(), *streams));
-            let ping = ping.as_deref().map(connect).transpose();
-            let ping = ping.map_err(|status| format!("the ping-pong: {}", status.message()))?;
+            let ping = ping.as_deref().map(connect).transpose().map_err(BrainsError::NoPing)?;
             let mut found = lockstep(&runtime, brains, ping, *effort, progress)?;
             if let Some(beside) = &mut found.beside {
                 beside.what = told(robots.len(), *streams);
@@ -35,7 +49,7 @@ pub(crate) fn perform(address: &str, what: &Brains, progress: impl FnMut(u32)) -
             found
         }
         Brains::RealTime { robots, streams } => {
-            runtime.block_on(real_time(address, robots, *streams)).map_err(text)?;
+            runtime.block_on(real_time(address, robots, *streams))?;
             Found::default()
         }
     };
@@ -50,7 +64,7 @@ fn lockstep(
     mut ping: Option<Players>,
     effort: Effort,
     mut progress: impl FnMut(u32),
-) -> Result<Found, String> {
+) -> Result<Found, BrainsError> {
     let beside = ping.is_some().then(|| Beside { what: String::new(), samples: Vec::new() });
     let mut found = Found { beside, ..Found::default() };
     let once = Effort { repeats: 1, ..effort };
@@ -58,13 +72,11 @@ fn lockstep(
         progress(repeat);
         if let Some((players, beside)) = ping.as_mut().zip(found.beside.as_mut()) {
             let play = |times| runtime.block_on(players.play(times));
-            beside.samples.extend(
-                measure::rate(once, Clock::Wall, |_| {}, play)
-                    .map_err(|status| status.message().to_owned())?,
-            );
+            let samples = measure::rate(once, Clock::Wall, |_| {}, play).map_err(BrainsError::Ping)?;
+            beside.samples.extend(samples);
         }
         let work = |ticks| runtime.block_on(brains.drive(ticks));
-        found.samples.extend(measure::rate(once, Clock::Wall, |_| {}, work).map_err(text)?);
+        found.samples.extend(measure::rate(once, Clock::Wall, |_| {}, work)?);
     }
     Ok(found)
 }
@@ -177,8 +189,4 @@ async fn real_time(address: &str, robots: &[String], streams: usize) -> Result<(
     // However a stream ended: the world is deleted when there is enough of it.
     while tasks.join_next().await.is_some() {}
     Ok(())
-}
-
-fn text(error: Error) -> String {
-    error.to_string()
 }
