@@ -1,5 +1,6 @@
 //! `baudbot grade --class`: the brains of a class on one exercise, as a table.
 
+use std::fmt::Display;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -114,7 +115,7 @@ fn sorted(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 }
 
 /// The result of one: a grading, or the reason why there is none.
-type Outcome = Result<Grading, String>;
+type Outcome = anyhow::Result<Grading>;
 
 /// Gives brains to robots, by arguments of `--brain`.
 type Assign<'a> = &'a dyn Fn(&[String]) -> anyhow::Result<Assigned>;
@@ -139,7 +140,7 @@ pub(crate) fn run(
         let brains: Vec<_> = [entry.brain.clone()].into_iter().chain(args.brains.iter().cloned()).collect();
         // A brain that cannot be read is its author's fault, and not the class's.
         let outcome = match assign(&brains) {
-            Err(error) => Err(error.to_string()),
+            Err(error) => Err(error),
             Ok(assigned) => {
                 let options = Options { jobs: work::jobs_of(args.jobs), stop, progress: &progress };
                 let Some(grading) = grade(exercise, &assigned, &options).context("could not be graded")?
@@ -167,7 +168,7 @@ fn report(exercise: &Exercise, args: &GradeArgs, class: &[(Entry, Outcome)]) -> 
             .iter()
             .map(|(entry, outcome)| Pupil {
                 name: &entry.name,
-                outcome: outcome.as_ref().map_err(String::as_str),
+                outcome: outcome.as_ref().map_err(|error| error as &dyn Display),
             })
             .collect();
         text::write(file, &junit::class(exercise, &pupils))?;
@@ -180,7 +181,8 @@ fn report(exercise: &Exercise, args: &GradeArgs, class: &[(Entry, Outcome)]) -> 
             let mut json = match outcome {
                 Ok(grading) => grading.json(exercise),
                 Err(problem) => {
-                    json!({ "verdict": Verdict::NotGraded.name(), "points": 0.0, "findings": [problem] })
+                    let findings = [problem.to_string()];
+                    json!({ "verdict": Verdict::NotGraded.name(), "points": 0.0, "findings": findings })
                 }
             };
             json["name"] = json!(entry.name);
@@ -200,7 +202,7 @@ fn cells(outcome: &Outcome) -> (&'static str, f64, String) {
                 grading.findings.first().map_or_else(String::new, |finding| text::one_line(finding));
             (grading.verdict.name(), grading.points, finding)
         }
-        Err(problem) => (Verdict::NotGraded.name(), 0.0, text::one_line(problem)),
+        Err(problem) => (Verdict::NotGraded.name(), 0.0, text::one_line(&problem.to_string())),
     }
 }
 

@@ -128,14 +128,14 @@ fn assigned(
         // A fault of the file is not one of the command line.
         let own = [brain.clone(), NONE.to_owned()];
         let checked = run::assign(&own, &scenario.robots)
-            .map_err(|error| error.to_string())
+            .map_err(anyhow::Error::from)
             .and_then(|own| check(&own, &scenario));
         checked.map_err(|error| Refused::error(format!("{name}: brains[{i}]: {error}")))?;
     }
     let brains: Vec<_> = brains.iter().chain(&exercise.brains).cloned().collect();
     let mut assigned = assignment::assign(&brains, &scenario.robots, &[])?;
     assignment::set_parameters(&mut assigned, &args.parameters)?;
-    check(&assigned, &scenario).map_err(Refused::error)?;
+    check(&assigned, &scenario).map_err(|error| Refused::error(error.to_string()))?;
     if args.show_output {
         assigned.programs.iter_mut().for_each(|task| task.output = Output::Shown);
     }
@@ -143,17 +143,17 @@ fn assigned(
 }
 
 /// Whether each brain can be made, and each program is there, before anything is started for them.
-fn check(assigned: &Assigned, scenario: &Scenario) -> Result<(), String> {
+fn check(assigned: &Assigned, scenario: &Scenario) -> anyhow::Result<()> {
     for assignment in &assigned.brains {
         for spec in scenario.robots.iter().filter(|spec| assignment.robots.contains(&spec.name)) {
-            catalogue::brain(&assignment.brain, 1, &Body::from(spec)).map_err(|error| error.to_string())?;
+            catalogue::brain(&assignment.brain, 1, &Body::from(spec))?;
         }
     }
     for task in &assigned.programs {
         // The words have been parsed before, so there is a first one.
         let words = shlex::split(&task.program.to_string()).unwrap_or_default();
         if let Some(program) = words.into_iter().next().filter(|program| !is_there(program)) {
-            return Err(Problem::Missing(program).to_string());
+            anyhow::bail!(Problem::Missing(program));
         }
     }
     Ok(())

@@ -3,6 +3,7 @@
 use baudbot_fit::estimate::{Estimate, Finding, Fitted, Outcome, Remark, digits};
 use baudbot_fit::fields::catalogue;
 use baudbot_fit::log::{Log, Quantity};
+use baudbot_scenario::ScenarioError;
 use serde_json::{Value, json};
 
 use super::subject::Subject;
@@ -11,7 +12,7 @@ use super::subject::Subject;
 struct Line<'a> {
     finding: &'a Finding,
     /// Path and value that the scenario takes, or why it takes none.
-    setting: Option<Result<(String, String), String>>,
+    setting: Option<Result<(String, String), ScenarioError>>,
 }
 
 /// The findings of a fit.

@@ -1,8 +1,8 @@
 //! The robot whose numbers are looked for: of a scenario, or of a preset in a scenario of its own.
 
 use baudbot_fit::Robot;
-use baudbot_scenario::Override;
 use baudbot_scenario::presets::{Preset, PresetKind, preset};
+use baudbot_scenario::{Override, ScenarioError};
 use baudbot_sim::Scenario;
 
 use crate::args::FitArgs;
@@ -100,28 +100,28 @@ impl Subject {
         path: &str,
         value: &str,
         others: &[(&str, String)],
-    ) -> Result<String, String> {
+    ) -> Result<String, ScenarioError> {
         let short = |long: &str, short: &str| path.strip_suffix(long).map(|table| format!("{table}{short}"));
         let shorts = [short("noise.multiplicative", "sigma"), short("noise.additive", "sigma_rad")];
-        let mut problem = None;
-        for path in std::iter::once(path.to_owned()).chain(shorts.into_iter().flatten()) {
+        let try_path = |path: &str| {
             let with_others = others.iter().map(|(other, value)| (*other, value.as_str()));
-            let alone = self.try_setting([(path.as_str(), value)]);
-            match alone.or_else(|error| self.try_setting(with_others).map_err(|_| error)) {
-                Ok(()) => return Ok(path),
-                Err(error) => problem = problem.or(Some(error)),
-            }
-        }
-        Err(problem.unwrap_or_default())
+            let alone = self.try_setting([(path, value)]);
+            alone.or_else(|error| self.try_setting(with_others).map_err(|_| error))
+        };
+        let Err(error) = try_path(path) else { return Ok(path.to_owned()) };
+        shorts.into_iter().flatten().find(|path| try_path(path).is_ok()).ok_or(error)
     }
 
-    fn try_setting<'a>(&self, values: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<(), String> {
+    fn try_setting<'a>(
+        &self,
+        values: impl IntoIterator<Item = (&'a str, &'a str)>,
+    ) -> Result<(), ScenarioError> {
         let mut sets = self.sets.clone();
         for (path, value) in values {
             let text = format!("{}={value}", self.whole(path));
-            sets.push(Override::parse(&text).map_err(|error| error.to_string())?);
+            sets.push(Override::parse(&text)?);
         }
-        baudbot_scenario::parse_with(&self.text, &sets).map(|_| ()).map_err(|error| error.to_string())
+        baudbot_scenario::parse_with(&self.text, &sets).map(|_| ())
     }
 
     /// The path of a field in the scenario.

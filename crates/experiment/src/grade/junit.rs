@@ -1,6 +1,6 @@
 //! Gradings as JUnit XML, which continuous integration shows: an exercise is a suite, a criterion a case.
 
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 use crate::grade::exercise::Exercise;
 use crate::grade::grading::{Grading, Verdict};
@@ -10,7 +10,7 @@ pub struct Pupil<'a> {
     /// The name of the brain's author.
     pub name: &'a str,
     /// The grading of the brain, or the reason why it could not be graded.
-    pub outcome: Result<&'a Grading, &'a str>,
+    pub outcome: Result<&'a Grading, &'a dyn Display>,
 }
 
 /// The text of a file.
@@ -28,7 +28,7 @@ pub fn class(exercise: &Exercise, pupils: &[Pupil<'_>]) -> String {
 
 const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
 
-fn suite(exercise: &Exercise, name: &str, outcome: Result<&Grading, &str>) -> String {
+fn suite(exercise: &Exercise, name: &str, outcome: Result<&Grading, &dyn Display>) -> String {
     let (name, all) = (escaped(name), exercise.criteria.len());
     let short = |grading: &Grading, place: usize| grading.awarded[place].count() < grading.runs.len();
     let graded = outcome.ok().filter(|grading| grading.verdict != Verdict::NotGraded);
@@ -40,7 +40,7 @@ fn suite(exercise: &Exercise, name: &str, outcome: Result<&Grading, &str>) -> St
         format!("<testsuite name=\"{name}\" tests=\"{all}\" failures=\"{failures}\" errors=\"{errors}\">\n");
     let words = match outcome {
         Ok(grading) => escaped(&grading.findings.join("\n")),
-        Err(problem) => escaped(problem),
+        Err(problem) => escaped(&problem.to_string()),
     };
     for (place, criterion) in exercise.criteria.iter().enumerate() {
         let case = format!("classname=\"{name}\" name=\"{}\"", escaped(&criterion.name));
