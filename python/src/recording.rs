@@ -1,5 +1,6 @@
 //! Recordings: replayed, and compared with each other.
 
+use std::fmt::Display;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -83,12 +84,9 @@ fn missing(replay: &Replay) -> Option<String> {
 }
 
 fn started(py: Python<'_>, path: &Path) -> PyResult<(Replay, World)> {
-    let start = || -> Result<(Replay, World), String> {
-        let file = File::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let run = RecordedRun::read(BufReader::new(file)).map_err(|error| of(path, &error))?;
-        Replay::start(Arc::new(run)).map_err(|error| of(path, &error))
-    };
-    apart(py, start)?.map_err(|text| failed(py, &text))
+    let file = apart(py, || File::open(path))?.map_err(|error| failed(py, &of(path, &error)))?;
+    let start = || Replay::start(Arc::new(RecordedRun::read(BufReader::new(file))?));
+    apart(py, start)?.map_err(|error| failed(py, &of(path, &error)))
 }
 
 fn advance(replay: &mut Replay, world: &mut World) -> Result<bool, RecordingError> {
@@ -100,7 +98,7 @@ fn advance(replay: &mut Replay, world: &mut World) -> Result<bool, RecordingErro
     Ok(true)
 }
 
-fn of(path: &Path, error: &RecordingError) -> String {
+fn of(path: &Path, error: &impl Display) -> String {
     format!("{}: {error}", path.display())
 }
 
