@@ -7,6 +7,18 @@ use axum::http::{HeaderMap, header};
 
 use crate::gate::TcpEntry;
 
+/// A request that is for no host of this server. The text is the body of the answer.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+pub(super) enum HostError {
+    #[error("Host: is missing\n")]
+    Missing,
+    #[error(
+        "Host: must be localhost, 127.0.0.1, [::1]{}; if the server is to have another name, start it with --host NAME\n",
+        own.iter().map(|own| format!(", {own}")).collect::<String>()
+    )]
+    Other { own: Arc<[String]> },
+}
+
 /// The rules of a listener for its callers.
 #[derive(Clone, Debug)]
 pub(crate) struct Guard {
@@ -34,18 +46,15 @@ impl Guard {
     }
 
     /// Checks that the request is for this host.
-    pub(super) fn check_host(&self, headers: &HeaderMap) -> Result<(), String> {
-        let host = text(headers, header::HOST).ok_or("Host: is missing\n")?;
+    pub(super) fn check_host(&self, headers: &HeaderMap) -> Result<(), HostError> {
+        let host = text(headers, header::HOST).ok_or(HostError::Missing)?;
         let name = without_port(host).trim_matches(['[', ']']);
         let is_loopback =
             name.eq_ignore_ascii_case("localhost") || name.parse().is_ok_and(|ip: IpAddr| ip.is_loopback());
         if is_loopback || self.hosts.iter().any(|own| own.eq_ignore_ascii_case(name)) {
             return Ok(());
         }
-        let own: String = self.hosts.iter().map(|own| format!(", {own}")).collect();
-        Err(format!(
-            "Host: must be localhost, 127.0.0.1, [::1]{own}; if the server is to have another name, start it with --host NAME\n"
-        ))
+        Err(HostError::Other { own: Arc::clone(&self.hosts) })
     }
 
     /// Checks that the page of the request came from here. A request without an origin is not a browser's.

@@ -142,7 +142,7 @@ async fn check_protocol(request: Request, next: Next) -> Response {
 async fn check_host(State(page): State<Page>, request: Request, next: Next) -> Response {
     match page.guard.check_host(request.headers()) {
         Ok(()) => next.run(request).await,
-        Err(problem) => (StatusCode::FORBIDDEN, problem).into_response(),
+        Err(error) => (StatusCode::FORBIDDEN, error.to_string()).into_response(),
     }
 }
 
