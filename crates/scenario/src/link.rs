@@ -4,7 +4,7 @@ use alloc::format;
 use alloc::vec::Vec;
 
 use super::raw;
-use baudbot_fields::number::{Between, Millis, Number, Rule, Seconds};
+use baudbot_fields::number::{Between, Millis, Number, Rule, Seconds, Whole};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::link::{Adapter, Bluetooth, Frames, Ftdi, Link, Outage, PACKETS_PER_FRAME, Uart, Usb};
 use baudbot_sim::time::SimTime;
@@ -122,10 +122,10 @@ fn adapter(path: &Path, raw: &raw::Adapter) -> Result<Adapter> {
         }
         raw::AdapterKind::Ftdi => {
             path.refuse_all(&radio_fields, "only a radio has that; did you mean kind = \"bluetooth\"?")?;
-            let packet_bytes = raw.packet_bytes.map_or(62, Number::get);
+            let packet_bytes = raw.packet_bytes.unwrap_or(62);
             Ok(Adapter::Ftdi(Ftdi {
-                latency_ns: path.ms("latency_ms", raw.latency_ms.map_or(16.0, Number::get), 1.0, 255.0)?,
-                packet_bytes: path.whole_within("packet_bytes", packet_bytes.into(), 1, 510)? as u32,
+                latency_ns: path.ms("latency_ms", raw.latency_ms.unwrap_or(16.0), 1.0, 255.0)?,
+                packet_bytes: path.number::<Whole<1, 510, u32>>("packet_bytes", packet_bytes)?,
                 frames: frames(raw),
             }))
         }
@@ -151,7 +151,7 @@ fn frames(raw: &raw::Adapter) -> Frames {
 }
 
 fn bluetooth(path: &Path, raw: &raw::Adapter) -> Result<Bluetooth> {
-    let latency_ms = raw.latency_ms.map_or(30.0, Number::get);
+    let latency_ms = path.number::<Between<0, 10_000>>("latency_ms", raw.latency_ms.unwrap_or(30.0))?;
     let spread_ms = raw.spread_ms.map_or_else(|| latency_ms.min(10.0), Number::get);
     Ok(Bluetooth {
         latency_ns: Millis::<Between<0, 10_000>>::value(latency_ms),
@@ -159,7 +159,7 @@ fn bluetooth(path: &Path, raw: &raw::Adapter) -> Result<Bluetooth> {
         spread_ns: path.ms("spread_ms", spread_ms, 0.0, latency_ms)?,
         burst_probability: raw.burst_probability.map_or(0.02, Number::get),
         burst_ns: raw.burst_ms.map_or(100_000_000, Number::get),
-        packet_bytes: raw.packet_bytes.map_or(330, Number::get),
+        packet_bytes: path.number::<Whole<1, 4096, u32>>("packet_bytes", raw.packet_bytes.unwrap_or(330))?,
     })
 }
 

@@ -175,7 +175,11 @@ fn fields_of_another_link_or_adapter_are_refused_by_name() {
     adapter("\"usb\"", "kind", "must be one of `ftdi`, `cdc`, `bluetooth`, is `usb`");
     adapter("\"ftdi\", latency_ms = 0.5", "latency_ms", "must be between 1 and 255, is 0.5");
     adapter("\"ftdi\", latency_ms = 256", "latency_ms", "must be between 1 and 255, is 256");
-    adapter("\"ftdi\", packet_bytes = 0", "packet_bytes", "must be between 1 and 4096, is 0");
+    adapter("\"ftdi\", latency_ms = -1", "latency_ms", "must be between 1 and 255, is -1");
+    adapter("\"ftdi\", packet_bytes = 0", "packet_bytes", "must be between 1 and 510, is 0");
+    adapter("\"ftdi\", packet_bytes = 4097", "packet_bytes", "must be between 1 and 510, is 4097");
+    adapter("\"bluetooth\", packet_bytes = 0", "packet_bytes", "must be between 1 and 4096, is 0");
+    adapter("\"bluetooth\", latency_ms = -1", "latency_ms", "must be between 0 and 10000, is -1");
     adapter("\"ftdi\", burst_ms = 1", "burst_ms", "only a radio has that");
     adapter("\"cdc\", latency_ms = 1", "latency_ms", "no latency timer; did you mean kind = \"ftdi\"?");
     adapter("\"bluetooth\", frame_ms = 1", "frame_ms", "a radio has no USB frames");

@@ -147,10 +147,14 @@ pub(crate) struct Adapter {
     pub(crate) kind: AdapterKind,
     /// Period of the latency timer; or mean latency of a radio's packet. Default: `ftdi` 16.0, `bluetooth`
     /// 30.0. Range: `ftdi` 1 to 255.
-    pub(crate) latency_ms: Option<Number<Between<0, 10_000>>>,
+    // The kind decides which range holds, so `link` checks it.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Number<Between<0, 10_000>>>"))]
+    pub(crate) latency_ms: Option<f64>,
     /// Bytes that make a chip send a packet at once; or the maximum in a radio's packet. Default: `ftdi` 62,
     /// `bluetooth` 330. Range: `ftdi` at most 510.
-    pub(crate) packet_bytes: Option<Number<Whole<1, 4096, u32>>>,
+    // As `latency_ms`.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Number<Whole<1, 4096, u32>>>"))]
+    pub(crate) packet_bytes: Option<u64>,
     /// Length of a USB frame. Default: 1.0. Range: only `ftdi` and `cdc`.
     pub(crate) frame_ms: Option<Number<Millis<Frame>>>,
     /// Whole frames that bytes to the laptop need besides, by the program of the chip. Default: 0. Range: only

@@ -95,11 +95,9 @@ fn built(path: &Path, common: &Common, mut table: Table, context: &mut Context<'
         Place::Rim => place::centre(path, &mut table, context)?,
     };
     let (battery, surroundings) = (context.battery, context.surroundings);
-    common.kind.build(
-        Sheet::from(table),
-        path,
-        Fit { mount, bits: common.bits.map(Number::get), battery, surroundings },
-    )
+    let checked = |bits| path.whole_within("bits", bits, common.kind.least_bits(), 32);
+    let bits = common.bits.map(checked).transpose()?.map(|bits| bits as u8);
+    common.kind.build(Sheet::from(table), path, Fit { mount, bits, battery, surroundings })
 }
 
 /// The fields of the table of any sensor, behind those of its kind.

@@ -28,7 +28,9 @@ pub(crate) struct Common {
     pub(crate) acquisition_us: Number<Micros<Between<0, 1_000_000_000>>>,
     /// Bits of each value on the wire. Without it a value crosses as an exact 64-bit number. Range:
     /// `encoders`, `steps`, `optical-flow` 8 to 32; not with `port`.
-    pub(crate) bits: Option<Number<Whole<1, 32, u8>>>,
+    // The kind decides which range holds, so it is checked once that is known.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Number<Whole<1, 32, u8>>>"))]
+    pub(crate) bits: Option<u64>,
     /// What disturbs its readings: [noise](#noise). Default: none. Range: not for digital kinds.
     #[serde(default)]
     pub(crate) noise: Noise,

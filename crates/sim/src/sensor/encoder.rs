@@ -10,7 +10,7 @@ use baudbot_geometry::math;
 use serde::{Deserialize, Serialize};
 
 use super::Measurement;
-use super::kind::{Built, Component, Effect, Fit, NoFields, Place, Sense, counters};
+use super::kind::{Built, Component, Effect, Fit, LEAST_COUNTER_BITS, NoFields, Place, Sense, counters};
 use crate::drive::Wheels;
 use crate::random::Stream;
 use crate::sound;
@@ -55,12 +55,13 @@ fn yes() -> bool {
 impl Sense for Encoders {
     const NAME: &str = "encoders";
     const PLACE: Place = Place::Inside;
+    const LEAST_BITS: u64 = LEAST_COUNTER_BITS;
     const IS_ANALOG: bool = false;
     type Sheet = Self;
     type Memory = Seen;
 
-    fn new(sheet: Self, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        Ok(Built::new(sheet, counters(path, fit.bits)?))
+    fn new(sheet: Self, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        Ok(Built::new(sheet, counters(fit.bits)))
     }
 
     fn components(&self) -> Vec<Component> {
@@ -122,12 +123,13 @@ pub struct StepCounter;
 impl Sense for StepCounter {
     const NAME: &str = "steps";
     const PLACE: Place = Place::Inside;
+    const LEAST_BITS: u64 = LEAST_COUNTER_BITS;
     const IS_ANALOG: bool = false;
     type Sheet = NoFields;
     type Memory = ();
 
-    fn new(_: NoFields, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        Ok(Built::new(Self, counters(path, fit.bits)?))
+    fn new(_: NoFields, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        Ok(Built::new(Self, counters(fit.bits)))
     }
 
     fn components(&self) -> Vec<Component> {

@@ -26,6 +26,8 @@ pub(crate) trait Sense: Sized {
     const PLACE: Place;
     /// The drawing.
     const STYLE: Style = Style::INNER;
+    /// The fewest bits of a value on the wire.
+    const LEAST_BITS: u64 = 1;
     /// Whether [`Noise`](super::Noise) disturbs its readings. Digital readings are not disturbed: a count is right or lost, a
     /// switch is open or closed.
     const IS_ANALOG: bool = true;
@@ -157,13 +159,12 @@ pub(super) fn level(bits: Option<u8>, min: f64, max: f64) -> Encoding {
     bits.map_or(Encoding::Float64, |bits| Encoding::Level { bits, min, max })
 }
 
+/// The fewest bits of a counter.
+pub(super) const LEAST_COUNTER_BITS: u64 = 8;
+
 /// The encodings of two counters.
-pub(super) fn counters(path: &Path, bits: Option<u8>) -> Result<Vec<Encoding>, FieldError> {
-    let Some(bits) = bits else { return Ok(alloc::vec![Encoding::Float64; 2]) };
-    if bits < 8 {
-        return Err(path.field("bits").error(alloc::format!("a counter has 8 to 32 bits, not {bits}")));
-    }
-    Ok(alloc::vec![Encoding::Counter { bits }; 2])
+pub(super) fn counters(bits: Option<u8>) -> Vec<Encoding> {
+    alloc::vec![bits.map_or(Encoding::Float64, |bits| Encoding::Counter { bits }); 2]
 }
 
 /// The largest value that a sensor of so many bits can tell, where nothing else says it.

@@ -165,6 +165,13 @@ macro_rules! devices {
                 }
             }
 
+            /// The fewest bits that a value of this kind's sensors may have on the wire.
+            pub fn least_bits(self) -> u64 {
+                match self {
+                    $(Self::$kind => $device::LEAST_BITS),*
+                }
+            }
+
             /// The drawing of this kind's sensors.
             pub fn style(self) -> Style {
                 match self {

@@ -22,7 +22,7 @@ use alloc::vec::Vec;
 use baudbot_geometry::{Pose, math, wheels};
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Built, Component, Effect, Fit, Place, Sense, counters};
+use super::kind::{Built, Component, Effect, Fit, LEAST_COUNTER_BITS, Place, Sense, counters};
 use super::style::{Style, Symbol};
 use super::{Measurement, Mount, noise};
 use crate::random::Stream;
@@ -86,13 +86,13 @@ impl Sense for OpticalFlow {
     const PLACE: Place = Place::Mounted;
     const STYLE: Style = Style { color: "#661100", symbol: Symbol::Square };
     const IS_ANALOG: bool = false;
+    const LEAST_BITS: u64 = LEAST_COUNTER_BITS;
     const NO_CLOCK: Option<&str> =
         Some("it counts from one read to the next, and what a clock of its own holds would be counted twice");
     type Sheet = Sheet;
     type Memory = Box<Track>;
 
-    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
-        let encodings = counters(path, fit.bits)?;
+    fn new(sheet: Sheet, _: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
         let half = fit.bits.map_or(f64::INFINITY, |bits| (1_u64 << (bits - 1)) as f64);
         let device = Self {
             mount: fit.mount,
@@ -102,7 +102,7 @@ impl Sense for OpticalFlow {
             gain_spread: sheet.gain_spread.get(),
             sigma_m: sheet.sigma_m.get(),
         };
-        Ok(Built::new(device, encodings))
+        Ok(Built::new(device, counters(fit.bits)))
     }
 
     fn components(&self) -> Vec<Component> {

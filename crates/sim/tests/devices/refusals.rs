@@ -87,8 +87,8 @@ fn optical_flow_that_cannot_be() {
     sensor(&flow.replace("= 1.0", "= 0.0"), ".max_speed_m_s: must be positive, is 0");
     sensor(&format!("{flow}\ngain_spread = -0.1"), ".gain_spread: must not be negative, is -0.1");
     sensor(&format!("{flow}\nsigma_m = nan"), ".sigma_m: must not be negative, is NaN");
-    sensor(&format!("{flow}\nbits = 7"), ".bits: a counter has 8 to 32 bits, not 7");
-    sensor(&format!("{flow}\nbits = 64"), ".bits: must be between 1 and 32, is 64");
+    sensor(&format!("{flow}\nbits = 7"), ".bits: must be between 8 and 32, is 7");
+    sensor(&format!("{flow}\nbits = 64"), ".bits: must be between 8 and 32, is 64");
     sensor(
         &format!("{flow}\nnoise = {{ additive = 0.1 }}"),
         ".noise: a sensor of kind `optical-flow` is digital",
@@ -185,7 +185,7 @@ fn gauges_counters_and_switches() {
         "kind = \"encoders\"\ncounts_per_turn = 0",
         ".counts_per_turn: must be between 1 and 1000000, is 0",
     );
-    sensor("kind = \"encoders\"\ncounts_per_turn = 8\nbits = 7", ".bits: a counter has 8 to 32 bits, not 7");
+    sensor("kind = \"encoders\"\ncounts_per_turn = 8\nbits = 7", ".bits: must be between 8 and 32, is 7");
     sensor("kind = \"encoders\"\ncounts_per_turn = 8\nloss = 1.5", ".loss: must be between 0 and 1, is 1.5");
     sensor("kind = \"bumper\"\nopening_rad = 1.0\nmount = {}", ": is a part of the rim");
     sensor("kind = \"whisker\"\nlength_m = 0.1", ": needs either `bearing_rad`");
