@@ -15,9 +15,9 @@ use crate::error::Refused;
 #[derive(Debug, Args)]
 #[command(next_help_heading = super::ACCESS)]
 pub(crate) struct AccessArgs {
-    /// Let any user of this machine do everything, without a token
+    /// Give every user of this machine all rights, without a token
     ///
-    /// By default, the token for your own programs is in a file that only you can read, where the clients of baudbot find it.
+    /// By default, the token for your own programs is in a file that only you can read, and that baudbot's clients read automatically.
     /// Other users need --tokens (docs/reference/trust.md).
     #[arg(long)]
     pub(crate) open: bool,
@@ -33,10 +33,10 @@ pub(crate) struct AccessArgs {
     /// Accept connections without TLS from other machines, because a proxy in front of the server encrypts
     #[arg(long, requires = "tokens")]
     pub(crate) behind_proxy: bool,
-    /// Append an audit log to this file, as JSON lines: calls that change something, drive a robot or train, and calls that are refused
+    /// Append an audit log to this file, in JSON lines: calls that change something, drive a robot or train, and refused calls
     #[arg(long, value_name = "FILE")]
     pub(crate) audit: Option<PathBuf>,
-    /// A name under which browsers reach the page, besides localhost and its address
+    /// A host name by which browsers reach the page, besides localhost and the page's address
     #[arg(long, value_name = "NAME")]
     pub(crate) host: Vec<HostName>,
 }

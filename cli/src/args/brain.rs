@@ -8,13 +8,13 @@ use super::value::whole;
 
 #[derive(Debug, Args)]
 pub(crate) struct BrainArgs {
-    /// Name of a brain, or a description file in TOML; with parameters if needed
+    /// Name of a brain or of its description file in TOML, with parameters if needed
     #[arg(value_name = "BRAIN[:K=V,…]")]
     pub(crate) brain: Option<String>,
     /// List the brains and their parameters
     #[arg(long)]
     pub(crate) list: bool,
-    /// List them as JSON
+    /// List the brains as JSON
     #[arg(long, conflicts_with = "brain")]
     pub(crate) json: bool,
     #[command(flatten)]
@@ -25,7 +25,7 @@ pub(crate) struct BrainArgs {
     /// Seed of the brain's own random numbers
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0_u64..=u64::MAX))]
     pub(crate) seed: u64,
-    /// Seconds for which to try to reconnect to a lost server; `off` for never
+    /// After a lost connection, try to reconnect for this time, in seconds; `off` disables reconnection
     #[arg(long, value_name = "S|off", default_value = "600")]
     pub(crate) reconnect: Reconnect,
 }

@@ -26,7 +26,7 @@ pub(crate) struct AuthorityArgs {
     /// Name of the authority: 1 to 64 letters, digits, _, -, . or @
     #[arg(long, default_value = "baudbot")]
     pub(crate) name: GrantName,
-    /// How long the authority is valid
+    /// Validity of the authority, such as 12h, 30d or 8w
     #[arg(long, value_name = "TIME", default_value = "3650d")]
     pub(crate) expires: Lifetime,
 }
@@ -39,7 +39,7 @@ pub(crate) struct ServerCertificateArgs {
     /// Names and addresses by which clients reach the server: robots.lab, 10.0.0.7; the files are named after the first
     #[arg(value_name = "NAME", required = true)]
     pub(crate) names: Vec<String>,
-    /// How long the certificate is valid
+    /// Validity of the certificate, such as 12h, 30d or 8w
     #[arg(long, value_name = "TIME", default_value = "365d")]
     pub(crate) expires: Lifetime,
 }
@@ -52,7 +52,7 @@ pub(crate) struct ClientCertificateArgs {
     /// Name of the client and of the files: 1 to 64 letters, digits, _, -, . or @
     #[arg(value_name = "NAME")]
     pub(crate) name: GrantName,
-    /// How long the certificate is valid
+    /// Validity of the certificate, such as 12h, 30d or 8w
     #[arg(long, value_name = "TIME", default_value = "365d")]
     pub(crate) expires: Lifetime,
 }
@@ -63,4 +63,4 @@ Examples:
   baudbot cert server lab robots.lab 10.0.0.7    lab/robots.lab.pem and lab/robots.lab-key.pem
   baudbot cert client lab alice                  lab/alice.pem and lab/alice-key.pem
 
-Needs a program built with `--features certificates` (or `full`). docs/reference/trust.md says who needs which file.";
+Needs a program built with `--features certificates` (or `full`). docs/reference/trust.md lists the files that each side needs.";

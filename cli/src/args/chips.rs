@@ -12,14 +12,14 @@ use super::value::ValueError;
 pub(crate) struct ChipArgs {
     /// Debug a robot's firmware with avr-gdb, on a port of this machine; may be given several times
     ///
-    /// The world waits at the chip's reset until a debugger has connected, and stands still whenever the chip is stopped. 0 is any free
+    /// The world waits at the chip's reset until a debugger connects, and is suspended whenever the chip is stopped. Port 0 picks a free
     /// port. docs/how-to/debugging.md has an example.
     #[arg(long = "gdb", value_name = "ROBOT=PORT")]
     pub(crate) gdb: Vec<GdbAddress>,
-    /// Write what a logic analyser on the pins of a robot's chip would see, for GTKWave; may be given several times
+    /// Write the signals on the pins of a robot's chip as a VCD file, for GTKWave; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = output)]
     pub(crate) vcd: Vec<ChipOutput>,
-    /// Write what a robot's firmware sends to the laptop; `-` is stdout; may be given several times
+    /// Write the bytes that a robot's firmware sends to the laptop; `-` is stdout; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = output)]
     pub(crate) serial: Vec<ChipOutput>,
 }

@@ -16,18 +16,18 @@ pub(crate) struct DiagramArgs {
     /// a brain
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
-    /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
+    /// Set a parameter of all brains that have it; programs get it in the environment variable BAUDBOT_PARAMETERS
     #[arg(long = "parameter", value_name = "NAME=VALUE")]
     pub(crate) parameters: Vec<String>,
     /// The robot to show [default: the first]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
-    /// Show what happens from this simulated time on
+    /// Start of the window, in simulated seconds
     #[arg(long, value_name = "S", conflicts_with = "cycle", allow_negative_numbers = true, value_parser = instant)]
     pub(crate) at: Option<f64>,
-    /// Show the N-th control cycle, from reading its sensors to its command; what takes longer than Δt is red [default: a window
-    /// around the third; for a robot with a program of your own, the first round of its main loop in which it reads a sensor and
-    /// then drives a wheel differently, or else where it first sends a character or drives a wheel]
+    /// Show the N-th control cycle, from reading its sensors to its command, with the time beyond Δt in red [default: a window
+    /// around the third cycle; for a robot with your own program, around the first round of the main loop that reads a sensor and
+    /// then changes the drive of a wheel, or else around the first character sent or wheel driven]
     #[arg(long, value_name = "N", value_parser = whole(1_u32..=100_000))]
     pub(crate) cycle: Option<u32>,
     /// Length of the window, in simulated milliseconds [default: 3 Δt, or the whole cycle]

@@ -9,7 +9,7 @@ use super::value::{ValueError, finite, whole};
 
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
-    /// A recording: an MCAP file made by this program. Without an output, its summary is printed
+    /// A recording: an MCAP file made by this program. Without an output option, its summary is printed
     pub(crate) file: PathBuf,
     /// Write the table that `baudbot run --csv` writes; `-` is stdout, here as for all outputs
     #[arg(long, value_name = "FILE")]
@@ -38,16 +38,16 @@ pub(crate) struct ExportArgs {
     /// With --utilities-svg, draw this column of --csv above them, such as a sensor's readings; may be given several times
     #[arg(long = "with", value_name = "COLUMN", requires = "utilities_svg")]
     pub(crate) with: Vec<String>,
-    /// Make a film of the page's arena as GIF; this needs a browser
+    /// Make a film of the page's arena as GIF; needs a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) gif: Option<PathBuf>,
-    /// Make a film of the page's arena as WebM; this needs a browser
+    /// Make a film of the page's arena as WebM; needs a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) webm: Option<PathBuf>,
-    /// Write what a logic analyser on the pins of a robot's chip would see, for GTKWave; may be given several times
+    /// Write the signals on the pins of a robot's chip as a VCD file, for GTKWave; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = super::chips::output)]
     pub(crate) vcd: Vec<ChipOutput>,
-    /// Write what a robot's firmware sent to the laptop; may be given several times
+    /// Write the bytes that a robot's firmware sent to the laptop; may be given several times
     #[arg(long, value_name = "ROBOT=FILE", value_parser = super::chips::output)]
     pub(crate) serial: Vec<ChipOutput>,
     #[command(flatten)]
@@ -59,7 +59,7 @@ pub(crate) struct ExportArgs {
     /// Write the summary as one JSON object
     #[arg(long, conflicts_with_all = OUTPUTS)]
     pub(crate) json: bool,
-    /// No progress bar and no notes
+    /// Suppress the progress bar and notes
     #[arg(long)]
     pub(crate) quiet: bool,
 }
@@ -78,10 +78,10 @@ pub(crate) struct WindowArgs {
 /// Which rows the tables have.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct RowArgs {
-    /// Only every N-th tick in --csv and --parquet, and for what --rosbag2 writes at each tick
+    /// Write only every N-th tick to --csv, --parquet and those topics of --rosbag2 that have a message per tick
     #[arg(long, value_name = "N", conflicts_with = "hz", value_parser = whole(1_u64..=u64::MAX))]
     pub(crate) every: Option<u64>,
-    /// About this many ticks per simulated second in --csv, --parquet and --rosbag2, at a fixed interval of whole ticks
+    /// Write about this many ticks per simulated second to --csv, --parquet and --rosbag2, at a fixed interval of whole ticks
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) hz: Option<f64>,
 }
@@ -105,9 +105,9 @@ pub(crate) struct FilmArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Theme {
-    /// For bright rooms and paper
+    /// A light background, for bright rooms and paper
     Light,
-    /// For the night
+    /// A dark background
     Dark,
 }
 

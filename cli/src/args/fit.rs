@@ -18,10 +18,10 @@ pub(crate) struct FitArgs {
     /// The robot, in the scenario and in the log [default: the only one]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
-    /// Fields to fit, below the robot; `*` stands for any part of a name, and a table's name for all that is in it
+    /// Fields to fit, as paths below the robot; `*` matches any part of a name, and a table's name means all its fields
     #[arg(long, value_name = "FIELD,…", value_delimiter = ',', required_unless_present = "list")]
     pub(crate) fields: Vec<String>,
-    /// Columns that have another name in the log, such as time_s=stamp,command_left=l
+    /// Names of columns in the log where they differ, such as time_s=stamp,command_left=l
     #[arg(long, value_name = "NAME=COLUMN,…", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
     /// Before the fit, change one field of the scenario, such as robots.robot.link.baud=57600
@@ -36,7 +36,7 @@ pub(crate) struct FitArgs {
     /// Write the numbers as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
-    /// No progress bar
+    /// Suppress the progress bar
     #[arg(long)]
     pub(crate) quiet: bool,
 }

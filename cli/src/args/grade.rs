@@ -17,22 +17,23 @@ pub(crate) struct GradeArgs {
     pub(crate) brains: Vec<String>,
     /// Grade each brain of a class: a folder of brains, or several files and folders
     ///
-    /// A brain is a file NAME.toml or NAME.py, a program, or a folder with brain.toml or brain.py; it goes by its name. The result is a table.
+    /// A brain is a file NAME.toml or NAME.py, a program, or a folder with brain.toml or brain.py. The result is a table with one row
+    /// per brain, under its file's or folder's name.
     #[arg(long, value_name = "PATH", num_args = 1.., requires = "exercise", conflicts_with_all = ["list", "show", "toml"])]
     pub(crate) class: Vec<PathBuf>,
-    /// How programs of a class are run, such as 'exec:.venv/bin/python {}'; by default, Python's by python3, others as they are
+    /// Command that runs the programs of a class, such as 'exec:.venv/bin/python {}' [default: python3 for Python, others directly]
     #[arg(long, value_name = "exec:COMMAND {}", requires = "class")]
     pub(crate) with: Option<String>,
     /// Write the table of a class as CSV; `-` is stdout
     #[arg(long, value_name = "FILE", requires = "class")]
     pub(crate) csv: Option<PathBuf>,
-    /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
+    /// Set a parameter of all brains that have it; programs get it in the environment variable BAUDBOT_PARAMETERS
     #[arg(long = "parameter", value_name = "NAME=VALUE")]
     pub(crate) parameters: Vec<String>,
     /// List the built-in exercises
     #[arg(long, conflicts_with_all = ["exercise", "brains", "show"])]
     pub(crate) list: bool,
-    /// Show the task of the exercise and what earns points, without grading anything
+    /// Show the exercise's task and the criteria that earn points, without grading anything
     #[arg(long, requires = "exercise", conflicts_with = "brains")]
     pub(crate) show: bool,
     /// Print the file of a built-in exercise, as a starting point for your own
@@ -44,7 +45,7 @@ pub(crate) struct GradeArgs {
     /// Number of parallel runs [default: the number of processors]
     #[arg(long, value_name = "N", value_parser = whole(1_u16..=1024))]
     pub(crate) jobs: Option<u16>,
-    /// Show on stderr what brains that are programs print; by default, only the last lines of one that fails
+    /// Pass the output of brains that are programs on to stderr [default: only the last lines of a brain that fails]
     #[arg(long)]
     pub(crate) show_output: bool,
     /// Write the result as one JSON object
@@ -53,7 +54,7 @@ pub(crate) struct GradeArgs {
     /// Write the result as JUnit XML, for continuous integration; `-` is stdout
     #[arg(long, value_name = "FILE")]
     pub(crate) junit: Option<PathBuf>,
-    /// No progress bar, no text (JSON is still written)
+    /// Suppress the progress bar and the text (JSON is still written)
     #[arg(long)]
     pub(crate) quiet: bool,
 }
@@ -72,5 +73,5 @@ Exit codes:
   0    passed, or nothing to grade
   1    not graded: the brain drove in no run, or an error occurred
   2    the exercise, the brain or the options cannot be used
-  3    graded, and not passed; of a class, not by all
+  3    graded, but not passed; for a class: not passed by every brain
   130  stopped by Ctrl-C";

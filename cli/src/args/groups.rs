@@ -76,7 +76,7 @@ fn told(error: &clap::Error) -> ExitCode {
 fn listed(command: &Command) -> String {
     let about = |name: &str| match command.find_subcommand(name).and_then(Command::get_about) {
         Some(about) => about.to_string(),
-        None => "Shows this, or the options of a command with examples".to_owned(),
+        None => "Shows this help, or a command's options with examples".to_owned(),
     };
     // As wide as clap makes what it writes itself.
     let columns =

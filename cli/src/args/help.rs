@@ -4,15 +4,15 @@ pub(super) const PACE_HELP: &str = "\
 When a tick ends:
   lockstep   when every brain has answered: the same run on any machine
   real-time  by the wall clock, without waiting for brains
-  scaled:X   by the wall clock, X simulated seconds per second
-  free       immediately; a brain that has not answered yet counts as silent";
+  scaled:X   by the wall clock, X simulated seconds per second, without waiting for brains
+  free       immediately, without waiting for brains";
 
 pub(super) const SERVED_PACE_HELP: &str = "\
-When a tick ends; without this option in real time, and with --resume as recorded:
+When a tick ends; the default is real-time, and with --resume the recorded pace:
   lockstep   when every brain has answered: the same run on any machine
   real-time  by the wall clock, without waiting for brains
-  scaled:X   by the wall clock, X simulated seconds per second
-  free       immediately; a brain that has not answered yet counts as silent";
+  scaled:X   by the wall clock, X simulated seconds per second, without waiting for brains
+  free       immediately, without waiting for brains";
 
 pub(super) const RUN_EXAMPLES: &str = "\
 Examples:
@@ -29,7 +29,7 @@ Examples:
 Ctrl-C (or SIGTERM, or SIGHUP) ends a run early: the summary is still printed, and the exit code is 130. A second Ctrl-C
 ends the program at once, without a summary. The exit code is 1 if a recording could not be completed.
 
-With --listen or --viewer a run is a server, too, and takes the options about access and limits of `baudbot help serve`.";
+With --listen or --viewer a run is also a server, with the options about access and limits of `baudbot help serve`.";
 
 pub(super) const SWEEP_EXAMPLES: &str = "\
 Examples:
@@ -65,7 +65,7 @@ Examples:
   baudbot serve --recordings runs                record and replay in the viewer, or over gRPC
   baudbot serve --trainer unix:/tmp/t.sock       for a program that learns: it creates its worlds itself
   baudbot serve devices/khepera-ascii --port khepera=pty:khepera.tty
-                                                 a serial port for programs that do not know baudbot";
+                                                 a serial port for programs not written for baudbot";
 
 pub(super) const REPLAY_EXAMPLES: &str = "\
 Examples:
@@ -79,18 +79,18 @@ Exit codes:
   0    identical, and nothing is missing
   1    the replay differs, or an error occurred
   2    the file or the options cannot be used
-  3    incomplete: identical wherever a comparison was possible; the message says how much that is
+  3    incomplete: identical wherever a comparison was possible; the message states how much was compared
   130  stopped by Ctrl-C
 
-A recording holds all inputs of the world, so the run can be simulated again on any machine. In a damaged file,
-everything that can be replayed is compared. docs/reference/recording.md describes the file, and other programs that read it.";
+A recording contains all inputs of the world, so any machine can simulate the run again. Of a damaged file, the part that
+can be replayed is compared. docs/reference/recording.md describes the file, and other programs that read it.";
 
 pub(super) const BRAIN_EXAMPLES: &str = "\
 Examples:
   baudbot brain --list
-  baudbot brain avoid                            the only robot of the only world at 127.0.0.1:7400
+  baudbot brain avoid                            drives the only robot of the only world at 127.0.0.1:7400
   baudbot brain avoid --connect unix:/tmp/baudbot.sock --world wander --robot robot
-  baudbot brain avoid --reconnect off            ends when the server does";
+  baudbot brain avoid --reconnect off            exits when the server does";
 
 pub(super) const CHECK_EXAMPLES: &str = "\
 Examples:
@@ -102,10 +102,10 @@ pub(super) const DIAGRAM_EXAMPLES: &str = "\
 Examples:
   baudbot diagram wander                         a table of the events around the third control cycle
   baudbot diagram wander --svg timing.svg        the same as a picture
-  baudbot diagram khepera --cycle 5 --svg -      one control cycle, red where it takes longer than Δt
+  baudbot diagram khepera --cycle 5 --svg -      one control cycle, with the time beyond Δt in red
   baudbot diagram my.toml --robot alice --brain avoid --at 12.5 --span 100
   baudbot diagram run.mcap --at 12.5             the same for a recorded run
-  baudbot diagram firmware --pins D9,A0 --svg -  what is on the pins of a chip with a program of your own";
+  baudbot diagram firmware --pins D9,A0 --svg -  the signals on the pins of a chip with your own program";
 
 pub(super) const BUDGET_EXAMPLES: &str = "\
 Examples:
@@ -114,7 +114,7 @@ Examples:
   baudbot budget my.toml --robot alice --json
   baudbot budget wander --svg budget.svg         the timing diagram of a typical cycle
   baudbot budget wander --measured run.mcap      with thinking times as measured in a run
-  baudbot budget rover/robot.toml --seconds 30   a program on a chip is measured in a run of 30 s";
+  baudbot budget rover/robot.toml --seconds 30   measures a program on a chip in a run of 30 s";
 
 pub(super) const PRESET_EXAMPLES: &str = "\
 Examples:
@@ -123,7 +123,7 @@ Examples:
   baudbot preset gp2d12 --json
   baudbot preset khepera-1 --json | jq '.values[] | select(.standing == \"guess\")'
 
-A scenario uses a preset with `preset = \"khepera-1\"`: a robot's in [[robots]], any other in the table of its part.";
+A scenario uses a preset with `preset = \"khepera-1\"`: the preset of a robot in [[robots]], any other in the table of its part.";
 
 pub(super) const EVIDENCE_EXAMPLES: &str = "\
 Examples:

@@ -16,7 +16,7 @@ pub(crate) struct ListArgs {
 pub(crate) struct InitArgs {
     /// A built-in scenario or experiment (`baudbot list`)
     pub(crate) name: String,
-    /// Where to write it, `-` for stdout; an existing file is not overwritten [default: its name with .toml, in the current folder]
+    /// The file to write, `-` for stdout; an existing file is not overwritten [default: NAME.toml in the current folder]
     pub(crate) file: Option<PathBuf>,
 }
 
@@ -50,7 +50,8 @@ each file, a file `.taplo.toml` in the folder can name all scenarios:
       include = [\"scenarios/**/*.toml\"]
       schema.path = \"./scenario.schema.json\"
 
-`taplo lint FILE` and `tombi lint FILE` check a file on the command line. Only `baudbot check` finds what depends on other fields.";
+`taplo lint FILE` and `tombi lint FILE` check a file on the command line. Only `baudbot check` finds errors that involve several
+fields.";
 
 pub(super) const COMPLETIONS_EXAMPLES: &str = "\
 Examples:

@@ -48,9 +48,9 @@ pub(crate) struct LocateArgs {
 /// The method by which a pose is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Search {
-    /// As in the lecture notes: random poses in a box around the best pose so far
+    /// Random poses in a box around the best pose so far, as in the lecture notes
     Search,
-    /// By robust least squares on the rays, from the guess and from poses drawn around it
+    /// Robust least squares on the rays, starting from the guess and from poses drawn around it
     Refine,
 }
 
@@ -176,6 +176,6 @@ Examples:
   baudbot locate tour --at 6,3,1.5 --guess 5.5,3.3,1.9 --method refine
   baudbot locate my.toml --robot alice --laser urg --guess 0.1,0,0.05 --iterations 1000 --shrink --json
 
-The robot stands still, and its laser takes one scan as in a run, with its noise. The map holds what stands still in the
-arena at the height of the laser; the scan sees moving things, but the map does not hold them. --seed draws another
-scan, and other poses. The exit code is 1 if too few rays could be compared at every pose.";
+The robot stands still, and its laser takes one scan with noise, as in a run. The map contains the stationary things at the
+height of the laser; moving things appear in the scan, but not in the map. --seed changes the noise of the scan and the
+poses tried. The exit code is 1 if too few rays could be compared at every pose.";

@@ -30,7 +30,7 @@ pub(crate) struct PortArgs {
     /// Wait at most this long for an answer, in milliseconds
     #[arg(long, value_name = "MS", default_value_t = 1000, value_parser = whole(1_u32..=60_000))]
     pub(crate) timeout_ms: u32,
-    /// Wait this long after the port is opened, in milliseconds: an Arduino restarts then
+    /// Wait this long after opening the port, in milliseconds, because an Arduino restarts then
     #[arg(long, value_name = "MS", default_value_t = 2000, value_parser = whole(0_u32..=60_000))]
     pub(crate) settle_ms: u32,
 }
@@ -40,10 +40,10 @@ pub(crate) struct EchoArgs {
     /// The serial port, such as /dev/ttyUSB0, with TX wired to RX or the echo sketch on the board
     #[arg(long, value_name = "PATH")]
     pub(crate) device: Option<PathBuf>,
-    /// Messages to send
+    /// Number of messages to send
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(1_u32..=10_000_000))]
     pub(crate) count: u32,
-    /// Bytes of each message
+    /// Length of each message, in bytes
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1_u32..=4096))]
     pub(crate) bytes: u32,
     /// Pause between an echo and the next message, in milliseconds
@@ -55,7 +55,7 @@ pub(crate) struct EchoArgs {
     /// Print an Arduino sketch that sends each byte back, and do nothing else
     #[arg(long)]
     pub(crate) sketch: bool,
-    /// No progress bar
+    /// Suppress the progress bar
     #[arg(long)]
     pub(crate) quiet: bool,
     #[command(flatten)]
@@ -73,10 +73,10 @@ pub(crate) struct CurveArgs {
     /// Text that makes the device send a reading; \n, \r, \t and \xNN are escapes
     #[arg(long, value_name = "TEXT", requires = "device", value_parser = bytes)]
     pub(crate) ask: Option<Bytes>,
-    /// Which number of the answer is the reading
+    /// Position of the reading among the numbers of the answer, counted from 1
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1_u16..=1000))]
     pub(crate) number: u16,
-    /// Readings at each distance
+    /// Number of readings at each distance
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole(1_u32..=100_000))]
     pub(crate) readings: u32,
     /// Name of the sensor, for a column `sensor`: curves of several sensors can be in one file
@@ -91,13 +91,13 @@ pub(crate) struct StepArgs {
     /// The robot's serial port, such as /dev/ttyUSB0
     #[arg(long, value_name = "PATH")]
     pub(crate) device: PathBuf,
-    /// The command that sets the motors, with {left} and {right} in it, such as 'D,{left},{right}\n'
+    /// The command that sets the motors, containing {left} and {right}, such as 'D,{left},{right}\n'
     #[arg(long, value_name = "TEXT", value_parser = template)]
     pub(crate) command: String,
     /// Text that makes the robot send its wheel counts, such as 'H\n'
     #[arg(long, value_name = "TEXT", value_parser = bytes)]
     pub(crate) ask: Bytes,
-    /// Which number of the answer is the left count; the right one is the next
+    /// Position of the left count among the numbers of the answer, counted from 1; the right count is the next number
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1_u16..=1000))]
     pub(crate) number: u16,
     /// Command for the left motor, in the robot's own units
@@ -106,13 +106,13 @@ pub(crate) struct StepArgs {
     /// Command for the right motor, in the robot's own units
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = finite)]
     pub(crate) right: f64,
-    /// The robot's command at full speed, which is the signal 1 in the table
+    /// The robot's command for full speed, written to the table as the signal 1
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
     pub(crate) full: f64,
-    /// How long the robot drives, in seconds
+    /// Duration of the drive, in seconds
     #[arg(long, value_name = "S", default_value_t = 2.0, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) seconds: f64,
-    /// How long it is recorded before and after that, in seconds
+    /// Time recorded before and after the drive, in seconds
     #[arg(long, value_name = "S", default_value_t = 0.5, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) rest_s: f64,
     /// Time between two samples, in milliseconds
@@ -174,7 +174,8 @@ Examples:
   baudbot measure echo --device /dev/ttyUSB0 -o echo.csv
   baudbot measure echo --device /dev/ttyUSB0 --baud 9600 --bytes 16 --count 200 --pause-ms 3
 
-Each message is sent when the one before has come back. See docs/how-to/measure.md. Ctrl-C ends early, and keeps the measurements.";
+Each message is sent when the previous one has come back. Ctrl-C ends early, and keeps the measurements so far. See
+docs/how-to/measure.md.";
 
 const CURVE_EXAMPLES: &str = "\
 Examples:

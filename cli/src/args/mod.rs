@@ -71,7 +71,7 @@ use self::value::{finite, instant, patience, span, whole};
 pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
 use crate::logs::{LogFilter, LogFormat};
 
-/// A simulation server for mobile robots whose brains are elsewhere.
+/// A simulation server for mobile robots whose controllers (brains) run as separate programs.
 ///
 /// Without a command, `baudbot` lets a robot wander for 60 simulated seconds and prints a summary.
 #[derive(Debug, Parser)]
@@ -99,7 +99,7 @@ pub(crate) enum Command {
     /// Runs an experiment: a scenario many times, with some of its fields varied
     #[command(after_long_help = SWEEP_EXAMPLES)]
     Sweep(SweepArgs),
-    /// Searches for the parameters of a brain, or of a scenario, with which an experiment scores best
+    /// Searches for the parameters of a brain or a scenario that maximize the score of an experiment
     #[command(after_long_help = TUNE_EXAMPLES)]
     Tune(TuneArgs),
     /// Grades a brain on an exercise, with points and advice; without one, lists the exercises
@@ -120,7 +120,7 @@ pub(crate) enum Command {
     /// Draws a timing diagram of a run: sensors, microcontroller, cable, brain and motors over time
     #[command(after_long_help = DIAGRAM_EXAMPLES)]
     Diagram(DiagramArgs),
-    /// Computes what each robot's control cycle costs and whether it meets its deadline, and suggests remedies
+    /// Computes the duration of each robot's control cycle, compares it with the deadline, and suggests remedies
     #[command(after_long_help = BUDGET_EXAMPLES)]
     Budget(BudgetArgs),
     /// Plans a path through a scenario's arena, and shows the examined cells
@@ -153,22 +153,22 @@ pub(crate) enum Command {
     /// Shows a running world on a server
     #[command(after_long_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),
-    /// Opens serial ports on this machine for a server's robots, or prints the bytes of a cable
+    /// Opens serial ports on this machine for a server's robots, or prints and decodes the bytes on a cable
     #[command(subcommand)]
     Port(PortCommand),
-    /// Creates, lists and revokes tokens, which say what clients may do on a server
+    /// Creates, lists and revokes tokens, which give clients their rights on a server
     #[command(subcommand)]
     Token(TokenCommand),
-    /// Checks what a server keeps with --state, and recovers worlds that are damaged
+    /// Checks the folder of a server with --state, and recovers damaged worlds
     #[command(subcommand)]
     State(StateCommand),
     /// Lists the built-in scenarios, experiments, exercises, brains and presets
     #[command(after_long_help = list::LIST_EXAMPLES)]
     List(ListArgs),
-    /// Writes a built-in scenario or experiment to a file, for you to change
+    /// Writes a built-in scenario or experiment to a file, as a starting point for your own
     #[command(after_long_help = list::LIST_EXAMPLES)]
     Init(InitArgs),
-    /// Prints a JSON Schema of scenario files, with which editors complete fields and show mistakes
+    /// Prints a JSON Schema for scenario files, for completion and error checking in editors
     #[command(after_long_help = list::SCHEMA_EXAMPLES)]
     Schema,
     /// Prints completions of commands and options for a shell
@@ -187,22 +187,22 @@ pub(crate) struct RunArgs {
     pub(crate) scenario: Option<String>,
     /// A brain for one robot, or for all robots that no other --brain names; `none` leaves a robot without a brain
     ///
-    /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own;
-    /// BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT tell it where to attach. ROBOT may be a pattern such as 'cell-*'. By default every robot gets `avoid`, which needs IR
-    /// sensors. `baudbot brain --list` lists the brains.
+    /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own, which attaches to the
+    /// server, world and robot given by the environment variables BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT. ROBOT may be a pattern
+    /// such as 'cell-*'. By default every robot gets `avoid`, which needs IR sensors. `baudbot brain --list` lists the brains.
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
-    /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
+    /// Set a parameter of all brains that have it; programs get it in the environment variable BAUDBOT_PARAMETERS
     #[arg(long = "parameter", value_name = "NAME=VALUE")]
     pub(crate) parameters: Vec<String>,
-    /// Before the run begins, wait until other programs have attached to N robots; robots that no --brain names are left to them
+    /// Wait for other programs to attach to N robots before the run begins; robots that no --brain names are left to them
     #[arg(long, value_name = "N", value_parser = whole(1_u16..=u16::MAX))]
     pub(crate) external: Option<u16>,
-    /// Show on stderr what brains that are programs print; by default, only the last lines of one that fails
+    /// Pass the output of brains that are programs on to stderr [default: only the last lines of a brain that fails]
     #[arg(long)]
     pub(crate) show_output: bool,
-    /// End the run, with exit code 1, if a brain that is a program does not answer for this long by the wall clock; by default, that is
-    /// only said, after 10 s
+    /// End the run with exit code 1 if a brain that is a program does not answer within this wall-clock time [default: only print a
+    /// message, after 10 s]
     #[arg(long, value_name = "S", value_parser = patience)]
     pub(crate) brain_timeout: Option<f64>,
     /// End after this much simulated time
@@ -211,7 +211,7 @@ pub(crate) struct RunArgs {
     /// End after this many ticks
     #[arg(long, value_name = "N", value_parser = whole(1_u64..=u64::MAX))]
     pub(crate) ticks: Option<u64>,
-    /// Write the state at every tick as a table; `-` is stdout, and the summary then goes to stderr
+    /// Write the state at every tick as a CSV table; `-` is stdout, and the summary then goes to stderr
     #[arg(long, value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,
     /// Write the events of robots, cables and brains as a trace for ui.perfetto.dev
@@ -220,16 +220,17 @@ pub(crate) struct RunArgs {
     /// Write the summary as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
-    /// No progress bar, no notes, no summary (JSON is still written)
+    /// Suppress the progress bar, notes and the summary (JSON is still written)
     #[arg(long)]
     pub(crate) quiet: bool,
     /// When a tick ends: lockstep, real-time, scaled:X or free
     #[arg(long, value_name = "PACE", default_value = "lockstep", long_help = PACE_HELP, help_heading = PACE)]
     pub(crate) pace: PaceName,
-    /// How the brains are connected to their world; the run is the same either way [default: direct, or grpc where a server is needed]
+    /// Connection between the brains and their world; the run is the same either way [default: direct, or grpc where a server is needed]
     ///
-    /// A server is needed for paces other than lockstep, for --listen, --viewer, the limits and the
-    /// options about who may connect, for --watchdog-ms, --on-timeout and --lookahead, and to export OTLP traces. `direct` is many times faster.
+    /// A server is needed for paces other than lockstep, for --listen and --viewer, for the options about access and limits, for
+    /// --external, --brain-timeout, brains that are programs, --watchdog-ms, --on-timeout and --lookahead, and for exporting OTLP traces.
+    /// `direct` is many times faster.
     #[arg(long, value_name = "PATH")]
     pub(crate) over: Option<Over>,
     #[command(flatten)]
@@ -248,35 +249,35 @@ pub(crate) struct RunArgs {
 pub(crate) struct ServeArgs {
     /// Scenario files, or built-in scenarios (`baudbot list`) [default: wander]
     ///
-    /// Each becomes a world with the scenario's name, or the file's if it has none.
+    /// Each becomes a world with the name of the scenario, or of the file if the scenario has no name.
     pub(crate) scenarios: Vec<String>,
     /// Keep the worlds paused until an operator starts them (ControlService.StartWorld)
     #[arg(long)]
     pub(crate) paused: bool,
-    /// When a tick ends: lockstep, real-time, scaled:X or free [default: real-time; with --resume, as recorded]
+    /// When a tick ends: lockstep, real-time, scaled:X or free [default: real-time; with --resume, the recorded pace]
     #[arg(long, value_name = "PACE", long_help = SERVED_PACE_HELP, help_heading = PACE)]
     pub(crate) pace: Option<PaceName>,
     /// Let operators record worlds into this folder, and replay the recordings in it
     #[arg(long, value_name = "FOLDER", help_heading = record::HEADING)]
     pub(crate) recordings: Option<PathBuf>,
-    /// Keep worlds, snapshots and recordings in this folder, so that they survive however the server ends
+    /// Store worlds, snapshots and recordings in this folder, so that they survive even a crash of the server
     ///
-    /// The folder is created if needed. Worlds that are in it continue, and a scenario whose world is among them is not started
-    /// again (docs/reference/state.md).
+    /// The folder is created if needed. Worlds in the folder continue; a scenario whose world is among them is not started again
+    /// (docs/reference/state.md).
     #[arg(long, value_name = "FOLDER")]
     pub(crate) state: Option<PathBuf>,
-    /// After Ctrl-C or SIGTERM, end with exit code 1 if worlds and recordings have not been closed within this time
+    /// After Ctrl-C or SIGTERM, exit with code 1 if worlds and recordings take longer than this to close, in seconds
     #[arg(long, value_name = "S", default_value_t = 10, value_parser = whole(1_u32..=3600))]
     pub(crate) stop_within: u32,
     /// Listen for trainers, which drive robots and get their true poses: 127.0.0.1:PORT or unix:/PATH
     ///
-    /// A trainer also creates worlds here (docs/how-to/training.md). Only this machine can reach the address.
+    /// A trainer also creates its worlds through this address (docs/how-to/training.md), which only this machine can reach.
     #[arg(long, value_name = "ADDR")]
     pub(crate) trainer: Option<Address>,
-    /// Open a serial port on the cable of a robot, or of one of its sensors, for programs that do not know baudbot
+    /// Open a serial port on the cable of a robot, or of one of its sensors, for programs not written for baudbot
     #[arg(long = "port", value_name = "ROBOT[/SENSOR]=KIND:WHERE", long_help = port::PORT_HELP)]
     pub(crate) ports: Vec<PortAddress>,
-    /// Continue the world of a recording from where the recording ends; brains can attach to it again
+    /// Continue the world of a recording from the recording's end; brains can attach to it again
     #[arg(long, value_name = "FILE.mcap", conflicts_with_all = ["scenarios", "sets", "seed", "no_noise"])]
     pub(crate) resume: Option<PathBuf>,
     #[command(flatten)]
@@ -307,14 +308,14 @@ pub(crate) struct CheckArgs {
 pub(crate) struct PresetArgs {
     /// A preset [default: list them all]
     pub(crate) name: Option<String>,
-    /// Write JSON: the list, or a preset's values, each with its standing (such as datasheet, measured or guess) and its source
+    /// Write JSON: the list, or a preset's values, each with its source and its standing, such as datasheet, measured or guess
     #[arg(long)]
     pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct EvidenceArgs {
-    /// Comparisons to show in full, or presets, for all comparisons about them [default: all comparisons, one line each]
+    /// Comparisons to show in full, or presets whose comparisons to show [default: all comparisons, one line each]
     pub(crate) names: Vec<String>,
     /// Write JSON
     #[arg(long)]
@@ -325,7 +326,7 @@ pub(crate) struct EvidenceArgs {
     /// Fail if the page in this folder is not up to date
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["names", "json", "write"])]
     pub(crate) check: Option<PathBuf>,
-    /// Do not report progress
+    /// Suppress the progress bar
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }
@@ -340,7 +341,7 @@ pub(crate) struct WatchArgs {
     /// Write each frame as a JSON object on one line
     #[arg(long, conflicts_with = "foxglove")]
     pub(crate) json: bool,
-    /// Show the world in Foxglove, which connects to ws://IP:PORT, instead of in the terminal
+    /// Show the world in Foxglove instead of the terminal; Foxglove connects to ws://IP:PORT
     ///
     /// Needs a program built with `--features foxglove`. docs/how-to/foxglove.md has a layout.
     #[arg(
@@ -357,7 +358,7 @@ pub(crate) struct ChangeArgs {
     /// Change one field of the scenario, such as robots.robot.start.x_m=0.5
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
-    /// Run your own program (Intel HEX or ELF) on a robot's microcontroller, in place of the scenario's
+    /// Run your own program (Intel HEX or ELF) on a robot's microcontroller, in place of the scenario's program
     #[arg(long, value_name = "ROBOT=FILE")]
     pub(crate) firmware: Vec<String>,
     /// Seed of all random numbers in the world, and of the brains in this process
@@ -380,7 +381,7 @@ impl Cli {
 
 /// Headings of options.
 const LOG: &str = "Log";
-const ACCESS: &str = "Who may connect";
+const ACCESS: &str = "Access";
 const LIMITS: &str = "Limits (docs/reference/limits.md)";
 const PACE: &str = "Pace";
 

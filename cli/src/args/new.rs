@@ -18,7 +18,7 @@ pub(crate) enum NewCommand {
 pub(crate) struct NewBrainArgs {
     /// The project's folder, which must be new or empty; its name is the project's name
     pub(crate) folder: PathBuf,
-    /// The language
+    /// Programming language
     #[arg(long, value_name = "LANGUAGE", default_value = "rust")]
     pub(crate) lang: Language,
     /// For Rust: use the crates of a clone of baudbot, in this folder [default: the project contains them]
@@ -30,7 +30,7 @@ pub(crate) struct NewBrainArgs {
 pub(crate) struct NewFirmwareArgs {
     /// The project's folder, which must be new or empty; its name is the program's name
     pub(crate) folder: PathBuf,
-    /// The language
+    /// Programming language
     #[arg(long, value_name = "LANGUAGE", default_value = "arduino")]
     pub(crate) lang: FirmwareLanguage,
 }
@@ -38,7 +38,7 @@ pub(crate) struct NewFirmwareArgs {
 /// The language of a program for a microcontroller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FirmwareLanguage {
-    /// A sketch in Arduino's C++, with Arduino's core
+    /// A sketch in Arduino's C++, with the Arduino core
     Arduino,
     /// C, using the chip's registers
     C,
@@ -47,9 +47,9 @@ pub(crate) enum FirmwareLanguage {
 /// The language of a project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Language {
-    /// With behaviours of baudbot, and one of its own
+    /// A brain made of baudbot's behaviours and one of its own
     Rust,
-    /// With the package `baudbot-client`, whose files the project contains
+    /// A brain on the package `baudbot-client`, whose files the project contains
     Python,
 }
 

@@ -29,7 +29,7 @@ impl RunArgs {
     fn over_if(&self, exports: bool) -> anyhow::Result<Over> {
         match (self.over, self.needs_server(exports)) {
             (Some(Over::Direct), Some(option)) => Err(Refused::error(format!(
-                "--over direct and {option} exclude each other: there is no server on that path, and {option} needs one; \
+                "--over direct and {option} exclude each other: {option} needs a server, and a direct connection has none; \
                  leave out one of the two"
             ))),
             (Some(over), _) => Ok(over),
@@ -107,8 +107,8 @@ mod tests {
     #[test]
     fn what_excludes_each_other_is_told_with_both_names() {
         let error = over("--over direct --listen 127.0.0.1:0").unwrap_err();
-        let expected = "--over direct and --listen exclude each other: there is no server on that path, and --listen \
-                        needs one; leave out one of the two";
+        let expected = "--over direct and --listen exclude each other: --listen needs a server, and a direct connection \
+                        has none; leave out one of the two";
         assert_eq!(error, expected);
         assert!(
             over("--over direct --pace free")

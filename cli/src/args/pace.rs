@@ -29,9 +29,7 @@ impl FromStr for PaceName {
                 Ok(factor) if f64::is_finite(factor) && factor > 0.0 => Ok(Self::Timed(factor)),
                 _ => Err(ValueError::Factor(factor.to_owned())),
             },
-            _ => {
-                Err(ValueError::Form("a pace is lockstep, real-time, scaled:X (such as scaled:2.5) or free"))
-            }
+            _ => Err(ValueError::Form("must be lockstep, real-time, scaled:X (such as scaled:2.5) or free")),
         }
     }
 }
@@ -50,17 +48,18 @@ impl PaceName {
 #[derive(Debug, Args)]
 #[command(next_help_heading = super::PACE)]
 pub(crate) struct WatchdogArgs {
-    /// In lockstep: wall-clock time that a brain may take to answer [default: 10000]
+    /// In lockstep: wall-clock time that a brain may take to answer, in milliseconds [default: 10000]
     #[arg(long, value_name = "N", value_parser = whole(1_u32..=u32::MAX))]
     pub(crate) watchdog_ms: Option<u32>,
-    /// In lockstep: what happens when a brain takes longer [default: wait]
+    /// In lockstep: reaction to a brain that takes longer [default: wait]
     #[arg(long, value_name = "POLICY")]
     pub(crate) on_timeout: Option<OnTimeout>,
-    /// In lockstep: whether the world runs ahead while a brain waits for a message or its answer is still on the cable; the run
-    /// is the same either way [default: on]
+    /// In lockstep: let the world run ahead while a brain waits for a message or its answer is still on the cable; the run is the
+    /// same either way [default: on]
     #[arg(long, value_name = "on|off")]
     pub(crate) lookahead: Option<Lookahead>,
-    /// In real and scaled time: the most wall-clock lag that the world catches up on; the rest is dropped [default: 100]
+    /// In real and scaled time: maximum lag behind the wall clock that the world makes up, in milliseconds; any more is skipped
+    /// [default: 100]
     #[arg(long, value_name = "N", value_parser = whole(1_u32..=u32::MAX))]
     pub(crate) max_lag_ms: Option<u32>,
 }
@@ -69,7 +68,7 @@ pub(crate) struct WatchdogArgs {
 pub(crate) enum Lookahead {
     /// The world runs ahead
     On,
-    /// The world asks every brain at each of its steps, and waits for the answer
+    /// The world waits for the answer of every brain at each of its steps
     Off,
 }
 
@@ -89,12 +88,12 @@ impl WatchdogArgs {
         let any = self.watchdog_ms.is_some() || self.on_timeout.is_some() || self.lookahead.is_some();
         if any && !matches!(pace, Pace::Lockstep(_) | Pace::Stepped(_)) {
             return Err(Refused::error(
-                "--watchdog-ms, --on-timeout and --lookahead need --pace lockstep: other paces wait for no brain",
+                "--watchdog-ms, --on-timeout and --lookahead need --pace lockstep: other paces do not wait for brains",
             ));
         }
         if self.max_lag_ms.is_some() && !matches!(pace, Pace::Timed(_)) {
             return Err(Refused::error(
-                "--max-lag-ms needs --pace real-time or scaled:X: other paces have no clock to lag behind",
+                "--max-lag-ms needs --pace real-time or scaled:X: other paces do not follow the wall clock",
             ));
         }
         Ok(match pace {

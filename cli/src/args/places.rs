@@ -16,9 +16,9 @@ pub(crate) struct ListenArgs {
     /// Listen for brains, observers and operators: IP:PORT (port 0 picks a free one) or unix:/PATH
     #[arg(long, value_name = "ADDR")]
     pub(crate) listen: Vec<Address>,
-    /// Serve the page for browsers at http://IP:PORT (port 0 picks a free one); `off` disables it
+    /// Serve the web page at http://IP:PORT (port 0 picks a free one); `off` disables it
     ///
-    /// Metrics for Prometheus are at http://IP:PORT/metrics (docs/reference/metrics.md).
+    /// Prometheus metrics are at http://IP:PORT/metrics (docs/reference/metrics.md).
     #[arg(long, value_name = "IP:PORT|off")]
     pub(crate) viewer: Option<Viewer>,
     #[command(flatten)]
@@ -62,7 +62,7 @@ pub(crate) struct ConnectArgs {
 /// What is shown to a server. In the environment it is `BAUDBOT_TOKEN_FILE` and `BAUDBOT_CA`.
 #[derive(Debug, Default, Args)]
 pub(crate) struct CredentialArgs {
-    /// A file with the token to present [default: that of your own server on this machine]
+    /// A file with the token to present [default: the token of your own server on this machine]
     #[arg(long, value_name = "FILE")]
     pub(crate) token_file: Option<PathBuf>,
     /// Trust servers with certificates from these authorities, in PEM [default: those of the system]

@@ -16,13 +16,13 @@ pub(crate) struct PlanArgs {
     /// Goal of the path, in metres
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = point)]
     pub(crate) to: Point,
-    /// Start of the path, in metres [default: where the robot starts]
+    /// Start of the path, in metres [default: the robot's start]
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = point)]
     pub(crate) from: Option<Point>,
     /// The planning method
     #[arg(long, value_name = "METHOD", default_value = "a-star")]
     pub(crate) method: Method,
-    /// Moves between cells; theta-star and cells have their own
+    /// Moves between cells; ignored by theta-star and cells, which have their own
     #[arg(long, value_name = "STEPS", default_value = "8")]
     pub(crate) steps: Steps,
     /// Estimate of the remaining path, for walker, greedy and a-star
@@ -53,7 +53,7 @@ pub(crate) struct PlanArgs {
 /// The method by which a path is planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Method {
-    /// Always the neighbour nearest to the goal, and never back: Fig. 6.7 of the lecture notes, as printed
+    /// Always to the neighbour nearest to the goal, and never back: Fig. 6.7 of the lecture notes, as printed
     Walker,
     /// Best-first search with a list of open cells: quick, but not the shortest path
     Greedy,
@@ -61,7 +61,7 @@ pub(crate) enum Method {
     Dijkstra,
     /// A*: the shortest path, with fewer cells examined
     AStar,
-    /// Theta*: turns by any angle
+    /// Theta*: a path with turns by any angle
     ThetaStar,
     /// Large convex cells, crossed in straight lines: Fig. 6.6
     Cells,
@@ -130,5 +130,5 @@ Examples:
   baudbot plan grid-wall --to 17.5,10.5 --cell-m 1 --method walker --svg -
   baudbot plan my.toml --from 1,1 --to 3,2 --cell-m 0.05 --margin-m 0.1 --json
 
-The map holds what stands still in the arena, whatever its height; moving things are not in it. A cell is free if all of
-it is farther from every wall than the robot's radius plus the margin. The exit code is 1 if the walker gets stuck.";
+The map contains the stationary things in the arena, at any height; moving things are not in it. A cell is free if all of it
+is farther from every wall than the robot's radius plus the margin. The exit code is 1 if the walker gets stuck.";

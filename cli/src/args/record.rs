@@ -17,7 +17,7 @@ pub(crate) struct RecordArgs {
     /// Record the run into this file, which must not exist yet: for `baudbot replay` and other programs
     #[arg(long, value_name = "FILE.mcap", value_parser = file)]
     pub(crate) record: Option<PathBuf>,
-    /// Frames per simulated second that are recorded for other programs; a replay does not need them
+    /// Frames recorded per simulated second, for other programs; a replay does not need them
     #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = rate, requires = "record")]
     pub(crate) record_hz: f64,
 }
@@ -33,16 +33,16 @@ pub(crate) struct ReplayArgs {
     /// Replay up to this simulated time
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = instant)]
     pub(crate) to: Option<f64>,
-    /// Then serve the world as a live one, from the last tick replayed, for new brains, until Ctrl-C
+    /// After the replay, serve the world live from the last tick replayed, for new brains, until Ctrl-C
     #[arg(long)]
     pub(crate) fork: bool,
-    /// With --fork, when a tick ends: lockstep, real-time, scaled:X or free [default: as recorded]
+    /// With --fork: when a tick ends, lockstep, real-time, scaled:X or free [default: the recorded pace]
     #[arg(long, value_name = "PACE", requires = "fork", help_heading = super::PACE)]
     pub(crate) pace: Option<PaceName>,
     /// Write the result as one JSON object
     #[arg(long, conflicts_with_all = ["view", "fork"])]
     pub(crate) json: bool,
-    /// No progress bar, no notes
+    /// Suppress the progress bar and notes
     #[arg(long)]
     pub(crate) quiet: bool,
     #[command(flatten)]
@@ -55,7 +55,7 @@ pub(crate) struct ReplayArgs {
 
 fn file(text: &str) -> Result<PathBuf, ValueError> {
     match text {
-        "-" => Err(ValueError::Form("must be a file; stdout cannot be read again")),
+        "-" => Err(ValueError::Form("must be a file, as a recording cannot be written to stdout")),
         _ => Ok(text.into()),
     }
 }

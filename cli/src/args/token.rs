@@ -40,10 +40,10 @@ pub(crate) struct NewTokenArgs {
     /// Allow training (driving robots in lockstep and getting their true poses), and observing
     #[arg(long, group = "rights")]
     pub(crate) train: bool,
-    /// Allow driving robots; `*` stands for any characters of a name, as in 'class-*/robot1' and '*/*'
+    /// Allow driving robots; `*` matches any characters of a name, as in 'class-*/robot1' and '*/*'
     #[arg(long, value_name = "WORLD/ROBOT", group = "rights")]
     pub(crate) drive: Vec<DrivePattern>,
-    /// How long the token is valid, such as 12h, 30d or 8w [default: until it is revoked]
+    /// Validity of the token, such as 12h, 30d or 8w [default: until it is revoked]
     #[arg(long, value_name = "TIME")]
     pub(crate) expires: Option<Lifetime>,
     #[command(flatten)]
@@ -61,7 +61,7 @@ pub(crate) struct ListTokensArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct RevokeTokenArgs {
-    /// Its name
+    /// Name of the token
     pub(crate) name: GrantName,
     #[command(flatten)]
     pub(crate) file: TokenFileArgs,
@@ -69,7 +69,7 @@ pub(crate) struct RevokeTokenArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct TokenFileArgs {
-    /// The file of tokens, which has only their hashes [default: ~/.config/baudbot/tokens.toml]
+    /// The token file, which contains only hashes of the tokens [default: ~/.config/baudbot/tokens.toml]
     ///
     /// The default is $XDG_CONFIG_HOME/baudbot/tokens.toml if that variable is set. docs/reference/trust.md describes the file.
     #[arg(long, value_name = "FILE")]
@@ -80,4 +80,4 @@ const NEW_EXAMPLES: &str = "\
 Examples:
   baudbot token new --name alice --observe --drive wander/alice
   baudbot token new --name course --drive 'class-*/*' --expires 26w
-  baudbot token new --name ci --operate --train --expires 1d > ci.token    the token alone is on stdout";
+  baudbot token new --name ci --operate --train --expires 1d > ci.token    only the token goes to stdout";

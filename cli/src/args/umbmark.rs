@@ -23,13 +23,13 @@ pub(crate) struct UmbmarkArgs {
     /// Runs in each direction
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole(1_u32..=1000))]
     pub(crate) runs: u32,
-    /// Speed on the sides, in metres per second [default: 0.2, or what suits a slower or faster robot]
+    /// Speed on the sides, in metres per second [default: 0.2, limited to a range that suits the robot]
     #[arg(long, value_name = "M/S", allow_negative_numbers = true, value_parser = finite)]
     pub(crate) speed_m_s: Option<f64>,
-    /// Measure again with the corrections
+    /// Measure again with the corrections applied
     #[arg(long)]
     pub(crate) check: bool,
-    /// Draw where the runs ended as an SVG picture; `-` is stdout, without other output
+    /// Draw the final positions of the runs as an SVG picture; `-` is stdout, without other output
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
     /// Write the result as one JSON object

@@ -11,18 +11,18 @@ use super::value::whole;
 pub(crate) struct SweepArgs {
     #[command(flatten)]
     pub(crate) work: WorkArgs,
-    /// Search for the limit of a field, by its label or path, at which the brain still succeeds
+    /// Search for the limit of a field, given by its label or path, at which the brain still succeeds
     #[arg(long, value_name = "FIELD", conflicts_with_all = ["out", "fresh"])]
     pub(crate) find: Option<String>,
-    /// Do only the runs of shard I of N, counted from 0, and write only their journal (rows.jsonl)
+    /// Run only shard I of N, counted from 0, and write only its journal (rows.jsonl)
     ///
-    /// Each of N machines does one shard, in any order; --merge then writes the outputs. In Kubernetes I/N is
+    /// Each of N machines runs one shard, in any order; --merge then writes the outputs. In Kubernetes I/N is
     /// "$(JOB_COMPLETION_INDEX)/8", in a shell "$JOB_COMPLETION_INDEX/8". The default folder is NAME.shards/I-of-N.
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
-    /// Write the outputs from the journals of all shards, or report which runs are missing and which command does them
+    /// Write the outputs from the journals of all shards, or report the missing runs and the commands that do them
     ///
-    /// Each DIR is the folder of a shard, a folder of such folders, or a journal itself. Journals are only read.
+    /// Each DIR is the folder of a shard, a folder of such folders, or a journal itself. Journals are not modified.
     #[arg(
         long, value_name = "DIR", num_args = 1..,
         conflicts_with_all = ["shard", "jobs", "connect", "yes"],
@@ -64,7 +64,7 @@ pub(crate) struct WorkArgs {
     /// Write the summary as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
-    /// No progress bar, no notes, no summary (JSON is still written)
+    /// Suppress the progress bar, notes and the summary (JSON is still written)
     #[arg(long)]
     pub(crate) quiet: bool,
 }

@@ -160,7 +160,7 @@ fn a_recording_is_replayed_shown_in_words_or_refused() {
     refused(&["serve", "--resume", text(&file), "--record", text(&file)], "is the recording that is resumed");
     refused(&["run", "--csv", text(&file), "--record", text(&file)], "are the same file");
     refused(&["run", "--record", text(&file)], "already exists, and no file is overwritten");
-    refused(&["run", "--record", "-"], "stdout cannot be read again");
+    refused(&["run", "--record", "-"], "cannot be written to stdout");
     refused(&["replay", text(&file), "--record", "/tmp/x.mcap"], "use it with --fork");
     refused(&["replay", text(&file), "--listen", "127.0.0.1:0"], "need --view or --fork");
     refused(&["replay", text(&file), "--fork", "--record", text(&file)], "already exists");
