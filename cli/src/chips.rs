@@ -13,14 +13,14 @@ pub(crate) struct ChipOption {
 }
 
 /// The record of a logic analyser on the pins.
-pub(crate) const VCD: ChipOption = ChipOption { name: "--vcd", nothing: "it has no pins to look at" };
+pub(crate) const VCD: ChipOption = ChipOption { name: "--vcd", nothing: "it has no pins to record" };
 
 /// The same in a diagram.
 pub(crate) const PINS: ChipOption = ChipOption { name: "--pins", ..VCD };
 
 /// The bytes that the program sends.
 pub(crate) const SERIAL: ChipOption =
-    ChipOption { name: "--serial", nothing: "nothing is on its cable but messages to and from a brain" };
+    ChipOption { name: "--serial", nothing: "its cable carries only messages to and from a brain" };
 
 /// The places of the robots with a program.
 pub(crate) fn all(specs: &[RobotSpec]) -> impl Iterator<Item = usize> {

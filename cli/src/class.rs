@@ -41,15 +41,15 @@ impl Class {
                         Some(brain) => entries.push((file, brain)),
                         // It may be notes, or the brain of a person who would miss the grading.
                         None if is_hidden(&file) => {}
-                        None => tell!("note: {} is no brain, and is left out", file.display()),
+                        None => tell!("note: {} is not a brain, and is skipped", file.display()),
                     }
                 }
                 continue;
             }
             let brain = brain_in(path, with).ok_or_else(|| {
                 Refused::error(format!(
-                    "--class {}: is no brain: neither a description in TOML, nor a program in Python, nor one that can be run; say how to \
-                     run it by --with 'exec:COMMAND {{}}'",
+                    "--class {}: is not a brain: neither a description in TOML, nor a Python program, nor executable; give the command that \
+                     runs it by --with 'exec:COMMAND {{}}'",
                     path.display()
                 ))
             })?;

@@ -34,7 +34,7 @@ pub(crate) struct ReaderGone;
 
 impl fmt::Display for ReaderGone {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("nobody reads the output any more")
+        f.write_str("the reader of the output has closed it")
     }
 }
 
@@ -79,11 +79,11 @@ pub(crate) fn from_builder(error: ServerError) -> anyhow::Error {
             && path.symlink_metadata().is_ok_and(|metadata| !metadata.file_type().is_socket())
         {
             return anyhow::anyhow!(
-                "{error}: there is something else than a socket; move it away, or choose another path"
+                "{error}: there is a file that is not a socket; move it away, or choose another path"
             );
         }
-        let remedy = "another program listens there, perhaps a server of baudbot; end it, or choose another address with \
-                      --listen or --viewer (127.0.0.1:0 is a free one)";
+        let remedy = "another program listens there, perhaps another baudbot server; end it, or choose another address with \
+                      --listen or --viewer (127.0.0.1:0 picks a free one)";
         return anyhow::anyhow!("{error}: {remedy}");
     }
     if refused { Refused::error(error.to_string()) } else { error.into() }
@@ -95,7 +95,8 @@ pub(crate) fn from_server(status: &tonic::Status) -> anyhow::Error {
     match status.source() {
         Some(_) => anyhow::anyhow!("the connection to the server is lost ({})", Printable(status.message())),
         None if status.code() == Code::Unimplemented && status.message().is_empty() => anyhow::anyhow!(
-            "there is no such call at this address: that of a run's brains serves brains only, and an older server has fewer calls"
+            "the server does not offer this call at this address: a run's address for brains serves only brains, and older servers offer \
+             fewer calls"
         ),
         None => anyhow::anyhow!("the server says: {}", Printable(status.message())),
     }

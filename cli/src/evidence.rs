@@ -27,7 +27,7 @@ fn compare(args: &EvidenceArgs) -> anyhow::Result<ExitCode> {
     let mut is_as_known = true;
     for comparison in &chosen {
         let points =
-            comparison.run().with_context(|| format!("cannot do the experiment `{}`", comparison.name))?;
+            comparison.run().with_context(|| format!("cannot run the experiment `{}`", comparison.name))?;
         is_as_known &= points.iter().all(|point| point.agrees == point.measured.disagrees.is_none());
         if args.json {
             told.push(as_json(comparison, &points));
@@ -129,7 +129,7 @@ fn check(folder: &Path, quiet: bool) -> anyhow::Result<ExitCode> {
     let old: Vec<_> = made(quiet)?.into_iter().filter(is_old).collect();
     for file in &old {
         tell!(
-            "{} is not what `baudbot evidence --write {}` makes",
+            "{} is not up to date; update it with `baudbot evidence --write {}`",
             folder.join(&file.path).display(),
             folder.display()
         );

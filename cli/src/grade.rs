@@ -54,7 +54,7 @@ pub(crate) async fn grade(args: GradeArgs) -> anyhow::Result<ExitCode> {
     }
     if args.brains.is_empty() {
         return Err(Refused::error(format!(
-            "which brain is to be graded? Add --brain NAME, --brain FILE.toml or --brain 'exec:PROGRAM'; `baudbot grade {name} --show` \
+            "no brain is given; add --brain NAME, --brain FILE.toml or --brain 'exec:PROGRAM'; `baudbot grade {name} --show` \
              shows the task"
         )));
     }
@@ -70,7 +70,7 @@ fn refuse_brains(args: &GradeArgs) -> anyhow::Result<()> {
         return Ok(());
     }
     Err(Refused::error(
-        "which exercise? `baudbot grade` lists them; then baudbot grade EXERCISE --brain BRAIN",
+        "no exercise is given; `baudbot grade` lists them; then baudbot grade EXERCISE --brain BRAIN",
     ))
 }
 

@@ -41,7 +41,7 @@ fn check(args: &CheckStateArgs) -> anyhow::Result<ExitCode> {
                         let folder = args.folder.display();
                         writeln!(
                             out,
-                            "  `baudbot state recover {folder} {name}` makes a world of it at tick {tick}, {time_s} s"
+                            "  `baudbot state recover {folder} {name}` recovers it at tick {tick}, {time_s} s"
                         )
                     }
                     None => writeln!(out, "  it has no sound state, and cannot be recovered"),
@@ -63,7 +63,7 @@ fn recover(args: &RecoverArgs) -> anyhow::Result<ExitCode> {
     let name = if args.name.is_some() { name } else { name.split('.').next().unwrap_or(name) };
     let recovered = open(&args.folder)?.recover(&args.world, name).map_err(refused)?;
     let mut out = format!(
-        "world {} can be continued at tick {}, {} s; {} stays as it is\n",
+        "world {} can be continued at tick {}, {} s; {} is unchanged\n",
         recovered.name,
         recovered.tick,
         recovered.time_s,

@@ -29,7 +29,7 @@ fn cause(within: Duration, processor: Duration) -> String {
         return "is a disk slow or full?".to_owned();
     }
     format!(
-        "it had too much to do: {:.1} s of processor time in {:.1} s; who asked for it, the log and the metrics of limits say",
+        "the server was overloaded: {:.1} s of processor time in {:.1} s; the log and the metrics of limits show which clients caused it",
         processor.as_secs_f64(),
         within.as_secs_f64()
     )
@@ -53,7 +53,10 @@ mod tests {
         let seconds = Duration::from_secs;
         assert_eq!(cause(seconds(10), seconds(1)), "is a disk slow or full?");
         let busy = cause(seconds(10), seconds(12));
-        assert!(busy.starts_with("it had too much to do: 12.0 s of processor time in 10.0 s; "), "{busy}");
+        assert!(
+            busy.starts_with("the server was overloaded: 12.0 s of processor time in 10.0 s; "),
+            "{busy}"
+        );
         let load = Load::begin();
         while processor() - load.processor < Duration::from_millis(20) {}
         assert!(load.since.elapsed() >= Duration::from_millis(5));

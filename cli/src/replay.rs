@@ -90,9 +90,9 @@ pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
 fn note(file: &Path, recorded: &RecordedRun) {
     let file = file.display();
     if let Some(problem) = recorded.problem() {
-        tell!("note: {file}: {problem}; it is replayed as far as it goes");
+        tell!("note: {file}: {problem}; it is replayed as far as possible");
     } else if let Some(scratch) = recorded.scratch() {
-        tell!("note: {file}: {scratch}, but all inputs of the run are there");
+        tell!("note: {file}: {scratch}, but all inputs of the run are present");
     }
 }
 
@@ -109,7 +109,7 @@ fn check(args: &ReplayArgs) -> anyhow::Result<()> {
     }
     if listens && !args.fork && !args.view {
         return refused(
-            "--listen, --viewer, limits and options about who may connect need --view or --fork: otherwise nothing is served",
+            "--listen, --viewer and the options about access and limits need --view or --fork: otherwise nothing is served",
         );
     }
     if waits && !args.fork {

@@ -65,7 +65,9 @@ fn worlds(args: &ServeArgs, kept: &Kept, serving: &mut Serving<'_>) -> anyhow::R
         let scenario = source.parse(&overrides)?;
         let world = source.world_name(&scenario);
         if kept.has(&world) {
-            tell!("note: world {world} continues as it was left; scenario {name} is not started again");
+            tell!(
+                "note: world {world} continues from its stored state; scenario {name} is not started again"
+            );
             continue;
         }
         scenarios::warn(&source, &scenario);
@@ -98,7 +100,10 @@ fn resume(args: &ServeArgs, file: &Path, kept: &Kept, serving: &mut Serving<'_>)
         return Err(anyhow::anyhow!("{}: does not replay as it was recorded: {difference}", file.display()));
     }
     if let Some(problem) = recorded.problem() {
-        tell!("note: {}: {problem}; the world continues from the end of what is left", file.display());
+        tell!(
+            "note: {}: {problem}; the world continues from the end of the part that is left",
+            file.display()
+        );
     }
     let (name, scenario) = (recorded.header().world.clone(), Arc::clone(world.scenario()));
     if kept.has(&name) {

@@ -195,8 +195,7 @@ fn of_port(live: &[(String, Arc<Scenario>)], world: &str, robot: &str, device: O
 
 fn hear(stop_within: Duration) -> std::io::Result<Stop> {
     let stop = Stop::listen()?;
-    let words =
-        |cause: &str| format!("the server does not come to its end, and ends as after a kill; {cause}");
+    let words = |cause: &str| format!("the server cannot shut down, and exits as if killed; {cause}");
     stop.exit_after(stop_within + LAST_RESORT, words)?;
     Ok(stop)
 }
@@ -208,8 +207,8 @@ async fn end(mut server: Server, limit: Instant, within: Duration) -> anyhow::Re
         let worlds = server.unended().join(", ");
         let within = within.as_secs();
         return Err(anyhow::anyhow!(
-            "not everything has ended within {within} s (--stop-within), as after a kill: what {worlds} did since the last marks of \
-             their recordings and of the state may be missing; {}",
+            "not everything has ended within {within} s (--stop-within), and the server exits as if killed: changes of {worlds} since the \
+             last marks of their recordings and states may be missing; {}",
             load.cause()
         ));
     }

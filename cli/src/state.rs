@@ -61,14 +61,14 @@ fn tell_of(found: &Found) {
                 "warning: world {name} does not continue: {file} {problem}; its folder is set aside as {to}"
             );
             tell!(
-                "note: `baudbot state recover FOLDER {name}`, while no server runs, makes a world of what is sound of it"
+                "note: `baudbot state recover FOLDER {name}`, while no server runs, recovers its intact part"
             );
         }
         Found::Unreadable { name, file, problem } => {
             let file = file.display();
             tell!(
-                "warning: world {name} does not continue: {file} {problem}; it is left as it is, and a new world {name} is not kept: let \
-                 this user read and write its folder, and start the server again"
+                "warning: world {name} does not continue: {file} {problem}; it is left unchanged, and a new world {name} is not stored: give \
+                 this user read and write access to its folder, and start the server again"
             );
         }
         Found::Ignored { path, problem } => {

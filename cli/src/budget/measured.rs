@@ -48,7 +48,7 @@ impl Measured {
         }
         let known: Vec<_> = self.0.keys().map(|name| format!("`{name}`")).collect();
         Err(Refused::error(format!(
-            "--measured {}: it has thinking times of {}, and of none of the robots asked for",
+            "--measured {}: it has thinking times of {}, but of none of the robots given",
             path.display(),
             known.join(", ")
         )))
@@ -65,14 +65,14 @@ impl Measured {
     pub(super) fn told(&self, robot: &RobotSpec) -> Option<String> {
         let Some((durations, clock)) = self.0.get(&robot.name) else {
             return (!self.0.is_empty())
-                .then(|| "  thinking as the scenario says: it was not measured\n".to_owned());
+                .then(|| "  thinking time of the scenario, as none was measured\n".to_owned());
         };
         let [least, median, p95, most] =
             [durations.min_ns, durations.p50_ns, durations.p95_ns, durations.max_ns]
                 .map(|ns| duration(ns as f64));
         let turns = count(usize::try_from(durations.count).unwrap_or(usize::MAX), "turn");
         Some(format!(
-            "  thinking as measured {clock} in {turns}: {least} to {most}, half within {median}, 95 % within {p95}\n"
+            "  thinking time measured {clock} in {turns}: {least} to {most}, median {median}, 95th percentile {p95}\n"
         ))
     }
 }

@@ -99,7 +99,7 @@ fn bar(part: u64, whole: u64) -> String {
 }
 
 fn rates(robot: &RobotBudget) -> String {
-    let head = ["how often a second", "at most", "typical", ""];
+    let head = ["rate, per second", "at most", "typical", ""];
     let mut rows = vec![head.map(str::to_owned)];
     let number = |per_s: Option<f64>| per_s.map_or_else(|| NOTHING.to_owned(), |n| format!("{n:.1}"));
     for rate in &robot.rates {
@@ -160,7 +160,7 @@ fn remedies(robot: &RobotBudget) -> String {
         }
         return text;
     }
-    text += "  what would fix it, the cheapest first\n";
+    text += "  possible fixes, the cheapest first\n";
     for remedy in &robot.remedies {
         let _ = writeln!(text, "    {} ({}): {}", remedy.what, cost(remedy.cost), outcome(remedy));
         for change in &remedy.overrides {
@@ -191,6 +191,6 @@ fn cost(cost: Cost) -> &'static str {
         Cost::Cable => "another cable",
         Cost::Processor => "another processor",
         Cost::Layout => "another layout",
-        Cost::Loss => "something is lost",
+        Cost::Loss => "a loss of data",
     }
 }

@@ -95,7 +95,7 @@ fn body(robot: &RobotSpec) -> String {
 fn specimen(drive: &Drive, deviation: &Deviation) -> String {
     let Wheels { left, right } = deviation.wheels;
     format!(
-        "; in truth the left wheel is {left:.6} and the right wheel {right:.6} times as large, the distance {:.6} times",
+        "; in truth the left wheel is {left:.6} and the right wheel {right:.6} times as large, and the distance {:.6} times",
         deviation.half_track_m / drive.half_track_m
     )
 }
@@ -103,7 +103,7 @@ fn specimen(drive: &Drive, deviation: &Deviation) -> String {
 /// The deadline of a brain, if the scenario states one.
 fn deadline(deadline: &Deadline) -> Option<String> {
     let late = match deadline.on_late? {
-        OnLate::Hold => "the last command holds until a late brain answers",
+        OnLate::Hold => "the last command stays in effect until a late brain answers",
         OnLate::Stop => "then the motors stop until the next command",
         OnLate::End => "then the run ends",
     };

@@ -143,8 +143,7 @@ fn picture(
     match cycle {
         None if robot.chip.is_some() => {
             let step = duration(step_ns as f64);
-            picture.subtitle =
-                format!("What happened when, on the pins of the chip and around it. Δt = {step}.");
+            picture.subtitle = format!("Events on the pins of the chip and around it. Δt = {step}.");
         }
         None => {}
         Some(cycle) => {

@@ -116,7 +116,7 @@ impl Look {
         self.listeners.look(world, &mut said);
         if gone > 0 {
             return Err(anyhow!(
-                "more happened in a tick than a robot's timeline holds: {gone} events were dropped"
+                "a tick had more events than a robot's timeline can store: {gone} events were dropped"
             ));
         }
         let mut fresh = Recorded { events: fresh.copied().collect(), said, ..Recorded::default() };
@@ -144,7 +144,7 @@ impl Look {
         match lost {
             0 => Ok(()),
             _ => Err(anyhow!(
-                "more happened on the pins in a tick than is kept: {lost} edges were dropped; a smaller step_ms keeps them"
+                "a tick had more edges on the pins than can be stored: {lost} edges were dropped; a smaller step_ms avoids that"
             )),
         }
     }

@@ -56,7 +56,7 @@ impl Browser {
     pub(super) fn open(program: &PathBuf, url: &str, width_px: u32) -> anyhow::Result<Self> {
         let profile = tempfile::Builder::new().prefix("baudbot-film-").tempdir();
         let profile = profile.context("cannot make a folder for the browser's profile")?;
-        let log = tempfile::tempfile().context("cannot make a file for what the browser says")?;
+        let log = tempfile::tempfile().context("cannot create a file for the browser's output")?;
         let both = || log.try_clone().map(Stdio::from).context("cannot share a file");
         let mut command = Command::new(program);
         command.args(OPTIONS).arg(format!("--user-data-dir={}", profile.path().display()));
@@ -89,7 +89,7 @@ impl Browser {
         let said = String::from_utf8_lossy(&said);
         let lines: Vec<_> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
         match (read, lines.as_slice()) {
-            (Ok(_), [.., last]) => format!(" (it said: {last})"),
+            (Ok(_), [.., last]) => format!(" (its last message: {last})"),
             _ => String::new(),
         }
     }

@@ -109,7 +109,7 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
     }
     if let (Some((one, _)), Some((other, _))) = (to_stdout.next(), to_stdout.next()) {
         return Err(Refused::error(format!(
-            "{one} - and {other} - both want stdout; write one of them to a file"
+            "{one} - and {other} - both write to stdout; write one of them to a file"
         )));
     }
     Inputs::default().file("recording", &args.file).check(args.outputs())?;
@@ -125,7 +125,7 @@ fn notes(args: &ExportArgs, recorded: &RecordedRun) {
             format!("{from_s} s to {to_s} s")
         });
         let left = ends.collect::<Vec<_>>().join(", ");
-        tell!("note: {file}: {problem}; what is left of it is {left}");
+        tell!("note: {file}: {problem}; the part that is left is {left}");
     }
     if let Some(scratch) = recorded.scratch() {
         tell!("note: {file}: {scratch}; the inputs of the run are complete, but frames may be missing");

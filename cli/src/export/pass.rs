@@ -83,7 +83,7 @@ pub(super) fn run(
     }
     if !is_whole {
         let at_s = world.time().as_seconds();
-        tell!("note: stopped at {at_s} s of the run; what is written ends there");
+        tell!("note: stopped at {at_s} s of the run; the outputs end there");
     }
     Ok(is_whole)
 }

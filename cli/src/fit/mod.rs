@@ -28,7 +28,9 @@ pub(crate) fn fit(args: &FitArgs) -> anyhow::Result<ExitCode> {
         text::print(&report::list(&subject))?;
         return Ok(ExitCode::SUCCESS);
     }
-    let Some(path) = &args.file else { return Err(Refused::error("which log? name a file, or - for stdin")) };
+    let Some(path) = &args.file else {
+        return Err(Refused::error("no log is given; name a file, or - for stdin"));
+    };
     if let Some(svg) = args.svg.as_deref().filter(|svg| output_files::is_same_file(svg, path)) {
         return Err(Refused::error(format!("--svg {}: would overwrite the log", svg.display())));
     }
@@ -66,6 +68,6 @@ fn picture(subject: &Subject, log: &Log, fitted: &Fitted) -> String {
     };
     let panels: Vec<_> = fitted.residuals.iter().map(panel).collect();
     let subtitle =
-        if panels.is_empty() { "no model could be fitted" } else { "what is left between log and model" };
+        if panels.is_empty() { "no model could be fitted" } else { "residuals between log and model" };
     residuals::draw(&format!("{} · {}", log.file, subject.label), subtitle, &panels)
 }

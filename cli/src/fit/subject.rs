@@ -27,7 +27,7 @@ impl Subject {
         match (&args.preset, &args.scenario) {
             (Some(name), _) => Self::of_preset(name, sets),
             (None, Some(file)) => Self::of_scenario(file, args.robot.as_deref(), sets),
-            (None, None) => Err(Refused::error("of which robot? give --preset or --scenario")),
+            (None, None) => Err(Refused::error("no robot is given; name it with --preset or --scenario")),
         }
     }
 

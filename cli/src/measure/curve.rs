@@ -152,7 +152,7 @@ impl std::fmt::Display for NoReading {
             None => {
                 write!(
                     f,
-                    "{}: no line came in time; check --baud, --ask and the end of its lines",
+                    "{}: no line came within --timeout-ms; check --baud, --ask and the end of its lines",
                     self.device
                 )
             }

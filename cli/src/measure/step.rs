@@ -50,7 +50,7 @@ fn is_allowed(args: &StepArgs, stop: &Stop) -> anyhow::Result<bool> {
         ));
     }
     tell!(
-        "THE ROBOT WILL MOVE for {} s with the commands {} and {}. Put its wheels in the air, or give it room, and keep its \
+        "THE ROBOT WILL MOVE for {} s with the commands {} and {}. Lift its wheels off the ground, or give it room, and keep its \
          switch within reach.",
         args.seconds,
         args.left,
@@ -139,8 +139,8 @@ impl Robot<'_> {
 
     fn silent(&self) -> anyhow::Error {
         anyhow::anyhow!(
-            "{}: no answer with the counts of two wheels; check --baud, --ask, --number and the end of its lines. The robot was \
-             not told to move",
+            "{}: no answer with the counts of two wheels; check --baud, --ask, --number and the end of its lines. No command \
+             to move was sent",
             self.port.name()
         )
     }

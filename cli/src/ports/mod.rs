@@ -63,7 +63,7 @@ pub(crate) fn by_robot(ports: &[PortAddress], robots: &[String], open: bool) -> 
             (None, _) => {
                 let there_are = robots.join(", ");
                 return Err(Refused::error(format!(
-                    "{place}: say of which robot, as in ROBOT={place}; there are: {there_are}"
+                    "{place}: name its robot, as in ROBOT={place}; there are: {there_are}"
                 )));
             }
         };
@@ -153,7 +153,7 @@ impl OpenPorts {
         if opened.step_ns() > LONG_STEP_NS {
             let step_ms = opened.step_ns() as f64 * 1e-6;
             tell!(
-                "note: what a program writes enters the cable at the end of a tick, up to {step_ms} ms later; use --set step_ms=1 for programs that ask and wait"
+                "note: bytes that a program writes enter the cable at the end of a tick, up to {step_ms} ms later; use --set step_ms=1 for programs that ask and wait"
             );
         }
     }
@@ -195,13 +195,13 @@ impl OpenPorts {
 fn tell_news(robot: &str, news: &News) {
     match news {
         News::Opened(place) => tell!("a program has opened {place} of {robot}"),
-        News::Closed(place) => tell!("no program has {place} of {robot} open any more"),
+        News::Closed(place) => tell!("the program has closed {place} of {robot}"),
         News::Refused(place) => {
             tell!(
                 "a program that has opened {place} of {robot} was disconnected: another port of that cable is in use"
             );
         }
-        News::Ended => tell!("the run of {robot} is over; what programs write is not obeyed"),
+        News::Ended => tell!("the run of {robot} is over; commands from programs have no effect"),
     }
 }
 

@@ -25,11 +25,11 @@ pub(crate) fn note(robot: &v1::RobotDescription, device: Option<&str>, known: Kn
 fn of_robot(robot: &v1::RobotDescription) -> Option<&'static str> {
     match robot.firmware.as_ref()?.protocol.as_ref()? {
         Protocol::Framed(_) => Some(
-            "speaks baudbot's own frames; no driver of the real robot understands them, unless that speaks them, too",
+            "speaks baudbot's own frames; no driver of the real robot understands them, unless the real robot speaks them, too",
         ),
         Protocol::Bare(_) => Some(
-            "speaks bare bytes, one value after the other; no driver of the real robot understands them, unless that \
-             speaks them, too",
+            "speaks bare bytes, one value after the other; no driver of the real robot understands them, unless the real \
+             robot speaks them, too",
         ),
         Protocol::Khepera(_) | Protocol::Create(_) => None,
     }
@@ -41,12 +41,12 @@ fn of_device(robot: &v1::RobotDescription, device: &str, known: Known) -> Option
         (v1::PortFormat::Scip2, Some(true))
         | (v1::PortFormat::Nmea | v1::PortFormat::Unspecified, None | Some(_)) => None,
         (v1::PortFormat::Scip2, Some(false)) => Some(
-            "sends scans by SCIP 2.0 and answers no commands; no driver of the real laser understands that. With \
+            "sends scans by SCIP 2.0 and answers no commands, so no driver of the real laser works with it; with \
              `port.dialogue` it answers as a laser by Hokuyo",
         ),
         (v1::PortFormat::Scip2, None) => Some(
-            "speaks SCIP 2.0; no driver of a laser by another maker than Hokuyo understands it, and Hokuyo's only if the \
-             scenario has `port.dialogue`",
+            "speaks SCIP 2.0, which only drivers of lasers by Hokuyo understand, and these only if the scenario has \
+             `port.dialogue`",
         ),
         (v1::PortFormat::LineImage, None | Some(_)) => {
             Some("sends baudbot's own form of images; no driver of the real camera understands it")

@@ -73,7 +73,7 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
         head.push(("hint", format!("the brain's program printed {lines}: --show-output shows them")));
     }
     for Blocked { mover, blocked_s } in &summary.blocked {
-        let text = format!("`{mover}` stood still for {} s, as something was in its way", handy(*blocked_s));
+        let text = format!("`{mover}` was blocked for {} s by something in its way", handy(*blocked_s));
         head.push(("warning", text));
     }
     head
@@ -91,7 +91,7 @@ fn pacing(summary: &Summary) -> Vec<(&'static str, String)> {
         let share = percent(lockstep.waiting_s / summary.wall_s);
         let timeouts = usize::try_from(lockstep.watchdog_timeouts).unwrap_or(usize::MAX);
         let timeouts = count(timeouts, "timeout");
-        let text = format!("{:.3} s for brains, {share} of the wall clock; {timeouts}", lockstep.waiting_s);
+        let text = format!("{:.3} s for brains, {share} of the wall time; {timeouts}", lockstep.waiting_s);
         facts.push(("waited", text));
     }
     if let Some(clock) = &summary.clock {
@@ -104,7 +104,7 @@ fn pacing(summary: &Summary) -> Vec<(&'static str, String)> {
             let lags = count(times, "lag");
             facts.push((
                 "dropped",
-                format!("{} s of the wall clock, in {lags} that were too long", handy(clock.let_go_s)),
+                format!("{} s of wall time, in {lags} too long to catch up", handy(clock.let_go_s)),
             ));
         }
     }
@@ -114,7 +114,7 @@ fn pacing(summary: &Summary) -> Vec<(&'static str, String)> {
 fn recording(recording: &Recording) -> Vec<(&'static str, String)> {
     let Recording { file, bytes, ticks, problem } = recording;
     let mut facts = vec![("recorded", format!("{ticks} ticks in {file}, {bytes} bytes"))];
-    let rest = if *bytes > 0 { "; what it holds can be replayed" } else { "" };
+    let rest = if *bytes > 0 { "; the recorded part can be replayed" } else { "" };
     let ended = |problem: &String| format!("the recording ended before the run: {problem}{rest}");
     facts.extend(problem.as_ref().map(|problem| ("warning", ended(problem))));
     facts

@@ -17,14 +17,14 @@ pub(super) fn text(robot: &Robot, simulated_s: f64) -> String {
     if robot.has_program_only() {
         text += &table("    ", &program_lines(robot));
         if !robot.sensors.is_empty() {
-            let _ = writeln!(text, "  sensors, and how often they were read");
+            let _ = writeln!(text, "  sensors, with the numbers of their readings");
             text += &table("    ", &program_sensors(robot));
         }
         return text;
     }
     text += &table("    ", &lines(robot));
     if !robot.sensors.is_empty() {
-        let _ = writeln!(text, "  sensors, and how old their readings were when the brain got them");
+        let _ = writeln!(text, "  sensors, with the ages of their readings when the brain got them");
         text += &table("    ", &sensors(robot));
     }
     text
@@ -83,7 +83,7 @@ fn habit(robot: &Robot, simulated_s: f64) -> Option<String> {
         ));
     }
     let times = times_too_often(robot.commands, robot.uplink.messages, simulated_s)?;
-    Some(format!("the brain wrote {times} times as often as a message came: one command for each is enough"))
+    Some(format!("the brain wrote {times} commands for each message that it got: one is enough"))
 }
 
 /// The number of commands for each message, if there were too many: each takes the cable from the next. Repetitions are
@@ -173,13 +173,13 @@ fn cycles(cycles: &Cycles) -> String {
     let mut text = format!("{} of {all} ({kept}) within {deadline}{unanswered}", cycles.kept);
     if let Some(Durations { p50_ms, p95_ms, max_ms, .. }) = cycles.duration {
         let [median, most] = [p50_ms, p95_ms].map(|ms| duration(about(ms) * 1e6));
-        text += &format!("; half took at most {median}, 95 % {most}, the longest {}", duration(max_ms * 1e6));
+        text += &format!("; median {median}, 95th percentile {most}, longest {}", duration(max_ms * 1e6));
     }
     if cycles.unstated_writes > 0 {
         let [writes, disturbed] =
             [cycles.unstated_writes, cycles.disturbed].map(|n| usize::try_from(n).unwrap_or(usize::MAX));
         text += &format!(
-            "; {} other than `{}`, which disturbed {}: a budget for that does not hold for them",
+            "; {} outside the pattern `{}`, which disturbed {} that a budget for this pattern does not cover",
             count(writes, "write"),
             cycles.writes,
             count(disturbed, "cycle")
@@ -194,7 +194,7 @@ fn thinking(Thinking { turns, durations }: &Thinking, clock: &str) -> String {
     let [median, p95, p99] = [p50_ms, p95_ms, p99_ms].map(|ms| duration(about(ms) * 1e6));
     let [least, most] = [min_ms, max_ms].map(|ms| duration(about(ms) * 1e6));
     let turns = count(usize::try_from(*turns).unwrap_or(usize::MAX), "turn");
-    format!("{turns} took {least} to {most} by {clock}; half at most {median}, 95 % {p95}, 99 % {p99}")
+    format!("{turns} took {least} to {most} by {clock}; median {median}, 95th percentile {p95}, 99th {p99}")
 }
 
 /// The number with three digits: quantiles are right to no more than 0.8 %.
@@ -214,10 +214,10 @@ fn losses(robot: &Robot) -> Option<String> {
     let lines = [("up", &robot.uplink), ("down", &robot.downlink)].into_iter().chain(ports);
     let reasons = lines.filter_map(|(name, line)| {
         let reasons = [
-            (line.overrun_bytes, "found their receiver full"),
+            (line.overrun_bytes, "overran a full receiver"),
             (line.refused_bytes, "were refused by a full driver"),
-            (line.lost_bytes, "came while the cable was out or the microcontroller was starting"),
-            (line.corrupted_bytes, "came with a wrong bit"),
+            (line.lost_bytes, "arrived while the cable was out or the microcontroller was starting"),
+            (line.corrupted_bytes, "arrived with a wrong bit"),
         ];
         let reasons: Vec<_> =
             reasons.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
@@ -291,17 +291,8 @@ fn sensors(robot: &Robot) -> Vec<[String; 9]> {
         let [median, most] = [ages(|age| age.p50_ms), ages(|age| age.p95_ms)].map(about);
         [sensor.sensor.clone(), samples, missed, readable, share, mean, median, most, max]
     };
-    let head = [
-        "",
-        "samples",
-        "missed",
-        "readable",
-        "of turns",
-        "mean age",
-        "half within",
-        "95 % within",
-        "max age",
-    ];
+    let head =
+        ["", "samples", "missed", "readable", "of turns", "mean age", "median age", "p95 age", "max age"];
     let mut rows = vec![head.map(str::to_owned)];
     rows.extend(robot.sensors.iter().map(row));
     rows

@@ -224,13 +224,13 @@ fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
         ));
     }
     if args.json && csv == stdout {
-        return Err(Refused::error("--json and --csv - both want stdout; write the table to a file"));
+        return Err(Refused::error("--json and --csv - both write to stdout; write the table to a file"));
     }
     if timeline == stdout && (args.json || csv == timeline) {
-        return Err(Refused::error("--timeline - wants stdout for itself; write the trace to a file"));
+        return Err(Refused::error("--timeline - needs stdout for itself; write the trace to a file"));
     }
     let vcd = args.chips.vcd.iter().map(|output| ("--vcd", "the pins", output.file.as_path()));
-    let serial = args.chips.serial.iter().map(|output| ("--serial", "what is sent", output.file.as_path()));
+    let serial = args.chips.serial.iter().map(|output| ("--serial", "the bytes", output.file.as_path()));
     let of_chips: Vec<_> = vcd.chain(serial).collect();
     let mut to_stdout = of_chips.iter().filter(|(.., path)| Some(*path) == stdout);
     let is_wanted = args.json || [csv, timeline].contains(&stdout);
@@ -238,7 +238,7 @@ fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
         && (is_wanted || to_stdout.next().is_some())
     {
         return Err(Refused::error(format!(
-            "{option} ROBOT=- wants stdout for itself; write {what} to a file"
+            "{option} ROBOT=- needs stdout for itself; write {what} to a file"
         )));
     }
     let (record, audit) = (args.record.record.as_deref(), args.listen.access.audit.as_deref());

@@ -162,7 +162,7 @@ impl Running<'_, '_> {
     async fn external(&mut self, control: &mut ControlServiceClient<Channel>) -> anyhow::Result<()> {
         let Some(wanted) = self.outside.args.external else { return Ok(()) };
         if !self.outside.args.quiet {
-            tell!("waiting until programs hold {}", count(wanted.into(), "robot"));
+            tell!("waiting for programs to attach to {}", count(wanted.into(), "robot"));
         }
         let mut look = tokio::time::interval(LOOK);
         while !self.outside.interrupted {
@@ -217,9 +217,9 @@ impl Running<'_, '_> {
                     bar.set_position(tick);
                     match silence.look(tick, Instant::now()) {
                         Silent::No => {}
-                        Silent::Tell(time_s) => bar.suspend(|| tell!("note: at t = {time_s} s {SILENT}; Ctrl-C ends the run, and --brain-timeout S would")),
+                        Silent::Tell(time_s) => bar.suspend(|| tell!("note: at t = {time_s} s no answer of a brain has come; {ADVICE}; Ctrl-C ends the run, and --brain-timeout S would")),
                         Silent::End(time_s, limit_s) => {
-                            return Err(anyhow!("at t = {time_s} s {SILENT} within the {limit_s} s of --brain-timeout"));
+                            return Err(anyhow!("at t = {time_s} s no answer of a brain has come within the {limit_s} s of --brain-timeout; {ADVICE}"));
                         }
                     }
                 }
@@ -236,9 +236,8 @@ async fn held(plan: &Plan, control: &mut ControlServiceClient<Channel>) -> anyho
     Ok(plan.assigned.held(&answer.into_inner().status.unwrap_or_default()))
 }
 
-/// The fault if nothing goes on. Grading uses the same words.
-const SILENT: &str =
-    "no answer of a brain has come; look for an endless loop, or for a wait for something that does not come";
+/// The advice if nothing goes on. Grading uses the same words.
+const ADVICE: &str = "look for an endless loop, or for a wait that never ends";
 
 /// The watch on a world that waits for its brains: whether it goes on.
 struct Silence {

@@ -83,7 +83,11 @@ impl Transcript {
 impl Drop for Transcript {
     fn drop(&mut self) {
         if self.lost > 0 {
-            tell!("note: {} bytes of `{}` came too fast and are not in its file", self.lost, self.name);
+            tell!(
+                "note: {} bytes of `{}` arrived too fast and are missing in its file",
+                self.lost,
+                self.name
+            );
         }
         // A program that has sent nothing leaves an empty file.
         let done = self.out.write(&[]).and_then(|_| self.out.flush());

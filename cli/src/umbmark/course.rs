@@ -125,7 +125,7 @@ impl Course {
     fn stuck(&self, run: &Run, ending: &impl Display, at: &Pose) -> anyhow::Error {
         let direction = if run.clockwise { "clockwise" } else { "counter-clockwise" };
         anyhow::anyhow!(
-            "`{}` has not come round the square {direction} with seed {}: {ending}; it stands at ({}, {}) after {} s, steering \
+            "`{}` did not complete the square {direction} with seed {}: {ending}; it is at ({}, {}) after {} s, steering \
              by `{}`. If it is too weak to turn so slowly, a higher --speed-m-s helps",
             self.body.name,
             run.seed,
@@ -183,7 +183,7 @@ fn sensor(name: Option<&str>, robot: &RobotSpec, body: &Body) -> anyhow::Result<
             )
         }
         (_, _) if single => format!(
-            "robot `{}` has encoders that do not tell the direction, and cannot turn on the spot by them; set quadrature = true",
+            "robot `{}` has encoders that do not measure the direction, so it cannot turn on the spot; set quadrature = true",
             robot.name
         ),
         (_, _) => format!(

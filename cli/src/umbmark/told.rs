@@ -246,7 +246,7 @@ fn after(first: &Analysis, second: &Analysis) -> [(&'static str, String); 1] {
     [("E_max,syst", format!("{} mm, before {} mm: {better}", mm(after_m), mm(before_m)))]
 }
 
-const ARENA: &str = "empty and without end, whatever the scenario's is";
+const ARENA: &str = "empty and unbounded, in place of the scenario's";
 
 /// Errors that are a larger part of the side are not small.
 const LARGE: f64 = 0.2;

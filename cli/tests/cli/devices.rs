@@ -77,7 +77,7 @@ fn a_run_with_devices_is_summed_up() {
         "covered     ",
         "goals       0 of 1 reached\n",
         "visited     home\n",
-        "warning     `door` stood still for ",
+        "warning     `door` was blocked for ",
         "  battery  ",
         " J used\n",
         "  zones    home 1 s\n",

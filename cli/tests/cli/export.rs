@@ -283,7 +283,7 @@ fn outputs_are_kept_apart() {
         format!("--csv {out} and --svg {out} are the same file; write each to a file of its own")
     );
     let both = refusal(2, &["export", &recorded, "--events", "-", "--svg", "-"]);
-    assert_eq!(both, "--events - and --svg - both want stdout; write one of them to a file");
+    assert_eq!(both, "--events - and --svg - both write to stdout; write one of them to a file");
     let before = fs::read(&recorded).unwrap();
     let over = refusal(2, &["export", &recorded, "--parquet", &recorded]);
     assert!(over.starts_with(&format!("--parquet {recorded} would overwrite the recording")), "{over}");

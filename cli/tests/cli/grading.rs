@@ -108,8 +108,8 @@ fn the_list_the_task_and_the_file_of_an_exercise_are_told() {
 fn what_cannot_be_graded_is_refused_with_the_name_that_was_meant() {
     for (args, expected) in [
         (&["grade", "wandr", "--brain", "avoid"][..], "did you mean `wander`?"),
-        (&["grade", "wander"], "which brain is to be graded?"),
-        (&["grade", "--brain", "avoid"], "which exercise?"),
+        (&["grade", "wander"], "no brain is given; add --brain"),
+        (&["grade", "--brain", "avoid"], "no exercise is given"),
         (&["grade", "wander", "--brain", "avod"], "no brain `avod`; there are: avoid, "),
         (&["grade", "wander", "--brain", "bob=avoid"], "there is no robot `bob`"),
         (&["grade", "wander", "--brain", "avoid:x=1"], "brain `avoid` has no parameter `x`"),
@@ -200,7 +200,7 @@ fn a_brain_cannot_ask_for_the_truth() {
     let (code, json) = graded(&file, &format!("exec:sh -c '{script}'"));
     assert_eq!(code, 0, "{json:#}");
     let said = std::fs::read_to_string(said).unwrap();
-    assert!(said.contains("there is no such call") && said.trim_end().ends_with('1'), "{said}");
+    assert!(said.contains("the server does not offer this call") && said.trim_end().ends_with('1'), "{said}");
 }
 
 #[test]
@@ -240,7 +240,7 @@ fn a_class_is_graded_into_a_table_for_people_programs_and_continuous_integration
     std::fs::write(place("class/notes.txt"), "nobody's").unwrap();
     let arguments = ["grade", "wander", "--seeds", "1", "--class", &place("class"), "--csv", &place("a.csv")];
     let (code, out, err) = crate::cli::baudbot(&[&arguments[..], &["--junit", &place("a.xml")]].concat());
-    let note = format!("note: {} is no brain, and is left out\n", place("class/notes.txt"));
+    let note = format!("note: {} is not a brain, and is skipped\n", place("class/notes.txt"));
     assert_eq!((code, err), (3, note), "{out}");
     let lines: Vec<_> = out.lines().collect();
     assert!(lines[2].starts_with("  ada  5.00") && lines[2].ends_with("passed"), "{out}");
@@ -260,5 +260,5 @@ fn a_class_is_graded_into_a_table_for_people_programs_and_continuous_integration
         suites.map(|suite| (suite.attribute("name").unwrap(), suite.attribute("errors").unwrap())).collect();
     assert_eq!(told, [("wander.ada", "0"), ("wander.bob", "2")]);
     let (code, _, err) = crate::cli::baudbot(&["grade", "wander", "--class", &place("class/notes.txt")]);
-    assert!(code == 2 && err.contains("notes.txt: is no brain"), "{err}");
+    assert!(code == 2 && err.contains("notes.txt: is not a brain"), "{err}");
 }

@@ -184,7 +184,7 @@ fn a_robot_without_pins_is_refused_with_its_name() {
     let err = refusal(&["run", FIRMWARE, "--vcd", "pins.vcd"]);
     assert!(err.contains("write ROBOT=FILE"), "{err}");
     let err = refusal(&["run", FIRMWARE, "--json", "--vcd", "robot=-"]);
-    assert!(err.contains("--vcd ROBOT=- wants stdout for itself"), "{err}");
+    assert!(err.contains("--vcd ROBOT=- needs stdout for itself"), "{err}");
     let (code, _, err) = baudbot(&["run", FIRMWARE, "--seconds", "1", "--vcd", "robot=/dev/full"]);
     assert!(code == 1 && err.contains("cannot write /dev/full"), "{err}");
 }

@@ -158,7 +158,7 @@ fn what_no_driver_of_the_real_thing_understands_is_told_at_the_start() {
     }
     for laser in ["rplidar-a1", "lds-01"] {
         let note =
-            format!("note: r2/{laser} sends scans by SCIP 2.0 and answers no commands; no driver of the");
+            format!("note: r2/{laser} sends scans by SCIP 2.0 and answers no commands, so no driver of the");
         assert_eq!(said.matches(&note).count(), 1, "{laser}: {said}");
     }
     assert!(!said.contains("note: k ") && !said.contains("note: r2/urg-04lx "), "{said}");
@@ -197,7 +197,7 @@ fn a_port_on_another_machine_tells_what_is_not_understood_too() {
     drop(server);
     for note in [
         "note: r speaks baudbot's own frames; no driver of the real robot understands them",
-        "note: r/lds-01 speaks SCIP 2.0; no driver of a laser by another maker than Hokuyo understands it",
+        "note: r/lds-01 speaks SCIP 2.0, which only drivers of lasers by Hokuyo understand",
     ] {
         assert_eq!(said.matches(note).count(), 1, "{note}: {said}");
     }
@@ -277,7 +277,7 @@ fn ports_that_cannot_be_are_refused_with_what_there_is() {
             2,
             "robot `k` has no sensor `c` with a port of its own; those with one: none",
         ),
-        (&["--port", "pty:k.tty"], 2, "say of which robot, as in ROBOT=pty:k.tty; there are: k, n"),
+        (&["--port", "pty:k.tty"], 2, "name its robot, as in ROBOT=pty:k.tty; there are: k, n"),
         (&["--port", "k=com:3"], 2, "`com` is not a kind of port; there are pty, tcp, rfc2217 and unix"),
         (&["--port", "k=tcp:0.0.0.0:0"], 2, "other machines could reach this port and drive the robot"),
         (&["--port", &in_use], 1, "cannot be opened: Address already in use"),

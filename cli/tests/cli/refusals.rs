@@ -164,7 +164,7 @@ fn a_run_that_does_not_start_leaves_the_old_table() {
 
 #[test]
 fn options_that_contradict_are_refused() {
-    assert!(refusal(2, &["run", "--json", "--csv", "-"]).contains("both want stdout"));
+    assert!(refusal(2, &["run", "--json", "--csv", "-"]).contains("both write to stdout"));
     assert!(refusal(2, &["serve", "--watchdog-ms", "5"]).contains("need --pace lockstep"));
 }
 

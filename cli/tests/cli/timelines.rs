@@ -61,7 +61,7 @@ fn a_trace_that_cannot_be_written_is_an_error_that_names_it() {
     assert!(
         refusal(1, &["run", "--timeline", nowhere]).starts_with(&format!("error: cannot write {nowhere}: "))
     );
-    assert!(refusal(2, &["run", "--json", "--timeline", "-"]).contains("wants stdout for itself"));
+    assert!(refusal(2, &["run", "--json", "--timeline", "-"]).contains("needs stdout for itself"));
     let (code, _, err) = baudbot(&["run", "--seconds", "10", "--timeline", "/dev/full"]);
     assert!(code == 1 && err.contains("cannot write /dev/full"), "{err}");
 }

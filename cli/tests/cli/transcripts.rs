@@ -63,9 +63,9 @@ fn a_robot_that_sends_nothing_of_its_own_is_refused_with_its_name() {
         "{err}"
     );
     let err = refusal(&["run", FIRMWARE, "--json", "--serial", "robot=-"]);
-    assert!(err.contains("--serial ROBOT=- wants stdout for itself; write what is sent to a file"), "{err}");
+    assert!(err.contains("--serial ROBOT=- needs stdout for itself; write the bytes to a file"), "{err}");
     let err = refusal(&["run", FIRMWARE, "--vcd", "robot=-", "--serial", "robot=-"]);
-    assert!(err.contains("--vcd ROBOT=- wants stdout for itself"), "{err}");
+    assert!(err.contains("--vcd ROBOT=- needs stdout for itself"), "{err}");
     let (code, _, err) = baudbot(&["run", FIRMWARE, "--seconds", "1", "--serial", "robot=/dev/full"]);
     assert!(code == 1 && err.contains("cannot write /dev/full"), "{err}");
 }

@@ -77,7 +77,7 @@ fn the_table_has_every_run_and_the_picture_every_end() {
     let words = good(&["umbmark", path, "--runs", "2", "--side-m", "1", "--svg", svg.to_str().unwrap()]);
     for part in [
         "robot   robot, steering by `encoders`",
-        "arena   empty and without end, whatever the scenario's is",
+        "arena   empty and unbounded, in place of the scenario's",
         "cw 2",
         "ccw, centre of gravity",
         "E_max,syst  ",
@@ -111,7 +111,7 @@ fn robots_that_cannot_drive_a_square_are_refused_with_words() {
     let err = refused(blind.to_str().unwrap(), &[]);
     assert!(err.contains("robot `robot` has neither encoders nor an odometer"), "{err}");
     let single = scenario("umbmark-single.toml", "", &format!("{ENCODERS}quadrature = false\n"));
-    assert!(refused(single.to_str().unwrap(), &[]).contains("do not tell the direction"));
+    assert!(refused(single.to_str().unwrap(), &[]).contains("do not measure the direction"));
     let fine = scenario("umbmark-fine.toml", "", ENCODERS);
     let fine = fine.to_str().unwrap();
     assert!(refused(fine, &["--sensor", "gps"]).contains("has no odometry called `gps`; it has: encoders"));

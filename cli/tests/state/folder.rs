@@ -39,7 +39,9 @@ fn a_world_is_there_again_with_all_that_an_operator_has_done() {
     let server = Server::start(&folder, "operator", &["wander", "--pace", "lockstep"]);
     let log = server.log();
     assert!(
-        log.contains("note: world wander continues as it was left; scenario wander is not started again\n"),
+        log.contains(
+            "note: world wander continues from its stored state; scenario wander is not started again\n"
+        ),
         "{log}"
     );
     let mut operator = server.operator();
@@ -276,8 +278,8 @@ fn what_is_no_world_or_cannot_be_read_stops_no_server_and_stays_as_it_is() {
     );
     assert!(log.contains(&ignored), "{log}");
     let unreadable = format!(
-        "warning: world gone does not continue: {} cannot be read: No such file or directory (os error 2); it is left as it is, and a \
-         new world gone is not kept: let this user read and write its folder, and start the server again\n",
+        "warning: world gone does not continue: {} cannot be read: No such file or directory (os error 2); it is left unchanged, and a \
+         new world gone is not stored: give this user read and write access to its folder, and start the server again\n",
         gone.display()
     );
     assert!(log.contains(&unreadable), "{log}");

@@ -56,7 +56,7 @@ fn a_server_whose_disk_hangs_ends_nonetheless_with_words_and_another_code() {
     assert_eq!(code, Some(1), "{log}");
     assert!(
         log.contains("error: not everything has ended within 1 s (--stop-within)")
-            && log.contains("what other did"),
+            && log.contains("changes of other since"),
         "{log}"
     );
     assert!(took < Duration::from_secs(6), "{took:?}: {log}");

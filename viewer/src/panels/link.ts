@@ -109,8 +109,8 @@ export class LinkSection {
     ];
     if (durations)
       facts.push(
-        ["half within", duration(numberOf(durations.p50Ns)), false],
-        ["95 % within", duration(numberOf(durations.p95Ns)), false],
+        ["median", duration(numberOf(durations.p50Ns)), false],
+        ["95th percentile", duration(numberOf(durations.p95Ns)), false],
       );
     const text = facts.join();
     if (text === this.cycleText) return;

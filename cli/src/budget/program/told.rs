@@ -33,7 +33,7 @@ fn verdict(budget: &ProgramBudget) -> String {
         Verdict::Keeps => format!("meets its {deadline}: {times}"),
         Verdict::Sometimes => format!("mostly meets its {deadline}: {times}"),
         Verdict::Misses if budget.round.is_none() => {
-            format!("MISSES its {deadline}: its program has no main loop that came round")
+            format!("MISSES its {deadline}: the main loop of its program completed no round")
         }
         Verdict::Misses if cycle.typical_ns > Some(budget.deadline_ns) => {
             format!("MISSES its {deadline}: {times}")
@@ -73,7 +73,7 @@ fn cycle(budget: &ProgramBudget) -> String {
 }
 
 fn rates(budget: &ProgramBudget) -> String {
-    let mut rows = vec![["how often a second".to_owned(), "typical".to_owned()]];
+    let mut rows = vec![["rate, per second".to_owned(), "typical".to_owned()]];
     rows.extend(budget.rates.iter().map(|rate| [format!("  {}", rate.what), format!("{:.1}", rate.per_s)]));
     table("  ", &rows)
 }
@@ -105,17 +105,18 @@ fn notes(budget: &ProgramBudget) -> String {
     let mut text = String::new();
     let is_full = |what| budget.loads.iter().any(|load| load.what == what && load.share > FULL);
     if is_full("uplink") {
-        text += "  the program sends as much as the cable carries, and waits for it: send less, or at a higher baud rate\n";
+        text +=
+            "  the cable limits the program, which fills it and waits: send less, or at a higher baud rate\n";
     }
     if budget.lost_bytes > 0 {
         let lost = budget.lost_bytes;
         let _ = writeln!(
             text,
-            "  {lost} bytes were lost or damaged: neither a laptop nor the program keeps up with that"
+            "  {lost} bytes were lost or damaged: the laptop or the program cannot process so many"
         );
     }
     if budget.readings_to_motors.is_none() {
-        text += "  the program has not changed what the motors do after a reading, so the time from one to the other is not known\n";
+        text += "  the program never changed the motors after a reading, so the time from readings to motors is unknown\n";
     }
     text
 }

@@ -46,7 +46,7 @@ pub enum Problem {
     Failed(String),
     /// The brain did not answer in time.
     #[error(
-        "the brain did not answer for {} s by the wall clock; look for an endless loop, or for a wait for something that does not come",
+        "the brain did not answer for {} s by the wall clock; look for an endless loop, or for a wait that never ends",
         .0.as_secs_f64()
     )]
     Silent(Duration),
