@@ -122,7 +122,7 @@ mod tests {
             .await
             .unwrap_err()
             .to_string();
-        let words = "something accepts connections there, but has not answered for 100ms";
+        let words = "a program accepts connections there, but has not answered for 100ms";
         let expected = format!("no server answers at {address} ({words}); is `baudbot serve` running there?");
         assert_eq!(text, expected);
     }

@@ -44,7 +44,7 @@ impl Attempt<'_> {
 
     /// The error of a connection over which nothing has come for so long.
     pub(crate) fn silence(&self, patience: Duration) -> Error {
-        let words = "something accepts connections there, but has not answered for";
+        let words = "a program accepts connections there, but has not answered for";
         let cause = format!("{words} {patience:?}{}", self.perhaps());
         Error::Connect { address: self.address.to_owned(), cause }
     }
@@ -85,7 +85,7 @@ impl Attempt<'_> {
         match self.credentials.certificate_file() {
             None => "asks for a client certificate: set BAUDBOT_CERTIFICATE and BAUDBOT_KEY".to_owned(),
             Some(file) => format!(
-                "does not accept the client certificate in {file}: it may have expired, or the server does not know the authority that signed it"
+                "does not accept the client certificate in {file}: it may have expired, or the server does not trust the authority that signed it"
             ),
         }
     }
@@ -102,7 +102,7 @@ impl Attempt<'_> {
             }
             Some(file) => {
                 format!(
-                    "; a server there may not know the authority that signed the client certificate in {file}"
+                    "; a server there may not trust the authority that signed the client certificate in {file}"
                 )
             }
         }
@@ -140,7 +140,7 @@ fn hung_up(error: Option<&io::Error>) -> bool {
 }
 
 /// The remedy for `https://` in front of an address without TLS.
-const NO_TLS: &str = "what listens there does not speak TLS; write the address without https://";
+const NO_TLS: &str = "the program that listens there does not use TLS; write the address without https://";
 
 #[cfg(test)]
 mod tests {
@@ -220,13 +220,14 @@ mod tests {
         let told = |address, credentials| {
             text(address, credentials, |attempt| attempt.silence(Duration::from_secs(5)))
         };
-        let words = "something accepts connections there, but has not answered for 5s";
+        let words = "a program accepts connections there, but has not answered for 5s";
         let (none, own) = (Credentials::default(), Credentials::default().certificate("a.pem", "b.pem"));
         assert!(told("robots.lab:7400", &none).contains(&format!("({words})")));
         let wanted =
             "a server there may ask for a client certificate: set BAUDBOT_CERTIFICATE and BAUDBOT_KEY";
         assert!(told("https://robots.lab:7400", &none).contains(&format!("({words}; {wanted})")));
-        let unknown = "a server there may not know the authority that signed the client certificate in a.pem";
+        let unknown =
+            "a server there may not trust the authority that signed the client certificate in a.pem";
         assert!(told("https://robots.lab:7400", &own).contains(&format!("({words}; {unknown})")));
     }
 }

@@ -84,7 +84,7 @@ fn words_of_http_1(bytes: &[u8]) -> Option<String> {
     let words =
         answer.split_once("\r\n\r\n").map_or("", |(_, words)| words).lines().next().unwrap_or_default();
     Some(if words.is_empty() {
-        "what answers there is no gRPC server".to_owned()
+        "the program that answers there is not a gRPC server".to_owned()
     } else {
         Printable(words).to_string()
     })

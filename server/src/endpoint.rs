@@ -181,11 +181,11 @@ fn check_thinking(spec: &RobotSpec, thinking: Thinking) -> Result<(), Problem> {
         return Err(("operations", "give either this or thinking_ns".into()));
     }
     if !matches!(spec.link, Link::Onboard) {
-        let problem = format!("`{}` is not onboard: its brain thinks elsewhere; say thinking_ns", spec.name);
+        let problem = format!("`{}` is not onboard: its brain runs on a laptop; use thinking_ns", spec.name);
         return Err(("operations", problem));
     }
     match spec.processor.thinking_ns(operations) {
-        None => Err(("operations", format!("`{}` has no operations_per_s; say thinking_ns", spec.name))),
+        None => Err(("operations", format!("`{}` has no operations_per_s; use thinking_ns", spec.name))),
         Some(ns) if ns > MAX_THINKING_NS => {
             Err(("operations", format!("{operations} would take {ns} ns, the limit is {MAX_THINKING_NS}")))
         }

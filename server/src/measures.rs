@@ -33,7 +33,7 @@ pub(crate) const OF_ROBOTS: [Metric<OfRobot>; 14] = [
         "Frames of readings skipped because the microcontroller was busy.",
         |robot, _| robot.frames_missed() as f64,
     ),
-    ("baudbot_brain_attached", "1 if a brain holds the robot, 0 if none does.", |_, slot| {
+    ("baudbot_brain_attached", "1 if a brain is attached to the robot, 0 if none is.", |_, slot| {
         f64::from(u8::from(slot.attached))
     }),
     (
@@ -46,7 +46,7 @@ pub(crate) const OF_ROBOTS: [Metric<OfRobot>; 14] = [
         "Steps that the brain sent beyond those that the world takes in a tick.",
         |_, slot| slot.lost_steps as f64,
     ),
-    ("baudbot_brain_queued_turns", "Turns in the server that wait until the brain reads.", |_, slot| {
+    ("baudbot_brain_queued_turns", "Turns queued in the server until the brain reads them.", |_, slot| {
         slot.queued_turns as f64
     }),
     ("baudbot_brain_open_turns", "Turns that the brain has not answered, in lockstep.", |_, slot| {
@@ -62,7 +62,7 @@ pub(crate) const OF_ROBOTS: [Metric<OfRobot>; 14] = [
     }),
     (
         "baudbot_brain_answer_seconds_total",
-        "Wall-clock time from Turns to their answers, the network's included.",
+        "Wall-clock time from Turns to their answers, including the network.",
         |_, slot| slot.answering.took.as_secs_f64(),
     ),
     (
@@ -74,7 +74,7 @@ pub(crate) const OF_ROBOTS: [Metric<OfRobot>; 14] = [
 
 /// The metrics of one direction of a cable, with the bytes that wait for it or are on it.
 pub(crate) const OF_LINES: [Metric<OfLine>; 9] = [
-    ("baudbot_link_bytes_total", "Bytes that went over the line, lost ones included.", |line, _| {
+    ("baudbot_link_bytes_total", "Bytes that went over the line, including lost ones.", |line, _| {
         line.bytes as f64
     }),
     ("baudbot_link_messages_total", "Complete messages that arrived.", |line, _| line.messages as f64),
@@ -101,7 +101,7 @@ pub(crate) const OF_LINES: [Metric<OfLine>; 9] = [
     ),
     (
         "baudbot_link_bad_messages_total",
-        "Sound frames whose content made no sense, and messages cut short by silence.",
+        "Intact frames with invalid content, and messages cut short by silence.",
         |line, _| line.bad_messages as f64,
     ),
     ("baudbot_link_waiting_bytes", "Bytes that wait for the line or are on it.", |_, waiting| waiting as f64),

@@ -105,7 +105,7 @@ impl Registry {
         let charges = new.charges(&self.limits)?;
         let mut worlds = self.lock();
         if worlds.is_closed {
-            return Err(Status::unavailable("the server stops, and makes no world any more"));
+            return Err(Status::unavailable("the server is stopping, and makes no more worlds"));
         }
         if worlds.by_name.contains_key(new.name.as_str()) {
             return Err(Status::already_exists(format!("world: there is a world `{}` already", new.name)));

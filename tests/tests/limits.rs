@@ -148,7 +148,7 @@ async fn an_address_has_so_many_connections_and_gets_another_when_one_goes() {
     for i in 0..3 {
         robots.push(connect(&server, None).await.attach("w", &format!("r{i}")).await.unwrap());
     }
-    let words = "the address 127.0.0.1 has 3 connections, which is its limit; close one, or start it with a larger \
+    let words = "the address 127.0.0.1 has 3 connections, which is its limit; close one, or start the server with a larger \
                  --max-connections-per-address";
     for _ in 0..3 {
         assert_refused(connect(&server, None).await.attach("w", "r3").await, Code::ResourceExhausted, words);
@@ -176,7 +176,7 @@ async fn a_token_has_so_many_connections_and_another_token_its_own() {
         serve_class(Limits::default().with(Limit::ConnectionsPerToken, 2)).await;
     let first = connect(&server, Some(&alice)).await.attach("w", "r0").await.unwrap();
     let _second = connect(&server, Some(&alice)).await.attach("w", "r1").await.unwrap();
-    let words = "the token `alice` has 2 connections, which is its limit; close one, or start it with a larger \
+    let words = "the token `alice` has 2 connections, which is its limit; close one, or start the server with a larger \
                  --max-connections-per-token";
     let third = connect(&server, Some(&alice)).await;
     assert_refused(third.attach("w", "r2").await, Code::ResourceExhausted, words);
@@ -211,7 +211,7 @@ async fn a_connection_has_so_many_open_calls_and_the_next_are_refused_in_words()
     for i in 0..3 {
         robots.push(client.attach("w", &format!("r{i}")).await.unwrap());
     }
-    let words = "this connection has 3 open calls, which is its limit; end one, or connect again, or start it with a larger \
+    let words = "this connection has 3 open calls, which is its limit; end one, or connect again, or start the server with a larger \
                  --max-streams-per-connection";
     assert_refused(client.attach("w", "r3").await, Code::ResourceExhausted, words);
     connect(&server, None).await.attach("w", "r3").await.unwrap();
@@ -229,7 +229,7 @@ async fn a_caller_has_so_many_open_calls_over_all_its_connections() {
     let first = connect(&server, Some(&alice)).await.attach("w", "r0").await.unwrap();
     let _second = connect(&server, Some(&alice)).await.attach("w", "r1").await.unwrap();
     let third = connect(&server, Some(&alice)).await;
-    let words = "the token `alice` has 2 open calls, which is its limit; end one, or start it with a larger \
+    let words = "the token `alice` has 2 open calls, which is its limit; end one, or start the server with a larger \
                  --max-streams-per-caller";
     assert_refused(third.attach("w", "r2").await, Code::ResourceExhausted, words);
     connect(&server, Some(&bob)).await.attach("w", "r2").await.unwrap();
@@ -254,7 +254,7 @@ async fn a_caller_makes_so_many_requests_a_second_and_steps_of_a_brain_are_none(
     assert_eq!(refused.code(), Code::ResourceExhausted);
     let (words, rest) = refused.message().split_once("; try again in ").unwrap();
     assert_eq!(words, "the address 127.0.0.1 has made 50 requests in a second, which is its limit");
-    assert!(rest.ends_with(" ms, or start it with a larger --max-requests-per-s"), "{rest}");
+    assert!(rest.ends_with(" ms, or start the server with a larger --max-requests-per-s"), "{rest}");
     let after: u64 =
         refused.metadata().get("grpc-retry-pushback-ms").unwrap().to_str().unwrap().parse().unwrap();
     assert!((1..=20).contains(&after), "{after}");
@@ -318,7 +318,7 @@ async fn worlds_and_robots_have_a_limit_for_each_caller_and_for_all() {
     for name in ["a1", "a2"] {
         alice.create_world(create(name, WANDER)).await.unwrap();
     }
-    let words = "the token `alice` has 2 worlds, which is its limit; delete one, or start it with a larger \
+    let words = "the token `alice` has 2 worlds, which is its limit; delete one, or start the server with a larger \
                  --max-worlds-per-caller";
     assert_exhausted(alice.create_world(create("a3", WANDER)).await, words);
     let clone = v1::CloneWorldRequest { original: "a1".into(), ..Default::default() };
@@ -326,18 +326,18 @@ async fn worlds_and_robots_have_a_limit_for_each_caller_and_for_all() {
     let many: Vec<_> = (0..17).map(|i| format!("r{i}")).collect();
     assert_exhausted(
         bob.create_world(create("b", &crowd(&many))).await,
-        "the world would have 17 robots, more than 16, which is its limit; make several worlds, or start it with a larger \
+        "the world would have 17 robots, more than 16, which is its limit; make several worlds, or start the server with a larger \
          --max-robots-per-world",
     );
     assert_exhausted(
         bob.create_world(create("b", &crowd(&many[..2]))).await,
-        "with 2 more robots the server would have more than 19, which is its limit; delete a world, or start it with a larger \
+        "with 2 more robots the server would have more than 19, which is its limit; delete a world, or start the server with a larger \
          --max-robots",
     );
     bob.create_world(create("b1", WANDER)).await.unwrap();
     assert_exhausted(
         bob.create_world(create("b2", WANDER)).await,
-        "the server has 4 worlds, which is its limit; delete one, or start it with a larger --max-worlds",
+        "the server has 4 worlds, which is its limit; delete one, or start the server with a larger --max-worlds",
     );
     delete(&mut bob, "a1").await;
     alice.create_world(create("a3", WANDER)).await.unwrap();
@@ -356,7 +356,7 @@ async fn the_oldest_snapshot_of_a_world_goes_and_its_caller_is_told() {
         assert_eq!(response.into_inner().snapshot, number);
     }
     snapshot(&mut control, "v").await.unwrap();
-    let words = "the server keeps 3 snapshots, which is its limit; delete a world that has some, or start it with a larger \
+    let words = "the server has 3 snapshots, which is its limit; delete a world that has some, or start the server with a larger \
                  --max-snapshots";
     assert_exhausted(snapshot(&mut control, "v").await, words);
     // A world that has all of its own needs no place.
@@ -394,7 +394,7 @@ async fn memory_is_refused_before_it_is_taken_and_given_back() {
     assert_eq!(refused.code(), Code::ResourceExhausted);
     let (words, rest) = refused.message().split_once(" MB, and ").unwrap();
     assert!(words.starts_with("this takes "), "{words}");
-    assert!(rest.ends_with("free of the server's 3.0 MB, which is its limit; delete a world, or start it with a larger --max-memory"), "{rest}");
+    assert!(rest.ends_with("free of the server's 3.0 MB, which is its limit; delete a world, or start the server with a larger --max-memory"), "{rest}");
     assert_eq!(held(&server).await, empty);
     // Each of these takes a state until there is no room for another.
     let mut taken = 0;
@@ -492,7 +492,7 @@ async fn scenarios_wait_until_they_are_read_and_those_of_clients_who_have_gone_a
         n => Err(format!("{n} wait")),
     })
     .await;
-    let words = "2 requests wait until theirs is read, which is its limit; try again in 1000 ms, or start it with a larger \
+    let words = "2 requests wait to be parsed, which is its limit; try again in 1000 ms, or start the server with a larger \
                  --max-waiting";
     assert_exhausted(begin("refused").await.unwrap(), words);
     // Calls that have nothing to read do not wait.
@@ -540,7 +540,7 @@ async fn where_worlds_lag_no_more_are_started_but_in_lockstep() {
     assert!(refused.message().starts_with("worlds in real time have lagged for "), "{refused}");
     assert!(
         refused.message().ends_with(
-            " s, 2 s or more, which is its limit; pause a world, or try again later, or start it with a larger --overload-after"
+            " s, 2 s or more, which is its limit; pause a world, or try again later, or start the server with a larger --overload-after"
         ),
         "{refused}"
     );
@@ -693,7 +693,7 @@ async fn the_slowest_streams_of_a_caller_who_does_not_read_end_by_name_and_no_mo
             let Err(status) = frame else { continue };
             let words = status.message().replace(" of `w`", "");
             let expected = "the stream Watch ends, as it is the slowest of the address 127.0.0.1 and it leaves 1 MB unread, which is its \
-                            limit; read what you ask for, or start it with a larger --max-unread-per-caller";
+                            limit; read what you ask for, or start the server with a larger --max-unread-per-caller";
             assert_eq!((status.code(), &*words), (Code::ResourceExhausted, expected));
             by_name += 1.0;
             break;

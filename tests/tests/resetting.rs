@@ -209,17 +209,21 @@ async fn a_reset_that_is_refused_names_its_field_and_changes_nothing() {
         (with(&["robots.r0.start"]), invalid, "overrides[0]: `robots.r0.start`: an override is PATH=VALUE"),
         (with(&["robots.r0.strat.x_m=1"]), invalid, "overrides: robots[0].strat: unknown field"),
         (with(&["robots.r0.start.x_m=4"]), invalid, "overrides: robots[0].start: at (4, "),
-        (with(&["step_ms=20"]), promised, "overrides: step_ms: brains are told this once"),
-        (with(&["robots.r1.name=carol"]), promised, "overrides: robots: brains are told this once"),
+        (with(&["step_ms=20"]), promised, "overrides: step_ms: brains get this only when they attach"),
+        (
+            with(&["robots.r1.name=carol"]),
+            promised,
+            "overrides: robots: brains get this only when they attach",
+        ),
         (
             with(&["robots.r1.body.radius_m=0.11"]),
             promised,
-            "overrides: robots.r1.body: brains are told this once",
+            "overrides: robots.r1.body: brains get this only when they attach",
         ),
         (
             with(&["robots.r1.sensors.ir_front.range_m=0.9"]),
             promised,
-            "overrides: robots.r1.sensors.ir_front: brains are told this once, when they attach, and a reset cannot change \
+            "overrides: robots.r1.sensors.ir_front: brains get this only when they attach, so a reset cannot change \
              it; make another world with CreateWorld",
         ),
         (

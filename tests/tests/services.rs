@@ -260,6 +260,6 @@ async fn a_world_whose_looker_on_panics_ends_its_brains_streams_with_the_reason(
         }
         robot.pass().await.unwrap();
     };
-    assert!(error.contains("world `w` has ended by a panic"), "{error}");
+    assert!(error.contains("world `w` has ended with a panic"), "{error}");
     server.shutdown().await;
 }

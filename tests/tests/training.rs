@@ -371,7 +371,7 @@ async fn worlds_that_cannot_be_trained_are_refused_and_all_robots_released() {
         (
             many,
             Code::ResourceExhausted,
-            "open.worlds: there are 1025, more than 1024, which is its limit; open several streams, or start it with a larger --max-worlds-per-trainer",
+            "open.worlds: there are 1025, more than 1024, which is its limit; open several streams, or start the server with a larger --max-worlds-per-trainer",
         ),
         (vec![hello("a"), hello("x")], Code::NotFound, "open.worlds[1].world: there is no world `x`"),
         (vec![hello("a"), hello("a")], Code::InvalidArgument, "open.worlds[1].world: `a` is named twice"),
@@ -408,7 +408,7 @@ async fn a_request_before_the_response_is_refused_and_the_stream_that_ends_relea
     let refused = trainer.response().await.unwrap_err();
     assert_eq!(refused.code(), Code::FailedPrecondition);
     assert!(
-        refused.message().starts_with("request: the one before has not been answered yet"),
+        refused.message().starts_with("request: the previous request has not been answered yet"),
         "{refused:?}"
     );
     released(&server, "w").await;
@@ -589,7 +589,7 @@ async fn trainers_are_of_this_machine_and_only_where_they_are_asked_for() {
     assert!(matches!(refused, ServerError::TrainerNotLocal { .. }), "{refused}");
     assert_eq!(
         refused.to_string(),
-        "0.0.0.0:0: a trainer's address must be on this machine, as it tells the truth about robots; use 127.0.0.1:PORT or \
+        "0.0.0.0:0: a trainer's address must be on this machine, as it gives access to the truth about robots; use 127.0.0.1:PORT or \
          unix:/PATH"
     );
     let without = Server::builder().in_process().await.unwrap();

@@ -54,7 +54,7 @@ fn an_observer_sees_a_world_in_real_time() {
     let (code, _, err) = baudbot(&["watch", "--once", "--connect", &format!("https://{tcp}")]);
     assert_eq!(code, 1);
     assert!(
-        err.contains("what listens there does not speak TLS; write the address without https://"),
+        err.contains("the program that listens there does not use TLS; write the address without https://"),
         "{err}"
     );
     let (code, _, err) = baudbot(&["serve", "--listen", &tcp]);

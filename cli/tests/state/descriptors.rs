@@ -27,7 +27,7 @@ fn a_server_with_few_files_lets_everybody_in_and_keeps_all_worlds() {
         *before = late.step(&format!("w{number}"), 2).unwrap();
         assert_eq!(before.tick, 5);
     }
-    assert!(!server.log().contains("state not kept"), "{}", server.log());
+    assert!(!server.log().contains("state not stored"), "{}", server.log());
     server.kill();
     let server = Server::start(&folder, "few-files", &[]);
     let mut operator = server.operator();

@@ -53,7 +53,7 @@ fn a_full_disk_stops_no_world_and_when_there_is_room_again_the_state_is_kept_aga
     operator.create("born", WANDER, (stepped(), true), &[]).unwrap();
 
     limit(&server, "unlimited");
-    wait_for(&server, "state kept again");
+    wait_for(&server, "state stored again");
     let born = operator.wait_until("born", |_| true);
     // Worlds attempt that by themselves.
     std::thread::sleep(Duration::from_secs(3));

@@ -102,7 +102,7 @@ fn a_second_server_is_refused_and_a_folder_of_something_else() {
     fs::write(other.join("thesis.txt"), "chapter one").unwrap();
     let (code, err) = refused(&other);
     assert_eq!(code, Some(2), "{err}");
-    assert!(err.contains("is not empty, and no folder of a server's state"), "{err}");
+    assert!(err.contains("is not empty, and not the folder of a server's state"), "{err}");
     fs::remove_file(other.join("thesis.txt")).unwrap();
     fs::write(other.join("baudbot-state"), "baudbot-state 99\n").unwrap();
     let (code, err) = refused(&other);
@@ -214,7 +214,7 @@ fn what_is_sound_of_a_damaged_world_is_recovered() {
     server.kill();
     let (code, said) = baudbot(&["state", "recover", text(&folder), "w"]);
     assert!(code == Some(0) && said.starts_with("world w can be continued at tick 31, "), "{said}");
-    assert!(said.contains("is left out"), "{said}");
+    assert!(said.contains("are left out"), "{said}");
     let (code, said) = baudbot(&["state", "recover", text(&folder), "w"]);
     assert!(code == Some(2) && said.contains("--as NAME"), "{said}");
     let (code, said) = baudbot(&["state", "recover", text(&folder), "sound"]);
@@ -292,7 +292,7 @@ fn what_is_no_world_or_cannot_be_read_stops_no_server_and_stays_as_it_is() {
         assert_eq!(operator.step(name, 5).unwrap().tick, 5);
         operator.delete(name).unwrap();
     }
-    assert!(server.log().contains("state not kept; the world goes on"), "{}", server.log());
+    assert!(server.log().contains("state not stored; the world continues"), "{}", server.log());
     assert_eq!(fs::read_to_string(&stray).unwrap(), "keep");
     assert!(gone.is_symlink());
     assert_eq!(fs::read_dir(&worlds).unwrap().count(), 3);

@@ -104,7 +104,7 @@ class Trains(WithTrainer):
         for reset, text in [
             (lambda: trainer.reset(poses={"robot": (1.8, 0.0, 0.0)}), "world `trained-1`: starts: robots[0].start: at (1.8, 0)"),
             (lambda: trainer.reset(poses={"bob": (0.0, 0.0, 0.0)}), "starts[0].robot: there is no robot `bob`"),
-            (lambda: trainer.reset(set={"robots.robot.body.radius_m": 0.15}), "brains are told this once"),
+            (lambda: trainer.reset(set={"robots.robot.body.radius_m": 0.15}), "brains get this only when they attach"),
             (lambda: trainer.reset(["trained-3"]), "there is no world of this trainer `trained-3`; did you mean"),
             (lambda: trainer.reset(seed=[1, 2, 3]), "seed: there are 3, but one for each of 2 worlds is needed"),
             (lambda: trainer.step([None]), "commands: there are 1, but one for each of 2 worlds is needed"),

@@ -253,7 +253,7 @@ class Certificates(unittest.TestCase):
         address = f"https://127.0.0.1:{server.add_insecure_port('127.0.0.1:0')}"
         server.start()
         self.addCleanup(lambda: server.stop(None).wait())
-        self.assertIn("what listens there does not speak TLS; write the address without https://", str(self.error(address)))
+        self.assertIn("the program that listens there does not use TLS; write the address without https://", str(self.error(address)))
 
 
 class Silence(unittest.TestCase):

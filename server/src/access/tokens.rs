@@ -109,12 +109,12 @@ impl Shared {
         let (tokens, news) = self.watched.current(clock::now());
         if let Some(news) = news {
             match news {
-                News::Changed { tokens } => tracing::info!(tokens, "the file of tokens has changed"),
+                News::Changed { tokens } => tracing::info!(tokens, "the token file has changed"),
                 News::Unreadable(error) => {
-                    tracing::warn!(%error, "the file of tokens cannot be read; in two seconds it counts as one without tokens");
+                    tracing::warn!(%error, "the token file cannot be read; unless it can be within two seconds, its tokens are refused");
                 }
                 News::Refused(error) => {
-                    tracing::error!(%error, "the file of tokens cannot be read: all of its tokens are refused until it can");
+                    tracing::error!(%error, "the token file cannot be read: its tokens are refused until it can be");
                 }
             }
         }

@@ -26,8 +26,9 @@ impl WorldActor {
     /// Makes a change as soon as no tick is under way, and then replies.
     pub(super) fn request_intervention(&mut self, intervention: Intervention, reply: Reply<Report>) {
         if self.interventions.0.len() >= MAX_INTERVENTIONS {
-            let text =
-                format!("intervention: {MAX_INTERVENTIONS} wait for the end of the tick, which is the limit");
+            let text = format!(
+                "intervention: {MAX_INTERVENTIONS} interventions wait for the end of the tick, which is the limit"
+            );
             return drop(reply.send(Err(Status::resource_exhausted(text))));
         }
         self.interventions.0.push((intervention, reply));
@@ -82,7 +83,7 @@ fn refused(error: &InterventionError) -> Status {
         InterventionError::Unknown { .. } => Status::not_found(text),
         // The actor changes nothing within a tick, so the state was restored.
         InterventionError::WithinTick => Status::failed_precondition(format!(
-            "{text}: a state was restored that was kept within one; it can be changed after a step"
+            "{text}: the restored state was saved within a tick; it can be changed after a step"
         )),
         InterventionError::Place { .. } | InterventionError::Baud { .. } => Status::invalid_argument(text),
         InterventionError::Ended

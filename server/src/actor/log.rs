@@ -14,7 +14,7 @@ impl WorldActor {
             Request::SetPace(pace) => event!(self, info, ?pace, "pace set"),
             Request::Reset(_) => event!(self, info, "world reset"),
             Request::Delete => event!(self, info, "world deleted"),
-            Request::Step { ticks } => event!(self, debug, ticks, "steps ordered"),
+            Request::Step { ticks } => event!(self, debug, ticks, "steps requested"),
             Request::Snapshot => event!(self, debug, "snapshot taken"),
             // Such a request is logged when it is done.
             Request::Restore { .. }
@@ -22,7 +22,7 @@ impl WorldActor {
             | Request::DetachBrain { .. }
             | Request::Record(_) => {}
             Request::StopRecording(_) => event!(self, info, "recording stopped"),
-            Request::Seek { tick } => event!(self, debug, to_tick = tick, "another tick ordered"),
+            Request::Seek { tick } => event!(self, debug, to_tick = tick, "seek requested"),
             Request::Fork(pace) => event!(self, info, ?pace, "replay made live"),
             Request::Start | Request::Pause | Request::Report | Request::Save { .. } => {}
         }

@@ -214,6 +214,6 @@ pub(super) fn sees_world(message: &Message) -> bool {
 
 fn broken(field: &str, problem: &str) -> Status {
     Status::failed_precondition(format!(
-        "{field}: {problem}, which the Hello has promised not to happen (thinks_as_scenario)"
+        "{field}: {problem}, which the Hello has excluded (thinks_as_scenario)"
     ))
 }

@@ -79,10 +79,13 @@ impl WorldActor {
                 self,
                 warn,
                 let_go_s,
-                "the world cannot keep up with the wall clock, and lets time go; this is told once of a world, and then once a minute of all"
+                "the world fell behind the wall clock and skipped the lag; further lags are logged once a minute for all worlds"
             );
         } else if let Some(times) = limits.lag_in_all(now) {
-            tracing::warn!(times, "worlds let time go; their statuses and summaries say which, and how much");
+            tracing::warn!(
+                times,
+                "worlds fell behind the wall clock and skipped the lags; their statuses and summaries have the amounts"
+            );
         }
     }
 

@@ -144,7 +144,7 @@ impl Runner<Message> for WorldActor {
 
     fn close(&mut self) {
         // A world that ends as it should has closed all streams already.
-        let text = format!("world `{}` has ended by a panic; the server's log says more", self.name);
+        let text = format!("world `{}` has ended with a panic; the server's log has details", self.name);
         self.sessions.close_all(&Status::internal(text));
     }
 }

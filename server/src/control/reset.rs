@@ -110,7 +110,7 @@ fn keeps_promises(old: &Scenario, new: &Scenario) -> Result<(), Status> {
     };
     let Some(field) = field else { return Ok(()) };
     Err(Status::failed_precondition(format!(
-        "overrides: {field}: brains are told this once, when they attach, and a reset cannot change it; make another world with \
+        "overrides: {field}: brains get this only when they attach, so a reset cannot change it; make another world with \
          CreateWorld"
     )))
 }

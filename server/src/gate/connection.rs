@@ -76,7 +76,7 @@ impl<IO> Connection<IO> {
                 times,
                 from,
                 kind,
-                "a connection is closed, as it sends too many frames of HTTP/2 that carry nothing"
+                "a connection is closed because it sends too many HTTP/2 frames without content"
             );
         }
     }

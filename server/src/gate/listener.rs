@@ -88,7 +88,7 @@ impl<L: Accept> GatedListener<L> {
                 Err(error) => {
                     // Such as too many open files. Connections wait in the kernel meanwhile; accepting again at once is of no use.
                     if let Some(times) = self.gate.0.accept_errors.note(clock::now()) {
-                        tracing::warn!(times, %error, "no connection can be taken");
+                        tracing::warn!(times, %error, "no connection can be accepted");
                     }
                     tokio::time::sleep(PAUSE).await;
                 }

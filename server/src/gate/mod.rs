@@ -413,7 +413,7 @@ mod tests {
         let refused = fifth.note_call().unwrap_err().to_string();
         assert_eq!(
             refused,
-            "the address 10.0.0.1 has 4 connections, which is its limit; close one, or start it with a larger \
+            "the address 10.0.0.1 has 4 connections, which is its limit; close one, or start the server with a larger \
              --max-connections-per-address"
         );
         assert!(!is_evicted(&four[0]), "nobody has to make room for it");

@@ -63,7 +63,7 @@ pub enum TlsError {
         source: X509Error,
     },
     /// A certificate that clients refuse.
-    #[error("{}: the certificate has expired, on {}; it needs a new one", path.display(), date::print(*at))]
+    #[error("{}: the certificate expired on {}; replace it", path.display(), date::print(*at))]
     Expired {
         /// The file.
         path: PathBuf,
@@ -144,7 +144,7 @@ impl Tls {
         if everybody_can_read(key) {
             let key = key.display();
             tracing::warn!(
-                "all users of this machine can read the key {key}; mend that with: chmod 600 {key}"
+                "all users of this machine can read the key {key}; fix that with: chmod 600 {key}"
             );
         }
         let builder = ServerConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
@@ -203,7 +203,7 @@ fn check_dates(path: &Path, certificate: &CertificateDer<'_>, now: SystemTime) -
         tracing::warn!("the certificate {path} is valid from {begins} on; is the clock right?");
     }
     if ends < now + SOON {
-        tracing::warn!("the certificate {path} expires on {}; it needs a new one", date::print(ends));
+        tracing::warn!("the certificate {path} expires on {}; replace it", date::print(ends));
     }
     Ok(())
 }
@@ -301,7 +301,7 @@ fn refuse(stream: &TcpStream) -> io::Result<()> {
     // Unread bytes would make the end a reset, which may overtake the answer.
     let _ = stream.try_read(&mut [0; 16 << 10]);
     let _ = stream.try_write(WANTS_TLS);
-    Err(io::Error::new(io::ErrorKind::InvalidData, "the peer speaks without TLS"))
+    Err(io::Error::new(io::ErrorKind::InvalidData, "the peer does not use TLS"))
 }
 
 impl AsyncRead for Secured {

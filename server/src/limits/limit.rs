@@ -33,49 +33,49 @@ macro_rules! limits {
 limits! {
     Connections: "connections", "--max-connections", ONE_OR_MORE, Usual::Files, Counted::InServer,
         "Maximum number of connections at a time, including pages\n\nAt the limit, a new connection replaces one that has made no request \
-        yet or presented no token; if there is none, the new one is refused. At least 32 of the files that the program may have open \
-        (`ulimit -Hn`) are kept free.", "close one";
+        yet or presented no token; if there is none, the new one is refused. At least 32 of the open files that the program may have \
+        (`ulimit -Hn`) are reserved for other uses.", "close one";
     ConnectionsPerAddress: "connections_per_address", "--max-connections-per-address", ONE_OR_MORE, Usual::HalfOfConnections,
-        Counted::ByCaller, "Connections from one address, or of one user over Unix sockets", "close one";
+        Counted::ByCaller, "Maximum number of connections from one address, or from one user over Unix sockets", "close one";
     ConnectionsPerToken: "connections_per_token", "--max-connections-per-token", ONE_OR_MORE, Usual::ForOthers(256),
-        Counted::ByCaller, "Connections with one token", "close one";
+        Counted::ByCaller, "Maximum number of connections with one token", "close one";
     StreamsPerConnection: "streams_per_connection", "--max-streams-per-connection", ONE_OR_MORE, Usual::Number(4096),
-        Counted::Elsewhere, "Calls that one connection may have open at a time", "end one, or connect again";
+        Counted::Elsewhere, "Maximum number of open calls of one connection", "end one, or connect again";
     StreamsPerCaller: "streams_per_caller", "--max-streams-per-caller", ONE_OR_MORE, Usual::ForOthers(1024), Counted::ByCaller,
-        "Calls that one caller, a token or an address, may have open at a time", "end one";
+        "Maximum number of open calls of one caller, which is a token or an address", "end one";
     RequestsPerS: "requests_per_s", "--max-requests-per-s", Unit::Things(1, 1_000_000), Usual::ForOthers(2000), Counted::Elsewhere,
-        "Calls that one caller may begin per second; messages in an open stream do not count", "try again later";
+        "Maximum number of calls per second that one caller begins; messages in an open stream do not count", "try again later";
     Worlds: "worlds", "--max-worlds", ONE_OR_MORE, Usual::Number(crate::MAX_WORLDS as u64), Counted::InServer,
-        "Worlds", "delete one";
+        "Maximum number of worlds", "delete one";
     WorldsPerCaller: "worlds_per_caller", "--max-worlds-per-caller", NONE_OR_MORE, Usual::ForOthers(512), Counted::ByCaller,
-        "Worlds that one caller has created", "delete one";
+        "Maximum number of worlds that one caller has created", "delete one";
     Robots: "robots", "--max-robots", NONE_OR_MORE, Usual::Number(1_000_000), Counted::InServer,
-        "Robots in all worlds", "delete a world";
+        "Maximum number of robots in all worlds", "delete a world";
     RobotsPerWorld: "robots_per_world", "--max-robots-per-world", NONE_OR_MORE, Usual::Number(10_000), Counted::Elsewhere,
-        "Robots in one world", "make several worlds";
+        "Maximum number of robots in one world", "make several worlds";
     WorldsPerTrainer: "worlds_per_trainer", "--max-worlds-per-trainer", ONE_OR_MORE, Usual::Number(1024), Counted::Elsewhere,
-        "Worlds that one stream of a trainer opens", "open several streams";
+        "Maximum number of worlds that one stream of a trainer opens", "open several streams";
     Snapshots: "snapshots", "--max-snapshots", NONE_OR_MORE, Usual::Number(65_536), Counted::InServer,
-        "Snapshots of all worlds", "delete a world that has some";
+        "Maximum number of snapshots of all worlds", "delete a world that has some";
     SnapshotsPerWorld: "snapshots_per_world", "--max-snapshots-per-world", ONE_OR_MORE, Usual::Number(64), Counted::Elsewhere,
-        "Snapshots of one world; further ones replace the oldest", "the oldest has gone";
+        "Maximum number of snapshots of one world; further ones replace the oldest", "the oldest has gone";
     Memory: "memory_bytes", "--max-memory", Unit::Bytes, Usual::HalfOfMemory, Counted::Memory,
-        "Memory for scenarios, states and snapshots, such as 500M, 8G or 25%", "delete a world";
+        "Maximum memory for scenarios, states and snapshots, such as 500M, 8G or 25%", "delete a world";
     Parsing: "parsing", "--max-parsing", ONE_OR_MORE, Usual::Processors, Counted::Parsing,
-        "Scenarios, states and recordings that are parsed at a time", "wait";
+        "Maximum number of scenarios, states and recordings parsed at a time", "wait";
     Waiting: "waiting", "--max-waiting", NONE_OR_MORE, Usual::Number(256), Counted::Waiting,
-        "Requests that wait for parsing", "try again in a second";
+        "Maximum number of requests that wait for parsing", "try again in a second";
     OverloadAfter: "overload_after_s", "--overload-after", Unit::Seconds(0, 3600), Usual::Number(3), Counted::Lag,
-        "Refuse to start worlds once those in real time have lagged for this many seconds; 0 for never\n\nA world lags if it drops time, \
-        because it is behind the wall clock by more than its pace allows. Worlds in lockstep are always started.",
+        "Refuse to start worlds once worlds in real time have lagged for this many seconds; 0 disables this\n\nA world lags if it skips \
+        time because it is behind the wall clock by more than its pace allows. Worlds in lockstep are always started.",
         "pause a world, or try again later";
     Unread: "unread_bytes", "--max-unread", Unit::Bytes, Usual::Number(128 << 20), Counted::Unread,
-        "Data that waits for clients that do not read it\n\nBeyond this, the slowest stream of the caller that leaves most unread ends.",
-        "read what you ask for";
+        "Maximum amount of data that waits for clients to read it\n\nBeyond this, the slowest stream of the caller with the most unread data \
+        ends.", "read what you ask for";
     UnreadPerCaller: "unread_bytes_per_caller", "--max-unread-per-caller", Unit::Bytes, Usual::ForOthers(64 << 20),
-        Counted::UnreadByCaller, "The same for one caller, whose slowest stream then ends", "read what you ask for";
+        Counted::UnreadByCaller, "Maximum amount of data that waits for one caller, whose slowest stream then ends", "read what you ask for";
     UnreadPerStream: "unread_bytes_per_stream", "--max-unread-per-stream", Unit::Bytes, Usual::Number(16 << 20), Counted::Elsewhere,
-        "The same for one stream of an observer, which then misses frames", "read what you ask for";
+        "Maximum amount of data that waits for one stream of an observer, which then misses frames", "read what you ask for";
 }
 
 const ONE_OR_MORE: Unit = Unit::Things(1, u32::MAX);
@@ -169,13 +169,10 @@ impl LimitInfo {
         let amount = |n: u64| if self.unit == Unit::Bytes { format!("{}M", n >> 20) } else { n.to_string() };
         match self.usual {
             Usual::Number(n) => amount(n),
-            Usual::ForOthers(n) => {
-                let any = if self.unit == Unit::Bytes { "size" } else { "number" };
-                format!("{}; for your own programs, any {any}", amount(n))
-            }
-            Usual::Files => "three quarters of the open files, at most 16384".to_owned(),
-            Usual::HalfOfConnections => "half of all; for this machine, all".to_owned(),
-            Usual::HalfOfMemory => "50% of the machine's, or of its container's".to_owned(),
+            Usual::ForOthers(n) => format!("{}; unlimited for your own programs", amount(n)),
+            Usual::Files => "three quarters of the limit of open files, at most 16384".to_owned(),
+            Usual::HalfOfConnections => "half of --max-connections; for this machine, all".to_owned(),
+            Usual::HalfOfMemory => "50% of the memory of the machine or its container".to_owned(),
             Usual::Processors => "one for each processor".to_owned(),
         }
     }
@@ -199,7 +196,7 @@ impl fmt::Display for Exceeded {
             Some(after) => write!(f, "try again in {} ms", after.as_micros().div_ceil(1000))?,
             None => f.write_str(remedy)?,
         }
-        write!(f, ", or start it with a larger {option}")
+        write!(f, ", or start the server with a larger {option}")
     }
 }
 
@@ -238,8 +235,8 @@ mod tests {
         let what = "the token `alice` has made 3 requests in a second".to_owned();
         let retry_after = Some(Duration::from_micros(12_345));
         let status = Status::from(Exceeded { limit: Limit::RequestsPerS, what, retry_after });
-        let text = "the token `alice` has made 3 requests in a second, which is its limit; try again in 13 ms, or start it \
-                    with a larger --max-requests-per-s";
+        let text = "the token `alice` has made 3 requests in a second, which is its limit; try again in 13 ms, or start \
+                    the server with a larger --max-requests-per-s";
         assert_eq!((status.code(), status.message()), (Code::ResourceExhausted, text));
         assert_eq!(status.metadata().get(PUSHBACK).unwrap(), "13");
     }

@@ -24,7 +24,7 @@ const WORLDS: [Metric<OfWorld>; 14] = [
     ),
     (
         "baudbot_world_watchdog_timeouts_total",
-        "How often a brain had not answered when the watchdog looked.",
+        "Number of times that the watchdog found a brain that had not answered.",
         |w| w.pacing.watchdog_timeouts as f64,
     ),
     (
@@ -34,10 +34,12 @@ const WORLDS: [Metric<OfWorld>; 14] = [
     ),
     (
         "baudbot_world_let_go_seconds_total",
-        "Wall-clock time that the world let go, as it lagged by more than its pace allows.",
+        "Wall-clock time that the world skipped because it lagged by more than its pace allows.",
         |w| w.pacing.let_go.as_secs_f64(),
     ),
-    ("baudbot_world_let_go_total", "How often the world let time go.", |w| w.pacing.times_let_go as f64),
+    ("baudbot_world_let_go_total", "Number of times that the world skipped a lag.", |w| {
+        w.pacing.times_let_go as f64
+    }),
     ("baudbot_world_robots", "Robots of the world.", |w| w.scenario.robots.len() as f64),
     ("baudbot_world_observers", "Observers that are connected.", |w| w.observers as f64),
     (
@@ -47,12 +49,12 @@ const WORLDS: [Metric<OfWorld>; 14] = [
     ),
     (
         "baudbot_world_state_lost",
-        "1 if the state of the world cannot be written at the moment, 0 if it can, or none is kept.",
+        "1 if the state of the world cannot be written at the moment, 0 if it can, or if none is stored.",
         |w| f64::from(u8::from(w.keeping.as_ref().is_some_and(|keeping| keeping.is_lost))),
     ),
     (
         "baudbot_world_state_kept_ticks",
-        "The tick from which the world would go on if the server were killed; 0 if no state is kept.",
+        "The tick from which the world would continue if the server were killed; 0 if no state is stored.",
         |w| w.keeping.as_ref().map_or(0.0, |keeping| keeping.tick as f64),
     ),
 ];
@@ -80,7 +82,7 @@ pub(super) fn write(worlds: &[World], limits: &InForce, most_robots: usize) -> S
     up.write(&mut text);
     let mut statuses = Family::counter(
         "baudbot_world_statuses_made_total",
-        "Statuses that were made for operators; each is told to all who ask before the world changes.",
+        "Statuses made for operators; each answers all requests until the world changes.",
     );
     for world in worlds {
         statuses.add(&[("world", &world.name)], world.statuses as f64);
@@ -98,10 +100,10 @@ fn write_limits(limits: &InForce, text: &mut String) {
     let mut values = Family::gauge("baudbot_limit", "A limit of the server.");
     let mut used = Family::gauge(
         "baudbot_limit_used",
-        "What is used of a limit; of one for each caller, by the one that uses most.",
+        "Usage of a limit; of a limit for each caller, the usage of the caller that uses most.",
     );
     let mut refused =
-        Family::counter("baudbot_limit_refused_total", "How often something was refused for a limit.");
+        Family::counter("baudbot_limit_refused_total", "Number of refusals because of a limit.");
     for limit in limits.usage() {
         let labels = [("limit", limit.info.name)];
         values.add(&labels, limit.value.unwrap_or(u64::MAX) as f64);
@@ -131,7 +133,7 @@ fn write_worlds(worlds: &[(&str, &Measures)], text: &mut String) {
         Family::gauge("baudbot_world_state", "1 for the state that the world is in, 0 for others.");
     let mut lateness = Family::histogram(
         "baudbot_world_tick_lateness_seconds",
-        "By how much ticks ended late by the wall clock, in real-time and scaled pace.",
+        "Lateness of the ends of ticks by the wall clock, in real-time and scaled pace.",
     );
     for (world, measures) in worlds {
         for (activity, state) in STATES {
@@ -203,7 +205,7 @@ fn write_cycles(shown: &[Shown<'_>], text: &mut String) {
     );
     let mut durations = Family::summary(
         "baudbot_brain_cycle_seconds",
-        "How long control cycles took that were answered, in simulated time; quantiles are of the whole run.",
+        "Duration of answered control cycles in simulated time; quantiles are of the whole run.",
     );
     for Shown { world, robot, measures, deadline_ns } in shown {
         let (world, robot, cycles) = (("world", *world), ("robot", *robot), &measures.cycles);

@@ -64,6 +64,6 @@ async fn write(mut sink: SplitSink<WebSocket, Message>, mut queue: mpsc::Receive
             return;
         }
     }
-    let close = CloseFrame { code: close_code::AWAY, reason: "the server is done with this page".into() };
+    let close = CloseFrame { code: close_code::AWAY, reason: "the server has closed this page".into() };
     let _ = sink.send(Message::Close(Some(close))).await;
 }

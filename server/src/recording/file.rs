@@ -17,8 +17,8 @@ pub(super) fn create(path: &Path) -> Result<RecordingFile, Status> {
         return Ok(file);
     }
     let _ = std::fs::remove_file(path);
-    let text = "recording: the server has as many files open as it may for recordings and connections; close some, or allow it more \
-                (ulimit -n)";
+    let text = "recording: the server has reached its limit of open files for recordings and connections; close some, or raise the \
+                limit (ulimit -n)";
     Err(Status::resource_exhausted(text))
 }
 

@@ -321,7 +321,7 @@ impl Recorder {
         };
         // The number is appended to the first name.
         let next = next.map(|next| Self { config: first, ..next });
-        next.map_err(|status| event!(view, error, problem = status.message(), "recording does not go on"))
+        next.map_err(|status| event!(view, error, problem = status.message(), "recording cannot continue"))
             .ok()
     }
 
@@ -367,16 +367,16 @@ fn recorded(start: SimTime, input: Input) -> v1::RecordedInput {
 
 fn described(intervention: &Intervention) -> String {
     match intervention {
-        Intervention::PlaceRobot { robot, .. } => format!("`{robot}` was put somewhere else"),
-        Intervention::PlaceThing { thing, .. } => format!("`{thing}` was put somewhere else"),
+        Intervention::PlaceRobot { robot, .. } => format!("`{robot}` was moved"),
+        Intervention::PlaceThing { thing, .. } => format!("`{thing}` was moved"),
         Intervention::PullCable { robot, pulled: true } => format!("the cable of `{robot}` was pulled"),
         Intervention::PullCable { robot, pulled: false } => format!("the cable of `{robot}` was plugged in"),
         Intervention::SetBaud { robot, baud } => format!("the cable of `{robot}` was set to {baud} baud"),
         Intervention::OpenPort { robot, open: true } => {
-            format!("a serial port passes the bytes of `{robot}` on")
+            format!("a serial port was opened for `{robot}`")
         }
         Intervention::OpenPort { robot, open: false } => {
-            format!("no serial port passes the bytes of `{robot}` on any more")
+            format!("the serial port of `{robot}` was closed")
         }
         Intervention::ResetBoard { robot } => {
             format!("a program has opened the port, which has reset the microcontroller of `{robot}`")

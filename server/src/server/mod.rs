@@ -48,7 +48,7 @@ pub enum ServerError {
     },
     /// An address that other machines can reach, without tokens and TLS.
     #[error(
-        "{address} can be reached from other machines: that takes --tokens FILE (see `baudbot token`) and --tls CERTIFICATE,KEY (see \
+        "{address} can be reached from other machines: that needs --tokens FILE (see `baudbot token`) and --tls CERTIFICATE,KEY (see \
          `baudbot cert`), or a proxy that does TLS (--behind-proxy); or listen on 127.0.0.1"
     )]
     NotLoopback {
@@ -57,7 +57,7 @@ pub enum ServerError {
     },
     /// An address for trainers that other machines can reach.
     #[error(
-        "{address}: a trainer's address must be on this machine, as it tells the truth about robots; use 127.0.0.1:PORT or unix:/PATH"
+        "{address}: a trainer's address must be on this machine, as it gives access to the truth about robots; use 127.0.0.1:PORT or unix:/PATH"
     )]
     TrainerNotLocal {
         /// The address.

@@ -63,7 +63,7 @@ fn check_memory(spec: &RobotSpec, bytes: Option<u64>) -> Result<(), Status> {
     let name = &spec.name;
     if !matches!(spec.link, Link::Onboard) {
         return Err(Status::invalid_argument(format!(
-            "hello.memory_bytes: robot `{name}` is not onboard; its brain runs on a laptop, which has room"
+            "hello.memory_bytes: robot `{name}` is not onboard; its brain runs on a laptop, whose memory is not limited"
         )));
     }
     match spec.processor.ram_bytes {

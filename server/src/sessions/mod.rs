@@ -360,8 +360,8 @@ fn check_understood(scenario: &Scenario, robots: &[usize]) -> Result<(), Status>
     let mut specs = robots.iter().map(|&robot| &scenario.robots[robot]);
     specs.find(|spec| is_opaque(spec)).map_or(Ok(()), |spec| {
         let text = format!(
-            "hello.mode: the microcontroller of robot `{}` runs a program of its own, whose messages nobody here knows; \
-             attach in RAW mode, or give it a serial port. If the program speaks \"framed\" or \"bare\", say so in \
+            "hello.mode: the microcontroller of robot `{}` runs a program of its own, whose messages the server cannot \
+             decode; attach in RAW mode, or give it a serial port. If the program speaks \"framed\" or \"bare\", set \
              firmware.protocol",
             spec.name
         );

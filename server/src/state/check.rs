@@ -75,16 +75,16 @@ pub enum RecoverError {
         name: String,
     },
     /// The state is sound.
-    #[error("world `{0}` is sound: a server continues it; there is nothing to recover")]
+    #[error("world `{0}` is sound: a server can continue it; there is nothing to recover")]
     Sound(String),
     /// There is a world of the name that it is to have.
-    #[error("{}: is there already; give the recovered world another name with --as NAME", .0.display())]
+    #[error("{}: already exists; give the recovered world another name with --as NAME", .0.display())]
     Taken(PathBuf),
     /// The world cannot have this name.
     #[error("`{0}`: no world can have this name; write 1 to 64 letters, digits, _ or -")]
     Name(String),
     /// Nothing can be made of its journal.
-    #[error("{} {problem}, and has no sound state from which a world could go on", file.display())]
+    #[error("{} {problem}, and has no sound state from which a world could continue", file.display())]
     Nothing {
         /// The journal, or the folder if there is none.
         file: PathBuf,
@@ -243,12 +243,12 @@ fn notes(journal: &Path, salvaged: &Salvaged) -> Vec<String> {
     let file = journal.file_name().unwrap_or_default().display();
     let Salvaged { restored: _, passed, left_out: (length, bytes), differs } = salvaged;
     let passed = passed.iter().map(|at| {
-        format!("{file} is damaged at byte {at}; a later state in it has all that was before, so nothing of that is lost")
+        format!("{file} is damaged at byte {at}; a later state in it includes everything before, so nothing is lost there")
     });
     let differs = differs
         .iter()
-        .map(|error| format!("{file} {error}; what came after the fingerprint before is left out"));
+        .map(|error| format!("{file} {error}; everything after the previous fingerprint is left out"));
     let rest =
-        (*bytes > 0).then(|| format!("what is in {file} behind byte {length}, {bytes} bytes, is left out"));
+        (*bytes > 0).then(|| format!("the last {bytes} bytes of {file}, after byte {length}, are left out"));
     passed.chain(differs).chain(rest).collect()
 }

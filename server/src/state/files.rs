@@ -174,7 +174,7 @@ impl WorldFiles {
     fn carry_out(&self, disk: &mut Disk, work: Work) -> io::Result<()> {
         if self.is_taken {
             return Err(io::Error::other(
-                "what was there under the world's name cannot be used and is left as it is",
+                "the files under the world's name cannot be used and are left unchanged",
             ));
         }
         match work {

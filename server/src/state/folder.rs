@@ -34,15 +34,15 @@ pub enum StateError {
     #[error("{}: another server keeps its state there; stop that one, or choose another folder", .0.display())]
     InUse(PathBuf),
     /// The folder does not exist.
-    #[error("{}: there is no such folder; `baudbot serve --state FOLDER` makes one", .0.display())]
+    #[error("{}: there is no such folder; `baudbot serve --state FOLDER` creates one", .0.display())]
     Absent(PathBuf),
     /// The folder is something else.
     #[error(
-        "{}: is not empty, and no folder of a server's state; choose another, which is made if it is not there", .0.display()
+        "{}: is not empty, and not the folder of a server's state; choose another, which is created if needed", .0.display()
     )]
     Foreign(PathBuf),
     /// Another version of the program has made it.
-    #[error("{}: its layout is `{found}`; this version of baudbot knows `{}`", path.display(), layout().trim_end())]
+    #[error("{}: its layout is `{found}`; this version of baudbot needs `{}`", path.display(), layout().trim_end())]
     Layout {
         /// The folder.
         path: PathBuf,

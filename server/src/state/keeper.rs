@@ -166,8 +166,8 @@ impl Keeper {
         self.files.sync();
         let Keeping { is_lost, tick } = self.keeping();
         match is_lost {
-            true => event!(now, error, problem = self.files.problem(), kept_tick = tick, "state not kept"),
-            false => event!(now, info, "state kept"),
+            true => event!(now, error, problem = self.files.problem(), kept_tick = tick, "state not stored"),
+            false => event!(now, info, "state stored"),
         }
     }
 
@@ -245,14 +245,14 @@ impl Keeper {
         match &mut self.lost {
             None if is_lost => {
                 let (problem, kept_tick) = (self.files.problem(), self.keeping().tick);
-                event!(now, error, problem, kept_tick, "state not kept; the world goes on");
+                event!(now, error, problem, kept_tick, "state not stored; the world continues");
                 self.entries.clear();
                 self.lost = Some(Lost { retry: instant + RETRY_AFTER, is_trying: false });
                 false
             }
             None => true,
             Some(lost) if lost.is_trying && !is_lost => {
-                event!(now, warn, "state kept again");
+                event!(now, warn, "state stored again");
                 self.lost = None;
                 true
             }

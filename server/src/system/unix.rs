@@ -75,7 +75,7 @@ pub(crate) fn everybody_can_read(path: &Path) -> bool {
 /// If it cannot be opened, or is a pipe: opening that waits for a reader.
 pub(crate) fn open_private_log(path: &Path) -> io::Result<File> {
     if path.metadata().is_ok_and(|metadata| metadata.file_type().is_fifo()) {
-        let problem = "is a pipe, which may hold up the server; name a file";
+        let problem = "is a pipe, which may block the server; name a file";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
     }
     OpenOptions::new().append(true).create(true).mode(0o600).open(path)

@@ -58,7 +58,7 @@ pub(super) fn checked(
             }
             Some(world_action::Action::Reset(request)) if request.world.is_empty() => What::Reset(request),
             Some(world_action::Action::Reset(_)) => {
-                return wrong("reset.world: must be empty, since `world` says which".to_owned());
+                return wrong("reset.world: must be empty, since `world` names the world".to_owned());
             }
             None => return wrong("action: must be a Step or a reset".to_owned()),
         };

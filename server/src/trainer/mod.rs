@@ -121,7 +121,7 @@ async fn answer_all(
             response = act(worlds, actions, &order) => response,
             early = next_request(requests) => return match early? {
                 Some(_) => Err(Status::failed_precondition(
-                    "request: the one before has not been answered yet; wait for its response",
+                    "request: the previous request has not been answered yet; wait for its response",
                 )),
                 None => Ok(()),
             },

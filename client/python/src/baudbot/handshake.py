@@ -45,7 +45,7 @@ def failed(error: grpc.RpcError, address: str) -> Error:
         if _OF_CLIENT.search(reason):
             return Untrusted(f"the server at {address} {of_client(credentials.certificate_file)}")
         if reason == "WRONG_VERSION_NUMBER":
-            hint = "what listens there does not speak TLS; write the address without https://"
+            hint = "the program that listens there does not use TLS; write the address without https://"
         elif "ALERT" in reason or isinstance(problem, (ssl.SSLEOFError, ssl.SSLZeroReturnError)):
             hint = _may_be(credentials.certificate_file)
     except OSError:
@@ -74,14 +74,14 @@ def of_client(certificate: str | None) -> str:
     if certificate is None:
         return "asks for a client certificate: set BAUDBOT_CERTIFICATE and BAUDBOT_KEY"
     shown = printable(certificate)
-    return f"does not accept the client certificate in {shown}: it may have expired, or the server does not know the authority that signed it"
+    return f"does not accept the client certificate in {shown}: it may have expired, or the server does not trust the authority that signed it"
 
 
 def _may_be(certificate: str | None) -> str:
     """What the reason may be why a server hangs up, or is silent."""
     if certificate is None:
         return "a server there may ask for a client certificate: set BAUDBOT_CERTIFICATE and BAUDBOT_KEY"
-    return f"a server there may not know the authority that signed the client certificate in {printable(certificate)}"
+    return f"a server there may not trust the authority that signed the client certificate in {printable(certificate)}"
 
 
 def _host(authority: str) -> tuple[str, str]:

@@ -60,7 +60,7 @@ impl InForce {
     pub(crate) fn snapshot(&self) -> Result<Place, Exceeded> {
         let most = self.value(Limit::Snapshots);
         self.place(Limit::Snapshots, 1)
-            .ok_or_else(|| self.refuse(Limit::Snapshots, format!("the server keeps {most} snapshots"), None))
+            .ok_or_else(|| self.refuse(Limit::Snapshots, format!("the server has {most} snapshots"), None))
     }
 
     /// Memory that is not held.
@@ -140,7 +140,7 @@ impl InForce {
         let held = self.hold(bytes)?;
         let most = self.count(Limit::Waiting);
         let Some(permit) = self.0.parsing.turn(most).await else {
-            let what = format!("{most} requests wait until theirs is read");
+            let what = format!("{most} requests wait to be parsed");
             return Err(self.refuse(Limit::Waiting, what, Some(SOON)).into());
         };
         let waiter = Waiter(Cancelled::default());
