@@ -28,15 +28,15 @@ pub(super) struct RawArena {
     zones: Vec<RawZone>,
     /// Lamps.
     lights: Vec<RawLight>,
-    /// Scents and the like.
+    /// Scalar fields over the floor, such as scents.
     fields: Vec<RawField>,
     /// Things that move by themselves: doors, people.
     pub(super) movers: Vec<RawMover>,
     /// Things that robots push: boxes, balls.
     pub(super) movables: Vec<RawMovable>,
-    /// Light that is everywhere and casts no shadows.
+    /// Ambient light: the illuminance everywhere, without shadows.
     ambient_lux: Number<NotNegative>,
-    /// Brightness of the floor where no zone says otherwise; 1 is white.
+    /// Brightness of the floor outside zones with a `floor` of their own; 1 is white.
     floor: Number<Share>,
     /// The sky is hidden everywhere: satellite receivers have no fix.
     indoors: bool,
@@ -75,20 +75,21 @@ impl Default for RawArena {
 struct RawPolygon {
     /// Unique among all obstacles. Range: see [names](#names).
     name: String,
-    /// Corners in order. The last one is joined to the first, and may repeat it. Type: list of `[x, y]`. Range: 2 to 4096 points,
-    /// at least 3 if solid; each −10^6 to 10^6.
+    /// Corners in order. The last one may repeat the first. Type: list of `[x, y]`. Range: 2 to 4096 points, at least 3
+    /// if solid; each −10^6 to 10^6.
     #[cfg_attr(feature = "schema", schemars(with = "Corners", length(min = 2, max = 4096)))]
     points_m: Vec<[f64; 2]>,
-    /// Filled: nothing can stand in it, and its outline must not cross itself. `false`: an outline only, such
-    /// as the border of a room.
+    /// `true`: the polygon is filled, so nothing can be in it, and its outline must not cross itself. `false`: only
+    /// the outline is an obstacle, such as the border of a room.
     #[serde(default = "yes")]
     solid: bool,
-    /// `false`: the last point is not joined to the first; a wall with a gap. Range: a solid one is closed.
+    /// `true`: the last point is joined to the first. `false`: it is not, as in a wall with a gap. Range: a solid one
+    /// is closed.
     #[serde(default = "yes")]
     closed: bool,
-    /// Sensors that are mounted higher see over it. Bodies hit it at any height. Default: unlimited.
+    /// Height. Sensors that are mounted higher see over it, but bodies hit it at any height. Default: unlimited.
     height_m: Option<Number<Length>>,
-    /// Its colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
+    /// Colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
     color: Option<[u8; 3]>,
 }
 
@@ -98,15 +99,15 @@ struct RawPolygon {
 struct RawCircle {
     /// Unique among all obstacles. Range: see [names](#names).
     name: String,
-    /// Centre.
+    /// Centre of the circle.
     x_m: Number<Coordinate>,
-    /// Centre.
+    /// Centre of the circle.
     y_m: Number<Coordinate>,
-    /// Radius. A circle is solid.
+    /// Radius of the circle, which is solid.
     radius_m: Number<Length>,
-    /// Sensors that are mounted higher see over it. Default: unlimited.
+    /// Height. Sensors that are mounted higher see over it. Default: unlimited.
     height_m: Option<Number<Length>>,
-    /// Its colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
+    /// Colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
     color: Option<[u8; 3]>,
 }
 
@@ -126,22 +127,23 @@ struct RawZone {
     y_m: Option<Number<Coordinate>>,
     /// Radius of a disc. Default: this or `points_m`.
     radius_m: Option<Number<Length>>,
-    /// Power with which batteries are charged here. Chargers add up.
+    /// Charging power for batteries here. Chargers of overlapping zones add up.
     #[serde(default)]
     charger_w: Number<NotNegative>,
-    /// Brightness of the floor here. Of several zones the last in the file counts. Default: the arena's.
+    /// Brightness of the floor here. Where zones overlap, the last in the file counts. Default: the arena's.
     floor: Option<Number<Share>>,
-    /// Share of its rolling that a wheel loses here: 1 spins on the spot. The largest counts, for each wheel
-    /// separately. Encoders count the rolling; gyroscope, accelerometer and gps measure the body's motion.
+    /// Fraction of its rolling that a wheel loses here: with 1 it spins on the spot. Where zones overlap, the largest
+    /// slip counts, for each wheel separately. Encoders count the rolling; gyroscope, accelerometer and gps measure
+    /// the body's motion.
     #[serde(default)]
     slip: Number<Share>,
-    /// The sky is hidden here.
+    /// The sky is hidden here: satellite receivers have no fix.
     #[serde(default)]
     indoors: bool,
-    /// Deviation of compasses here. Offsets add up.
+    /// Deviation of compasses here. Offsets of overlapping zones add up.
     #[serde(default)]
     compass_offset_rad: Number<Between<-10, 10>>,
-    /// A place to reach, for `end.all_goals`.
+    /// The zone is a goal, for `end.all_goals`.
     #[serde(default)]
     goal: bool,
 }
@@ -152,21 +154,21 @@ struct RawZone {
 struct RawLight {
     /// Unique among the lights. Range: see [names](#names).
     name: String,
-    /// Position.
+    /// Position of the lamp.
     x_m: Number<Coordinate>,
-    /// Position.
+    /// Position of the lamp.
     y_m: Number<Coordinate>,
     /// Height above the floor.
     #[serde(default)]
     height_m: Number<Between<0, 1000>>,
     /// Luminous intensity, the same in all directions, in candela.
     intensity_cd: Number<Positive>,
-    /// It blinks with this period.
+    /// Period at which the lamp blinks. Without it, the lamp is always lit.
     blink_ms: Option<Number<Blink>>,
-    /// How long it is lit in each period, from its start. Default: half the period. Range: to `blink_ms`;
-    /// only with it.
+    /// Time for which the lamp is lit in each period, from the start of the period. Default: half the period. Range:
+    /// to `blink_ms`; only with it.
     lit_ms: Option<Number<NotNegative>>,
-    /// Whether obstacles cast shadows.
+    /// Obstacles cast shadows in its light.
     #[serde(default = "yes")]
     shadows: bool,
 }
@@ -177,13 +179,13 @@ struct RawLight {
 struct RawField {
     /// Unique among the fields. Range: see [names](#names).
     name: String,
-    /// Value at the origin without bells, in the field's own unit.
+    /// Value at the origin without sources, in the field's own unit.
     #[serde(default)]
     background: Number<Amount>,
     /// Change per metre along x and along y. Type: `[x, y]`. Range: each −10^9 to 10^9.
     #[serde(default)]
     slope_per_m: [Number<Amount>; 2],
-    /// Bells.
+    /// Bell-shaped sources, which are added to the field.
     #[serde(default)]
     sources: Vec<RawSource>,
 }
@@ -192,13 +194,13 @@ struct RawField {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawSource {
-    /// Its centre.
+    /// Centre of the bell.
     x_m: Number<Coordinate>,
-    /// Its centre.
+    /// Centre of the bell.
     y_m: Number<Coordinate>,
-    /// Its height; a negative one makes a dip.
+    /// Height of the bell; a negative one makes a dip.
     strength: Number<Amount>,
-    /// Its standard deviation.
+    /// Standard deviation of the bell.
     width_m: Number<Length>,
 }
 

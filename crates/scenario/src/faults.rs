@@ -30,19 +30,18 @@ baudbot_fields::rules! {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct RawFault {
-    /// What fails.
+    /// Kind of fault.
     kind: Kind,
-    /// When it comes. Default: this or `every_s`.
+    /// Start of the fault. Default: this or `every_s`.
     from_s: Option<Number<Seconds<Between<0, 100_000_000>>>>,
-    /// It comes once in each such span of time. Default: this or `from_s`.
+    /// Interval: the fault occurs once in each, at a random time. Default: this or `from_s`.
     every_s: Option<Number<Seconds<Span>>>,
-    /// How long it lasts. Range: at most `every_s`.
+    /// Duration of the fault. Range: at most `every_s`.
     for_s: Number<Seconds<Lasting>>,
-    /// Probability that a byte sent meanwhile arrives with a wrong bit. The cable's own rate counts if it is
+    /// Probability that a byte sent during the fault arrives with a wrong bit. The cable's own rate applies if it is
     /// larger. Default: required for `byte-errors`. Range: only `byte-errors`.
     byte_error_rate: Option<Number<Share>>,
-    /// The sensor's name. Default: required for `sensor` and `lost-signal`. Range: only `sensor` and
-    /// `lost-signal`.
+    /// Name of the sensor. Default: required for `sensor` and `lost-signal`. Range: only `sensor` and `lost-signal`.
     sensor: Option<String>,
 }
 

@@ -23,13 +23,13 @@ pub(super) struct RawMotors {
     /// Bits of a signal on the wire, saturating at ±1 ([Signed](wire.md#encodings)). Without it a signal is
     /// sent as an exact 64-bit number.
     pub(super) signal_bits: Option<Number<Whole<2, 32, u8>>>,
-    /// Standard deviation of a factor with mean 1 on each motor's signal, drawn once a tick.
+    /// Standard deviation of a factor with mean 1 on each motor's signal, drawn once per tick.
     pub(super) noise_sigma: Number<Share>,
-    /// The same, drawn once a run: every motor is slightly different.
+    /// Standard deviation of a second such factor, drawn once per run: every motor is slightly different.
     pub(super) noise_spread: Number<Share>,
-    /// The motors stop if no command arrives for this long. Without it they keep obeying the last one.
+    /// The motors stop if no command arrives for this long. Without it the last command stays in effect.
     pub(super) timeout_ms: Option<Number<Millis<Period>>>,
-    /// How much later than the microcontroller obeys it a command reaches the motors.
+    /// Delay from the instant at which the microcontroller obeys a command until the command reaches the motors.
     pub(super) dead_time_ms: Number<Millis<Between<0, 1000>>>,
 }
 

@@ -13,25 +13,24 @@ type Volts = Between<-1_000_000_000_000, 1_000_000_000_000>;
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Options {
-    /// What is on the pin, such as `sensors.ir_left`.
+    /// The part on the pin, such as `sensors.ir_left`.
     pub(super) to: String,
-    /// Of a voltage: what the pin has at the value 0, in volts. Default: 0.0.
+    /// For a voltage: voltage of the pin at the value 0. Default: 0.0.
     pub(super) volts_at_0: Option<Number<Volts>>,
-    /// Of a voltage: how much more for each unit of the value, in volts. Default: the range of the sensor's
-    /// code is that of the supply.
+    /// For a voltage: increase of the voltage per unit of the value. Default: the range of the sensor's codes spans
+    /// the supply voltage.
     pub(super) volts_per_unit: Option<Number<Volts>>,
-    /// Of a voltage: the share that the pin gets. Default: 1.0.
+    /// For a voltage: fraction of it that reaches the pin. Default: 1.0.
     pub(super) divider: Option<Number<Share>>,
-    /// Of a switch: what makes its open pin high. Default: `"internal"`.
+    /// For a switch: the resistor that pulls the open pin high. Default: `"internal"`.
     pub(super) pull: Option<Pull>,
-    /// Of a motor's driver: what it takes from the motor, in volts. Default: 2.55 of an L298N, 0.5 of a TB6612,
-    /// else 0.0.
+    /// For a motor's driver: voltage drop across it. Default: 2.55 of an L298N, 0.5 of a TB6612, else 0.0.
     pub(super) drop_v: Option<Number<Between<0, 100>>>,
-    /// Of a driver with PWM and direction: what the motor does in the pauses. Default: `"brake"`.
+    /// For a driver with PWM and direction: behaviour of the motor in the pauses of the PWM. Default: `"brake"`.
     pub(super) decay: Option<Decay>,
-    /// Of a light: the level that lights it. Default: `"high"`.
+    /// For a light-emitting diode: the level that lights it. Default: `"high"`.
     pub(super) lit_by: Option<LitBy>,
-    /// Of a floor sensor: it discharges a capacitor. Default: false on an analog pin, else true.
+    /// For a floor sensor: it is read by the discharge of a capacitor. Default: false on an analog pin, else true.
     pub(super) rc: Option<bool>,
 }
 
@@ -40,14 +39,14 @@ pub(super) struct Options {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Inline {
-    /// The file that it is from, for errors.
+    /// File of the program, for error messages.
     #[serde(default)]
     pub(super) file: String,
     /// The flash, as Intel HEX.
     pub(super) hex: String,
     /// The EEPROM, as Intel HEX.
     pub(super) eeprom_hex: Option<String>,
-    /// The part that it was built for, as the compiler notes it.
+    /// Chip that the program was built for, as the compiler notes it.
     pub(super) device: Option<String>,
     /// The fuse bytes of the ELF file. Range: each 0 to 255.
     pub(super) fuses: Option<[u8; 3]>,

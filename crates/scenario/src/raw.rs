@@ -19,11 +19,11 @@ use super::context::{Lasting, MAX_SUBSTEPS, MIN_PERIOD_MS};
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Scenario {
-    /// A short name on one line, without control characters. It becomes the name of the world on a server;
-    /// without it the file's name does.
+    /// Name of the scenario, on one line and without control characters. It is also the name of its world on a
+    /// server; without it, the world has the file's name.
     #[serde(default)]
     pub(super) name: String,
-    /// What the scenario is about, for people.
+    /// Description of the scenario, for people.
     #[serde(default)]
     pub(super) description: String,
     /// Seed of all random streams ([determinism](../explanation/determinism.md)). Range: 0 to 2^63 − 1.
@@ -32,29 +32,29 @@ pub(super) struct Scenario {
     /// Length of a tick Δt ([timing](../explanation/timing.md)).
     #[serde(default = "Number::<Step>::constant::<10>")]
     pub(super) step_ms: Number<Step>,
-    /// Euler steps of the bodies in a tick. They must divide the tick into whole nanoseconds.
+    /// Number of Euler steps of the bodies in a tick. They must divide the tick into whole nanoseconds.
     #[serde(default = "Substeps::constant::<1>")]
     pub(super) substeps: Substeps,
-    /// Whether sensors and motors are noisy. Byte errors of the link do not count as noise and remain.
+    /// Switches on the noise of sensors and motors. Byte errors of the link are not affected.
     #[serde(default = "default::yes")]
     pub(super) noise: bool,
-    /// What a collision does: the robot slides along what it ran into, the robot stops, or the run ends.
+    /// Effect of a collision: the robot slides along the obstacle, the robot stops, or the run ends.
     #[serde(default)]
     pub(super) collision: Collision,
-    /// Coefficient of sliding friction between robots and what they slide along. 0 lets them slide freely; `inf` holds them as
-    /// `stop-robot` does. Default: 0.3, wood on wood. Range: not negative; only with `slide`.
+    /// Coefficient of sliding friction between robots and obstacles. With 0 robots slide freely; with `inf` they stop
+    /// as with `stop-robot`. Default: 0.3, wood on wood. Range: not negative; only with `slide`.
     #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub(super) wall_friction: Option<f64>,
-    /// When the run ends. Default: none.
+    /// Conditions that end the run. Default: none.
     #[serde(default)]
     pub(super) end: End,
-    /// Area coverage. Default: none.
+    /// Measurement of area coverage. Default: none.
     #[serde(default)]
     pub(super) metrics: Metrics,
     /// Everything besides the robots. Default: empty.
     #[serde(default)]
     pub(super) arena: RawArena,
-    /// The robots. Their order in the file changes nothing. Range: at most 10,000 robots.
+    /// The robots. Their order in the file has no effect. Range: at most 10,000 robots.
     #[cfg_attr(feature = "schema", schemars(length(max = 10_000)))]
     #[serde(default)]
     pub(super) robots: Vec<Robot>,
@@ -84,9 +84,9 @@ pub(super) struct End {
     /// `goal`.
     #[serde(default)]
     pub(super) all_goals: bool,
-    /// The run ends when this share of the free floor is covered. Range: needs `metrics.cell_m`.
+    /// The run ends when this fraction of the free floor is covered. Range: needs `metrics.cell_m`.
     pub(super) covered: Option<Number<Share>>,
-    /// The run ends when this share of the free floor is sensed. Range: needs `metrics.sensed_by`.
+    /// The run ends when this fraction of the free floor is sensed. Range: needs `metrics.sensed_by`.
     pub(super) sensed: Option<Number<Share>>,
     /// The run ends when any battery is empty. Range: needs a robot with a battery.
     #[serde(default)]
@@ -97,14 +97,14 @@ pub(super) struct End {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Metrics {
-    /// Side of a cell. Without it nothing is counted. The arena must have walls around the robots. Range: at
-    /// most 4,000,000 cells.
+    /// Side of a cell. Without it, coverage is not measured. Walls must enclose the robots. Range: at most 4,000,000
+    /// cells.
     pub(super) cell_m: Option<Number<Length>>,
     /// The sensor whose rays are counted, on each robot that has one of this name. Range: name of a sensor with
     /// rays and a range; needs `cell_m`.
     pub(super) sensed_by: Option<String>,
-    /// How often its rays are cast, at the end of a tick. This takes time on your machine, not in the
-    /// simulation. Default: 100.0.
+    /// Interval at which its rays are cast, at the end of a tick. This takes time on your machine, but no simulated
+    /// time. Default: 100.0.
     pub(super) sense_ms: Option<Number<Millis<Sensing>>>,
 }
 

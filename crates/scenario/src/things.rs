@@ -29,9 +29,9 @@ pub(super) struct RawMover {
     /// `radius_m`. Range: 3 to 4096 points; each −10^6 to 10^6; not with `wander`.
     #[cfg_attr(feature = "schema", schemars(with = "Option<Corners>", length(min = 3, max = 4096)))]
     outline_m: Option<Vec<[f64; 2]>>,
-    /// Sensors that are mounted higher see over it. Default: unlimited.
+    /// Height. Sensors that are mounted higher see over it. Default: unlimited.
     height_m: Option<Number<Length>>,
-    /// Its colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
+    /// Colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
     color: Option<[u8; 3]>,
     /// Start position; with `stops` the first of these.
     #[serde(default)]
@@ -42,13 +42,12 @@ pub(super) struct RawMover {
     /// Heading at the start.
     #[serde(default)]
     heading_rad: Number<Heading>,
-    /// It goes from point to point, without turning. Default: this, `swing` or `wander`.
+    /// Motion from point to point, without turning. Default: this, `swing` or `wander`.
     stops: Option<RawStops>,
-    /// It turns about the origin of its own frame and back, like a door on its hinge. Default: this, `stops` or
+    /// Rotation about the origin of its own frame and back, like a door on its hinge. Default: this, `stops` or
     /// `wander`.
     swing: Option<RawSwing>,
-    /// It goes straight, in a direction that changes at random from time to time. Default: this, `stops` or
-    /// `swing`.
+    /// Straight motion, in a direction that changes at random from time to time. Default: this, `stops` or `swing`.
     wander: Option<RawWander>,
 }
 
@@ -56,15 +55,16 @@ pub(super) struct RawMover {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawStops {
-    /// Its points; it starts at the first. Type: list of `[x, y]`. Range: 2 to 4096 points; each −10^6 to 10^6.
+    /// Points of the path, which starts at the first. Type: list of `[x, y]`. Range: 2 to 4096 points; each −10^6 to
+    /// 10^6.
     #[cfg_attr(feature = "schema", schemars(with = "Corners", length(min = 2, max = 4096)))]
     points_m: Vec<[f64; 2]>,
-    /// Speed.
+    /// Speed of the motion.
     speed_m_s: Number<UpTo<1000>>,
-    /// How long it stays at each.
+    /// Pause at each point.
     #[serde(default)]
     pause_s: Number<Seconds<Between<0, 1_000_000>>>,
-    /// After the last point: all the way back, straight to the first, or nothing more.
+    /// Motion after the last point: back along the path, straight to the first point, or none.
     #[serde(default)]
     then: AfterLast,
 }
@@ -73,11 +73,11 @@ struct RawStops {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawSwing {
-    /// The other end of the swing; it starts at `heading_rad`.
+    /// Heading at the other end of the swing, which starts at `heading_rad`.
     to_rad: Number<Heading>,
     /// Turn rate.
     rate_rad_s: Number<UpTo<1000>>,
-    /// How long it stays at each end.
+    /// Pause at each end.
     #[serde(default)]
     pause_s: Number<Seconds<Between<0, 1_000_000>>>,
 }
@@ -86,9 +86,10 @@ struct RawSwing {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RawWander {
-    /// Speed.
+    /// Speed of the motion.
     speed_m_s: Number<UpTo<1000>>,
-    /// It keeps a direction for a time between half of this and all of it, or until something is in the way.
+    /// Maximum time in one direction. The direction changes after half of this to all of it, or when something is in
+    /// the way.
     turn_s: Number<Seconds<Between<0, 1_000_000>>>,
 }
 
@@ -118,12 +119,12 @@ pub(super) struct RawMovable {
     mass_kg: Number<Positive>,
     /// Coulomb friction coefficient with the floor; for a ball the rolling resistance.
     friction: Number<NotNegative>,
-    /// Coefficient of restitution: speed of parting / speed of meeting.
+    /// Coefficient of restitution: separation speed divided by approach speed.
     #[serde(default)]
     restitution: Number<Share>,
-    /// Sensors that are mounted higher see over it. Default: unlimited.
+    /// Height. Sensors that are mounted higher see over it. Default: unlimited.
     height_m: Option<Number<Length>>,
-    /// Its colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
+    /// Colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
     color: Option<[u8; 3]>,
 }
 

@@ -37,25 +37,25 @@ pub struct Battery {
     /// Charge when full, in mAh.
     #[serde(with = "Number::<Positive>")]
     pub capacity_mah: f64,
-    /// Lowers the voltage under load.
+    /// Internal resistance, which lowers the voltage under load.
     #[serde(default, with = "Number::<NotNegative>")]
     pub internal_resistance_ohm: f64,
-    /// Voltage without load, relative to the nominal one, over the remaining share of the charge: linear
-    /// between the points, constant beyond the ends. Type: list of `[charge, voltage]`. Default: one for NiMH
-    /// cells. Range: at least 1 point; charges 0 to 1, increasing; voltages 0 to 10.
+    /// Voltage without load, relative to the nominal voltage, over the remaining fraction of the charge: linear
+    /// between the points, constant beyond the ends. Type: list of `[charge, voltage]`. Default: one for NiMH cells.
+    /// Range: at least 1 point; charges 0 to 1, increasing; voltages 0 to 10.
     #[cfg_attr(feature = "schema", schemars(with = "curve::Points<Share, Between<0, 10>>", length(min = 1)))]
     #[serde(rename = "curve_share_v", default = "Battery::nimh_curve")]
     pub curve: Vec<(f64, f64)>,
-    /// Share of the capacity that a constant current in A gets out of the full battery: linear between the
-    /// points, constant beyond the ends. Without it every current gets all of it. Type: list of `[current,
-    /// share]`. Default: none. Range: currents 0 to 10^6, increasing; shares 0.001 to 1.
+    /// Fraction of the capacity that a constant current in A draws from the full battery: linear between the points,
+    /// constant beyond the ends. Without it every current draws all of it. Type: list of `[current, share]`. Default:
+    /// none. Range: currents 0 to 10^6, increasing; shares 0.001 to 1.
     #[cfg_attr(feature = "schema", schemars(with = "curve::Points<Current, LeastShare>"))]
     #[serde(rename = "capacity_a_share", default)]
     pub yields: Vec<(f64, f64)>,
     /// Constant power of the robot's electronics.
     #[serde(default, with = "Number::<NotNegative>")]
     pub idle_w: f64,
-    /// Share of the charge at the start.
+    /// Fraction of the charge that is left at the start.
     #[serde(default = "full", with = "Number::<Share>")]
     pub charge: f64,
 }

@@ -22,17 +22,17 @@ pub(crate) type Depth = Whole<1, { 1 << 20 }, u32>;
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Firmware {
-    /// The form of the messages ([wire](wire.md)). `"own"` is what only your own programs understand. Default:
-    /// `"framed"`; `"own"` with a `microcontroller.program`.
+    /// Protocol of the messages ([wire](wire.md)). `"own"` is a protocol that only your own programs understand.
+    /// Default: `"framed"`; `"own"` with a `microcontroller.program`.
     pub(crate) protocol: Option<Protocol>,
-    /// Readings on a schedule, or in answer to each command (framed: and to each poll; `khepera`: to each poll
-    /// alone). Default: `"stream"`; `"poll"` for `khepera`, its only mode.
+    /// Readings are sent on a schedule, or in answer to each command (`framed`: also to each poll; `khepera`: only to
+    /// each poll). Default: `"stream"`; `"poll"` for `khepera`, its only mode.
     pub(crate) mode: Option<Mode>,
     /// Time between two messages of readings. Default: `step_ms`. Range: only `stream`.
     pub(crate) period_ms: Option<Number<Millis<Period>>>,
-    /// When the first message is due. Default: 0.0. Range: only `stream`.
+    /// Instant at which the first message is due. Default: 0.0. Range: only `stream`.
     pub(crate) phase_ms: Option<Number<Millis<Between<0, 10_000_000>>>>,
-    /// Whether each reading carries its age, at a byte each. Default: true. Range: only `framed`.
+    /// Each reading carries its age, which takes one byte per reading. Default: true. Range: only `framed`.
     pub(crate) ages: Option<bool>,
     /// Silence after which a partial message is discarded. Default: 20.0, or 4 characters if longer, plus the
     /// longest delay of a byte in an adapter. Range: longer than a character plus that delay; only `bare`.
@@ -84,23 +84,25 @@ pub(crate) enum Mode {
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Link {
-    /// No time and no loss; a serial cable; a USB cable to a microcontroller with its own USB; or no cable, as
-    /// the brain [is on board](#the-brain-on-board). `ideal` has no other field but `serial_port`, `onboard`
-    /// has none.
+    /// Kind of link: without delay and loss; a serial cable; a USB cable to a microcontroller with its own USB; or no
+    /// cable, as the brain [is on board](#the-brain-on-board). `ideal` has no other field than `serial_port`,
+    /// `onboard` has none.
     pub(crate) kind: LinkKind,
-    /// Bits a second. Default: required for `uart`. Range: only `uart`.
+    /// Baud rate, in bits per second. Default: required for `uart`. Range: only `uart`.
     pub(crate) baud: Option<Number<Whole<LEAST_BAUD, MOST_BAUD>>>,
-    /// 8 as the lecture notes count, 10 for 8N1, 11 with parity or a second stop bit. Default: 10. Range: 8, 10
-    /// or 11; only `uart`.
+    /// Bits per character: 8 as in the lecture notes, 10 for 8N1, 11 with parity or a second stop bit. Default: 10.
+    /// Range: 8, 10 or 11; only `uart`.
     #[cfg_attr(feature = "schema", schemars(extend("enum" = [8, 10, 11])))]
     pub(crate) bits_per_character: Option<u64>,
-    /// Unread characters that the microcontroller can hold; more are lost. Default: 64. Range: only `uart`.
+    /// Size of the microcontroller's receive buffer, in characters; characters that do not fit are lost. Default: 64.
+    /// Range: only `uart`.
     pub(crate) receive_depth: Option<Number<Depth>>,
-    /// Unsent characters that it can hold, including the one being sent; when the buffer is full it waits.
-    /// Default: 64. Range: only `uart`.
+    /// Size of the microcontroller's transmit buffer, in characters, including the one being sent; when it is full,
+    /// the microcontroller waits. Default: 64. Range: only `uart`.
     pub(crate) transmit_depth: Option<Number<Depth>>,
-    /// Bytes that the laptop's driver holds each way: to be sent (more are refused) and to be read by the brain
-    /// (more are lost). Default: 4096. Range: at least the longest message.
+    /// Size of the laptop driver's buffers, in bytes: of the one for sending (bytes that do not fit are refused) and
+    /// of the one that the brain reads (bytes that do not fit are lost). Default: 4096. Range: at least the longest
+    /// message.
     pub(crate) laptop_buffer_bytes: Option<Number<Depth>>,
     /// Probability that a byte arrives with one wrong bit, in either direction. Default: 0.0. Range: only
     /// `uart`.
@@ -115,14 +117,14 @@ pub(crate) struct Link {
     pub(crate) adapter: Option<Adapter>,
     /// Length of a USB frame. Default: 1.0. Range: only `usb`.
     pub(crate) frame_ms: Option<Number<Millis<Frame>>>,
-    /// Bytes each way in a frame: 19 packets of 64. Default: 1216. Range: only `usb`.
+    /// Bytes per frame in each direction; by default 19 packets of 64. Default: 1216. Range: only `usb`.
     pub(crate) bytes_per_frame: Option<Number<Depth>>,
-    /// When the cable is out. Range: at most 1000 outages.
+    /// Times during which the cable is unplugged. Range: at most 1000 outages.
     #[cfg_attr(feature = "schema", schemars(length(max = 1000)))]
     pub(crate) outages: Option<Vec<Outage>>,
-    /// Where `baudbot serve` opens [serial ports](ports.md#ports-in-a-scenario) at the laptop's end, for
-    /// programs of others. No part of the world: it changes no run, and other commands ignore it. Type: text,
-    /// or list of at most 8. Range: `"pty:NAME"`, `"tcp:ADDRESS"`, `"rfc2217:ADDRESS"` or `"unix:PATH"`; not
+    /// [Serial ports](ports.md#ports-in-a-scenario) that `baudbot serve` opens at the laptop's end, for programs not
+    /// written for baudbot. They are not part of the world: they change no run, and other commands ignore them. Type:
+    /// text, or list of at most 8. Range: `"pty:NAME"`, `"tcp:ADDRESS"`, `"rfc2217:ADDRESS"` or `"unix:PATH"`; not
     /// `onboard`; not with several `starts`.
     #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
     pub(crate) serial_port: Option<toml::Value>,
@@ -143,35 +145,35 @@ pub(crate) enum LinkKind {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Adapter {
-    /// A USB serial port with a latency timer; one without (CP210x, CH340, CDC-ACM); or a radio.
+    /// Kind of adapter: a USB serial port with a latency timer, one without (CP210x, CH340, CDC-ACM), or a radio.
     pub(crate) kind: AdapterKind,
     /// Period of the latency timer; or mean latency of a radio's packet. Default: `ftdi` 16.0, `bluetooth`
     /// 30.0. Range: `ftdi` 1 to 255.
     // The kind decides which range holds, so `link` checks it.
     #[cfg_attr(feature = "schema", schemars(with = "Option<Number<Between<0, 10_000>>>"))]
     pub(crate) latency_ms: Option<f64>,
-    /// Bytes that make a chip send a packet at once; or the maximum in a radio's packet. Default: `ftdi` 62,
-    /// `bluetooth` 330. Range: `ftdi` at most 510.
+    /// Number of bytes at which the chip sends a packet immediately; or the maximum size of a radio's packet.
+    /// Default: `ftdi` 62, `bluetooth` 330. Range: `ftdi` at most 510.
     // As `latency_ms`.
     #[cfg_attr(feature = "schema", schemars(with = "Option<Number<Whole<1, 4096, u32>>>"))]
     pub(crate) packet_bytes: Option<u64>,
     /// Length of a USB frame. Default: 1.0. Range: only `ftdi` and `cdc`.
     pub(crate) frame_ms: Option<Number<Millis<Frame>>>,
-    /// Whole frames that bytes to the laptop need besides, by the program of the chip. Default: 0. Range: only
+    /// Additional whole frames that bytes to the laptop take because of the chip's program. Default: 0. Range: only
     /// `ftdi` and `cdc`.
     pub(crate) extra_frames: Option<Number<Whole<0, 100, u32>>>,
-    /// Bytes are at the laptop up to this long after the frame's boundary: a random time, uniform, one for all
-    /// bytes of a packet. Default: 0.0. Range: only `ftdi` and `cdc`.
+    /// Maximum random delay of bytes to the laptop after the frame's boundary: uniform, and the same for all bytes of
+    /// a packet. Default: 0.0. Range: only `ftdi` and `cdc`.
     pub(crate) jitter_us: Option<Number<Micros<Between<0, 100_000>>>>,
-    /// Time from a brain's write until the bytes are at the chip. Without it they wait for the next frame.
-    /// Range: only `ftdi` and `cdc`.
+    /// Time from a brain's write until the bytes reach the chip. Without it they wait for the next frame. Range: only
+    /// `ftdi` and `cdc`.
     pub(crate) down_us: Option<Number<Micros<Between<0, 100_000>>>>,
     /// A packet's latency is uniform within `latency_ms` ± this. Default: 10.0, or `latency_ms` if shorter.
     /// Range: to `latency_ms`; only `bluetooth`.
     pub(crate) spread_ms: Option<Number<NotNegative>>,
     /// Probability that a packet is held up. Default: 0.02. Range: only `bluetooth`.
     pub(crate) burst_probability: Option<Number<Share>>,
-    /// Its additional delay then. Default: 100.0. Range: only `bluetooth`.
+    /// Additional delay of a packet that is held up. Default: 100.0. Range: only `bluetooth`.
     pub(crate) burst_ms: Option<Number<Millis<Between<0, 10_000>>>>,
 }
 
@@ -188,7 +190,7 @@ pub(crate) enum AdapterKind {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Outage {
-    /// When the cable is pulled. Range: not before the end of the outage before.
+    /// Time at which the cable is unplugged. Range: not before the end of the previous outage.
     pub(crate) from_s: Number<Between<0, 100_000_000>>,
     /// Time until it is plugged in again.
     pub(crate) for_s: Number<Seconds<Between<0, 100_000_000>>>,

@@ -23,9 +23,9 @@ use crate::shapes::Corners;
 pub(crate) struct Robot {
     /// Unique among the robots, see [names](#names). Random streams are named after it.
     pub(crate) name: String,
-    /// Pose and speed at the start. It must not stand in anything. Default: all zeros.
+    /// Pose and speed at the start. The robot must not overlap anything there. Default: all zeros.
     pub(crate) start: Option<Start>,
-    /// Instead of `start`: [a robot at each of these](#robotsstarts), otherwise identical.
+    /// Starts of [several robots](#robotsstarts) that are otherwise identical, in place of `start`.
     pub(crate) starts: Option<Vec<Start>>,
     /// Body and wheels.
     pub(crate) body: Body,
@@ -38,27 +38,27 @@ pub(crate) struct Robot {
     #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
     #[serde(default)]
     pub(crate) actuators: Tables,
-    /// The [battery](actuators.md#robotsbattery), if power can run out.
+    /// The [battery](actuators.md#robotsbattery). Without one, power cannot run out.
     pub(crate) battery: Option<Battery>,
     /// The [sensors](sensors.md) by name. Their order in the file is their order on the wire. Default: none.
     #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
     #[serde(default)]
     pub(crate) sensors: Tables,
-    /// Duration of the microcontroller's tasks, or [a program of your own](firmware.md) in place of them.
-    /// Default: no time at all.
+    /// Durations of the microcontroller's tasks, or [a program of your own](firmware.md) in place of them. Default:
+    /// no time at all.
     #[serde(default)]
     pub(crate) microcontroller: Microcontroller,
-    /// [What is on the pins](firmware.md#pins) of the microcontroller, by the pin's name. Default: none.
+    /// [Parts on the pins](firmware.md#pins) of the microcontroller, by the pin's name. Default: none.
     #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
     #[serde(default)]
     pub(crate) pins: Pins,
-    /// Its messages on the wire, and when it sends them. Default: framed, streaming.
+    /// Protocol of the microcontroller, and when it sends messages. Default: framed, streaming.
     #[serde(default)]
     pub(crate) firmware: Firmware,
     /// The cable to the brain, or none. Default: ideal.
     #[serde(default)]
     pub(crate) link: Link,
-    /// Duration of a brain's step that declares none, and its deadline. Default: no time at all.
+    /// Thinking time of the brain's steps that declare none, and the brain's deadline. Default: no time at all.
     #[serde(default)]
     pub(crate) brain: Brain,
     /// [Faults](#robotsfaults). Default: none. Range: at most 64 faults.
@@ -105,37 +105,37 @@ pub(crate) struct Body {
     /// this or `radius_m`. Range: 3 to 4096 points; each −10^6 to 10^6.
     #[cfg_attr(feature = "schema", schemars(with = "Option<Corners>", length(min = 3, max = 4096)))]
     pub(crate) outline_m: Option<Vec<[f64; 2]>>,
-    /// Sensors of other robots that are mounted higher see over it. Default: unlimited.
+    /// Height of the body. Sensors of other robots that are mounted higher see over it. Default: unlimited.
     pub(crate) height_m: Option<Number<Length>>,
-    /// Its colour for cameras of other robots. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range:
+    /// Colour of the body for cameras of other robots. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range:
     /// each 0 to 255.
     pub(crate) color: Option<[u8; 3]>,
-    /// M of Eq. (2.31).
+    /// Mass M of Eq. (2.31).
     pub(crate) mass_kg: Number<Positive>,
     /// Moment of inertia about the vertical axis, Eq. (2.32).
     pub(crate) inertia_kg_m2: Number<Positive>,
-    /// r of Eq. (2.1).
+    /// Radius of a wheel, r of Eq. (2.1).
     pub(crate) wheel_radius_m: Number<Length>,
     /// Half the distance between the wheels, R of Eqs. (2.2) and (2.3). Default: `radius_m`, or that of the
     /// disc around the outline.
     pub(crate) half_track_m: Option<Number<Length>>,
-    /// E_d: diameter of the right wheel by that of the left one. See
+    /// E_d: diameter of the right wheel divided by that of the left wheel. See
     /// [below](#robots-that-differ-from-their-data-sheet). Default: 1.0.
     pub(crate) wheel_ratio: Option<Number<Deviation>>,
     /// E_s: mean diameter of the two wheels, as a multiple of the data sheet's. Default: 1.0.
     pub(crate) wheel_scale: Option<Number<Deviation>>,
     /// E_b: distance between the wheels (wheelbase), as a multiple of the data sheet's. Default: 1.0.
     pub(crate) track_ratio: Option<Number<Deviation>>,
-    /// m of Eqs. (2.26) and (2.30).
+    /// Mass of a wheel, m of Eqs. (2.26) and (2.30).
     #[serde(default)]
     pub(crate) wheel_mass_kg: Number<NotNegative>,
     /// Moment of inertia of a wheel about its axis, Eqs. (2.26) and (2.30).
     #[serde(default)]
     pub(crate) wheel_inertia_kg_m2: Number<NotNegative>,
-    /// α of Eq. (2.31).
+    /// Damping of the speed, α of Eq. (2.31).
     #[serde(default)]
     pub(crate) damping_n_s_m: Number<NotNegative>,
-    /// β of Eq. (2.32).
+    /// Damping of the turn rate, β of Eq. (2.32).
     #[serde(default)]
     pub(crate) turn_damping_nm_s: Number<NotNegative>,
 }
@@ -150,7 +150,7 @@ pub(crate) struct Microcontroller {
     pub(crate) receiving_us_per_byte: Number<Micros<Between<0, 1_000_000>>>,
     /// Time to obey a command once its last byte is taken.
     pub(crate) obeying_us: Number<Micros<Between<0, 1_000_000>>>,
-    /// Its speed with a brain on board, for `brain.operations`.
+    /// Speed of the microcontroller with a brain on board, for `brain.operations`.
     pub(crate) operations_per_s: Option<Number<Between<1, 1_000_000_000_000>>>,
     /// Memory available to a brain, for `brain.memory_bytes`.
     pub(crate) ram_bytes: Option<u64>,
@@ -159,17 +159,17 @@ pub(crate) struct Microcontroller {
     pub(crate) bootloader_s: Number<Seconds<Between<0, 60>>>,
     /// The chip that runs `program`. Default: `"atmega328p"`.
     pub(crate) chip: Option<String>,
-    /// The frequency of its clock source. Default: 16 × 10^6. Range: whole.
+    /// Nominal frequency of the chip's clock source. Default: 16 × 10^6. Range: whole.
     pub(crate) clock_hz: Option<Number<Between<32_000, 32_000_000>>>,
-    /// How much faster that is than it should be, in millionths: a crystal's 50, a resonator's 5000. Default:
-    /// 0.0.
+    /// Deviation of the clock from that frequency in parts per million, positive if it is fast: about 50 for a
+    /// crystal, 5000 for a resonator. Default: 0.0.
     pub(crate) clock_ppm: Option<Number<Between<-100_000, 100_000>>>,
     /// The fuse bytes low, high and extended. Default: those of an ELF file; else an external clock and no boot
     /// section. Range: 3 bytes, each 0 to 255.
     #[cfg_attr(feature = "schema", schemars(inner(range(max = 255)), length(equal = 3)))]
     pub(crate) fuses: Option<Vec<u64>>,
-    /// The program that runs on it, as [a file](#program): the robot then does what the program says, and the
-    /// other fields for durations have no meaning.
+    /// The program that runs on the chip, as [a file](#program). It replaces the modelled firmware, and the other
+    /// fields for durations have no effect.
     pub(crate) program: Option<RawProgram>,
 }
 
@@ -180,22 +180,22 @@ pub(crate) struct Brain {
     /// Simulated thinking time of a brain's step that does not declare its own. Real and scaled time use the
     /// wall clock's instead. Default: 0.0.
     pub(crate) thinking_us: Option<Number<Micros<Between<0, 1_000_000_000>>>>,
-    /// The same in operations of the microcontroller, which takes `operations` / `operations_per_s` for a step,
-    /// at most 1000 s. Range: only on board, not with `thinking_us`; needs `microcontroller.operations_per_s`.
+    /// Thinking time in operations of the microcontroller: a step takes `operations` / `operations_per_s`, at most
+    /// 1000 s. Range: only on board, not with `thinking_us`; needs `microcontroller.operations_per_s`.
     pub(crate) operations: Option<u64>,
     /// Memory that the brain needs; more than `microcontroller.ram_bytes` is refused. Range: only on board.
     pub(crate) memory_bytes: Option<u64>,
-    /// Time after [the start of its cycle](../explanation/timing.md#control-cycles) by which a command must be
-    /// there. Without it Δt counts, and a late command has no consequences.
+    /// Time after [the start of its cycle](../explanation/timing.md#control-cycles) by which a command must have
+    /// taken effect. Without it the limit is Δt, and a late command has no consequences.
     pub(crate) deadline_ms: Option<Number<Millis<DeadlineMs>>>,
-    /// When a brain is late: the old command stays in force; the motors are off until the next command is
-    /// obeyed; the run ends. The motors' [dead time](actuators.md#robotsmotors) delays that as it delays
-    /// commands. Default: `"hold"`. Range: only with `deadline_ms`.
+    /// Consequence of a late command: the old command stays in effect, the motors are switched off until the next
+    /// command is obeyed, or the run ends. The motors' [dead time](actuators.md#robotsmotors) delays this as it
+    /// delays commands. Default: `"hold"`. Range: only with `deadline_ms`.
     pub(crate) on_late: Option<OnLate>,
-    /// [When it writes commands](../explanation/timing.md#when-a-brain-writes), which `baudbot budget` goes by and runs count
-    /// exceptions from: an answer to each message and no more (`"on-message"`); once a tick, but not before the last command is
-    /// off the cable (`"when-free"`); once a tick (`"every-tick"`); up to so many commands a second (`"10-per-s"`). Default: what
-    /// the brain says of itself, or `"on-message"`.
+    /// [When the brain writes commands](../explanation/timing.md#when-a-brain-writes): in answer to each message only
+    /// (`"on-message"`); once a tick, but not before the last command is off the cable (`"when-free"`); once a tick
+    /// (`"every-tick"`); up to a number per second (`"10-per-s"`). `baudbot budget` assumes this, and runs count
+    /// deviations from it. Default: what the brain declares, or `"on-message"`.
     pub(crate) writes: Option<String>,
 }
 

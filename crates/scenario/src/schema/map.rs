@@ -16,7 +16,8 @@ pub(super) struct Map {
     /// The YAML file of a map of ROS's `map_server`, with its image in PGM or PNG. Occupied cells become solid
     /// rectangles. Default: this or `svg`.
     ros: Option<String>,
-    /// How the map's unknown cells are treated. `occupied` warns if there are none. Default: `"free"`. Range: only with `ros`.
+    /// Treatment of the map's unknown cells. `occupied` warns if there are none. Default: `"free"`. Range: only with
+    /// `ros`.
     unknown: Option<Unknown>,
     /// A plan in SVG. Filled shapes become solid; other lines become walls without thickness. Default: this or
     /// `ros`.
@@ -29,13 +30,14 @@ pub(super) struct Map {
     /// Maximum distance of a straight segment from the curve that it approximates. Default: 0.005. Range: only
     /// with `svg`.
     tolerance_m: Option<Number<Length>>,
-    /// Which shapes are walls: those that one of these chooses. Each is `layer=NAME`, `id=NAME`, `class=NAME`, `fill=COLOR` or
-    /// `stroke=COLOR`; `*` stands for any part of a name, and `none` for no colour. Default: all. Range: only with `svg`.
+    /// Selectors of the shapes that are walls. Each is `layer=NAME`, `id=NAME`, `class=NAME`, `fill=COLOR` or
+    /// `stroke=COLOR`; `*` matches any part of a name, and `none` means no colour. Default: all. Range: only with
+    /// `svg`.
     only: Option<Vec<String>>,
-    /// Which shapes are no walls, chosen likewise. Default: none. Range: only with `svg`.
+    /// Selectors of the shapes that are not walls, as in `only`. Default: none. Range: only with `svg`.
     without: Option<Vec<String>>,
-    /// Where robots start: their names with the ids of shapes, whose centres they start at. Type: table. Default: none. Range: only
-    /// with `svg`.
+    /// Starts of robots: each robot's name with the id of the shape at whose centre it starts. Type: table. Default:
+    /// none. Range: only with `svg`.
     starts: Option<BTreeMap<String, String>>,
     /// The id of a shape that becomes `end.goal`: a disc in its middle, as wide as the smaller of its sides. Default: none. Range: only
     /// with `svg`.

@@ -89,7 +89,7 @@ pub(super) fn link(link: &mut Value) {
 
 /// What is on a pin: one or several of what is connected.
 fn on_pins() -> Value {
-    let name = json!({ "type": "string", "description": "What is on the pin, such as `sensors.ir_left`." });
+    let name = json!({ "type": "string", "description": "The part on the pin, such as `sensors.ir_left`." });
     let one = json!([name, table::<pins::Options>()]);
     json!({
         "type": "object",
@@ -117,8 +117,8 @@ fn preset(kind: PresetKind) -> Value {
         .map(|preset| (preset.name, preset.description))
         .unzip();
     json!({
-        "description": "The preset that fills what this table leaves out: `baudbot preset NAME` shows it. Default: none.",
-        "x-manual": "The [preset](presets.md) that fills what this table leaves out. Default: none.",
+        "description": "The preset that sets the fields which this table omits: `baudbot preset NAME` shows it. Default: none.",
+        "x-manual": "The [preset](presets.md) that sets the fields which this table omits. Default: none.",
         "enum": names,
         "x-taplo": { "docs": { "enumValues": descriptions } },
     })

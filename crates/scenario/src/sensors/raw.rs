@@ -14,7 +14,7 @@ use crate::raw::Link;
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Common {
-    /// The device: one of the kinds of this page.
+    /// Kind of sensor: one of those on this page.
     #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
     pub(crate) kind: SensorKind,
     /// Time between two reads by the microcontroller. Default: `step_ms`.
@@ -22,21 +22,22 @@ pub(crate) struct Common {
     /// Instant of the first read.
     #[serde(default)]
     pub(crate) phase_ms: Number<Millis<Between<0, 10_000_000>>>,
-    /// How long a read keeps the microcontroller busy. What the device itself keeps it waiting (`sonar`,
-    /// `photoresistor`) comes on top.
+    /// Time for which a read occupies the microcontroller. The time for which the device itself makes it wait
+    /// (`sonar`, `photoresistor`) is added.
     #[serde(default)]
     pub(crate) acquisition_us: Number<Micros<Between<0, 1_000_000_000>>>,
-    /// Bits of each value on the wire. Without it a value crosses as an exact 64-bit number. Range:
-    /// `encoders`, `steps`, `optical-flow` 8 to 32; not with `port`.
+    /// Bits of each value on the wire. Without it a value is sent as an exact 64-bit number. Range: `encoders`,
+    /// `steps`, `optical-flow` 8 to 32; not with `port`.
     // The kind decides which range holds, so it is checked once that is known.
     #[cfg_attr(feature = "schema", schemars(with = "Option<Number<Whole<1, 32, u8>>>"))]
     pub(crate) bits: Option<u64>,
-    /// What disturbs its readings: [noise](#noise). Default: none. Range: not for digital kinds.
+    /// Errors of the readings: [noise](#noise). Default: none. Range: not for digital kinds.
     #[serde(default)]
     pub(crate) noise: Noise,
-    /// It measures at its own pace: [clock](#clock). Range: not `sonar`, `photoresistor`, `optical-flow`.
+    /// Clock of the sensor's own, by which it measures: [clock](#clock). Range: not `sonar`, `photoresistor`,
+    /// `optical-flow`.
     pub(crate) clock: Option<Clock>,
-    /// It has a cable of its own to the laptop: [port](#port). Range: `laser`, `line-camera`, `gps`.
+    /// Cable of the sensor's own to the laptop: [port](#port). Range: `laser`, `line-camera`, `gps`.
     pub(crate) port: Option<Port>,
 }
 
@@ -50,14 +51,15 @@ pub(crate) const COMMON: [&str; 8] =
 pub(crate) struct Clock {
     /// Time between the starts of two measurements.
     pub(crate) period_ms: Number<Period>,
-    /// How far a specimen's period may be off, either way. Uniform, drawn once a run. Range: to 0.9 periods.
+    /// Maximum deviation of a specimen's period, in either direction: uniform, drawn once per run. Range: to 0.9
+    /// periods.
     #[serde(default)]
     pub(crate) spread_ms: Number<NotNegative>,
-    /// How far each measurement may begin late. Uniform, drawn each time. It does not add up. Range: to one
+    /// Maximum delay of the start of each measurement: uniform, drawn each time, not cumulative. Range: to one
     /// period.
     #[serde(default)]
     pub(crate) jitter_ms: Number<NotNegative>,
-    /// When the first measurement begins. Default: anywhere in the first period, drawn once a run.
+    /// Start of the first measurement. Default: random within the first period, drawn once per run.
     pub(crate) phase_ms: Option<Number<Millis<Between<0, 10_000_000>>>>,
     /// Time from the end of a measurement until its value is at the output.
     #[serde(default)]
@@ -77,14 +79,15 @@ pub(crate) struct Port {
     /// Number of the first ray in the messages. Default: 0. Range: the last step included; only
     /// `laser`.
     pub(crate) first_step: Option<Number<Whole<0, 9999>>>,
-    /// What a receiver says of each fix: `RMC` alone, or `GGA`, `GSA`, three `GSV` and `RMC`. Default: `"all"`.
-    /// Range: only `gps`.
+    /// Sentences that a receiver sends for each fix: `RMC` alone, or `GGA`, `GSA`, three `GSV` and `RMC`. Default:
+    /// `"all"`. Range: only `gps`.
     pub(crate) sentences: Option<Sentences>,
-    /// Without it the device speaks by itself from the beginning. `"asked"`: it is silent and
-    /// [answers](#dialogues-on-a-port). `"driver"`: the same, but a driver of the laptop's starts its scans.
-    /// Range: only `laser`, not `clockwise`; not with `turnaround_us`.
+    /// Without it the device sends unasked from the start. `"asked"`: it only [answers](#dialogues-on-a-port).
+    /// `"driver"`: the same, but a driver on the laptop starts its scans. Range: only `laser`, not `clockwise`; not
+    /// with `turnaround_us`.
     pub(crate) dialogue: Option<Begin>,
-    /// Which commands it knows, and what it calls itself. Default: `"urg-04lx"`. Range: only with `dialogue`.
+    /// Model of the device, which determines its commands and the name that it reports. Default: `"urg-04lx"`. Range:
+    /// only with `dialogue`.
     pub(crate) model: Option<Model>,
 }
 
@@ -110,15 +113,15 @@ pub(crate) enum Sentences {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Place {
-    /// On the body's rim at this angle from the heading, looking outwards. Of a body with corners the rim is
-    /// that of the disc around it. Default: this one, or `mount`.
+    /// Angle from the heading at which the sensor sits on the body's rim, looking outwards. The rim of a body with
+    /// corners is that of the disc around it. Default: this one, or `mount`.
     pub(crate) bearing_rad: Option<Number<Turn>>,
-    /// Anywhere on the robot, looking any way. Default: this one, or `bearing_rad`.
+    /// Place anywhere on the robot, with any direction. Default: this one, or `bearing_rad`.
     pub(crate) mount: Option<Mount>,
-    /// How high it sits. It sees what reaches up to there. Default: 0.0.
+    /// Height above the floor. The sensor sees only things that reach up to this height. Default: 0.0.
     pub(crate) height_m: Option<Number<Between<0, 100>>>,
-    /// It sits on it and turns with it about the robot's centre. Bearing and mount are then those at the
-    /// turret's 0. Range: name of a [turret](actuators.md#kind--turret-a-servo-that-turns-sensors) of the
+    /// Turret that carries the sensor and turns it about the robot's centre. `bearing_rad` and `mount` are then those
+    /// at the turret's 0. Range: name of a [turret](actuators.md#kind--turret-a-servo-that-turns-sensors) of the
     /// robot.
     pub(crate) turret: Option<String>,
 }
@@ -129,13 +132,13 @@ pub(crate) const PLACE: [&str; 4] = ["bearing_rad", "mount", "height_m", "turret
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Mount {
-    /// Forwards of the robot's centre. Range: at most two body radii either way.
+    /// Distance forwards from the robot's centre. Range: at most two body radii either way.
     #[serde(default)]
     pub(crate) x_m: f64,
-    /// To the left of the robot's centre. Range: at most two body radii either way.
+    /// Distance to the left from the robot's centre. Range: at most two body radii either way.
     #[serde(default)]
     pub(crate) y_m: f64,
-    /// Which way it looks, from the robot's heading.
+    /// Direction of view, from the robot's heading.
     #[serde(default)]
     pub(crate) heading_rad: Number<Turn>,
 }

@@ -15,25 +15,25 @@ pub struct DcMotor {
     /// Voltage at motor signal 1.
     #[serde(with = "Number::<Positive>")]
     pub voltage_v: f64,
-    /// c_t of Eq. (1.8), N m / A.
+    /// Torque constant c_t of Eq. (1.8), in N m / A.
     #[serde(with = "Number::<Positive>")]
     pub torque_constant_nm_a: f64,
-    /// c_e of Eq. (1.8), V s / rad.
+    /// Back-EMF constant c_e of Eq. (1.8), in V s / rad.
     #[serde(with = "Number::<NotNegative>")]
     pub emf_constant_v_s: f64,
-    /// R of Eq. (1.8).
+    /// Resistance R of Eq. (1.8).
     #[serde(with = "Number::<Positive>")]
     pub resistance_ohm: f64,
-    /// c_C of Eq. (1.9), at the motor's shaft.
+    /// Coulomb friction c_C of Eq. (1.9), at the motor's shaft.
     #[serde(with = "Number::<NotNegative>")]
     pub coulomb_friction_nm: f64,
-    /// c_v of Eq. (1.9), at the motor's shaft.
+    /// Viscous friction c_v of Eq. (1.9), at the motor's shaft.
     #[serde(with = "Number::<NotNegative>")]
     pub viscous_friction_nm_s: f64,
-    /// G of Eq. (1.10): turns of the shaft a turn of the wheel.
+    /// Gear ratio G of Eq. (1.10): turns of the shaft per turn of the wheel.
     #[serde(with = "Number::<Positive>")]
     pub gear_ratio: f64,
-    /// Share of the torque that the gear box transmits.
+    /// Fraction of the torque that the gear box transmits.
     #[serde(with = "Number::<UpTo<1>>")]
     pub gear_efficiency: f64,
     /// Largest torque on the wheel.
@@ -42,7 +42,7 @@ pub struct DcMotor {
     /// ARSim's quirk: a command may exceed ±1. Without it such a command is rejected. Range: only without
     /// `signal_bits`.
     pub unlimited_signals: bool,
-    /// ARSim's quirk at 0.5: the share of the half track that counts for the wheel speeds in the motor model.
+    /// Fraction of the half track from which the motor model computes the wheels' speeds; 0.5 is ARSim's quirk.
     #[serde(with = "Number::<Share>")]
     pub track_factor: f64,
 }

@@ -27,13 +27,13 @@ pub struct PositionalServo {
     /// Limit to the left.
     #[serde(with = "Number::<Opening>")]
     pub max_rad: f64,
-    /// How fast it turns.
+    /// Turn rate.
     #[serde(with = "Number::<Positive>")]
     pub rate_rad_s: f64,
     /// The turret does not move if the commanded angle is this close.
     #[serde(default, with = "Number::<Share>")]
     pub dead_band_rad: f64,
-    /// Time between two pulses. A command takes effect with the next one; with 0, immediately.
+    /// Period of the pulses. A command takes effect with the next pulse; with 0, immediately.
     #[serde(rename = "frame_ms", default = "usual_frame_ns", with = "Number::<FrameMs>")]
     pub frame_ns: u64,
 }

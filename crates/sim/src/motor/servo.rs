@@ -30,31 +30,31 @@ type Rpm = Between<-1_000_000, 1_000_000>;
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Servo {
-    /// Turns a minute over the pulse width in µs: linear between the points, constant beyond the ends. Type:
-    /// list of `[width, speed]`. Default: the Parallax's: ±48 a minute, flat beyond 1.4 and 1.6 ms. Range: 1 to
-    /// 1000 points; widths 0 to 10^6, increasing; speeds −10^6 to 10^6.
+    /// Speed in turns per minute over the pulse width in µs: linear between the points, constant beyond the ends.
+    /// Type: list of `[width, speed]`. Default: the Parallax's: ±48 turns per minute, flat beyond 1.4 and 1.6 ms.
+    /// Range: 1 to 1000 points; widths 0 to 10^6, increasing; speeds −10^6 to 10^6.
     #[cfg_attr(
         feature = "schema",
         schemars(with = "curve::Points<Width, Rpm>", length(min = 1, max = 1000))
     )]
     #[serde(rename = "curve_us_rpm")]
     pub curve: Vec<(f64, f64)>,
-    /// Width at signal 0.
+    /// Pulse width at signal 0.
     #[serde(with = "Number::<Width>")]
     pub neutral_us: f64,
-    /// How much wider the pulse is at signal 1.
+    /// Increase of the pulse width from signal 0 to signal 1.
     #[serde(with = "Number::<UpTo<1_000_000>>")]
     pub half_range_us: f64,
     /// Pulses this close to the servo's own neutral width stop it.
     #[serde(with = "Number::<Width>")]
     pub dead_band_us: f64,
-    /// How far the servo's own neutral width, adjusted by a screw, is above `neutral_us`.
+    /// Offset of the servo's own neutral width, adjusted by a screw, from `neutral_us`.
     #[serde(with = "Number::<Between<-1_000_000, 1_000_000>>")]
     pub trim_us: f64,
-    /// Time constant of its speed.
+    /// Time constant of the servo's speed.
     #[serde(rename = "lag_ms", with = "Number::<Thousandths<Between<0, 1_000_000>>>")]
     pub lag_s: f64,
-    /// Time between two pulses. A command takes effect with the next one; with 0, immediately.
+    /// Period of the pulses. A command takes effect with the next pulse; with 0, immediately.
     #[serde(rename = "frame_ms", with = "Number::<Millis<Between<0, 1000>>>")]
     pub frame_ns: u64,
     /// Electrical power at standstill.

@@ -31,22 +31,22 @@ pub struct Stepper {
     /// Steps per turn of the wheel, including the gear box.
     #[serde(with = "Number::<Between<1, 1_000_000_000>>")]
     pub steps_per_turn: f64,
-    /// Pulses a second at signal 1.
+    /// Pulses per second at signal 1.
     #[serde(with = "Number::<Rate>")]
     pub full_rate_steps_s: f64,
-    /// With more pulses a second the rotor stalls. Default: `full_rate_steps_s`.
+    /// Pulse rate above which the rotor stalls. Default: `full_rate_steps_s`.
     pub max_rate_steps_s: Option<Number<Rate>>,
-    /// How fast the rotor's rate can change.
+    /// Largest acceleration that the rotor follows.
     #[serde(with = "Number::<Rate>")]
     pub max_acceleration_steps_s2: f64,
-    /// Electrical power of its coils while they are on, turning or not.
+    /// Electrical power of the coils while they are on, whether the motor turns or not.
     #[serde(with = "Number::<NotNegative>")]
     pub holding_w: f64,
-    /// Rate of the timer that makes the pulses. The speed asked for is rounded to whole steps a second, v, and
-    /// a pulse comes every ⌊timer_hz / v⌋ ticks of the timer: with 10,000, 950 steps/s become 1000 and 800
-    /// become 833.3. Without it any rate can be made.
+    /// Frequency of the timer that makes the pulses. The commanded speed is rounded to whole steps per second, v, and
+    /// a pulse comes every ⌊timer_hz / v⌋ ticks of the timer: with 10,000, 950 steps/s become 1000 and 800 become
+    /// 833.3. Without it any rate is possible.
     pub timer_hz: Option<Number<Rate>>,
-    /// The coils are switched off so long after a step, which saves power below 1 / `hold_ms` steps/s. Without
+    /// Time after a step at which the coils are switched off, which saves power below 1 / `hold_ms` steps/s. Without
     /// it they are always on.
     #[serde(rename = "hold_ms")]
     pub hold_s: Option<Number<Thousandths<Between<0, 1_000_000>>>>,

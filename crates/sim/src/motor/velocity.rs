@@ -22,7 +22,7 @@ use crate::curve::{self, LeastShare};
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VelocityMotor {
-    /// K of Eq. (3.15): torque on the wheel for each m/s of speed error.
+    /// Gain K of Eq. (3.15): torque on the wheel per m/s of speed error.
     #[serde(with = "Number::<Positive>")]
     pub gain_n_s: f64,
     /// Largest torque on the wheel.
@@ -31,11 +31,11 @@ pub struct VelocityMotor {
     /// Commanded speed of the wheel's rim at signal 1.
     #[serde(with = "Number::<UpTo<1000>>")]
     pub full_speed_m_s: f64,
-    /// Mechanical power per electrical power, for the battery.
+    /// Efficiency: mechanical power divided by electrical power, for the battery.
     #[serde(with = "Number::<LeastShare>")]
     pub efficiency: f64,
-    /// Share of the commanded speed that is reached, over the size of the signal: linear between the points,
-    /// constant beyond the ends. Without it all of it is reached. Type: list of `[signal, share]`. Default:
+    /// Fraction of the commanded speed that is reached, over the magnitude of the signal: linear between the points,
+    /// constant beyond the ends. Without it the commanded speed is reached. Type: list of `[signal, share]`. Default:
     /// none. Range: at most 1000 points; signals 0 to 1, increasing; shares 0.001 to 1.
     #[cfg_attr(feature = "schema", schemars(with = "curve::Points<Share, LeastShare>", length(max = 1000)))]
     #[serde(rename = "curve_signal_share")]

@@ -21,10 +21,10 @@ use baudbot_fields::{FieldError, Path};
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Accelerometer {
-    /// No reading is larger, either way.
+    /// Largest reading, in either direction.
     #[serde(with = "Number::<Positive>")]
     pub range_m_s2: f64,
-    /// It follows as a low-pass filter of first order does. Without it, at once.
+    /// Bandwidth of the sensor, a first-order low-pass filter. Without it, readings follow immediately.
     pub bandwidth_hz: Option<Number<Positive>>,
 }
 

@@ -37,14 +37,14 @@ pub struct LineCamera {
 pub(crate) struct Sheet {
     /// Field of view.
     opening_rad: Number<Opening>,
-    /// A ray for each.
+    /// Number of columns, each with one ray.
     columns: Pixels,
-    /// How far it sees.
+    /// Maximum range.
     range_m: Number<Sight>,
-    /// What it sees where there is nothing. Type: `[red, green, blue]`. Range: each 0 to 255.
+    /// Colour where nothing is within range. Type: `[red, green, blue]`. Range: each 0 to 255.
     #[serde(default)]
     background: [u8; 3],
-    /// Rows of the image on a port, all alike: they cost time on the cable and show nothing more.
+    /// Number of rows of the image on a port, all identical: they cost time on the cable and add no information.
     /// Range: at most 1,048,576 pixels.
     #[serde(default = "Pixels::constant::<1>")]
     rows: Pixels,

@@ -29,13 +29,13 @@ pub struct Compass {
 pub(crate) struct Sheet {
     /// Short for `noise.additive`.
     sigma_rad: Number<Sigma>,
-    /// Size of the error of something magnetic on the robot.
+    /// Amplitude of the heading error from magnetised parts of the robot.
     hard_iron_rad: Number<Turn>,
-    /// Where in the turn that error is.
+    /// Phase of that error in the turn.
     hard_iron_phase_rad: Number<Turn>,
-    /// Size of the error of iron on the robot.
+    /// Amplitude of the heading error from iron parts of the robot.
     soft_iron_rad: Number<Turn>,
-    /// Where in the turn that error is.
+    /// Phase of that error in the turn.
     soft_iron_phase_rad: Number<Turn>,
 }
 

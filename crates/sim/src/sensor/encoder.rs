@@ -22,13 +22,14 @@ use baudbot_fields::{FieldError, Path};
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Encoders {
-    /// Counts a turn of the wheel.
+    /// Counts per turn of the wheel.
     #[serde(with = "Number::<Whole<1, 1_000_000, u32>>")]
     pub counts_per_turn: u32,
-    /// It tells the direction, and counts backwards. `false`: a single detector that counts up both ways.
+    /// `true`: the encoder detects the direction, and counts backwards. `false`: a single detector, which counts up
+    /// in both directions.
     #[serde(default = "yes")]
     pub quadrature: bool,
-    /// Probability that a mark passes unseen. Only with noise.
+    /// Probability that a mark is missed. Only with noise.
     #[serde(default, with = "Number::<Share>")]
     pub loss: f64,
 }

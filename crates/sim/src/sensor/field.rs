@@ -29,7 +29,7 @@ pub struct FieldSensor {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct FieldSheet {
-    /// What it measures. Range: name of one of the arena's fields.
+    /// The field that the sensor measures. Range: name of one of the arena's fields.
     field: String,
     /// Value of the largest code. Default: required with `bits`.
     max: Option<Number<Positive>>,

@@ -37,13 +37,13 @@ pub struct Gps {
     /// Time constant of the second error.
     #[serde(default = "short_wander_time_s", with = "Number::<Positive>")]
     pub short_wander_time_s: f64,
-    /// Standard deviation of what is added to each fix, along x and y each.
+    /// Standard deviation of the noise added to each fix, along x and y each.
     #[serde(default, with = "Number::<Sigma>")]
     pub sigma_m: f64,
-    /// Standard deviation of what is added to the speed.
+    /// Standard deviation of the noise added to the speed.
     #[serde(default, with = "Number::<Sigma>")]
     pub speed_sigma_m_s: f64,
-    /// How long the sky must be seen until a lost fix is back.
+    /// Time with a view of the sky until a lost fix is back.
     #[serde(rename = "reacquire_s", default, with = "Number::<Seconds<Between<0, 1_000_000>>>")]
     pub reacquire_ns: u64,
 }

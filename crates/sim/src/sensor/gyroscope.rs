@@ -20,10 +20,10 @@ use baudbot_fields::{FieldError, Path};
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Gyroscope {
-    /// No reading is larger, either way.
+    /// Largest reading, in either direction.
     #[serde(with = "Number::<Positive>")]
     pub range_rad_s: f64,
-    /// It follows as a low-pass filter of first order does. Without it, at once.
+    /// Bandwidth of the sensor, a first-order low-pass filter. Without it, readings follow immediately.
     pub bandwidth_hz: Option<Number<Positive>>,
 }
 

@@ -92,9 +92,9 @@ pub enum InfraredModel {
 pub(crate) struct Sheet {
     /// Opening angle γ.
     opening_rad: Number<HalfOpening>,
-    /// Number of rays N. One ray looks straight ahead.
+    /// Number of rays N. A single ray points straight ahead.
     rays: Rays,
-    /// Range D.
+    /// Maximum range D.
     range_m: Number<Length>,
     /// c₁ of Eq. (3.13). Default: this, `lookup` or `ambient_saturation_lux`.
     c1_m2: Option<Number<NotNegative>>,
@@ -103,17 +103,17 @@ pub(crate) struct Sheet {
     /// Samples of a real sensor. Type: table, or the name of a
     /// [file](scenario.md#files-that-a-scenario-refers-to). Default: this, `c1_m2` or `ambient_saturation_lux`.
     lookup: Option<LookupSheet>,
-    /// It measures the light around it: 1 in the dark, falling to 0 at so many lux, within `opening_rad`. With
-    /// one ray it sees no lamp unless that is straight ahead. Default: this, `c1_m2` or `lookup`.
+    /// Illuminance at which the reading falls to 0. The sensor then measures the ambient light within `opening_rad`,
+    /// and reads 1 in the dark. With one ray it sees only lamps straight ahead. Default: this, `c1_m2` or `lookup`.
     ambient_saturation_lux: Option<Number<Positive>>,
     /// Short for `noise.multiplicative`, σ of Eq. (3.1).
     #[serde(default)]
     sigma: Number<Sigma>,
-    /// The code of a reading of 1. A Thymio II sends 13 bits, but nothing above 4505. Default: 2^`bits` − 1.
-    /// Range: to 2^`bits` − 1; with `bits`.
+    /// Code of a reading of 1. A Thymio II sends 13 bits, but no code above 4505. Default: 2^`bits` − 1. Range: to
+    /// 2^`bits` − 1; with `bits`.
     full_scale: Option<Number<Whole<1, { u64::MAX }>>>,
-    /// Bits of its converter, if the lower bits of its codes are always 0: with 8 of 10 all codes are multiples
-    /// of 4, and 1020 is the largest. Default: `bits`. Range: to `bits`; with `bits`.
+    /// Bits of the sensor's converter, if the lower bits of its codes are always 0: with 8 of 10 all codes are
+    /// multiples of 4, and 1020 is the largest. Default: `bits`. Range: to `bits`; with `bits`.
     converter_bits: Option<Number<Whole<1, { u64::MAX }>>>,
 }
 

@@ -44,19 +44,19 @@ pub struct Laser {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Angle between the first ray and the last. Of a full turn the two coincide.
+    /// Angle between the first ray and the last. In a full turn the two coincide.
     opening_rad: Number<Opening>,
-    /// How many distances a scan has.
+    /// Number of rays, and so of distances in a scan.
     rays: Rays,
-    /// What is nearer is read as this. Range: to `range_m`.
+    /// Smallest reading; nearer things are read as this. Range: to `range_m`.
     #[serde(default)]
     min_m: Number<NotNegative>,
-    /// Range D.
+    /// Maximum range D.
     range_m: Number<Length>,
     /// Time from the first ray to the last. Range: not longer than a period.
     #[serde(default)]
     sweep_ms: Number<Millis<Between<0, 1_000_000>>>,
-    /// It sweeps from left to right, and its values come in that order.
+    /// The laser sweeps from left to right, and its values are in that order.
     #[serde(default)]
     clockwise: bool,
 }

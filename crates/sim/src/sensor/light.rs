@@ -36,12 +36,12 @@ pub struct LightSensor {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Lamps within it are seen.
+    /// Opening angle within which lamps are seen.
     #[serde(default = "half_turn")]
     opening_rad: Number<Opening>,
-    /// No reading is larger.
+    /// Largest reading.
     range_lux: Number<Positive>,
-    /// Time constant with which it follows.
+    /// Time constant with which the reading follows the light.
     #[serde(default)]
     lag_s: Number<Between<0, 1000>>,
 }

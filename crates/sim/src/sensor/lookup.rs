@@ -36,14 +36,15 @@ pub struct Lookup {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sheet {
-    /// Where samples were taken. Range: at least 2 distances; each not negative, increasing.
+    /// Distances at which samples were taken. Range: at least 2 distances; each not negative, increasing.
     #[cfg_attr(feature = "schema", schemars(inner(range(min = 0)), length(min = 2)))]
     distances_m: Vec<f64>,
-    /// At which angles they were taken. Range: none or at least 2 angles; each 0 to π/2, increasing.
+    /// Angles of incidence at which samples were taken. Range: none or at least 2 angles; each 0 to π/2, increasing.
     #[cfg_attr(feature = "schema", schemars(inner(range(min = 0, max = FRAC_PI_2))))]
     #[serde(default)]
     angles_rad: Vec<f64>,
-    /// The samples. Range: a row a distance; in it a list an angle, one if there are no angles; no list empty.
+    /// Samples, as lists of readings. Range: one row per distance, with one list per angle, or one list if there are
+    /// no angles; no list empty.
     samples: Vec<Vec<Vec<f64>>>,
 }
 

@@ -38,26 +38,26 @@ use baudbot_fields::number::{Between, Number, Share, Sigma};
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Noise {
-    /// Standard deviation of the specimen's gain, N(1, σ), drawn once a run.
+    /// Standard deviation of the specimen's gain, N(1, σ), drawn once per run.
     #[serde(with = "Number::<Sigma>")]
     pub gain_spread: f64,
-    /// Standard deviation of the specimen's offset, drawn once a run, in the reading's unit.
+    /// Standard deviation of the specimen's offset, drawn once per run, in the reading's unit.
     #[serde(with = "Number::<Sigma>")]
     pub offset_spread: f64,
-    /// A bias that wanders.
+    /// Bias that changes slowly at random.
     pub drift: Option<Drift>,
     /// σ of Eq. (3.1): each reading is multiplied by an N(1, σ).
     #[serde(with = "Number::<Sigma>")]
     pub multiplicative: f64,
-    /// Standard deviation of what is added to each reading, in its unit.
+    /// Standard deviation of the noise added to each reading, in the reading's unit.
     #[serde(with = "Number::<Sigma>")]
     pub additive: f64,
-    /// Half width of a uniform noise that is added, in the reading's unit.
+    /// Half width of the uniform noise added to each reading, in the reading's unit.
     #[serde(with = "Number::<Distance>")]
     pub uniform: f64,
-    /// Readings that are far off now and then.
+    /// Occasional readings that are far off.
     pub spikes: Option<Spikes>,
-    /// Readings that fail now and then.
+    /// Occasional readings that fail.
     pub dropout: Option<Dropout>,
 }
 
@@ -70,33 +70,33 @@ pub struct Drift {
     /// Standard deviation of the bias at any instant, in the reading's unit.
     #[serde(with = "Number::<Sigma>")]
     pub sigma: f64,
-    /// After this time the bias has forgotten 63 % of what it was.
+    /// Time constant of the bias, after which 63 % of its old value has decayed.
     #[serde(with = "Number::<TimeConstant>")]
     pub time_constant_s: f64,
 }
 
-/// Readings that are far off now and then.
+/// Occasional readings that are far off.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spikes {
-    /// That a reading has one.
+    /// Probability that a reading has a spike.
     #[serde(with = "Number::<Share>")]
     pub probability: f64,
-    /// Each value gets a number added that is uniform within ± this, in its unit.
+    /// Half width of the uniform number added to each value, in the value's unit.
     #[serde(with = "Number::<Distance>")]
     pub magnitude: f64,
 }
 
-/// Readings that fail now and then.
+/// Occasional readings that fail.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Dropout {
-    /// That a reading fails.
+    /// Probability that a reading fails.
     #[serde(with = "Number::<Share>")]
     pub probability: f64,
-    /// What all its values then are.
+    /// Value of all components of a failed reading.
     #[serde(with = "Number::<Reading>")]
     pub value: f64,
 }

@@ -50,10 +50,10 @@ impl Estimate {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Standard deviation of the noise on each wheel's displacement, a read.
+    /// Standard deviation of the noise on each wheel's displacement, per read.
     #[serde(default)]
     sigma_m: Number<Sigma>,
-    /// With `bits`: x and y cross as levels from minus this to this, the heading as a level from −π to π.
+    /// With `bits`: x and y are sent as levels from minus this to this, the heading as a level from −π to π.
     #[serde(default = "Number::<Length>::constant::<10>")]
     position_range_m: Number<Length>,
 }

@@ -69,14 +69,15 @@ impl Track {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Resolution. 400 counts an inch are 15,748 a metre. Brains are told.
+    /// Resolution, which is in the data sheet of brains. 400 counts per inch are 15,748 per metre.
     counts_per_m: Number<Between<1, 1_000_000>>,
-    /// If it went faster since the last read, it has lost track and counts nothing.
+    /// Largest speed since the last read; above it the sensor loses track and counts nothing.
     max_speed_m_s: Number<Positive>,
-    /// Standard deviation of the specimen's gain, N(1, σ), drawn once a run.
+    /// Standard deviation of the specimen's gain, N(1, σ), drawn once per run.
     #[serde(default)]
     gain_spread: Number<Sigma>,
-    /// Standard deviation of the error of each axis after a metre of way. It grows as the root of the way.
+    /// Standard deviation of the error of each axis after a metre of travel. It grows with the square root of the
+    /// distance.
     #[serde(default)]
     sigma_m: Number<Sigma>,
 }

@@ -43,7 +43,7 @@ pub struct Photoresistor {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Lamps within it are seen.
+    /// Opening angle within which lamps are seen.
     #[serde(default = "light::half_turn")]
     opening_rad: Number<Opening>,
     /// Time constant with which the resistance follows the light.
@@ -53,12 +53,12 @@ pub(crate) struct Sheet {
     resistance_10lux_ohm: Number<Positive>,
     /// Steepness γ: the resistance at E lux is R₁₀ (E / 10 lx)^−γ.
     gamma: Number<Positive>,
-    /// Of the capacitor, in µF.
+    /// Capacitance of the capacitor, in µF.
     capacitance_uf: Number<Positive>,
     /// Length of a count.
     #[serde(default = "Unit::constant::<2>")]
     unit_us: Unit,
-    /// Where the count ends.
+    /// Count at which the measurement ends; the reading is then 0.
     #[serde(default = "Counts::constant::<65_535>")]
     max_counts: Counts,
 }

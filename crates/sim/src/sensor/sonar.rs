@@ -63,11 +63,11 @@ pub enum CrossTalk {
 pub(crate) struct Sheet {
     /// Opening angle of the cone.
     opening_rad: Number<HalfOpening>,
-    /// Rays over it; the notes have about 3.
+    /// Number of rays over the cone; about 3 in the notes.
     rays: Rays,
-    /// D_min: what is nearer is read as this. Range: to `max_m`.
+    /// D_min: smallest reading; nearer things are read as this. Range: to `max_m`.
     min_m: Number<NotNegative>,
-    /// D_max: the range, and the reading when nothing is heard.
+    /// D_max: maximum range, and the reading when no echo is heard.
     max_m: Number<Length>,
     /// p: probability that an echo is heard. Only with noise.
     #[serde(default = "Number::<Share>::constant::<1>")]
@@ -78,13 +78,13 @@ pub(crate) struct Sheet {
     /// Time from the trigger until the sensor listens.
     #[serde(default)]
     holdoff_us: Number<Micros<Between<0, 1_000_000>>>,
-    /// How long it listens at most. Default: the way to `max_m` and back.
+    /// Longest time for which the sensor listens. Default: the time of flight to `max_m` and back.
     timeout_ms: Option<Number<Millis<Timeout>>>,
-    /// Whether it sends pulses that other robots' sonars take for echoes, and does so with theirs. Both need
-    /// it. A pulse is heard from the next tick on, for 30 ms.
+    /// Cross-talk with sonars of other robots, which must have it, too: each takes the pulses of the other for
+    /// echoes. A pulse is heard from the next tick on, for 30 ms.
     #[serde(default)]
     cross_talk: bool,
-    /// How far away a wide wall would be heard if it listened that long. With it, [small
+    /// Distance up to which a wide wall would be heard if the sensor listened long enough. With it, [small
     /// targets](#small-targets) are lost before `max_m`. Range: at least `max_m`.
     wall_range_m: Option<Number<Length>>,
 }

@@ -69,12 +69,12 @@ impl Contact {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct WhiskerSheet {
-    /// How far it reaches.
+    /// Length of the whisker.
     length_m: Number<Length>,
     /// A pressed contact reads 0, a free one 1, as on a Boe-Bot.
     #[serde(default)]
     active_low: bool,
-    /// How long after each change the contact bounces: until then it reads 0 or 1 by chance. Only with noise.
+    /// Time for which the contact bounces after each change, and reads 0 or 1 at random. Only with noise.
     #[serde(default)]
     bounce_ms: Bounce,
 }
@@ -84,19 +84,19 @@ pub(crate) struct WhiskerSheet {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct BumperSheet {
-    /// How much of the rim it covers, about its bearing.
+    /// Angle of the rim that the bumper covers, centred on its bearing.
     opening_rad: Number<Opening>,
-    /// Directions, from the robot's centre, in which it feels.
+    /// Number of directions, from the robot's centre, in which the bumper feels.
     #[serde(default = "Rays::constant::<9>")]
     rays: Rays,
-    /// How far from the rim something presses it. A robot stops up to a substep's way short of what it runs
-    /// into: a smaller travel may feel nothing.
+    /// Distance from the rim at which something presses the bumper. A robot stops up to a substep's travel short of
+    /// an obstacle: a smaller distance may feel nothing.
     #[serde(default = "travel_m")]
     travel_m: Number<Length>,
     /// A pressed contact reads 0, a free one 1.
     #[serde(default)]
     active_low: bool,
-    /// How long after each change the contact bounces: until then it reads 0 or 1 by chance. Only with noise.
+    /// Time for which the contact bounces after each change, and reads 0 or 1 at random. Only with noise.
     #[serde(default)]
     bounce_ms: Bounce,
 }

@@ -32,7 +32,7 @@ pub struct VoltageRanger {
     pub curve: Vec<(f64, f64)>,
     /// Voltage when nothing comes back.
     pub idle_v: f64,
-    /// No output is higher.
+    /// Supply voltage, which limits the output.
     pub supply_v: f64,
 }
 
@@ -41,14 +41,14 @@ pub struct VoltageRanger {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Opening angle of its beam.
+    /// Opening angle of the beam.
     opening_rad: Number<HalfOpening>,
-    /// Rays over it. The nearest counts.
+    /// Number of rays over the beam; the nearest hit counts.
     rays: Rays,
-    /// Beyond this nothing comes back.
+    /// Distance beyond which nothing comes back.
     range_m: Number<Length>,
-    /// Straight lines in between, the ends beyond. Type: list of `[distance, voltage]`. Range: at least 2
-    /// points; distances not negative, increasing; voltages not negative.
+    /// Voltage over distance: linear between the points, constant beyond the ends. Type: list of `[distance,
+    /// voltage]`. Range: at least 2 points; distances not negative, increasing; voltages not negative.
     #[cfg_attr(
         feature = "schema",
         schemars(with = "curve::Points<NotNegative, NotNegative>", length(min = 2))
@@ -56,7 +56,7 @@ pub(crate) struct Sheet {
     curve_m_v: Vec<(f64, f64)>,
     /// Voltage when nothing comes back. Range: to `supply_v`.
     idle_v: Number<NotNegative>,
-    /// No output is higher.
+    /// Supply voltage, which limits the output.
     supply_v: Number<Positive>,
 }
 
