@@ -32,7 +32,7 @@ impl Default for Parameters {
 pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     Parameter {
         name: "distance_m",
-        meaning: "how far to go, in metres",
+        meaning: "distance to go, in metres",
         range: 0.001..=1000.0,
         field: |p| &mut p.distance_m,
     },
@@ -44,7 +44,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "threshold",
-        meaning: "part of the distance that may be left at the destination",
+        meaning: "fraction of the distance that may remain at the destination",
         range: PROBABILITY,
         field: |p| &mut p.threshold,
     },

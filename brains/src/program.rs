@@ -50,7 +50,7 @@ use crate::registry::Registry;
 ///
 /// [given]: Given
 pub fn brain<B: Brain>(name: &'static str, make: impl Fn(&Body, &Given) -> anyhow::Result<B>) -> ExitCode {
-    let arguments = match given_to(command(name).about("A brain for robots of baudbot's")) {
+    let arguments = match given_to(command(name).about("A brain for robots of baudbot")) {
         Ok(arguments) => arguments,
         Err(code) => return code,
     };
@@ -170,7 +170,7 @@ fn text<'a>(arguments: &'a ArgMatches, id: &str) -> &'a str {
 
 fn command_for_files() -> Command {
     let file = Arg::new("file").value_name("FILE").help("The brain's description, in TOML").required(true);
-    command("brain").about("A brain that a file describes").arg(file)
+    command("brain").about("A brain described by a file").arg(file)
 }
 
 /// The command with the arguments for attaching.
@@ -178,9 +178,9 @@ fn command(name: &'static str) -> Command {
     let connect = option("connect", "ADDRESS", "The server: HOST:PORT, http://HOST:PORT or unix:/PATH");
     let world = option("world", "WORLD", "Name of the world");
     let robot = option("robot", "ROBOT", "Name of the robot; may be given several times");
-    let seed = option("seed", "SEED", "Chooses the brain's random numbers");
+    let seed = option("seed", "SEED", "Seed of the brain's random numbers");
     let reconnect_help =
-        "For how many seconds to try to reconnect when the server is lost; `off` is not at all";
+        "After a lost connection, try to reconnect for this time, in seconds; `off` disables reconnection";
     let reconnect =
         option("reconnect", "S|off", reconnect_help).env("BAUDBOT_RECONNECT_S").default_value("600");
     Command::new(name)

@@ -50,7 +50,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "turn",
-        meaning: "size of the motors' signals when turning",
+        meaning: "magnitude of the motors' signals when turning",
         range: SIGNAL,
         field: |p| &mut p.turn,
     },

@@ -75,7 +75,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "turn",
-        meaning: "size of the motors' signals when turning",
+        meaning: "magnitude of the motors' signals when turning",
         range: SIGNAL,
         field: |p| &mut p.turn,
     },
@@ -99,19 +99,19 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "field_rad",
-        meaning: "how far aside a sensor may look to count, in radians",
+        meaning: "largest angle from the heading of a sensor that is used, in radians",
         range: 0.0..=std::f64::consts::PI,
         field: |p| &mut p.field_rad,
     },
     Parameter {
         name: "stroll_rate_hz",
-        meaning: "how often it turns at random, per second of driving",
+        meaning: "rate of random turns, per second of driving",
         range: 0.0..=100.0,
         field: |p| &mut p.stroll_rate_hz,
     },
     Parameter {
         name: "stop_stroll_rate_hz",
-        meaning: "how often such a turn ends, per second of turning",
+        meaning: "rate at which such a turn ends, per second of turning",
         range: 0.0..=100.0,
         field: |p| &mut p.stop_stroll_rate_hz,
     },

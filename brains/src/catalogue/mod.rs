@@ -133,7 +133,10 @@ mod tests {
             error("constant:rigth=1"),
             "brain `constant` has no parameter `rigth`; it has: right, left"
         );
-        assert_eq!(error("constant:left"), "brain `constant`: `left` sets no parameter; write NAME=NUMBER");
+        assert_eq!(
+            error("constant:left"),
+            "brain `constant`: `left` does not set a parameter; write NAME=NUMBER"
+        );
         assert_eq!(error("constant:left=full"), "brain `constant`: left must be a number, not `full`");
         assert_eq!(
             error("wander:turn_probability=3"),

@@ -76,7 +76,8 @@ impl Text {
         let settings = settings.split(',').map(str::trim).filter(|setting| !setting.is_empty());
         let settings = settings.map(|setting| {
             let (path, number) = setting.split_once('=').ok_or_else(|| {
-                let problem = "sets no number; write PATH=NUMBER, such as motor.stroll.utility.bias=0.2";
+                let problem =
+                    "does not set a number; write PATH=NUMBER, such as motor.stroll.utility.bias=0.2";
                 self.error(DescriptionError::new(setting, problem))
             })?;
             let (path, number) = (path.trim().to_owned(), number.trim());

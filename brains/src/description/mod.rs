@@ -128,7 +128,7 @@ impl Description {
     /// As [`any_brain`](Self::any_brain), and if it is that of a policy.
     pub fn brain(&self, seed: u64, body: &Body, registry: &Registry) -> Result<Composed, DescriptionError> {
         if self.raw.policy.is_some() {
-            return Err(DescriptionError::new("policy", "is no brain of processes, which is needed here"));
+            return Err(DescriptionError::new("policy", "is not a brain of processes, which is needed here"));
         }
         build::brain(&self.raw, seed, body, registry)
     }

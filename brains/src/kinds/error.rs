@@ -29,7 +29,7 @@ pub enum CatalogueError {
         known: Vec<&'static str>,
     },
     /// A setting without a value.
-    #[error("brain `{brain}`: `{found}` sets no parameter; write NAME=NUMBER")]
+    #[error("brain `{brain}`: `{found}` does not set a parameter; write NAME=NUMBER")]
     Setting {
         /// Name of the brain.
         brain: &'static str,

@@ -76,21 +76,18 @@ pub(crate) static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
             "goes out on a winding path, and returns by its home vector and by remembered landmarks",
             ant::PARAMETERS,
             AntBrain::new,
-            "a sensor of kind `laser` that tells how it sweeps, and a sensor of kind `odometer`",
+            "a sensor of kind `laser` whose sweep is in the data sheet, and a sensor of kind `odometer`",
         ),
         Kind::sensing(
             "avoid",
-            "wanders without running into what its infra-red sensors see",
+            "wanders, and avoids what its infrared sensors detect",
             avoid::PARAMETERS,
             Avoid::new,
             "a sensor of kind `ir` that looks ahead",
         ),
-        Kind::new(
-            "constant",
-            "sends the same signals all the time",
-            constant::PARAMETERS,
-            |parameters, _| Ok(Box::new(Constant::new(parameters))),
-        ),
+        Kind::new("constant", "sends constant motor signals", constant::PARAMETERS, |parameters, _| {
+            Ok(Box::new(Constant::new(parameters)))
+        }),
         Kind::sensing(
             "ecoli",
             "seeks more of what it senses as E. coli does: runs while it gets better, tumbles if not",
@@ -126,7 +123,7 @@ pub(crate) static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
         ),
         Kind::new(
             "wander",
-            "drives on and turns now and then, blindly and at random",
+            "drives straight and turns at random times, without sensors",
             wander::PARAMETERS,
             |parameters, request| Ok(Box::new(Wander::new(parameters, request.chance()))),
         ),
@@ -146,7 +143,7 @@ fn explore_kind() -> Kind {
         "explores until its laser has seen every part of the floor",
         explore::PARAMETERS,
         |parameters, request| {
-            let needed = "a sensor of kind `laser` that tells how it sweeps, over two rays or more, and a sensor \
+            let needed = "a sensor of kind `laser` whose sweep is in the data sheet, with two rays or more, and a sensor \
                           `odometer` with x_m, y_m and heading_rad";
             let explore = Explore::new(parameters, request.body);
             Ok(Box::new(explore.ok_or_else(|| request.lacks(needed))?))

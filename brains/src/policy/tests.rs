@@ -144,7 +144,7 @@ fn what_is_wrong_is_said_with_its_field() {
     );
     let description = Description::parse(&format!("[policy]\n{two}")).unwrap();
     let error = description.brain(1, &body, &Registry::standard()).err().unwrap();
-    assert_eq!(error.to_string(), "policy: is no brain of processes, which is needed here");
+    assert_eq!(error.to_string(), "policy: is not a brain of processes, which is needed here");
 }
 
 #[test]

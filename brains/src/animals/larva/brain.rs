@@ -37,7 +37,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "turn_rad_s",
-        meaning: "how fast it turns at most, in rad/s",
+        meaning: "maximum turn rate, in rad/s",
         range: 0.01..=100.0,
         field: |p| &mut p.larva.turn_rad_s,
     },
@@ -49,13 +49,13 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "full_contrast",
-        meaning: "contrast of the sides from which it turns as fast as it can",
+        meaning: "contrast of the sides from which it turns at the maximum rate",
         range: 0.01..=1.0,
         field: |p| &mut p.larva.full_contrast,
     },
     Parameter {
         name: "fatigue_s",
-        meaning: "how long it can turn at full rate, in seconds",
+        meaning: "longest time of turning at the maximum rate, in seconds",
         range: 0.1..=1e9,
         field: |p| &mut p.larva.fatigue_s,
     },
@@ -67,13 +67,13 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "swing_rad",
-        meaning: "how far it swings to either side with one eye, in radians",
+        meaning: "angle of its swing to either side with one eye, in radians",
         range: 0.0..=PI,
         field: |p| &mut p.larva.swing_rad,
     },
     Parameter {
         name: "swing_hz",
-        meaning: "how often it swings to and fro with one eye, per second",
+        meaning: "swings to and fro with one eye, per second",
         range: 0.01..=10.0,
         field: |p| &mut p.larva.swing_hz,
     },

@@ -26,13 +26,13 @@ impl Default for Parameters {
 pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     Parameter {
         name: "dry",
-        meaning: "reading up to which it is as quick as it can be",
+        meaning: "reading up to which it runs at its highest speed",
         range: -1e9..=1e9,
         field: |p| &mut p.louse.dry,
     },
     Parameter {
         name: "damp",
-        meaning: "reading from which it is as slow as it gets",
+        meaning: "reading from which it runs at its lowest speed",
         range: -1e9..=1e9,
         field: |p| &mut p.louse.damp,
     },
@@ -50,13 +50,13 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "turn_rad_s",
-        meaning: "largest rate of turning, in rad/s",
+        meaning: "maximum turn rate, in rad/s",
         range: 0.0..=100.0,
         field: |p| &mut p.louse.turn_rad_s,
     },
     Parameter {
         name: "turn_hz",
-        meaning: "how often it changes its rate of turning, per second",
+        meaning: "changes of the turn rate, per second",
         range: 0.0..=100.0,
         field: |p| &mut p.louse.turn_hz,
     },

@@ -53,7 +53,7 @@ impl ExploreFloor {
         };
         let laser = scout::laser(body).ok_or_else(no_laser)?;
         let no_range = || {
-            let problem = format!("the data sheet of `{}` does not say how far it sees", laser.name);
+            let problem = format!("the data sheet of `{}` does not have its range", laser.name);
             ParameterError::Other(problem)
         };
         Ok(Self {

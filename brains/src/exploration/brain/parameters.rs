@@ -101,19 +101,19 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "slam",
-        meaning: "1: scans correct the odometer; 0: it is trusted, as in the notes",
+        meaning: "1: scans correct the odometer; 0: the odometer is used uncorrected, as in the notes",
         range: 0.0..=1.0,
         field: |p| &mut p.slam,
     },
     Parameter {
         name: "distance_m",
-        meaning: "how far away nodes are placed, in metres; 0: five radii of the body",
+        meaning: "distance at which nodes are placed, in metres; 0: five radii of the body",
         range: 0.0..=100.0,
         field: |p| &mut p.distance_m,
     },
     Parameter {
         name: "margin_m",
-        meaning: "room behind a node, in metres; 0: six tenths of that",
+        meaning: "free distance behind a node, in metres; 0: six tenths of that",
         range: 0.0..=100.0,
         field: |p| &mut p.margin_m,
     },
@@ -125,7 +125,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "separation_m",
-        meaning: "how far apart nodes are, in metres; 0: a little less than that",
+        meaning: "distance between nodes, in metres; 0: a little less than that",
         range: 0.0..=100.0,
         field: |p| &mut p.separation_m,
     },
@@ -161,7 +161,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "near_m",
-        meaning: "how near a sonar or the laser takes an obstacle to be in the way, in metres; 0: three quarters of the body's radius",
+        meaning: "distance below which a sonar or the laser has an obstacle in the way, in metres; 0: three quarters of the body's radius",
         range: 0.0..=100.0,
         field: |p| &mut p.near_m,
     },

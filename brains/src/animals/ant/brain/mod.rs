@@ -43,37 +43,37 @@ impl Default for Parameters {
 pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     Parameter {
         name: "speed_m_s",
-        meaning: "its speed, in m/s",
+        meaning: "speed, in m/s",
         range: 0.0..=10.0,
         field: |p| &mut p.ant.speed_m_s,
     },
     Parameter {
         name: "turn_rad_s",
-        meaning: "how fast it turns at most, in rad/s",
+        meaning: "maximum turn rate, in rad/s",
         range: 0.01..=100.0,
         field: |p| &mut p.ant.turn_rad_s,
     },
     Parameter {
         name: "meander_hz",
-        meaning: "how often it changes its rate of turning on the way out, per second",
+        meaning: "changes of the turn rate on the way out, per second",
         range: 0.0..=100.0,
         field: |p| &mut p.ant.meander_hz,
     },
     Parameter {
         name: "near_m",
-        meaning: "it searches once the vector home is shorter than this, in metres",
+        meaning: "length of the home vector below which it searches, in metres",
         range: 0.01..=100.0,
         field: |p| &mut p.ant.near_m,
     },
     Parameter {
         name: "pitch_m",
-        meaning: "from one loop of its search to the next where it sees no landmark, in metres",
+        meaning: "distance between the loops of its search where it sees no landmark, in metres",
         range: 0.01..=100.0,
         field: |p| &mut p.ant.pitch_m,
     },
     Parameter {
         name: "match_below",
-        meaning: "it is home where its view differs from the snapshot by less, from 0 to 2",
+        meaning: "difference between view and snapshot below which it is at home, from 0 to 2",
         range: 0.0..=2.0,
         field: |p| &mut p.ant.match_below,
     },
@@ -85,7 +85,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "aside_m",
-        meaning: "it turns aside from what is nearer than this ahead, in metres from the laser",
+        meaning: "distance ahead of the laser below which it turns aside, in metres",
         range: 0.0..=100.0,
         field: |p| &mut p.aside_m,
     },
