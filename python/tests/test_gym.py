@@ -314,7 +314,7 @@ class BadInput(Refusing):
         self.refused("num_envs", lambda: VectorEnv(1 << 40, "wander"))
         self.refused("one environment only", lambda: VectorEnv(2, "wander", randomize=lambda random: {}))
         self.refused("two numbers", lambda: Env("wander", randomize={"seed": {"uniform": 3}}))
-        self.refused("no range", lambda: Env("wander", randomize={"seed": {"uniform": [3, 1]}}))
+        self.refused("not a range", lambda: Env("wander", randomize={"seed": {"uniform": [3, 1]}}))
         self.refused("max_age_s", lambda: Env("wander", max_age_s=0.0))
         self.refused("nothing.toml", lambda: Env("wander", randomize="nothing.toml"))
         self.refused("is not a mapping", lambda: Env("wander", randomize=3))

@@ -161,7 +161,7 @@ fn wires_that_nobody_would_make_are_refused_by_their_pin() {
     for (name, pins, expected) in [
         ("unknown-pin", "99 = \"leds.x\"", "99"),
         ("unknown-sensor", "A0 = \"sensors.nose\"", "the robot has no sensor `nose`; there are ir, whisker"),
-        ("unknown-thing", "A0 = \"wheels.left\"", "is nothing that a pin can be connected to"),
+        ("unknown-thing", "A0 = \"wheels.left\"", "is not something that a pin can be connected to"),
         ("no-adc", "9 = \"sensors.ir\"", "PB1"),
         ("two-outputs", "2 = [\"sensors.whisker\", \"encoders.left.a\"]", "encoders"),
         ("open", "9 = \"motors.left.pwm\"", "direction"),
@@ -172,17 +172,17 @@ fn wires_that_nobody_would_make_are_refused_by_their_pin() {
         (
             "meaningless-option",
             "A0 = { to = \"sensors.ir\", pull = \"external\" }",
-            "robots[0].pins.A0.pull: means nothing for `sensors.ir`, which has the options volts_at_0, volts_per_unit and divider",
+            "robots[0].pins.A0.pull: does not apply to `sensors.ir`, which has the options volts_at_0, volts_per_unit and divider",
         ),
         (
             "one-option",
             "5 = { to = \"sensors.whisker\", divider = 0.5 }",
-            "robots[0].pins.5.divider: means nothing for `sensors.whisker`, which has the option pull",
+            "robots[0].pins.5.divider: does not apply to `sensors.whisker`, which has the option pull",
         ),
         (
             "no-options",
             "5 = [\"leds.a\", { to = \"buzzers.b\", lit_by = \"low\" }]",
-            "robots[0].pins.5[1].lit_by: means nothing for `buzzers.b`, which has no options",
+            "robots[0].pins.5[1].lit_by: does not apply to `buzzers.b`, which has no options",
         ),
         ("crystal", "PB6 = \"leds.x\"", "robots[0].pins.PB6: is a pin of the clock source"),
         ("reset", "PC6 = \"leds.x\"", "robots[0].pins.PC6: is the reset pin"),
@@ -205,7 +205,7 @@ fn pins_of_the_crystal_and_of_the_reset_are_free_if_the_fuses_say_so() {
 fn bad_programs_are_told_of_and_the_world_goes_on() {
     // 0x0001 is no instruction.
     let illegal = ran("illegal", &[0x0001, 0xCFFE], "0.1");
-    assert!(warned(&illegal, "is no instruction") > 0);
+    assert!(warned(&illegal, "is not an instruction") > 0);
     // WDTCSR: change enabled, then reset after 16 ms; and a loop that does not feed it.
     let bitten = ran("bitten", &[0xE118, 0x9310, 0x0060, 0xE018, 0x9310, 0x0060, 0xCFFF], "2");
     assert!(warned(&bitten, "watchdog") > 5, "{bitten}");

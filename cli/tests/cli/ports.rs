@@ -209,7 +209,7 @@ fn what_stands_where_a_link_goes_stays() {
     fs::write(folder.path().join("k.tty"), "precious").unwrap();
     let (code, err) = refusal(&folder, KHEPERA, &["--port", "k=pty:k.tty"]);
     assert_eq!(code, 2);
-    assert!(err.contains("k.tty: a file is there already; remove it, or choose another name"), "{err}");
+    assert!(err.contains("k.tty: a file already exists; remove it, or choose another name"), "{err}");
     assert_eq!(fs::read_to_string(folder.path().join("k.tty")).unwrap(), "precious");
     assert!(!folder.path().join("k.tty.lock").exists());
 }

@@ -58,7 +58,7 @@ fn a_recording_in_the_place_of_a_scenario_is_recognized() {
     let path = file.to_str().unwrap();
     let (code, _, err) = baudbot(&["run", "wander", "--seconds", "1", "--quiet", "--record", path]);
     assert_eq!(code, 0, "{err}");
-    let words = format!("{path}: is a recording, not a scenario; `baudbot replay {path}` does its run again");
+    let words = format!("{path}: is a recording, not a scenario; `baudbot replay {path}` repeats its run");
     for command in ["check", "run", "budget"] {
         assert!(refusal(2, &[command, path]).starts_with(&words));
     }

@@ -107,7 +107,7 @@ fn what_makes_no_sense_of_a_token_is_refused() {
     let err = refused(&["token", "list"]);
     assert_eq!(
         err,
-        format!("error: {file}: others can read or write it (mode 0644); mend that with: chmod 600 {file}\n")
+        format!("error: {file}: others can read or write it (mode 0644); fix that with: chmod 600 {file}\n")
     );
 }
 
@@ -149,7 +149,7 @@ fn an_authority_makes_certificates() {
         assert_eq!((code, out.as_str()), (2, ""), "{err}");
         err
     };
-    let there = "is there already; move it away, or choose another folder or name\n";
+    let there = "already exists; move it away, or choose another folder or name\n";
     assert_eq!(refused(&["cert", "ca", lab]), format!("error: {lab}/ca-key.pem: {there}"));
     assert_eq!(refused(&["cert", "client", lab, "alice"]), format!("error: {lab}/alice-key.pem: {there}"));
     let err = refused(&["cert", "server", lab, "robots.lab:7400"]);

@@ -82,7 +82,7 @@ pub enum FileError {
         name: GrantName,
     },
     /// Logs call others so.
-    #[error("a token cannot have the name `{name}`, by which logs call others; choose another")]
+    #[error("a token cannot have the name `{name}`, which logs use for others; choose another")]
     Reserved {
         /// The name.
         name: GrantName,

@@ -24,7 +24,7 @@ pub enum PrivateError {
     },
     /// Others may read it or write to it.
     #[error(
-        "{}: others can read or write it (mode {mode:04o}); mend that with: chmod {wanted} {}",
+        "{}: others can read or write it (mode {mode:04o}); fix that with: chmod {wanted} {}",
         shown(path),
         quoted(path)
     )]
@@ -312,7 +312,7 @@ mod tests {
             mode(&path, bad);
             let error = read(&path, 3).unwrap_err();
             assert!(matches!(error, PrivateError::Exposed { mode, .. } if mode == bad), "{bad:o}");
-            let expected = format!("(mode {bad:04o}); mend that with: chmod 600 '{}'", path.display());
+            let expected = format!("(mode {bad:04o}); fix that with: chmod 600 '{}'", path.display());
             assert!(error.to_string().ends_with(&expected), "{error}");
         }
         for good in [0o600, 0o400] {

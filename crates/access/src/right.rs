@@ -37,7 +37,7 @@ pub enum BadRight {
     Unknown(String),
     /// The text lacks the robots that may be driven.
     #[error(
-        "`drive` must say which robots: `drive WORLD/ROBOT`, such as `drive wander/alice`, or `drive */*` for all"
+        "`drive` must name robots: `drive WORLD/ROBOT`, such as `drive wander/alice`, or `drive */*` for all"
     )]
     NoPattern,
     /// The robots that may be driven are not a pattern.
@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(bad("fly"), format!("`fly` is not a right; {rights}"));
         assert_eq!(bad("Observe"), format!("`Observe` is not a right; {rights}"));
         assert_eq!(bad("drivex/y"), format!("`drivex/y` is not a right; {rights}"));
-        assert!(bad("drive").contains("must say which robots"));
+        assert!(bad("drive").contains("must name robots"));
         assert!(bad("drive alice").contains("it has 0 slashes"), "{}", bad("drive alice"));
         assert!(bad("drive  a/b").contains("the world has ` ` in it"), "{}", bad("drive  a/b"));
     }

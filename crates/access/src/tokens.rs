@@ -37,10 +37,12 @@ pub enum Refused {
     #[error("the token is not valid on this server; ask its operator for another one")]
     Unknown,
     /// The validity is unknown, as the file of tokens cannot be read.
-    #[error("the server cannot read its file of tokens, and takes none until it can; its log says why")]
+    #[error(
+        "the server cannot read its token file, and accepts no tokens until it can; its log has the reason"
+    )]
     Unreadable,
     /// The token was valid.
-    #[error("the token `{name}` has expired, on {}; ask the operator of this server for another one", date::print(*.at))]
+    #[error("the token `{name}` expired on {}; ask the operator of this server for another one", date::print(*.at))]
     Expired {
         /// The token.
         name: GrantName,
@@ -189,7 +191,7 @@ mod tests {
     #[test]
     fn expiry_is_told_by_name() {
         let words = Refused::Expired { name: "short".parse().unwrap(), at: at(100) }.to_string();
-        let expected = "the token `short` has expired, on 1970-01-01T00:01:40Z; ask the operator of this server for another one";
+        let expected = "the token `short` expired on 1970-01-01T00:01:40Z; ask the operator of this server for another one";
         assert_eq!(words, expected);
     }
 }

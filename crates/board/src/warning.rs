@@ -59,25 +59,25 @@ impl core::fmt::Display for WarningKind {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::FloatingInput => "an input is read that nothing drives and that has no pull-up",
-            Self::DigitalReadOfVoltage => "a voltage is read as a digital input, which sees nothing of it",
+            Self::DigitalReadOfVoltage => "a voltage is read as a digital input, which cannot measure it",
             Self::Short => "an output drives against another one: a short circuit",
-            Self::OpenAdcInput => "the ADC measures a pin on which there is nothing",
-            Self::ShortTrigger => "a trigger pulse is too short for the sensor, which does nothing",
+            Self::OpenAdcInput => "the ADC measures a pin that is not connected",
+            Self::ShortTrigger => "a trigger pulse is too short for the sensor, which ignores it",
             Self::OddServoPulse => "a pulse is not between 500 and 2500 µs, and the servo ignores it",
             Self::ReceiverOff => "a character came while the UART's receiver was off",
             Self::Overrun => "a character came while the receiver's buffer was full, and was lost",
             Self::SentLost => "characters were sent faster than they could be taken, and were lost",
             Self::OtherRate => "characters are sent at a baud rate at which the laptop's end does not read",
-            Self::IllegalInstruction => "a word was executed that is no instruction",
+            Self::IllegalInstruction => "a word was executed that is not an instruction",
             Self::BeyondMemory => "data beyond the memory were read or written",
             Self::StackOverflow => "the stack has grown into the variables",
             Self::Break => "BREAK was executed, for which only a debugger stops",
             Self::WatchdogReset => "the watchdog has reset the chip",
             Self::AgainstVoltage => "an output drives against a voltage",
             Self::WeakTrigger => {
-                "a trigger pulse is shorter than the data sheet promises to be enough; the sensor obeys it, as real ones do"
+                "a trigger pulse is shorter than the data sheet requires; the sensor accepts it, as real ones do"
             }
-            Self::Unsupported(what) => return write!(f, "the program uses what is not simulated: {what}"),
+            Self::Unsupported(what) => return write!(f, "the program uses a feature that is not simulated: {what}"),
         })
     }
 }

@@ -136,7 +136,7 @@ impl Field {
             (None, Some(_), false) => {
                 return Err(Error::field(
                     at("field"),
-                    "goes with `values`; each of `levels` says what it sets",
+                    "goes with `values`; each of `levels` lists what it sets",
                 ));
             }
             (None, None, true) => range_of(path, &raw)?,

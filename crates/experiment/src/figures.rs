@@ -56,10 +56,15 @@ pub const INFOS: [Info; COUNT] = [
     share(
         Figure::Covered,
         "covered",
-        "covered share of the floor",
-        "share of the free floor that bodies covered",
+        "covered fraction of the floor",
+        "fraction of the free floor that bodies covered",
     ),
-    share(Figure::Sensed, "sensed", "sensed share of the floor", "share of the free floor that rays reached"),
+    share(
+        Figure::Sensed,
+        "sensed",
+        "sensed fraction of the floor",
+        "fraction of the free floor that rays reached",
+    ),
     info(
         Figure::GoalsReached,
         "goals_reached",
@@ -70,7 +75,7 @@ pub const INFOS: [Info; COUNT] = [
         Figure::GoalTimeS,
         "goal_time_s",
         "time to the goal (s)",
-        "when the run ended because its goal, or all goals, were reached",
+        "time at which the run ended because its goal, or all goals, were reached",
     ),
     info(Figure::EnergyJ, "energy_j", "energy (J)", "energy drawn from all batteries"),
     info(
@@ -100,8 +105,8 @@ pub const INFOS: [Info; COUNT] = [
     share(
         Figure::StepKept,
         "step_kept",
-        "share of cycles that met the deadline",
-        "share of control cycles that met their deadline, of all robots",
+        "fraction of cycles that met the deadline",
+        "fraction of control cycles that met their deadline, of all robots",
     ),
     info(
         Figure::CycleP95Ms,

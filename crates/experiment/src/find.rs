@@ -341,7 +341,7 @@ impl Limit {
             let all = all.join(", ");
             let _ = writeln!(
                 text,
-                "  note: success does not change exactly once ({all}); more seeds may tell why"
+                "  note: success does not change exactly once ({all}); more seeds may show why"
             );
         }
         for probe in &self.probes {

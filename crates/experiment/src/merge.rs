@@ -221,7 +221,7 @@ fn differ(run: u64, a: (&Path, u64), b: (&Path, u64)) -> Error {
     let place = |(path, line): (&Path, u64)| format!("line {line} of {}", path.display());
     Error::Refused(format!(
         "run {run} has different results in {} and {}; they should be the same on every machine: delete the wrong journal, and do \
-         its shard again (if a brain is a program of your own: was it changed, or does it not do the same each time?)",
+         its shard again (if a brain is a program of your own: was it changed, or is it not deterministic?)",
         place(a),
         place(b)
     ))

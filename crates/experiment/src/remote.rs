@@ -245,7 +245,7 @@ fn differs(task: &Task, ran: &Ran, again: &Result<Ran, RunError>) -> Error {
         Err(problem) => format!("fails: {problem}"),
     };
     Error::Refused(format!(
-        "run {} with seed {} ends with the state {:016x}; done again by a new process it {again}. The program keeps something \
+        "run {} with seed {} ends with the state {:016x}; done again by a new process it {again}. The program keeps state \
          from one run to the next: begin each run afresh, or leave out `reuse = true`; do the sweep again with --fresh",
         task.run, task.seed, ran.hash
     ))

@@ -99,7 +99,7 @@ impl fmt::Display for Reason {
                 significant(*high)
             ),
             Self::Confounded { with } => {
-                format!("confounded with {with}, which can make up for it in this log")
+                format!("confounded with {with}, which can compensate for it in this log")
             }
             Self::NoFrames { what } => format!("no frames of the bus are found in this log: {what}"),
             Self::Coarse { step_us, frame_us } => format!(
@@ -144,7 +144,7 @@ pub enum Remark {
 impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match self {
-            Self::Baud { baud } => format!("no line `# baud: ...`; taken to be {baud}, as in the scenario"),
+            Self::Baud { baud } => format!("no line `# baud: ...`; assumed to be {baud}, as in the scenario"),
             Self::Stamps { step_us } => format!("all times are multiples of {} us", significant(*step_us)),
             Self::Leap { line, leap_us } => format!(
                 "line {line}: the phase of the frames leaps by {} us, as if a clock was set; each side has a phase of its own",
@@ -159,7 +159,7 @@ impl fmt::Display for Remark {
                             distance of the quartiles to the range of 99 %"
                 .to_owned(),
             Self::Kept { field, value, tells } => {
-                format!("`{field}` and `{tells}` make up for each other; `{tells}` is told for `{field}` = {value}, as in the scenario")
+                format!("`{field}` and `{tells}` compensate for each other; `{tells}` is estimated for `{field}` = {value}, as in the scenario")
             }
             Self::Rest { of, rms, unit, explained } => format!(
                 "{of}: what is left is {} {unit} (RMS); the model explains {} % of the variance",

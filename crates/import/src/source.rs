@@ -79,7 +79,7 @@ pub fn read(path: &str, wanted: Kind) -> Result<String, SourceError> {
     file.by_ref().take(RECORDING.len() as u64).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes == RECORDING {
         return Err(SourceError(format!(
-            "{path}: is a recording, not {one}; `baudbot replay {path}` does its run again, and `baudbot export {path}` describes it, draws it and \
+            "{path}: is a recording, not {one}; `baudbot replay {path}` repeats its run, and `baudbot export {path}` describes it, draws it and \
              writes its tables"
         )));
     }

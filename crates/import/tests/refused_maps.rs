@@ -147,7 +147,7 @@ fn no_words_of_libraries() {
     let of = |first: &str| format!("{first}\n{rest}");
     let cases = [
         (of("negate: foo"), "image is missing"),
-        (format!("{YAML}resolution: 1\n"), "resolution stands there twice: leave one of them"),
+        (format!("{YAML}resolution: 1\n"), "resolution appears twice: remove one of them"),
         (of("image: [1]"), "image: must be a text, is [1]"),
         (of("image: {a: 1}"), "image: must be a text, is a table"),
         ("image: map.pgm\nresolution: 1\norigin: 3\n".into(), "origin: must be a list of numbers, is 3"),
@@ -160,8 +160,8 @@ fn no_words_of_libraries() {
         ("- 1".into(), "line 1: must be names with values"),
         ("a: [1".into(), "is not a description of a map: line 1: "),
         ("a: &x [*x]".into(), "line 1: refers to itself"),
-        ("image: *foo".into(), "line 1: refers to an anchor that there is not"),
-        (format!("{YAML}---\na: 1\n"), "has more than one document: leave the first"),
+        ("image: *foo".into(), "line 1: refers to an anchor that does not exist"),
+        (format!("{YAML}---\na: 1\n"), "has more than one document: keep only the first"),
         ("<<: 1\n".into(), "is not a description of a map"),
         ("image: !!binary foo\n".into(), "is not a description of a map"),
         ("%YAML 9\n--- a".into(), "is not a description of a map"),

@@ -10,7 +10,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum PortError {
     /// Something stands where the symbolic link is to be.
-    #[error("{}: {what} is there already; remove it, or choose another name", .path.display())]
+    #[error("{}: {what} already exists; remove it, or choose another name", .path.display())]
     InTheWay {
         /// The path.
         path: PathBuf,

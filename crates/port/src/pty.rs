@@ -234,7 +234,7 @@ mod tests {
         fs::write(&link, "precious").unwrap();
         let error = Pty::open(&link, None).unwrap_err().to_string();
         assert!(
-            error.ends_with("robot.tty: a file is there already; remove it, or choose another name"),
+            error.ends_with("robot.tty: a file already exists; remove it, or choose another name"),
             "{error}"
         );
         assert_eq!(fs::read_to_string(&link).unwrap(), "precious");

@@ -56,7 +56,7 @@ impl fmt::Display for Report {
             let ms = |time: Duration| time.as_secs_f64() * 1e3;
             write!(
                 f,
-                "; late by less than {:.3} ms (half), {:.3} ms (99 %), {:.3} ms at most",
+                "; late by less than {:.3} ms (median), {:.3} ms (99th percentile), {:.3} ms (maximum)",
                 ms(most),
                 ms(nearly_all),
                 ms(*latest)
@@ -65,7 +65,7 @@ impl fmt::Display for Report {
         for (count, what) in [
             (unheard, "came while no program had it open"),
             (overrun, "lost, as no program read them"),
-            (line_errors, "characters misread, as the ends are set differently"),
+            (line_errors, "characters misread, as the two ends have different settings"),
         ] {
             if *count > 0 {
                 write!(f, "; {count} {what}")?;
@@ -88,7 +88,7 @@ mod tests {
         let text = report.to_string();
         assert_eq!(
             text,
-            "opened 1 times, 100 bytes to programs, 3 from them; late by less than 0.128 ms (half), 3.000 ms (99 %), 3.000 ms at most"
+            "opened 1 times, 100 bytes to programs, 3 from them; late by less than 0.128 ms (median), 3.000 ms (99th percentile), 3.000 ms (maximum)"
         );
     }
 }

@@ -222,7 +222,10 @@ impl Replay {
             if input.checksum != writer::checksum(input.after_ns, &input.data) {
                 let robots = &world.scenario().robots;
                 let name = robots.get(input.robot as usize).map_or("no robot", |robot| &robot.name);
-                self.differs(world, format!("`{name}`: what its brain wrote is not what was recorded"));
+                self.differs(
+                    world,
+                    format!("`{name}`: the bytes of its brain differ from the recorded ones"),
+                );
             }
         }
     }

@@ -202,7 +202,10 @@ fn a_flipped_bit_of_an_input_is_found_at_its_tick() {
         let (replay, _) = replay(&flipped(&file, tick, false));
         let difference = replay.difference().unwrap_or_else(|| panic!("tick {tick}"));
         assert_eq!(difference.tick, tick);
-        assert!(difference.what.ends_with("what its brain wrote is not what was recorded"), "{difference}");
+        assert!(
+            difference.what.ends_with("the bytes of its brain differ from the recorded ones"),
+            "{difference}"
+        );
     }
 }
 

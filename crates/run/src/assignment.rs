@@ -139,7 +139,7 @@ pub enum AssignmentError {
     /// A brain of messages is for a robot whose microcontroller speaks a language of its own.
     #[error(
         "the microcontroller of robot `{robot}` runs a program of its own, which brain `{brain}` does not understand; if the program \
-         speaks \"framed\" or \"bare\", say so in firmware.protocol, otherwise leave the robot without a brain ({robot}=none)"
+         speaks \"framed\" or \"bare\", set firmware.protocol, otherwise leave the robot without a brain ({robot}=none)"
     )]
     OwnProgram {
         /// The robot.

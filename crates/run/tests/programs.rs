@@ -205,7 +205,7 @@ async fn a_first_line_that_names_no_interpreter_is_told() {
     assert!(std::process::Command::new("sh").args(written).arg(&path).status().unwrap().success());
     let error = start(&path.display().to_string()).unwrap_err();
     assert!(matches!(error.problem, Problem::NoInterpreter(_)), "{error}");
-    assert!(error.to_string().contains("also for a line end of Windows"), "{error}");
+    assert!(error.to_string().contains("also for a Windows line ending"), "{error}");
     // Also of one that is started in its folder.
     let program = Program::parse("./crlf.sh").unwrap().in_folder(folder.path().to_owned());
     let task = Task { program, ..task("x") };

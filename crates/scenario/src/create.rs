@@ -43,7 +43,7 @@ fn is_told(path: &Path, version: Version, sensor: &Sensor) -> Result<()> {
         let Some(signal) = Signal::of(version, &sensor.name, i) else {
             let problem = format!(
                 "the Open Interface of a Create {} has no packet for sensor `{}`; docs/reference/robots/create.md lists the names \
-                 that it tells",
+                 that it sends",
                 version.number(),
                 sensor.name
             );

@@ -112,9 +112,9 @@ fn when(path: &Path, raw: &RawFault, key: u64) -> Result<When> {
             }
             Ok(When::Each { every_ns, for_ns, key })
         }
-        (None, None) => {
-            Err(path.field("from_s").error("is missing; say when: from_s, or every_s for once in each span"))
-        }
+        (None, None) => Err(path
+            .field("from_s")
+            .error("is missing; give the time: from_s, or every_s for once in each interval")),
         (Some(_), Some(_)) => Err(path.field("every_s").error("give either this or from_s")),
     }
 }

@@ -27,7 +27,7 @@ pub enum WriteError {
         found: usize,
     },
     /// A text cannot say the value, as its encoding has no codes.
-    #[error("value {index} has no code that a text could say")]
+    #[error("value {index} has no code that a text can have")]
     NoCode {
         /// The index of the value, counted from 0.
         index: usize,
@@ -65,11 +65,11 @@ pub enum LayoutError {
     #[error(transparent)]
     NoRoom(#[from] NoRoom),
     /// A protocol of texts has an encoding without codes.
-    #[error("a text says whole numbers, but there is a value without a number of bits")]
+    #[error("a text has whole numbers, but there is a value without a number of bits")]
     NoCode,
     /// A robot whose messages have the position counters of its two wheels has others.
     #[error(
-        "the protocol tells the counters of 2 wheels, which are one sensor's, but there are {found} counters"
+        "the protocol sends the counters of 2 wheels, which are one sensor's, but there are {found} counters"
     )]
     Positions {
         /// Number of counters in the layout.

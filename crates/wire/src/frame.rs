@@ -125,7 +125,7 @@ pub enum FrameError {
         found: usize,
     },
     /// The stuffing is broken: the delimiter came too early.
-    #[error("the frame ends {missing} bytes before its last COBS code byte says")]
+    #[error("the frame ends {missing} bytes earlier than its last COBS code byte indicates")]
     Cobs {
         /// Bytes that the last code byte promises and that did not come.
         missing: u8,

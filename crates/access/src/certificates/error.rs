@@ -13,7 +13,7 @@ pub enum CertificateError {
     #[error(transparent)]
     File(#[from] PrivateError),
     /// Something is there already.
-    #[error("{}: is there already; move it away, or choose another folder or name", shown(path))]
+    #[error("{}: already exists; move it away, or choose another folder or name", shown(path))]
     Exists {
         /// The file.
         path: PathBuf,

@@ -108,7 +108,7 @@ fn nothing_is_overwritten() {
     assert!(
         error
             .to_string()
-            .ends_with("ca-key.pem: is there already; move it away, or choose another folder or name"),
+            .ends_with("ca-key.pem: already exists; move it away, or choose another folder or name"),
         "{error}"
     );
     assert_eq!(Authority::load(folder.path()).unwrap().certificate(), authority.certificate());
@@ -147,7 +147,7 @@ fn an_authority_that_is_none_is_refused_with_the_file() {
     fs::write(path("ca.pem"), &good).unwrap();
     Authority::load(folder.path()).unwrap();
     fs::set_permissions(path("ca-key.pem"), fs::Permissions::from_mode(0o640)).unwrap();
-    begins("ca-key.pem", "others can read or write it (mode 0640); mend that with: chmod 600 ");
+    begins("ca-key.pem", "others can read or write it (mode 0640); fix that with: chmod 600 ");
     fs::set_permissions(path("ca-key.pem"), fs::Permissions::from_mode(0o600)).unwrap();
     fs::write(path("ca-key.pem"), "no key").unwrap();
     begins("ca-key.pem", "is not a private key in PEM");

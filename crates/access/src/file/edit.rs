@@ -9,8 +9,8 @@ use crate::grant::Grant;
 /// A file without tokens.
 pub(super) fn empty() -> String {
     format!(
-        "# Who may do what on a server of baudbot (docs/reference/trust.md). `baudbot token` adds tokens and revokes them. The tokens\n\
-         # themselves are not in here, only their hashes.\n\
+        "# Tokens of a baudbot server and their rights (docs/reference/trust.md). `baudbot token` adds tokens and revokes them. The\n\
+         # tokens themselves are not in here, only their hashes.\n\
          version = {VERSION}\n"
     )
 }

@@ -102,7 +102,7 @@ fn check_version(table: &Table) -> Result<(), FieldError> {
     match table.get("version").map(Value::as_integer) {
         Some(Some(VERSION)) => Ok(()),
         Some(Some(other)) if other > VERSION => Err(path.error(format!(
-            "is {other}, and this program knows {VERSION}; use the program that wrote the file, or a later one"
+            "is {other}, and this program reads {VERSION}; use the program that wrote the file, or a later one"
         ))),
         Some(Some(_) | None) => Err(path.error(format!("must be {VERSION}"))),
         None => Err(path.error(format!("is missing; write `version = {VERSION}` at the beginning of the file"))),
@@ -113,7 +113,7 @@ fn grant(entry: Table, path: &Path) -> Result<Grant, FieldError> {
     let raw: RawGrant = read(entry, path)?;
     let name: GrantName = raw.name.parse().map_err(|problem| in_field(path, "name", &problem))?;
     if name.is_reserved() {
-        let problem = format!("`{name}` is what logs call others; choose another name");
+        let problem = format!("`{name}` is a name that logs use for others; choose another name");
         return Err(path.field("name").error(problem));
     }
     let hash = raw.hash.parse().map_err(|problem| in_field(path, "hash", &problem))?;
@@ -123,8 +123,7 @@ fn grant(entry: Table, path: &Path) -> Result<Grant, FieldError> {
     let expires_at = end.map_err(|problem| in_field(path, "expires_at", &problem))?;
     let of_rights = path.field("rights");
     if raw.rights.is_empty() {
-        let problem =
-            "is empty, so that the token is good for nothing; write what it is good for, or remove the token";
+        let problem = "is empty, so that the token allows nothing; add a right, or remove the token";
         return Err(of_rights.error(problem));
     }
     let mut rights = Vec::with_capacity(raw.rights.len());

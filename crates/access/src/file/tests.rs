@@ -137,7 +137,7 @@ fn an_error_names_the_file_the_field_and_the_remedy() {
     );
     assert_eq!(
         with("\"observe\"", ""),
-        "tokens[1].rights: is empty, so that the token is good for nothing; write what it is good for, or remove the token (token `bob`)"
+        "tokens[1].rights: is empty, so that the token allows nothing; add a right, or remove the token (token `bob`)"
     );
     assert_eq!(
         with("rights", "right"),
@@ -163,7 +163,7 @@ fn an_error_names_the_file_the_field_and_the_remedy() {
         assert_eq!(
             with("bob", name),
             format!(
-                "tokens[1].name: `{name}` is what logs call others; choose another name (token `{name}`)"
+                "tokens[1].name: `{name}` is a name that logs use for others; choose another name (token `{name}`)"
             )
         );
     }
@@ -190,7 +190,7 @@ fn the_version_is_looked_at_first() {
     assert_eq!(said(""), "version: is missing; write `version = 1` at the beginning of the file");
     assert_eq!(
         said("version = 2\nkeys = []"),
-        "version: is 2, and this program knows 1; use the program that wrote the file, or a later one"
+        "version: is 2, and this program reads 1; use the program that wrote the file, or a later one"
     );
     for wrong in ["0", "-1", "\"1\"", "1.0"] {
         assert_eq!(said(&format!("version = {wrong}")), "version: must be 1");

@@ -76,7 +76,7 @@ impl SettledBy {
                 ("An ammeter", "Measure the current, and discharge the battery at a constant one.")
             }
             Self::Manual => {
-                ("The manual or the firmware", "Read it up: it is a setting or a format, not a measurement.")
+                ("The manual or the firmware", "Look it up: it is a setting or a format, not a measurement.")
             }
             Self::Choice => (
                 "Choices of the simulation",

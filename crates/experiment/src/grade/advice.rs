@@ -27,7 +27,7 @@ impl Advice {
         let at = format!("advice[{i}].say");
         let when = Conditions::new(&format!("advice[{i}].when"), &raw.when)?;
         if raw.say.trim().is_empty() {
-            return Err(Error::field(at, "is empty; say what the mistake is, and what to do about it"));
+            return Err(Error::field(at, "is empty; describe the mistake, and its remedy"));
         }
         let mut parts = Vec::new();
         for (place, piece) in raw.say.trim().split('{').enumerate() {

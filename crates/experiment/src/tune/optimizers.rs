@@ -70,7 +70,7 @@ impl Course {
 
 /// The failure of an optimizer.
 fn failed(problem: impl Display) -> Error {
-    Error::field("tune", format!("the optimizer says: {problem}"))
+    Error::field("tune", format!("the optimizer reports: {problem}"))
 }
 
 /// The costs for the optimizers of a crate.

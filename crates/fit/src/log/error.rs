@@ -54,12 +54,12 @@ pub enum Problem {
     NoNames,
     #[error(
         "the first line has no name that is understood: {names}; columns are called `time_s`, `distance_mm`, `value_v` and the like \
-         (`baudbot fit --list`), with commas, semicolons or tabs between them; --columns time_s=COLUMN tells what others are"
+         (`baudbot fit --list`), with commas, semicolons or tabs between them; --columns time_s=COLUMN gives the meaning of others"
     )]
     NothingKnown { names: String },
     #[error(
         "is a log of CARMEN, and no table; make one of its lines: FLASER has the pose and the odometer's at its end (`x_m`, `y_m`, `heading_rad`, \
-         `odometer.x_m`, `odometer.y_m`, `odometer.heading_rad`, `time_s`), ODOM the odometer's alone, which tells nothing of its errors"
+         `odometer.x_m`, `odometer.y_m`, `odometer.heading_rad`, `time_s`), ODOM the odometer's alone, which has no information about its errors"
     )]
     Carmen,
     #[error(
@@ -94,13 +94,13 @@ pub enum Problem {
     ClockBack { before: u64, back_s: f64 },
     #[error("has the time of line {before}, but other numbers; give finer times, or keep one of the rows")]
     RepeatedTime { before: u64 },
-    #[error("the log has rows of several robots ({names}); say of which with --robot")]
+    #[error("the log has rows of several robots ({names}); choose one with --robot")]
     Robots { names: String },
     #[error("the log has no rows of the robot `{name}`; it has: {names}")]
     NoRobot { name: String, names: String },
     #[error("the log has no column `{name}`; it has: {names}")]
     NoColumn { name: String, names: String },
-    #[error("`{name}` is no name that a column can have here; {known}")]
+    #[error("`{name}` is not a name that a column can have here; {known}")]
     Target { name: String, known: String },
     #[error("the line `# {key}: {value}` must have a number of 0 or more as its value")]
     Note { key: String, value: String },

@@ -45,7 +45,7 @@ pub(crate) struct Echoes {
 impl Echoes {
     pub(crate) fn of(case: &Case<'_>, uart: &Uart) -> Result<Self, Reason> {
         let column = |quantity| {
-            let instants = "and `received_s`: instants of one clock, as `baudbot measure echo` writes; durations alone do not tell frames";
+            let instants = "and `received_s`: instants of one clock, as `baudbot measure echo` writes; durations alone do not show frames";
             case.column(quantity)
                 .map_err(|_| Reason::Columns { needs: format!("columns `sent_s` {instants}") })
         };

@@ -103,7 +103,7 @@ fn chosen<const N: usize>(free: &[usize], starts: &[[f64; N]]) -> Vec<Vec<f64>> 
 /// The origin of a column that people do not have by themselves.
 fn what_for(quantity: Quantity) -> &'static str {
     if matches!(quantity, Quantity::X | Quantity::Y | Quantity::Heading) {
-        ": the true pose, as from a camera above the robot or a laser's map; the odometer's own pose tells nothing of its errors"
+        ": the true pose, as from a camera above the robot or a laser's map; the odometer's own pose has no information about its errors"
     } else {
         ""
     }

@@ -138,11 +138,11 @@ fn in_words(error: &Error) -> String {
             msg.strip_suffix(&format!(", {EXPECTED}")).map_or_else(|| msg.clone(), |_| EXPECTED.to_owned())
         }
         Error::Unexpected { .. } | Error::SerdeInvalidType { .. } => EXPECTED.to_owned(),
-        Error::MultipleDocuments { .. } => "has more than one document: leave the first".to_owned(),
-        Error::UnknownAnchor { .. } => "refers to an anchor that there is not".to_owned(),
+        Error::MultipleDocuments { .. } => "has more than one document: keep only the first".to_owned(),
+        Error::UnknownAnchor { .. } => "refers to an anchor that does not exist".to_owned(),
         Error::RecursiveReferencesRequireWeakTypes { .. } => "refers to itself".to_owned(),
         Error::Eof { .. } => "ends too early".to_owned(),
-        _ => "is not YAML that makes sense here".to_owned(),
+        _ => "is not YAML that is supported here".to_owned(),
     };
     format!("{line}{problem}")
 }

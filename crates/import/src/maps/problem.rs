@@ -11,7 +11,7 @@ use super::svg::MAX_CORNERS;
 pub(crate) enum DescriptionError {
     #[error("is not a description of a map: {0}")]
     Yaml(String),
-    #[error("{0} stands there twice: leave one of them")]
+    #[error("{0} appears twice: remove one of them")]
     Twice(String),
     #[error("{name}: must be {form}, is {value}")]
     Form { name: String, form: &'static str, value: String },
@@ -44,7 +44,7 @@ pub(crate) enum DrawingError {
     Root(String),
     #[error("viewBox: {0}")]
     ViewBox(svgtypes::ViewBoxError),
-    #[error("has neither a viewBox nor width and height: where its lower left corner is, is unknown")]
+    #[error("has neither a viewBox nor width and height: the place of its lower left corner is unknown")]
     NoSize,
     #[error("line {line}, `{attribute}`: {error}")]
     Attribute { line: u32, attribute: String, error: svgtypes::Error },

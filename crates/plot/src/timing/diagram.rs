@@ -134,7 +134,7 @@ impl Diagram {
         let step = duration(step_ns as f64);
         Self {
             title: format!("{robot} in {world}"),
-            subtitle: format!("What happened when, from the sensors to the brain and back. Δt = {step}."),
+            subtitle: format!("Events from the sensors to the brain and back. Δt = {step}."),
             ran: Vec::new(),
             lanes,
             from_ns,

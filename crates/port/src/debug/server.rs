@@ -70,7 +70,7 @@ impl GdbServer {
             match self.listener.accept() {
                 Ok((stream, _)) if !self.reach.allows(&stream) => {
                     tracing::warn!(
-                        "a program of another user has connected to the debugger's port, and is sent away"
+                        "a program of another user has connected to the debugger's port, and is disconnected"
                     );
                     continue;
                 }

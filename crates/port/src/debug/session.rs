@@ -64,7 +64,7 @@ impl Session {
                 self.flush();
             }
             Err(error) => {
-                tracing::info!(%error, "a debugger is gone");
+                tracing::info!(%error, "a debugger has disconnected");
                 self.machine = None;
             }
         }
@@ -114,7 +114,7 @@ impl Session {
             Ok(Machine::Disconnected(mut gone)) => {
                 // The debugger may not be there any more.
                 let _ = gone.borrow_conn().flush();
-                tracing::info!(reason = ?gone.get_reason(), "a debugger has let go");
+                tracing::info!(reason = ?gone.get_reason(), "a debugger has detached");
                 None
             }
             Ok(machine) => Some(machine),

@@ -46,9 +46,7 @@ pub enum JournalError {
         source: SavedError,
     },
     /// The inputs do not lead to the state that was reached.
-    #[error(
-        "does not lead to the state that it led to: {what} at tick {tick} (written by baudbot {program})"
-    )]
+    #[error("does not reproduce its state: {what} at tick {tick} (written by baudbot {program})")]
     Differs {
         /// The tick.
         tick: u64,

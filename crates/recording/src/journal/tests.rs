@@ -235,8 +235,5 @@ fn what_does_not_lead_where_it_led_is_told() {
         Entries::beginning("w", &world, world.origin(), &Settings::default(), &Ports::default());
     entries.at(At { tick: 3, begun: true, state_hash: Some(1), on_disk: 0 });
     let error = Journal::read(entries.bytes()).unwrap().restore().unwrap_err().to_string();
-    assert!(
-        error.starts_with("does not lead to the state that it led to: the state's fingerprint at tick 3"),
-        "{error}"
-    );
+    assert!(error.starts_with("does not reproduce its state: the state's fingerprint at tick 3"), "{error}");
 }

@@ -32,7 +32,7 @@ impl fmt::Display for Coverage {
         let n = self.compared_ticks;
         match self.recorded_ticks {
             Some(all) => write!(f, "{n} of {all} ticks ({:.1} %)", 100.0 * n as f64 / all.max(1) as f64),
-            None => write!(f, "{n} ticks that are left; the file no longer tells how many there were"),
+            None => write!(f, "the {n} ticks that are left; the file does not have their original number"),
         }
     }
 }

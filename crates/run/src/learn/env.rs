@@ -310,7 +310,7 @@ impl Env {
     pub fn load(task: Arc<Task>, saved: &[u8]) -> Result<Self, LearnError> {
         let wrong = |problem: &dyn std::fmt::Display| LearnError::value("state", problem.to_string());
         let saved: Saved = postcard::from_bytes(saved)
-            .map_err(|error| wrong(&format!("is no environment of this version: {error}")))?;
+            .map_err(|error| wrong(&format!("is not an environment of this version: {error}")))?;
         let mut env = Self::at_start(task, saved.seed, &saved.more)?;
         let scenario = Arc::clone(env.world().scenario());
         let world = World::load(scenario, &saved.world, saved.hash).map_err(|error| wrong(&error))?;

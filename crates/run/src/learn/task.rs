@@ -171,7 +171,7 @@ fn agents(named: &[String], assigned: &[Assignment], robots: &[RobotSpec]) -> Re
         }
         if is_own(spec) {
             return wrong(format!(
-                "the microcontroller of robot `{name}` runs a program of its own, which takes no commands of ours"
+                "the microcontroller of robot `{name}` runs a program of its own, which takes no commands from an environment"
             ));
         }
         places.push(place);

@@ -52,10 +52,10 @@ impl Varied {
         let wrong = |problem: String| Err(LearnError::value(format!("randomize.{}", self.path), problem));
         match &self.draw {
             Draw::Uniform { low, high } if !(low.is_finite() && high.is_finite() && low <= high) => {
-                wrong(format!("[{low}, {high}] is no range of finite numbers"))
+                wrong(format!("[{low}, {high}] is not a range of finite numbers"))
             }
             Draw::LogUniform { low, high } if !(*low > 0.0 && high.is_finite() && low <= high) => {
-                wrong(format!("[{low}, {high}] is no range of finite numbers above 0"))
+                wrong(format!("[{low}, {high}] is not a range of finite numbers above 0"))
             }
             Draw::Integer { low, high } if low > high => wrong(format!("[{low}, {high}] is empty")),
             Draw::Choice(all) if all.is_empty() => wrong("there is nothing to choose from".to_owned()),

@@ -90,7 +90,7 @@ impl fmt::Display for Problem {
             ),
             Self::NoInterpreter(program) => write!(
                 f,
-                "the interpreter that the first line of `{}` names is not there; look at that line, also for a line end of Windows",
+                "the interpreter in the first line of `{}` does not exist; check that line, also for a Windows line ending",
                 Printable(program)
             ),
             Self::NotExecutable(program) => write!(
@@ -103,7 +103,7 @@ impl fmt::Display for Problem {
                 let (robots, s) = (robots.join(", "), patience.as_secs_f64());
                 write!(
                     f,
-                    "has not attached to {robots} within {s} s; it finds in BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT where it is to attach"
+                    "has not attached to {robots} within {s} s; it must attach as given by BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT"
                 )
             }
             Self::ExitedUnattached(status) => write!(f, "{} before it attached", Ended(*status)),
@@ -116,7 +116,7 @@ impl fmt::Display for Problem {
             Self::Traceback => f.write_str("has driven to the end of the run, but printed an exception"),
             Self::Elsewhere { held, robots } => write!(
                 f,
-                "was started for {} (BAUDBOT_ROBOT), but {held} is held, which no brain was given",
+                "was started for {} (BAUDBOT_ROBOT), but {held} is attached, to which no brain was assigned",
                 robots.join(", ")
             ),
         }

@@ -66,7 +66,7 @@ fn of_port(
     };
     let hold = Span::between(hold.least, keeps_up.then_some(hold.most));
     let span = settling.then(wire).then(hold).then(Span::between(0, bounds.step));
-    (span, (!keeps_up).then_some("the radio cannot promise to keep up"))
+    (span, (!keeps_up).then_some("the radio cannot guarantee the rate of messages"))
 }
 
 /// Messages of a device that can land within a time.

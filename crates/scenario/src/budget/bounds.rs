@@ -168,14 +168,14 @@ impl Fixed<'_> {
 
     fn reason(&self, estimate: &Estimate) -> Option<&'static str> {
         if self.plan.acknowledgement_bytes() > 0 {
-            return Some("the acknowledgement of a command may be in the way of readings");
+            return Some("the acknowledgement of a command may delay readings");
         }
         match estimate {
             Estimate { down: None, .. } if wire::radio(&self.plan.spec.link).is_none() => {
                 Some("commands come faster than the cable can carry them")
             }
             Estimate { wait_up: None, .. } | Estimate { down: None, .. } => {
-                Some("the cable or the radio cannot promise to keep up")
+                Some("the cable or the radio cannot guarantee the rate of messages")
             }
             Estimate { backlog: None, .. } => Some("the microcontroller is overloaded"),
             _ => None,

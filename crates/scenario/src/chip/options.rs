@@ -14,10 +14,10 @@ pub(super) fn check(path: &Path, options: &Options, kind: &Kind, is_floor: bool)
     let Some(other) = options.given().find(|name| !known.contains(name)) else { return Ok(()) };
     let what = &options.to;
     let problem = match known {
-        [] => format!("means nothing for `{what}`, which has no options"),
-        [one] => format!("means nothing for `{what}`, which has the option {one}"),
+        [] => format!("does not apply to `{what}`, which has no options"),
+        [one] => format!("does not apply to `{what}`, which has the option {one}"),
         [many @ .., last] => {
-            format!("means nothing for `{what}`, which has the options {} and {last}", many.join(", "))
+            format!("does not apply to `{what}`, which has the options {} and {last}", many.join(", "))
         }
     };
     Err(path.field(other).error(problem))

@@ -107,7 +107,7 @@ fn target<'a>(path: &Path, text: &'a str, robot: &Parts<'a>) -> Result<(String, 
         "leds" if !name.is_empty() => Ok((format!("leds.{name}"), Belongs::Led, terminal)),
         "buzzers" if !name.is_empty() => Ok((format!("buzzers.{name}"), Belongs::Buzzer, terminal)),
         _ => Err(path.error(format!(
-            "`{text}` is nothing that a pin can be connected to; there are sensors.NAME, encoders.left, motors.left, \
+            "`{text}` is not something that a pin can be connected to; there are sensors.NAME, encoders.left, motors.left, \
              actuators.NAME, leds.NAME and buzzers.NAME, each with a terminal behind a dot where it has several"
         ))),
     }

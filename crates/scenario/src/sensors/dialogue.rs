@@ -20,7 +20,7 @@ pub(super) fn dialogue(
     (port, clock_ns): (&Port, u64),
 ) -> Result<Option<Box<Dialogue>>, FieldError> {
     let Some(begin) = raw.dialogue else {
-        path.refuse("model", raw.model.is_some(), "a device without a `dialogue` says nothing of itself")?;
+        path.refuse("model", raw.model.is_some(), "a device without a `dialogue` does not report its model")?;
         return Ok(None);
     };
     let (Device::Laser(laser), Format::Scip(format)) = (device, &port.format) else { return Ok(None) };

@@ -38,8 +38,8 @@ impl fmt::Display for Ending {
             Self::GoalReached(robot) => write!(f, "`{robot}` reached the goal"),
             Self::Collisions(n) => write!(f, "there were {n} collisions"),
             Self::AllGoals => f.write_str("all goals were reached"),
-            Self::Covered => f.write_str("as much of the floor was covered as was asked for"),
-            Self::Sensed => f.write_str("as much of the floor was sensed as was asked for"),
+            Self::Covered => f.write_str("the required fraction of the floor was covered"),
+            Self::Sensed => f.write_str("the required fraction of the floor was sensed"),
             Self::BatteryEmpty(robot) => write!(f, "the battery of `{robot}` is empty"),
             Self::DeadlineMissed(robot) => write!(f, "the brain of `{robot}` missed its deadline"),
         }

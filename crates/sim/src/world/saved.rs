@@ -29,16 +29,16 @@ use crate::time::SimTime;
 #[non_exhaustive]
 pub enum SavedError {
     /// The bytes are no state.
-    #[error("is no state of a world of this version: {0}")]
+    #[error("is not the state of a world of this version: {0}")]
     Unreadable(postcard::Error),
     /// The bytes are a state of another world.
     #[error("is the state of a world with other {0}")]
     Other(&'static str),
     /// The hash is another. The right one is not in the error: a deliberate change of a state need not be helped.
-    #[error("is damaged, or of another version: its fingerprint is not the one that was kept with it")]
+    #[error("is damaged, or of another version: its fingerprint is not the one stored with it")]
     Hash,
     /// Something is in it that no run of this scenario comes to.
-    #[error("is one that no run comes to: its {0} cannot be")]
+    #[error("is one that no run reaches: its {0} is impossible")]
     Unsound(&'static str),
 }
 

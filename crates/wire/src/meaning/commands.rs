@@ -106,7 +106,7 @@ fn baud(code: u8) -> Meaning {
     match RATES.get(usize::from(code)) {
         Some(rate) => Meaning::of(format_args!("baud {rate}")),
         None => {
-            let mut meaning = Meaning::of(format_args!("baud code {code}, which there is not"));
+            let mut meaning = Meaning::of(format_args!("baud code {code}, which does not exist"));
             meaning.is_understood = false;
             meaning
         }

@@ -77,7 +77,7 @@ impl Display for PacketName {
         match group(self.version, self.id) {
             Some([packet]) => Name(*packet).fmt(f),
             Some(_) => write!(f, "group {}", self.id),
-            None => write!(f, "packet {}, which this robot has not", self.id),
+            None => write!(f, "packet {}, which this robot does not have", self.id),
         }
     }
 }
