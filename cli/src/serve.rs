@@ -109,7 +109,7 @@ fn resume(args: &ServeArgs, file: &Path, kept: &Kept, serving: &mut Serving<'_>)
     if kept.has(&name) {
         let file = file.display();
         return Err(Refused::error(format!(
-            "--resume {file}: a world {name} is in the folder of --state already; start the server without --resume to go on with it"
+            "--resume {file}: a world {name} is in the folder of --state already; start the server without --resume to continue it"
         )));
     }
     tell!("world {name} continues at tick {}, {} s", world.tick(), world.time().as_seconds());

@@ -25,9 +25,9 @@ pub(super) fn describe(robot: &RobotSpec, chip: &ChipSpec) -> Vec<(&'static str,
     let speaks = if chip.is_opaque() {
         "its own language; brains attach in RAW mode or through a serial port"
     } else if robot.firmware.protocol.repeats() {
-        "bare values, as the scenario says"
+        "bare values, as the scenario specifies"
     } else {
-        "frames, as the scenario says"
+        "frames, as the scenario specifies"
     };
     vec![
         ("chip", format!("{name} at {mhz} MHz{off}")),

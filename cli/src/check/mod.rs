@@ -85,7 +85,7 @@ fn of_robots(scenario: &Scenario) -> Vec<(&str, String)> {
             let (name, rays) = (&sensor.name, fan.len());
             let fewer = rays - 1;
             let problem = format!(
-                "sensors.{name}: the last of the {rays} rays stands where the first does; bags of ROS leave it out, and {fewer} rays over \
+                "sensors.{name}: the last of the {rays} rays coincides with the first; ROS bags omit it, and {fewer} rays over \
                  opening_rad = {} are the same without it",
                 fan.opening_rad() * (rays - 2) as f64 / fewer as f64
             );
@@ -217,8 +217,8 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         let [full] = &told(721, TAU)[..] else { panic!("one warning") };
-        let least = "robot: sensors.eye: the last of the 721 rays stands where the first does; bags of ROS leave it out, and 720 rays \
-                     over opening_rad = 6.274458";
+        let least = "robot: sensors.eye: the last of the 721 rays coincides with the first; ROS bags omit it, and 720 rays over \
+                     opening_rad = 6.274458";
         assert!(full.starts_with(least), "{full}");
         assert_eq!(told(720, TAU * 719.0 / 720.0), [""; 0]);
         assert_eq!(told(682, 4.18), [""; 0]);

@@ -26,7 +26,7 @@ pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
             (rust(&name, args.baudbot.as_deref())?, "cargo run --release -- brain.toml --world wander")
         }
         Language::Python => {
-            (python(&name)?, ".venv/bin/python brain.py   (README.md says what to install before)")
+            (python(&name)?, ".venv/bin/python brain.py   (README.md lists what to install first)")
         }
     };
     write_all(folder, files)?;

@@ -37,10 +37,7 @@ impl Design {
             return Err(if samples.is_some() {
                 Error::field("samples", "goes with design = \"random\"")
             } else {
-                Error::field(
-                    "seed",
-                    "goes with design = \"random\"; `seeds` says with which seeds the runs are done",
-                )
+                Error::field("seed", "goes with design = \"random\"; `seeds` sets the seeds of the runs")
             });
         }
         Ok(match kind {

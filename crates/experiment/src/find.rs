@@ -323,7 +323,7 @@ impl Limit {
             let tried = self.probes.last().map(Probe::told).unwrap_or_default();
             return format!(
                 "found no {keeps}: even the easiest value fails, {tried}, and the others were not tried; `wants` in \
-                 [find] says which end is easy"
+                 [find] defines which end is easy"
             );
         };
         let beyond = match i.checked_sub(1).map(|i| &self.probes[i]) {

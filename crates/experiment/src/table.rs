@@ -27,8 +27,10 @@ pub fn text(experiment: &Experiment, summary: &Summary, most: usize) -> String {
     if let Some(success) = &experiment.success {
         let _ = writeln!(text, "success: {success}");
     }
-    let _ =
-        writeln!(text, "means over seeds ± half of the 95 % interval (Student), shares with theirs (Wilson)");
+    let _ = writeln!(
+        text,
+        "means over seeds ± half of the 95 % interval (Student), fractions with theirs (Wilson)"
+    );
     text + &failures(summary)
 }
 

@@ -248,7 +248,7 @@ fn what_makes_no_sense_is_refused_with_how_to_mend_it() {
         (with("seeds = []") + fields, "seeds: is empty"),
         (with("seeds = 0") + fields, "seeds: must be at least 1"),
         (with("seeds = [1, 2, 1]") + fields, "seeds: 1 appears twice"),
-        (with("seed = 2") + fields, "seed: goes with design = \"random\"; `seeds` says"),
+        (with("seed = 2") + fields, "seed: goes with design = \"random\"; `seeds` sets"),
         (
             format!("seconds = 1.0\n{fields}[brain]\nname = \"avoid\""),
             "brain: is a table, which is for a program; write brain = \"avoid\"",

@@ -162,7 +162,7 @@ impl fmt::Display for Remark {
                 format!("`{field}` and `{tells}` compensate for each other; `{tells}` is estimated for `{field}` = {value}, as in the scenario")
             }
             Self::Rest { of, rms, unit, explained } => format!(
-                "{of}: what is left is {} {unit} (RMS); the model explains {} % of the variance",
+                "{of}: the residual is {} {unit} (RMS); the model explains {} % of the variance",
                 digits(*rms, 3),
                 digits(100.0 * explained, 4)
             ),

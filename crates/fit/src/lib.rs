@@ -159,7 +159,7 @@ fn separate(all: &mut Fitted, wanted: &[Field], robot: &RobotModel) {
     let pair = [(*loss, radius), (radius, *loss)];
     for (field, other) in pair.map(|(field, other)| (field.path(robot), other.path(robot))) {
         if let Some(finding) = all.findings.iter_mut().find(|finding| finding.path == field) {
-            let with = format!("`{other}`; want one of them");
+            let with = format!("`{other}`; choose one of them");
             finding.outcome = estimate::Outcome::CannotTell(Reason::Confounded { with });
         }
     }

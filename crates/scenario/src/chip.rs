@@ -79,7 +79,7 @@ fn speaks(path: &Path, link: &Link, protocol: raw::Protocol) -> Result<()> {
         );
         return Err(at.field("bits_per_character").error(problem));
     }
-    let problem = "is what the model of a firmware speaks; with a program of your own take \"own\", or \"framed\" or \
+    let problem = "is a protocol of the modelled firmware; with a program of your own take \"own\", or \"framed\" or \
                    \"bare\" if your program speaks these";
     path.field("firmware").refuse("protocol", protocol.is_dialogue(), problem)
 }

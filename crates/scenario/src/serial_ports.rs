@@ -33,7 +33,7 @@ pub(super) fn of(path: &Path, raw: &raw::Robot, robot: &str) -> Result<Vec<Seria
         let robots = starts::number(raw);
         if robots > 1 && !endpoints.is_empty() {
             let problem = format!(
-                "is for one robot, and this table stands for {robots}; leave it out, and use `serve --port ROBOT=…`"
+                "is for one robot, and this table describes {robots}; leave it out, and use `serve --port ROBOT=…`"
             );
             return Err(path.error(problem));
         }

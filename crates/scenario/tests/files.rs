@@ -613,5 +613,5 @@ fn serial_ports_are_read_from_the_links_of_a_robot_and_of_its_sensors() {
     let onboard = "link = { kind = \"onboard\", serial_port = \"pty:a\" }";
     refused(&robot(onboard), "robots[0].link.serial_port", "there is no link");
     let two = format!("starts = [{{}}, {{ x_m = 5 }}]\nlink = {}", cable("\"pty:a\""));
-    refused(&robot(&two), "robots[0].link.serial_port", "this table stands for 2");
+    refused(&robot(&two), "robots[0].link.serial_port", "this table describes 2");
 }

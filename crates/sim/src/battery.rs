@@ -89,7 +89,9 @@ impl Battery {
         let at = path.field("curve_share_v");
         curve::check::<Share, Between<0, 10>>(&at, &self.curve, ["share", "voltage"])?;
         if self.curve.is_empty() {
-            return Err(at.error("needs at least one pair of charge left and share of the nominal voltage"));
+            return Err(
+                at.error("needs at least one pair of charge left and fraction of the nominal voltage")
+            );
         }
         let at = path.field("capacity_a_share");
         curve::check::<Current, LeastShare>(&at, &self.yields, ["current", "share"])?;

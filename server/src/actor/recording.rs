@@ -89,7 +89,7 @@ impl WorldActor {
         let name = config.name.clone();
         self.recording.recorder = Recorder::go_on(config, 2, &self.name, self.pacer.pace, view!(self));
         if self.recording.is_on() {
-            event!(self, info, recording = name, "recording goes on in another file");
+            event!(self, info, recording = name, "recording continues in another file");
         }
         self.fit_timeline();
     }
@@ -206,7 +206,7 @@ impl WorldActor {
         }
     }
 
-    /// The world was reset or restored: the recording goes on in another file.
+    /// The world was reset or restored: the recording continues in another file.
     pub(super) fn record_next_run(&mut self, old: &World) {
         let Some(mut recorder) = self.recording.recorder.take() else { return };
         recorder.thinking(old, &self.sessions);

@@ -146,7 +146,8 @@ fn check_mode(hello: &v1::Hello) -> Result<Mode, Status> {
         }
         Ok(v1::PortMode::Unspecified | v1::PortMode::Messages) => Ok(Mode::Messages),
         Ok(v1::PortMode::Raw) if hello.stop_when_gone => {
-            let text = "hello.stop_when_gone: needs MESSAGES mode; in RAW mode the server knows no command";
+            let text =
+                "hello.stop_when_gone: needs MESSAGES mode; in RAW mode the server does not decode commands";
             Err(Status::invalid_argument(text))
         }
         Ok(v1::PortMode::Raw) if hello.serial_port => Ok(Mode::SerialPort),

@@ -253,7 +253,7 @@ fn set_aside(storage: &dyn Storage, name: &str, folder: &Path, file: PathBuf, pr
 }
 
 fn unreadable(name: &str, file: &Path, problem: String) -> Found {
-    tracing::error!(world = name, file = %file.display(), problem, "world left as it is");
+    tracing::error!(world = name, file = %file.display(), problem, "world left unchanged");
     Found::Unreadable { name: name.to_owned(), file: file.to_owned(), problem }
 }
 

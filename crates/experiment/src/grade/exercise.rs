@@ -96,7 +96,7 @@ impl Exercise {
             return Err(Error::field("seconds", problem));
         }
         if raw.title.trim().is_empty() || raw.title.contains('\n') {
-            return Err(Error::field("title", "must be one line that says what the exercise is about"));
+            return Err(Error::field("title", "must be one line that states what the exercise is about"));
         }
         if raw.criteria.is_empty() {
             let problem = "are missing; give at least one [[criteria]] with `name` and `needs`";
@@ -211,7 +211,7 @@ fn limits(raw: &raw::Limits) -> Result<Limits, Error> {
 fn criterion_of(i: usize, raw: raw::Criterion) -> Result<Criterion, Error> {
     let at = |name: &str| format!("criteria[{i}].{name}");
     if raw.name.trim().is_empty() || raw.name.contains('\n') {
-        return Err(Error::field(at("name"), "must be one line that says what earns the points"));
+        return Err(Error::field(at("name"), "must be one line that states what earns the points"));
     }
     let needs = Conditions::new(&at("needs"), &raw.needs)?;
     Ok(Criterion { name: raw.name, points: within(&at("points"), raw.points.unwrap_or(1.0), 1e6)?, needs })

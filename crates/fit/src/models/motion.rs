@@ -101,7 +101,7 @@ fn signals(case: &Case<'_>) -> Result<Vec<[f64; 2]>, Reason> {
     };
     let drive = &case.robot.model.drive;
     let Motors::Velocity(motor) = &drive.motor else {
-        let needs = "`command_left` and `command_right`: of speeds only motors of kind \"velocity\" know what they ask for";
+        let needs = "`command_left` and `command_right`: only motors of kind \"velocity\" have commands that follow from speeds";
         return Err(Reason::Columns { needs: needs.into() });
     };
     let (half_track_m, full) = (drive.half_track_m, motor.full_speed_m_s);

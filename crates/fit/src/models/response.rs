@@ -232,7 +232,7 @@ impl<'a> Response<'a> {
                 return Outcome::CannotTell(Reason::Specimens { there_are: 1 });
             }
             Field::Body(BodyField::WheelRadius) => {
-                let with = "`motors.full_speed_m_s`: commands and motion alone know only the rim's speed; log counts of the wheels";
+                let with = "`motors.full_speed_m_s`: commands and motion alone determine only the rim's speed; log counts of the wheels";
                 return Outcome::CannotTell(Reason::Confounded { with: with.into() });
             }
             Field::Adapter(_) | Field::Sensor(..) => {

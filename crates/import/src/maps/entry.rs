@@ -140,7 +140,7 @@ impl Raw {
             ("goal", self.goal.is_some()),
         ];
         if let Some((field, _)) = of_svg.iter().find(|(_, is_there)| *is_there) {
-            let problem = "is for maps with `svg` only: take it out, the YAML says how the map lies";
+            let problem = "is for maps with `svg` only: take it out, the YAML sets the place of the map";
             return Err(ImportError::field(format!("{path}.{field}"), problem));
         }
         Ok(Source::Ros { file, unknown: self.unknown.unwrap_or_default() })

@@ -25,7 +25,7 @@ impl MonitorCmd for ChipTarget {
             }
             _ => outputln!(
                 out,
-                "monitor reset: resets the chip by its pin RESET\nmonitor time: how long it has run"
+                "monitor reset: resets the chip by its pin RESET\nmonitor time: the time for which it has run"
             ),
         }
         Ok(())

@@ -42,7 +42,7 @@ pub(super) fn program(path: &Path, raw: &RawProgram, part: Part) -> Result<Progr
         RawProgram::Inline(inline) => inline,
         RawProgram::File(name) => {
             let problem = format!(
-                "names the file `{name}`, which is read only where it stands in a scenario file; on the command line write \
+                "names the file `{name}`, which is read only from a scenario file; on the command line write \
                  --firmware ROBOT={name}"
             );
             return Err(at.error(problem));

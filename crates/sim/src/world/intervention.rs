@@ -119,7 +119,7 @@ pub enum InterventionError {
     },
     /// The change has been made too often.
     #[error(
-        "robot: the cable of `{robot}` stays as it is: cables have been changed {MOST_ALTERED} times, the limit; reset the world"
+        "robot: the cable of `{robot}` cannot be changed: cables have been changed {MOST_ALTERED} times, the limit; reset the world"
     )]
     TooOften {
         /// The robot's name.

@@ -154,7 +154,7 @@ fn line(bytes: &[u8]) -> Meaning {
     if !text.is_empty() && text.iter().all(|byte| matches!(byte, b' '..=b'~' | b'\t')) {
         return Meaning::of(format_args!("text: {}", Ascii(text)));
     }
-    Meaning::not_understood(bytes, "nothing of this was asked for")
+    Meaning::not_understood(bytes, "not requested")
 }
 
 /// The ids of a list of packets and groups, by their names.

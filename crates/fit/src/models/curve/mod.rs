@@ -218,7 +218,7 @@ fn full_scale(
         ("raw", _, Some(Encoding::Level { bits, max, .. })) => ((2.0_f64).powi(i32::from(*bits)) - 1.0) / max,
         _ => {
             let needs =
-                format!("line `# full_scale: NUMBER` that says which `{}` is full scale", value.header);
+                format!("line `# full_scale: NUMBER` that gives the `{}` of full scale", value.header);
             return Err(Reason::Columns { needs });
         }
     };
