@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::buffer::Buffer;
+use crate::error::{NoRoom, WriteError};
 use crate::frame::MAX_PAYLOAD;
 
 /// The most characters of a line, the one that ends it not counted.
@@ -68,6 +69,65 @@ impl Lines {
 enum Ends {
     Either,
     Feed,
+}
+
+/// The text between the comma at the front of `text` and the next one, and the rest from that on.
+pub(crate) fn field(text: &[u8]) -> Option<(&[u8], &[u8])> {
+    let text = text.strip_prefix(b",")?;
+    text.split_at_checked(text.iter().position(|&byte| byte == b',').unwrap_or(text.len()))
+}
+
+/// A whole number of at most [`MAX_DIGITS`] digits.
+pub(crate) fn number(text: &[u8]) -> Option<i64> {
+    let (sign, digits) = text.strip_prefix(b"-").map_or((1, text), |digits| (-1, digits));
+    if digits.is_empty() || digits.len() > MAX_DIGITS {
+        return None;
+    }
+    let mut number = 0;
+    for byte in digits {
+        if !byte.is_ascii_digit() {
+            return None;
+        }
+        number = 10 * number + i64::from(byte - b'0');
+    }
+    Some(sign * number)
+}
+
+/// A line that is being written. What does not fit is only counted.
+pub(crate) struct Writer<'a> {
+    pub(crate) out: &'a mut [u8],
+    pub(crate) len: usize,
+}
+
+impl Writer<'_> {
+    pub(crate) fn put(&mut self, byte: u8) {
+        if let Some(free) = self.out.get_mut(self.len) {
+            *free = byte;
+        }
+        self.len += 1;
+    }
+
+    pub(crate) fn number(&mut self, number: i64) {
+        if number < 0 {
+            self.put(b'-');
+        }
+        let rest = number.unsigned_abs();
+        let mut unit = 10_u64.pow(rest.checked_ilog10().unwrap_or(0));
+        while unit > 0 {
+            self.put(b'0' + (rest / unit % 10) as u8);
+            unit /= 10;
+        }
+    }
+
+    pub(crate) fn end(&mut self, end: &[u8]) -> Result<usize, WriteError> {
+        for &byte in end {
+            self.put(byte);
+        }
+        if self.len > self.out.len() {
+            return Err(NoRoom { needed: self.len, room: self.out.len() }.into());
+        }
+        Ok(self.len)
+    }
 }
 
 /// A reason why a line is invalid.

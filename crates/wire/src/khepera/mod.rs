@@ -38,7 +38,7 @@ use crate::encoding::Encoding;
 use crate::error::{LayoutError, NoRoom, WriteError};
 use crate::frame::MAX_PAYLOAD;
 use crate::layout::Layout;
-use crate::lines::MAX_DIGITS;
+use crate::lines::{Writer, field, number};
 
 /// Asks for what is no counter.
 pub const POLL: [u8; 2] = *b"N\r";
@@ -132,7 +132,7 @@ pub fn numbers_len_max(encodings: &[Encoding]) -> usize {
 }
 
 /// The most characters of a number in this encoding, the comma before it included.
-fn longest(encoding: Encoding) -> usize {
+pub(crate) fn longest(encoding: Encoding) -> usize {
     let len = |number: i64| {
         let digits = number.unsigned_abs().checked_ilog10().unwrap_or(0) as usize + 1;
         usize::from(number < 0) + digits
@@ -295,12 +295,6 @@ impl Iterator for Numbers<'_> {
     }
 }
 
-/// The text between the comma at the front of `text` and the next one, and the rest from that on.
-fn field(text: &[u8]) -> Option<(&[u8], &[u8])> {
-    let text = text.strip_prefix(b",")?;
-    text.split_at_checked(text.iter().position(|&byte| byte == b',').unwrap_or(text.len()))
-}
-
 /// The two position counters behind the letter of an answer.
 fn positions(text: &[u8]) -> Result<[i32; 2], LineError> {
     let (mut rest, mut positions) = (text, [0; 2]);
@@ -313,36 +307,7 @@ fn positions(text: &[u8]) -> Result<[i32; 2], LineError> {
     if rest.is_empty() { Ok(positions) } else { Err(LineError::Count { expected: 2, found: 3 }) }
 }
 
-/// A whole number of at most [`MAX_DIGITS`] digits.
-fn number(text: &[u8]) -> Option<i64> {
-    let (sign, digits) = text.strip_prefix(b"-").map_or((1, text), |digits| (-1, digits));
-    if digits.is_empty() || digits.len() > MAX_DIGITS {
-        return None;
-    }
-    let mut number = 0;
-    for byte in digits {
-        if !byte.is_ascii_digit() {
-            return None;
-        }
-        number = 10 * number + i64::from(byte - b'0');
-    }
-    Some(sign * number)
-}
-
-/// A line that is being written. What does not fit is only counted.
-struct Writer<'a> {
-    out: &'a mut [u8],
-    len: usize,
-}
-
 impl Writer<'_> {
-    fn put(&mut self, byte: u8) {
-        if let Some(free) = self.out.get_mut(self.len) {
-            *free = byte;
-        }
-        self.len += 1;
-    }
-
     fn numbers(
         &mut self,
         encodings: &[Encoding],
@@ -361,28 +326,6 @@ impl Writer<'_> {
             Some(_) => Err(WriteError::Count { expected, found: expected + 1 }),
             None => Ok(()),
         }
-    }
-
-    fn number(&mut self, number: i64) {
-        if number < 0 {
-            self.put(b'-');
-        }
-        let rest = number.unsigned_abs();
-        let mut unit = 10_u64.pow(rest.checked_ilog10().unwrap_or(0));
-        while unit > 0 {
-            self.put(b'0' + (rest / unit % 10) as u8);
-            unit /= 10;
-        }
-    }
-
-    fn end(&mut self, end: &[u8]) -> Result<usize, WriteError> {
-        for &byte in end {
-            self.put(byte);
-        }
-        if self.len > self.out.len() {
-            return Err(NoRoom { needed: self.len, room: self.out.len() }.into());
-        }
-        Ok(self.len)
     }
 }
 

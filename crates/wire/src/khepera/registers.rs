@@ -7,8 +7,9 @@
 //! (K-Team, 1999) and RoadNarrows' Khepera package use them. The refusals are in a session of kMatlab's and in KiKS,
 //! which plays the robot; the versions are in K-Team's FAQ of the Khepera II.
 
-use super::{ANSWER_END, LineError, Writer, field, number};
+use super::{ANSWER_END, LineError};
 use crate::error::WriteError;
+use crate::lines::{Writer, field, number};
 
 /// The answer to a line that begins with no command.
 pub const NOT_FOUND: &[u8] = b"Command not found\r\n";
