@@ -31,6 +31,16 @@ def khepera(folder: str) -> None:
     print(served.report, end="")
 
 
+def e_puck(folder: str) -> None:
+    """pyserial and the letters of an e-puck, in text and in bytes."""
+    program = str(HERE / "e_puck.py")
+    with Served(BAUDBOT, HERE / "e-puck.toml", ["pty:e-puck.tty", "rfc2217:0"], folder) as served:
+        pty, rfc2217 = served.places
+        for place in (pty, f"rfc2217://127.0.0.1:{number(rfc2217)}"):
+            print(served.run([program, place]), end="")
+    print(served.report, end="")
+
+
 def create(folder: str) -> None:
     """pycreate2 and the path that follows from when its commands came, and answers as late as the budget says."""
     program = str(HERE / "create.py")
@@ -117,7 +127,7 @@ def never_early(folder: str) -> None:
 
 def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
-        for what in (khepera, create, laser, receiver, never_early):
+        for what in (khepera, e_puck, create, laser, receiver, never_early):
             what(folder)
 
 

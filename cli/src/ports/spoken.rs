@@ -31,7 +31,7 @@ fn of_robot(robot: &v1::RobotDescription) -> Option<&'static str> {
             "speaks bare bytes, one value after the other; no driver of the real robot understands them, unless the real \
              robot speaks them, too",
         ),
-        Protocol::Khepera(_) | Protocol::Create(_) => None,
+        Protocol::Khepera(_) | Protocol::Create(_) | Protocol::Asercom(_) => None,
     }
 }
 
@@ -89,12 +89,14 @@ mod tests {
         let bare = robot(Protocol::Bare(v1::firmware::Bare { gap_ns: 1 }));
         let khepera = robot(Protocol::Khepera(v1::firmware::Khepera {}));
         let create = robot(Protocol::Create(v1::firmware::Create { version: 2 }));
+        let e_puck = robot(Protocol::Asercom(v1::firmware::Asercom {}));
         assert!(
             note(&framed, None, UNKNOWN).unwrap().starts_with("r speaks baudbot's own frames; no driver")
         );
         assert!(note(&bare, None, UNKNOWN).unwrap().starts_with("r speaks bare bytes"));
         assert_eq!(note(&khepera, None, UNKNOWN), None);
         assert_eq!(note(&create, None, UNKNOWN), None);
+        assert_eq!(note(&e_puck, None, UNKNOWN), None);
         assert_eq!(note(&framed, None, Known { has_chip: true, answers: None }), None);
     }
 

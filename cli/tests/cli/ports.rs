@@ -135,7 +135,9 @@ fn what_no_driver_of_the_real_thing_understands_is_told_at_the_start() {
     let mut args = vec!["--port".to_owned(), "k=pty:k.tty".to_owned()];
     // A second port of a cable has no second message.
     args.extend(["--port".to_owned(), "r0=unix:r0.sock".to_owned()]);
-    for (i, robot) in ["thymio-2", "e-puck", "turtlebot3-burger"].iter().enumerate() {
+    scenario += "[[robots]]\nname = \"e\"\npreset = \"e-puck\"\nstart = { y_m = -2 }\n";
+    args.extend(["--port".to_owned(), "e=pty:e.tty".to_owned()]);
+    for (i, robot) in ["thymio-2", "chalmers-40cm", "turtlebot3-burger"].iter().enumerate() {
         let y = 2 * (i + 1);
         scenario += &format!("[[robots]]\nname = \"r{i}\"\npreset = \"{robot}\"\nstart = {{ y_m = {y} }}\n");
         args.extend(["--port".to_owned(), format!("r{i}=pty:r{i}.tty")]);
@@ -161,7 +163,10 @@ fn what_no_driver_of_the_real_thing_understands_is_told_at_the_start() {
             format!("note: r2/{laser} sends scans by SCIP 2.0 and answers no commands, so no driver of the");
         assert_eq!(said.matches(&note).count(), 1, "{laser}: {said}");
     }
-    assert!(!said.contains("note: k ") && !said.contains("note: r2/urg-04lx "), "{said}");
+    assert!(
+        !said.contains("note: k ") && !said.contains("note: e ") && !said.contains("note: r2/urg-04lx "),
+        "{said}"
+    );
     // Robots whose programs come through ports are not offered to brains; the other one is.
     assert!(greeting.contains("--robot n\n") && !greeting.contains("--robot k"), "{greeting}");
 }

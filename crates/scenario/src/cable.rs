@@ -6,7 +6,7 @@ use core::f64::consts::TAU;
 
 use baudbot_wire::codec::Pace;
 use baudbot_wire::create::{MOST_STREAMED, STREAM_PERIOD_NS, Version};
-use baudbot_wire::{Encoding, frame, khepera};
+use baudbot_wire::{Encoding, asercom, frame, khepera};
 
 use super::{create, raw};
 use baudbot_fields::number::{Millis, Number, Rule};
@@ -40,11 +40,11 @@ pub(super) fn firmware(
             no_ages("the bare protocol")?;
             Protocol::Bare { gap_ns: gap_ns(path, raw.gap_ms, link)? }
         }
-        raw::Protocol::Khepera => {
-            no_ages("the khepera protocol")?;
+        raw::Protocol::Khepera | raw::Protocol::Asercom => {
+            no_ages(&format!("the {} protocol", spoken.name()))?;
             no_gap()?;
-            can_be_said_in_lines(path, sensors, &motors)?;
-            Protocol::Khepera
+            can_be_said_in_lines(path, spoken.name(), sensors, &motors)?;
+            if spoken == raw::Protocol::Asercom { Protocol::Asercom } else { Protocol::Khepera }
         }
         raw::Protocol::Create | raw::Protocol::Create2 => {
             no_ages("the Open Interface")?;
@@ -53,18 +53,21 @@ pub(super) fn firmware(
             create::protocol(path, version, sensors, &motors)?
         }
     };
-    let mode = mode(path, (raw, protocol.pace()), step_ns)?;
+    let mode = mode(path, (raw, spoken.name(), protocol.pace()), step_ns)?;
     let named: Vec<_> = sensors.iter().map(|sensor| (&*sensor.name, sensor.encodings.as_slice())).collect();
     Ok(Firmware::new(protocol, mode, &named, motors))
 }
 
-fn mode(path: &Path, (raw, pace): (&raw::Firmware, Pace), step_ns: u64) -> Result<Mode> {
-    let (is_khepera, is_create) = (pace == Pace::Asked, pace == Pace::Opened);
+fn mode(path: &Path, (raw, name, pace): (&raw::Firmware, &str, Pace), step_ns: u64) -> Result<Mode> {
+    let (is_asked, is_create) = (pace == Pace::Asked, pace == Pace::Opened);
     let usual_ns = if is_create { STREAM_PERIOD_NS } else { step_ns };
-    let usual = if is_khepera { raw::Mode::Poll } else { raw::Mode::Stream };
+    let usual = if is_asked { raw::Mode::Poll } else { raw::Mode::Stream };
     match raw.mode.unwrap_or(usual) {
         raw::Mode::Stream => {
-            path.refuse("mode", is_khepera, "must be \"poll\": the khepera protocol answers when asked; to stream, take `protocol` = \"framed\"")?;
+            let problem = format!(
+                "must be \"poll\": the {name} protocol answers when asked; to stream, take `protocol` = \"framed\""
+            );
+            path.refuse("mode", is_asked, &problem)?;
             let period_ns = raw.period_ms.map_or(usual_ns, Number::get);
             Ok(Mode::Stream(Schedule::new(period_ns, raw.phase_ms.map_or(0, Number::get))))
         }
@@ -78,13 +81,13 @@ fn mode(path: &Path, (raw, pace): (&raw::Firmware, Pace), step_ns: u64) -> Resul
     }
 }
 
-/// The protocol of the Khepera has whole numbers, and a command for two wheels.
-fn can_be_said_in_lines(path: &Path, sensors: &[&Sensor], motors: &[Encoding]) -> Result<()> {
+/// A protocol in lines of text has whole numbers, and a command for two wheels.
+fn can_be_said_in_lines(path: &Path, name: &str, sensors: &[&Sensor], motors: &[Encoding]) -> Result<()> {
     let path = path.field("protocol");
     let others = motors.len().saturating_sub(2);
     if others > 0 {
         let problem = format!(
-            "\"khepera\" has no command for actuators besides the wheels, and there are {others}; take another \
+            "\"{name}\" has no command for actuators besides the wheels, and there are {others}; take another \
              protocol, or leave them out"
         );
         return Err(path.error(problem));
@@ -92,17 +95,18 @@ fn can_be_said_in_lines(path: &Path, sensors: &[&Sensor], motors: &[Encoding]) -
     let exact = |encodings: &[Encoding]| encodings.contains(&Encoding::Float64);
     if let Some(sensor) = sensors.iter().find(|sensor| exact(&sensor.encodings)) {
         let problem =
-            format!("\"khepera\" sends whole numbers; give sensor `{}` a number of `bits`", sensor.name);
+            format!("\"{name}\" sends whole numbers; give sensor `{}` a number of `bits`", sensor.name);
         return Err(path.error(problem));
     }
     if exact(motors) {
-        return Err(path.error("\"khepera\" sends whole numbers; give the motors a number of `signal_bits`"));
+        let problem = format!("\"{name}\" sends whole numbers; give the motors a number of `signal_bits`");
+        return Err(path.error(problem));
     }
-    counts_two_wheels(&path, sensors)
+    counts_two_wheels(&path, name, sensors)
 }
 
-/// The messages of the Khepera's protocol have the position counters of its two wheels.
-fn counts_two_wheels(path: &Path, sensors: &[&Sensor]) -> Result<()> {
+/// The messages of such a protocol have the position counters of the two wheels.
+fn counts_two_wheels(path: &Path, name: &str, sensors: &[&Sensor]) -> Result<()> {
     let counts = |sensor: &&&Sensor| {
         sensor.encodings.iter().any(|encoding| matches!(encoding, Encoding::Counter { .. }))
     };
@@ -111,24 +115,27 @@ fn counts_two_wheels(path: &Path, sensors: &[&Sensor]) -> Result<()> {
         [] => return Ok(()),
         [one] if khepera::counted(&one.encodings, [0; 2]).is_some() => return Ok(()),
         [one] => {
-            format!("\"khepera\" sends the counters of two wheels, and sensor `{}` has others", one.name)
+            format!("\"{name}\" sends the counters of two wheels, and sensor `{}` has others", one.name)
         }
         [one, other, ..] => format!(
-            "\"khepera\" sends the counters of one sensor, and there are those of `{}` and `{}`; leave one out",
+            "\"{name}\" sends the counters of one sensor, and there are those of `{}` and `{}`; leave one out",
             one.name, other.name
         ),
     };
     Err(path.error(problem))
 }
 
-/// The form of a Khepera's motor signals in `D`: in pulses of its encoders per 10 ms, if it has encoders and its motors
-/// regulate the speed. Otherwise, and in other protocols, parts of the full signal.
+/// The form of motor signals in `D`: of an e-puck in steps a second; of a Khepera in pulses of its encoders per 10 ms, if it has
+/// encoders and its motors regulate the speed. Otherwise, and in other protocols, parts of the full signal.
 pub(super) fn speeds(
     protocol: raw::Protocol,
     motor: Encoding,
     drive: &Drive,
     sensors: &[Sensor],
 ) -> Encoding {
+    if protocol == raw::Protocol::Asercom {
+        return asercom::SPEED;
+    }
     let counts_per_turn = sensors.iter().filter(|sensor| sensor.is_on_wire()).find_map(|sensor| {
         let Device::Encoders(encoders) = &sensor.device else { return None };
         Some(f64::from(encoders.counts_per_turn))

@@ -7,7 +7,6 @@ use baudbot_wire::frame::MAX_FRAME;
 use baudbot_wire::meaning::{self, Analyser, Direction, Heard, Item};
 use baudbot_wire::nmea::MAX_SENTENCE;
 
-use crate::firmware;
 pub use crate::link::Cable;
 use crate::model::RobotSpec;
 use crate::sensor::port::Format;
@@ -99,14 +98,8 @@ impl Listener {
 
 /// The protocol on a cable.
 fn protocol(spec: &RobotSpec, cable: Cable) -> Option<meaning::Protocol<'_>> {
-    let layout = spec.firmware.layout();
     Some(match cable {
-        Cable::Robot => match spec.firmware.protocol {
-            firmware::Protocol::Framed { .. } => meaning::Protocol::Framed { layout: Some(layout) },
-            firmware::Protocol::Bare { gap_ns } => meaning::Protocol::Bare { layout, gap_ns },
-            firmware::Protocol::Khepera => meaning::Protocol::Khepera,
-            firmware::Protocol::Create(version) => meaning::Protocol::Create(version),
-        },
+        Cable::Robot => spec.firmware.agreement().meaning(),
         Cable::Sensor(i) => match spec.sensors.get(i)?.port.as_ref()?.format {
             Format::Scip(_) => meaning::Protocol::Scip,
             Format::LineImage => meaning::Protocol::LineImage,

@@ -2,9 +2,10 @@
 
 use alloc::boxed::Box;
 
-use baudbot_wire::BareDecoder;
+use baudbot_wire::asercom::Machine;
 use baudbot_wire::create::Stream;
 use baudbot_wire::khepera::Lines;
+use baudbot_wire::{Agreement, BareDecoder, Protocol, Uplink};
 use serde::{Deserialize, Serialize};
 
 use crate::open_interface::OpenInterface;
@@ -35,6 +36,8 @@ pub(crate) enum Decoder {
     OpenInterface(Box<OpenInterface>),
     /// The decoder of a Create, at the laptop's end.
     Stream(Stream),
+    /// The decoder of an e-puck, at the robot's end.
+    Asercom(Box<Machine>),
 }
 
 /// The message that a byte completed.
@@ -56,6 +59,30 @@ impl<'a> Found<'a> {
 }
 
 impl Decoder {
+    /// The decoder at the laptop's end.
+    pub(crate) fn of_readings(agreement: &Agreement<'_>) -> Self {
+        match agreement.uplink().expect(FITS) {
+            Uplink::Framed(framed) => Self::Framed(framed),
+            Uplink::Bare(bare) => Self::Bare(bare),
+            Uplink::Lines(lines) => Self::Answers { lines, positions: None },
+            Uplink::Stream(stream) => Self::Stream(stream),
+        }
+    }
+
+    /// The decoder at the robot's end.
+    pub(crate) fn of_commands(agreement: &Agreement<'_>) -> Self {
+        match agreement.protocol {
+            Protocol::Framed { .. } => Self::Framed(baudbot_wire::Decoder::new()),
+            Protocol::Bare { gap_ns } => {
+                let len = agreement.terms.layout.bare_command_len();
+                Self::Bare(BareDecoder::new(len, gap_ns).expect(FITS))
+            }
+            Protocol::Khepera => Self::Khepera { lines: Lines::of_questions(), owed: Owed::default() },
+            Protocol::Create(version) => Self::OpenInterface(Box::new(OpenInterface::new(version))),
+            Protocol::Asercom => Self::Asercom(Box::default()),
+        }
+    }
+
     pub(crate) fn push(&mut self, byte: u8, at: SimTime) -> Found<'_> {
         match self {
             Self::Bare(bare) => bare.push(byte, at.as_ns()).map_or(Found::Nothing, Found::Payload),
@@ -65,6 +92,8 @@ impl Decoder {
             }
             Self::OpenInterface(interface) => interface.push(byte).map_or(Found::Nothing, Found::Payload),
             Self::Stream(stream) => Found::of(stream.push(byte)),
+            // The microcontroller gives its bytes to the machine.
+            Self::Asercom(_) => Found::Nothing,
         }
     }
 
@@ -85,8 +114,10 @@ impl Decoder {
             }
             (Self::OpenInterface(own), Self::OpenInterface(other)) => own.may_become(other),
             (Self::Stream(own), Self::Stream(other)) => own.may_become(other),
+            // Whatever numbers it has are numbers that a program can have set.
+            (Self::Asercom(_), Self::Asercom(_)) => true,
             (Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. }, _) => false,
-            (Self::Answers { .. } | Self::OpenInterface(_) | Self::Stream(_), _) => false,
+            (Self::Answers { .. } | Self::OpenInterface(_) | Self::Stream(_) | Self::Asercom(_), _) => false,
         }
     }
 
@@ -152,8 +183,17 @@ impl Decoder {
         if let Self::OpenInterface(interface) = self { Some(interface) } else { None }
     }
 
+    /// The machine of an e-puck, to be changed.
+    #[inline]
+    pub(crate) fn asercom_mut(&mut self) -> Option<&mut Machine> {
+        if let Self::Asercom(machine) = self { Some(machine) } else { None }
+    }
+
     /// Messages that silence cut short so far.
     pub(crate) fn cut_short(&self) -> u64 {
         if let Self::Bare(bare) = self { bare.discarded() } else { 0 }
     }
 }
+
+/// The reason that a decoder of bare messages can be made.
+const FITS: &str = "scenario files refuse messages that are too long";

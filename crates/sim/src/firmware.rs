@@ -1,17 +1,14 @@
 //! Firmware: the microcontroller's messages on its wire, and their meaning at the laptop's end.
 
-use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use baudbot_wire::codec::Pace;
-use baudbot_wire::khepera::Lines;
-use baudbot_wire::{Agreement, BareDecoder, Encoding, Layout, Uplink, WireLayout, frame};
+use baudbot_wire::{Agreement, Encoding, Layout, WireLayout, frame};
 
 pub use baudbot_wire::Protocol;
 
 pub(crate) use crate::decoder::{Decoder, Found};
 use crate::link::{Command, LEAST_BAUD, Uart};
-use crate::open_interface::OpenInterface;
 pub(crate) use crate::registers::{Owed, Refusal, Registers, Say};
 use crate::schedule::Schedule;
 use crate::time::SECOND_NS;
@@ -108,25 +105,10 @@ impl Firmware {
     }
 
     pub(crate) fn reading_decoder(&self) -> Decoder {
-        match self.agreement().uplink().expect(FITS) {
-            Uplink::Framed(framed) => Decoder::Framed(framed),
-            Uplink::Bare(bare) => Decoder::Bare(bare),
-            Uplink::Lines(lines) => Decoder::Answers { lines, positions: None },
-            Uplink::Stream(stream) => Decoder::Stream(stream),
-        }
+        Decoder::of_readings(&self.agreement())
     }
 
     pub(crate) fn command_decoder(&self) -> Decoder {
-        match self.protocol {
-            Protocol::Framed { .. } => Decoder::Framed(baudbot_wire::Decoder::new()),
-            Protocol::Bare { gap_ns } => {
-                Decoder::Bare(BareDecoder::new(self.layout().bare_command_len(), gap_ns).expect(FITS))
-            }
-            Protocol::Khepera => Decoder::Khepera { lines: Lines::of_questions(), owed: Owed::default() },
-            Protocol::Create(version) => Decoder::OpenInterface(Box::new(OpenInterface::new(version))),
-        }
+        Decoder::of_commands(&self.agreement())
     }
 }
-
-/// The reason that a decoder of bare messages can be made.
-const FITS: &str = "scenario files refuse messages that are too long";

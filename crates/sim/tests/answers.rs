@@ -30,7 +30,7 @@ fn bytes(world: &World, sequence: u8, signals: &[f64]) -> Vec<u8> {
     let len = match firmware.protocol {
         Protocol::Bare { .. } => write_values(layout.motors, signals, &mut payload).unwrap_or(0),
         Protocol::Khepera => khepera::write_exchange(&layout, signals, &mut payload).unwrap_or(0),
-        Protocol::Create(_) => {
+        Protocol::Create(_) | Protocol::Asercom => {
             firmware.agreement().write_command(sequence, signals, &mut payload).unwrap_or(0)
         }
         Protocol::Framed { .. } => {

@@ -5,6 +5,7 @@ mod adapters;
 mod ages;
 mod airtight;
 mod answers;
+mod asercom;
 mod bootloader;
 mod cable;
 mod chip;

@@ -91,6 +91,7 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
+pub mod asercom;
 pub mod bare;
 pub mod clock;
 pub mod codec;

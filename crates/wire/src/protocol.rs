@@ -1,6 +1,7 @@
 //! The protocols that a robot can speak. Everything that depends on the protocol, and that both ends of the cable must know, is
 //! chosen here.
 
+use crate::asercom;
 use crate::bare::BareDecoder;
 use crate::codec::{Notice, Pace, Preface, Sink, Terms, take_all};
 use crate::create::{self, Signal, Stream, Version, drive_direct, listed_len, stream_len, streamed};
@@ -9,6 +10,7 @@ use crate::error::{LayoutError, NoRoom, WriteError};
 use crate::frame::{self, Decoder};
 use crate::khepera;
 use crate::lines::Lines;
+use crate::meaning;
 use crate::message;
 use crate::values::{Values, write_values};
 
@@ -30,6 +32,8 @@ pub enum Protocol {
     Khepera,
     /// The Open Interface of an iRobot Create. It streams what it is asked to stream, new or not.
     Create(Version),
+    /// The letters of an e-puck, which answers only when asked. It knows no readability.
+    Asercom,
 }
 
 impl Protocol {
@@ -41,6 +45,7 @@ impl Protocol {
             Self::Khepera => "khepera, lines of text",
             Self::Create(Version::One) => "the Open Interface of a Create 1",
             Self::Create(Version::Two) => "the Open Interface of a Create 2",
+            Self::Asercom => "asercom, lines of text",
         }
     }
 
@@ -49,7 +54,7 @@ impl Protocol {
     pub const fn pace(self) -> Pace {
         match self {
             Self::Framed { .. } | Self::Bare { .. } => Pace::Any,
-            Self::Khepera => Pace::Asked,
+            Self::Khepera | Self::Asercom => Pace::Asked,
             Self::Create(_) => Pace::Opened,
         }
     }
@@ -80,7 +85,7 @@ impl Protocol {
 
     /// Whether each value has the bits that the protocol gives it.
     pub const fn has_fixed_bits(self) -> bool {
-        matches!(self, Self::Create(_))
+        matches!(self, Self::Create(_) | Self::Asercom)
     }
 
     /// Whether a command can change the baud rate of the cable.
@@ -89,15 +94,23 @@ impl Protocol {
         matches!(self, Self::Create(_))
     }
 
-    /// Whether messages of readings have the sensor of this name. A Khepera's analog inputs are asked for one by one.
+    /// Whether messages of readings have the sensor of this name. A Khepera's analog inputs are asked for one by one, and an e-puck has
+    /// letters of their own for most.
     pub fn tells(self, sensor: &str) -> bool {
-        self != Self::Khepera || khepera::input_number(sensor).is_none()
+        match self {
+            Self::Framed { .. } | Self::Bare { .. } | Self::Create(_) => true,
+            Self::Khepera => khepera::input_number(sensor).is_none(),
+            Self::Asercom => asercom::place(sensor, 0).is_some(),
+        }
     }
 
     /// The place of this component, counted from 0, of the sensor of this name in the protocol, by a number of its own.
     pub fn place(self, sensor: &str, component: usize) -> Option<u8> {
-        let Self::Create(version) = self else { return None };
-        Signal::place(version, sensor, component)
+        match self {
+            Self::Framed { .. } | Self::Bare { .. } | Self::Khepera => None,
+            Self::Create(version) => Signal::place(version, sensor, component),
+            Self::Asercom => asercom::place(sensor, component),
+        }
     }
 
     /// The most bytes that values in these encodings take on the wire. Of a Create the number of each packet is not counted,
@@ -107,7 +120,7 @@ impl Protocol {
             Self::Framed { .. } | Self::Bare { .. } | Self::Create(_) => {
                 encodings.iter().map(|encoding| encoding.len()).sum()
             }
-            Self::Khepera => khepera::numbers_len_max(encodings),
+            Self::Khepera | Self::Asercom => khepera::numbers_len_max(encodings),
         }
     }
 
@@ -128,7 +141,7 @@ impl Protocol {
         match self {
             Self::Framed { .. } => *sequence = now.wrapping_add(1),
             Self::Create(_) => *sequence = now.checked_add(1).unwrap_or(1),
-            Self::Bare { .. } | Self::Khepera => {}
+            Self::Bare { .. } | Self::Khepera | Self::Asercom => {}
         }
         now
     }
@@ -155,6 +168,7 @@ impl Agreement<'_> {
             Protocol::Framed { .. } | Protocol::Bare { .. } => Ok(()),
             Protocol::Khepera => khepera::check(&self.terms.layout),
             Protocol::Create(_) => create::check(&self.terms),
+            Protocol::Asercom => asercom::check(&self.terms),
         }
     }
 
@@ -166,6 +180,7 @@ impl Agreement<'_> {
             Protocol::Bare { .. } => [layout.bare_readings_len(); 2],
             Protocol::Khepera => [khepera::readings_len_min(layout), khepera::readings_len_max(layout)],
             Protocol::Create(version) => [stream_len(version, streamed(&self.terms).used()); 2],
+            Protocol::Asercom => asercom::readings_len(&self.terms),
         }
     }
 
@@ -177,6 +192,7 @@ impl Agreement<'_> {
             Protocol::Bare { .. } => [layout.bare_command_len(); 2],
             Protocol::Khepera => [1 + 2 * layout.motors.len() + 1, khepera::command_len_max(layout)],
             Protocol::Create(_) => [drive_direct([0.0; 2]).len(); 2],
+            Protocol::Asercom => asercom::command_len(layout),
         }
     }
 
@@ -188,6 +204,10 @@ impl Agreement<'_> {
                 acknowledgement: khepera::ACKNOWLEDGEMENT.len(),
                 positions: khepera::positions_len(&self.terms.layout),
             },
+            Protocol::Asercom => Preface {
+                acknowledgement: khepera::ACKNOWLEDGEMENT.len(),
+                positions: asercom::positions_len(&self.terms),
+            },
         }
     }
 
@@ -196,6 +216,7 @@ impl Agreement<'_> {
         match self.protocol {
             Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Create(_) => &[],
             Protocol::Khepera => khepera::poll(&self.terms.layout),
+            Protocol::Asercom => asercom::question(&self.terms),
         }
     }
 
@@ -219,6 +240,7 @@ impl Agreement<'_> {
             }
             Protocol::Bare { .. } => write_values(layout.motors, signals, out),
             Protocol::Khepera => khepera::write_exchange(layout, signals, out),
+            Protocol::Asercom => asercom::write_exchange(&self.terms, signals, out),
             Protocol::Create(_) => {
                 let mut signals = signals.into_iter();
                 let mut next = |found| signals.next().ok_or(WriteError::Count { expected: 2, found });
@@ -239,7 +261,7 @@ impl Agreement<'_> {
         match self.protocol {
             Protocol::Framed { .. } => frame::encode(&message::poll(sequence), out).ok(),
             Protocol::Bare { .. } => None,
-            Protocol::Khepera => {
+            Protocol::Khepera | Protocol::Asercom => {
                 let question = self.question();
                 out.get_mut(..question.len())?.copy_from_slice(question);
                 Some(question.len())
@@ -258,7 +280,7 @@ impl Agreement<'_> {
             Protocol::Bare { gap_ns } => {
                 Uplink::Bare(BareDecoder::new(self.terms.layout.bare_readings_len(), gap_ns)?)
             }
-            Protocol::Khepera => Uplink::Lines(Lines::of_answers()),
+            Protocol::Khepera | Protocol::Asercom => Uplink::Lines(Lines::of_answers()),
             Protocol::Create(version) => Uplink::Stream(Stream::new(version, streamed(&self.terms).used())),
         })
     }
@@ -274,13 +296,30 @@ impl Agreement<'_> {
             }
             Protocol::Khepera => khepera::read(layout, payload, sink),
             Protocol::Create(version) => create::read(version, &self.terms, payload, sink),
+            Protocol::Asercom => asercom::read(&self.terms, payload, sink),
         }
     }
 
     /// Gives positions, which came before readings, to `sink` as the readings that they are.
     pub fn read_positions(&self, positions: [i32; 2], sink: &mut impl Sink) {
-        if self.protocol == Protocol::Khepera {
-            khepera::read_positions(&self.terms.layout, positions, sink);
+        match self.protocol {
+            Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Create(_) => {}
+            Protocol::Khepera => khepera::read_positions(&self.terms.layout, positions, sink),
+            Protocol::Asercom => asercom::read_positions(&self.terms, positions, sink),
+        }
+    }
+}
+
+impl<'a> Agreement<'a> {
+    /// The protocol for an [analyser](meaning::Analyser) of the cable.
+    pub const fn meaning(&self) -> meaning::Protocol<'a> {
+        let layout = self.terms.layout;
+        match self.protocol {
+            Protocol::Framed { .. } => meaning::Protocol::Framed { layout: Some(layout) },
+            Protocol::Bare { gap_ns } => meaning::Protocol::Bare { layout, gap_ns },
+            Protocol::Khepera => meaning::Protocol::Khepera,
+            Protocol::Create(version) => meaning::Protocol::Create(version),
+            Protocol::Asercom => meaning::Protocol::Asercom,
         }
     }
 }

@@ -7,7 +7,7 @@ use baudbot_brain::{
 use super::breach::Breach;
 use crate::v1;
 use crate::v1::encoding::{Counter, Float64, Kind, Level, Signed};
-use crate::v1::firmware::{Bare, Create, Framed, Khepera, Protocol as Spoken};
+use crate::v1::firmware::{Asercom, Bare, Create, Framed, Khepera, Protocol as Spoken};
 
 impl From<&Body> for v1::RobotDescription {
     fn from(body: &Body) -> Self {
@@ -196,6 +196,7 @@ impl From<Firmware> for v1::Firmware {
             Protocol::Bare { gap_ns } => Spoken::Bare(Bare { gap_ns }),
             Protocol::Khepera => Spoken::Khepera(Khepera {}),
             Protocol::Create(version) => Spoken::Create(Create { version: version.number().into() }),
+            Protocol::Asercom => Spoken::Asercom(Asercom {}),
         };
         Self { protocol: Some(protocol), period_ns }
     }
@@ -211,6 +212,7 @@ fn firmware(given: Option<v1::Firmware>) -> Result<Firmware, Breach> {
             let found = create.version;
             Protocol::Create(CreateVersion::of(found).ok_or(Breach::Version { found })?)
         }
+        Spoken::Asercom(_) => Protocol::Asercom,
     };
     Ok(Firmware { protocol, period_ns: given.period_ns })
 }

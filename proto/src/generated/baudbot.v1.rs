@@ -3946,7 +3946,7 @@ pub struct Firmware {
     #[prost(uint64, optional, tag = "3")]
     pub period_ns: ::core::option::Option<u64>,
     /// Form of the messages.
-    #[prost(oneof = "firmware::Protocol", tags = "1, 2, 4, 5")]
+    #[prost(oneof = "firmware::Protocol", tags = "1, 2, 4, 5, 6")]
     pub protocol: ::core::option::Option<firmware::Protocol>,
 }
 /// Nested message and enum types in `Firmware`.
@@ -3977,6 +3977,10 @@ pub mod firmware {
         #[prost(uint32, tag = "1")]
         pub version: u32,
     }
+    /// Letters of an e-puck, as lines of text or as bytes, one answer per request. In MESSAGES mode there are readings of the
+    /// sensors ir_0 to ir_7 and steps; docs/reference/robots/e-puck.md lists the letters of others.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+    pub struct Asercom {}
     /// Form of the messages.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Oneof)]
     pub enum Protocol {
@@ -3992,6 +3996,9 @@ pub mod firmware {
         /// Open Interface of an iRobot Create: a stream of packets, which starts on request.
         #[prost(message, tag = "5")]
         Create(Create),
+        /// Letters of an e-puck, as lines of text or as bytes, one answer per request.
+        #[prost(message, tag = "6")]
+        Asercom(Asercom),
     }
 }
 /// Opportunity for a step: what has arrived since the last one, and the time.

@@ -25,8 +25,8 @@ pub(crate) struct Firmware {
     /// Protocol of the messages ([wire](wire.md)). `"own"` is a protocol that only your own programs understand.
     /// Default: `"framed"`; `"own"` with a `microcontroller.program`.
     pub(crate) protocol: Option<Protocol>,
-    /// Readings are sent on a schedule, or in answer to each command (`framed`: also to each poll; `khepera`: only to
-    /// each poll). Default: `"stream"`; `"poll"` for `khepera`, its only mode.
+    /// Readings are sent on a schedule, or in answer to each command (`framed`: also to each poll; `khepera`, `asercom`:
+    /// only to each poll). Default: `"stream"`; `"poll"` for `khepera` and `asercom`, their only mode.
     pub(crate) mode: Option<Mode>,
     /// Time between two messages of readings. Default: `step_ms`. Range: only `stream`.
     pub(crate) period_ms: Option<Number<Millis<Period>>>,
@@ -58,15 +58,29 @@ pub(crate) enum Protocol {
     Create,
     #[serde(rename = "create-2")]
     Create2,
+    Asercom,
     /// That of a program of the user's own.
     Own,
 }
 
 impl Protocol {
+    /// Its name in a scenario.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Framed => "framed",
+            Self::Bare => "bare",
+            Self::Khepera => "khepera",
+            Self::Create => "create",
+            Self::Create2 => "create-2",
+            Self::Asercom => "asercom",
+            Self::Own => "own",
+        }
+    }
+
     /// Whether a brain on board has its bytes, too.
     pub(crate) fn is_dialogue(self) -> bool {
         match self {
-            Self::Khepera | Self::Create | Self::Create2 => true,
+            Self::Khepera | Self::Create | Self::Create2 | Self::Asercom => true,
             Self::Framed | Self::Bare | Self::Own => false,
         }
     }

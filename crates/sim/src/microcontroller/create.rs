@@ -69,7 +69,7 @@ impl Microcontroller {
     }
 
     /// The left and the right wheel turn with these shares of full signal.
-    fn roll(&mut self, spec: &RobotSpec, shares: [f64; 2]) -> Taken {
+    pub(super) fn roll(&mut self, spec: &RobotSpec, shares: [f64; 2]) -> Taken {
         let limit = spec.signal_limit.unwrap_or(1.0).min(1.0);
         let [left, right] = shares.map(|share| share.clamp(-limit, limit));
         self.drive(spec, Wheels { left, right }, Vec::new())

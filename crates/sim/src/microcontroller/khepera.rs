@@ -64,13 +64,7 @@ impl Microcontroller {
             let values = self.last_values(&layout);
             len += khepera::write_readings(&layout, values, &mut out[len..]).expect(FITS);
         }
-        let tells = match (owed.positions, owed.readings) {
-            (false, false) => Tells::Nothing,
-            (true, false) => Tells::Positions,
-            (false, true) => Tells::Levels,
-            (true, true) => Tells::Readings,
-        };
-        (len, tells)
+        (len, Tells::of(owed.positions, owed.readings))
     }
 
     /// A line was not understood, which firmwares with registers say.

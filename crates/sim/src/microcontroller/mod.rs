@@ -9,6 +9,7 @@
 //! receives is lost. *Deviation:* the garbled bytes that some boards send right after that are not modelled.
 
 mod acquire;
+mod asercom;
 mod at_once;
 mod channel;
 mod condition;
@@ -176,6 +177,11 @@ impl Microcontroller {
                 (n, tells) = self.write_lines(spec, robot, &mut bytes);
                 (n, now + n as u64 * cost)
             }
+            Protocol::Asercom => {
+                let n;
+                (n, tells) = self.write_letters(spec, &mut bytes);
+                (n, now + n as u64 * cost)
+            }
             Protocol::Create(_) => {
                 let n;
                 let streams;
@@ -270,6 +276,10 @@ impl Microcontroller {
         (arrived, byte): (SimTime, u8),
         counters: &mut LineCounters,
     ) -> Taken {
+        if let Some(machine) = self.decoder.asercom_mut() {
+            let deed = machine.push(byte);
+            return deed.map_or(Taken::Part, |deed| self.obey_letter(spec, deed, arrived, counters));
+        }
         let before = self.decoder.cut_short();
         let found = match self.decoder.push(byte, arrived) {
             Found::Nothing => None,

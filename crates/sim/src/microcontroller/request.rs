@@ -31,6 +31,8 @@ impl Request {
             Protocol::Create(version) => {
                 Command::parse(version, payload).map(|_| Self::OpenInterface(payload.to_vec()))
             }
+            // Its decoder knows what each command is.
+            Protocol::Asercom => None,
             Protocol::Framed { .. } => match Message::parse(payload, &layout) {
                 Ok(Message::Poll { .. }) => Some(Self::Poll),
                 Ok(Message::Command(command)) => Self::drive(spec, &mut command.values()),

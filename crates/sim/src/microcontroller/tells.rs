@@ -13,15 +13,25 @@ use crate::time::SimTime;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Tells {
     Nothing,
-    /// The position counters of a Khepera alone. No control cycle begins with them.
+    /// The position counters of a Khepera or an e-puck alone. No control cycle begins with them.
     Positions,
-    /// All readings of a Khepera but its position counters.
+    /// All readings of a Khepera or an e-puck but its position counters.
     Levels,
     /// All readings.
     Readings,
 }
 
 impl Tells {
+    /// What a message tells that has these.
+    pub(super) fn of(positions: bool, levels: bool) -> Self {
+        match (positions, levels) {
+            (false, false) => Self::Nothing,
+            (true, false) => Self::Positions,
+            (false, true) => Self::Levels,
+            (true, true) => Self::Readings,
+        }
+    }
+
     /// Whether those of a sensor with these components are among them.
     pub(super) fn has(self, components: &[Encoding]) -> bool {
         let counted = || khepera::counted(components, [0; 2]).is_some();
@@ -50,7 +60,7 @@ impl Microcontroller {
         let mut reading_ns = 0;
         sampled.clear();
         for (i, channel) in self.channels.iter_mut().enumerate().take(layout.counts.len()) {
-            // Messages of a Khepera alone have a part of them.
+            // Messages of a Khepera and an e-puck alone have a part of them.
             if tells != Tells::Readings && !layout.sensors().nth(i).is_some_and(|own| tells.has(own)) {
                 continue;
             }

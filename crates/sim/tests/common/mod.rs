@@ -47,7 +47,7 @@ pub fn command(spec: &RobotSpec, left: f64, right: f64) -> Vec<u8> {
             let n = khepera::write_exchange(&layout, signals, &mut payload).unwrap();
             payload[..n].to_vec()
         }
-        Protocol::Create(_) => {
+        Protocol::Create(_) | Protocol::Asercom => {
             let n = spec.firmware.agreement().write_command(1, signals, &mut payload).unwrap();
             payload[..n].to_vec()
         }

@@ -9,6 +9,7 @@
 //! | [`Protocol::Framed`] | a frame | with its delimiter |
 //! | [`Protocol::Bare`] | a message | with its last byte |
 //! | [`Protocol::Khepera`] | a line | with CR or LF of a question, with LF of an answer |
+//! | [`Protocol::Asercom`] | a line; binary letters; their answer | with CR or LF of a question, with LF of an answer; with 0; with its last byte |
 //! | [`Protocol::Create`] | a command; an answer, a message of a stream | with its last byte, which an answer's question says |
 //! | [`Protocol::Scip`] | a command; a message | with its line; with two line feeds in a row |
 //! | [`Protocol::Nmea`] | a sentence | with its line feed |
@@ -33,6 +34,7 @@
 //! assert_eq!(texts, ["D,5,5: set speed 5 5"]);
 //! ```
 
+mod asercom;
 mod bare;
 mod commands;
 mod create;
@@ -53,6 +55,7 @@ use core::fmt::{Display, Write};
 pub use self::create::PATIENCE_NS;
 pub use self::text::{MAX_TEXT, Text};
 
+use self::asercom::Letters;
 use self::create::Conversation;
 use self::half::Half;
 use self::text::Hex;
@@ -88,6 +91,8 @@ pub enum Protocol<'a> {
     Khepera,
     /// The Open Interface of a Create.
     Create(Version),
+    /// Letters of an e-puck.
+    Asercom,
     /// SCIP 2.0 of a laser range finder.
     Scip,
     /// Sentences of a satellite receiver.
@@ -102,7 +107,7 @@ impl Protocol<'_> {
         match self {
             Self::Bare { gap_ns, .. } => *gap_ns,
             Self::Framed { .. } | Self::Create(_) | Self::LineImage => 1_000_000_000,
-            Self::Khepera | Self::Scip | Self::Nmea => 10_000_000_000,
+            Self::Khepera | Self::Asercom | Self::Scip | Self::Nmea => 10_000_000_000,
         }
     }
 }
@@ -154,6 +159,8 @@ pub struct Analyser<B> {
     up: Half<B>,
     down: Half<B>,
     interface: Conversation,
+    /// The letters that an e-puck is to answer in bytes.
+    letters: Letters,
 }
 
 /// The bound that the last byte makes for the bytes in hand.
@@ -170,7 +177,8 @@ enum Cut {
 impl<B: AsRef<[u8]> + AsMut<[u8]>> Analyser<B> {
     /// An analyser that has received nothing, with memory for a message up and one down.
     pub fn new([up, down]: [B; 2]) -> Self {
-        Self { up: Half::new(up), down: Half::new(down), interface: Conversation::default() }
+        let (interface, letters) = (Conversation::default(), Letters::default());
+        Self { up: Half::new(up), down: Half::new(down), interface, letters }
     }
 
     /// Takes the next byte of the cable, and calls `each` for every item that ends with it or before it.
@@ -254,13 +262,15 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Analyser<B> {
                 self.interface.cut_answer(version, heard.at_ns, bytes)
             }
             (Protocol::Create(version), Direction::Down) => self.interface.cut_command(version, heard.byte),
+            (Protocol::Asercom, Direction::Up) => self.letters.cut_answer(bytes),
+            (Protocol::Asercom, Direction::Down) => self.letters.cut_command(bytes),
             (Protocol::LineImage, _) => image::cut(bytes, half.room()),
         }
     }
 
     /// The bytes in hand are an item.
     fn tell(&mut self, cable: &Cable<'_>, direction: Direction, each: &mut impl FnMut(Item<'_>)) {
-        let Self { up, down, interface } = self;
+        let Self { up, down, interface, letters } = self;
         let half = match direction {
             Direction::Up => up,
             Direction::Down => down,
@@ -272,6 +282,8 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Analyser<B> {
             (Protocol::Khepera, Direction::Down) => khepera::read_question(bytes),
             (Protocol::Create(version), Direction::Up) => interface.read_answer(version, bytes),
             (Protocol::Create(version), Direction::Down) => interface.read_command(version, at_ns, bytes),
+            (Protocol::Asercom, Direction::Up) => letters.read_answer(bytes),
+            (Protocol::Asercom, Direction::Down) => asercom::read_command(bytes),
             (Protocol::Scip, Direction::Up) => scip::read_answer(at_ns, bytes),
             (Protocol::Scip, Direction::Down) => scip::read_command(bytes),
             (Protocol::Nmea, _) => nmea::read(at_ns, bytes),

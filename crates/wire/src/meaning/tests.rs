@@ -163,6 +163,45 @@ fn a_kheperas_lines_are_in_the_words_of_its_manual() {
 }
 
 #[test]
+fn an_e_pucks_letters_are_told_in_text_and_in_bytes() {
+    let minus = u8::wrapping_neg;
+    let said: [(Direction, &[u8]); 12] = [
+        (Down, b"D,100,-100\r"),
+        (Up, b"d\r\n"),
+        (Down, b"n\r\n"),
+        (Up, b"n,1,2,3,4,5,6,7,8\r\n"),
+        (Down, b"b\rX\r"),
+        (Up, b"b,1\r\nz,Command not found\r\n"),
+        (Down, &[minus(b'D'), 0, 1, 0x9c, 0xff, minus(b'L'), 8, 1, 0]),
+        (Down, &[minus(b'Q'), minus(b't'), minus(b'A'), 0]),
+        (Up, &[10, 13, 0xec, 0xff, 25, 0, 0, 0x40, 0x44, 0, 0, 0, 0, 0, 0, 0, 0]),
+        (Down, &[minus(b'Z'), 0, 0]),
+        (Down, b"V\r"),
+        (Up, b"v,Version 1.2.2 August 2008 GCtronic\r\nHW version: FFFF\r\n"),
+    ];
+    let expected = [
+        "D,100,-100: set speeds",
+        "d: set speeds",
+        "n: proximity",
+        "end of line",
+        "n: proximity 1 2 3 4 5 6 7 8",
+        "b: battery",
+        "not understood (no command): 58 0d; X",
+        "b: battery 1",
+        "z: refused, command not found",
+        "in bytes; D: set speeds 256 -100; L: LED 8 1",
+        "in bytes; Q: steps; t: temperature; A: acceleration",
+        "answer; steps 3338 -20; temperature 25; acceleration 768 0 0",
+        "in bytes; not understood: a6",
+        "end of letters",
+        "V: version",
+        "v: version Version 1.2.2 August 2008 GCtronic",
+        "HW version: FFFF",
+    ];
+    assert_eq!(texts(Protocol::Asercom, &said), expected);
+}
+
+#[test]
 fn a_line_that_is_typed_slowly_is_one_item() {
     let slowly =
         b"N\r".iter().zip([0, 5_000 * MS]).map(|(&byte, at_ns)| Heard { direction: Down, at_ns, byte });
@@ -329,6 +368,7 @@ fn protocols() -> impl Strategy<Value = Protocol<'static>> {
         Just(FRAMED),
         Just(Protocol::Framed { layout: None }),
         Just(Protocol::Bare { layout: LAYOUT, gap_ns: 3 * MS }),
+        Just(Protocol::Asercom),
         Just(Protocol::Khepera),
         Just(Protocol::Create(Version::One)),
         Just(Protocol::Create(Version::Two)),

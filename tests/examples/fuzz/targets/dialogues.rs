@@ -71,15 +71,27 @@ const SCENARIOS: &[(&str, &[&str])] = &[
     (WANDER, &["robots.robot.firmware={ mode = \"poll\" }"]),
     (WANDER, &["robots.robot.firmware={ protocol = \"khepera\" }"]),
     (LASER, &[]),
+    (WANDER, &["robots.robot.firmware={ protocol = \"asercom\" }"]),
 ];
 
-const SEEDS: [(u8, &[u8]); 5] = [
+const SEEDS: [(u8, &[u8]); 6] = [
     (0, &[0x03, 0x10, 0x07, 0x40, 0x20, 0x11, 0x00]),
     (1, &[7, 200, 7, 7, 1, 90]),
     (2, &[0x03, 0x10, 0x07, 0x40, 0x20, 0x11, 0x00]),
     (3, b"D,5,-5\rN\rC,900,-900\rJ,20,64,20,64\rK\rT,1,B\r"),
     (4, b"VV\nPP\nBM\nMD0044072501000\nGD0044072501\nQT\nRS\nSCIP2.0\n"),
+    (5, b"D,500,-500\rN\rQ\r\xbc\x01\x02\x03\x04\xb2\xaf\0P,5,5\rK\rR\rH\r"),
 ];
 
-const WORDS: &[&[u8]] =
-    &[b"\r", b"\n", b"\x00", b"D,", b"MD0044072501000\n", b"BM\n", b"SS115200\n", b"QT\n", b"\xff\xff"];
+const WORDS: &[&[u8]] = &[
+    b"\r",
+    b"\n",
+    b"\x00",
+    b"D,",
+    b"MD0044072501000\n",
+    b"BM\n",
+    b"SS115200\n",
+    b"QT\n",
+    b"\xff\xff",
+    b"\xb2\x00",
+];

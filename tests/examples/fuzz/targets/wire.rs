@@ -4,7 +4,8 @@ use std::num::NonZeroU32;
 
 use baudbot_wire::meaning::{Analyser, Cable, Direction, Heard, Item, Protocol};
 use baudbot_wire::{
-    BareDecoder, Decoder, Encoding, Layout, Message, Values, create, frame, khepera, line_image, nmea, scip,
+    BareDecoder, Decoder, Encoding, Layout, Message, Values, asercom, create, frame, khepera, line_image,
+    nmea, scip,
 };
 
 use super::{Target, outcome};
@@ -60,6 +61,7 @@ pub(super) fn targets() -> Vec<Target> {
             lines,
         ),
         create_target(),
+        asercom_target(),
         scip_device_target(),
         target("scip", "a laser's scans", vec![scan()], &[b"\n\n", b"MD", b"99b"], scans),
         target(
@@ -96,13 +98,14 @@ fn meaning_target() -> Target {
         talk(6, &scan()),
         talk(7, &sentence()),
         talk(8, &image()),
+        talk(9, b"D,5,-5\rN\r\xb2\xaf\0"),
     ];
     target("meaning", "both directions of a cable, in words", seeds, &[], meaning)
 }
 
 fn meaning(bytes: &[u8]) -> u64 {
     let Some((&first, bytes)) = bytes.split_first() else { return 0 };
-    let protocol = match first % 9 {
+    let protocol = match first % 10 {
         0 => Protocol::Framed { layout: Some(LAYOUT) },
         1 => Protocol::Framed { layout: None },
         2 => Protocol::Bare { layout: LAYOUT, gap_ns: 1_000_000 },
@@ -111,7 +114,8 @@ fn meaning(bytes: &[u8]) -> u64 {
         5 => Protocol::Create(create::Version::Two),
         6 => Protocol::Scip,
         7 => Protocol::Nmea,
-        _ => Protocol::LineImage,
+        8 => Protocol::LineImage,
+        _ => Protocol::Asercom,
     };
     let cable = Cable { protocol, names: &["ir"] };
     let mut analyser = Analyser::new([vec![0; 700], vec![0; 70]]);
@@ -237,6 +241,36 @@ fn open_interface(bytes: &[u8]) -> u64 {
                 Some(Err(error)) => outcome(&error.to_string()),
             };
         }
+    }
+    found
+}
+
+fn asercom_target() -> Target {
+    target(
+        "asercom",
+        "letters to an e-puck",
+        vec![b"D,500,-500\rN\rQ\rP,1,2\r".to_vec(), b"\xbc\x01\x02\x03\x04\xb2\xaf\0".to_vec()],
+        &[b"\r", b"\r\n", b"\0", b"J,", b"R\r", b"K\r", b"\xb2", b"\xbc", b"\x89"],
+        letters,
+    )
+}
+
+/// A robot that answers each command, and whose answers are as long as a message may be.
+fn letters(bytes: &[u8]) -> u64 {
+    let mut machine = asercom::Machine::new();
+    let code = |name: &str, component| Some(name.len() as i16 * 100 + component as i16);
+    let mut found = 0_u64;
+    for &byte in bytes {
+        let Some(deed) = machine.push(byte) else { continue };
+        match deed {
+            asercom::Deed::SetSteps(steps) => machine.set_steps(code, steps),
+            asercom::Deed::Calibrate => machine.calibrate(code),
+            asercom::Deed::Drive(_) | asercom::Deed::Reset => {}
+            asercom::Deed::Answer | asercom::Deed::Unknown => {}
+        }
+        let mut out = [0; 512];
+        let (len, content) = if machine.owes() { machine.answer(code, &mut out) } else { Default::default() };
+        found = found.rotate_left(3) ^ outcome(&format!("{len} {content:?}"));
     }
     found
 }

@@ -1022,10 +1022,28 @@ class Firmware(_message.Message):
         def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
         def WhichOneof(self, oneof_group: _Never) -> None: ...
 
+    @_typing.final
+    class Asercom(_message.Message):
+        """Letters of an e-puck, as lines of text or as bytes, one answer per request. In MESSAGES mode there are readings of the
+        sensors ir_0 to ir_7 and steps; docs/reference/robots/e-puck.md lists the letters of others.
+        """
+
+        DESCRIPTOR: _descriptor.Descriptor
+
+        def __init__(
+            self,
+        ) -> None: ...
+        _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+        def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+        _ClearFieldArgType: _TypeAlias = _Never  # noqa: Y015
+        def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+        def WhichOneof(self, oneof_group: _Never) -> None: ...
+
     FRAMED_FIELD_NUMBER: _builtins.int
     BARE_FIELD_NUMBER: _builtins.int
     KHEPERA_FIELD_NUMBER: _builtins.int
     CREATE_FIELD_NUMBER: _builtins.int
+    ASERCOM_FIELD_NUMBER: _builtins.int
     PERIOD_NS_FIELD_NUMBER: _builtins.int
     period_ns: _builtins.int
     """Time between two messages of readings, in nanoseconds. Absent if the firmware sends them only on request."""
@@ -1045,6 +1063,10 @@ class Firmware(_message.Message):
     def create(self) -> Global___Firmware.Create:
         """Open Interface of an iRobot Create: a stream of packets, which starts on request."""
 
+    @_builtins.property
+    def asercom(self) -> Global___Firmware.Asercom:
+        """Letters of an e-puck, as lines of text or as bytes, one answer per request."""
+
     def __init__(
         self,
         *,
@@ -1052,15 +1074,16 @@ class Firmware(_message.Message):
         bare: Global___Firmware.Bare | None = ...,
         khepera: Global___Firmware.Khepera | None = ...,
         create: Global___Firmware.Create | None = ...,
+        asercom: Global___Firmware.Asercom | None = ...,
         period_ns: _builtins.int | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "bare", b"bare", "create", b"create", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "asercom", b"asercom", "bare", b"bare", "create", b"create", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "bare", b"bare", "create", b"create", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "asercom", b"asercom", "bare", b"bare", "create", b"create", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__period_ns: _TypeAlias = _typing.Literal["period_ns"]  # noqa: Y015
     _WhichOneofArgType__period_ns: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns"]  # noqa: Y015
-    _WhichOneofReturnType_protocol: _TypeAlias = _typing.Literal["framed", "bare", "khepera", "create"]  # noqa: Y015
+    _WhichOneofReturnType_protocol: _TypeAlias = _typing.Literal["framed", "bare", "khepera", "create", "asercom"]  # noqa: Y015
     _WhichOneofArgType_protocol: _TypeAlias = _typing.Literal["protocol", b"protocol"]  # noqa: Y015
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__period_ns) -> _WhichOneofReturnType__period_ns | None: ...
