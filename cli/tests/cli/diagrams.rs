@@ -41,7 +41,7 @@ fn pins_that_are_not_there_are_refused_with_those_that_are() {
     assert!(refusal(&[FIRMWARE, "--pins", "VCC"]).contains("no pin `VCC`"));
     assert_eq!(
         refusal(&["wander", "--pins", "D9"]),
-        "error: --pins: `robot` has no program on its microcontroller, so it has no pins to look at; give it one \
+        "error: --pins: `robot` has no program on its microcontroller, so it has no pins to record; give it one \
          (`microcontroller.program`, docs/reference/firmware.md)\n"
     );
     let cycle = refusal(&[FIRMWARE, "--cycle", "2"]);

@@ -375,7 +375,10 @@ fn a_film_that_cannot_be_is_an_error_that_says_why() {
     let other = failed("ask POST /film GIF89a\nexec sleep 600");
     assert!(other.contains("the page did not make a valid webm (6 bytes)"), "{other}");
     let ended = failed("echo 'no display' >&2\nexit 3");
-    assert_eq!(ended, "error: the browser ended without a film: exit status: 3 (it said: no display)\n");
+    assert_eq!(
+        ended,
+        "error: the browser ended without a film: exit status: 3 (its last message: no display)\n"
+    );
     let (code, _, err) = film(&recorded, Path::new("/nowhere/chromium"), &["--webm", out]);
     assert_eq!(code, 2);
     assert!(err.contains("BAUDBOT_BROWSER: there is no program `/nowhere/chromium`"), "{err}");

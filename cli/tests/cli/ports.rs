@@ -229,7 +229,7 @@ fn a_link_that_leads_to_a_terminal_of_others_stays() {
     symlink(&slave, folder.path().join("k.tty")).unwrap();
     let (code, err) = refusal(&folder, KHEPERA, &["--port", "k=pty:k.tty"]);
     assert_eq!(code, 2);
-    assert!(err.contains("k.tty: a link to something else is there already"), "{err}");
+    assert!(err.contains("k.tty: a link to something else already exists"), "{err}");
     assert_eq!(fs::read_link(folder.path().join("k.tty")).unwrap(), Path::new(&slave));
 }
 

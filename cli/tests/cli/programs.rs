@@ -242,7 +242,7 @@ fn a_program_that_drives_another_robot_is_told() {
         "--seconds",
         "1",
     ]);
-    assert!(code == 1 && err.contains("was started for alice (BAUDBOT_ROBOT), but bob is held"), "{err}");
+    assert!(code == 1 && err.contains("was started for alice (BAUDBOT_ROBOT), but bob is attached"), "{err}");
     std::fs::remove_file(scenario).unwrap();
 }
 

@@ -165,7 +165,7 @@ mod tests {
         let mut first = Claim::new(&link).unwrap();
         first.point_to(Path::new("/dev/null")).unwrap();
         let error = Claim::new(&link).unwrap_err().to_string();
-        assert!(error.contains("the port of another server is there already"), "{error}");
+        assert!(error.contains("the port of another server already exists"), "{error}");
         assert_eq!(fs::read_link(&link).unwrap(), Path::new("/dev/null"));
         drop(first);
         Claim::new(&link).unwrap();
@@ -177,7 +177,7 @@ mod tests {
         let link = folder.path().join("robot.tty");
         symlink("/dev/null", &link).unwrap();
         let error = Claim::new(&link).unwrap_err().to_string();
-        assert!(error.contains("a link to something else is there already"), "{error}");
+        assert!(error.contains("a link to something else already exists"), "{error}");
         assert_eq!(fs::read_link(&link).unwrap(), Path::new("/dev/null"));
         // The lock of a server that had another terminal.
         fs::write(folder.path().join("robot.tty.lock"), "/dev/zero").unwrap();
@@ -186,7 +186,7 @@ mod tests {
         fs::remove_file(&link).unwrap();
         fs::write(folder.path().join("robot.tty.lock"), "precious").unwrap();
         let error = Claim::new(&link).unwrap_err().to_string();
-        assert!(error.contains("robot.tty.lock: a file is there already"), "{error}");
+        assert!(error.contains("robot.tty.lock: a file already exists"), "{error}");
         assert_eq!(fs::read_to_string(folder.path().join("robot.tty.lock")).unwrap(), "precious");
     }
 }

@@ -162,7 +162,7 @@ mod tests {
         let first = Listener::unix(&path, &place).unwrap();
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
         let error = Listener::unix(&path, &place).unwrap_err().to_string();
-        assert!(error.contains("a socket that is in use is there already"), "{error}");
+        assert!(error.contains("a socket that is in use already exists"), "{error}");
         assert!(first.accept().is_none(), "the first one saw no program");
         UnixStream::connect(&path).unwrap();
         drop(first);

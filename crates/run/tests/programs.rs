@@ -61,7 +61,7 @@ async fn a_program_that_does_not_attach_or_holds_another_robot_is_told() {
     let error = not_attached("sleep 61", 50, false).await;
     assert!(error.to_string().contains("has not attached to alice within 0.05 s"), "{error}");
     let error = not_attached("sleep 61", 60_000, true).await.to_string();
-    assert!(error.contains("was started for alice (BAUDBOT_ROBOT), but bob is held"), "{error}");
+    assert!(error.contains("was started for alice (BAUDBOT_ROBOT), but bob is attached"), "{error}");
 }
 
 #[tokio::test]

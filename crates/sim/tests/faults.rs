@@ -133,7 +133,7 @@ fn faults_by_chance_come_once_in_each_span_and_depend_on_the_seed_alone() {
 fn what_makes_no_sense_is_refused_with_its_path() {
     let of = |link: &str, fault: &str| refusal(&robot(link, fault));
     let cases = [
-        (UART, "{ kind = \"cable\", for_s = 1 }", "robots[0].faults[0].from_s: is missing; say when"),
+        (UART, "{ kind = \"cable\", for_s = 1 }", "robots[0].faults[0].from_s: is missing; give the time"),
         (
             UART,
             "{ kind = \"cable\", for_s = 1, from_s = 1, every_s = 2 }",

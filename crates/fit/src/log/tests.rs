@@ -109,11 +109,9 @@ fn columns_may_have_other_names_and_those_not_understood_are_told() {
     }
     let options = Options { renamed: vec![("tiem_s".into(), "t".into())], ..Options::default() };
     let error = read("log.csv", "t,x_m\n1,2\n".as_bytes(), &options, &mut |_| ()).unwrap_err().to_string();
-    assert!(
-        error.starts_with(
-            "log.csv:1:1 (t): `tiem_s` is no name that a column can have here; known are: time_s"
-        )
-    );
+    assert!(error.starts_with(
+        "log.csv:1:1 (t): `tiem_s` is not a name that a column can have here; known are: time_s"
+    ));
 }
 
 #[test]
