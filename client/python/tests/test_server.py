@@ -299,7 +299,7 @@ class ManyRuns(WithPrograms):
         rows, _, said = self.sweep(program, True)
         self.assertIsNone(rows)
         self.assertRegex(said, "run 2 with seed 3 ends with the state .*; done again by a new process it ends with")
-        self.assertIn("keeps something from one run to the next", said)
+        self.assertIn("keeps state from one run to the next", said)
 
     def test_what_gathers_over_many_runs_is_found_in_the_last(self):
         program = (
