@@ -99,7 +99,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "field_rad",
-        meaning: "largest angle from the heading of a sensor that is used, in radians",
+        meaning: "largest angle between the robot's heading and the direction of a sensor that is used, in radians",
         range: 0.0..=std::f64::consts::PI,
         field: |p| &mut p.field_rad,
     },
@@ -111,7 +111,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "stop_stroll_rate_hz",
-        meaning: "rate at which such a turn ends, per second of turning",
+        meaning: "rate at which a random turn ends, per second of turning",
         range: 0.0..=100.0,
         field: |p| &mut p.stop_stroll_rate_hz,
     },

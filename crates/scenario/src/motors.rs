@@ -25,7 +25,8 @@ pub(super) struct RawMotors {
     pub(super) signal_bits: Option<Number<Whole<2, 32, u8>>>,
     /// Standard deviation of a factor with mean 1 on each motor's signal, drawn once per tick.
     pub(super) noise_sigma: Number<Share>,
-    /// Standard deviation of a second such factor, drawn once per run: every motor is slightly different.
+    /// Standard deviation of another factor with mean 1 on each motor's signal, drawn once per run: every motor is
+    /// slightly different.
     pub(super) noise_spread: Number<Share>,
     /// The motors stop if no command arrives for this long. Without it the last command stays in effect.
     pub(super) timeout_ms: Option<Number<Millis<Period>>>,

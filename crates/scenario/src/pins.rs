@@ -15,10 +15,11 @@ type Volts = Between<-1_000_000_000_000, 1_000_000_000_000>;
 pub(super) struct Options {
     /// The part on the pin, such as `sensors.ir_left`.
     pub(super) to: String,
-    /// For a voltage: voltage of the pin at the value 0. Default: 0.0.
+    /// For a voltage: its size at the value 0, in volts, before the divider. Default: 0.0 with `volts_per_unit`;
+    /// else 5.0 for a floor sensor, and 0 V at the smallest code of others.
     pub(super) volts_at_0: Option<Number<Volts>>,
-    /// For a voltage: increase of the voltage per unit of the value. Default: the range of the sensor's codes spans
-    /// the supply voltage.
+    /// For a voltage: its increase per unit of the value, in volts. Default: 1.0 for a value in volts, −5.0 for a
+    /// floor sensor; else the range of the sensor's codes spans the supply voltage.
     pub(super) volts_per_unit: Option<Number<Volts>>,
     /// For a voltage: fraction of it that reaches the pin. Default: 1.0.
     pub(super) divider: Option<Number<Share>>,

@@ -38,11 +38,12 @@ pub(super) struct Scenario {
     /// Switches on the noise of sensors and motors. Byte errors of the link are not affected.
     #[serde(default = "default::yes")]
     pub(super) noise: bool,
-    /// Effect of a collision: the robot slides along the obstacle, the robot stops, or the run ends.
+    /// Effect of a collision: the robot slides along what it ran into, the robot stops, or the run ends.
     #[serde(default)]
     pub(super) collision: Collision,
-    /// Coefficient of sliding friction between robots and obstacles. With 0 robots slide freely; with `inf` they stop
-    /// as with `stop-robot`. Default: 0.3, wood on wood. Range: not negative; only with `slide`.
+    /// Coefficient of sliding friction between robots and what they slide along, other robots included. With 0
+    /// robots slide freely; with `inf` they stop as with `stop-robot`. Default: 0.3, wood on wood. Range: not
+    /// negative; only with `slide`.
     #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub(super) wall_friction: Option<f64>,
     /// Conditions that end the run. Default: none.
@@ -103,8 +104,8 @@ pub(super) struct Metrics {
     /// The sensor whose rays are counted, on each robot that has one of this name. Range: name of a sensor with
     /// rays and a range; needs `cell_m`.
     pub(super) sensed_by: Option<String>,
-    /// Interval at which its rays are cast, at the end of a tick. This takes time on your machine, but no simulated
-    /// time. Default: 100.0.
+    /// Interval at which the rays of `sensed_by` are cast, at the end of a tick. This takes time on your machine,
+    /// but no simulated time. Default: 100.0.
     pub(super) sense_ms: Option<Number<Millis<Sensing>>>,
 }
 

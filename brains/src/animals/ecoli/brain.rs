@@ -53,19 +53,19 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "decay_hz",
-        meaning: "rate of forgetting, a of (4.1), per second",
+        meaning: "decay rate of the memory, a of (4.1), per second",
         range: 1e-3..=1e3,
         field: |p| &mut p.decay_hz,
     },
     Parameter {
         name: "gain_hz",
-        meaning: "rate of intake, b of (4.1), per second",
+        meaning: "gain of the memory, b of (4.1), per second",
         range: 0.0..=1e3,
         field: |p| &mut p.gain_hz,
     },
     Parameter {
         name: "threshold",
-        meaning: "improvement that continues a run, in the sensor's unit",
+        meaning: "improvement above which a run goes on, in the sensor's unit",
         range: -1e9..=1e9,
         field: |p| &mut p.threshold,
     },

@@ -55,7 +55,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "fatigue_s",
-        meaning: "longest time of turning at the maximum rate, in seconds",
+        meaning: "time constant with which the reflex tires at the maximum rate, in seconds",
         range: 0.1..=1e9,
         field: |p| &mut p.larva.fatigue_s,
     },

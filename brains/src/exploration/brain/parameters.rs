@@ -107,13 +107,13 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "distance_m",
-        meaning: "distance at which nodes are placed, in metres; 0: five radii of the body",
+        meaning: "distance from the robot at which nodes are placed, in metres; 0: five radii of the body, at least 0.5",
         range: 0.0..=100.0,
         field: |p| &mut p.distance_m,
     },
     Parameter {
         name: "margin_m",
-        meaning: "free distance behind a node, in metres; 0: six tenths of that",
+        meaning: "free distance behind a node, in metres; 0: six tenths of distance_m",
         range: 0.0..=100.0,
         field: |p| &mut p.margin_m,
     },
@@ -125,7 +125,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "separation_m",
-        meaning: "distance between nodes, in metres; 0: a little less than that",
+        meaning: "least distance between nodes, in metres; 0: 0.95 times distance_m",
         range: 0.0..=100.0,
         field: |p| &mut p.separation_m,
     },
@@ -161,7 +161,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "near_m",
-        meaning: "distance below which a sonar or the laser has an obstacle in the way, in metres; 0: three quarters of the body's radius",
+        meaning: "distance ahead within which an obstacle that a sonar or the laser sees is in the way, in metres; 0: three quarters of the body's radius",
         range: 0.0..=100.0,
         field: |p| &mut p.near_m,
     },

@@ -50,7 +50,7 @@ def _parser(brain: type[Brain]) -> argparse.ArgumentParser:
     robot_help = "a robot, or several by a pattern such as 'cell-*'; may be given several times "
     parser.add_argument("--robot", action="append", help=robot_help + where % ("ROBOT", "the world's only one"))
     parser.add_argument("--seed", type=int, help="seed of the brain's random numbers " + where % ("SEED", "1"))
-    reconnect_help = "time of trying to reconnect after a lost connection, in seconds; `off` disables it "
+    reconnect_help = "time for which to try to reconnect after a lost connection, in seconds; `off` disables it "
     parser.add_argument("--reconnect", metavar="S|off", help=reconnect_help + where % ("RECONNECT_S", "600"))
     for name, default in brain.parameters().items():
         option = f"--{name.replace('_', '-')}"

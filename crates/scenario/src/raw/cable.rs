@@ -26,9 +26,10 @@ pub(crate) struct Firmware {
     /// Default: `"framed"`; `"own"` with a `microcontroller.program`.
     pub(crate) protocol: Option<Protocol>,
     /// Readings are sent on a schedule, or in answer to each command (`framed`: also to each poll; `khepera`, `asercom`:
-    /// only to each poll). Default: `"stream"`; `"poll"` for `khepera` and `asercom`, their only mode.
+    /// only to each poll). Default: `"stream"`, the only mode of `create` and `create-2`; `"poll"` for `khepera` and
+    /// `asercom`, their only mode.
     pub(crate) mode: Option<Mode>,
-    /// Time between two messages of readings. Default: `step_ms`. Range: only `stream`.
+    /// Time between two messages of readings. Default: `step_ms`; 15.0 for `create` and `create-2`. Range: only `stream`.
     pub(crate) period_ms: Option<Number<Millis<Period>>>,
     /// Instant at which the first message is due. Default: 0.0. Range: only `stream`.
     pub(crate) phase_ms: Option<Number<Millis<Between<0, 10_000_000>>>>,

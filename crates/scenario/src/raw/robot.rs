@@ -161,15 +161,15 @@ pub(crate) struct Microcontroller {
     pub(crate) chip: Option<String>,
     /// Nominal frequency of the chip's clock source. Default: 16 × 10^6. Range: whole.
     pub(crate) clock_hz: Option<Number<Between<32_000, 32_000_000>>>,
-    /// Deviation of the clock from that frequency in parts per million, positive if it is fast: about 50 for a
-    /// crystal, 5000 for a resonator. Default: 0.0.
+    /// Deviation of the clock from `clock_hz` in parts per million, positive if it is fast: about 50 for a crystal,
+    /// 5000 for a resonator. Default: 0.0.
     pub(crate) clock_ppm: Option<Number<Between<-100_000, 100_000>>>,
     /// The fuse bytes low, high and extended. Default: those of an ELF file; else an external clock and no boot
     /// section. Range: 3 bytes, each 0 to 255.
     #[cfg_attr(feature = "schema", schemars(inner(range(max = 255)), length(equal = 3)))]
     pub(crate) fuses: Option<Vec<u64>>,
-    /// The program that runs on the chip, as [a file](#program). It replaces the modelled firmware, and the other
-    /// fields for durations have no effect.
+    /// The program that runs on the chip, as [a file](#program). It replaces the modelled firmware: of the fields
+    /// for durations only `bootloader_s` still has an effect.
     pub(crate) program: Option<RawProgram>,
 }
 
@@ -188,9 +188,10 @@ pub(crate) struct Brain {
     /// Time after [the start of its cycle](../explanation/timing.md#control-cycles) by which a command must have
     /// taken effect. Without it the limit is Δt, and a late command has no consequences.
     pub(crate) deadline_ms: Option<Number<Millis<DeadlineMs>>>,
-    /// Consequence of a late command: the old command stays in effect, the motors are switched off until the next
-    /// command is obeyed, or the run ends. The motors' [dead time](actuators.md#robotsmotors) delays this as it
-    /// delays commands. Default: `"hold"`. Range: only with `deadline_ms`.
+    /// Consequence of a missed deadline, whether the command comes late or never: the old command stays in effect,
+    /// the motors are switched off until the next command is obeyed, or the run ends. The motors' [dead
+    /// time](actuators.md#robotsmotors) delays the consequence as it delays commands. Default: `"hold"`. Range:
+    /// only with `deadline_ms`.
     pub(crate) on_late: Option<OnLate>,
     /// [When the brain writes commands](../explanation/timing.md#when-a-brain-writes): in answer to each message only
     /// (`"on-message"`); once a tick, but not before the last command is off the cable (`"when-free"`); once a tick

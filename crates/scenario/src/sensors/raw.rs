@@ -34,10 +34,10 @@ pub(crate) struct Common {
     /// Errors of the readings: [noise](#noise). Default: none. Range: not for digital kinds.
     #[serde(default)]
     pub(crate) noise: Noise,
-    /// Clock of the sensor's own, by which it measures: [clock](#clock). Range: not `sonar`, `photoresistor`,
+    /// The sensor's own clock, by which it measures: [clock](#clock). Range: not `sonar`, `photoresistor`,
     /// `optical-flow`.
     pub(crate) clock: Option<Clock>,
-    /// Cable of the sensor's own to the laptop: [port](#port). Range: `laser`, `line-camera`, `gps`.
+    /// The sensor's own cable to the laptop: [port](#port). Range: `laser`, `line-camera`, `gps`.
     pub(crate) port: Option<Port>,
 }
 
@@ -118,7 +118,7 @@ pub(crate) struct Place {
     pub(crate) bearing_rad: Option<Number<Turn>>,
     /// Place anywhere on the robot, with any direction. Default: this one, or `bearing_rad`.
     pub(crate) mount: Option<Mount>,
-    /// Height above the floor. The sensor sees only things that reach up to this height. Default: 0.0.
+    /// Height above the floor. The sensor sees only things that are at least this high. Default: 0.0.
     pub(crate) height_m: Option<Number<Between<0, 100>>>,
     /// Turret that carries the sensor and turns it about the robot's centre. `bearing_rad` and `mount` are then those
     /// at the turret's 0. Range: name of a [turret](actuators.md#kind--turret-a-servo-that-turns-sensors) of the

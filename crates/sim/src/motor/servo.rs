@@ -48,7 +48,7 @@ pub struct Servo {
     /// Pulses this close to the servo's own neutral width stop it.
     #[serde(with = "Number::<Width>")]
     pub dead_band_us: f64,
-    /// Offset of the servo's own neutral width, adjusted by a screw, from `neutral_us`.
+    /// Offset of the servo's own neutral width, adjusted by a screw, from `neutral_us`; positive if it is wider.
     #[serde(with = "Number::<Between<-1_000_000, 1_000_000>>")]
     pub trim_us: f64,
     /// Time constant of the servo's speed.

@@ -31,11 +31,11 @@ pub(crate) struct Sheet {
     sigma_rad: Number<Sigma>,
     /// Amplitude of the heading error from magnetised parts of the robot.
     hard_iron_rad: Number<Turn>,
-    /// Phase of that error in the turn.
+    /// Phase of that error: it is `hard_iron_rad` · sin(heading + phase).
     hard_iron_phase_rad: Number<Turn>,
     /// Amplitude of the heading error from iron parts of the robot.
     soft_iron_rad: Number<Turn>,
-    /// Phase of that error in the turn.
+    /// Phase of that error: it is `soft_iron_rad` · sin(2 · heading + phase).
     soft_iron_phase_rad: Number<Turn>,
 }
 

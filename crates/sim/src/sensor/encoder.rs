@@ -25,8 +25,8 @@ pub struct Encoders {
     /// Counts per turn of the wheel.
     #[serde(with = "Number::<Whole<1, 1_000_000, u32>>")]
     pub counts_per_turn: u32,
-    /// `true`: the encoder detects the direction, and counts backwards. `false`: a single detector, which counts up
-    /// in both directions.
+    /// `true`: the encoder detects the direction, and counts down backwards. `false`: a single detector, which
+    /// counts up in both directions.
     #[serde(default = "yes")]
     pub quadrature: bool,
     /// Probability that a mark is missed. Only with noise.

@@ -103,8 +103,8 @@ pub(crate) struct Sheet {
     /// Samples of a real sensor. Type: table, or the name of a
     /// [file](scenario.md#files-that-a-scenario-refers-to). Default: this, `c1_m2` or `ambient_saturation_lux`.
     lookup: Option<LookupSheet>,
-    /// Illuminance at which the reading falls to 0. The sensor then measures the ambient light within `opening_rad`,
-    /// and reads 1 in the dark. With one ray it sees only lamps straight ahead. Default: this, `c1_m2` or `lookup`.
+    /// Illuminance at which the reading falls to 0. The sensor then measures the light around it, ambient and from
+    /// lamps within `opening_rad`, and reads 1 in the dark. Default: this, `c1_m2` or `lookup`.
     ambient_saturation_lux: Option<Number<Positive>>,
     /// Short for `noise.multiplicative`, σ of Eq. (3.1).
     #[serde(default)]

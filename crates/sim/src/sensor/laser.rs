@@ -48,7 +48,7 @@ pub(crate) struct Sheet {
     opening_rad: Number<Opening>,
     /// Number of rays, and so of distances in a scan.
     rays: Rays,
-    /// Smallest reading; nearer things are read as this. Range: to `range_m`.
+    /// Smallest distance that is measured; nearer things are read as this. Range: to `range_m`.
     #[serde(default)]
     min_m: Number<NotNegative>,
     /// Maximum range D.

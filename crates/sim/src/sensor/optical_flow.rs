@@ -69,9 +69,9 @@ impl Track {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Sheet {
-    /// Resolution, which is in the data sheet of brains. 400 counts per inch are 15,748 per metre.
+    /// Resolution, which is in a brain's data sheet. 400 counts per inch are 15,748 per metre.
     counts_per_m: Number<Between<1, 1_000_000>>,
-    /// Largest speed since the last read; above it the sensor loses track and counts nothing.
+    /// Mean speed since the last read above which the sensor has lost track and counts nothing.
     max_speed_m_s: Number<Positive>,
     /// Standard deviation of the specimen's gain, N(1, σ), drawn once per run.
     #[serde(default)]

@@ -58,7 +58,7 @@ pub(crate) struct Sheet {
     /// Length of a count.
     #[serde(default = "Unit::constant::<2>")]
     unit_us: Unit,
-    /// Count at which the measurement ends; the reading is then 0.
+    /// Largest count. If it is exceeded, the measurement ends there and reads 0.
     #[serde(default = "Counts::constant::<65_535>")]
     max_counts: Counts,
 }

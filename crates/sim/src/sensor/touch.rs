@@ -89,8 +89,8 @@ pub(crate) struct BumperSheet {
     /// Number of directions, from the robot's centre, in which the bumper feels.
     #[serde(default = "Rays::constant::<9>")]
     rays: Rays,
-    /// Distance from the rim at which something presses the bumper. A robot stops up to a substep's travel short of
-    /// an obstacle: a smaller distance may feel nothing.
+    /// Distance from the rim within which something presses the bumper. A robot stops short of an obstacle by up to
+    /// the distance that it goes in a substep: with a smaller `travel_m` the bumper may feel nothing.
     #[serde(default = "travel_m")]
     travel_m: Number<Length>,
     /// A pressed contact reads 0, a free one 1.

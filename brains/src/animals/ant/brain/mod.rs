@@ -85,7 +85,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "aside_m",
-        meaning: "distance ahead of the laser below which it turns aside, in metres",
+        meaning: "distance from the laser to a landmark ahead below which it turns aside, in metres",
         range: 0.0..=100.0,
         field: |p| &mut p.aside_m,
     },
