@@ -44,7 +44,12 @@ pub(super) fn firmware(
             no_ages(&format!("the {} protocol", spoken.name()))?;
             no_gap()?;
             can_be_said_in_lines(path, spoken.name(), sensors, &motors)?;
-            if spoken == raw::Protocol::Asercom { Protocol::Asercom } else { Protocol::Khepera }
+            if spoken == raw::Protocol::Asercom {
+                has_16_bits(path, sensors)?;
+                Protocol::Asercom
+            } else {
+                Protocol::Khepera
+            }
         }
         raw::Protocol::Create | raw::Protocol::Create2 => {
             no_ages("the Open Interface")?;
@@ -103,6 +108,22 @@ fn can_be_said_in_lines(path: &Path, name: &str, sensors: &[&Sensor], motors: &[
         return Err(path.error(problem));
     }
     counts_two_wheels(&path, name, sensors)
+}
+
+/// The numbers of an e-puck have 16 bits, the sign included.
+fn has_16_bits(path: &Path, sensors: &[&Sensor]) -> Result<()> {
+    for sensor in sensors {
+        let is_too_wide = |encoding: &&Encoding| {
+            encoding.numbers().is_some_and(|[_, greatest]| greatest > i64::from(i16::MAX))
+        };
+        let Some(encoding) = sensor.encodings.iter().find(is_too_wide) else { continue };
+        let most = if matches!(encoding, Encoding::Counter { .. }) { 16 } else { 15 };
+        let name = &sensor.name;
+        let problem =
+            format!("\"asercom\" sends numbers of 16 bits; give sensor `{name}` at most {most} `bits`");
+        return Err(path.field("protocol").error(problem));
+    }
+    Ok(())
 }
 
 /// The messages of such a protocol have the position counters of the two wheels.

@@ -197,6 +197,14 @@ fn robots_that_it_cannot_speak_of_are_refused() {
             "sensors.compass = { kind = \"compass\" }",
             "robots[0].firmware.protocol: \"asercom\" sends whole numbers; give sensor `compass` a number of `bits`",
         ),
+        (
+            "sensors.ir_0.bits = 16",
+            "robots[0].firmware.protocol: \"asercom\" sends numbers of 16 bits; give sensor `ir_0` at most 15 `bits`",
+        ),
+        (
+            "sensors.steps.bits = 32",
+            "robots[0].firmware.protocol: \"asercom\" sends numbers of 16 bits; give sensor `steps` at most 16 `bits`",
+        ),
     ] {
         assert_eq!(refusal(&toml(more)), problem);
     }

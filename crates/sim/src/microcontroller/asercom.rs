@@ -27,7 +27,11 @@ impl Microcontroller {
         let taken = match deed {
             Deed::Drive(speeds) => self.roll(spec, speeds.map(|speed| f64::from(speed) / FULL_STEPS_S)),
             Deed::Reset => self.roll(spec, [0.0; 2]),
-            Deed::Answer | Deed::SetSteps(_) | Deed::Calibrate => Taken::Poll,
+            Deed::SetSteps(_) => {
+                self.free_at = self.free_at + spec.processor.obeying_ns;
+                Taken::Poll
+            }
+            Deed::Answer | Deed::Calibrate => Taken::Poll,
             Deed::Unknown => Taken::Nonsense,
         };
         if taken == Taken::Nonsense {
