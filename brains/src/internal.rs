@@ -52,18 +52,21 @@ impl InternalState {
     /// Goes on by `dt_s` seconds, in which these state variables were sensed and these behaviours drove.
     pub fn step(&mut self, sensed: &[f64], driving: &[bool], dt_s: f64) {
         for (place, (variable, value)) in self.variables.iter().zip(&mut self.values).enumerate() {
-            let sum = |weights: &[f64]| -> f64 { weights.iter().zip(sensed).map(|(w, z)| w * z).sum() };
+            // What has no weight does not count, whatever it is.
+            let sum = |weights: &[f64]| -> f64 {
+                weights.iter().zip(sensed).filter(|(w, _)| **w != 0.0).map(|(w, z)| w * z).sum()
+            };
             let during = variable.during.iter().zip(driving).filter(|(_, drives)| **drives);
             let inflow_hz =
                 variable.rate_hz + sum(&variable.release) + during.map(|(rate, _)| rate).sum::<f64>();
-            // After a pause longer than τ it is where it tends to.
-            let (outflow_hz, dt_s) = match variable.decay_s {
-                Some(decay_s) => (*value / decay_s, dt_s.min(decay_s)),
-                None => (0.0, dt_s),
+            let next = match variable.decay_s {
+                // After a pause longer than τ it is where it tends to.
+                Some(decay_s) if dt_s >= decay_s => decay_s * inflow_hz,
+                Some(decay_s) => *value + dt_s * (inflow_hz - *value / decay_s),
+                None => *value + dt_s * inflow_hz,
             };
-            let next = *value + dt_s * (inflow_hz - outflow_hz);
             // A reading that is no number changes nothing.
-            if next.is_finite() {
+            if !next.is_nan() {
                 let [least, most] = variable.range;
                 *value = next.clamp(least, most);
             }

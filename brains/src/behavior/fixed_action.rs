@@ -36,9 +36,15 @@ impl FixedAction {
         if motions.is_empty() {
             return Err(ParameterError::value("motions", "has no motion, such as [0.2, 0.2, 1.5]"));
         }
-        if let Some(place) = motions.iter().position(|[_, _, seconds]| *seconds <= 0.0) {
+        if let Some(place) = motions.iter().position(|[_, _, seconds]| !(*seconds > 0.0)) {
             let problem = "must take some time: [left, right, seconds]";
             return Err(ParameterError::value(format_args!("motions[{place}]"), problem));
+        }
+        let seconds: f64 = motions.iter().map(|[_, _, seconds]| seconds).sum();
+        if seconds > LONGEST_S {
+            let problem =
+                format_args!("must take an hour at most, as nothing ends them, and take {seconds} s");
+            return Err(ParameterError::value("motions", problem));
         }
         Ok(Self { motions, since_ns: None })
     }
@@ -62,7 +68,14 @@ impl MotorBehavior for FixedAction {
         Some(Signals::default())
     }
 
+    fn leave(&mut self, _: &mut StepContext<'_>) {
+        self.since_ns = None;
+    }
+
     fn is_fixed(&self) -> bool {
         self.since_ns.is_some()
     }
 }
+
+/// The longest pattern, in seconds.
+const LONGEST_S: f64 = 3600.0;

@@ -78,6 +78,15 @@ pub enum Decision {
 }
 
 impl Decision {
+    /// Lets the behaviour at this place drive alone, as it runs to its end. Energy flows meanwhile.
+    fn stay(&mut self, place: usize, state: &[f64], dt_s: f64) {
+        match self {
+            Self::Hydraulic(hydraulic) => _ = hydraulic.step(state, dt_s),
+            Self::Cooperative(cooperative) => cooperative.give_all_to(place),
+            Self::Utility { .. } | Self::Machine(_) | Self::Layers(_) | Self::Tree(_) => {}
+        }
+    }
+
     /// Whether the behaviour at this place drives if that at another place is chosen.
     fn drives(&self, place: usize, chosen: usize) -> bool {
         match self {
@@ -146,16 +155,19 @@ impl Composed {
         for process in &mut self.cognitives {
             process.utility.step(state, dt_s);
         }
-        let fixed = self.active.filter(|active| self.motors[*active].behavior.is_fixed());
+        let mut driving = self.motors.iter().zip(&self.driving);
+        let fixed = driving.position(|(motor, drives)| *drives && motor.behavior.is_fixed());
         if let Some(fixed) = fixed {
+            self.decision.stay(fixed, state, dt_s);
             return fixed;
         }
         match &mut self.decision {
             Decision::Utility { change_cost } => {
-                let cost = |place| if self.active == Some(place) { *change_cost } else { 0.0 };
-                let motors = self.motors.iter().enumerate();
-                let utilities = motors.map(|(place, motor)| motor.utility.value() + cost(place));
-                utility::greatest(utilities).unwrap_or_default()
+                let value = |place: usize| self.motors[place].utility.value();
+                let best = utility::greatest((0..self.motors.len()).map(value)).unwrap_or_default();
+                let stays =
+                    |active: &usize| *change_cost > 0.0 && value(best) <= value(*active) + *change_cost;
+                self.active.filter(stays).unwrap_or(best)
             }
             Decision::Machine(machine) => machine.step(state),
             Decision::Layers(layers) => layers.step(state),
@@ -284,7 +296,8 @@ impl Brain for Composed {
             (Some(active), intention) => format!("{active}: {intention}"),
             (None, _) => String::new(),
         };
-        let state = dead.unwrap_or(state);
+        let stands = self.active.is_some() && !self.driving.contains(&true);
+        let state = dead.unwrap_or(if stands { "stands".to_owned() } else { state });
         let utilities = self.utilities().map(|(name, value, active)| baudbot_brain::Utility {
             name: name.to_owned(),
             value,

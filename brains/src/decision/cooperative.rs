@@ -55,6 +55,13 @@ impl Cooperative {
         super::utility::greatest(self.shares.iter().copied()).unwrap_or_default()
     }
 
+    /// One behaviour drives alone in this step.
+    pub fn give_all_to(&mut self, behavior: usize) {
+        self.shares.iter_mut().enumerate().for_each(|(place, share)| {
+            *share = f64::from(u8::from(place == behavior));
+        });
+    }
+
     /// The behaviour's share of the command, in [0, 1].
     pub fn share(&self, behavior: usize) -> f64 {
         self.shares.get(behavior).copied().unwrap_or(0.0)

@@ -9,6 +9,8 @@
 //! ė = fill − outflow · max(0, e + releaser − spring),    0 ≤ e ≤ capacity
 //! ```
 //!
+//! A releaser counts if it is positive. An empty reservoir lets flow what flows in.
+//!
 //! So a behaviour that has not been shown for long needs a weaker releaser, a reservoir that has run empty needs a stronger one, and one
 //! whose capacity exceeds the spring overflows: the behaviour runs *in vacuo*, without any releaser. The notes give no equations; these are
 //! the picture's, with pressure and releaser in units of energy. Euler's method integrates them, in parts where a brain steps seldom.
@@ -38,20 +40,21 @@ pub struct Reservoir {
 }
 
 impl Reservoir {
-    /// The weight on the valve above the spring's force, with these state variables; 0 while it is closed.
-    fn opening(&self, state: &[f64]) -> f64 {
-        let releaser = self.releaser.and_then(|place| state.get(place)).copied().unwrap_or(0.0);
-        let weight = self.energy + releaser.max(0.0) - self.spring;
-        if self.energy > 0.0 { weight.max(0.0) } else { 0.0 }
-    }
-
-    fn step(&mut self, state: &[f64], dt_s: f64) {
+    /// Goes on by `dt_s` seconds, above 0, with these state variables; the flow at their end, per second.
+    fn step(&mut self, state: &[f64], dt_s: f64) -> f64 {
+        let releaser = self.releaser.and_then(|place| state.get(place)).copied().unwrap_or(0.0).max(0.0);
         let parts = math::ceil(dt_s * self.outflow_hz / LONGEST_PART).clamp(1.0, MOST_PARTS);
         let part_s = dt_s / parts;
+        let mut flow_hz = 0.0;
         for _ in 0..parts as u32 {
-            let flow_hz = self.fill_hz - self.outflow_hz * self.opening(state);
-            self.energy = (self.energy + part_s * flow_hz).clamp(0.0, self.capacity);
+            let opening = (self.energy + releaser - self.spring).max(0.0);
+            let there = self.energy + part_s * self.fill_hz;
+            // No more flows out than there is.
+            let out = (part_s * self.outflow_hz * opening).min(there);
+            self.energy = (there - out).min(self.capacity);
+            flow_hz = out / part_s;
         }
+        flow_hz
     }
 }
 
@@ -61,21 +64,25 @@ pub struct Hydraulic {
     reservoirs: Vec<Reservoir>,
     /// The behaviour that is active while all valves are closed.
     base: usize,
+    /// The one that is active now.
+    active: usize,
 }
 
 impl Hydraulic {
     /// Reservoirs, and the behaviour that is active while all valves are closed.
     pub fn new(reservoirs: Vec<Reservoir>, base: usize) -> Self {
-        Self { reservoirs, base }
+        Self { reservoirs, base, active: base }
     }
 
     /// The active behaviour after `dt_s` seconds with these state variables.
     pub fn step(&mut self, state: &[f64], dt_s: f64) -> usize {
-        self.reservoirs.iter_mut().for_each(|reservoir| reservoir.step(state, dt_s));
-        let flows = self.reservoirs.iter().map(|reservoir| reservoir.outflow_hz * reservoir.opening(state));
-        let flows: Vec<_> = flows.collect();
-        let strongest = greatest(flows.iter().copied()).filter(|place| flows[*place] > 0.0);
-        strongest.map_or(self.base, |place| self.reservoirs[place].behavior)
+        if dt_s > 0.0 {
+            let flows_hz = self.reservoirs.iter_mut().map(|reservoir| reservoir.step(state, dt_s));
+            let flows_hz: Vec<_> = flows_hz.collect();
+            let strongest = greatest(flows_hz.iter().copied()).filter(|place| flows_hz[*place] > 0.0);
+            self.active = strongest.map_or(self.base, |place| self.reservoirs[place].behavior);
+        }
+        self.active
     }
 
     /// The energy of each reservoir.
@@ -139,6 +146,24 @@ mod tests {
     fn an_empty_reservoir_shows_nothing_however_strong_the_releaser() {
         let empty = Reservoir { fill_hz: 0.0, ..DISPLAY };
         assert_eq!(waits_s(empty, 100.0), None);
+    }
+
+    #[test]
+    fn what_flows_into_an_empty_reservoir_flows_out_without_a_pause() {
+        let mut decision = Hydraulic::new(vec![DISPLAY], 0);
+        let active: Vec<_> = (0..6000).map(|_| decision.step(&[1.5], 0.01)).collect();
+        assert!(active.iter().all(|active| *active == 1), "it changes");
+        assert!(decision.energies().all(|energy| energy < 1e-9));
+    }
+
+    #[test]
+    fn huge_constants_make_no_energy_that_is_no_number() {
+        let huge = Reservoir { outflow_hz: 1e300, capacity: 1e9, energy: 1e9, spring: 0.0, ..DISPLAY };
+        let mut decision = Hydraulic::new(vec![huge], 0);
+        for dt_s in [0.0, 0.01, 1e9] {
+            decision.step(&[1e300], dt_s);
+            assert!(decision.energies().all(|energy| (0.0..=1e9).contains(&energy)), "{decision:?}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The choice of the behaviour that has the motors: decision-making, Wahde 2016, Chapter 8.
 //!
-//! All methods here but the last are of arbitration (Section 8.1.1): exactly one motor behaviour is active.
+//! All methods here but [`cooperative`] are of arbitration (Section 8.1.1): exactly one motor behaviour is active.
 //!
 //! | method | decides | from |
 //! |---|---|---|

@@ -102,11 +102,14 @@ fn utility(raw: &RawUtility, all: &Raw) -> Utility {
 }
 
 fn not_negative(path: &str, value: f64) -> Result<f64> {
-    if value.is_finite() && value >= 0.0 {
+    if (0.0..=MOST).contains(&value) {
         return Ok(value);
     }
-    Err(DescriptionError::new(path, format!("must be 0 or more, is {value}")))
+    Err(DescriptionError::new(path, format!("must be from 0 to {MOST}, is {value}")))
 }
+
+/// The largest weight, rate and energy: sums and products of them stay finite.
+const MOST: f64 = 1e6;
 
 /// The names that a decision may use, in order.
 struct Names<'a> {
@@ -165,6 +168,10 @@ impl<'a> Names<'a> {
                 energy: not_negative(&path("energy"), raw.energy)?.min(capacity),
             })
         };
+        if reservoirs.len() > self.behaviors.len() {
+            let problem = format!("there are {}, and {} behaviours", reservoirs.len(), self.behaviors.len());
+            return Err(DescriptionError::new("decision.reservoirs", problem));
+        }
         let reservoirs = reservoirs.iter().enumerate().map(reservoir).collect::<Result<_>>()?;
         Ok(Decision::Hydraulic(Hydraulic::new(reservoirs, self.behavior("decision.base", base)?)))
     }

@@ -42,6 +42,7 @@ impl RawPolicy {
             ("motor", whole.motor.is_empty()),
             ("cognitive", whole.cognitive.is_empty()),
             ("state_variables", whole.state_variables.is_empty()),
+            ("internal", whole.internal.is_empty()),
             ("decision", whole.decision == RawDecision::default()),
         ];
         if let Some((table, _)) = others.into_iter().find(|(_, is_empty)| !is_empty) {

@@ -208,6 +208,11 @@ impl Raw {
                 format!("has {processes} processes with `cognitive`; there may be {MOST_PROCESSES}");
             return Err(DescriptionError::new("motor", problem));
         }
+        let variables = self.variables().count();
+        if variables > MOST_VARIABLES {
+            let problem = format!("has {variables} variables with `internal`; there may be {MOST_VARIABLES}");
+            return Err(DescriptionError::new("state_variables", problem));
+        }
         for (name, variable) in &self.state_variables {
             variable.check(&format!("state_variables.{name}"))?;
         }
@@ -274,6 +279,16 @@ impl RawInternal {
                 format!("must be from `least`, {least}, to `most`, {most}, is {initial}"),
             );
         }
+        let (least, most, initial) = (self.least, self.most, self.initial);
+        if let Some(below) = self.lethal_below.filter(|below| !(least..initial).contains(below)) {
+            let bounds = format!("must be from `least`, {least}, to below `initial`, {initial}, is {below}");
+            return problem("lethal_below", bounds);
+        }
+        if let Some(above) = self.lethal_above.filter(|above| !(*above > initial && *above <= most)) {
+            let bounds =
+                format!("must be above `initial`, {initial}, and at most `most`, {most}, is {above}");
+            return problem("lethal_above", bounds);
+        }
         match self.decay_s {
             Some(decay_s) if decay_s <= 0.0 => problem("decay_s", format!("must be positive, is {decay_s}")),
             Some(_) | None => Ok(()),
@@ -316,3 +331,5 @@ impl RawUtility {
 
 /// The limit of processes for which a brain publishes utilities.
 const MOST_PROCESSES: usize = 256;
+/// The limit of variables: the cost of a step grows with their square.
+const MOST_VARIABLES: usize = 256;

@@ -432,6 +432,35 @@ fn behaviours_that_cooperate_drive_together_by_their_weights() {
     assert!((left - expected[0]).abs() < 1e-3 && (right - expected[1]).abs() < 1e-3, "{found:?}");
 }
 
+/// A pattern that was left before its end held the decision for ever.
+#[test]
+fn a_fixed_action_drives_alone_where_others_cooperate_and_holds_up_nothing() {
+    let toml = r#"
+[state_variables.near]
+of = ["ir_left", "ir_right"]
+by = "max"
+
+[motor.a]
+kind = "fixed_action"
+parameters = { motions = [[0.3, 0.3, 1.5]] }
+utility = { bias = -0.1, weights = { near = 1.0 }, tau_s = 0.01 }
+
+[motor.b]
+kind = "constant"
+parameters = { left = 0.1, right = -0.1 }
+utility = { bias = -0.1, weights = { near = 3.0 }, tau_s = 0.01 }
+
+[decision]
+method = "cooperative"
+"#;
+    let found = course(toml, &[[0.5, 0.0], [0.0, 0.0], [0.0, 0.0], [0.5, 0.0], [0.5, 0.0], [0.5, 0.0]]);
+    let alone = Signals { left: 0.3, right: 0.3 };
+    // It runs for 1.5 s, then nothing weighs anything; and again.
+    assert_eq!([found[0].1, found[2].1, found[3].1], [alone, Signals::default(), alone]);
+    let Signals { left, right } = found[5].1;
+    assert!(left > 0.0 && right < 0.0, "{found:?}");
+}
+
 #[test]
 fn errors_of_the_internal_state_name_the_field_and_the_fix() {
     let error = |change: (&str, &str)| {
@@ -460,7 +489,7 @@ fn errors_of_the_internal_state_name_the_field_and_the_fix() {
         |decision: &str| error(("[internal.hunger]", &format!("[decision]\n{decision}\n[internal.hunger]")));
     assert_eq!(
         with("method = \"utility\"\nchange_cost = -1.0"),
-        "decision.change_cost: must be 0 or more, is -1"
+        "decision.change_cost: must be from 0 to 1000000, is -1"
     );
     assert_eq!(
         with("method = \"cooperative\"\nweights = { sleep = 1.0 }"),

@@ -88,25 +88,25 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     Parameter {
         name: "turn_decay_hz",
         meaning: "decay rate of the utility of turning away, a2 of (7.12), per second",
-        range: 0.0..=1e3,
+        range: 0.0..=MOST_DECAY_HZ,
         field: |p| &mut p.cell.decay_hz[0],
     },
     Parameter {
         name: "reverse_decay_hz",
         meaning: "decay rate of the utility of reversing, a3 of (7.12), per second",
-        range: 0.0..=1e3,
+        range: 0.0..=MOST_DECAY_HZ,
         field: |p| &mut p.cell.decay_hz[1],
     },
     Parameter {
         name: "contract_decay_hz",
         meaning: "decay rate of the utility of contracting, a4 of (7.12), per second",
-        range: 0.0..=1e3,
+        range: 0.0..=MOST_DECAY_HZ,
         field: |p| &mut p.cell.decay_hz[2],
     },
     Parameter {
         name: "detach_decay_hz",
         meaning: "decay rate of the utility of detaching, a5 of (7.12), per second",
-        range: 0.0..=1e3,
+        range: 0.0..=MOST_DECAY_HZ,
         field: |p| &mut p.cell.decay_hz[3],
     },
     Parameter {
@@ -124,7 +124,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     Parameter {
         name: "feeding_decay_hz",
         meaning: "loss of X while it feeds, k1 of (7.14), per second",
-        range: 0.0..=1e3,
+        range: 0.0..=MOST_DECAY_HZ,
         field: |p| &mut p.model.feeding_decay_hz,
     },
     Parameter {
@@ -136,7 +136,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     Parameter {
         name: "avoiding_decay_hz",
         meaning: "loss of X while it avoids, k2 of (7.15), per second",
-        range: 0.0..=1e3,
+        range: 0.0..=MOST_DECAY_HZ,
         field: |p| &mut p.model.avoiding_decay_hz,
     },
     Parameter {
@@ -312,6 +312,8 @@ const NAMES: [(Behaviour, &str); 5] = [
 
 /// A fifth of the least time constant that a Stentor has by default.
 const LONGEST_STEP_S: f64 = 0.05;
+/// Euler's method does not overshoot in such a step.
+const MOST_DECAY_HZ: f64 = 1.0 / LONGEST_STEP_S;
 
 #[cfg(test)]
 mod tests {
