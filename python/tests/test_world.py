@@ -304,7 +304,7 @@ class Recordings(unittest.TestCase):
             replayed, compared = baudbot.replay(cut), baudbot.compare(whole, cut)
             self.assertIsNone(replayed.difference)
             self.assertLess(replayed.last_tick, 6000)
-            self.assertRegex(replayed.incomplete or "", rf"^the file is cut off.*; compared in {replayed.last_tick} ticks")
+            self.assertRegex(replayed.incomplete or "", rf"^the file is cut off.*; compared in the {replayed.last_tick} ticks")
             self.assertEqual((compared.difference, compared.last_tick), (None, replayed.last_tick))
             self.assertEqual(compared.incomplete, f"{cut}: {replayed.incomplete}")
 

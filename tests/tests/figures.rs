@@ -132,17 +132,17 @@ fn a_scan_of_a_urg_04lx_is_2137_bytes_and_a_brain_gets_ten_a_second() {
 #[test]
 fn an_e_puck_drives_12_88_cm_a_second_at_1000_steps() {
     let toml = "[[robots]]\nname = \"e\"\npreset = \"e-puck\"\n";
-    let (local, steps) = ask(toml, 20_000, |turn, steps| {
-        steps
-            .extend(turn.value("steps").map(|_| (turn.at_ns, turn.reading("steps").unwrap().values.clone())));
+    let (local, steps) = ask(toml, 2000, |turn, steps| {
+        let news = turn.reading("steps").filter(|reading| reading.readable);
+        steps.extend(news.map(|reading| (turn.at_ns, reading.values.clone())));
         Action::drive(1.0, 1.0)
     });
     let speed = local.world.robot(0).motion().speed_m_s;
     assert!((speed - 0.1288).abs() < 5e-5, "{speed}");
     let (from, to) = (&steps[steps.len() / 2], &steps[steps.len() - 1]);
     let rate = (to.1[0] - from.1[0]) / ((to.0 - from.0) as f64 * 1e-9);
-    // A message of the radio is up to 10 ms early or late at each end of ten seconds.
-    assert!((rate - 1000.0).abs() < 2.5, "a radio's latency apart: {rate} steps/s");
+    // Of the two messages at the ends of ten seconds one may take 60 ms longer than the other.
+    assert!((rate - 1000.0).abs() < 8.0, "a radio's latency apart: {rate} steps/s");
 }
 
 #[test]
