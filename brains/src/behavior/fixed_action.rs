@@ -36,7 +36,7 @@ impl FixedAction {
         if motions.is_empty() {
             return Err(ParameterError::value("motions", "has no motion, such as [0.2, 0.2, 1.5]"));
         }
-        if let Some(place) = motions.iter().position(|[_, _, seconds]| !(*seconds > 0.0)) {
+        if let Some(place) = motions.iter().position(|[_, _, seconds]| seconds.is_nan() || *seconds <= 0.0) {
             let problem = "must take some time: [left, right, seconds]";
             return Err(ParameterError::value(format_args!("motions[{place}]"), problem));
         }

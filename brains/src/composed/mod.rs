@@ -297,7 +297,7 @@ impl Brain for Composed {
             (None, _) => String::new(),
         };
         let stands = self.active.is_some() && !self.driving.contains(&true);
-        let state = dead.unwrap_or(if stands { "stands".to_owned() } else { state });
+        let state = dead.or_else(|| stands.then(|| "stands".to_owned())).unwrap_or(state);
         let utilities = self.utilities().map(|(name, value, active)| baudbot_brain::Utility {
             name: name.to_owned(),
             value,
