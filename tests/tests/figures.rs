@@ -132,12 +132,17 @@ fn a_scan_of_a_urg_04lx_is_2137_bytes_and_a_brain_gets_ten_a_second() {
 #[test]
 fn an_e_puck_drives_12_88_cm_a_second_at_1000_steps() {
     let toml = "[[robots]]\nname = \"e\"\npreset = \"e-puck\"\n";
-    let (local, steps) = ask(toml, 2000, |turn, steps| {
+    let mut asked_ns = None;
+    let (local, steps) = ask(toml, 2000, move |turn, steps| {
         let news = turn.reading("steps").filter(|reading| reading.readable);
         let has_news = news.is_some();
         steps.extend(news.map(|reading| (turn.at_ns, reading.values.clone())));
         // Who asks before the answer has come makes commands wait at the robot, ever longer.
-        if has_news || turn.at_ns == 0 { Action::drive(1.0, 1.0) } else { Action::wait() }
+        if has_news || asked_ns.is_none_or(|asked_ns| turn.at_ns - asked_ns > 500_000_000) {
+            asked_ns = Some(turn.at_ns);
+            return Action::drive(1.0, 1.0);
+        }
+        Action::wait()
     });
     let speed = local.world.robot(0).motion().speed_m_s;
     assert!((speed - 0.1288).abs() < 5e-5, "{speed}");

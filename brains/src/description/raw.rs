@@ -208,6 +208,20 @@ impl Raw {
                 format!("has {processes} processes with `cognitive`; there may be {MOST_PROCESSES}");
             return Err(DescriptionError::new("motor", problem));
         }
+        self.check_variables()?;
+        for (table, processes) in [("motor", &self.motor), ("cognitive", &self.cognitive)] {
+            for (name, process) in processes {
+                if table == "cognitive" && self.motor.contains_key(name) {
+                    let problem = "a motor behaviour has this name already";
+                    return Err(DescriptionError::new(format!("cognitive.{name}"), problem));
+                }
+                process.utility(0.0).check(&format!("{table}.{name}.utility"), self)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn check_variables(&self) -> Result<(), DescriptionError> {
         let variables = self.variables().count();
         if variables > MOST_VARIABLES {
             let problem = format!("has {variables} variables with `internal`; there may be {MOST_VARIABLES}");
@@ -222,15 +236,6 @@ impl Raw {
                 return Err(DescriptionError::new(format!("internal.{name}"), problem));
             }
             variable.check(&format!("internal.{name}"))?;
-        }
-        for (table, processes) in [("motor", &self.motor), ("cognitive", &self.cognitive)] {
-            for (name, process) in processes {
-                if table == "cognitive" && self.motor.contains_key(name) {
-                    let problem = "a motor behaviour has this name already";
-                    return Err(DescriptionError::new(format!("cognitive.{name}"), problem));
-                }
-                process.utility(0.0).check(&format!("{table}.{name}.utility"), self)?;
-            }
         }
         Ok(())
     }
