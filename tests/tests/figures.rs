@@ -147,14 +147,13 @@ fn an_e_puck_drives_12_88_cm_a_second_at_1000_steps() {
     let speed = local.world.robot(0).motion().speed_m_s;
     assert!((speed - 0.1288).abs() < 5e-5, "{speed}");
     // A line through all of them: each message of the radio takes a time of its own.
-    let second_half = &steps[steps.len() / 2..];
-    let mean = |of: &dyn Fn(&(u64, Vec<f64>)) -> f64| {
-        second_half.iter().map(of).sum::<f64>() / second_half.len() as f64
-    };
-    let (mean_s, mean_steps) = (mean(&|(at_ns, _)| *at_ns as f64 * 1e-9), mean(&|(_, counts)| counts[0]));
-    let shared = mean(&|(at_ns, counts)| (*at_ns as f64 * 1e-9 - mean_s) * (counts[0] - mean_steps));
-    let rate = shared / mean(&|(at_ns, _)| (*at_ns as f64 * 1e-9 - mean_s).powi(2));
-    assert!((rate - 1000.0).abs() < 15.0, "{rate} steps/s by {} readings", second_half.len());
+    let half = steps.iter().skip(steps.len() / 2);
+    let half: Vec<_> = half.map(|(at_ns, counts)| [*at_ns as f64 * 1e-9, counts[0]]).collect();
+    let mean = |of: &dyn Fn(&[f64; 2]) -> f64| half.iter().map(of).sum::<f64>() / half.len() as f64;
+    let (mean_s, mean_steps) = (mean(&|point| point[0]), mean(&|point| point[1]));
+    let shared = mean(&|point| (point[0] - mean_s) * (point[1] - mean_steps));
+    let rate = shared / mean(&|point| (point[0] - mean_s).powi(2));
+    assert!((rate - 1000.0).abs() < 15.0, "{rate} steps/s by {} readings", half.len());
 }
 
 #[test]
