@@ -30,7 +30,7 @@ impl FixedAction {
     /// A pattern at rest.
     ///
     /// # Errors
-    /// If it has no motion, or one that takes no time.
+    /// If it has no motion or one that takes no time, or takes more than an hour.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let Parameters { motions } = parameters;
         if motions.is_empty() {

@@ -193,12 +193,12 @@ impl Composed {
             }
             process.active = active;
         }
-        let drives: Vec<_> =
-            (0..self.motors.len()).map(|place| self.decision.drives(place, chosen)).collect();
         self.active = Some(chosen);
-        if drives == self.driving {
+        let drives = (0..self.motors.len()).map(|place| self.decision.drives(place, chosen));
+        if drives.clone().eq(self.driving.iter().copied()) {
             return;
         }
+        let drives: Vec<_> = drives.collect();
         let changes = self.driving.iter().zip(&drives);
         for (motor, _) in
             self.motors.iter_mut().zip(changes.clone()).filter(|(_, (old, new))| **old && !**new)
