@@ -27,6 +27,7 @@ pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
         counts_per_m: None,
         port: None,
         opening_rad: (kind == "laser").then_some(4.0 * PI / 3.0),
+        columns: None,
         sweep: (kind == "laser").then_some(Sweep { duration_ns: 66_500_000, clockwise: false }),
     };
     Body {

@@ -30,6 +30,7 @@ fn body(protocol: Protocol) -> Arc<Body> {
         port: None,
         opening_rad: None,
         sweep: None,
+        columns: None,
     };
     Arc::new(Body {
         name: "alice".to_owned(),

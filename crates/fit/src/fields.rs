@@ -141,6 +141,7 @@ fn of_sensor(sensor: &Sensor) -> &'static [SensorField] {
         Device::Sonar(_)
         | Device::Laser(_)
         | Device::LineCamera(_)
+        | Device::Camera(_)
         | Device::StepCounter(_)
         | Device::OpticalFlow(_)
         | Device::Accelerometer(_)

@@ -23,6 +23,7 @@ use baudbot_sim::drive::{Deviation, Drive, Wheel, forward_gain, turn_gain};
 use baudbot_sim::firmware::Firmware;
 use baudbot_sim::link::Link;
 use baudbot_sim::model::{RobotModel, RobotSpec, Writes};
+use baudbot_sim::motor::Motors;
 use baudbot_sim::processor::Processor;
 use baudbot_sim::sensor::Sensor;
 use baudbot_sim::time::SECOND_NS;
@@ -76,6 +77,11 @@ fn shared(mut model: RobotModel, last: Option<&RobotSpec>) -> Arc<RobotModel> {
 /// Euler steps that are too long for a body blow up, and end in numbers that are none.
 fn is_stable(path: &Path, spec: &RobotModel, step: Step) -> Result<()> {
     let dt = step.step_ns as f64 / step.substeps as f64 / SECOND_NS as f64;
+    if spec.drive.winding_rate_hz() * dt > FASTEST_WINDING {
+        let problem =
+            "changes the current far faster than a step; leave it out, and the current follows at once";
+        return Err(path.field("motors").field("inductance_h").error(problem));
+    }
     let worst = spec.drive.stiffness(dt).into_iter().fold(0.0, f64::max);
     if worst < 2.0 {
         return Ok(());
@@ -92,6 +98,9 @@ fn is_stable(path: &Path, spec: &RobotModel, step: Step) -> Result<()> {
         format!("Euler steps of {} ms are too long for this body and would blow up; {mending}", dt * 1e3);
     Err(path.field("body").error(problem))
 }
+
+/// Changes of a winding's equations in a step beyond which nothing is left of the bits of slower ones.
+const FASTEST_WINDING: f64 = 1e8;
 
 /// A scenario that would take years is a mistake in a unit.
 fn is_affordable(path: &Path, spec: &RobotModel, step: Step) -> Result<()> {
@@ -278,7 +287,12 @@ fn drive(body: &raw::Body, radius_m: f64, motors: ParsedMotors) -> Drive {
     let half_track_m = body.half_track_m.map_or(radius_m, Number::get);
     let wheel_radius_m = body.wheel_radius_m.get();
     let (mass_kg, inertia_kg_m2) = (body.mass_kg.get(), body.inertia_kg_m2.get());
-    let wheel = Wheel { mass_kg: body.wheel_mass_kg.get(), inertia_kg_m2: body.wheel_inertia_kg_m2.get() };
+    let rotor_kg_m2 = match &motors.motors {
+        Motors::Dc(motor) => motor.inertia_at_wheel_kg_m2(),
+        Motors::Velocity(_) | Motors::Servo(_) | Motors::Stepper(_) => 0.0,
+    };
+    let inertia_of_wheel_kg_m2 = body.wheel_inertia_kg_m2.get() + rotor_kg_m2;
+    let wheel = Wheel { mass_kg: body.wheel_mass_kg.get(), inertia_kg_m2: inertia_of_wheel_kg_m2 };
     Drive {
         radius_m,
         half_track_m,

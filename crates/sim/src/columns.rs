@@ -8,6 +8,7 @@ use alloc::vec::Vec;
 use crate::actuator::ActuatorKind;
 use crate::model::RobotSpec;
 use crate::view::RobotView;
+use crate::wheels::Wheels;
 
 /// The names of the sensors' values: `ir_left` for a sensor of one, `odometer.x_m` for a component of several,
 /// `laser.0` and so on for a component of many values, `camera.red.0` for several of those.
@@ -42,13 +43,16 @@ fn columns(spec: &RobotSpec, name: impl Fn(&str, &str) -> String) -> Vec<String>
     columns
 }
 
-/// The names of the robot's own values besides its motion: `head.angle_rad` for a turret, and two for a battery. Those differ
-/// from a gauge's components, whose sensor may be called `battery`, too.
+/// The names of the robot's own values besides its motion: `head.angle_rad` for a turret, two for a battery, and two for motors
+/// with an inductance. Those of a battery differ from a gauge's components, whose sensor may be called `battery`, too.
 pub fn state_columns(spec: &RobotSpec) -> Vec<String> {
     let turrets = spec.actuators.iter().filter(|actuator| matches!(actuator.kind, ActuatorKind::Turret(_)));
     let mut columns: Vec<_> = turrets.map(|turret| format!("{}.angle_rad", turret.name)).collect();
     if spec.battery.is_some() {
         columns.extend(["battery.share", "battery.terminal_v"].map(str::to_owned));
+    }
+    if spec.drive.motor.has_windings() {
+        columns.extend(["motors.left_current_a", "motors.right_current_a"].map(str::to_owned));
     }
     columns
 }
@@ -60,6 +64,9 @@ pub fn state_values(robot: &RobotView<'_>) -> Vec<f64> {
     let mut values: Vec<_> = turrets.map(|(_, state)| state.angle_rad).collect();
     if let Some((battery, state)) = robot.battery() {
         values.extend([state.share(battery), state.terminal_v(battery)]);
+    }
+    if let Some(&Wheels { left, right }) = robot.currents_a() {
+        values.extend([left, right]);
     }
     values
 }

@@ -98,6 +98,7 @@ fn sensor(spec: &sensor::Sensor) -> Sensor {
         },
         port: spec.port.as_ref().map(|own| port(own, &spec.device)),
         opening_rad: spec.device.fan().map(|fan| fan.opening_rad()),
+        columns: if let Device::Camera(camera) = &spec.device { Some(camera.columns.into()) } else { None },
         sweep: if let Device::Laser(laser) = &spec.device {
             Some(Sweep { duration_ns: laser.sweep_ns, clockwise: laser.clockwise })
         } else {

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::wheels::Wheels;
 
-use crate::motor::{MotorNoise, Motors, Steps};
+use crate::motor::{DcMotor, Flow, Load, MotorNoise, Motors, Steps};
 use crate::sound;
 
 /// The model of a robot's body, wheels and motors.
@@ -212,6 +212,52 @@ impl Drive {
         next
     }
 
+    /// The same with DC motors whose windings have an inductance, and currents, in A: (1.1)–(1.7).
+    pub(crate) fn step_with_windings(
+        &self,
+        motion: &Motion,
+        (motor, signals): (&DcMotor, Wheels),
+        (currents_a, grip): (&mut Wheels, Option<Wheels>),
+        dt: f64,
+    ) -> Motion {
+        let voltages_v = [signals.left, signals.right].map(|signal| motor.voltage_v * signal);
+        let flow = Flow {
+            speeds: [motion.speed_m_s, motion.turn_rate_rad_s],
+            currents_a: [currents_a.left, currents_a.right],
+        };
+        let Flow { speeds: [forward, turn], currents_a: [left, right] } =
+            self.load(motion).advance(motor, voltages_v, flow, dt);
+        *currents_a = Wheels { left, right };
+        let mut next = *motion;
+        next.acceleration_m_s2 = (forward - motion.speed_m_s) / dt;
+        (next.speed_m_s, next.turn_rate_rad_s) = (forward, turn);
+        self.advance(&mut next, grip, dt);
+        next
+    }
+
+    /// The body as windings see it.
+    fn load(&self, motion: &Motion) -> Load {
+        let rolling = self.wheel_speeds(motion);
+        let Wheels { left, right } = motion.wheel_speed_rad_s;
+        Load {
+            gains: [self.forward_gain / self.mass_kg, self.turn_gain / self.inertia_kg_m2],
+            losses: [self.damping_n_s_m / self.mass_kg, self.turn_damping_nm_s / self.inertia_kg_m2],
+            wheel_rates: [1.0, self.motor_track_factor * self.half_track_m]
+                .map(|arm| arm / self.wheel_radius_m),
+            slides_rad_s: [left - rolling.left, right - rolling.right],
+        }
+    }
+
+    /// The fastest rate, in 1/s, at which anything changes in the equations of the motors' windings: 0 without an inductance.
+    pub fn winding_rate_hz(&self) -> f64 {
+        match &self.motor {
+            Motors::Dc(motor) if motor.inductance_h > 0.0 => {
+                self.load(&self.place(Pose::default(), 0.0, 0.0)).fastest_hz(motor)
+            }
+            Motors::Dc(_) | Motors::Velocity(_) | Motors::Servo(_) | Motors::Stepper(_) => 0.0,
+        }
+    }
+
     /// Torques on the wheels change the speeds: (2.31), (2.32), then (3.16), (3.17).
     fn push(&self, motion: &mut Motion, left_nm: f64, right_nm: f64, dt: f64) {
         let acceleration = (-self.damping_n_s_m * motion.speed_m_s
@@ -277,6 +323,17 @@ impl Drive {
         let power = |signal, speed| self.motor.power_w(signal, speed, self.wheel_radius_m);
         let wheels = motion.wheel_speed_rad_s;
         power(signals.left, wheels.left) + power(signals.right, wheels.right)
+    }
+
+    /// The same with currents, in A, in their windings.
+    pub(crate) fn power_of_currents_w(&self, currents_a: &Wheels, signals: Wheels) -> f64 {
+        match &self.motor {
+            Motors::Dc(motor) => {
+                motor.power_of_current_w(signals.left, currents_a.left)
+                    + motor.power_of_current_w(signals.right, currents_a.right)
+            }
+            Motors::Velocity(_) | Motors::Servo(_) | Motors::Stepper(_) => 0.0,
+        }
     }
 
     /// Takes a robot's speed away; it goes on turning.

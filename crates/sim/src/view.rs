@@ -71,6 +71,11 @@ impl<'a> RobotView<'a> {
         self.spec.battery.as_ref().zip(self.state.parts.battery.as_ref())
     }
 
+    /// The currents in the windings of its DC motors, in A, if these have an inductance.
+    pub fn currents_a(&self) -> Option<&'a Wheels> {
+        self.state.parts.currents_a.as_ref()
+    }
+
     /// For the brain: the bytes that arrived since its last step on the cable of a sensor's own, by the sensor's
     /// place.
     pub fn unread_of_ports(&self) -> impl Iterator<Item = (usize, &'a [u8])> {

@@ -373,3 +373,65 @@ fn fields_of_another_kind_and_numbers_that_make_no_sense_name_their_path() {
     curve("[[0.1, 1.5]]", "[0].share: must be between 0.001 and 1, is 1.5");
     curve("[[0.5, 1.0], [0.5, 0.9]]", "[1]: signals must increase, 0.5 follows 0.5");
 }
+
+#[test]
+fn a_winding_that_follows_far_faster_than_a_step_is_refused() {
+    refused("inductance_h = -1.0", "robots[0].motors.inductance_h: must not be negative, is -1");
+    refused(
+        "inductance_h = 1e-15",
+        "robots[0].motors.inductance_h: changes the current far faster than a step",
+    );
+    refused(
+        "inductance_h = 1e-3, resistance_ohm = 1e300",
+        "robots[0].motors.inductance_h: changes the current",
+    );
+}
+
+#[test]
+fn a_rotor_is_a_part_of_the_inertia_of_its_wheel() {
+    // By (1.5) and (1.10) I of the rotor counts G² times at the wheel, here 0.85 · 9 · 2e-4.
+    let body = |more: &str| BODY.replace("damping_n_s_m", &format!("{more}damping_n_s_m"));
+    let gear = "gear_ratio = 3.0, gear_efficiency = 0.85";
+    let with_rotor = robot("", BODY, &format!("{gear}, rotor_inertia_kg_m2 = 2e-4"));
+    let wheel = format!("wheel_inertia_kg_m2 = {:?}, ", 0.85 * 3.0 * (3.0 * 2e-4));
+    let with_wheel = robot("", &body(&wheel), gear);
+    let after = |scenario: &str| {
+        let mut world = world(scenario);
+        run(&mut world, 100, 0.7, 0.4);
+        *world.robot(0).motion()
+    };
+    assert_eq!(after(&with_rotor), after(&with_wheel));
+    assert_ne!(after(&with_rotor), after(&robot("", BODY, gear)));
+}
+
+#[test]
+fn a_battery_gives_what_flows_through_the_windings() {
+    // Friction holds the wheels at 0.2 V: in each, V²/R flows after some time constants of 16 ms.
+    let motors = "coulomb_friction_nm = 1.0, inductance_h = 0.01, voltage_v = 12.0";
+    let battery = "[robots.battery]\nnominal_v = 12.0\ncapacity_mah = 2000.0\ncurve_share_v = [[0.0, 1.0]]\n";
+    let mut world = world(&(robot("step_ms = 1.0", BODY, motors) + battery));
+    run(&mut world, 1000, 0.2 / 12.0, 0.2 / 12.0);
+    let expected_a = 0.2 / 0.62;
+    let currents = world.robot(0).currents_a().expect("motors with an inductance have currents");
+    assert!((currents.left - expected_a).abs() < 1e-9, "{currents:?}");
+    let (_, state) = world.robot(0).battery().unwrap();
+    assert!((state.current_a - 2.0 * 0.2 * expected_a / 12.0).abs() < 1e-9, "{state:?}");
+}
+
+#[test]
+fn currents_are_a_part_of_a_saved_world() {
+    let scenario = robot("step_ms = 1.0", BODY, "inductance_h = 0.1");
+    let mut original = world(&scenario);
+    run(&mut original, 20, 1.0, 0.5);
+    let load = |scenario: &str| {
+        let scenario = baudbot_scenario::parse(scenario).unwrap();
+        World::load(scenario.into(), &original.save(), original.hash())
+    };
+    let error = load(&robot("step_ms = 1.0", BODY, "")).unwrap_err();
+    assert!(error.to_string().contains("windings"), "{error}");
+    let mut copy = load(&scenario).unwrap();
+    for world in [&mut original, &mut copy] {
+        run(world, 20, 1.0, 0.5);
+    }
+    assert_eq!(original.hash(), copy.hash());
+}

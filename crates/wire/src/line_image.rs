@@ -1,4 +1,4 @@
-//! A frame of a line camera: a colour and a depth for each column.
+//! A frame of a line camera, which has a colour and a depth for each column, or of a camera.
 //!
 //! | offset | bytes | meaning |
 //! |---|---|---|
@@ -12,9 +12,10 @@
 //!
 //! Multi-byte numbers are sent least significant byte first.
 //!
-//! The camera sees a world whose walls are vertical, without floor or ceiling: within a column every pixel has the
+//! A line camera sees a world whose walls are vertical, without floor or ceiling: within a column every pixel has the
 //! same colour and the same depth. All rows are therefore alike. They are sent nevertheless, as a camera does that
-//! does not know it, and cost the time that they cost there; the depth is sent once.
+//! does not know it, and cost the time that they cost there; the depth is sent once. A camera sends its image in the
+//! same form; it measures no depths, so that all of them are 0.
 //!
 //! The CRC finds whatever is altered within any 16 bits in a row, so every single altered byte. The two sync bytes may
 //! occur inside a message, too: a receiver that begins in the middle of one may take such a place for a beginning,
@@ -68,24 +69,55 @@ pub fn encode(
     let limit = usize::from(u16::MAX);
     let count =
         u16::try_from(columns.clone().take(limit + 1).count()).or(Err(EncodeError::Columns { limit }))?;
-    let no_room = NoRoom { needed: encoded_len(count, rows), room: out.len() };
+    Ok(frame(sequence, (count, rows), out, |pixels, depths| {
+        // Of no columns there are no rows to copy, but a chunk must not be empty.
+        let mut copies = pixels.chunks_exact_mut((3 * usize::from(count)).max(1));
+        if let Some(first) = copies.next() {
+            for (to, column) in first.as_chunks_mut().0.iter_mut().zip(columns.clone()) {
+                *to = column.rgb;
+            }
+            copies.for_each(|row| row.copy_from_slice(first));
+        }
+        for (to, column) in depths.as_chunks_mut().0.iter_mut().zip(columns) {
+            *to = column.depth_mm.to_le_bytes();
+        }
+    })?)
+}
+
+/// Writes the frame of a camera that measures no depths: all its pixels, row by row from the top, each from left to right, in red,
+/// green and blue. What `pixels` lacks is black.
+///
+/// # Errors
+/// If `out` is too short.
+pub fn encode_pixels(
+    sequence: u16,
+    (columns, rows): (u16, u16),
+    pixels: impl Iterator<Item = [u8; 3]>,
+    out: &mut [u8],
+) -> Result<usize, NoRoom> {
+    frame(sequence, (columns, rows), out, |room, depths| {
+        room.fill(0);
+        room.as_chunks_mut().0.iter_mut().zip(pixels).for_each(|(to, pixel)| *to = pixel);
+        depths.fill(0);
+    })
+}
+
+/// Writes a frame, whose pixels and depths `fill` writes.
+fn frame(
+    sequence: u16,
+    (columns, rows): (u16, u16),
+    out: &mut [u8],
+    fill: impl FnOnce(&mut [u8], &mut [u8]),
+) -> Result<usize, NoRoom> {
+    let no_room = NoRoom { needed: encoded_len(columns, rows), room: out.len() };
     let out = out.get_mut(..no_room.needed).ok_or(no_room)?;
     let (header, rest) = out.split_first_chunk_mut::<HEADER_LEN>().ok_or(no_room)?;
-    let ([s0, s1], [c0, c1], [r0, r1]) = (sequence.to_le_bytes(), count.to_le_bytes(), rows.to_le_bytes());
+    let ([s0, s1], [c0, c1], [r0, r1]) = (sequence.to_le_bytes(), columns.to_le_bytes(), rows.to_le_bytes());
     *header = [SYNC[0], SYNC[1], s0, s1, c0, c1, r0, r1];
-    let row_len = 3 * usize::from(count);
-    let (pixels, rest) = rest.split_at_mut_checked(row_len * usize::from(rows)).ok_or(no_room)?;
-    // Of no columns there are no rows to copy, but a chunk must not be empty.
-    let mut copies = pixels.chunks_exact_mut(row_len.max(1));
-    if let Some(first) = copies.next() {
-        for (to, column) in first.as_chunks_mut().0.iter_mut().zip(columns.clone()) {
-            *to = column.rgb;
-        }
-        copies.for_each(|row| row.copy_from_slice(first));
-    }
-    for (to, column) in rest.as_chunks_mut().0.iter_mut().zip(columns) {
-        *to = column.depth_mm.to_le_bytes();
-    }
+    let pixels_len = 3 * usize::from(columns) * usize::from(rows);
+    let (pixels, rest) = rest.split_at_mut_checked(pixels_len).ok_or(no_room)?;
+    let depths = rest.get_mut(..2 * usize::from(columns)).ok_or(no_room)?;
+    fill(pixels, depths);
     let (message, crc) = out.split_last_chunk_mut().ok_or(no_room)?;
     *crc = CRC.checksum(message.get(SYNC.len()..).unwrap_or_default()).to_le_bytes();
     Ok(no_room.needed)
@@ -98,7 +130,7 @@ pub struct LineImage<'a> {
     pub sequence: u16,
     /// The number of columns.
     pub columns: u16,
-    /// The number of rows. They are alike if a simulated camera sent them.
+    /// The number of rows. They are alike if a line camera sent them.
     pub rows: u16,
     /// The pixels, row by row.
     pixels: &'a [[u8; 3]],

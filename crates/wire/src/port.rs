@@ -6,7 +6,7 @@
 //! | message | values | instant of the sample |
 //! |---|---|---|
 //! | SCIP scan | a distance a ray, in metres, −1 without a measurement | from the scan's clock |
-//! | line image | red, then green, then blue of all columns, each 0 to 1; then depths in metres, −1 for nothing within range | not in the message |
+//! | line image | red, then green, then blue of all columns, each 0 to 1; then depths in metres, −1 for nothing within range; of a camera red, green and blue of all pixels, row by row | not in the message |
 //! | NMEA RMC | latitude and longitude in degrees, 1 with a fix or 0, speed in m/s, course in radians counter-clockwise from east | from the time of day |
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -20,7 +20,7 @@ use crate::{line_image, nmea, scip};
 pub enum Format {
     /// A laser's scans in SCIP 2.0.
     Scip,
-    /// A line camera's images.
+    /// The images of a camera, or of a line camera.
     LineImage {
         /// Bytes of a message: [`line_image::encoded_len`].
         message_len: usize,
@@ -137,7 +137,18 @@ fn read_scan(message: &[u8], now_ns: u64, values: &mut [f64]) -> Result<Message,
 }
 
 fn read_image(message: &[u8], values: &mut [f64]) -> Result<Message, ReadError> {
-    let columns = line_image::parse(message)?.columns();
+    let image = line_image::parse(message)?;
+    let pixels = usize::from(image.columns) * usize::from(image.rows);
+    if values.len() == 3 * pixels {
+        let rows = (0..image.rows).filter_map(|row| image.row(row));
+        for (i, pixel) in rows.flatten().enumerate() {
+            for (value, level) in values.iter_mut().skip(i).step_by(pixels).zip(pixel) {
+                *value = f64::from(*level) / 255.0;
+            }
+        }
+        return Ok(Message::Reading { sampled_at_ns: None });
+    }
+    let columns = image.columns();
     let count = columns.len();
     check_count(values, 4 * count)?;
     for (i, column) in columns.enumerate() {

@@ -91,6 +91,7 @@ impl From<&Sensor> for v1::SensorDescription {
             port: sensor.port.as_ref().map(Into::into),
             opening_rad: sensor.opening_rad,
             sweep: sensor.sweep.map(|Sweep { duration_ns, clockwise }| v1::Sweep { duration_ns, clockwise }),
+            columns: sensor.columns,
         }
     }
 }
@@ -112,6 +113,7 @@ impl TryFrom<v1::SensorDescription> for Sensor {
             port: given.port.map(Into::into),
             opening_rad: given.opening_rad,
             sweep: given.sweep.map(|v1::Sweep { duration_ns, clockwise }| Sweep { duration_ns, clockwise }),
+            columns: given.columns,
         })
     }
 }

@@ -3819,6 +3819,9 @@ pub struct SensorDescription {
     /// Counts per metre of motion over the floor. Absent for sensors that do not count it.
     #[prost(double, optional, tag = "12")]
     pub counts_per_m: ::core::option::Option<f64>,
+    /// Pixels in a row of a camera's image. Absent for other sensors.
+    #[prost(uint32, optional, tag = "13")]
+    pub columns: ::core::option::Option<u32>,
 }
 /// Sweep of a laser range finder. The sampling time of a scan is that of its first ray.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
@@ -4462,6 +4465,8 @@ pub enum SensorKind {
     Battery = 20,
     /// Optical flow sensor; motion over the floor since the last read, in counts.
     OpticalFlow = 21,
+    /// Camera; red of all pixels, row by row from the top, each from left to right, then green, then blue.
+    Camera = 22,
 }
 impl SensorKind {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -4492,6 +4497,7 @@ impl SensorKind {
             Self::Floor => "SENSOR_KIND_FLOOR",
             Self::Battery => "SENSOR_KIND_BATTERY",
             Self::OpticalFlow => "SENSOR_KIND_OPTICAL_FLOW",
+            Self::Camera => "SENSOR_KIND_CAMERA",
         }
     }
     /// Creates an enum from field names used in the ProtoBuf definition.
@@ -4519,6 +4525,7 @@ impl SensorKind {
             "SENSOR_KIND_FLOOR" => Some(Self::Floor),
             "SENSOR_KIND_BATTERY" => Some(Self::Battery),
             "SENSOR_KIND_OPTICAL_FLOW" => Some(Self::OpticalFlow),
+            "SENSOR_KIND_CAMERA" => Some(Self::Camera),
             _ => None,
         }
     }

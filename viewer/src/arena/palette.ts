@@ -99,6 +99,7 @@ const HUES: Partial<Record<SensorKind, string>> = {
   [SensorKind.SONAR]: "#0072b2",
   [SensorKind.LASER]: "#009e73",
   [SensorKind.LINE_CAMERA]: "#cc79a7",
+  [SensorKind.CAMERA]: "#cc79a7",
   [SensorKind.OPTICAL_FLOW]: "#661100",
   [SensorKind.WHISKER]: "#882255",
   [SensorKind.BUMPER]: "#332288",

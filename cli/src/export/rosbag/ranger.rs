@@ -46,6 +46,7 @@ impl Ranger {
             Device::VoltageRanger(ranger) => Some(Self::of_voltage(ranger)),
             Device::Laser(_)
             | Device::LineCamera(_)
+            | Device::Camera(_)
             | Device::Encoders(_)
             | Device::StepCounter(_)
             | Device::Odometer(_)

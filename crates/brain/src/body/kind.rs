@@ -80,6 +80,8 @@ kinds! {
         Battery = "battery",
         /// The distance that the sensor moved over the floor since its last read, in counts.
         OpticalFlow = "optical-flow",
+        /// An image.
+        Camera = "camera",
     }
 }
 

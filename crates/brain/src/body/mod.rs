@@ -87,6 +87,8 @@ pub struct Sensor {
     pub opening_rad: Option<f64>,
     /// The turn of a laser's mirror.
     pub sweep: Option<Sweep>,
+    /// Pixels in a row of an image, if it is a camera.
+    pub columns: Option<u32>,
 }
 
 /// The sweep of a laser range finder.

@@ -248,6 +248,7 @@ impl Part<'_> {
             | Device::Photoresistor(_)
             | Device::Laser(_)
             | Device::LineCamera(_)
+            | Device::Camera(_)
             | Device::StepCounter(_)
             | Device::Odometer(_)
             | Device::OpticalFlow(_)
@@ -317,6 +318,9 @@ impl Part<'_> {
     fn motor(&self, side: Side, motors: &Motors) -> Result<(Kind, Attached)> {
         match motors {
             Motors::Servo(_) => Ok((Kind::Servo(ServoKind::Continuous), Attached::WheelServo(side))),
+            Motors::Dc(motor) if motor.inductance_h > 0.0 => Err(self.path.error(
+                "a bridge at a chip's pins drives motors without `inductance_h` only; leave that out of motors",
+            )),
             Motors::Dc(_) | Motors::Velocity(_) => Ok((Kind::Bridge(self.bridge()), Attached::Motor(side))),
             Motors::Stepper(_) => Err(self
                 .path

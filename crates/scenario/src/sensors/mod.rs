@@ -190,13 +190,13 @@ fn port(path: &Path, raw: &raw::Port, device: &Device) -> Result<Port> {
     path.refuse("sentences", raw.sentences.is_some() && !is_gps, &problem)?;
     let format = if let Device::Laser(laser) = device {
         scip_format(path, raw, laser.rays())?
-    } else if let Device::LineCamera(_) = device {
+    } else if let Device::LineCamera(_) | Device::Camera(_) = device {
         Format::LineImage
     } else if is_gps {
         Format::Nmea { full: raw.sentences != Some(raw::Sentences::Rmc) }
     } else {
         let problem = format!(
-            "a sensor of kind `{}` is read by the microcontroller; lasers, line cameras and gps can have a \
+            "a sensor of kind `{}` is read by the microcontroller; lasers, cameras and gps can have a \
              port of their own",
             device.kind()
         );

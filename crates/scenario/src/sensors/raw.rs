@@ -37,7 +37,8 @@ pub(crate) struct Common {
     /// The sensor's own clock, by which it measures: [clock](#clock). Range: not `sonar`, `photoresistor`,
     /// `optical-flow`.
     pub(crate) clock: Option<Clock>,
-    /// The sensor's own cable to the laptop: [port](#port). Range: `laser`, `line-camera`, `gps`.
+    /// The sensor's own cable to the laptop: [port](#port). Range: `laser`, `line-camera`, `camera`,
+    /// `gps`.
     pub(crate) port: Option<Port>,
 }
 

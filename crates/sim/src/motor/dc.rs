@@ -1,4 +1,5 @@
-//! DC motor with a gear box: Wahde 2016, Eqs. (1.8)–(1.10), §3.2.4.
+//! DC motor with a gear box: Wahde 2016, Eqs. (1.8)–(1.10), §3.2.4. The dynamics of its winding, (1.1)–(1.7), are in
+//! [`winding`](super::winding).
 //!
 //! Deviations. The gear box has an efficiency, as ARSim's has; the notes' ideal one has 1. Eq. (1.9) leaves
 //! sgn(0) open: at standstill Coulomb friction opposes the torque and holds the motor up to its own size,
@@ -36,6 +37,13 @@ pub struct DcMotor {
     /// Fraction of the torque that the gear box transmits.
     #[serde(with = "Number::<UpTo<1>>")]
     pub gear_efficiency: f64,
+    /// Inductance L of Eq. (1.1). With 0 the current follows the voltage at once, as in (1.8). Range: 0 for motors
+    /// at the bridge of a chip; otherwise whatever changes the current in no less than 10^-8 steps.
+    #[serde(with = "Number::<NotNegative>")]
+    pub inductance_h: f64,
+    /// Moment of inertia I of Eq. (1.5) of the rotor alone. With 0 it is neglected, as in (1.9).
+    #[serde(with = "Number::<NotNegative>")]
+    pub rotor_inertia_kg_m2: f64,
     /// Largest torque on the wheel.
     #[serde(with = "Number::<Positive>")]
     pub max_torque_nm: f64,
@@ -58,6 +66,8 @@ impl Default for DcMotor {
             viscous_friction_nm_s: 0.02,
             gear_ratio: 2.0,
             gear_efficiency: 1.0,
+            inductance_h: 0.0,
+            rotor_inertia_kg_m2: 0.0,
             max_torque_nm: 1.0,
             unlimited_signals: false,
             track_factor: 1.0,
@@ -85,8 +95,20 @@ impl DcMotor {
     fn torque_of_voltage_nm(&self, voltage: f64, back_emf: f64, shaft_speed: f64) -> f64 {
         let generated = self.torque_constant_nm_a * (voltage - back_emf) / self.resistance_ohm;
         let shaft_torque = self.after_friction(generated, shaft_speed);
-        let output = self.gear_efficiency * self.gear_ratio * shaft_torque;
+        let output = self.at_wheel_nm(shaft_torque);
         output.clamp(-self.max_torque_nm, self.max_torque_nm)
+    }
+
+    /// The torque on the wheel, in N m, of a torque on the shaft: (1.10).
+    #[inline(always)]
+    pub(super) fn at_wheel_nm(&self, shaft_nm: f64) -> f64 {
+        self.gear_efficiency * self.gear_ratio * shaft_nm
+    }
+
+    /// The moment of inertia, in kg m², that the rotor adds to its wheel's: by (1.5) the gear gives the torque
+    /// G (τ_g − τ_f − I dω/dt), and the shaft turns G times as fast as the wheel.
+    pub fn inertia_at_wheel_kg_m2(&self) -> f64 {
+        self.at_wheel_nm(self.gear_ratio * self.rotor_inertia_kg_m2)
     }
 
     /// The torque on the wheel that is lost for each rad/s of its speed, in N m s.
@@ -104,6 +126,11 @@ impl DcMotor {
         (voltage * (voltage - back_emf) / self.resistance_ohm).max(0.0)
     }
 
+    /// The same of a winding with an inductance, in which this current flows, in A.
+    pub fn power_of_current_w(&self, signal: f64, current_a: f64) -> f64 {
+        (self.voltage_v * signal * current_a).max(0.0)
+    }
+
     fn after_friction(&self, generated: f64, shaft_speed: f64) -> f64 {
         if shaft_speed.abs() >= STANDSTILL {
             let coulomb = self.coulomb_friction_nm.copysign(shaft_speed);
@@ -118,7 +145,7 @@ impl DcMotor {
 
 /// Below this shaft speed (rad/s), or torque (N m), a motor counts as standing still, or unpowered; ARSim's
 /// figure.
-const STANDSTILL: f64 = 1e-6;
+pub(super) const STANDSTILL: f64 = 1e-6;
 
 #[cfg(test)]
 mod tests {

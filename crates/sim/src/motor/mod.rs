@@ -12,6 +12,7 @@ mod positional;
 mod servo;
 mod stepper;
 mod velocity;
+mod winding;
 
 pub use dc::DcMotor;
 pub(crate) use delay::DelayLine;
@@ -21,6 +22,7 @@ pub use positional::PositionalServo;
 pub use servo::Servo;
 pub use stepper::{Stepper, StepperState, Steps};
 pub use velocity::VelocityMotor;
+pub(crate) use winding::{Flow, Load};
 
 use crate::time::SimTime;
 
@@ -45,6 +47,11 @@ impl Motors {
         }
     }
 
+    /// Whether currents in windings are a part of the robot's state.
+    pub(crate) fn has_windings(&self) -> bool {
+        matches!(self, Self::Dc(motor) if motor.inductance_h > 0.0)
+    }
+
     /// Electrical power that one motor takes, in W, at this signal, speed of its wheel and radius of its
     /// wheel.
     pub fn power_w(&self, signal: f64, wheel_speed_rad_s: f64, wheel_radius_m: f64) -> f64 {
@@ -62,6 +69,8 @@ impl Motors {
     /// can blow up. `None` for motors whose speed no torque changes.
     pub(crate) fn slope_nm_s(&self, wheel_radius_m: f64) -> Option<f64> {
         match self {
+            // The equations of windings are solved exactly.
+            Self::Dc(motor) if motor.inductance_h > 0.0 => None,
             Self::Dc(motor) => Some(motor.slope_nm_s()),
             Self::Velocity(motor) => Some(motor.slope_nm_s(wheel_radius_m)),
             Self::Servo(_) | Self::Stepper(_) => None,

@@ -90,9 +90,11 @@ pub(crate) struct OptionalParts {
     pub(crate) chip: Option<Box<ChipState>>,
     /// The time, in nanoseconds, for which the robot has been kept from sliding on.
     pub(crate) standing_ns: Option<u64>,
+    /// The currents in the windings of DC motors with an inductance, in A.
+    pub(crate) currents_a: Option<Wheels>,
 }
 
-optional_parts!(OptionalParts { battery, delay_line, dialogues, chip, standing_ns });
+optional_parts!(OptionalParts { battery, delay_line, dialogues, chip, standing_ns, currents_a });
 
 /// The tick in which a robot is advanced, with the scene as it is at its start.
 #[derive(Clone, Copy)]
@@ -162,6 +164,7 @@ impl Robot {
                 dialogues: dialogues(spec, seed),
                 chip: spec.chip.as_ref().map(|chip| Box::new(ChipState::new(chip, spec))),
                 standing_ns: None,
+                currents_a: spec.drive.motor.has_windings().then(Wheels::default),
             },
             pings: [None; 2],
             commanded_at: SimTime::ZERO,

@@ -1,5 +1,6 @@
 //! The scene that sensors look at: the arena and all that moves in it, frozen at the start of the tick.
 
+mod blocks;
 mod neighbors;
 mod sector;
 
@@ -15,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::arena::{Arena, Height, Look};
 use crate::surroundings::{Lit, Surroundings};
 use crate::time::SimTime;
+pub(crate) use blocks::{Blocks, Pixel};
 use neighbors::Neighbors;
 pub(crate) use neighbors::Reach;
 use sector::Strokes;

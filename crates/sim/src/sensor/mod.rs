@@ -11,6 +11,7 @@ mod field;
 mod floor;
 mod gps;
 mod gyroscope;
+mod image;
 mod infrared;
 mod kind;
 mod laser;
@@ -48,6 +49,7 @@ pub use field::{FieldSensor, Microphone};
 pub use floor::FloorSensor;
 pub use gps::Gps;
 pub use gyroscope::Gyroscope;
+pub use image::Camera;
 pub use infrared::{Converter, Infrared, InfraredModel};
 pub use kind::{Built, Component, Fit, Place};
 pub(crate) use kind::{Effect, Memory};
@@ -324,6 +326,7 @@ devices! {
     Sonar(Sonar),
     Laser(Laser),
     LineCamera(LineCamera),
+    Camera(Camera),
     Encoders(Encoders),
     StepCounter(StepCounter),
     Odometer(Odometer),

@@ -29,7 +29,7 @@ pub struct Port {
 pub enum Format {
     /// A laser's scans in SCIP 2.0.
     Scip(scip::Format),
-    /// A line camera's images.
+    /// The images of a camera, or of a line camera.
     LineImage,
     /// A satellite receiver's sentences.
     Nmea {
@@ -185,6 +185,7 @@ impl Format {
             (Self::LineImage, Device::LineCamera(camera)) => {
                 line_image::encoded_len(camera.columns() as u16, camera.rows)
             }
+            (Self::LineImage, Device::Camera(camera)) => line_image::encoded_len(camera.columns, camera.rows),
             (Self::LineImage, _) => 0,
             (Self::Nmea { full }, _) => self.nmea_len(*full),
         }
@@ -221,6 +222,16 @@ impl Format {
                     depth_mm: depth_mm(values[3 * n + i]),
                 });
                 let written = line_image::encode(sequence, columns, camera.rows, &mut bytes).expect(FITS);
+                bytes.truncate(written);
+                bytes
+            }
+            (Self::LineImage, Device::Camera(camera)) => {
+                let mut bytes = vec![0; self.message_len(device)];
+                let level = |i: usize| (values[i] * 255.0 + 0.5) as u8;
+                let n = camera.pixels();
+                let pixels = (0..n).map(|i| [level(i), level(n + i), level(2 * n + i)]);
+                let size = (camera.columns, camera.rows);
+                let written = line_image::encode_pixels(sequence, size, pixels, &mut bytes).expect(FITS);
                 bytes.truncate(written);
                 bytes
             }

@@ -355,11 +355,14 @@ impl Robot {
         let signals = if powered { self.motor_noise.apply(given) } else { Wheels::default() };
         let signals = self.under_load(spec, signals);
         let grip = scenario.surroundings.grip_of(&spec.drive, &self.motion);
-        self.motion = match &self.parts.chip {
-            None => spec.drive.step(&self.motion, signals, grip, dt),
-            Some(chip) => {
+        self.motion = match (&self.parts.chip, &mut self.parts.currents_a, &spec.drive.motor) {
+            (Some(chip), _, _) => {
                 spec.drive.step_behind_bridges(&self.motion, signals, (chip.given().open, grip), dt)
             }
+            (None, Some(currents_a), Motors::Dc(motor)) => {
+                spec.drive.step_with_windings(&self.motion, (motor, signals), (currents_a, grip), dt)
+            }
+            (None, _, _) => spec.drive.step(&self.motion, signals, grip, dt),
         };
         for (actuator, state) in spec.actuators.iter().zip(&mut self.actuators) {
             if let ActuatorKind::Turret(servo) = &actuator.kind {
@@ -372,7 +375,11 @@ impl Robot {
         }
         if let (Some(battery), Some(state)) = (&spec.battery, &mut self.parts.battery) {
             let charger_w = scenario.surroundings.charger_at(self.motion.pose.position);
-            let motors_w = if powered { spec.drive.power_w(&self.motion, signals) } else { 0.0 };
+            let motors_w = match (powered, &self.parts.currents_a) {
+                (false, _) => 0.0,
+                (true, None) => spec.drive.power_w(&self.motion, signals),
+                (true, Some(currents_a)) => spec.drive.power_of_currents_w(currents_a, signals),
+            };
             state.draw(battery, battery.idle_w + motors_w, dt);
             if charger_w > 0.0 {
                 let drawn_a = state.current_a;

@@ -206,6 +206,17 @@ background = [1, 2, 3]
 period_ms = 50.0
 port = { link = { kind = "ideal" } }
 noise = { additive = 0.01 }
+[robots.sensors.image]
+kind = "camera"
+mount = { x_m = 0.1 }
+height_m = 0.3
+opening_rad = 1.0
+columns = 8
+rows = 6
+range_m = 5.0
+period_ms = 50.0
+port = { link = { kind = "ideal" } }
+noise = { additive = 0.01 }
 [robots.sensors.encoders]
 kind = "encoders"
 counts_per_turn = 600

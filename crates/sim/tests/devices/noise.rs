@@ -192,6 +192,18 @@ fn noise_of_a_camera_is_that_of_each_column() {
 }
 
 #[test]
+fn noise_of_an_image_is_that_of_each_pixel() {
+    let camera = "kind = \"camera\"\nmount = {}\nopening_rad = 1.0\ncolumns = 2\nrows = 1\nrange_m = 5.0\nnoise = { additive = 0.02 }";
+    let top = format!("step_ms = 0.05\n{}", crate::devices::scene::wall(2.0));
+    let images = collect(&with_sensor(&top, camera), SAMPLES);
+    assert_distributed(&mut images.iter().map(|image| image[3]).collect::<Vec<_>>(), |scale| {
+        normal(128.0 / 255.0, 0.02 * scale)
+    });
+    let pairs: Vec<_> = images[..20_000].iter().map(|image| (image[0], image[1])).collect();
+    assert!(correlation(&pairs).abs() < 0.025);
+}
+
+#[test]
 fn noise_needs_no_brain() {
     let toml = with_sensor("", "kind = \"compass\"\nsigma_rad = 0.1");
     let mut driven = world(&toml);

@@ -225,6 +225,23 @@ fn an_image_has_10_bytes_and_3_a_pixel_and_2_a_column() {
 }
 
 #[test]
+fn an_image_of_many_rows_arrives_as_it_was_taken() {
+    let red = block("red", [1.0, -3.0, 1.1, 3.0], "color = [255, 0, 51]\nheight_m = 0.3");
+    let sensor = format!(
+        "kind = \"camera\"\nmount = {{}}\nheight_m = 0.2\nopening_rad = 1.0\ncolumns = 7\nrows = 5\nrange_m = 5.0\n\
+         floor = [4, 5, 6]\nbackground = [1, 2, 3]\nperiod_ms = 50.0\nport = {{ link = {} }}",
+        uart(1_000_000)
+    );
+    let mut world = world(&scene(&red, POLLED, &named("s", &sensor)));
+    let bytes = listen(&mut world, 10);
+    let length = 10 + 7 * (3 * 5 + 2);
+    let image = line_image::parse(&bytes[..length]).unwrap();
+    assert_eq!((image.columns, image.rows), (7, 5));
+    assert_eq!([0, 2, 4].map(|row| image.row(row).unwrap()[3]), [[1, 2, 3], [255, 0, 51], [4, 5, 6]]);
+    assert_eq!(world.robot(0).readings()[0].values, view(&world, "s").sample);
+}
+
+#[test]
 fn images_that_the_cable_cannot_carry_are_left_out() {
     let mut world = camera(&uart(115_200));
     let bytes = listen(&mut world, 1000);

@@ -425,6 +425,46 @@ fn a_line_camera_sees_robots_in_their_colour() {
     all_near(&[image[1], image[4], image[7], image[10]], &[1.0, 0.0, 0.0, 1.0]);
 }
 
+/// A camera of 1 × 8 pixels, each a tenth of a metre high at a metre, whose middle is half a metre above the floor.
+const IMAGE: &str = "kind = \"camera\"\nmount = {}\nheight_m = 0.5\nopening_rad = 0.09991679144388553\ncolumns = 1\nrows = 8\nrange_m = 20.0\nbackground = [255, 0, 0]\nfloor = [0, 255, 0]";
+
+/// The image of [`IMAGE`] as letters, from the top.
+fn letters(toml: &str) -> String {
+    let image = first(toml);
+    let letter = |i: usize| match [image[i], image[8 + i], image[16 + i]] {
+        [1.0, 0.0, 0.0] => 's',
+        [0.0, 1.0, 0.0] => 'f',
+        [0.0, 0.0, 1.0] => 'b',
+        [1.0, 1.0, 1.0] => 'w',
+        other => panic!("{other:?}"),
+    };
+    (0..8).map(letter).collect()
+}
+
+#[test]
+fn a_camera_sees_over_a_box_its_top_and_the_floor_before_it() {
+    // Lines of sight fall or rise by 0.05, 0.15, 0.25 and 0.35 a metre: to the floor after 10, 3.3, 2 and 1.43 metres.
+    assert_eq!(letters(&with_sensor("", IMAGE)), "ssssffff");
+    let white = "color = [255, 255, 255]\nheight_m = 0.82";
+    let wall = block("wall", [8.0, -1.0, 8.1, 1.0], white);
+    // At 8 m they are at 0.9 and at 0.1 m.
+    assert_eq!(letters(&with_sensor(&wall, IMAGE)), "sssswfff");
+    let blue = "color = [0, 0, 255]\nheight_m = 0.3";
+    let low = block("low", [1.5, -1.0, 2.5, 1.0], blue);
+    // At 1.5 m they are at 0.425, 0.275, 0.125 and below the floor; the first is over the box until 2.5 m, where it is at 0.375.
+    assert_eq!(letters(&with_sensor(&(wall.clone() + &low), IMAGE)), "sssswbbf");
+    let flat = block("flat", [1.0, -1.0, 3.0, 1.0], "color = [0, 0, 255]\nheight_m = 0.1");
+    // At a height of 0.1 m they are after 8, 2.67, 1.6 and 1.14 m: three of them on the box.
+    assert_eq!(letters(&with_sensor(&(wall + &flat), IMAGE)), "sssswbbb");
+}
+
+#[test]
+fn a_camera_that_stands_in_something_sees_that_and_nothing_else() {
+    let inside = IMAGE.replace("mount = {}", "mount = { x_m = 0.3 }");
+    let box_ahead = block("box", [0.25, -1.0, 1.0, 1.0], "color = [0, 0, 255]");
+    assert_eq!(letters(&with_sensor(&box_ahead, &inside)), "bbbbbbbb");
+}
+
 #[test]
 fn a_robot_does_not_see_itself_from_anywhere_on_its_body() {
     for mount in [

@@ -213,6 +213,16 @@ fn curves_and_ranges_that_make_no_sense() {
     sensor(&format!("{SONAR}\nmin_m = 3.5"), ".min_m: must be between 0 and 3, is 3.5");
     sensor(&format!("{SONAR}\nmin_m = 0.0\ndetection = 1.1"), ".detection: must be between 0 and 1, is 1.1");
     sensor(&format!("{LASER}\nmin_m = 5.0"), ".min_m: must be between 0 and 4, is 5");
+    let image = "kind = \"camera\"\nmount = {}\nrange_m = 5.0\ncolumns = 512";
+    sensor(
+        &format!("{image}\nrows = 4\nopening_rad = 3.2"),
+        ".opening_rad: must be between 0.001 and 3, is 3.2",
+    );
+    sensor(&format!("{image}\nopening_rad = 1.0"), ": missing field `rows`");
+    sensor(
+        &format!("{image}\nrows = 257\nopening_rad = 1.0"),
+        ".rows: 512 columns and 257 rows are more than 131072 pixels",
+    );
     sensor(&format!("{CAMERA}\ncolumns = 5000"), ".columns: must be between 1 and 4096, is 5000");
     sensor(
         &format!("{CAMERA}\ncolumns = 4096\nrows = 1000"),
