@@ -25,6 +25,7 @@ mod own_clock;
 mod photoresistor;
 pub mod port;
 mod set;
+mod sky;
 mod sonar;
 mod style;
 mod touch;

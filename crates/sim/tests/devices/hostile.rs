@@ -252,6 +252,7 @@ wander_time_s = 100.0
 sigma_m = 0.5
 speed_sigma_m_s = 0.05
 reacquire_s = 0.5
+satellites = true
 period_ms = 200.0
 port = { link = { kind = "uart", baud = 38400 } }
 [robots.sensors.whisker]

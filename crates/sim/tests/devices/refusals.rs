@@ -121,6 +121,10 @@ fn ports_of_the_wrong_kind() {
         ".port.characters: a sensor of kind `gps` has none",
     );
     sensor(
+        &format!("kind = \"gps\"\nsatellites = true\n{}", port(", sentences = \"rmc\"")),
+        ".port.sentences: an RMC has no altitude",
+    );
+    sensor(
         &format!("{LASER}\nport = {{ link = {{ kind = \"uart\" }} }}"),
         ".port.link.baud: a uart needs its baud rate",
     );
