@@ -30,6 +30,7 @@ pub enum PresetKind {
     Robot,
     Sensor,
     Motors,
+    Actuator,
     Microcontroller,
     Link,
     Adapter,
@@ -38,10 +39,11 @@ pub enum PresetKind {
 
 impl PresetKind {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Robot,
         Self::Sensor,
         Self::Motors,
+        Self::Actuator,
         Self::Microcontroller,
         Self::Link,
         Self::Adapter,
@@ -54,6 +56,7 @@ impl PresetKind {
             Self::Robot => "robot",
             Self::Sensor => "sensor",
             Self::Motors => "motors",
+            Self::Actuator => "actuator",
             Self::Microcontroller => "microcontroller",
             Self::Link => "link",
             Self::Adapter => "adapter",
@@ -67,6 +70,7 @@ impl PresetKind {
             Self::Robot => "a robot",
             Self::Sensor => "a sensor",
             Self::Motors => "a pair of motors",
+            Self::Actuator => "an actuator",
             Self::Microcontroller => "a microcontroller",
             Self::Link => "a link",
             Self::Adapter => "an adapter",
@@ -99,6 +103,7 @@ impl Preset {
             b"robot" => PresetKind::Robot,
             b"sensor" => PresetKind::Sensor,
             b"motors" => PresetKind::Motors,
+            b"actuator" => PresetKind::Actuator,
             b"microcontroller" => PresetKind::Microcontroller,
             b"link" => PresetKind::Link,
             b"adapter" => PresetKind::Adapter,
@@ -142,6 +147,7 @@ static PRESETS: &[Preset] = presets! {
     "mpu-6050-gyro" "mpu-6050-accelerometer" "hmc6352" "hmc5883l" "gps-garmin-15" "adns-3080"
     "whisker" "photoresistor"
     "parallax-servo" "pololu-37d-30-1" "e-puck-stepper"
+    "hs-645mg" "hs-645mg-6v"
     "bs2" "basicx" "zbasic" "atmega328p" "arduino-uno" "m68331" "dspic30f6014a"
     "uart-9600" "uart-38400" "uart-115200" "usb" "bluetooth" "ble" "onboard"
     "ft232r" "ft232r-1ms" "ch340" "atmega16u2"
