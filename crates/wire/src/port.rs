@@ -98,7 +98,8 @@ impl Format {
         let is_whole = match self {
             Self::Scip => received.ends_with(b"\n\n"),
             Self::Nmea { with_altitude } => {
-                received.ends_with(b"\n") && (!with_altitude || sentences(received).last().is_some_and(is_rmc))
+                received.ends_with(b"\n")
+                    && (!with_altitude || sentences(received).last().is_some_and(is_rmc))
             }
             Self::LineImage { message_len } => return find_image(received, message_len),
         };

@@ -144,7 +144,7 @@ static PRESETS: &[Preset] = presets! {
     "khepera-1" "khepera-2" "e-puck" "thymio-2" "boe-bot" "turtlebot3-burger" "create-1" "create-2" "chalmers-40cm" "uno-rover" "boe-bot-shield" "line-follower" "arsim"
     "khepera-1-ir" "khepera-2-ir" "e-puck-ir" "thymio-2-ir" "gp2d12" "ping" "hc-sr04"
     "urg-04lx" "ust-10lx" "rplidar-a1" "lds-01" "cmucam-1" "webcam"
-    "mpu-6050-gyro" "mpu-6050-accelerometer" "hmc6352" "hmc5883l" "gps-garmin-15" "adns-3080"
+    "mpu-6050-gyro" "mpu-6050-accelerometer" "hmc6352" "hmc5883l" "gps-garmin-15" "adns-3080" "load-cell-10kg"
     "whisker" "photoresistor"
     "parallax-servo" "pololu-37d-30-1" "e-puck-stepper"
     "hs-645mg" "hs-645mg-6v"

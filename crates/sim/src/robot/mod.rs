@@ -9,6 +9,7 @@ mod chip;
 mod cycles;
 mod dead_time;
 mod measurement;
+mod motion;
 mod onboard;
 mod ports;
 mod recorder;
@@ -90,9 +91,11 @@ pub(crate) struct OptionalParts {
     pub(crate) chip: Option<Box<ChipState>>,
     /// The time, in nanoseconds, for which the robot has been kept from sliding on.
     pub(crate) standing_ns: Option<u64>,
+    /// The impulses of all contacts so far on its front and on its back, in N s, if a sensor feels them.
+    pub(crate) impulses_n_s: Option<[f64; 2]>,
 }
 
-optional_parts!(OptionalParts { battery, delay_line, dialogues, chip, standing_ns });
+optional_parts!(OptionalParts { battery, delay_line, dialogues, chip, standing_ns, impulses_n_s });
 
 /// The tick in which a robot is advanced, with the scene as it is at its start.
 #[derive(Clone, Copy)]
@@ -162,6 +165,7 @@ impl Robot {
                 dialogues: dialogues(spec, seed),
                 chip: spec.chip.as_ref().map(|chip| Box::new(ChipState::new(chip, spec))),
                 standing_ns: None,
+                impulses_n_s: spec.sensors.feel_contacts().then_some([0.0; 2]),
             },
             pings: [None; 2],
             commanded_at: SimTime::ZERO,

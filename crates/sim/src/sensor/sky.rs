@@ -84,7 +84,8 @@ mod tests {
 
     #[test]
     fn a_matrix_times_its_inverse_is_one() {
-        let matrix = [[4.0, 1.0, 0.5, 2.0], [1.0, 5.0, -1.0, 0.3], [0.5, -1.0, 6.0, 1.0], [2.0, 0.3, 1.0, 7.0]];
+        let matrix =
+            [[4.0, 1.0, 0.5, 2.0], [1.0, 5.0, -1.0, 0.3], [0.5, -1.0, 6.0, 1.0], [2.0, 0.3, 1.0, 7.0]];
         let mut inverse = matrix;
         invert(&mut inverse);
         for i in 0..4 {

@@ -131,6 +131,8 @@ impl Robot {
         same(parts.battery.is_some() == others.battery.is_some(), "batteries")?;
         same(parts.delay_line.is_some() == others.delay_line.is_some(), "dead times")?;
         same(parts.chip.is_some() == others.chip.is_some(), "chips")?;
+        same(parts.impulses_n_s.is_some() == others.impulses_n_s.is_some(), "strain gauges")?;
+        sound(sound::numbers(others.impulses_n_s.into_iter().flatten()), "contacts")?;
         let chips = parts.chip.as_ref().zip(others.chip.as_ref());
         sound(chips.is_none_or(|(own, other)| own.may_become(other, &spec.link, now)), "chip")?;
         let sensors = spec.sensors.len();
