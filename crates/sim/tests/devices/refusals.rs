@@ -171,6 +171,8 @@ fn fields_that_are_not_there() {
         "robots[0].sensors.s.max: is needed with `bits`",
     );
     sensor("kind = \"microphone\"\nbits = 8", ".max: is needed with `bits`");
+    sensor("kind = \"microphone\"\nband_hz = [800.0, 400.0]", ".band_hz: must increase, is 800 to 400");
+    sensor("kind = \"microphone\"\nband_hz = [0.0, 400.0]", ".band_hz");
 }
 
 #[test]
