@@ -46,6 +46,7 @@ KINDS = {
     "robot": ("Robots", "For `[[robots]]`."),
     "sensor": ("Sensors", "For `[robots.sensors.NAME]`."),
     "motors": ("Motors", "For `[robots.motors]`."),
+    "actuator": ("Actuators", "For `[robots.actuators.NAME]`."),
     "microcontroller": ("Microcontrollers", "For `[robots.microcontroller]`."),
     "link": ("Links", "For `[robots.link]`, and the `port.link` of a sensor."),
     "adapter": ("Adapters", "For `[robots.link.adapter]`, and the `port.link.adapter` of a sensor; only in a link of kind `uart`."),

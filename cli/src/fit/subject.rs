@@ -83,6 +83,7 @@ impl Subject {
             Some(match preset.kind {
                 PresetKind::Robot => rest.to_owned(),
                 PresetKind::Sensor => format!("sensors.sensor.{rest}"),
+                PresetKind::Actuator => format!("actuators.actuator.{rest}"),
                 PresetKind::Adapter => format!("link.adapter.{rest}"),
                 PresetKind::Motors | PresetKind::Microcontroller | PresetKind::Link | PresetKind::Battery => {
                     format!("{word}.{rest}")
@@ -140,6 +141,7 @@ fn scenario_of(preset: &Preset, substeps: u32) -> String {
             );
         }
         PresetKind::Sensor => format!("sensors.sensor.preset = \"{name}\""),
+        PresetKind::Actuator => format!("actuators.actuator.preset = \"{name}\""),
         PresetKind::Adapter => {
             format!("link = {{ kind = \"uart\", baud = 115200, adapter = {{ preset = \"{name}\" }} }}")
         }

@@ -154,7 +154,9 @@ fn of_sensor(sensor: &Sensor) -> &'static [SensorField] {
         | Device::Field(_)
         | Device::Microphone(_)
         | Device::Floor(_)
-        | Device::Battery(_) => &[],
+        | Device::Battery(_)
+        | Device::StrainGauge(_)
+        | Device::IrBeacons(_) => &[],
     }
 }
 

@@ -44,6 +44,8 @@ pub(super) struct RawArena {
     latitude_deg: Number<Between<-89, 89>>,
     /// Longitude of the arena's origin.
     longitude_deg: Number<Between<-179, 179>>,
+    /// Height of the floor above mean sea level, for satellite receivers.
+    altitude_m: Number<Between<-500, 9000>>,
     /// Maps in other files: see [below](#files-that-a-scenario-refers-to).
     #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
     maps: Vec<toml::Table>,
@@ -64,6 +66,7 @@ impl Default for RawArena {
             indoors: false,
             latitude_deg: Number::default(),
             longitude_deg: Number::default(),
+            altitude_m: Number::default(),
             maps: Vec::new(),
         }
     }
@@ -140,6 +143,10 @@ struct RawZone {
     /// The sky is hidden here: satellite receivers have no fix.
     #[serde(default)]
     indoors: bool,
+    /// Elevation up to which houses or trees hide the sky here, all around. A receiver with `satellites` loses those below; where zones
+    /// overlap, the highest counts.
+    #[serde(default)]
+    horizon_deg: Number<Between<0, 90>>,
     /// Deviation of compasses here. Offsets of overlapping zones add up.
     #[serde(default)]
     compass_offset_rad: Number<Between<-10, 10>>,
@@ -273,6 +280,7 @@ pub(super) fn surroundings(path: &Path, raw: &RawArena) -> Result<Surroundings> 
         floor: raw.floor.get(),
         indoors: raw.indoors,
         origin_deg: (raw.latitude_deg.get(), raw.longitude_deg.get()),
+        altitude_m: raw.altitude_m.get(),
     })
 }
 
@@ -299,6 +307,7 @@ fn zone(path: &Path, raw: &RawZone, names: &mut Names) -> Result<Zone> {
         floor: raw.floor.map(Number::get),
         slip: raw.slip.get(),
         indoors: raw.indoors,
+        horizon_rad: raw.horizon_deg.get().to_radians(),
         compass_offset_rad: raw.compass_offset_rad.get(),
         goal: raw.goal,
     })

@@ -31,13 +31,17 @@ const ALTERNATIVES: [&[&[&str]]; 4] = [
 /// Words that other fields depend on: a file that changes the word drops those fields of the preset.
 const WORDS: [(&str, &[&str]); 2] = [("mode", &["period_ms", "phase_ms"]), ("protocol", &["ages", "gap_ms"])];
 
-/// Tables of a robot that have presets, sensors apart.
+/// Tables of a robot that have presets, those of devices apart.
 const PARTS: [(&str, PresetKind); 4] = [
     ("motors", PresetKind::Motors),
     ("microcontroller", PresetKind::Microcontroller),
     ("link", PresetKind::Link),
     ("battery", PresetKind::Battery),
 ];
+
+/// Tables of a robot's devices by name, each of which may have a preset.
+const DEVICES: [(&str, PresetKind); 2] =
+    [("sensors", PresetKind::Sensor), ("actuators", PresetKind::Actuator)];
 
 /// Most uses of presets in one scenario: each makes more of a file than there is in it.
 const MAX_USES: usize = 100_000;
@@ -88,15 +92,13 @@ impl Expander {
         for (part, kind) in PARTS {
             self.part(&path.field(part), robot.get_mut(part), kind)?;
         }
-        let of_sensors = path.field("sensors");
-        if let Some(Value::Table(sensors)) = robot.get_mut("sensors") {
-            for (name, sensor) in sensors.iter_mut() {
-                self.part(&of_sensors.field(name), Some(sensor), PresetKind::Sensor)?;
+        for (field, kind) in DEVICES {
+            let path = path.field(field);
+            let Some(Value::Table(devices)) = robot.get_mut(field) else { continue };
+            for (name, device) in devices.iter_mut() {
+                self.part(&path.field(name), Some(device), kind)?;
             }
-            all_have_a_kind(&of_sensors, sensors, "sensor")?;
-        }
-        if let Some(Value::Table(actuators)) = robot.get("actuators") {
-            all_have_a_kind(&path.field("actuators"), actuators, "actuator")?;
+            all_have_a_kind(&path, devices, kind.word())?;
         }
         Ok(chain)
     }

@@ -6,6 +6,7 @@ use crate::common::{ARSIM, refusal, run, tick, world};
 use baudbot_fields::number::Number;
 use baudbot_scenario::Override;
 use baudbot_scenario::presets::{Preset, PresetKind, preset, presets};
+use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::link::{Adapter, Ftdi, Link};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::motor::Motors;
@@ -70,6 +71,7 @@ fn every_part_fits_a_robot() {
     for preset in presets().filter(|preset| preset.kind != PresetKind::Robot) {
         let (part, more) = match preset.kind {
             PresetKind::Sensor => ("sensors.s", ""),
+            PresetKind::Actuator => ("actuators.a", ""),
             PresetKind::Adapter => ("link.adapter", "link.preset = \"uart-115200\"\n"),
             PresetKind::Robot
             | PresetKind::Motors
@@ -369,6 +371,25 @@ fn a_khepera_reads_a_sensor_every_2_5_ms_and_each_every_20_ms() {
         let times: Vec<_> = irs.map(|ir| (ir.schedule.period_ns(), ir.schedule.phase_ns())).collect();
         let expected: Vec<_> = (0..8).map(|i| (20_000_000, i * 2_500_000)).collect();
         assert_eq!(times, expected, "{name}");
+    }
+}
+
+/// The seconds for 60° are those without load at 4.8 and 6 V.
+#[test]
+fn a_hitec_645_turns_60_degrees_in_its_time_and_ignores_8_us() {
+    for (name, seconds) in [("hs-645mg", 0.24), ("hs-645mg-6v", 0.2)] {
+        let scenario = parse(&robot(&format!("{BODY}actuators.neck = {{ preset = \"{name}\" }}")), &[]);
+        let ActuatorKind::Turret(servo) = &scenario.robots[0].actuators[0].kind else {
+            panic!("{name}: no turret")
+        };
+        let steps = (seconds * 1000.0) as usize;
+        let angle = (0..steps).fold(0.0, |angle, _| servo.step(angle, TAU / 4.0, 0.001));
+        assert!((angle - TAU / 6.0).abs() < 0.001, "{name}: {angle}");
+        // 180° from 600 to 2400 µs.
+        let us = |us: f64| servo.target_rad(us / 900.0);
+        assert_eq!((us(-900.0), us(900.0)), (-TAU / 4.0, TAU / 4.0));
+        assert_eq!(servo.step(0.0, us(7.9), 1.0), 0.0, "{name}");
+        assert!((servo.step(0.0, us(8.1), 1.0).to_degrees() - 0.81).abs() < 1e-9, "{name}");
     }
 }
 

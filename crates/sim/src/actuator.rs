@@ -50,6 +50,8 @@ pub struct Speaker {
     /// Loudness at signal 1, at a distance of 1 m.
     #[serde(with = "Number::<UpTo<1_000_000_000>>")]
     pub level: f64,
+    /// Frequency of its tone. Without it the speaker makes a noise, which every microphone hears whatever its band.
+    pub frequency_hz: Option<Number<UpTo<1_000_000>>>,
 }
 
 /// State of an actuator.

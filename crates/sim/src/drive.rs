@@ -336,6 +336,12 @@ impl Drive {
         }
     }
 
+    /// The mass, in kg, that a force along the heading accelerates: that of the body, and what turning the wheels adds to it, so that a robot
+    /// which is held pushes with the torques of its wheels over their radius.
+    pub(crate) fn moved_mass_kg(&self) -> f64 {
+        self.mass_kg / (self.forward_gain * self.wheel_radius_m)
+    }
+
     /// Takes a robot's speed away; it goes on turning.
     pub fn halt(&self, motion: &mut Motion) {
         motion.speed_m_s = 0.0;

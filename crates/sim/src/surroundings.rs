@@ -25,6 +25,8 @@ pub struct Surroundings {
     pub indoors: bool,
     /// Latitude and longitude of the arena's origin, in degrees; x is east, y is north.
     pub origin_deg: (f64, f64),
+    /// Height of the floor above mean sea level, in metres.
+    pub altitude_m: f64,
 }
 
 /// A region of the floor where something is different.
@@ -42,6 +44,8 @@ pub struct Zone {
     pub slip: f64,
     /// Whether the sky is hidden.
     pub indoors: bool,
+    /// Elevation up to which the sky is hidden all around, in radians.
+    pub horizon_rad: f64,
     /// The turn of compasses here, in radians.
     pub compass_offset_rad: f64,
     /// Whether it is a place to be reached: the referee counts who has been there.
@@ -211,6 +215,11 @@ impl Surroundings {
     /// Whether the sky is seen from a point.
     pub fn sky_at(&self, point: Point) -> bool {
         !self.indoors && !self.zones_at(point).any(|zone| zone.indoors)
+    }
+
+    /// Elevation up to which the sky is hidden at a point, in radians.
+    pub fn horizon_at(&self, point: Point) -> f64 {
+        self.zones_at(point).map(|zone| zone.horizon_rad).fold(0.0, f64::max)
     }
 }
 

@@ -8,6 +8,7 @@
 //! | SCIP scan | a distance a ray, in metres, −1 without a measurement | from the scan's clock |
 //! | line image | red, then green, then blue of all columns, each 0 to 1; then depths in metres, −1 for nothing within range; of a camera red, green and blue of all pixels, row by row | not in the message |
 //! | NMEA RMC | latitude and longitude in degrees, 1 with a fix or 0, speed in m/s, course in radians counter-clockwise from east | from the time of day |
+//! | NMEA GGA … RMC | those of the RMC, then altitude in metres, number of satellites and HDOP of the GGA | from the time of day |
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -25,8 +26,12 @@ pub enum Format {
         /// Bytes of a message: [`line_image::encoded_len`].
         message_len: usize,
     },
-    /// A satellite receiver's sentences. The RMC has everything that a reading needs; others are passed over.
-    Nmea,
+    /// A satellite receiver's sentences.
+    Nmea {
+        /// Whether a reading has altitude, satellites and dilution, which are in the GGA: a message goes to the end of the RMC then. Else each sentence
+        /// is a message, and the RMC has everything that a reading needs; others are passed over.
+        with_altitude: bool,
+    },
 }
 
 /// The meaning of the received bytes.
@@ -81,12 +86,21 @@ pub enum Message {
 }
 
 impl Format {
+    /// That of a receiver whose readings have so many values.
+    #[must_use]
+    pub const fn nmea(values: usize) -> Self {
+        Self::Nmea { with_altitude: values > VALUES_OF_RMC }
+    }
+
     /// Finds a message that ends with the last byte. To be called after every byte.
     #[must_use]
     pub fn find(self, received: &[u8]) -> Found {
         let is_whole = match self {
             Self::Scip => received.ends_with(b"\n\n"),
-            Self::Nmea => received.ends_with(b"\n"),
+            Self::Nmea { with_altitude } => {
+                received.ends_with(b"\n")
+                    && (!with_altitude || sentences(received).last().is_some_and(is_rmc))
+            }
             Self::LineImage { message_len } => return find_image(received, message_len),
         };
         if is_whole { Found::Message { skip: 0 } } else { Found::Beginning { skip: 0 } }
@@ -101,7 +115,8 @@ impl Format {
         match self {
             Self::Scip => read_scan(message, now_ns, values),
             Self::LineImage { .. } => read_image(message, values),
-            Self::Nmea => read_fix(message, now_ns, values),
+            Self::Nmea { with_altitude: false } => read_fix(message, now_ns, values),
+            Self::Nmea { with_altitude: true } => read_fix_in_space(message, now_ns, values),
         }
     }
 }
@@ -181,6 +196,31 @@ fn read_fix(message: &[u8], now_ns: u64, values: &mut [f64]) -> Result<Message, 
     Ok(Message::Reading { sampled_at_ns })
 }
 
+/// The last sentence is the RMC.
+fn read_fix_in_space(message: &[u8], now_ns: u64, values: &mut [f64]) -> Result<Message, ReadError> {
+    let mut of_gga = None;
+    for sentence in sentences(message) {
+        if let nmea::Sentence::Gga(gga) = nmea::parse(sentence)? {
+            let satellites = f64::from(gga.satellites.unwrap_or(0));
+            of_gga = Some([gga.altitude_m.unwrap_or(0.0), satellites, gga.hdop.unwrap_or(0.0)]);
+        }
+    }
+    let of_gga = of_gga.as_ref().map_or(&[][..], |values| &values[..]);
+    check_count(values, VALUES_OF_RMC + of_gga.len())?;
+    let (of_rmc, of_space) = values.split_at_mut(VALUES_OF_RMC);
+    of_space.copy_from_slice(of_gga);
+    sentences(message).last().map_or(Ok(Message::Other), |rmc| read_fix(rmc, now_ns, of_rmc))
+}
+
+/// The lines of a message, with their ends.
+fn sentences(message: &[u8]) -> impl Iterator<Item = &[u8]> {
+    message.split_inclusive(|&byte| byte == b'\n')
+}
+
+fn is_rmc(sentence: &[u8]) -> bool {
+    sentence.get(3..6) == Some(b"RMC")
+}
+
 fn check_count(values: &[f64], found: usize) -> Result<(), ReadError> {
     let expected = values.len();
     if found == expected { Ok(()) } else { Err(ReadError::Values { expected, found }) }
@@ -190,6 +230,9 @@ fn check_count(values: &[f64], found: usize) -> Result<(), ReadError> {
 const NOTHING: f64 = -1.0;
 
 const DAY_MS: u64 = 86_400_000;
+
+/// Values of a reading that an RMC has.
+pub const VALUES_OF_RMC: usize = 5;
 
 #[cfg(test)]
 mod tests {
@@ -266,6 +309,7 @@ mod tests {
             altitude_m: 0.0,
             satellites: 12,
             hdop: 1.0,
+            pdop_vdop: None,
         };
         let mut line = vec![0; nmea::MAX_SENTENCE];
         let n = nmea::write_rmc(&fix, &mut line).unwrap();
@@ -276,7 +320,7 @@ mod tests {
     #[test]
     fn a_course_is_counted_from_east() {
         let mut values = [0.0; 5];
-        Format::Nmea.read(&fix(true, 0), 0, &mut values).unwrap();
+        Format::nmea(5).read(&fix(true, 0), 0, &mut values).unwrap();
         assert!((values[4] - 150_f64.to_radians()).abs() < 1e-9, "{values:?}");
         assert_eq!(values[2], 1.0);
     }
@@ -284,9 +328,42 @@ mod tests {
     #[test]
     fn without_a_fix_nothing_of_it_is_made_up() {
         let mut values = [9.0; 5];
-        let read = Format::Nmea.read(&fix(false, 1000), 1_500_000_000, &mut values);
+        let read = Format::nmea(5).read(&fix(false, 1000), 1_500_000_000, &mut values);
         assert_eq!(read, Ok(Message::Reading { sampled_at_ns: Some(1_000_000_000) }));
         assert_eq!(values, [0.0; 5]);
+    }
+
+    #[test]
+    fn a_reading_with_an_altitude_is_all_sentences_to_the_rmc() {
+        let fix_in_space = nmea::Fix {
+            time_utc_ms: 1_000,
+            date: (1, 1, 16),
+            valid: true,
+            latitude_deg: 57.7,
+            longitude_deg: 11.97,
+            speed_m_s: 0.5,
+            course_deg: 90.0,
+            altitude_m: 12.3,
+            satellites: 6,
+            hdop: 2.2,
+            pdop_vdop: None,
+        };
+        let mut bytes = vec![0; nmea::MAX_SENTENCE];
+        let n = nmea::write_gga(&fix_in_space, &mut bytes).unwrap();
+        bytes.truncate(n);
+        let format = Format::nmea(8);
+        assert_eq!(format.find(&bytes), Found::Beginning { skip: 0 });
+        bytes.extend(fix(true, 1_000));
+        assert_eq!(format.find(&bytes[..bytes.len() - 1]), Found::Beginning { skip: 0 });
+        assert_eq!(format.find(&bytes), Found::Message { skip: 0 });
+        let mut values = [0.0; 8];
+        let read = format.read(&bytes, 1_500_000_000, &mut values);
+        assert_eq!(read, Ok(Message::Reading { sampled_at_ns: Some(1_000_000_000) }));
+        assert_eq!((values[2], &values[5..]), (1.0, &[12.3, 6.0, 2.2][..]));
+        let without = format.read(&bytes[n..], 1_500_000_000, &mut values);
+        assert_eq!(without, Err(ReadError::Values { expected: 8, found: 5 }));
+        bytes[9] ^= 1;
+        assert!(matches!(format.read(&bytes, 0, &mut values), Err(ReadError::Nmea(_))));
     }
 
     #[test]
@@ -296,7 +373,7 @@ mod tests {
             [(1_000, 1_400), (2 * DAY_MS + 7, 2 * DAY_MS + 400), (DAY_MS - 5, DAY_MS + 300)]
         {
             let line = fix(true, (sampled % DAY_MS) as u32);
-            let read = Format::Nmea.read(&line, heard * 1_000_000, &mut values);
+            let read = Format::nmea(5).read(&line, heard * 1_000_000, &mut values);
             assert_eq!(read, Ok(Message::Reading { sampled_at_ns: Some(sampled * 1_000_000) }));
         }
     }

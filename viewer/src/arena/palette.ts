@@ -108,6 +108,8 @@ const HUES: Partial<Record<SensorKind, string>> = {
   [SensorKind.FIELD]: "#44aa99",
   [SensorKind.MICROPHONE]: "#aa4499",
   [SensorKind.FLOOR]: "#117733",
+  [SensorKind.STRAIN_GAUGE]: "#aa3377",
+  [SensorKind.IR_BEACONS]: "#999933",
 };
 
 /** A hue for each kind of sensor. */

@@ -62,7 +62,9 @@ impl Ranger {
             | Device::Field(_)
             | Device::Microphone(_)
             | Device::Floor(_)
-            | Device::Battery(_) => None,
+            | Device::Battery(_)
+            | Device::StrainGauge(_)
+            | Device::IrBeacons(_) => None,
         }
     }
 

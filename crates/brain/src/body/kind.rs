@@ -82,6 +82,10 @@ kinds! {
         OpticalFlow = "optical-flow",
         /// An image.
         Camera = "camera",
+        /// The force of contacts on a bar on the rim, in N, or what a bridge of strain gauges tells of it, in mV/V.
+        StrainGauge = "strain-gauge",
+        /// Pose in the arena, by two spots of infra-red light on the ceiling.
+        IrBeacons = "ir-beacons",
     }
 }
 

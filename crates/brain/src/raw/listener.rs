@@ -36,7 +36,7 @@ impl Listener {
             PortFormat::LineImage => {
                 Format::LineImage { message_len: usize::try_from(port.message_bytes).ok()? }
             }
-            PortFormat::Nmea => Format::Nmea,
+            PortFormat::Nmea => Format::nmea(sensor.values()),
             PortFormat::Unknown => return None,
         };
         Some(Self { format, values: sensor.values(), message: Vec::new(), sequence: 0 })

@@ -124,7 +124,7 @@ fn draw_actuator(canvas: &mut Canvas, view: &View, robot: &RobotSpec, actuator: 
             let title = format!("lamp {name}: up to {} cd", handy(*intensity_cd));
             canvas.put(ring(0.09).set("fill", LAMP).set("stroke", LAMP_RIM).titled(&title));
         }
-        ActuatorKind::Speaker(Speaker { level }) => {
+        ActuatorKind::Speaker(Speaker { level, .. }) => {
             let title = format!("loudspeaker {name}: up to {}", handy(*level));
             let back = Pose { heading: pose.heading + std::f64::consts::PI, ..*pose };
             let waves: String =

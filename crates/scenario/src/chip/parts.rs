@@ -243,7 +243,8 @@ impl Part<'_> {
             | Device::Microphone(_)
             | Device::Battery(_)
             | Device::Accelerometer(_)
-            | Device::Gyroscope(_) => self.voltage(place, sensor, 0),
+            | Device::Gyroscope(_)
+            | Device::StrainGauge(_) => self.voltage(place, sensor, 0),
             Device::Encoders(_)
             | Device::Photoresistor(_)
             | Device::Laser(_)
@@ -252,7 +253,8 @@ impl Part<'_> {
             | Device::StepCounter(_)
             | Device::Odometer(_)
             | Device::OpticalFlow(_)
-            | Device::Gps(_) => {
+            | Device::Gps(_)
+            | Device::IrBeacons(_) => {
                 let problem = format!("a sensor of kind \"{}\" has no pins here", sensor.device.kind());
                 Err(self.path.error(problem))
             }

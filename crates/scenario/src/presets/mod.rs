@@ -30,6 +30,7 @@ pub enum PresetKind {
     Robot,
     Sensor,
     Motors,
+    Actuator,
     Microcontroller,
     Link,
     Adapter,
@@ -38,10 +39,11 @@ pub enum PresetKind {
 
 impl PresetKind {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Robot,
         Self::Sensor,
         Self::Motors,
+        Self::Actuator,
         Self::Microcontroller,
         Self::Link,
         Self::Adapter,
@@ -54,6 +56,7 @@ impl PresetKind {
             Self::Robot => "robot",
             Self::Sensor => "sensor",
             Self::Motors => "motors",
+            Self::Actuator => "actuator",
             Self::Microcontroller => "microcontroller",
             Self::Link => "link",
             Self::Adapter => "adapter",
@@ -67,6 +70,7 @@ impl PresetKind {
             Self::Robot => "a robot",
             Self::Sensor => "a sensor",
             Self::Motors => "a pair of motors",
+            Self::Actuator => "an actuator",
             Self::Microcontroller => "a microcontroller",
             Self::Link => "a link",
             Self::Adapter => "an adapter",
@@ -99,6 +103,7 @@ impl Preset {
             b"robot" => PresetKind::Robot,
             b"sensor" => PresetKind::Sensor,
             b"motors" => PresetKind::Motors,
+            b"actuator" => PresetKind::Actuator,
             b"microcontroller" => PresetKind::Microcontroller,
             b"link" => PresetKind::Link,
             b"adapter" => PresetKind::Adapter,
@@ -139,9 +144,10 @@ static PRESETS: &[Preset] = presets! {
     "khepera-1" "khepera-2" "e-puck" "thymio-2" "boe-bot" "turtlebot3-burger" "create-1" "create-2" "chalmers-40cm" "uno-rover" "boe-bot-shield" "line-follower" "arsim"
     "khepera-1-ir" "khepera-2-ir" "e-puck-ir" "thymio-2-ir" "gp2d12" "ping" "hc-sr04"
     "urg-04lx" "ust-10lx" "rplidar-a1" "lds-01" "cmucam-1" "webcam" "camera-320x240"
-    "mpu-6050-gyro" "mpu-6050-accelerometer" "hmc6352" "hmc5883l" "gps-garmin-15" "adns-3080"
+    "mpu-6050-gyro" "mpu-6050-accelerometer" "hmc6352" "hmc5883l" "gps-garmin-15" "adns-3080" "load-cell-10kg"
     "whisker" "photoresistor"
     "parallax-servo" "pololu-37d-30-1" "e-puck-stepper"
+    "hs-645mg" "hs-645mg-6v"
     "bs2" "basicx" "zbasic" "atmega328p" "arduino-uno" "m68331" "dspic30f6014a"
     "uart-9600" "uart-38400" "uart-115200" "usb" "bluetooth" "ble" "onboard"
     "ft232r" "ft232r-1ms" "ch340" "atmega16u2"

@@ -64,7 +64,7 @@ pub(super) fn actuators() -> Value {
     ];
     let kind = table::<actuators::RawActuatorKind>();
     let common = alloc::vec![json!({ "properties": { "kind": kind }, "required": ["kind"] })];
-    Kinds { usual: None, presets: None, common, kinds }.schema()
+    Kinds { usual: None, presets: Some(PresetKind::Actuator), common, kinds }.schema()
 }
 
 /// A sensor's table.

@@ -193,7 +193,10 @@ fn port(path: &Path, raw: &raw::Port, device: &Device) -> Result<Port> {
     } else if let Device::LineCamera(_) | Device::Camera(_) = device {
         Format::LineImage
     } else if is_gps {
-        Format::Nmea { full: raw.sentences != Some(raw::Sentences::Rmc) }
+        let full = raw.sentences != Some(raw::Sentences::Rmc);
+        let problem = "an RMC has no altitude; a receiver with `satellites` sends `all`";
+        path.refuse("sentences", !full && matches!(device, Device::Gps(gps) if gps.satellites), problem)?;
+        Format::Nmea { full }
     } else {
         let problem = format!(
             "a sensor of kind `{}` is read by the microcontroller; lasers, cameras and gps can have a \

@@ -8,7 +8,7 @@ use crate::schema::corpus::{SCHEMA, parsed, path, places, scenarios};
 use crate::schema::validator::{Bounds, findings, is_valid};
 
 /// Fields of which the parser refuses more because of another field, with the reason.
-const NARROWER: [(&str, &str); 33] = [
+const NARROWER: [(&str, &str); 34] = [
     ("/lit_ms", "`blink_ms` is longer"),
     ("/metrics/cell_m", "the arena has so many cells"),
     ("/points_m", "an outline does not cross itself"),
@@ -41,6 +41,7 @@ const NARROWER: [(&str, &str); 33] = [
     ("/curve_signal_share", "signals increase"),
     ("/curve_m_v", "distances increase"),
     ("/distances_m", "distances increase"),
+    ("/band_hz", "frequencies increase"),
     ("/angles_rad", "angles increase"),
 ];
 

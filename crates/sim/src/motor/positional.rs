@@ -2,8 +2,8 @@
 //! cannot use it.
 //!
 //! Deviations. It turns at its full rate or not at all: without load, and without the swing at the end. The
-//! notes have no servos. Data sheets give the rate as a time: 60° in 0.19 s (Hitec HS-311) or 0.23 s (Futaba
-//! S3003), at 4.8 V.
+//! notes describe servos (Section 1.2.3, Figs. 1.14 and 1.15), and compute none. Data sheets give the rate as a time: 60° in
+//! 0.24 s (Hitec HS-645MG), 0.19 s (HS-311) or 0.23 s (Futaba S3003), at 4.8 V.
 
 use baudbot_fields::number::{Between, Millis, Number, Opening, Positive, Rule, Share};
 use serde::Deserialize;

@@ -196,8 +196,7 @@ impl Robot {
         first: usize,
     ) -> Option<(SimTime, Task)> {
         let Self { microcontroller, motion, actuators, parts, pings, recorder, .. } = self;
-        let battery = parts.battery.as_ref();
-        let mut at = measurement(spec, tick, now, (motion, actuators, battery));
+        let mut at = measurement(spec, tick, now, (motion, actuators, parts));
         let next = microcontroller.acquire(spec, first, &mut at, |acquired| {
             let sensor = acquired.sensor as u16;
             if acquired.ping.is_some() {
@@ -272,8 +271,7 @@ impl Robot {
         match event {
             Event::Measure => {
                 let Self { microcontroller, motion, actuators, parts, .. } = self;
-                let battery = parts.battery.as_ref();
-                let at = measurement(spec, tick, now, (motion, actuators, battery));
+                let at = measurement(spec, tick, now, (motion, actuators, parts));
                 microcontroller.measure(spec, i, &at);
             }
             Event::Output => {

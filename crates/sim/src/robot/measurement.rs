@@ -1,8 +1,7 @@
 //! The measurement of a robot's sensors.
 
-use super::Tick;
+use super::{OptionalParts, Tick};
 use crate::actuator::ActuatorState;
-use crate::battery::BatteryState;
 use crate::drive::Motion;
 use crate::model::RobotSpec;
 use crate::sensor::Measurement;
@@ -13,14 +12,15 @@ pub(super) fn measurement<'a>(
     spec: &'a RobotSpec,
     tick: &Tick<'a>,
     now: SimTime,
-    (motion, actuators, battery): (&'a Motion, &'a [ActuatorState], Option<&'a BatteryState>),
+    (motion, actuators, parts): (&'a Motion, &'a [ActuatorState], &'a OptionalParts),
 ) -> Measurement<'a> {
     Measurement {
         scene: tick.scene,
         drive: &spec.drive,
         motion,
         actuators,
-        battery: spec.battery.as_ref().zip(battery),
+        battery: spec.battery.as_ref().zip(parts.battery.as_ref()),
+        impulses_n_s: parts.impulses_n_s.unwrap_or_default(),
         noise: tick.noise,
         now,
         near: None,

@@ -9,6 +9,7 @@ mod chip;
 mod cycles;
 mod dead_time;
 mod measurement;
+mod motion;
 mod onboard;
 mod ports;
 mod recorder;
@@ -90,11 +91,13 @@ pub(crate) struct OptionalParts {
     pub(crate) chip: Option<Box<ChipState>>,
     /// The time, in nanoseconds, for which the robot has been kept from sliding on.
     pub(crate) standing_ns: Option<u64>,
+    /// The impulses of all contacts so far on its front and on its back, in N s, if a sensor feels them.
+    pub(crate) impulses_n_s: Option<[f64; 2]>,
     /// The currents in the windings of DC motors with an inductance, in A.
     pub(crate) currents_a: Option<Wheels>,
 }
 
-optional_parts!(OptionalParts { battery, delay_line, dialogues, chip, standing_ns, currents_a });
+optional_parts!(OptionalParts { battery, delay_line, dialogues, chip, standing_ns, impulses_n_s, currents_a });
 
 /// The tick in which a robot is advanced, with the scene as it is at its start.
 #[derive(Clone, Copy)]
@@ -165,6 +168,7 @@ impl Robot {
                 chip: spec.chip.as_ref().map(|chip| Box::new(ChipState::new(chip, spec))),
                 standing_ns: None,
                 currents_a: spec.drive.motor.has_windings().then(Wheels::default),
+                impulses_n_s: spec.sensors.feel_contacts().then_some([0.0; 2]),
             },
             pings: [None; 2],
             commanded_at: SimTime::ZERO,

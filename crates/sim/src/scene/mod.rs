@@ -60,6 +60,8 @@ pub(crate) struct Sound {
     pub(crate) from: Point,
     /// The loudness at a metre.
     pub(crate) level: f64,
+    /// The frequency, in hertz, if it is a tone.
+    pub(crate) frequency_hz: Option<f64>,
 }
 
 /// The frozen scene as one robot sees it.

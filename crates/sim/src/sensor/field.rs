@@ -1,5 +1,14 @@
 //! Fields and sounds: scent, temperature, or any scalar that fills the plane; and the loudness of what robots
-//! say.
+//! say (Section 1.2.3).
+//!
+//! A microphone hears L = Σ g(f) level / d over the sounds of others, of the frequency f at the distance d. With a band from f₁ to f₂ it passes
+//!
+//! g = 1 within the band, (f / f₁)² below it and (f₂ / f)² above
+//!
+//! which falls by 12 dB an octave, as behind a filter of second order on each side; without a band, and of sounds without a frequency, g is 1.
+//!
+//! Deviations. The notes name microphones and speakers and compute nothing. Loudnesses add up as numbers, whatever their phases. A tone has one frequency, the scenario's, and no
+//! harmonics; a filter's corner is sharp, where a real one has lost 3 dB. Sound needs no time, and walls do not muffle it.
 
 use alloc::format;
 use alloc::string::String;
@@ -12,6 +21,7 @@ use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels, maximum};
 use super::style::{Style, Symbol};
 use super::{Measurement, Mount};
 use crate::random::Stream;
+use crate::scene::Sound;
 use baudbot_fields::number::{Number, Positive};
 use baudbot_fields::{FieldError, Path};
 
@@ -76,7 +86,10 @@ impl Sense for FieldSensor {
 
 /// The loudness: sounds fall off with the distance, and their loudness adds up. Walls do not muffle them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Microphone;
+pub struct Microphone {
+    /// Least and greatest frequency that it passes as they are, in hertz; all if there is none.
+    pub band_hz: Option<[f64; 2]>,
+}
 
 /// The fields of its table.
 #[derive(Deserialize)]
@@ -85,6 +98,9 @@ pub struct Microphone;
 pub(crate) struct MicrophoneSheet {
     /// Value of the largest code. Default: required with `bits`.
     max: Option<Number<Positive>>,
+    /// Least and greatest frequency of a band-pass filter, beyond which it loses 12 dB an octave. Type: `[low, high]`. Default: all are heard. Range: each
+    /// above 0; increasing.
+    band_hz: Option<[Number<Positive>; 2]>,
 }
 
 impl Sense for Microphone {
@@ -96,23 +112,39 @@ impl Sense for Microphone {
 
     fn new(sheet: MicrophoneSheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
         let encodings = levels(fit.bits, 1, 0.0, maximum(path, sheet.max, fit.bits)?);
-        Ok(Built::new(Self, encodings))
+        let band_hz = sheet.band_hz.map(|band| band.map(Number::get));
+        if let Some([low, high]) = band_hz
+            && low >= high
+        {
+            return Err(path.field("band_hz").error(format!("must increase, is {low} to {high}")));
+        }
+        Ok(Built::new(Self { band_hz }, encodings))
     }
 
     fn components(&self) -> Vec<Component> {
         vec![Component::one("", "1")]
     }
 
-    /// The sum of level / d over the other robots' sounds; 1 is a loudspeaker of level 1 at a metre.
+    /// The sum of g level / d over the other robots' sounds; 1 is a loudspeaker of level 1 at a metre.
     fn read(&self, at: &Measurement<'_>, _: &mut (), _: &mut Stream, values: &mut [f64]) -> Effect {
         let here = at.motion.pose.position;
         let others = at.scene.frozen.sounds.iter().filter(|sound| sound.robot != at.scene.own);
-        values[0] = others.map(|sound| sound.level / (sound.from - here).norm().max(NEAREST_M)).sum();
+        let loudness = |sound: &Sound| sound.level / (sound.from - here).norm().max(NEAREST_M);
+        values[0] = others.map(|sound| self.gain(sound.frequency_hz) * loudness(sound)).sum();
         Effect::NONE
     }
 
     fn bound(&self, values: &mut [f64]) {
         values[0] = values[0].max(0.0);
+    }
+}
+
+impl Microphone {
+    /// The part of a sound of this frequency that it passes.
+    fn gain(&self, frequency_hz: Option<f64>) -> f64 {
+        let (Some([low, high]), Some(frequency_hz)) = (self.band_hz, frequency_hz) else { return 1.0 };
+        let ratio = (frequency_hz / low).min(high / frequency_hz).min(1.0);
+        ratio * ratio
     }
 }
 

@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::style::Style;
-use super::{Measurement, Mount, encoder, gps, lowpass, odometer, optical_flow, touch};
+use super::{Measurement, Mount, encoder, gps, lowpass, odometer, optical_flow, strain_gauge, touch};
 use crate::battery::Battery;
 use crate::random::Stream;
 use crate::scene::Ping;
@@ -234,6 +234,7 @@ pub(crate) enum Memory {
     Gps(Box<gps::Wander>),
     Touch(touch::Contact),
     OpticalFlow(Box<optical_flow::Track>),
+    StrainGauge(strain_gauge::Load),
 }
 
 impl Memory {
@@ -249,6 +250,7 @@ impl Memory {
                 Self::Accelerometer(filters) => filters.iter().all(lowpass::LowPass::is_sound),
                 Self::Gps(wander) => wander.is_sound(),
                 Self::OpticalFlow(track) => track.is_sound(),
+                Self::StrainGauge(load) => load.is_sound(),
             }
     }
 }
@@ -284,4 +286,5 @@ parts! {
     Gps(Box<gps::Wander>),
     Touch(touch::Contact),
     OpticalFlow(Box<optical_flow::Track>),
+    StrainGauge(strain_gauge::Load),
 }

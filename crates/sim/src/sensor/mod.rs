@@ -13,11 +13,13 @@ mod gps;
 mod gyroscope;
 mod image;
 mod infrared;
+mod ir_beacons;
 mod kind;
 mod laser;
 mod light;
 mod lookup;
 mod lowpass;
+mod measurement;
 mod mount;
 pub(crate) mod noise;
 mod odometer;
@@ -26,7 +28,9 @@ mod own_clock;
 mod photoresistor;
 pub mod port;
 mod set;
+mod sky;
 mod sonar;
+mod strain_gauge;
 mod style;
 mod touch;
 mod voltage;
@@ -34,7 +38,7 @@ mod voltage;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Fan, Pose, Twist, vectors};
+use baudbot_geometry::{Fan, Pose, vectors};
 use baudbot_wire::Encoding;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
@@ -51,6 +55,7 @@ pub use gps::Gps;
 pub use gyroscope::Gyroscope;
 pub use image::Camera;
 pub use infrared::{Converter, Infrared, InfraredModel};
+pub use ir_beacons::IrBeacons;
 pub use kind::{Built, Component, Fit, Place};
 pub(crate) use kind::{Effect, Memory};
 use kind::{Part, Sense};
@@ -58,6 +63,7 @@ pub use laser::Laser;
 pub(crate) use laser::NOTHING;
 pub use light::LightSensor;
 pub use lookup::{Lookup, Sheet as LookupSheet};
+pub(crate) use measurement::Measurement;
 pub use mount::Mount;
 pub use noise::{Drift, Dropout, Noise, Spikes};
 pub use odometer::Odometer;
@@ -69,16 +75,13 @@ pub use port::Port;
 pub use set::Sensors;
 pub(crate) use sonar::is_heard;
 pub use sonar::{CrossTalk, Sonar};
+pub use strain_gauge::StrainGauge;
 pub use style::{Style, Symbol};
 pub use touch::{Bumper, Switch, Whisker};
 pub use voltage::VoltageRanger;
 
-use crate::actuator::ActuatorState;
 pub use crate::arena::Height;
-use crate::battery::{Battery, BatteryState};
-use crate::drive::{Drive, Motion};
 use crate::random::Stream;
-use crate::scene::{InSector, Scene};
 use crate::schedule::Schedule;
 use crate::time::SimTime;
 use baudbot_fields::{FieldError, Fields, Path};
@@ -102,32 +105,6 @@ pub struct Sensor {
     pub port: Option<Port>,
     /// The encoding of each value; as many as `device.values()`.
     pub encodings: Vec<Encoding>,
-}
-
-/// The world as a device measures it: the frozen scene, and the robot's own body and motion.
-#[derive(Clone, Copy)]
-pub(crate) struct Measurement<'a> {
-    pub(crate) scene: &'a Scene<'a>,
-    pub(crate) drive: &'a Drive,
-    pub(crate) motion: &'a Motion,
-    pub(crate) actuators: &'a [ActuatorState],
-    /// The robot's battery, if that can run out, and its charge.
-    pub(crate) battery: Option<(&'a Battery, &'a BatteryState)>,
-    pub(crate) noise: bool,
-    pub(crate) now: SimTime,
-    /// The shapes that the sensor's rays may meet, if they are known.
-    pub(crate) near: Option<InSector<'a>>,
-    /// The tick: from here …
-    pub(crate) tick_start: SimTime,
-    /// … to here, with the scene as it is at its start.
-    pub(crate) tick_end: SimTime,
-}
-
-impl Measurement<'_> {
-    /// The robot's motion over ground, whatever its wheels do.
-    fn over_ground(&self) -> Twist {
-        self.scene.surroundings.over_ground(self.drive, self.motion)
-    }
 }
 
 macro_rules! devices {
@@ -343,6 +320,8 @@ devices! {
     Microphone(Microphone),
     Floor(FloorSensor),
     Battery(BatteryGauge),
+    StrainGauge(StrainGauge),
+    IrBeacons(IrBeacons),
 }
 
 /// The memory as that of the device that it was made for.

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::link::{Direction, Line, Link, Message};
 use crate::sensor::dialogue::{self, Dialogue};
+use crate::sensor::sky::{Dilution, SKY};
 use crate::sensor::{Device, Sensor};
 use crate::time::SimTime;
 
@@ -187,7 +188,7 @@ impl Format {
             }
             (Self::LineImage, Device::Camera(camera)) => line_image::encoded_len(camera.columns, camera.rows),
             (Self::LineImage, _) => 0,
-            (Self::Nmea { full }, _) => self.nmea_len(*full),
+            (Self::Nmea { full }, _) => nmea_len(*full, device.values()),
         }
     }
 
@@ -195,12 +196,9 @@ impl Format {
     fn longest(&self, device: &Device) -> usize {
         match self {
             Self::Scip(_) | Self::LineImage => 2 * self.message_len(device),
+            Self::Nmea { .. } if device.values() > port::VALUES_OF_RMC => SENTENCES * nmea::MAX_SENTENCE,
             Self::Nmea { .. } => nmea::MAX_SENTENCE,
         }
-    }
-
-    fn nmea_len(&self, full: bool) -> usize {
-        gps_message(full, SimTime::from_ns(0), &[57.7, 11.97, 1.0, 0.0, 0.0]).len()
     }
 
     fn write(&self, device: &Device, sequence: u16, at: SimTime, values: &[f64]) -> Vec<u8> {
@@ -246,7 +244,7 @@ impl Format {
         let format = match self {
             Self::Scip(_) => port::Format::Scip,
             Self::LineImage => port::Format::LineImage { message_len: self.message_len(device) },
-            Self::Nmea { .. } => port::Format::Nmea,
+            Self::Nmea { .. } => port::Format::nmea(device.values()),
         };
         let skip = match format.find(received) {
             port::Found::Message { skip } => skip,
@@ -281,9 +279,31 @@ const FITS: &str = "the buffer is as long as the message";
 
 const DAY_MS: u64 = 86_400_000;
 
-/// The message of a receiver on one fix.
+/// A GGA, a GSA, three GSV and an RMC.
+const SENTENCES: usize = 6;
+
+/// Bytes of a receiver's message with so many values.
+fn nmea_len(full: bool, values: usize) -> usize {
+    let usual = [57.7, 11.97, 1.0, 0.0, 0.0, 100.0, 12.0, 1.0];
+    gps_message(full, SimTime::from_ns(0), usual.get(..values).unwrap_or_default()).len()
+}
+
+/// The message of a receiver on one fix. Without values of the sky there are all the satellites in it, and an HDOP of 1.
 fn gps_message(full: bool, at: SimTime, values: &[f64]) -> Vec<u8> {
-    let &[latitude_deg, longitude_deg, fix, speed_m_s, course_rad] = values else { return Vec::new() };
+    let Some((&[latitude_deg, longitude_deg, fix, speed_m_s, course_rad], of_sky)) =
+        values.split_first_chunk()
+    else {
+        return Vec::new();
+    };
+    let (altitude_m, seen, hdop, pdop_vdop) = match *of_sky {
+        [altitude_m, seen, hdop] => {
+            let dilution = Dilution::of(seen as usize);
+            let pdop_vdop = (dilution.of_position(), dilution.vertical);
+            (altitude_m, (seen as usize).min(SKY.len()), hdop, Some(pdop_vdop))
+        }
+        _ => (0.0, SKY.len(), 1.0, None),
+    };
+    let hidden = SKY.len() - seen;
     let fix = nmea::Fix {
         time_utc_ms: (at.as_ns() / 1_000_000 % DAY_MS) as u32,
         date: nmea::date_after((at.as_ns() / 1_000_000 / DAY_MS) as u32),
@@ -292,35 +312,29 @@ fn gps_message(full: bool, at: SimTime, values: &[f64]) -> Vec<u8> {
         longitude_deg,
         speed_m_s,
         course_deg: (core::f64::consts::FRAC_PI_2 - course_rad).to_degrees(),
-        altitude_m: 0.0,
-        satellites: SKY.len() as u8,
-        hdop: 1.0,
+        altitude_m,
+        satellites: seen as u8,
+        hdop,
+        pdop_vdop,
     };
-    let mut bytes = vec![0; 8 * nmea::MAX_SENTENCE];
+    sentences(&fix, full.then_some(hidden))
+}
+
+/// The RMC of a fix, and before it, of so many hidden satellites, the other sentences.
+fn sentences(fix: &nmea::Fix, hidden: Option<usize>) -> Vec<u8> {
+    let mut bytes = vec![0; SENTENCES * nmea::MAX_SENTENCE];
     let mut n = 0;
-    if full {
-        n += nmea::write_gga(&fix, &mut bytes[n..]).expect(FITS);
-        n += nmea::write_gsa(&fix, &SKY, &mut bytes[n..]).expect(FITS);
-        n += nmea::write_gsv(&SKY, &mut bytes[n..]).expect(FITS);
+    if let Some(hidden) = hidden {
+        let mut in_view = SKY;
+        in_view[..hidden].iter_mut().for_each(|satellite| satellite.snr_db = 0);
+        n += nmea::write_gga(fix, &mut bytes[n..]).expect(FITS);
+        n += nmea::write_gsa(fix, &in_view[hidden..], &mut bytes[n..]).expect(FITS);
+        n += nmea::write_gsv(&in_view, &mut bytes[n..]).expect(FITS);
     }
-    n += nmea::write_rmc(&fix, &mut bytes[n..]).expect(FITS);
+    n += nmea::write_rmc(fix, &mut bytes[n..]).expect(FITS);
     bytes.truncate(n);
     bytes
 }
-
-/// The choice of satellites is not modelled: always these twelve, well spread. The length of the sentences, which the
-/// cable has to carry, is a real receiver's.
-const SKY: [nmea::Satellite; 12] = {
-    let mut sky = [nmea::Satellite { prn: 1, elevation_deg: 15, azimuth_deg: 0, snr_db: 40 }; 12];
-    let mut i = 0;
-    while i < 12 {
-        sky[i].prn = 2 + 2 * i as u8;
-        sky[i].elevation_deg = 15 + 6 * i as u8;
-        sky[i].azimuth_deg = (150 * i as u16) % 360;
-        i += 1;
-    }
-    sky
-};
 
 #[cfg(test)]
 mod tests {
@@ -328,10 +342,12 @@ mod tests {
 
     #[test]
     fn a_receivers_sentences_take_most_of_each_second_at_4800_baud() {
-        let full = Format::Nmea { full: true }.nmea_len(true);
+        let full = nmea_len(true, 5);
         assert!((380..=480).contains(&full), "{full}");
-        let alone = Format::Nmea { full: false }.nmea_len(false);
+        let alone = nmea_len(false, 5);
         assert!((60..=82).contains(&alone), "{alone}");
+        // The altitude, and two more dilutions.
+        assert_eq!(nmea_len(true, 8), full + 2 + 8);
     }
 
     #[test]
@@ -347,7 +363,7 @@ mod tests {
     fn a_fix_survives_its_sentence_to_less_than_a_fifth_of_a_metre() {
         let bytes = gps_message(false, SimTime::from_ns(1_000_000_000), &[57.7, 11.97, 1.0, 0.5, 0.25]);
         let mut values = [0.0; 5];
-        port::Format::Nmea.read(&bytes, 1_100_000_000, &mut values).unwrap();
+        port::Format::nmea(5).read(&bytes, 1_100_000_000, &mut values).unwrap();
         let metres = (values[0] - 57.7).hypot(values[1] - 11.97) * 111_195.0;
         assert!(metres < 0.2, "{metres}");
         assert_eq!(values[2], 1.0);

@@ -49,6 +49,11 @@ impl Sensors {
         &self.0.ports
     }
 
+    /// Whether one of them measures forces of contacts.
+    pub(crate) fn feel_contacts(&self) -> bool {
+        self.iter().any(|sensor| matches!(sensor.device, Device::StrainGauge(_)))
+    }
+
     /// Those that the microcontroller reads.
     pub(crate) fn on_wire(&self) -> &[Sensor] {
         &self.0.all[..self.0.all.len() - self.0.ports.len()]

@@ -103,7 +103,7 @@ pub(crate) struct BumperSheet {
 
 type Bounce = Number<Millis<Between<0, 10_000>>>;
 
-fn travel_m() -> Number<Length> {
+pub(super) fn travel_m() -> Number<Length> {
     Number::of(0.005)
 }
 

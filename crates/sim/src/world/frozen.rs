@@ -1,5 +1,6 @@
 //! The state as sensors see it: everything that moves, as it stands at the start of the tick.
 
+use baudbot_fields::number::Number;
 use baudbot_geometry::{Circle, Pose};
 
 use super::World;
@@ -68,9 +69,12 @@ impl World {
                     shadows: true,
                     robot: Some(i),
                 }),
-                ActuatorKind::Speaker(Speaker { level }) => {
-                    frozen.sounds.push(Sound { robot: i, from, level: strength * level });
-                }
+                ActuatorKind::Speaker(Speaker { level, frequency_hz }) => frozen.sounds.push(Sound {
+                    robot: i,
+                    from,
+                    level: strength * level,
+                    frequency_hz: frequency_hz.map(Number::get),
+                }),
             }
         }
     }

@@ -7,11 +7,8 @@ use alloc::vec::Vec;
 use baudbot_geometry::{Circle, Crowd, Point, Pose, polygon};
 
 use super::{Ending, World};
-use crate::actuator::ActuatorKind;
 use crate::collision::{Collision, CollisionPolicy, Found, Met, Partner, Step, Thrust, Way, swept};
-use crate::drive::Wheels;
 use crate::model::RobotSpec;
-use crate::motor::Motors;
 use crate::movable::{self, Body, Fixed, Form, Pusher};
 use crate::mover::Around;
 use crate::parallel;
@@ -32,6 +29,8 @@ pub(super) struct Lists {
     found: Vec<Option<Found>>,
     obstacles: Vec<Body>,
     movables: Vec<Body>,
+    /// The speeds of robots that feel contacts, as their motors would make them.
+    driven_m_s: Vec<Option<f64>>,
 }
 
 impl World {
@@ -45,10 +44,11 @@ impl World {
         if scored {
             self.note_poses(&mut lists.at_start);
         }
+        let is_felt = self.state.robots.iter().any(|robot| robot.parts.impulses_n_s.is_some());
         for i in 0..u64::from(scenario.substeps) {
             if self.state.ending.is_none() {
                 let dt = dt_ns as f64 / SECOND_NS as f64;
-                self.substep(&scenario, &mut lists, now + i * dt_ns, dt);
+                self.substep(&scenario, &mut lists, now + i * dt_ns, dt, is_felt);
             }
         }
         if scored {
@@ -57,8 +57,12 @@ impl World {
         self.spare.lists = Some(lists);
     }
 
-    fn substep(&mut self, scenario: &Scenario, lists: &mut Lists, now: SimTime, dt: f64) {
+    fn substep(&mut self, scenario: &Scenario, lists: &mut Lists, now: SimTime, dt: f64, is_felt: bool) {
         self.drive_all(scenario, lists, now, dt);
+        if is_felt {
+            lists.driven_m_s.clear();
+            lists.driven_m_s.extend(self.state.robots.iter().map(Robot::felt_speed_m_s));
+        }
         self.note_obstacles(scenario, &mut lists.obstacles);
         lists.held_first.clear();
         lists.movables.clear();
@@ -85,8 +89,18 @@ impl World {
                 self.stop_robots(scenario, lists, dt);
             }
         }
+        if is_felt {
+            self.feel(scenario, &lists.driven_m_s);
+        }
         if !scenario.movers.is_empty() {
             self.move_movers(scenario, now, dt);
+        }
+    }
+
+    /// Robots feel what has changed the speeds that their motors gave them.
+    fn feel(&mut self, scenario: &Scenario, driven_m_s: &[Option<f64>]) {
+        for ((robot, spec), driven) in self.state.robots.iter_mut().zip(&scenario.robots).zip(driven_m_s) {
+            robot.feel(&spec.drive, *driven);
         }
     }
 
@@ -337,67 +351,6 @@ fn pusher<'a>(robot: &Robot, spec: &'a RobotSpec, before: &Pose) -> Pusher<'a> {
         heading: robot.motion.pose.direction(),
         speed_m_s: robot.motion.speed_m_s,
         turn_rate_rad_s: robot.motion.turn_rate_rad_s,
-    }
-}
-
-impl Robot {
-    /// A substep of the motors and the other actuators, as if the robot were alone.
-    fn drive(&mut self, spec: &RobotSpec, scenario: &Scenario, now: SimTime, dt: f64) {
-        self.take_up(spec, now, dt);
-        let given = match &self.parts.delay_line {
-            None => self.signals,
-            Some(_) => self.delay(spec, now),
-        };
-        let powered = match (&spec.battery, &self.parts.battery) {
-            (Some(battery), Some(state)) => !state.is_empty(battery),
-            _ => true,
-        };
-        let signals = if powered { self.motor_noise.apply(given) } else { Wheels::default() };
-        let signals = self.under_load(spec, signals);
-        let grip = scenario.surroundings.grip_of(&spec.drive, &self.motion);
-        self.motion = match (&self.parts.chip, &mut self.parts.currents_a, &spec.drive.motor) {
-            (Some(chip), _, _) => {
-                spec.drive.step_behind_bridges(&self.motion, signals, (chip.given().open, grip), dt)
-            }
-            (None, Some(currents_a), Motors::Dc(motor)) => {
-                spec.drive.step_with_windings(&self.motion, (motor, signals), (currents_a, grip), dt)
-            }
-            (None, _, _) => spec.drive.step(&self.motion, signals, grip, dt),
-        };
-        for (actuator, state) in spec.actuators.iter().zip(&mut self.actuators) {
-            if let ActuatorKind::Turret(servo) = &actuator.kind {
-                // A pulse begins in the first substep of each frame.
-                if now.since(servo.frame_start(now)) < (dt * SECOND_NS as f64 + 0.5) as u64 {
-                    state.pulse = state.signal;
-                }
-                state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.pulse), dt);
-            }
-        }
-        if let (Some(battery), Some(state)) = (&spec.battery, &mut self.parts.battery) {
-            let charger_w = scenario.surroundings.charger_at(self.motion.pose.position);
-            let motors_w = match (powered, &self.parts.currents_a) {
-                (false, _) => 0.0,
-                (true, None) => spec.drive.power_w(&self.motion, signals),
-                (true, Some(currents_a)) => spec.drive.power_of_currents_w(currents_a, signals),
-            };
-            state.draw(battery, battery.idle_w + motors_w, dt);
-            if charger_w > 0.0 {
-                let drawn_a = state.current_a;
-                state.charge(battery, charger_w, dt);
-                state.current_a += drawn_a;
-            }
-        }
-    }
-
-    /// A DC motor gets what the battery still gives.
-    fn under_load(&self, spec: &RobotSpec, signals: Wheels) -> Wheels {
-        let (Some(battery), Some(state), Motors::Dc(_)) =
-            (&spec.battery, &self.parts.battery, &spec.drive.motor)
-        else {
-            return signals;
-        };
-        let share = state.terminal_v(battery) / battery.nominal_v;
-        Wheels { left: share * signals.left, right: share * signals.right }
     }
 }
 

@@ -133,6 +133,8 @@ impl Robot {
         same(parts.chip.is_some() == others.chip.is_some(), "chips")?;
         same(parts.currents_a.is_some() == others.currents_a.is_some(), "windings")?;
         sound(others.currents_a.as_ref().is_none_or(sound::wheels), "windings")?;
+        same(parts.impulses_n_s.is_some() == others.impulses_n_s.is_some(), "strain gauges")?;
+        sound(sound::numbers(others.impulses_n_s.into_iter().flatten()), "contacts")?;
         let chips = parts.chip.as_ref().zip(others.chip.as_ref());
         sound(chips.is_none_or(|(own, other)| own.may_become(other, &spec.link, now)), "chip")?;
         let sensors = spec.sensors.len();

@@ -263,6 +263,7 @@ wander_time_s = 100.0
 sigma_m = 0.5
 speed_sigma_m_s = 0.05
 reacquire_s = 0.5
+satellites = true
 period_ms = 200.0
 port = { link = { kind = "uart", baud = 38400 } }
 [robots.sensors.whisker]
@@ -320,6 +321,24 @@ bits = 8
 kind = "battery"
 noise = { additive = 0.02 }
 bits = 10
+[robots.sensors.strain]
+kind = "strain-gauge"
+opening_rad = 3.0
+travel_m = 4.0
+range_n = 50.0
+bridge_mv_v = 2.0
+bandwidth_hz = 20.0
+noise = { additive = 0.01, offset_spread = 0.1 }
+bits = 12
+[robots.sensors.beacons]
+kind = "ir-beacons"
+mount = { x_m = 0.05 }
+spots_m = [[0.0, 0.0], [0.0, 0.01]]
+ceiling_m = 0.5
+opening_rad = 3.0
+sigma_rad = 1.0
+clock = { period_ms = 30.0, jitter_ms = 5.0 }
+bits = 16
 "#;
 
 /// A world of all there is, with robots of these names, whose places depend on the name alone.

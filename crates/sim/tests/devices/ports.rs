@@ -183,6 +183,24 @@ fn a_fix_comes_through_its_sentences_to_a_fifth_of_a_metre() {
 }
 
 #[test]
+fn altitude_satellites_and_dilution_come_through_their_sentences() {
+    let top = "[arena]\nlatitude_deg = 57.7\naltitude_m = 100.0\n[[arena.zones]]\nname = \"street\"\nx_m = 0.0\ny_m = 0.0\n\
+               radius_m = 9.0\nhorizon_deg = 50.0\n";
+    let sensor =
+        format!("kind = \"gps\"\nsatellites = true\nperiod_ms = 1000.0\nport = {{ link = {} }}", uart(4800));
+    let mut world = world(&scene(top, POLLED, &named("s", &sensor)));
+    let bytes = listen(&mut world, 250);
+    let text = String::from_utf8_lossy(&bytes);
+    let reading = &world.robot(0).readings()[0].values;
+    assert_eq!((reading[2], &reading[5..]), (1.0, &[100.0, 6.0, 2.2][..]), "{text}");
+    assert_eq!(world.robot(0).port(0).unwrap().messages, 2, "one reading a second: {text}");
+    assert!(text.contains(",1,06,2.20,100.0,M,"), "{text}");
+    // The six highest; PDOP is the root of 2.1962² + 6.0196².
+    assert!(text.contains("$GPGSA,A,3,14,16,18,20,22,24,,,,,,,6.41,2.20,6.02*"), "{text}");
+    assert!(text.contains("GPGSV,3,1,12,02,15,000,,04,21,150,,06,27,300,,08,33,090,*"), "{text}");
+}
+
+#[test]
 fn without_sky_a_receiver_says_v_and_has_no_fix() {
     let zone = "[[arena.zones]]\nname = \"house\"\nx_m = 3.0\ny_m = -4.0\nradius_m = 1.0\nindoors = true\n";
     let port = format!(

@@ -187,3 +187,96 @@ fn indoors_there_never_is_a_fix() {
     let toml = with_sensor("[arena]\nindoors = true\n", "kind = \"gps\"");
     assert_eq!(first(&toml), [0.0; 5]);
 }
+
+/// The satellites above horizons that leave so many of them.
+const HORIZONS: [(usize, f64); 3] = [(9, 30.0), (6, 50.0), (4, 62.0)];
+
+/// HDOP and VDOP of the highest satellites, by another program.
+fn dilution(satellites: usize) -> (f64, f64) {
+    match satellites {
+        12 => (0.8749, 1.2453),
+        9 => (1.237, 2.3532),
+        6 => (2.1962, 6.0196),
+        4 => (4.5925, 16.2256),
+        _ => panic!("no dilution of {satellites} satellites"),
+    }
+}
+
+/// Everywhere a horizon so high.
+fn street(horizon_deg: f64) -> String {
+    format!(
+        "{ORIGIN}altitude_m = 100.0\n[[arena.zones]]\nname = \"street\"\nx_m = 0.0\ny_m = 0.0\nradius_m = 1000.0\n\
+         horizon_deg = {horizon_deg:?}\n"
+    )
+}
+
+#[test]
+fn a_receiver_tells_altitude_satellites_and_dilution() {
+    for (satellites, horizon_deg) in HORIZONS.into_iter().chain([(12, 0.0)]) {
+        let toml = with_sensor(
+            &format!("noise = false\n{}", street(horizon_deg)),
+            "kind = \"gps\"\nsatellites = true",
+        );
+        let sample = first(&toml);
+        assert_eq!((sample[2], sample[5], sample[6]), (1.0, 100.0, satellites as f64), "{sample:?}");
+        assert!((sample[7] - dilution(satellites).0).abs() < 1e-4, "{sample:?}");
+    }
+}
+
+#[test]
+fn three_satellites_make_no_fix() {
+    let toml = with_sensor(&street(65.0), "kind = \"gps\"\nsatellites = true");
+    assert_eq!(first(&toml), [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0]);
+    let plain = with_sensor(&street(65.0), "kind = \"gps\"");
+    assert_eq!(first(&plain)[2], 1.0, "a receiver that counts no satellites knows roofs only");
+}
+
+#[test]
+fn under_the_open_sky_positions_are_those_of_a_receiver_without_altitude() {
+    let gps = "kind = \"gps\"\nwander_sigma_m = 2.0\nshort_wander_sigma_m = 1.0\nsigma_m = 0.5\nspeed_sigma_m_s = 0.1";
+    let plain = collect(&with_sensor(ORIGIN, gps), 50);
+    let counting = collect(&with_sensor(ORIGIN, &format!("{gps}\nsatellites = true")), 50);
+    for (plain, counting) in plain.iter().zip(&counting) {
+        assert_eq!(plain[..], counting[..5]);
+    }
+}
+
+#[test]
+fn errors_of_position_and_altitude_grow_with_their_dilutions() {
+    for (satellites, horizon_deg) in [(6, 50.0), (12, 0.0)] {
+        let top = format!("step_ms = 0.05\n{}", street(horizon_deg));
+        let readings =
+            collect(&with_sensor(&top, "kind = \"gps\"\nsatellites = true\nsigma_m = 0.5"), SAMPLES);
+        // Half a metre along each axis is √2 · 0.5 m in the plane, with all satellites.
+        let distance_m = 0.5 * 2.0_f64.sqrt() / dilution(12).0;
+        let (horizontal, vertical) = dilution(satellites);
+        let (along, up) = (distance_m * horizontal / 2.0_f64.sqrt(), distance_m * vertical);
+        let mut easts: Vec<_> = readings.iter().map(|sample| metres(sample).0).collect();
+        assert_distributed(&mut easts, |scale| normal(0.0, along * scale));
+        let mut altitudes: Vec<_> = readings.iter().map(|sample| sample[5] - 100.0).collect();
+        assert_distributed(&mut altitudes, |scale| normal(0.0, up * scale));
+        let pairs: Vec<_> = readings.iter().map(|sample| (metres(sample).0, sample[5])).collect();
+        assert!(correlation(&pairs).abs() < 0.015, "{}", correlation(&pairs));
+    }
+}
+
+#[test]
+fn an_altitudes_error_wanders_as_the_positions_do() {
+    let toml = with_sensor(
+        &format!("step_ms = 1000.0\nsubsteps = 50\n{ORIGIN}"),
+        "kind = \"gps\"\nsatellites = true\nwander_sigma_m = 3.0\nwander_time_s = 10.0",
+    );
+    let runs: Vec<_> = (0..2000)
+        .map(|seed| {
+            let samples = collect(&format!("seed = {seed}\n{toml}"), 11);
+            (samples[0][5], samples[10][5])
+        })
+        .collect();
+    let sigma = 3.0 * 2.0_f64.sqrt() * dilution(12).1 / dilution(12).0;
+    for mut at in [runs.iter().map(|r| r.0).collect::<Vec<_>>(), runs.iter().map(|r| r.1).collect()] {
+        let outcome = kolmogorov_smirnov(&mut at, normal(0.0, sigma));
+        assert!(outcome.fits(), "{outcome:?}");
+    }
+    let found = correlation(&runs);
+    assert!((found - (-1.0_f64).exp()).abs() < 0.07, "{found}");
+}

@@ -97,6 +97,27 @@ fn optical_flow_that_cannot_be() {
 }
 
 #[test]
+fn strain_gauges_and_beacons_that_cannot_be() {
+    let gauge = "kind = \"strain-gauge\"\nopening_rad = 1.0\nrange_n = 100.0";
+    sensor(&gauge.replace("100.0", "0.0"), ".range_n: must be positive, is 0");
+    sensor(&format!("{gauge}\nbridge_mv_v = -1.0"), ".bridge_mv_v: must be positive, is -1");
+    sensor(&format!("{gauge}\nbandwidth_hz = 0.0"), ".bandwidth_hz: must be positive, is 0");
+    sensor(&format!("{gauge}\nmount = {{}}"), ": is a part of the rim");
+    let beacons = "kind = \"ir-beacons\"\nmount = {}\nspots_m = [[0.0, 0.0], [0.5, 0.0]]\nceiling_m = 2.5\nopening_rad = 2.0";
+    sensor(&beacons.replace("0.5", "0.005"), ".spots_m: must be two places at least 0.01 m apart");
+    sensor(&beacons.replace(", [0.5, 0.0]", ""), ".spots_m: ");
+    sensor(
+        &format!("{beacons}\nheight_m = 2.5"),
+        ".ceiling_m: must be above the sensor, which is 2.5 m high, is 2.5",
+    );
+    sensor(&format!("{beacons}\nsigma_rad = -0.1"), ".sigma_rad: must not be negative, is -0.1");
+    sensor(
+        &format!("{beacons}\nnoise = {{ additive = 0.1 }}"),
+        ".noise: a sensor of kind `ir-beacons` is digital",
+    );
+}
+
+#[test]
 fn ports_of_the_wrong_kind() {
     let port = |fields: &str| format!("port = {{ link = {{ kind = \"ideal\" }}{fields} }}");
     sensor(
@@ -119,6 +140,10 @@ fn ports_of_the_wrong_kind() {
     sensor(
         &format!("kind = \"gps\"\n{}", port(", characters = 2")),
         ".port.characters: a sensor of kind `gps` has none",
+    );
+    sensor(
+        &format!("kind = \"gps\"\nsatellites = true\n{}", port(", sentences = \"rmc\"")),
+        ".port.sentences: an RMC has no altitude",
     );
     sensor(
         &format!("{LASER}\nport = {{ link = {{ kind = \"uart\" }} }}"),
@@ -146,6 +171,8 @@ fn fields_that_are_not_there() {
         "robots[0].sensors.s.max: is needed with `bits`",
     );
     sensor("kind = \"microphone\"\nbits = 8", ".max: is needed with `bits`");
+    sensor("kind = \"microphone\"\nband_hz = [800.0, 400.0]", ".band_hz: must increase, is 800 to 400");
+    sensor("kind = \"microphone\"\nband_hz = [0.0, 400.0]", ".band_hz");
 }
 
 #[test]

@@ -2,12 +2,12 @@
 
 use std::f64::consts::LN_2;
 
-use baudbot_sim::{Ending, World};
+use baudbot_sim::{Ending, Input, World};
 
 use crate::common::statistics::{SAMPLES, assert_distributed, assert_rate, chi_squared, normal};
-use crate::common::{run, tick, world};
+use crate::common::{run, tick, world, world_with};
 use crate::devices::scene::{
-    all_near, block, first, named, near, scene, single, singles, tick_of, view, wall, with_sensor,
+    all_near, block, first, named, near, scene, signals, single, singles, tick_of, view, wall, with_sensor,
 };
 
 const WHISKER: &str = "kind = \"whisker\"\nbearing_rad = 0.0\nlength_m = 0.1";
@@ -285,6 +285,74 @@ fn a_microphone_hears_others_as_one_by_distance() {
     near(heard(&mut world, [("r", 1.0), ("x", 0.0), ("y", 0.0)]), 0.0);
     near(heard(&mut world, [("r", 1.0), ("x", 1.0), ("y", 0.0)]), 0.5);
     near(heard(&mut world, [("r", 0.0), ("x", 1.0), ("y", 0.5)]), 0.5 + 1.0 / 2.5);
+}
+
+/// Robots 2 m away with a speaker of level 2, which sounds at this frequency if at any, as a microphone of this band hears them.
+fn heard(band: &str, frequency: &str) -> f64 {
+    let speaker = format!(
+        "start = {{ x_m = 2.0 }}\nactuators.voice = {{ kind = \"speaker\", level = 2.0{frequency} }}"
+    );
+    let other = scene("", &speaker, "").replace("name = \"r\"", "name = \"x\"");
+    let mut world = world(&(scene("", "", &named("s", &format!("kind = \"microphone\"{band}"))) + &other));
+    tick_of(&mut world, "x", &[0.0, 0.0, 1.0]);
+    world.begin();
+    view(&world, "s").sample[0]
+}
+
+#[test]
+fn a_band_passes_what_is_in_it_and_a_quarter_an_octave_away() {
+    let band = "\nband_hz = [400.0, 800.0]";
+    for (frequency_hz, share) in [
+        (400.0, 1.0),
+        (600.0, 1.0),
+        (800.0, 1.0),
+        (200.0, 0.25),
+        (1600.0, 0.25),
+        (800.0 * 2.0_f64.sqrt(), 0.5),
+        (100.0, 1.0 / 16.0),
+    ] {
+        near(heard(band, &format!(", frequency_hz = {frequency_hz:?}")), share);
+        assert_eq!(heard("", &format!(", frequency_hz = {frequency_hz:?}")), 1.0, "an ear without a band");
+    }
+    assert_eq!(heard(band, ""), 1.0, "a noise has all frequencies");
+}
+
+const TONES: &str = include_str!("../../../../catalogue/scenarios/devices/tones.toml");
+
+/// How far alice and bob are from each other after a minute in which all call, and these two go on while they hear less than 1.
+fn distance_m(sets: &[&str]) -> f64 {
+    let mut world = world_with(TONES, &[&["noise=false"], sets].concat());
+    for _ in 0..6000 {
+        let turns = world.begin().to_vec();
+        let commands: Vec<_> = turns
+            .iter()
+            .map(|turn| {
+                let robot = world.robot(turn.robot);
+                let heard = robot.readings().first().and_then(|ear| ear.values.first().copied());
+                let speed = heard.map_or(0.0, |heard| 0.3 * (2.0 - 2.0 * heard).tanh());
+                signals(robot.spec(), &[speed, speed, 1.0])
+            })
+            .collect();
+        let inputs = turns.iter().zip(&commands);
+        let inputs: Vec<_> =
+            inputs.map(|(turn, bytes)| Input { robot: turn.robot, at: turn.at, bytes }).collect();
+        world.finish(&inputs);
+    }
+    let [alice, bob] = [0, 1].map(|robot| world.robot(robot).motion().pose.position);
+    (alice - bob).norm()
+}
+
+#[test]
+fn robots_that_call_each_other_meet_however_loud_another_tone_is() {
+    let met = distance_m(&[]);
+    // The whistle adds 0.07 to what alice hears.
+    assert!((0.95..1.15).contains(&met), "{met}");
+    let all = [
+        "robots.alice.sensors.ear.band_hz=[20.0, 20000.0]",
+        "robots.bob.sensors.ear.band_hz=[20.0, 20000.0]",
+    ];
+    let kept_off = distance_m(&all);
+    assert!(kept_off > 3.0, "{kept_off}");
 }
 
 #[test]

@@ -328,6 +328,7 @@ fn sentences_are_told_with_their_positions() {
         altitude_m: 12.5,
         satellites: 12,
         hdop: 1.0,
+        pdop_vdop: None,
     };
     let mut line = [0; nmea::MAX_SENTENCE];
     let len = nmea::write_rmc(&fix, &mut line).unwrap();

@@ -8,13 +8,13 @@
 //! |---|---|
 //! | `$GPRMC` | time, `A` valid or `V` void, position, speed in knots, course, date, 2 empty, mode |
 //! | `$GPGGA` | time, position, quality, satellites in use, HDOP, altitude, `M`, 4 empty |
-//! | `$GPGSA` | `A`, 1 no fix or 3 in space, 12 numbers of satellites in use, PDOP (empty), HDOP, VDOP (empty) |
+//! | `$GPGSA` | `A`, 1 no fix or 3 in space, 12 numbers of satellites in use, PDOP, HDOP, VDOP |
 //! | `$GPGSV` | sentences, which of them, satellites in view, then of 4 satellites: number, elevation, azimuth, SNR |
 //!
 //! A position is four fields: latitude, `N` or `S`, longitude, `E` or `W`. Time is `hhmmss.sss`, the date `ddmmyy`, a
 //! latitude `ddmm.mmmm`, a longitude `dddmm.mmmm`: degrees and minutes, whose last digit is 0.185 m on the ground. What
-//! a simulated receiver does not know stays empty: the magnetic variation, the geoid's height, and the dilutions of
-//! precision other than the horizontal one.
+//! a simulated receiver does not know stays empty: the magnetic variation, the geoid's height, and, unless it counts its satellites, the dilutions
+//! of precision other than the horizontal one.
 //!
 //! One altered character is always found. Two that are altered by the same bits are not, nor is another order.
 
@@ -52,6 +52,8 @@ pub struct Fix {
     pub satellites: u8,
     /// Horizontal dilution of precision, 0 to 99.99.
     pub hdop: f64,
+    /// Dilutions of precision of the position in space and of the altitude, 0 to 99.99, if the receiver tells them.
+    pub pdop_vdop: Option<(f64, f64)>,
 }
 
 /// A satellite in view.

@@ -20,6 +20,7 @@ const FIX: Fix = Fix {
     altitude_m: -39.94,
     satellites: 8,
     hdop: 0.954,
+    pdop_vdop: None,
 };
 const NO_FIX: Fix = Fix { valid: false, satellites: 2, ..FIX };
 
@@ -81,6 +82,10 @@ fn sentences_of_a_fix() {
     assert_eq!(rmc(&FIX), "$GPRMC,064951.007,A,2307.1256,N,12016.4438,W,0.97,165.48,260406,,,A*7B\r\n");
     assert_eq!(gga(&FIX), "$GPGGA,064951.007,2307.1256,N,12016.4438,W,1,08,0.95,-39.9,M,,,,*36\r\n");
     assert_eq!(gsa(&FIX, &SKY), "$GPGSA,A,3,02,04,06,08,10,12,14,16,,,,,,0.95,*06\r\n");
+    let in_space = Fix { pdop_vdop: Some((1.5, 1.2)), ..FIX };
+    assert_eq!(gsa(&in_space, &SKY), "$GPGSA,A,3,02,04,06,08,10,12,14,16,,,,,1.50,0.95,1.20*01\r\n");
+    let lost = Fix { pdop_vdop: Some((1.5, 1.2)), ..NO_FIX };
+    assert_eq!(gsa(&lost, &SKY), gsa(&NO_FIX, &SKY));
     let sky = [SKY[0], SKY[1], SKY[2], SKY[11], Satellite { snr_db: 0, azimuth_deg: 360, ..SKY[3] }];
     assert_eq!(
         gsv(&sky),
@@ -271,6 +276,7 @@ fn fix() -> impl Strategy<Value = Fix> {
         course_deg: motion.1,
         satellites,
         hdop,
+        pdop_vdop: None,
     })
 }
 
@@ -288,6 +294,7 @@ fn any_fix() -> impl Strategy<Value = Fix> {
         speed_m_s: numbers.3,
         course_deg: numbers.4,
         hdop: numbers.5,
+        pdop_vdop: Some((numbers.5, numbers.5)),
         satellites: any.3,
     })
 }

@@ -45,8 +45,11 @@ pub fn write_gga(fix: &Fix, out: &mut [u8]) -> Result<usize, NoRoom> {
 pub fn write_gsa(fix: &Fix, in_view: &[Satellite], out: &mut [u8]) -> Result<usize, NoRoom> {
     let in_use = in_view.iter().take(if fix.valid { fix.satellites.into() } else { 0 });
     let (dimensions, hdop) = (if fix.valid { 3 } else { 1 }, hdop(fix));
+    let (pdop, vdop) = fix.pdop_vdop.unwrap_or_default();
+    let [pdop, vdop] =
+        [pdop, vdop].map(|dop| Known(fix.valid && fix.pdop_vdop.is_some(), Fixed::new(dop, 2, 0..=9999)));
     let mut line = Line::new(out);
-    line.sentence(format_args!("GPGSA,A,{dimensions},{},,{hdop},", InUse(in_use)));
+    line.sentence(format_args!("GPGSA,A,{dimensions},{},{pdop},{hdop},{vdop}", InUse(in_use)));
     line.finish()
 }
 

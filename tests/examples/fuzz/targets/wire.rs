@@ -340,6 +340,7 @@ fn sentence() -> Vec<u8> {
         altitude_m: 2.0,
         satellites: 8,
         hdop: 1.0,
+        pdop_vdop: Some((2.0, 1.7)),
     };
     let mut bytes = vec![0; 2 * nmea::MAX_SENTENCE];
     let n = nmea::write_gga(&fix, &mut bytes).unwrap_or(0);

@@ -157,6 +157,10 @@ class _SensorKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_SensorKind
     """Battery monitor; voltage, and the remaining charge as a fraction in [0, 1]."""
     SENSOR_KIND_OPTICAL_FLOW: _SensorKind.ValueType  # 21
     """Optical flow sensor; motion over the floor since the last read, in counts."""
+    SENSOR_KIND_STRAIN_GAUGE: _SensorKind.ValueType  # 22
+    """Strain gauge; force of contacts on a bar on the rim, in N, or the output of its bridge, in mV/V."""
+    SENSOR_KIND_IR_BEACONS: _SensorKind.ValueType  # 23
+    """Sensor of two spots of infrared light on the ceiling; pose in the arena."""
 
 class SensorKind(_SensorKind, metaclass=_SensorKindEnumTypeWrapper):
     """Kind of sensor. The names match those of scenario files, where SENSOR_KIND_LINE_CAMERA is `line-camera`."""
@@ -205,6 +209,10 @@ SENSOR_KIND_BATTERY: SensorKind.ValueType  # 20
 """Battery monitor; voltage, and the remaining charge as a fraction in [0, 1]."""
 SENSOR_KIND_OPTICAL_FLOW: SensorKind.ValueType  # 21
 """Optical flow sensor; motion over the floor since the last read, in counts."""
+SENSOR_KIND_STRAIN_GAUGE: SensorKind.ValueType  # 22
+"""Strain gauge; force of contacts on a bar on the rim, in N, or the output of its bridge, in mV/V."""
+SENSOR_KIND_IR_BEACONS: SensorKind.ValueType  # 23
+"""Sensor of two spots of infrared light on the ceiling; pose in the arena."""
 Global___SensorKind: _TypeAlias = SensorKind  # noqa: Y015
 
 class _PortFormat:

@@ -28,7 +28,7 @@ impl Robot {
         let slice_ns = if may_step && !is_silent { spec.link.burst_ns(1) * 9 / 10 } else { u64::MAX };
         let until = until.min(tick.end).min(SimTime::from_ns(now.as_ns().saturating_add(slice_ns)));
         let Self { microcontroller, motion, actuators, parts, recorder, pings, .. } = self;
-        let measurement = measurement(spec, tick, now, (motion, actuators, parts.battery.as_ref()));
+        let measurement = measurement(spec, tick, now, (motion, actuators, parts));
         let ping = &mut pings[0];
         let mut around = Around { spec, microcontroller, measurement, recorder, ping };
         let tick_ns = tick.end.since(tick.start);
