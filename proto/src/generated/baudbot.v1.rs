@@ -4465,8 +4465,12 @@ pub enum SensorKind {
     Battery = 20,
     /// Optical flow sensor; motion over the floor since the last read, in counts.
     OpticalFlow = 21,
+    /// Strain gauge; force of contacts on a bar on the rim, in N, or the output of its bridge, in mV/V.
+    StrainGauge = 22,
+    /// Sensor of two spots of infrared light on the ceiling; pose in the arena.
+    IrBeacons = 23,
     /// Camera; red of all pixels, row by row from the top, each from left to right, then green, then blue.
-    Camera = 22,
+    Camera = 24,
 }
 impl SensorKind {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -4497,6 +4501,8 @@ impl SensorKind {
             Self::Floor => "SENSOR_KIND_FLOOR",
             Self::Battery => "SENSOR_KIND_BATTERY",
             Self::OpticalFlow => "SENSOR_KIND_OPTICAL_FLOW",
+            Self::StrainGauge => "SENSOR_KIND_STRAIN_GAUGE",
+            Self::IrBeacons => "SENSOR_KIND_IR_BEACONS",
             Self::Camera => "SENSOR_KIND_CAMERA",
         }
     }
@@ -4525,6 +4531,8 @@ impl SensorKind {
             "SENSOR_KIND_FLOOR" => Some(Self::Floor),
             "SENSOR_KIND_BATTERY" => Some(Self::Battery),
             "SENSOR_KIND_OPTICAL_FLOW" => Some(Self::OpticalFlow),
+            "SENSOR_KIND_STRAIN_GAUGE" => Some(Self::StrainGauge),
+            "SENSOR_KIND_IR_BEACONS" => Some(Self::IrBeacons),
             "SENSOR_KIND_CAMERA" => Some(Self::Camera),
             _ => None,
         }
