@@ -20,6 +20,12 @@ pub struct Route {
     pub looked_at: Vec<Bounds>,
     /// Large convex cells, if the path leads through such.
     pub cells: Vec<Bounds>,
+    /// Nodes of an irregular grid.
+    pub nodes: Vec<Point>,
+    /// Its edges.
+    pub edges: Vec<[Point; 2]>,
+    /// The nodes that the search visited.
+    pub nodes_looked_at: Vec<Point>,
     /// The start's cell.
     pub start: Option<Bounds>,
     /// The target's cell.
@@ -36,6 +42,21 @@ pub(super) fn draw_cells(canvas: &mut Canvas, view: &View, route: &Route) {
     canvas.put(drawn(&boxes(view, &route.looked_at)).set("fill", LOOKED_AT).set("class", "looked-at"));
     let cells = drawn(&boxes(view, &route.cells)).set("fill", "none").set("stroke", BORDER);
     canvas.put(cells.set("stroke-width", "1.6").set("class", "cells"));
+    let edges: String = route.edges.iter().map(|edge| view.line(edge.iter().copied())).collect();
+    canvas.put(
+        drawn(&edges)
+            .set("fill", "none")
+            .set("stroke", BORDER)
+            .set("stroke-width", "0.8")
+            .set("class", "edges"),
+    );
+    for (nodes, color) in [(&route.nodes, PAPER), (&route.nodes_looked_at, LOOKED_AT)] {
+        for &node in nodes {
+            let (x, y) = view.at(node);
+            let dot = Element::new("circle").number("cx", x).number("cy", y).number("r", 3.0);
+            canvas.put(dot.set("fill", color).set("stroke", BORDER).set("stroke-width", "0.8"));
+        }
+    }
     for (cell, color, title) in [(route.start, START, "start"), (route.target, TARGET, "target")] {
         if let Some(cell) = cell {
             let square = drawn(&boxes(view, &[cell])).set("fill", color).set("stroke", INK);
@@ -72,6 +93,8 @@ fn entries(route: &Route) -> Vec<(Element, &'static str)> {
         (route.start.is_some(), tile(START, INK), "the start"),
         (route.target.is_some(), tile(TARGET, INK), "the target"),
         (!route.looked_at.is_empty(), tile(LOOKED_AT, "none"), "cells that were looked at"),
+        (!route.nodes.is_empty(), tile(PAPER, BORDER), "nodes, with their edges"),
+        (!route.nodes_looked_at.is_empty(), tile(LOOKED_AT, BORDER), "nodes that were looked at"),
         (!route.cells.is_empty(), tile(PAPER, BORDER), "convex cells"),
         (!route.blocked.is_empty(), tile(BLOCKED, "none"), "too near to a wall for the robot's middle"),
     ];
