@@ -11,11 +11,11 @@ use baudbot_brain::{Body, Signals};
 use baudbot_geometry::{Point, Pose};
 use serde::Deserialize;
 
-use super::steering::{Helm, Steering, braking};
 use crate::navigation::{CELLS_A_STEP, Floor, Goals, Method, Path, Pursuit};
 use crate::parameter::{ParameterError, check_not_negative, check_positive, for_body};
 use crate::planning::ThetaStar;
 use crate::process::{MotorBehavior, StepContext};
+use crate::steering::{Helm, Steering, braking};
 
 /// The goals, and the walls between which it drives.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

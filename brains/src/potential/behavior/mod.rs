@@ -20,10 +20,9 @@ use super::detour::Detour;
 use super::felt::Felt;
 use super::field::{Field, Potential};
 use super::lock::Lock;
-use crate::behavior::Steering;
-use crate::behavior::steering::Helm;
 use crate::parameter::{ParameterError, check_positive};
 use crate::process::{MotorBehavior, StepContext};
+use crate::steering::{Helm, Steering};
 use crate::vfh::sight;
 
 /// The field, and how it is followed.
